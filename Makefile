@@ -2,7 +2,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
-PACKAGES := network sumo_cfg vehicle radio onboard wayside host simulation study documents branchline
+PACKAGES := network exchange sumo_cfg vehicle radio onboard wayside host simulation scenario study papers documents branchline
 SCENARIO ?= karasuyama_weekday
 UNIT_LINES ?= 250
 FILE_LINES ?= 500
@@ -11,7 +11,7 @@ FILE_LINES ?= 500
 LAWS := tests/vehicle tests/onboard/driving tests/onboard/localisation tests/onboard/test_tick.py
 LAWS_SLICE := $(addprefix tests/vehicle/test_,resistance.py traction.py brakes.py response.py)
 
-.PHONY: install demo test browser nightly interpreted check bench nets docs sightings pictures studies format clean
+.PHONY: install demo test browser nightly interpreted check bench nets docs sightings pictures studies reproductions format clean
 
 install: $(STAMP)
 
@@ -59,7 +59,9 @@ docs: install
 	$(BIN)/python -m documents.journal
 	$(BIN)/python -m documents.faults
 	$(BIN)/python -m documents.losses
+	$(BIN)/python -m documents.reproductions
 	$(BIN)/python -m documents.sensors
+	$(BIN)/python -m documents.tables
 	$(BIN)/python -m documents.second_loop
 
 # What cameras see in every light, from rendered images: minutes, and other samples on another machine's arithmetic.
@@ -73,6 +75,11 @@ pictures: install
 RUNS ?= runs
 studies: install
 	$(BIN)/python -m documents.studies $(RUNS)
+
+# What docs/reproductions.md shows, by running every reproduction, or those of NAMES, anew: half an hour for all.
+NAMES ?=
+reproductions: install
+	$(BIN)/python -m documents.reproductions --run $(NAMES)
 
 nets: install
 	$(BIN)/python -m sumo_cfg.build

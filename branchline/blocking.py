@@ -70,24 +70,24 @@ def blocking(
 def source_of(source: str, *, runs: bool) -> tuple[Setup, tuple[Occupation, ...] | None]:
     """The setup and the blocking times of a run directory, or of a scenario that is run if asked for."""
     if Path(source).is_dir():
-        from study.run.blocking_table import read_blocking
-        from study.run.read_back import read_run
-        from study.run.setup_back import setup_of
+        from study.capacity.blocking_table import read_blocking
+        from study.record.read_back import read_run
+        from study.record.setup_back import setup_of
 
         read = read_run(Path(source))
         return setup_of(read), read_blocking(read.tables.blocking)
-    from study.scenario.scenario import load_scenario
+    from scenario.scenario import load_scenario
 
     loaded = load_scenario(source)
     if not runs:
         return loaded.setup, None
     from study.capacity.observed import observed
     from study.feasibility.check import refuse
-    from study.run.run import Link, execute
+    from study.runner.run import PartyLink, execute
 
     refuse(source, loaded.setup, anyway=False)
     with crashes_into(Path("runs") / loaded.id), progress_of(loaded.id) as progress:
-        done = execute(loaded, Link.SIMULATED, progress=progress)
+        done = execute(loaded, PartyLink.SIMULATED, progress=progress)
     return loaded.setup, observed(done.result, loaded.setup)
 
 
@@ -101,11 +101,11 @@ def _print(occupations: Sequence[Occupation]) -> None:
     """A block a train, a row a section: the parts that any has, the whole, and the costs, s."""
     from itertools import groupby
 
-    from study.capacity.occupation import Cost, Part
+    from study.capacity.occupation import OccupationCost, OccupationPart
     from study.report.style import clock
 
-    parts = [part for part in Part if any(one.of_part(part) > 0.0 for one in occupations)]
-    costs = [cost for cost in Cost if any(one.costs_s()[cost] > 0.0 for one in occupations)]
+    parts = [part for part in OccupationPart if any(one.of_part(part) > 0.0 for one in occupations)]
+    costs = [cost for cost in OccupationCost if any(one.costs_s()[cost] > 0.0 for one in occupations)]
     width = max((len(one.section_id) for one in occupations), default=7)
     heads = [
         "begin",

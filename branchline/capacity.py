@@ -17,10 +17,10 @@ from network.errors import InputError
 
 if TYPE_CHECKING:
     from simulation.setup import Setup
-    from study.capacity.equipment import Measured, Worth
-    from study.capacity.legs import Leg
-    from study.capacity.line_capacity import Period, Rate, Terms
-    from study.capacity.more import More
+    from study.capacity.equipment import LeverWorth, Measured
+    from study.capacity.legs import SetLeg
+    from study.capacity.line_capacity import CompressionTerms, Period, Rate
+    from study.capacity.more import AddedTrains
 
 ALL = "all"
 
@@ -60,9 +60,9 @@ def capacity(
     from study.capacity.legs import legs_of, places_of
     from study.capacity.line_capacity import rates_of
     from study.capacity.more import more_trains
-    from study.capacity.room import Search
+    from study.capacity.room import PathSearch
+    from study.record.directory import check_out, replaced
     from study.report.capacity import FILES, write_occupation
-    from study.run.directory import check_out, replaced
 
     terms_of = _terms(traffic, stops)
     between_s = _between(from_time, to_time)
@@ -80,7 +80,7 @@ def capacity(
     except ContradictionError as error:
         expected = "a plan in which of each two trains one goes first on every section that they share"
         raise InputError(source, "trains", ", ".join(error.numbers), expected) from error
-    more = more_trains(setup, periods[0], Search(buffer_s=buffer_s))
+    more = more_trains(setup, periods[0], PathSearch(buffer_s=buffer_s))
     worth = _worth(setup) if equipment else None
     if out is not None:
         with replaced(out, FILES.__contains__, "capacity") as folder:
@@ -104,17 +104,17 @@ def cut_of_unknown(name: str) -> None:
     raise InputError("command line", "--cut", name, one_of([*WAYS, ALL], name))
 
 
-def _terms(traffic: str, stops: str) -> Callable[[float], Terms]:
+def _terms(traffic: str, stops: str) -> Callable[[float], CompressionTerms]:
     from network.files.toml_input import one_of
-    from study.capacity.compression import Stops
-    from study.capacity.limits import Traffic
-    from study.capacity.line_capacity import Terms
+    from study.capacity.compression import StandingRule
+    from study.capacity.limits import TrafficKind
+    from study.capacity.line_capacity import CompressionTerms
 
-    for option, value, known in (("--traffic", traffic, Traffic), ("--stops", stops, Stops)):
+    for option, value, known in (("--traffic", traffic, TrafficKind), ("--stops", stops, StandingRule)):
         words = [word.value for word in known]
         if value not in words:
             raise InputError("command line", option, value, one_of(words, value))
-    return lambda dwell_min_s: Terms(Traffic(traffic), Stops(stops), dwell_min_s)
+    return lambda dwell_min_s: CompressionTerms(TrafficKind(traffic), StandingRule(stops), dwell_min_s)
 
 
 def _between(from_time: str | None, to_time: str | None) -> tuple[float | None, float | None]:
@@ -126,7 +126,7 @@ def _between(from_time: str | None, to_time: str | None) -> tuple[float | None, 
     return from_s, to_s
 
 
-def _periods(legs: Sequence[Leg], between_s: tuple[float | None, float | None]) -> tuple[Period, ...]:
+def _periods(legs: Sequence[SetLeg], between_s: tuple[float | None, float | None]) -> tuple[Period, ...]:
     from study.capacity.line_capacity import PEAK_S, Period, day_of, peak_of
 
     if not legs:
@@ -142,7 +142,7 @@ def _periods(legs: Sequence[Leg], between_s: tuple[float | None, float | None]) 
     return (chosen,)
 
 
-def _worth(setup: Setup) -> tuple[Worth, ...]:
+def _worth(setup: Setup) -> tuple[LeverWorth, ...]:
     from study.capacity.equipment import worth_of
 
     return worth_of(setup)
@@ -151,9 +151,9 @@ def _worth(setup: Setup) -> tuple[Worth, ...]:
 def _as_dict(
     by_cut: Mapping[str, Sequence[Rate]],
     how: Mapping[str, str],
-    more: More,
+    more: AddedTrains,
     periods: Sequence[Period],
-    worth: Sequence[Worth] | None,
+    worth: Sequence[LeverWorth] | None,
     *,
     theory: bool,
 ) -> dict[str, Any]:
@@ -197,7 +197,7 @@ def _print(name: str, how: str, rates: Sequence[Rate]) -> None:
     sys.stdout.write("\n".join((*rows, "", "")))
 
 
-def _print_more(more: More, periods: Sequence[Period]) -> None:
+def _print_more(more: AddedTrains, periods: Sequence[Period]) -> None:
     """How many more trains, and where."""
     if not more.names:
         sys.stdout.write("room: no train of the plan comes from a portal, so no further set could come\n")
@@ -216,7 +216,7 @@ def _print_more(more: More, periods: Sequence[Period]) -> None:
         sys.stdout.write(f"  thrown out by the judgement: {', '.join(more.dropped)}\n")
 
 
-def _print_worth(worth: Sequence[Worth]) -> None:
+def _print_worth(worth: Sequence[LeverWorth]) -> None:
     """What each parameter is worth from its low to its high end."""
     sys.stdout.write(
         "\nwhat equipment is worth: follower's headway with routes had whole, and with five virtual blocks, longest"

@@ -25,15 +25,15 @@ def check(
 
     Exit code 1 if the plan cannot work: `branchline run` refuses it.
     """
+    from scenario.scenario import load_scenario
     from study.evaluate.release import CONFIRMED_BY_EYE, confirmed_by_eye
     from study.feasibility.check import feasibility
-    from study.feasibility.finding import Kind
-    from study.scenario.scenario import load_scenario
+    from study.feasibility.finding import FindingKind
 
     loaded = load_scenario(scenario)
     line, timetable = loaded.setup.line, loaded.setup.timetable
     found = feasibility(loaded.setup)
-    drawn = not any(finding.kind is Kind.NO_WAY for finding in found.impossible)
+    drawn = not any(finding.kind is FindingKind.NO_WAY for finding in found.impossible)
     weaker = confirmed_by_eye(loaded.setup) if drawn else {}
     figures: dict[str, Any] = {
         "scenario": loaded.id,
@@ -77,14 +77,14 @@ def _print_found(found: Feasibility, line: Line) -> None:
 
 def _cause(finding: Finding) -> tuple[str, ...]:
     """What findings that are told once have in common: kind and place, and where that may be several causes, more."""
-    from study.feasibility.finding import Kind
+    from study.feasibility.finding import FindingKind
 
     match finding.kind:
-        case Kind.CIRCLE:
+        case FindingKind.CIRCLE:
             more = finding.trains
-        case Kind.TAG | Kind.COVERAGE:
+        case FindingKind.TAG | FindingKind.COVERAGE:
             more = (finding.remedy,)
-        case Kind.NO_WAY:
+        case FindingKind.NO_WAY:
             more = (finding.text.partition(": ")[2],)
         case _:  # where no waiting helps, by who is in the way
             more = finding.trains[:1] if finding.short_s is None and len(finding.trains) > 1 else ()

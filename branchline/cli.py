@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from functools import partial
 from importlib.metadata import version
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
@@ -39,7 +40,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (
+COMMANDS: Final[tuple[Callable[..., None], ...]] = (
     run,
     drill,
     bench,
@@ -53,9 +54,10 @@ for command in (
     blocking,
     headway,
     capacity,
-):
-    app.command()(command)
-app.command("running-times")(running_times)
+    running_times,
+)
+for command in COMMANDS:
+    app.command(command.__name__.replace("_", "-"))(command)
 app.add_typer(importers, name="import")
 app.add_typer(makers, name="new")
 app.add_typer(exporters, name="export")
@@ -100,7 +102,7 @@ def schema(
     ] = None,
 ) -> None:
     """Print the JSON Schema of a kind of file; without one, of all kinds by name."""
-    from study.scenario.schemas import KINDS, schema_of
+    from scenario.schemas import KINDS, schema_of
 
     print_json({name: schema_of(name) for name in KINDS} if kind is None else schema_of(kind))
 

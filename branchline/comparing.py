@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from study.compare.comparison import Comparisons
-    from study.report.parts import Grid
+    from study.record.parts import TextTable
 
 WIDTH_IN_FILE: Final = 160  # characters
 OVER_S: Final = 1.0  # what moved by no more is not listed
@@ -123,7 +123,7 @@ def _print_pair(console: Console, found: Comparisons) -> None:
             print_grid(console, table.capitalize(), rows_grid(pair, table, new))
 
 
-def print_grid(console: Console, title: str, grid: Grid, most: int = SHOWN) -> None:
+def print_grid(console: Console, title: str, grid: TextTable, most: int = SHOWN) -> None:
     """A table, cut; nothing where it is empty."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table

@@ -15,7 +15,7 @@ from branchline.progress import progress_of, tell
 from network.errors import InputError
 
 if TYPE_CHECKING:
-    from study.run.drill import Drill
+    from study.drilling.drill import Drill
 
 
 def drill(
@@ -77,19 +77,19 @@ def drill(
 ) -> None:
     """Run a drill and print it expectation by expectation; exit code 1 if one is not met, or a swept run is bad."""
     if sweep or sweep_kinds or at is not None:
-        from branchline.sweeping import Asked, sweep_drill, sweep_telegrams
+        from branchline.sweeping import SweepOptions, sweep_drill, sweep_telegrams
         from branchline.sweeping import sweep_kinds as sweep_all_kinds
 
         if link != "simulated" or units != "simulator":
             raise InputError("command line", "--link", link, "simulated: a sweep forks one process")
-        asked = Asked(every, from_time, to_time, jobs, seed, out, as_json, sample)
+        asked = SweepOptions(every, from_time, to_time, jobs, seed, out, as_json, sample)
         if at is not None:
             end(judged(sweep_telegrams(file, asked, at, faults)))
         good = sweep_all_kinds(file, asked) if sweep_kinds else sweep_drill(file, asked)
         end(judged(good))
-    from study.run.directory import reserved
-    from study.run.drill import fill_drill, run_drill, score_text, sentence_of, shipped_drills
-    from study.run.run import link_of, units_at
+    from study.drilling.drill import fill_drill, run_drill, score_text, sentence_of, shipped_drills
+    from study.record.directory import reserved
+    from study.runner.run import link_of, units_at
 
     if file == "list":
         sentences = {name: sentence_of(name) for name in shipped_drills()}

@@ -27,11 +27,11 @@ def duties(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Which set runs which trains (運用), where it turns and stands over; of a run, as it was."""
+    """Which train set runs which trains (運用), where it turns and stands over; of a run, as it was."""
     line, found = _source(source)
     if out is not None:
+        from study.record.directory import replaced
         from study.report.duty_graph import FILES, write_duties
-        from study.run.directory import replaced
 
         with replaced(out, FILES.__contains__, "duties") as folder:
             write_duties(folder, line, found)
@@ -47,12 +47,12 @@ def _source(source: str) -> tuple[Line, tuple[SetDuty, ...]]:
     from study.measures.duties import duties_of
 
     if Path(source).is_dir():
-        from study.run.as_run import trains_as_run
-        from study.run.read_back import read_run
+        from study.record.as_run import trains_as_run
+        from study.record.read_back import read_run
 
         run = read_run(Path(source))
         return run.line, duties_of(run.line, run.timetable, trains_as_run(run.timetable, run.tables.stops))
-    from study.scenario.scenario import load_scenario
+    from scenario.scenario import load_scenario
 
     setup = load_scenario(source).setup
     return setup.line, duties_of(setup.line, setup.timetable)

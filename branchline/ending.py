@@ -76,7 +76,7 @@ def end(outcome: Outcome) -> NoReturn:
 @contextmanager
 def crashes_into(directory: Path | None) -> Generator[None]:
     """Where a run leaves its journal if a bug ends it."""
-    from study.run.crash import Crashed
+    from study.runner.crash import Crashed
 
     try:
         yield
@@ -105,7 +105,7 @@ def _tell(outcome: Outcome, text: str, label: str = "error: ") -> Outcome:
 
 def _bug(error: BaseException) -> str:
     """What a bug is; the traceback, and the journal of a run that was under way, go into files."""
-    from study.run.crash import Crashed, keep, keep_traceback, named
+    from study.runner.crash import Crashed, keep, keep_traceback, named
 
     try:
         if isinstance(error, Crashed):

@@ -24,17 +24,17 @@ def export_sumo_command(
     as_json: Json = False,
 ) -> None:
     """Write net, trains, stations, tags, points and ends of sections for SUMO, and a .sumocfg; of a run, as it ran."""
-    from study.exchange.sumo_day import export_sumo, setup_as_run
     from study.feasibility.check import feasibility
+    from study.plot.sumo_day import export_sumo, setup_as_run
 
     impossible: list[str] = []
     if Path(source).is_dir():
-        from study.run.read_back import read_run
+        from study.record.read_back import read_run
 
         run = read_run(Path(source))
         day = export_sumo(str(run.summary["scenario"]), setup_as_run(run), out)
     else:
-        from study.scenario.scenario import load_scenario
+        from scenario.scenario import load_scenario
 
         scenario = load_scenario(source)
         day = export_sumo(scenario.id, scenario.setup, out)

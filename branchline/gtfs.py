@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from branchline.ending import print_json
-from branchline.importing_timetables import OUTSIDE_MIN_S, TURN_MIN_S, Wanted, finish, print_figures
+from branchline.importing_timetables import OUTSIDE_MIN_S, TURN_MIN_S, ImportOptions, finish, print_figures
 from branchline.options import (
     Additions,
     ByHand,
@@ -27,12 +27,12 @@ from branchline.progress import tell
 from study.outcome import Outcome
 
 if TYPE_CHECKING:
-    from network.exchange.gtfs.reader import GtfsDay
-    from network.exchange.gtfs.writer import FeedFacts
+    from exchange.gtfs.reader import GtfsDay
+    from exchange.gtfs.writer import FeedFacts
     from network.model import Line
     from network.timetable import Timetable
 
-# As `network.exchange.gtfs.writer` has them, which is not imported for `--help`.
+# As `exchange.gtfs.writer` has them, which is not imported for `--help`.
 _URL: Final = "https://example.com/"
 _TIMEZONE: Final = "Asia/Tokyo"
 _FIRST, _LAST = "20260101", "20261231"
@@ -62,7 +62,7 @@ def import_gtfs(
     as_json: Json = False,
 ) -> None:
     """Read the trains of a day from a GTFS feed; with a line, make its timetable file."""
-    from network.exchange.gtfs.reader import GtfsChoice, read_gtfs
+    from exchange.gtfs.reader import GtfsChoice, read_gtfs
 
     day = read_gtfs(source, GtfsChoice(date, service, tuple(route or ())))
     plain = not (date or service or route or name or names or add or train)
@@ -70,7 +70,7 @@ def import_gtfs(
         return
     suffix = date.replace("-", "") or service or "day"
     credit = f"numbers and times: GTFS feed {source.name}"
-    wanted = Wanted(
+    wanted = ImportOptions(
         credit,
         suffix,
         line,
@@ -105,7 +105,7 @@ def export_gtfs(
     as_json: Json = False,
 ) -> None:
     """Write a timetable as a GTFS feed; of a run, the day as it was run."""
-    from network.exchange.gtfs.writer import write_gtfs
+    from exchange.gtfs.writer import write_gtfs
 
     facts = _facts(agency, url, timezone, (first, last), weekdays, centre)
     line, timetable = _source(source)
@@ -123,9 +123,9 @@ def export_gtfs(
 def _facts(
     agency: str, url: str, timezone: str, dates: tuple[str, str], weekdays: str, centre: str
 ) -> FeedFacts:
+    from exchange.gtfs.days import date_of
+    from exchange.gtfs.writer import FeedFacts
     from network.errors import COMMAND_LINE, InputError
-    from network.exchange.gtfs.days import date_of
-    from network.exchange.gtfs.writer import FeedFacts
     from network.files.names import TITLE_HELP, title_of
 
     for option, text in (("--agency", agency), ("--agency-url", url), ("--timezone", timezone)):
@@ -157,13 +157,13 @@ def _facts(
 def _source(source: str) -> tuple[Line, Timetable]:
     """Line and timetable of a scenario, or of a run directory the day as it was run."""
     if Path(source).is_dir():
-        from study.run.as_run import trains_as_run
-        from study.run.read_back import read_run
+        from study.record.as_run import trains_as_run
+        from study.record.read_back import read_run
 
         run = read_run(Path(source))
         trains = {train.number: train for train in trains_as_run(run.timetable, run.tables.stops)}
         return run.line, replace(run.timetable, trains=trains)
-    from study.scenario.scenario import load_scenario
+    from scenario.scenario import load_scenario
 
     setup = load_scenario(source).setup
     return setup.line, setup.timetable
@@ -173,9 +173,9 @@ def _read_back(
     day: GtfsDay, line_name: str, timetable_id: str | None, out: Path | None, *, as_json: bool
 ) -> bool:
     """Whether the feed is one of ours and whole; then it is read back as it was written."""
+    from exchange.gtfs.exact import read_back
+    from exchange.timetable_writer import timetable_toml
     from network.errors import COMMAND_LINE, InputError
-    from network.exchange.gtfs.exact import read_back
-    from network.exchange.timetable_writer import timetable_toml
     from network.files.json_input import write_aside
     from network.files.line_file import load_line
     from network.files.names import IDENTIFIER_HELP, is_identifier

@@ -16,10 +16,10 @@ from network.errors import InputError
 
 if TYPE_CHECKING:
     from network.model import Line
+    from scenario.scenario import Scenario
     from simulation.setup import Setup
-    from study.capacity.headway import Case
+    from study.capacity.headway import HeadwayCase
     from study.capacity.occupation import Occupation
-    from study.scenario.scenario import Scenario
 
 Source = Annotated[
     str, typer.Argument(help="A shipped scenario, a scenario file (.toml), or a run directory.")
@@ -49,8 +49,8 @@ def headway(
     """Least headways (続行, 開通, 追い込み, 着発, 発着) by station and kinds of trains, with section and costs."""
     from network.files.toml_input import one_of
     from study.capacity.headway import line_cases
+    from study.record.directory import check_out, replaced
     from study.report.headways import FILES, headway_table, write_headways
-    from study.run.directory import check_out, replaced
 
     if as_csv and as_json:
         raise InputError("command line", "--csv", None, "one of --csv and --json")
@@ -103,19 +103,19 @@ def undisturbed_scenario(source: str) -> Scenario:
     """A scenario in which nothing is drawn, to be driven."""
     from dataclasses import replace
 
+    from scenario.scenario import load_scenario
     from study.capacity.two_trains import undisturbed
-    from study.scenario.scenario import load_scenario
 
     scenario = load_scenario(source)
     return replace(scenario, setup=undisturbed(scenario.setup))
 
 
-def _print_driven(scenario: Scenario, cases: tuple[Case, ...], *, as_csv: bool, as_json: bool) -> None:
+def _print_driven(scenario: Scenario, cases: tuple[HeadwayCase, ...], *, as_csv: bool, as_json: bool) -> None:
     """A line a headway: by how much the second train is late with it, and with a second less, and what a run needs."""
     from host.scratch import scratch
     from study.evaluate.headways_driven import Driven, Drives
     from study.report.headways import kind_name, table_of
-    from study.run.run import TEMPORARY
+    from study.runner.run import TEMPORARY
 
     with scratch(TEMPORARY) as folder:
         drives = Drives(scenario, folder)
@@ -137,17 +137,17 @@ def _print_driven(scenario: Scenario, cases: tuple[Case, ...], *, as_csv: bool, 
     sys.stdout.write(f"{agree} of {len(driven)}: not late at the headway, and late with a second less\n")
 
 
-def _print(line: Line, cases: tuple[Case, ...]) -> None:
+def _print(line: Line, cases: tuple[HeadwayCase, ...]) -> None:
     """A block a station: what the two trains are, the least headway, where, what it costs, and what the plan leaves."""
     from itertools import groupby
 
-    from study.capacity.occupation import Cost
+    from study.capacity.occupation import OccupationCost
     from study.report.headways import kind_name
 
     if not cases:
         sys.stdout.write("no two trains that need one section\n")
         return
-    costs = [cost for cost in Cost if any(abs(case.headway.costs_s[cost]) > 0.05 for case in cases)]
+    costs = [cost for cost in OccupationCost if any(abs(case.headway.costs_s[cost]) > 0.05 for case in cases)]
     wide = max((len(f"{c.first} / {c.second}") for c in cases), default=0)
     long = max((len(kind_name(c)) for c in cases), default=0) + 4
     for station_id, own in groupby(cases, key=lambda case: case.station_id):

@@ -26,7 +26,7 @@ def import_geometry_command(
     out: Annotated[Path, typer.Argument(help="TOML fragment to write.")],
 ) -> None:
     """Fit kilometrage, straights, transitions and curves to a track polyline."""
-    from network.exchange.geometry import import_geometry
+    from exchange.geometry import import_geometry
 
     import_geometry(polyline, stations, out)
     tell(f"wrote {out}")

@@ -14,7 +14,7 @@ from branchline.progress import tell
 from study.outcome import Outcome
 
 if TYPE_CHECKING:
-    from network.exchange.layout import Layout
+    from exchange.layout import ForeignLayout
 
 OutList = Annotated[
     Path | None,
@@ -28,7 +28,7 @@ def import_railml_command(
     as_json: Json = False,
 ) -> None:
     """Read the tracks, points, stations and signals of a railML infrastructure."""
-    from network.exchange.railml import read_railml
+    from exchange.railml import read_railml
 
     _report(read_railml(file), out, as_json=as_json)
 
@@ -44,7 +44,7 @@ def import_osm_command(
     as_json: Json = False,
 ) -> None:
     """Read the tracks, points, stations, signals and milestones of an OpenStreetMap file."""
-    from network.exchange.osm import read_osm
+    from exchange.osm import read_osm
 
     layout = read_osm(file)
     if net is not None:
@@ -64,14 +64,14 @@ def import_sumo_command(
     as_json: Json = False,
 ) -> None:
     """Read the tracks, points and stations of a SUMO net."""
-    from network.exchange.sumo_net import read_sumo_net
+    from exchange.sumo_net import read_sumo_net
 
     _report(read_sumo_net(net, additional), out, as_json=as_json)
 
 
-def _report(layout: Layout, out: Path | None, *, as_json: bool) -> None:
+def _report(layout: ForeignLayout, out: Path | None, *, as_json: bool) -> None:
     """Write the list, then say what was taken, assumed and left."""
-    from network.exchange.layout_text import as_dict, obstacles, station_list_toml
+    from exchange.layout_text import as_dict, obstacles, station_list_toml
     from network.files.json_input import write_aside
 
     if out is not None:

@@ -27,17 +27,17 @@ from branchline.progress import tell
 from study.outcome import Outcome
 
 if TYPE_CHECKING:
-    from network.exchange.import_timetable import ImportedTimetable
-    from network.exchange.published import PublishedTimetable
-    from network.exchange.running import Running
+    from exchange.import_timetable import ImportedTimetable
+    from exchange.published import PublishedTimetable
+    from exchange.running import Running
     from network.model import Line
 
-TURN_MIN_S: Final = 120  # as `network.exchange.workings` has it, which is not imported for `--help`
+TURN_MIN_S: Final = 120  # as `exchange.workings` has it, which is not imported for `--help`
 OUTSIDE_MIN_S: Final = 1800
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class ImportOptions:
     """What the options of such a command say; `credit` and `suffix` (of the timetable's id) are the reader's."""
 
     credit: str
@@ -75,18 +75,22 @@ def import_mini_tokyo(
     as_json: Json = False,
 ) -> None:
     """Read the trains of a day from a file of mini-tokyo-3d; with a line, make its timetable file."""
-    from network.exchange.mini_tokyo import SOURCE, read_mini_tokyo
+    from exchange.mini_tokyo import SOURCE, read_mini_tokyo
 
     published = read_mini_tokyo(source, calendar, stations, railway)
     suffix = {"Weekday": "weekday", "SaturdayHoliday": "holiday"}.get(calendar, calendar)
-    wanted = Wanted(
+    wanted = ImportOptions(
         SOURCE, suffix, line, out, timetable_id, name or (), names, add, turn_min, outside_min, train=train
     )
     finish(published, wanted, as_json=as_json)
 
 
 def finish(
-    published: PublishedTimetable, wanted: Wanted, counts: dict[str, Any] | None = None, *, as_json: bool
+    published: PublishedTimetable,
+    wanted: ImportOptions,
+    counts: dict[str, Any] | None = None,
+    *,
+    as_json: bool,
 ) -> None:
     """Count a published timetable, or put it on the line that is wanted and write the file; say what came of it.
 
@@ -103,7 +107,7 @@ def finish(
         imported = _imported(published, wanted)
         figures = {**(counts or {}), **imported.figures()}
         if wanted.out is not None:
-            from network.exchange.import_timetable import write_timetable
+            from exchange.import_timetable import write_timetable
 
             write_timetable(imported, wanted.out)
     if as_json:
@@ -130,12 +134,12 @@ def counted(published: PublishedTimetable) -> dict[str, Any]:
     }
 
 
-def _imported(published: PublishedTimetable, wanted: Wanted) -> ImportedTimetable:
+def _imported(published: PublishedTimetable, wanted: ImportOptions) -> ImportedTimetable:
+    from exchange import additions
+    from exchange.import_timetable import ImportOrder, import_timetable
+    from exchange.station_join import names_by_hand
+    from exchange.workings import SetRules
     from network.errors import COMMAND_LINE, InputError
-    from network.exchange import additions
-    from network.exchange.import_timetable import ImportOrder, import_timetable
-    from network.exchange.station_join import names_by_hand
-    from network.exchange.workings import SetRules
     from network.files.line_file import load_line
     from network.files.names import IDENTIFIER_HELP, is_identifier
     from network.files.shipped import shipped_line

@@ -63,12 +63,12 @@ def new_line(
     points, normal, side, spacing_m, offset_m, end. A kind is `station`, `halt` or `signal station` (no platforms).
     What each means: docs/make-a.md, docs/files.md.
     """
-    from network.making.new_line import Asked, write_line
+    from exchange.new_line import NewLineOptions, write_line
     from network.making.sample_day import sample_timetable, write_sample
 
     if scenario is not None:
         sample_timetable(out, scenario)
-    asked = Asked(
+    asked = NewLineOptions(
         line_id, name, name_ja, max_speed, train_length, polyline, stations_geometry, gradients, limits
     )
     made = write_line(stations, out, asked)

@@ -34,7 +34,7 @@ def new_curvature_map(
     seed: Seed = None,
 ) -> None:
     """Make a map of curvature: what a train's gyro and wheels show on a first run, between the tags."""
-    from study.papers.first_run import new_curvature_map as made
+    from papers.first_run import new_curvature_map as made
 
     of = made(scenario, out, train, seed)
     tell(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from branchline.ending import print_json
-from branchline.importing_timetables import OUTSIDE_MIN_S, TURN_MIN_S, Wanted, finish
+from branchline.importing_timetables import OUTSIDE_MIN_S, TURN_MIN_S, ImportOptions, finish
 from branchline.options import (
     Additions,
     ByHand,
@@ -27,7 +27,7 @@ from branchline.progress import tell
 from study.outcome import Outcome
 
 if TYPE_CHECKING:
-    from network.exchange.oudia.route import OudiaDia, OudiaRoute
+    from exchange.oudia.route import OudiaDia, OudiaRoute
     from network.files.timetable_schema import TimetableFile
     from network.model import Line
     from network.timetable import Timetable, TimetableTrain
@@ -48,10 +48,10 @@ def import_oudia(
     as_json: Json = False,
 ) -> None:
     """Read a timetable of OuDia or OuDiaSecond; with a line, make its timetable file."""
+    from exchange.oudia.nodes import read_oudia
+    from exchange.oudia.published import published_of
+    from exchange.oudia.route import route_of
     from network.errors import COMMAND_LINE, InputError
-    from network.exchange.oudia.nodes import read_oudia
-    from network.exchange.oudia.published import published_of
-    from network.exchange.oudia.route import route_of
 
     route = route_of(read_oudia(source), str(source))
     counts = _counted(route)
@@ -68,7 +68,7 @@ def import_oudia(
     ):
         return
     credit = f"{source.name}: {route.name}, {chosen.name} ({route.kind})"
-    wanted = Wanted(
+    wanted = ImportOptions(
         credit, "oudia", line, out, timetable_id, name or (), names, add, turn_min, outside_min, train=train
     )
     finish(
@@ -84,7 +84,7 @@ def export_oudia(
     as_json: Json = False,
 ) -> None:
     """Write a timetable for OuDiaSecond; of a run, the day as it was run stands beside it as a second Dia."""
-    from network.exchange.oudia.writer import AS_RUN, plan_name, write_oudia
+    from exchange.oudia.writer import AS_RUN, plan_name, write_oudia
 
     line, timetable, as_run = _source(source)
     write_oudia(out, line, timetable, as_run)
@@ -100,12 +100,12 @@ def export_oudia(
 def _source(source: str) -> tuple[Line, Timetable, tuple[TimetableTrain, ...]]:
     """Line and timetable, and of a run directory its trains as they were run."""
     if Path(source).is_dir():
-        from study.run.as_run import trains_as_run
-        from study.run.read_back import read_run
+        from study.record.as_run import trains_as_run
+        from study.record.read_back import read_run
 
         run = read_run(Path(source))
         return run.line, run.timetable, trains_as_run(run.timetable, run.tables.stops)
-    from study.scenario.scenario import load_scenario
+    from scenario.scenario import load_scenario
 
     setup = load_scenario(source).setup
     return setup.line, setup.timetable, ()
@@ -121,8 +121,8 @@ def _read_back(
     as_json: bool,
 ) -> bool:
     """Whether the file is one of ours and whole; then it is read back as it was written."""
-    from network.exchange.oudia.exact import read_back
-    from network.exchange.timetable_writer import timetable_toml
+    from exchange.oudia.exact import read_back
+    from exchange.timetable_writer import timetable_toml
     from network.files.json_input import write_aside
     from network.files.line_file import load_line
     from network.files.shipped import shipped_line
@@ -164,7 +164,7 @@ def _renamed(file: TimetableFile, timetable_id: str | None) -> TimetableFile:
 
 def _counted(route: OudiaRoute, dias: Iterable[OudiaDia] | None = None) -> dict[str, Any]:
     """What a file holds: stations, and for each Dia its trains."""
-    from network.exchange.oudia.route import summary_of
+    from exchange.oudia.route import summary_of
 
     shown = [summary_of(dia) for dia in (route.dias if dias is None else dias)]
     return {

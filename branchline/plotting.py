@@ -48,7 +48,7 @@ def plot(
         raise InputError("command line", "--lang", lang, "one of en, ja")
     from study.plot.choice import Choice, time_of
     from study.plot.write import default_name, format_of, write_plot
-    from study.run.read_back import read_run
+    from study.record.read_back import read_run
 
     shown, written_as = kind_of(kind), format_of(form, out)
     choice = Choice(

@@ -13,6 +13,7 @@ def report(
     run: Annotated[Path, typer.Argument(help="Run directory; its journal and tables stay as they are.")],
 ) -> None:
     """Make the report of a finished run again: where a full disk cost it, or for the page of this version."""
-    from study.run.read_back import read_run, report_again
+    from study.record.read_back import read_run
+    from study.report.report import report_again
 
     sys.stdout.write(f"report: {report_again(read_run(run), run)}\n")

@@ -28,8 +28,8 @@ def reproduce(
     as_json: Json = False,
 ) -> None:
     """Rebuild a published experiment and print the paper's figures beside ours."""
-    from study.papers.reproduction import REPRODUCTIONS, Options, reproduction
-    from study.run.run import link_of
+    from papers.reproduction import REPRODUCTIONS, Options, reproduction
+    from study.runner.run import link_of
 
     if name == "list":
         print_json(sorted(REPRODUCTIONS)) if as_json else sys.stdout.write(
@@ -52,6 +52,12 @@ def reproduce(
     end(outcome)
 
 
+def _verdict(row: dict[str, Any]) -> str:
+    if not row["judged"]:
+        return "told"
+    return "yes" if row["passed"] else "NO"
+
+
 def _print_reproduction(result: dict[str, Any], beside: str) -> None:
     from rich.console import Console
     from rich.table import Table
@@ -69,7 +75,7 @@ def _print_reproduction(result: dict[str, Any], beside: str) -> None:
         rows.add_column(head)
     for row in result["rows"]:
         cells = ("" if row[column] is None else str(row[column]) for column in columns)
-        rows.add_row(row["case"], *cells, row["criterion"], "yes" if row["passed"] else "NO")
+        rows.add_row(row["case"], *cells, row["criterion"], _verdict(row))
     console.print(rows)
     if result["figures"]:
         figures = Table(title="told, not judged", title_justify="left")

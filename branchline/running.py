@@ -15,9 +15,9 @@ from branchline.progress import progress_of, tell
 from network.errors import InputError
 
 if TYPE_CHECKING:
-    from study.compare.side import Side
-    from study.run.run import Run
-    from study.scenario.scenario import Scenario
+    from scenario.scenario import Scenario
+    from study.compare.side import ComparedRun
+    from study.runner.run import FinishedRun
 
 
 def run(
@@ -46,11 +46,11 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Run a scenario and write its run directory with report.html; a plan that cannot work is refused, exit code 2."""
+    from scenario.scenario import load_scenario
     from study.compare.against import against as compared_with
     from study.feasibility.check import refuse
-    from study.run.directory import reserved
-    from study.run.run import NO_MORE, CarrierKind, end_room_bytes, execute, fill_run, link_of, units_at
-    from study.scenario.scenario import load_scenario
+    from study.record.directory import reserved
+    from study.runner.run import NO_MORE, CarrierKind, end_room_bytes, execute, fill_run, link_of, units_at
 
     chosen = link_of(link)
     hosted = units_at(units, chosen)
@@ -95,7 +95,7 @@ def run(
     end(outcome)
 
 
-def _base_of(directory: Path, scenario: Scenario) -> Side:
+def _base_of(directory: Path, scenario: Scenario) -> ComparedRun:
     """The run to compare with; read before the new one, which may be bound for its place."""
     from study.compare.against import base_of
 
@@ -132,7 +132,7 @@ def _hop(row: dict[str, Any]) -> str:
 
 def _off_the_mark(summary: dict[str, Any]) -> str | None:
     """What is said of stops that were not at their marks; None where all were."""
-    from study.run.summary import OFF_MARK_M
+    from study.measures.summary import OFF_MARK_M
 
     at = summary["stop_off_at"]
     if at is None:
@@ -150,7 +150,7 @@ def _net(energy: dict[str, Any]) -> str:
     return "; ".join(filter(None, (f"{energy['all']['net']:,.1f} kWh", net_by_distance(energy))))
 
 
-def _print_run(done: Run, report: Path) -> None:
+def _print_run(done: FinishedRun, report: Path) -> None:
     """The figures of a run for a person."""
     from rich.console import Console
     from rich.table import Table

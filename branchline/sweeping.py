@@ -14,22 +14,22 @@ from branchline.ending import judged, print_json
 from branchline.progress import progress_of_runs
 from network.errors import InputError
 from network.files.toml_input import one_of
+from scenario.scenario import Scenario, load_scenario
+from scenario.script_file import time_of
 from simulation.setup import Setup
-from study.run.directory import replaced
-from study.run.drill import drills_in, find_drill
-from study.run.forks import jobs_of
-from study.run.moving import moved, single_faults, staffed
-from study.run.sweep import NOTHING, Swept, Variation, Window, sweep
-from study.run.sweep_report import classes_of, figures_of, owns, text_of, write_sweep
-from study.run.telegram_grid import Chosen, Grid, grid_of
-from study.scenario.scenario import Scenario, load_scenario
-from study.scenario.script_file import time_of
+from study.drilling.drill import drills_in, find_drill
+from study.drilling.every_instant import NOTHING, InstantWindow, SweepOutcomes, Variation, sweep
+from study.drilling.forks import jobs_of
+from study.drilling.grid_report import classes_of, figures_of, owns, text_of, write_sweep
+from study.drilling.moving import moved, single_faults, staffed
+from study.drilling.telegram_grid import FaultChoice, TelegramGrid, grid_of
+from study.record.directory import replaced
 
 AT_TELEGRAMS: Final = "telegrams"
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class SweepOptions:
     """The options of a sweep, as they were given."""
 
     every_s: float
@@ -42,27 +42,27 @@ class Asked:
     sample: int | None = None
 
 
-def sweep_drill(name: str, asked: Asked) -> bool:
+def sweep_drill(name: str, asked: SweepOptions) -> bool:
     """Sweep a drill; whether it is good."""
     return _sweep(find_drill(name), asked, kinds=False)
 
 
-def sweep_kinds(scenario: str, asked: Asked) -> bool:
+def sweep_kinds(scenario: str, asked: SweepOptions) -> bool:
     """Sweep single faults of every kind over a scenario; whether it is good."""
     return _sweep(scenario, asked, kinds=True)
 
 
-def sweep_telegrams(name: str, asked: Asked, at: str, faults: str) -> bool:
+def sweep_telegrams(name: str, asked: SweepOptions, at: str, faults: str) -> bool:
     """Single faults beside a drill's own, or each of a folder's, around its telegrams; whether all is good."""
     if at != AT_TELEGRAMS:
         raise InputError("command line", "--at", at, AT_TELEGRAMS)
-    if faults not in (known := [chosen.value for chosen in Chosen]):
+    if faults not in (known := [chosen.value for chosen in FaultChoice]):
         raise InputError("command line", "--faults", faults, one_of(known, faults))
     window = _window(asked)
     every: list[dict[str, Any]] = []
     for each in (names := drills_in(name)):
         scenario = staffed(load_scenario(str(find_drill(each)), asked.seed))
-        grid = grid_of(scenario.setup, Chosen(faults), window)
+        grid = grid_of(scenario.setup, FaultChoice(faults), window)
         grid = grid if asked.sample is None else grid.sample(asked.sample)
         own = asked if asked.out is None or len(names) == 1 else replace(asked, out=asked.out / scenario.id)
         every.append(_swept(scenario, grid.setup, grid.variations, window, own, grid=grid))
@@ -78,14 +78,14 @@ def sweep_telegrams(name: str, asked: Asked, at: str, faults: str) -> bool:
     return good
 
 
-def _window(asked: Asked, *, staggered: bool = False) -> Window:
+def _window(asked: SweepOptions, *, staggered: bool = False) -> InstantWindow:
     from_s, to_s = _time("--from", asked.from_time), _time("--to", asked.to_time)
     if from_s is not None and to_s is not None and to_s < from_s:
         raise InputError("command line", "--to", asked.to_time, f"a time not before {asked.from_time}")
-    return Window(asked.every_s, from_s, to_s, staggered)
+    return InstantWindow(asked.every_s, from_s, to_s, staggered)
 
 
-def _sweep(name: str, asked: Asked, *, kinds: bool) -> bool:
+def _sweep(name: str, asked: SweepOptions, *, kinds: bool) -> bool:
     window = _window(asked, staggered=kinds)
     scenario = load_scenario(name, asked.seed)
     left_out: tuple[str, ...] = ()
@@ -98,7 +98,7 @@ def _sweep(name: str, asked: Asked, *, kinds: bool) -> bool:
     return _told(_swept(scenario, scenario.setup, variations, window, asked, left_out), asked)
 
 
-def _told(figures: dict[str, Any], asked: Asked) -> bool:
+def _told(figures: dict[str, Any], asked: SweepOptions) -> bool:
     """The figures of one sweep for a program; whether they are good."""
     if asked.as_json:
         print_json(figures, judged(not figures["bad"]))
@@ -109,11 +109,11 @@ def _swept(
     scenario: Scenario,
     setup: Setup,
     variations: Sequence[Variation],
-    window: Window,
-    asked: Asked,
+    window: InstantWindow,
+    asked: SweepOptions,
     left_out: Sequence[str] = (),
     *,
-    grid: Grid | None = None,
+    grid: TelegramGrid | None = None,
 ) -> dict[str, Any]:
     """Sweep a setup, write what became of it, and show it to a person. A grid is beside the setup's own script."""
     beside = grid is not None
@@ -139,7 +139,9 @@ def _swept(
     return figures
 
 
-def _show(scenario: Scenario, swept: Swept, figures: dict[str, Any], how: str, out: Path | None) -> None:
+def _show(
+    scenario: Scenario, swept: SweepOutcomes, figures: dict[str, Any], how: str, out: Path | None
+) -> None:
     sys.stdout.write(f"{scenario.name}: {figures['runs']} runs, {how}, in {figures['wall_s']:.0f} s\n")
     for kind, count in figures["by_kind"].items():
         sys.stdout.write(f"  {count:6d}  {kind}\n")

@@ -18,8 +18,8 @@ from network.errors import InputError
 from study.outcome import CutShortError
 
 if TYPE_CHECKING:
-    from study.sweep.go import State
-    from study.sweep.plan import Plan
+    from study.sweep.go import SweepProgress
+    from study.sweep.plan import SweepPlan
 
 
 def sweep(
@@ -58,7 +58,7 @@ def sweep(
     """Run the days of a sweep that are missing and write its report; exit code 1 if SUMO carries a day otherwise, a day
     crashes, or a rule is broken.
     """
-    from study.run.forks import jobs_of
+    from study.drilling.forks import jobs_of
     from study.sweep.cluster import ClusterPump
     from study.sweep.go import begun, go
     from study.sweep.local import GivenUpError, LocalPump
@@ -102,12 +102,12 @@ def sweep(
     end(judged(good))
 
 
-def _show(show: Callable[[int, int, str], None], state: State) -> None:
+def _show(show: Callable[[int, int, str], None], state: SweepProgress) -> None:
     """One more day is there."""
     show(state.there, state.total, state.found_text())
 
 
-def _print_plan(plan: Plan, as_json: bool) -> None:
+def _print_plan(plan: SweepPlan, as_json: bool) -> None:
     """What would be run."""
     if as_json:
         points = [{"point": p.number, "label": p.label, "inputs": p.inputs} for p in plan.points]
@@ -119,7 +119,7 @@ def _print_plan(plan: Plan, as_json: bool) -> None:
     sys.stdout.write("\n".join(lines) + "\n")
 
 
-def _print_sweep(state: State, page: Path) -> None:
+def _print_sweep(state: SweepProgress, page: Path) -> None:
     """A line a point, and where the report is."""
     from rich.console import Console
     from rich.table import Table

@@ -28,10 +28,10 @@ def running_times(
     as_json: Json = False,
 ) -> None:
     """Minimum running times (基準運転時分) by leg, train type and direction, and the margins of the timetable."""
+    from scenario.scenario import load_scenario
     from study.measures.standard_times import planned_runs, standard_times
+    from study.record.directory import replaced
     from study.report.running_times import FILES, write_running_times
-    from study.run.directory import replaced
-    from study.scenario.scenario import load_scenario
 
     setup = load_scenario(scenario).setup
     times, runs = standard_times(setup), planned_runs(setup)

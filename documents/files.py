@@ -1,33 +1,23 @@
-"""Writes docs/files.md from the schemas: every kind of file, every key.
-
-Run as `python -m documents.files [file]`; a test compares what is committed with what the schemas say.
-"""
+"""Writes docs/files.md and docs/files/ from the schemas: a page for each kind of file, with every key."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, Final, TypeAlias
-
-from pydantic import BaseModel
+from typing import Any, Final
 
 from documents import ranges
 from documents.interlocking import table
-from documents.page import write_page
-from network.files.line_schema import LineFile
+from documents.page import write_pages
 from network.files.schema_walk import range_text, resolved
-from network.files.timetable_schema import TimetableFile
 from network.files.toml_text import value_text
-from network.making.station_list import StationListFile
-from study.scenario.key_examples import below as entries_below
-from study.scenario.key_examples import example_of
-from study.scenario.scenario_file import ScenarioFile
-from study.sweep.sweep_file import SweepFile
-from vehicle.train_file import UNITS, TrainFile
+from scenario.schemas import FILES, SCENARIO, TRAIN, FileKind
+from vehicle.train_file import UNITS
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 FILE: Final = ROOT / "docs" / "files.md"
+FOLDER: Final = ROOT / "docs" / "files"
 HEAD: Final = (
     "key",
     "type",
@@ -62,44 +52,6 @@ UNIT_OF: Final = {
     "_share": "share",
     "permille": "‰",
 }
-KINDS: Final[tuple[tuple[str, type[BaseModel], str], ...]] = (
-    (
-        "Line",
-        LineFile,
-        "`network/lines/*.toml`: what the line is. A figure has a source or is named in `assumed`.",
-    ),
-    (
-        "Timetable",
-        TimetableFile,
-        "`network/timetables/*.toml`: which trains are planned, and which set runs them.",
-    ),
-    (
-        "Train",
-        TrainFile,
-        "`vehicle/trains/*.toml`: what a kind of train is. Every figure is named in `[provenance]`.",
-    ),
-    ("Scenario and drill", ScenarioFile, "`study/scenarios/*.toml`, `study/drills/*/*.toml`: one run."),
-    (
-        "Sweep",
-        SweepFile,
-        "`study/sweeps/*.toml`: a scenario varied over a grid and over what is drawn, for many days (docs/sweeps.md).",
-    ),
-    (
-        "Station list",
-        StationListFile,
-        "What `branchline new line` makes a line from (docs/make-a.md). A CSV has the keys of `[[stations]]` as its"
-        " columns and a row for each station, with commas between cells.",
-    ),
-)
-EXAMPLES: Final[Mapping[type[BaseModel], str]] = {
-    LineFile: "line",
-    TimetableFile: "timetable",
-    TrainFile: "train",
-    ScenarioFile: "scenario",
-    SweepFile: "sweep",
-    StationListFile: "station_list",
-}
-Entries: TypeAlias = tuple[Mapping[str, Any], ...]
 _FORMATS: Final = {"HH:MM": "time", "identifier": "identifier"}
 _INTRO: Final = """# Files
 
@@ -129,8 +81,8 @@ drill = a scenario with [[fault]] (what fails), [[act]] (what people do), [[expe
 
 A what-if is a scenario that `extends` another and patches it; nothing is copied. `branchline new scenario`, `new
 timetable`, `new train`, `new drill` and `new line` write files to begin with, which run as they stand; `branchline
-check` reads everything and runs nothing; `branchline schema KIND` is for editors. The examples in the tables below are
-accepted where they stand (`study/scenario/examples`). A whole small file of each kind, with which the tests run:
+check` reads everything and runs nothing; `branchline schema KIND` is for editors. The examples on the pages are
+accepted where they stand. A whole small file of each kind, with which the tests run:
 """
 WHOLE: Final[Mapping[str, str]] = {
     "A line of three stations": "tests/examples/line/valley.toml",
@@ -140,7 +92,7 @@ WHOLE: Final[Mapping[str, str]] = {
     "A drill": "study/drills/karasuyama/42_doors.toml",
 }
 _UNITS_INTRO: Final = "Instead of a key in SI a file may have one of another ending, which is converted: "
-_WORDS: Final = """### What a patch may say
+_WORDS: Final = """## What a patch may say
 
 `[patch.line]`, `[patch.timetable]` and `[patch.train.<name>]` change the file that the scenario names; the other tables
 change what extended scenarios have said. `set` writes a value, or a whole list in place of what was there; `add` and
@@ -158,21 +110,30 @@ The report and `summary.json` list every difference.
 """
 
 
-def document() -> str:
-    """The whole page."""
-    parts = [_INTRO, _TOGETHER, *_wholes(), ranges.section()]
-    for title, model, text in KINDS:
-        parts.append(f"## {title}\n\n{text}\n")
-        if model is TrainFile:
-            endings = ", ".join(f"`{ending}` for `{si}`" for ending, si, _, _ in UNITS)
-            parts.append(f"{_UNITS_INTRO}{endings}.\n")
-        for name, doc, rows in tables_of(model, example_of(EXAMPLES[model])):
-            parts.append(f"### {name}\n")
-            if doc:
-                parts.append(f"{doc}\n")
-            parts.append(table(HEAD, rows) + "\n")
-        if model is ScenarioFile:
-            parts.append(_WORDS)
+def pages() -> Iterator[tuple[Path, str]]:
+    """The pages, each with its place."""
+    kinds = [(f"files/{kind.name}.md", kind.title, kind.text) for kind in FILES]
+    kinds.append(("files/ranges.md", "Ranges", "What a figure of any file may be, and what that rests on."))
+    contents = (f"- [{title}]({place}): {text}" for place, title, text in kinds)
+    yield FILE, "\n".join((_INTRO, *contents, "", _TOGETHER, *_wholes()))
+    yield FOLDER / "ranges.md", ranges.document()
+    for kind in FILES:
+        yield FOLDER / f"{kind.name}.md", _page(kind)
+
+
+def _page(kind: FileKind) -> str:
+    """What a kind of file may say, table by table."""
+    parts = [f"# {kind.title}\n\n{kind.text} [What all files have in common](../files.md).\n"]
+    if kind is TRAIN:
+        endings = ", ".join(f"`{ending}` for `{si}`" for ending, si, _, _ in UNITS)
+        parts.append(f"{_UNITS_INTRO}{endings}.\n")
+    for name, doc, rows in tables_of(kind.schema()):
+        parts.append(f"## {name}\n")
+        if doc:
+            parts.append(f"{doc}\n")
+        parts.append(table(HEAD, rows) + "\n")
+    if kind is SCENARIO:
+        parts.append(_WORDS)
     return "\n".join(parts)
 
 
@@ -183,30 +144,45 @@ def _wholes() -> Iterator[str]:
         yield f"<details><summary>{title}: {path}</summary>\n\n```toml\n{text}\n```\n\n</details>\n"
 
 
-def tables_of(
-    model: type[BaseModel], example: Mapping[str, Any] | None = None
-) -> Iterator[tuple[str, str, list[tuple[str, ...]]]]:
-    """Every table of a file: how it is written, what it is, and a row a key, with what `example` has there."""
-    schema = model.model_json_schema()
-    waiting: list[tuple[str, Mapping[str, Any], Entries]] = [("", schema, (example or {},))]
-    while waiting:
-        path, node, entries = waiting.pop(0)
-        rows: list[tuple[str, ...]] = []
-        below: list[tuple[str, Mapping[str, Any], Entries]] = []
-        for key, own in node["properties"].items():
-            field = resolved(schema, own)
-            child, form = _child(schema, field)
-            said = _example(entries, key)
-            if child is not None and "properties" in child:
-                where = _written(path, key, form)
-                below.append((where, child, tuple(entries_below(entries, key))))
-                if "description" not in own:
-                    continue
-                said = _heading(where)
-            rows.append(_row(key, own, field, key in node.get("required", ()), said))
+def tables_of(schema: Mapping[str, Any]) -> Iterator[tuple[str, str, list[tuple[str, ...]]]]:
+    """Every table of a file: how it is written, what it is, and a row a key; those of one form are one."""
+    found: dict[str, tuple[list[str], Mapping[str, Any]]] = {}
+    _find_tables(schema, schema, "", found)
+    for paths, node in found.values():
+        rows = [
+            row for key, own in node["properties"].items() for row in _rows(schema, paths[0], node, key, own)
+        ]
         if rows:
-            yield _heading(path), _about(node.get("description", "")) if path else "", rows
-        waiting = below + waiting
+            about = _about(node.get("description", "")) if paths != [""] else ""
+            yield ", ".join(map(_heading, paths)), about, rows
+
+
+def _find_tables(
+    schema: Mapping[str, Any],
+    node: Mapping[str, Any],
+    path: str,
+    found: dict[str, tuple[list[str], Mapping[str, Any]]],
+) -> None:
+    """By its title, each form of table with the places that have it."""
+    found.setdefault(node["title"], ([], node))[0].append(path)
+    for key, own in node["properties"].items():
+        child, form = _child(schema, resolved(schema, own))
+        if child is not None and "properties" in child:
+            _find_tables(schema, child, _written(path, key, form), found)
+
+
+def _rows(
+    schema: Mapping[str, Any], path: str, node: Mapping[str, Any], key: str, own: Mapping[str, Any]
+) -> Iterator[tuple[str, ...]]:
+    """The row of a key; none for a table of which only itself has something to say."""
+    field = resolved(schema, own)
+    child, form = _child(schema, field)
+    said = f"`{value_text(own['examples'][0])}`" if own.get("examples") else ""
+    if child is not None and "properties" in child:
+        if "description" not in own:
+            return
+        said = _heading(_written(path, key, form))
+    yield _row(key, own, field, key in node.get("required", ()), said)
 
 
 def _about(docstring: str) -> str:
@@ -239,12 +215,6 @@ def _heading(path: str) -> str:
         return "At the top"
     plain = path.replace("[]", "")
     return f"`[[{plain}]]`" if path.endswith("[]") else f"`[{plain}]`"
-
-
-def _example(entries: Entries, key: str) -> str:
-    """What the first entry that has the key says there, as a file writes it."""
-    value = next((entry[key] for entry in entries if key in entry), None)
-    return "" if value is None else f"`{value_text(value)}`"
 
 
 def _row(
@@ -308,4 +278,4 @@ def _first_line(text: str) -> str:
 
 
 if __name__ == "__main__":
-    write_page(document, FILE)
+    write_pages(pages())

@@ -12,7 +12,18 @@ from itertools import islice
 from pathlib import Path
 from typing import Final
 
-from documents import busy_line, faults, files, interlocking, journal, losses, second_loop, sensors
+from documents import (
+    busy_line,
+    faults,
+    files,
+    interlocking,
+    journal,
+    losses,
+    reproductions,
+    second_loop,
+    sensors,
+    tables,
+)
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 SHOWN_LINES: Final = 8
@@ -26,17 +37,18 @@ def _interlocking() -> str:
 
 PAGES: Final[tuple[tuple[Path, Callable[[], str]], ...]] = (
     (interlocking.FILE, _interlocking),
-    (files.FILE, files.document),
     (faults.FILE, faults.document),
     (journal.FILE, journal.document),
     (losses.FILE, losses.document),
+    (reproductions.FILE, reproductions.document),
     (sensors.FILE, sensors.document),
+    (tables.FILE, tables.document),
 )
 
 
 def generated() -> Iterator[tuple[Path, str]]:
     """Every generated file, as a path below the root, with the text that belongs in it."""
-    for path, text in {**busy_line.files(), **second_loop.files()}.items():
+    for path, text in {**busy_line.files(), **second_loop.files(), **dict(files.pages())}.items():
         yield path.relative_to(ROOT), text
     for file, document in PAGES:
         yield (ROOT / file).relative_to(ROOT), document()

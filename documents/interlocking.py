@@ -19,7 +19,7 @@ from documents.page import write_page
 from documents.state_diagrams import drawn
 from onboard.authority import machine as authority
 from onboard.duty import machine as duty
-from radio.table import Row
+from radio.table import TableCell
 from simulation.judge.checkers import Checker
 from simulation.world import point_machine
 from wayside import block_manager, point_terminal
@@ -53,7 +53,7 @@ INVARIANTS: Final = (
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class TableLine:
     """One printed row of a machine's table: the states in which an event has the same outcome."""
 
     states: tuple[str, ...]
@@ -107,12 +107,12 @@ def bullets(texts: Iterable[str]) -> str:
     return "\n".join(f"- {text}" for text in texts)
 
 
-def merged(rows: Iterable[Row]) -> tuple[Line, ...]:
+def merged(rows: Iterable[TableCell]) -> tuple[TableLine, ...]:
     """Rows of one event and handler in one line, in the order of their first."""
     states: dict[tuple[str, str], list[str]] = {}
     for row in rows:
         states.setdefault((row.event, row.outcome), []).append(row.state)
-    return tuple(Line(tuple(found), event, outcome) for (event, outcome), found in states.items())
+    return tuple(TableLine(tuple(found), event, outcome) for (event, outcome), found in states.items())
 
 
 def invariant_of(module: str) -> str:
@@ -130,7 +130,7 @@ def _invariants() -> str:
     return table(("party", "invariant", "module"), rows)
 
 
-def _machine(rows: Iterable[Row]) -> str:
+def _machine(rows: Iterable[TableCell]) -> str:
     lines = merged(rows)
     return table(
         ("event", "in state", "what happens"),

@@ -23,13 +23,13 @@ from onboard.notes import (
     UnitRestarted,
 )
 from radio.noted import Noted, Sent
-from simulation.events import Entry, Event, FaultOver, PointsLocked, PointsMoving
-from simulation.faults.devices import PowerOff
+from scenario.scenario import Scenario, load_scenario
+from simulation.events import Event, FaultOver, JournalEntry, PointsLocked, PointsMoving
+from simulation.faults.devices import PowerCut
 from simulation.faults.links import ANY, Cut
-from simulation.faults.links import Link as RadioLink
-from simulation.faults.script import Failure, Script, Trigger, matcher_of
-from study.run.run import Link, Run, execute
-from study.scenario.scenario import Scenario, load_scenario
+from simulation.faults.links import FaultyLink as RadioLink
+from simulation.faults.script import Script, ScriptedFault, Trigger, matcher_of
+from study.runner.run import FinishedRun, PartyLink, execute
 from wayside.config import MANAGER_ID
 from wayside.said import Freed, Granted
 
@@ -63,12 +63,12 @@ RESTARTS: Final = (
 )
 
 
-def run_without_failure() -> Run:
+def run_without_failure() -> FinishedRun:
     """The paper's run from section 3 to section 8."""
-    return execute(load_scenario(SCENARIO), Link.SIMULATED)
+    return execute(load_scenario(SCENARIO), PartyLink.SIMULATED)
 
 
-def sequence(run: Run) -> str:
+def sequence(run: FinishedRun) -> str:
     """The run as a Mermaid sequence diagram."""
     steps: list[tuple[float, str]] = []
     parties: dict[str, str] = {}  # name in the diagram by party, which may not have a hyphen in it
@@ -142,7 +142,7 @@ def _why(limit: LimitSet) -> str:
     return limit.why if limit.before is None else f"before section {limit.before}, {limit.why}"
 
 
-def stop_limits(run: Run) -> tuple[tuple[str, ...], ...]:
+def stop_limits(run: FinishedRun) -> tuple[tuple[str, ...], ...]:
     """When the stop limit moved, where to and why there."""
     return tuple(
         (clock(int(entry.t_s)), f"km {entry.event.kilometrage_m / 1000.0:.3f}", _why(entry.event))
@@ -176,20 +176,20 @@ def _restart_row(scenario: Scenario, case: RestartCase) -> tuple[str, ...]:
     )
 
 
-def _with_restart(scenario: Scenario, case: RestartCase, *, radio: bool) -> Run:
+def _with_restart(scenario: Scenario, case: RestartCase, *, radio: bool) -> FinishedRun:
     matcher = matcher_of(case.event)
     if matcher is None:
         raise ValueError(case.event)
     trigger = Trigger(on=matcher, after_s=case.after_s)
-    faults = [Failure(PowerOff(target=UNIT), trigger, POWER_OFF_S)]
+    faults = [ScriptedFault(PowerCut(target=UNIT), trigger, POWER_OFF_S)]
     if not radio:
         cut = Cut(target=RadioLink(UNIT, ANY, both_ways=True))
-        faults.append(Failure(cut, trigger, NO_RADIO_S))
+        faults.append(ScriptedFault(cut, trigger, NO_RADIO_S))
     setup = replace(scenario.setup, script=Script(tuple(faults)))
-    return execute(replace(scenario, setup=setup), Link.SIMULATED)
+    return execute(replace(scenario, setup=setup), PartyLink.SIMULATED)
 
 
-def _after_restart(run: Run) -> list[Entry]:
+def _after_restart(run: FinishedRun) -> list[JournalEntry]:
     """What the unit wrote from its restart on; the first entry is the restart."""
     entries = [e for e in run.result.journal.entries if e.who == UNIT]
     first = next(i for i, entry in enumerate(entries) if isinstance(entry.event, UnitRestarted))
@@ -211,7 +211,7 @@ def _found(said: Sequence[Event]) -> TagRead | None:
     return None
 
 
-def _found_by(run: Run, tag: TagRead, stood_km: float) -> str:
+def _found_by(run: FinishedRun, tag: TagRead, stood_km: float) -> str:
     at_km = run.scenario.setup.line.tags[tag.tag_id].position_m / 1000.0
     return f"by tag {tag.tag_id} ({_purpose(tag)}), {round((at_km - stood_km) * 1000.0, -1):.0f} m on"
 
@@ -240,7 +240,7 @@ def _way_in(events: Sequence[Event], resumed: Resumed | None) -> str:
     return ", ".join(dict.fromkeys(said))
 
 
-def _without_radio(run: Run) -> str:
+def _without_radio(run: FinishedRun) -> str:
     """Where it waits when the radio comes back, and whether it gets in afterwards."""
     entries = _after_restart(run)
     over_s = next(
@@ -256,7 +256,7 @@ def _without_radio(run: Run) -> str:
     return f"waits at km {_front_km(run, over_s):.2f}, {known}; {after} when it reaches again"
 
 
-def _front_km(run: Run, t_s: float) -> float:
+def _front_km(run: FinishedRun, t_s: float) -> float:
     """True kilometrage of the front, km. A train that has not moved yet has no rows before its first."""
     rows = run.tables.trajectory.filter(pl.col("unit") == UNIT)
     row = max(rows.filter(pl.col("t_s") <= t_s).height - 1, 0)

@@ -14,8 +14,8 @@ from network.model import Line
 from network.profile import profile_of
 from network.units import J_PER_KWH
 from onboard.driving.pattern import limit_for_train
-from study.measures.running_times import STEP_S, Hop, planned_hops
-from study.scenario.scenario import load_scenario
+from scenario.scenario import load_scenario
+from study.measures.running_times import STEP_S, TrainHop, planned_hops
 from vehicle.adhesion import DRY, adhesion_coefficient
 from vehicle.losses import running_motors
 from vehicle.mass import GRAVITY_MPS2, mass_kg
@@ -126,7 +126,7 @@ def _hops(all_run: NDArray[np.void], cutting: NDArray[np.void]) -> Iterator[str]
     yield f"\nThat is {100.0 * (1.0 - sums[1] / sums[0]):.1f} % of what the motors took, less what they gave back."
 
 
-def _run(line: Line, hop: Hop, *trains: NDArray[np.void]) -> tuple[float, ...]:
+def _run(line: Line, hop: TrainHop, *trains: NDArray[np.void]) -> tuple[float, ...]:
     """Planned time, s, and the energy of each train without auxiliaries, J, at the cruising speed that takes it."""
     profile = profile_of(line, hop.mission.path)
     kind = trains[0].view(np.recarray)[0]

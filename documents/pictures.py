@@ -11,12 +11,12 @@ from pathlib import Path
 from shutil import copyfile
 from typing import Final
 
-from study.papers.reproduction import Options, reproduction
-from study.report.data import Run as Shown
+from papers.reproduction import Options, reproduction
+from scenario.scenario import load_scenario
+from study.report.data import ReportedRun as Shown
 from study.report.graph import draw_train_graph
 from study.report.style import drawing
-from study.run.run import Link, execute
-from study.scenario.scenario import load_scenario
+from study.runner.run import PartyLink, execute
 
 FOLDER: Final = Path(__file__).resolve().parents[1] / "docs" / "images"
 DPI: Final = 110
@@ -28,7 +28,9 @@ def train_graph(file: Path) -> None:
     scenario = load_scenario("karasuyama_weekday")
     with drawing():
         figure, _ = draw_train_graph(
-            Shown(scenario.setup.line, scenario.setup.timetable, execute(scenario, Link.SIMULATED).tables)
+            Shown(
+                scenario.setup.line, scenario.setup.timetable, execute(scenario, PartyLink.SIMULATED).tables
+            )
         )
         figure.savefig(file, dpi=DPI, metadata={"Software": None})
 

@@ -1,4 +1,4 @@
-"""The part of docs/files.md about ranges: every kind of figure, what its range rests on, and which keys have it."""
+"""The page docs/files/ranges.md: every kind of figure, what its range rests on, and which keys have it."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from typing import Any, Final
 from pydantic import BaseModel
 
 from documents.interlocking import table
-from network.files.line_schema import LineFile
 from network.files.quantities import ALL
 from network.files.schema_walk import resolved
-from network.files.timetable_schema import TimetableFile
+from scenario.schemas import LINE, SCENARIO, TIMETABLE, TRAIN
 from simulation.faults.table import KINDS as FAULTS
-from study.scenario.scenario_file import ScenarioFile
 from vehicle.train_checks import RULES
-from vehicle.train_file import TrainFile
 
-MODELS: Final[tuple[type[BaseModel], ...]] = (LineFile, TimetableFile, TrainFile, ScenarioFile, *FAULTS)
+MODELS: Final[tuple[type[BaseModel], ...]] = (
+    *(kind.model for kind in (LINE, TIMETABLE, TRAIN, SCENARIO)),
+    *FAULTS,
+)
 HEAD: Final = ("kind", "range", "what it rests on", "keys")
 TOGETHER: Final = ("figure", "range", "what it rests on", "of")
-INTRO: Final = """## Ranges
+INTRO: Final = """# Ranges
 
 What lies outside these ranges is nonsense and refused, in every file and after every patch; the ends are in them. They
 are real extremes, rounded outwards, or assumed; what is sensible on one line is for its author. A key in another unit
 has the same range in its own.
 """
-RULES_INTRO: Final = """### What several figures say together
+RULES_INTRO: Final = """## What several figures say together
 
 A train is refused also for what only two of its figures show, whoever set them. By the laws that a run uses:
 """
@@ -57,8 +57,8 @@ def quantity_keys(model: type[BaseModel]) -> Iterator[tuple[str, str]]:
             waiting += [field] + ([named] if isinstance(named, Mapping) else [])
 
 
-def section() -> str:
-    """The whole part."""
+def document() -> str:
+    """The whole page."""
     keys: dict[str, list[str]] = {}
     for model in MODELS:
         for key, name in quantity_keys(model):

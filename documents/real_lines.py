@@ -20,10 +20,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from network.exchange.import_timetable import ImportOrder, import_timetable
-from network.exchange.mini_tokyo import SOURCE, read_mini_tokyo
-from network.exchange.timetable_writer import timetable_toml
-from network.making.new_line import Asked, NewLine, make_line
+from exchange.import_timetable import ImportOrder, import_timetable
+from exchange.mini_tokyo import SOURCE, read_mini_tokyo
+from exchange.new_line import NewLine, NewLineOptions, make_line
+from exchange.timetable_writer import timetable_toml
 from network.model import Line
 
 ROOT: Final = Path(__file__).resolve().parents[1]
@@ -48,7 +48,7 @@ class RealLine:
 
 
 @dataclass(frozen=True, slots=True)
-class Day:
+class CalendarDay:
     """A day of the timetables."""
 
     id: str
@@ -77,29 +77,29 @@ LINES: Final = (
     ),
 )
 DAYS: Final = (
-    Day("weekday", "Weekday", "weekdays"),
-    Day("holiday", "SaturdayHoliday", "weekends and holidays"),
+    CalendarDay("weekday", "Weekday", "weekdays"),
+    CalendarDay("holiday", "SaturdayHoliday", "weekends and holidays"),
 )
 
 
 def new_line(real: RealLine, data: Path) -> NewLine:
     """The line as `branchline new line` makes it."""
     geometry = data / "geometry"
-    asked = Asked(
+    asked = NewLineOptions(
         polyline=geometry / f"polyline_{real.geometry}.json",
         stations_geometry=geometry / f"line_{real.geometry}.json",
     )
     return make_line(real.station_list, real.id, asked)
 
 
-def timetable_text(real: RealLine, day: Day, line: Line, data: Path) -> str:
+def timetable_text(real: RealLine, day: CalendarDay, line: Line, data: Path) -> str:
     """The timetable file as `branchline import mini-tokyo` makes it."""
     source = data / f"timetables/mini_tokyo_3d/{real.timetable}.json"
     order = ImportOrder(id=f"{real.id}_{day.id}", credit=SOURCE)
     return timetable_toml(import_timetable(read_mini_tokyo(source, day.calendar), line, order).file)
 
 
-def scenario_text(real: RealLine, day: Day) -> str:
+def scenario_text(real: RealLine, day: CalendarDay) -> str:
     """The scenario file."""
     sentences = "\n".join(f'  "{text}",' for text in _assumed(real))
     what = "a weekday" if day.id == "weekday" else "a day of a weekend or holiday"

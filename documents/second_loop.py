@@ -21,10 +21,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
+from exchange.planned import TrainOnLine
+from exchange.timetable_writer import file_of_trains, timetable_toml
+from exchange.workings import SetRules, workings_of
 from network.errors import InputError
-from network.exchange.planned import PlannedTrain
-from network.exchange.timetable_writer import file_of_trains, timetable_toml
-from network.exchange.workings import SetRules, workings_of
 from network.files.line_file import load_line
 from network.files.patch import load_patched_line
 from network.files.shipped import shipped_line
@@ -51,7 +51,7 @@ ROOT: Final = Path(__file__).resolve().parents[1]
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class SingleTrackStretch:
     """Single track between two places where trains can meet, and how long each direction is in it, s."""
 
     from_id: str
@@ -96,11 +96,11 @@ class Legs:
         way = self.way(direction, from_id, to_id)
         return sum(self.run_s[direction, *leg] for leg in pairwise(way)) + DWELL_S * (len(way) - 2)
 
-    def stretches(self) -> Iterator[Stretch]:
+    def stretches(self) -> Iterator[SingleTrackStretch]:
         """Between the places where trains can meet, along the line."""
         loops = self.loops
         for low, high in pairwise(loops):
-            yield Stretch(
+            yield SingleTrackStretch(
                 low,
                 high,
                 self.through_s(Direction.DOWN, low, high),
@@ -130,7 +130,7 @@ def line_with(*loops: str) -> Line:
 
 
 @dataclass(frozen=True, slots=True)
-class Even:
+class EvenTimetable:
     """An even timetable. Waits are seconds beyond the least stop or turn, those at loops by direction."""
 
     legs: Legs
@@ -143,13 +143,13 @@ class Even:
         """By the passengers of a train each way, together."""
         return sum(self.at_loops_s.values())
 
-    def trains(self, from_s: int, to_s: int) -> Iterator[PlannedTrain]:
+    def trains(self, from_s: int, to_s: int) -> Iterator[TrainOnLine]:
         """A day's trains, down ones odd; an up train as soon as a down train has brought its set and has waited."""
         for i, departs_s in enumerate(range(from_s, to_s, self.every_s)):
             down = self._calls(Direction.DOWN, departs_s)
-            yield PlannedTrain(str(2 * i + 1), Direction.DOWN, down)
+            yield TrainOnLine(str(2 * i + 1), Direction.DOWN, down)
             up = self._calls(Direction.UP, down[-1].last_s + TURN_S + self.at_the_end_s)
-            yield PlannedTrain(str(2 * i + 2), Direction.UP, up)
+            yield TrainOnLine(str(2 * i + 2), Direction.UP, up)
 
     def _calls(self, direction: Direction, departs_s: int) -> tuple[Call, ...]:
         order = self.legs.stations if direction is Direction.DOWN else self.legs.stations[::-1]
@@ -162,7 +162,7 @@ class Even:
         return tuple(calls)
 
 
-def even(legs: Legs, every_s: int) -> Even:
+def even(legs: Legs, every_s: int) -> EvenTimetable:
     """The even timetable of that interval. ValueError where a stretch or a track is taken for too long.
 
     From far to near: by how much a set must come back later to each loop, so that it leaves when a down train has come
@@ -198,10 +198,10 @@ def even(legs: Legs, every_s: int) -> Even:
             wait_s -= min(wait_s, room_s)
         if wait_s:
             raise ValueError(f"{wait_s} s too long at {near.to_id}")
-    return Even(legs, every_s, at_loops_s, at_the_end_s)
+    return EvenTimetable(legs, every_s, at_loops_s, at_the_end_s)
 
 
-def text_of(made: Even, stem: str, line_id: str, from_s: int = FIRST_S, to_s: int = LAST_S) -> str:
+def text_of(made: EvenTimetable, stem: str, line_id: str, from_s: int = FIRST_S, to_s: int = LAST_S) -> str:
     """The timetable file. InputError where sets cannot run it."""
     trains = list(made.trains(from_s, to_s))
     workings = workings_of(trains, made.legs.line, SetRules(turn_min_s=TURN_S))
@@ -220,7 +220,7 @@ def text_of(made: Even, stem: str, line_id: str, from_s: int = FIRST_S, to_s: in
     return timetable_toml(file_of_trains(head, trains, workings))
 
 
-def good(made: Even, hours: int = 4) -> bool:
+def good(made: EvenTimetable, hours: int = 4) -> bool:
     """Whether `branchline check` finds nothing impossible in it."""
     try:
         text = text_of(made, "x", made.legs.line.id, FIRST_S, FIRST_S + 3600 * hours)
@@ -231,7 +231,7 @@ def good(made: Even, hours: int = 4) -> bool:
     return feasibility(Setup("x", made.legs.line, timetable, stock)).good
 
 
-def best(legs: Legs) -> Even:
+def best(legs: Legs) -> EvenTimetable:
     """The shortest whole number of minutes that works."""
     least_s = max(stretch.interval_s for stretch in legs.stretches())
     for minutes in range(math.ceil(least_s / 60), 121):

@@ -17,8 +17,8 @@ from onboard.localisation.sighting import accuracy_m
 from onboard.localisation.vision import SightTable
 from simulation.sensors.camera import LINE_CAMERA, LINE_SIGN, Renderer
 from simulation.sensors.line_sightings import COLUMNS, FILE, LIGHTS, PLACES_M
-from simulation.sensors.open_air import Light
-from simulation.sensors.sighting_model import Search, SightingModel, fit_sighting_model, record_table
+from simulation.sensors.sighting_model import SightingModel, SignSearch, fit_sighting_model, record_table
+from simulation.settings import Light
 
 PLACE: Final = Path(__file__).resolve().parents[1] / "simulation" / "sensors" / FILE
 SEED: Final = 7
@@ -26,7 +26,7 @@ IMAGES: Final = 100  # a place and light, at rest; as many at a creep
 TABLE_IMAGES: Final = 30
 TABLE_M: Final = (*(float(m) for m in range(8, 40, 2)), *(float(m) for m in range(40, 101, 4)))
 # Sure of its place to a kilometre of wheels that are off by 2 %: so wide is what a unit looks through.
-SEARCH: Final = Search(25.0, lambda distance_m: float(accuracy_m(distance_m, 0.0)))
+SEARCH: Final = SignSearch(25.0, lambda distance_m: float(accuracy_m(distance_m, 0.0)))
 HEAD: Final = """# What the cameras of line runs see of a stop sign, by light (simulation.sensors.open_air) and place.
 # Made by `python -m documents.sightings`: {images} rendered images a place at rest, as many with vibration.
 """

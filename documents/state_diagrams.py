@@ -17,7 +17,7 @@ from documents.explored_unit import first, following, phase_name
 from network.model import Position
 from onboard.authority import machine as authority
 from onboard.authority import records as auth
-from onboard.authority.records import Ask, Authority
+from onboard.authority.records import Authority, RequestKind
 from onboard.authority.tables import standing
 from radio.keys import capability_key, capability_mac
 from radio.messages import (
@@ -33,12 +33,12 @@ from simulation.world import point_machine
 from simulation.world.point_machine import PointMachine
 from wayside import block_manager, point_terminal
 from wayside.config import ManagerConfig, PointsEntry, RouteEntry, SectionEntry, TerminalConfig
-from wayside.point_terminal import Memory, Terminal
+from wayside.point_terminal import Terminal, TerminalMemory
 from wayside.register import Register, start
 from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, PointsDetected, StartThrow, StopThrow
 
 DUTY_STATES_MAX: Final = 2000
-STATES_MAX: Final = 600
+STATES_MAX: Final = 900
 _LATER_S: Final = 100.0
 
 
@@ -67,16 +67,16 @@ def _authority(state: Authority) -> Iterator[tuple[str, Authority]]:
         auth.BeginOnLine(None),
         auth.EndOnLine(),
         auth.AskRoute("A>B", whole),
-        auth.Granted("A>B", whole, ("X",), answers=True, fresh=True, newer=True),
+        auth.GrantHeard("A>B", whole, ("X",), answers=True, fresh=True, newer=True),
         auth.Cleared(("A", "X")),
         auth.GiveBack(whole),
         auth.TurnedBack(),
-        auth.SignedOn(own, (), answers=True, newer=True),
-        auth.SignedOn(own, (), answers=False, newer=True),
-        *(auth.Refused(ask, "A>B", "held", lost_sight=True, answers=True) for ask in Ask),
-        auth.Confirmed(state.held, answers=True, newer=False),
-        auth.SignedOff(answers=True),
-        auth.Queried(),
+        auth.SignOnHeard(own, (), answers=True, newer=True),
+        auth.SignOnHeard(own, (), answers=False, newer=True),
+        *(auth.RefusalHeard(ask, "A>B", "held", lost_sight=True, answers=True) for ask in RequestKind),
+        auth.ConfirmationHeard(state.held, answers=True, newer=False),
+        auth.SignOffHeard(answers=True),
+        auth.QueryHeard(),
         auth.PeerRestarted(),
     )
     for event in events:
@@ -124,6 +124,7 @@ def _manager(keyed: Keyed) -> Iterator[tuple[str, Keyed]]:
             SignOn(unit_id, None),
             Claim(("T",), 0),
             Claim((), 0),
+            Claim(None, 0),
             RouteRequest(unit_id, "P>T", ("T",)),
             HoldingReport(("T",), token),
             SignOff(unit_id, token),
@@ -148,7 +149,7 @@ _TERMINAL: Final = TerminalConfig("line", "terminal", (PointsEntry("P", "X", 10.
 
 def points() -> Explored[Keyed]:
     """What a point terminal knows of one set of points."""
-    fresh = point_terminal.start(_TERMINAL, _KEY, Memory())
+    fresh = point_terminal.start(_TERMINAL, _KEY, TerminalMemory())
     return explore([_view(fresh)], _terminal, lambda keyed: keyed.state.views["P"].state.value, STATES_MAX)
 
 
@@ -183,7 +184,7 @@ def _machine(machine: PointMachine) -> Iterator[tuple[str, PointMachine]]:
     events: Iterable[point_machine.MachineEvent] = (
         *(StartThrow("P", position) for position in Position),
         StopThrow("P"),
-        point_machine.Arrived(_LATER_S),
+        point_machine.ThrowTimeOver(_LATER_S),
         point_machine.Forced(),
         *(point_machine.Repaired(position) for position in Position),
     )

@@ -1,4 +1,5 @@
-"""What holds the structure together, counted: imports, parameters of compiled functions, lengths of files.
+"""What holds the structure together, counted: imports, parameters of compiled functions, lengths of files,
+and what `documents.counted` counts.
 
 `python -m documents.structure` prints each rule with its figure and ends with 1 where one is broken.
 """
@@ -10,37 +11,17 @@ import ast
 import subprocess
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from documents.counted import ceilings, rules
+from documents.structure_rule import PRODUCT, TESTS, StructureRule
+
 ROOT: Final = Path(__file__).resolve().parent.parent
-PACKAGES: Final = (
-    "network",
-    "sumo_cfg",
-    "vehicle",
-    "radio",
-    "onboard",
-    "wayside",
-    "host",
-    "simulation",
-    "study",
-    "documents",
-    "branchline",
-    "tests",
-)
+PACKAGES: Final = (*PRODUCT, TESTS)
 UNIT: Final = Path("onboard/unit.py")
 KERNEL: Final = Path("simulation/world/kernel.py")
 PARAMETERS_MAX: Final = 8
-
-
-@dataclass(frozen=True, slots=True)
-class Rule:
-    """One rule as found: `broken` names what breaks it."""
-
-    text: str
-    found: str
-    broken: tuple[str, ...]
 
 
 def sources(root: Path) -> Iterator[Path]:
@@ -74,7 +55,7 @@ def kernel_files(root: Path) -> list[Path]:
     return sorted(found)
 
 
-def parameters_rule(root: Path) -> Rule:
+def parameters_rule(root: Path) -> StructureRule:
     """No function of the kernel takes more than a handful: what belongs together is a record."""
     counted = [
         (count, f"{file.relative_to(root)}: {name} takes {count}")
@@ -84,26 +65,26 @@ def parameters_rule(root: Path) -> Rule:
     most = max((count for count, _ in counted), default=0)
     broken = tuple(text for count, text in counted if count > PARAMETERS_MAX)
     text = f"no function of the kernel with more than {PARAMETERS_MAX} parameters"
-    return Rule(text, f"{len(counted)} functions, at most {most}", broken)
+    return StructureRule(text, f"{len(counted)} functions, at most {most}", broken)
 
 
-def lengths_rule(root: Path, lines_max: int) -> Rule:
+def lengths_rule(root: Path, lines_max: int) -> StructureRule:
     """No file longer than `lines_max`; data are not Python here."""
     lengths = {file.relative_to(root): len(file.read_text("utf-8").splitlines()) for file in sources(root)}
     broken = tuple(f"{file} has {lines} lines" for file, lines in lengths.items() if lines > lines_max)
-    return Rule(
+    return StructureRule(
         f"no file over {lines_max} lines", f"{len(lengths)} files, at most {max(lengths.values())}", broken
     )
 
 
-def unit_rule(root: Path, lines_max: int) -> Rule:
+def unit_rule(root: Path, lines_max: int) -> StructureRule:
     """The unit only joins its machines."""
     lines = len((root / UNIT).read_text("utf-8").splitlines())
     broken = (f"{UNIT} has {lines} lines",) if lines >= lines_max else ()
-    return Rule(f"{UNIT} under {lines_max} lines", f"{lines} lines", broken)
+    return StructureRule(f"{UNIT} under {lines_max} lines", f"{lines} lines", broken)
 
 
-def imports_rule(root: Path) -> Rule:
+def imports_rule(root: Path) -> StructureRule:
     """Arrows go one way, as the contracts of pyproject.toml say."""
     linter = Path(sys.executable).with_name("lint-imports")
     done = subprocess.run([str(linter)], cwd=root, capture_output=True, text=True, check=False)
@@ -112,7 +93,7 @@ def imports_rule(root: Path) -> Rule:
     broken = tuple(line for line in lines if line.endswith("BROKEN"))
     if done.returncode != 0 and not broken:
         broken = (verdict,)
-    return Rule("no import that runs back", verdict, broken)
+    return StructureRule("no import that runs back", verdict, broken)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -122,16 +103,17 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--unit-lines", type=int, default=250)
     parser.add_argument("--file-lines", type=int, default=500)
     given = parser.parse_args(arguments)
-    rules = (
+    judged = (
         imports_rule(given.root),
         unit_rule(given.root, given.unit_lines),
         parameters_rule(given.root),
         lengths_rule(given.root, given.file_lines),
+        *rules(given.root, ceilings()),
     )
-    for rule in rules:
+    for rule in judged:
         sys.stdout.write(f"{'BROKEN' if rule.broken else 'holds '}  {rule.text}: {rule.found}\n")
         sys.stdout.writelines(f"          {text}\n" for text in rule.broken)
-    return int(any(rule.broken for rule in rules))
+    return int(any(rule.broken for rule in judged))
 
 
 if __name__ == "__main__":

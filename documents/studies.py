@@ -19,19 +19,19 @@ import numpy as np
 import polars as pl
 
 from documents import second_loop, studies_pictures
+from documents.studies_pictures import HeadwayByCase
 from network.timetable import Timetable, seconds_of
+from scenario.scenario import load_scenario
 from simulation.setup import Setup
 from study.capacity.cut import cut_of
-from study.capacity.headway import Case, HeadwayKind, line_cases
+from study.capacity.headway import HeadwayCase, HeadwayKind, line_cases
 from study.capacity.legs import legs_of, places_of
 from study.capacity.line_capacity import Period, rates_of
-from study.capacity.occupation import Cost
 from study.capacity.rules import MINIMAL
 from study.capacity.theory import occupations
 from study.measures.missing import planned_times
-from study.run.read_back import RunRead, read_run
-from study.run.run import Link, execute, write_run
-from study.scenario.scenario import load_scenario
+from study.record.read_back import RunRead, read_run
+from study.runner.run import PartyLink, execute, write_run
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 FOLDER: Final = ROOT / "docs" / "studies"
@@ -97,27 +97,15 @@ def choices(loops: Sequence[Sequence[str]] = second_loop.CHOICES) -> Iterator[st
     return second_loop.table(loops)
 
 
-@dataclass(frozen=True, slots=True)
-class Pair:
-    """One kind of headway in several cases, s."""
-
-    station: str
-    kind: HeadwayKind
-    first: str
-    second: str
-    least_s: tuple[float, ...]
-    costs_s: tuple[Mapping[Cost, float], ...]
-
-
-def pairs(names: Sequence[str] = RADIO) -> list[Pair]:
+def pairs(names: Sequence[str] = RADIO) -> list[HeadwayByCase]:
     """All headways of the day, in every case."""
-    found: list[dict[tuple[str, HeadwayKind, str, str], Case]] = []
+    found: list[dict[tuple[str, HeadwayKind, str, str], HeadwayCase]] = []
     for name in names:
         setup: Setup = load_scenario(scenario_of(name)).setup
         cases = line_cases(setup.line, occupations(setup, MINIMAL), setup.unit.dwell_min_s)
         found.append({(c.station_id, c.headway.kind, c.first, c.second): c for c in cases})
     return [
-        Pair(
+        HeadwayByCase(
             *key,
             tuple(each[key].headway.least_s for each in found),
             tuple(each[key].headway.costs_s for each in found),
@@ -141,7 +129,7 @@ def headways() -> Iterator[str]:
 
 
 @dataclass(frozen=True, slots=True)
-class Runs:
+class StudyRuns:
     """The run directories of the studies, made where they are missing."""
 
     folder: Path
@@ -151,7 +139,7 @@ class Runs:
         where = self.folder / name.rpartition("/")[2]
         if not where.exists():
             scenario = load_scenario(scenario_of(name))
-            write_run(execute(scenario, Link.SIMULATED), where)
+            write_run(execute(scenario, PartyLink.SIMULATED), where)
         return read_run(where)
 
 
@@ -198,7 +186,7 @@ def mean_of(values: pl.Series) -> float:
     return float(np.mean(values.drop_nulls().to_numpy()))
 
 
-def loop_runs(runs: Runs) -> Iterator[str]:
+def loop_runs(runs: StudyRuns) -> Iterator[str]:
     """Whether the even timetables run."""
     yield "| timetable | trains | arrived | latest | mean lateness at stops |"
     yield "|---|---|---|---|---|"
@@ -213,7 +201,7 @@ def loop_runs(runs: Runs) -> Iterator[str]:
         )
 
 
-def radio_runs(runs: Runs) -> Iterator[str]:
+def radio_runs(runs: StudyRuns) -> Iterator[str]:
     """What tags and radio cost on the weekday as it is planned."""
     yield "| case | arrived | latest | stop error, mean ± sigma | largest | sections held, mean | telegrams |"
     yield "|---|---|---|---|---|---|---|"
@@ -229,7 +217,7 @@ def radio_runs(runs: Runs) -> Iterator[str]:
         )
 
 
-def dense_runs(runs: Runs) -> Iterator[str]:
+def dense_runs(runs: StudyRuns) -> Iterator[str]:
     """The same where trains wait for each other at every loop."""
     yield "| every 26 min | arrived | latest | mean lateness at stops | departures > 5 s late |"
     yield "|---|---|---|---|---|"
@@ -244,7 +232,7 @@ def dense_runs(runs: Runs) -> Iterator[str]:
         )
 
 
-def cable_runs(runs: Runs) -> Iterator[str]:
+def cable_runs(runs: StudyRuns) -> Iterator[str]:
     """Trains run and train-minutes lost with the cable cut."""
     yield "| interlocking | to arrive 10:50–17:00 | arrived then | arrived in the end | train-minutes lost | latest |"
     yield "|---|---|---|---|---|---|"
@@ -262,7 +250,7 @@ def cable_runs(runs: Runs) -> Iterator[str]:
 THEORY: Final[Mapping[str, Callable[[], Iterator[str]]]] = MappingProxyType(
     {"choices": choices, "occupation": occupation, "headways": headways}
 )
-OF_RUNS: Final[Mapping[str, Callable[[Runs], Iterator[str]]]] = MappingProxyType(
+OF_RUNS: Final[Mapping[str, Callable[[StudyRuns], Iterator[str]]]] = MappingProxyType(
     {"loop-runs": loop_runs, "radio-runs": radio_runs, "dense-runs": dense_runs, "cable-runs": cable_runs}
 )
 
@@ -290,7 +278,7 @@ def block_text(rows: Iterator[str]) -> str:
 
 def main(arguments: Sequence[str]) -> None:
     """Write all blocks, and draw the pictures, from the runs in a folder."""
-    runs = Runs(Path(arguments[0]))
+    runs = StudyRuns(Path(arguments[0]))
     made = {name: block_text(rows()) for name, rows in THEORY.items()}
     made |= {name: block_text(rows(runs)) for name, rows in OF_RUNS.items()}
     for page in sorted(FOLDER.glob("*.md")):

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from study.report.data import Run as Shown
+from study.capacity.headway import HeadwayKind
+from study.capacity.occupation import OccupationCost
+from study.record.read_back import RunRead
+from study.report.data import ReportedRun as Shown
 from study.report.graph import draw_frame, numbers_of, write_numbers
 from study.report.style import (
     DIRECTION_COLOUR,
@@ -21,15 +25,23 @@ from study.report.style import (
     TimeGrid,
     drawing,
 )
-from study.run.read_back import RunRead
-
-if TYPE_CHECKING:
-    from documents.studies import Pair
 
 DPI: Final = 110
 _PANEL_IN: Final = 3.4
 _BAR: Final = 0.26
 _LEAST_S: Final = 0.5  # what is longer by less in every case is left out of the picture
+
+
+@dataclass(frozen=True, slots=True)
+class HeadwayByCase:
+    """One kind of headway in several cases, s."""
+
+    station: str
+    kind: HeadwayKind
+    first: str
+    second: str
+    least_s: tuple[float, ...]
+    costs_s: tuple[Mapping[OccupationCost, float], ...]
 
 
 def train_graphs(
@@ -66,7 +78,7 @@ def train_graphs(
         figure.savefig(file, dpi=DPI, metadata={"Software": None})
 
 
-def headways(file: Path, pairs: Sequence[Pair], names: Sequence[str]) -> None:
+def headways(file: Path, pairs: Sequence[HeadwayByCase], names: Sequence[str]) -> None:
     """How much longer headways are in each case than as it is, s."""
     more_s = np.array([[s - pair.least_s[0] for s in pair.least_s[1:]] for pair in pairs])
     chosen: list[int] = np.flatnonzero((np.abs(more_s) >= _LEAST_S).any(axis=1)).tolist()
@@ -84,5 +96,5 @@ def headways(file: Path, pairs: Sequence[Pair], names: Sequence[str]) -> None:
         figure.savefig(file, dpi=DPI, metadata={"Software": None})
 
 
-def _label(pair: Pair) -> str:
+def _label(pair: HeadwayByCase) -> str:
     return f"{pair.station}: {pair.first} / {pair.second}\n{pair.kind.english}, least {pair.least_s[0]:.0f} s"

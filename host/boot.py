@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from host.party import Party, PartySpec, Role
-from host.store import Store, commissioned
+from host.store import PartyStore, commissioned
 
 
-def boot(spec: PartySpec, store: Store, file: str = "config.json") -> Party:
+def boot(spec: PartySpec, store: PartyStore, file: str = "config.json") -> Party:
     """Start the party. Raises NotCommissioned if its store is blank, and InputError that names `file` where its
     configuration is not of this party.
     """

@@ -14,7 +14,7 @@ import msgspec
 
 from host.devices import CODEC, DeviceAdvance, DeviceSaid
 from host.party import Advance, PartySpec
-from host.store import Durable, Store, raise_epoch
+from host.store import Durable, PartyStore, raise_epoch
 from network.errors import InputError
 from radio.elapsed import Elapsed
 from radio.envelope import Dropped, DropReason, Endpoint, Received
@@ -24,7 +24,7 @@ from wayside import block_manager, point_terminal
 from wayside.actions import Action, Drive, Send, Show
 from wayside.barring import NO_BARS, remembered
 from wayside.config import DeviceConfig, ManagerConfig, TerminalConfig, decode_config
-from wayside.point_terminal import Commanded, Expired, Memory
+from wayside.point_terminal import Commanded, Expired, TerminalMemory
 from wayside.register import start as start_register
 from wayside.said import (
     BarUnit,
@@ -75,7 +75,7 @@ class _Manager:
         step: block_manager.Event
         match event:
             case None:
-                step = block_manager.Ask()
+                step = block_manager.AskUnits()
             case Received():
                 step = block_manager.Heard(
                     event.source, event.epoch, event.fresh, event.correlation, event.message
@@ -128,10 +128,10 @@ class _Terminal:
         return msgspec.structs.replace(before, vital=msgspec.msgpack.encode(self.terminal.memory))
 
 
-def _memory(kept: bytes) -> Memory:
+def _memory(kept: bytes) -> TerminalMemory:
     """What a terminal must not have forgotten; one that never ran has nothing to remember."""
     try:
-        return msgspec.msgpack.decode(kept, type=Memory) if kept else Memory()
+        return msgspec.msgpack.decode(kept, type=TerminalMemory) if kept else TerminalMemory()
     except msgspec.MsgspecError as error:
         raise InputError(
             "durable", "memory", f"{len(kept)} bytes", f"a terminal's memory ({error})"
@@ -155,7 +155,7 @@ def _not_for_device(given: Input) -> Sequence[Action]:
 class DeviceHost:
     """One running device. Making it is a boot: the epoch is raised and saved first."""
 
-    def __init__(self, config: DeviceConfig, keys: KeyRing, store: Store) -> None:
+    def __init__(self, config: DeviceConfig, keys: KeyRing, store: PartyStore) -> None:
         if keys.owner != config.device_id:
             raise InputError("keys", "owner", keys.owner, f"the keys of {config.device_id}")
         self._store = store
@@ -224,7 +224,7 @@ class DeviceHost:
 class DeviceParty:
     """A device as a party of a run: `host.party.Party` over a `DeviceHost`."""
 
-    def __init__(self, spec: PartySpec, store: Store, file: str) -> None:
+    def __init__(self, spec: PartySpec, store: PartyStore, file: str) -> None:
         config = decode_config(spec.config, file)
         role = config.__struct_config__.tag
         if (role, config.line_id, config.device_id) != (spec.role.value, spec.line_id, spec.party_id):

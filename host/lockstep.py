@@ -42,7 +42,7 @@ class Question(msgspec.Struct, frozen=True, array_like=True):
     told: bytes = b""
 
 
-class Answer(msgspec.Struct, frozen=True, array_like=True):
+class PartyAnswer(msgspec.Struct, frozen=True, array_like=True):
     """From the party: done, and `sent` telegrams of this round are on the radio plane; or why it failed.
 
     `bug`: its program is at fault, and no want of the machine.
@@ -57,7 +57,7 @@ class Answer(msgspec.Struct, frozen=True, array_like=True):
     bug: bool = False
 
 
-class Tag(msgspec.Struct, frozen=True, array_like=True):
+class RoundTag(msgspec.Struct, frozen=True, array_like=True):
     """What goes with a telegram on the radio plane: `place` counts the telegrams of a round from 0."""
 
     round: int
@@ -99,8 +99,8 @@ def of_run(session_id: str, given: Container[str]) -> bool:
 
 
 _QUESTION: Final = msgspec.msgpack.Decoder(Question)
-_ANSWER: Final = msgspec.msgpack.Decoder(Answer)
-_TAG: Final = msgspec.msgpack.Decoder(Tag)
+_ANSWER: Final = msgspec.msgpack.Decoder(PartyAnswer)
+_TAG: Final = msgspec.msgpack.Decoder(RoundTag)
 _ENCODER: Final = msgspec.msgpack.Encoder()
 
 
@@ -124,7 +124,7 @@ class Asker:
         sealed = _sealed(self._key, b"question", _ENCODER.encode(question))
         return sealed, _tagged(self._key, b"to", self.round, pairs)
 
-    def answer(self, data: bytes) -> Answer:
+    def answer(self, data: bytes) -> PartyAnswer:
         """The answer to the last question. Raises ForeignError."""
         what = f"a foreign reply to the question to {self.party_id}"
         try:
@@ -134,7 +134,7 @@ class Asker:
         _belongs(answer, self.party_id, self.round, what)
         return answer
 
-    def advance(self, answer: Answer, heard: Sequence[Tagged]) -> Advance:
+    def advance(self, answer: PartyAnswer, heard: Sequence[Tagged]) -> Advance:
         """What the party did, given the telegrams of its answer. Raises ForeignError."""
         for place, telegram in enumerate(heard):
             _check_tag(self._key, b"from", self.round, place, telegram)
@@ -166,24 +166,24 @@ class Answerer:
         raises.
         """
         if question.round == READY:
-            answer, pairs = Answer(self._party_id, READY, 1), [(READY_DESTINATION, b"")]
+            answer, pairs = PartyAnswer(self._party_id, READY, 1), [(READY_DESTINATION, b"")]
         else:
             for place, telegram in enumerate(heard):
                 _check_tag(self._key, b"to", question.round, place, telegram)
             self._last_round = question.round
             done = self._party.advance(question.now_s, [telegram.data for telegram in heard], question.told)
             pairs = list(done.telegrams)
-            answer = Answer(self._party_id, question.round, len(pairs), done.wake_at_s, done.said)
+            answer = PartyAnswer(self._party_id, question.round, len(pairs), done.wake_at_s, done.said)
         sealed = _sealed(self._key, b"answer", _ENCODER.encode(answer))
         return sealed, _tagged(self._key, b"from", question.round, pairs)
 
     def failure(self, question: Question, text: str, *, bug: bool) -> bytes:
         """The answer that says why there is none."""
-        answer = Answer(self._party_id, question.round, 0, failed=text, bug=bug)
+        answer = PartyAnswer(self._party_id, question.round, 0, failed=text, bug=bug)
         return _sealed(self._key, b"answer", _ENCODER.encode(answer))
 
 
-def _belongs(record: Question | Answer, party_id: str, number: int, what: str) -> None:
+def _belongs(record: Question | PartyAnswer, party_id: str, number: int, what: str) -> None:
     if not of_party(record.party_id, party_id):
         raise ForeignError(f"{what}: it is for {record.party_id}")
     if not of_round(record.round, number):
@@ -206,7 +206,9 @@ def _tagged(
 ) -> tuple[Tagged, ...]:
     return tuple(
         Tagged(
-            name, data, _ENCODER.encode(Tag(number, place, _code(key, purpose, number, place, name, data)))
+            name,
+            data,
+            _ENCODER.encode(RoundTag(number, place, _code(key, purpose, number, place, name, data))),
         )
         for place, (name, data) in enumerate(pairs)
     )

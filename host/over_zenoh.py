@@ -17,7 +17,7 @@ from typing import Final, Self
 
 import zenoh
 
-from host.lockstep import Answer, Asker, Tagged, of_run
+from host.lockstep import Asker, PartyAnswer, Tagged, of_run
 from host.parties import ForeignError, PartyBug, PartyError
 from host.party import Advance, PartySpec
 from host.patience import Patience
@@ -233,7 +233,7 @@ class ZenohParties:
             time.sleep(_START_POLL_S)
         raise PartyError(self._complaint(hosted, f"was not ready within {START_LIMIT_S:g} s"))
 
-    def _ask(self, hosted: _Hosted, question: bytes) -> Answer | None:
+    def _ask(self, hosted: _Hosted, question: bytes) -> PartyAnswer | None:
         """The answer; None if nobody is there, or no longer. PartyError if the party failed or hangs.
 
         A party that is slow is asked the same again. If this process was stopped, its own limit may have run out over

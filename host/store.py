@@ -49,7 +49,7 @@ class _Head(msgspec.Struct, frozen=True, array_like=True):
     commissioned: int
 
 
-class Store(Protocol):
+class PartyStore(Protocol):
     """Where a party keeps its durable state."""
 
     def load(self) -> Durable:
@@ -61,7 +61,7 @@ class Store(Protocol):
         ...
 
 
-def commission(store: Store, number: int = 1, vital: bytes = b"") -> None:
+def commission(store: PartyStore, number: int = 1, vital: bytes = b"") -> None:
     """People put a party into service, for the `number`th time by their own record, with a `vital` of theirs.
 
     Its epochs then begin beyond all that it can have had, so peers take it for a new boot, and it drops whatever they
@@ -71,14 +71,14 @@ def commission(store: Store, number: int = 1, vital: bytes = b"") -> None:
     store.save(Durable((number - 1) << BOOTS_BITS, vital, spare, number))
 
 
-def commissioned(store: Store, called: str) -> Store:
+def commissioned(store: PartyStore, called: str) -> PartyStore:
     """The store. Raises NotCommissioned if it is blank."""
     if store.load().commissioned == 0:
         raise NotCommissioned(called)
     return store
 
 
-def raise_epoch(store: Store) -> Durable:
+def raise_epoch(store: PartyStore) -> Durable:
     """A boot: the next epoch is kept before anything is said under it. Returns what was kept besides."""
     before = store.load()
     durable = msgspec.structs.replace(before, epoch=before.epoch + 1)

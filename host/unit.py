@@ -14,12 +14,12 @@ import msgspec
 from host.parties import Parties
 from host.party import Advance, Codec, PartySpec, Role
 from host.speech import Speech
-from host.store import Store, raise_epoch
+from host.store import PartyStore, raise_epoch
 from network.errors import InputError
-from onboard.duty.records import Command, DutyState, Told
-from onboard.duty.turn import DutyParameters
+from onboard.duty.duty_step import DutyParameters
+from onboard.duty.records import DrivingCommand, DutyState, Told
 from onboard.notes import Note
-from onboard.unit import Answer, Report, Telegram, Unit
+from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
 from radio.envelope import AGE_MAX_S, Endpoint
 from radio.keys import KeyRing
 from radio.messages import Claim
@@ -38,7 +38,7 @@ class UnitConfig(msgspec.Struct, frozen=True, tag="unit"):
 class UnitSaid(msgspec.Struct, frozen=True):
     """What a unit says besides telegrams."""
 
-    command: Command
+    command: DrivingCommand
     told: tuple[Told, ...]
     notes: tuple[Note, ...]
 
@@ -47,13 +47,9 @@ CODEC: Final = Codec(Report, UnitSaid)
 _CONFIG: Final = msgspec.json.Decoder(UnitConfig)
 
 
-def unit_of(config: UnitConfig, keys: KeyRing, epoch: int, *, perhaps_on_line: bool | None = None) -> Unit:
+def unit_of(config: UnitConfig, endpoint: Endpoint, *, perhaps_on_line: bool | None = None) -> OnboardUnit:
     """A unit that has just been switched on; `perhaps_on_line` as in `onboard.unit`."""
-    return _unit(config, Endpoint(keys, epoch, config.telegram_age_max_s), perhaps_on_line=perhaps_on_line)
-
-
-def _unit(config: UnitConfig, endpoint: Endpoint, *, perhaps_on_line: bool | None) -> Unit:
-    return Unit(
+    return OnboardUnit(
         config.device_id, config.manager_id, config.parameters, endpoint, perhaps_on_line=perhaps_on_line
     )
 
@@ -88,13 +84,13 @@ class HostedUnit:
     That it is on the line is saved before anything leaves it that follows from that; that it is not, when it is.
     """
 
-    def __init__(self, config: UnitConfig, keys: KeyRing, store: Store) -> None:
+    def __init__(self, config: UnitConfig, keys: KeyRing, store: PartyStore) -> None:
         self._store: Final = store
         self._durable = raise_epoch(store)
         self._kept = _was_on_line(self._durable.spare)
         self._manager_id: Final = config.manager_id
         self._speech: Final = Speech(keys, self._durable.epoch, config.telegram_age_max_s)
-        self._unit: Final = _unit(config, self._speech, perhaps_on_line=self._kept)
+        self._unit: Final = unit_of(config, self._speech, perhaps_on_line=self._kept)
 
     @property
     def epoch(self) -> int:
@@ -106,7 +102,7 @@ class HostedUnit:
         """Where the unit is in its duty."""
         return self._unit.state
 
-    def advance(self, now_s: float, telegrams: Sequence[bytes], report: Report) -> Answer:
+    def advance(self, now_s: float, telegrams: Sequence[bytes], report: Report) -> UnitAnswer:
         """Act at `now_s` on what happened, telegrams and timers."""
         before, self._speech.claims_besides = self._speech.claims_besides, report.claims_besides
         answer = self._unit.advance(now_s, telegrams, report)
@@ -132,7 +128,7 @@ class HostedUnit:
 class UnitParty:
     """`host.party.Party` over a `HostedUnit`."""
 
-    def __init__(self, spec: PartySpec, store: Store, file: str) -> None:
+    def __init__(self, spec: PartySpec, store: PartyStore, file: str) -> None:
         try:
             config = _CONFIG.decode(spec.config)
         except msgspec.MsgspecError as error:
@@ -162,12 +158,12 @@ class PartyUnits:
     def __init__(self, parties: Parties) -> None:
         self._parties = parties
 
-    def advance(self, unit_id: str, now_s: float, telegrams: Sequence[bytes], report: Report) -> Answer:
+    def advance(self, unit_id: str, now_s: float, telegrams: Sequence[bytes], report: Report) -> UnitAnswer:
         """Let a unit act at `now_s`. PartyError if it is down."""
         done = self._parties.advance(unit_id, now_s, telegrams, CODEC.encode(report))
         said = CODEC.said(done.said)
         sent = tuple(Telegram(destination, data) for destination, data in done.telegrams)
-        return Answer(sent, said.command, said.told, said.notes, done.wake_at_s)
+        return UnitAnswer(sent, said.command, said.told, said.notes, done.wake_at_s)
 
     def kill(self, unit_id: str) -> None:
         """Power cut."""

@@ -7,14 +7,14 @@ from typing import Protocol
 
 from host.store import MemoryStore, commission, commissioned
 from host.unit import HostedUnit, UnitConfig
-from onboard.unit import Answer, Report
+from onboard.unit import Report, UnitAnswer
 from radio.keys import KeyRing
 
 
 class Units(Protocol):
     """The on-board units of one run."""
 
-    def advance(self, unit_id: str, now_s: float, telegrams: Sequence[bytes], report: Report) -> Answer:
+    def advance(self, unit_id: str, now_s: float, telegrams: Sequence[bytes], report: Report) -> UnitAnswer:
         """Let a unit act at `now_s`. KeyError if it is switched off."""
         ...
 
@@ -46,7 +46,7 @@ class LocalUnits:
             self.commission(unit_id, 1)
             self.restart(unit_id)
 
-    def advance(self, unit_id: str, now_s: float, telegrams: Sequence[bytes], report: Report) -> Answer:
+    def advance(self, unit_id: str, now_s: float, telegrams: Sequence[bytes], report: Report) -> UnitAnswer:
         """Let a unit act at `now_s`. KeyError if it is switched off."""
         return self._running[unit_id].advance(now_s, telegrams, report)
 

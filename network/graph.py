@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from network.model import Direction, Leg, Line, Piece, Position, Route, Section, SectionKind
+from network.model import Direction, Line, Piece, PointsLeg, Position, Route, Section, SectionKind
 
 _STOPS: Final = frozenset({SectionKind.TRACK, SectionKind.PORTAL})
-_POSITION: Final = {Leg.NORMAL: Position.NORMAL, Leg.REVERSE: Position.REVERSE}
+_POSITION: Final = {PointsLeg.NORMAL: Position.NORMAL, PointsLeg.REVERSE: Position.REVERSE}
 _GRAPHS_MAX: Final = 16
 TRAILS_MAX: Final = 10_000  # of routes from one place: with more, nobody laid these points
 
@@ -45,7 +45,7 @@ _graphs: dict[int, Graph] = {}
 def _build(line: Line) -> Graph:
     from_low: dict[str, list[str]] = {}
     from_high: dict[str, list[str]] = {}
-    for piece in sorted(line.pieces.values(), key=lambda piece: piece.leg is Leg.REVERSE):
+    for piece in sorted(line.pieces.values(), key=lambda piece: piece.leg is PointsLeg.REVERSE):
         from_low.setdefault(piece.low_node, []).append(piece.id)
         from_high.setdefault(piece.high_node, []).append(piece.id)
     return Graph(
@@ -67,7 +67,7 @@ def next_pieces(line: Line, piece_id: str, direction: Direction) -> tuple[str, .
 def required_position(line: Line, piece_id: str) -> tuple[str, Position] | None:
     """Points and position that a run over the piece needs, facing or trailing; None unless it is a leg."""
     piece = line.pieces[piece_id]
-    if piece.points_id is None or piece.leg is None or piece.leg is Leg.STEM:
+    if piece.points_id is None or piece.leg is None or piece.leg is PointsLeg.STEM:
         return None
     return piece.points_id, _POSITION[piece.leg]
 

@@ -41,7 +41,7 @@ class Position(Enum):
     REVERSE = "reverse"
 
 
-class Leg(Enum):
+class PointsLeg(Enum):
     """The three ends of a set of points, seen from the toe."""
 
     STEM = "stem"
@@ -73,7 +73,7 @@ class Piece:
     high_node: str
     offset_m: float = 0.0  # lateral offset from the alignment, positive to the right of DOWN
     points_id: str | None = None
-    leg: Leg | None = None
+    leg: PointsLeg | None = None
 
     @property
     def length_m(self) -> float:

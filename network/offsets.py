@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from network.model import Leg, Line, Piece
+from network.model import Line, Piece, PointsLeg
 
 Floats = NDArray[np.float64]
 
@@ -50,7 +50,10 @@ def _end_offset_m(line: Line, piece: Piece, node_id: str) -> float:
         and node_id in (line.pieces[p].low_node, line.pieces[p].high_node)
     ]
     stems = {points.stem_piece for points in line.points.values() if points.node_id == node_id}
-    for candidates in ([p for p in there if p.id in stems], [p for p in there if p.leg in (None, Leg.STEM)]):
+    for candidates in (
+        [p for p in there if p.id in stems],
+        [p for p in there if p.leg in (None, PointsLeg.STEM)],
+    ):
         if candidates:
             return candidates[0].offset_m
     return sum(p.offset_m for p in there) / len(there)

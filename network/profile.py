@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.alignment import bearing_rad
-from network.model import Alignment, Curve, Leg, Line, Piece
+from network.model import Alignment, Curve, Line, Piece, PointsLeg
 from network.offsets import turned_rad
 from network.path import Path, PathStep
 
@@ -178,7 +178,7 @@ def _limit_on_points(rows: NDArray[np.void], line: Line, path: Path) -> None:
     """Diverging limit over the reverse leg and the stem of points that the path takes in reverse."""
     for step in path.steps:
         piece = line.pieces[step.piece_id]
-        if piece.leg is not Leg.REVERSE or piece.points_id is None:
+        if piece.leg is not PointsLeg.REVERSE or piece.points_id is None:
             continue
         points = line.points[piece.points_id]
         _lower(rows, step.start_m, step.end_m, points.diverging_limit_mps)

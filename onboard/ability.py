@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from onboard.duty.mission import Mission, Target
 from onboard.duty.unable import TooSteep, Unable
 from onboard.records import BehaviourRow
-from onboard.vehicle import Vehicle
+from onboard.vehicle import VehicleInputs
 from vehicle.adhesion import DRY
 from vehicle.records import TrainRow
 from vehicle.running_time import Conditions, stall_of
@@ -24,7 +24,7 @@ PREDICTION_STEP_S: Final = 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class WayAhead:
     """What is before a train that stands at a stop: where its front is, heights and limits by the metre."""
 
     mission: Mission
@@ -46,16 +46,16 @@ class Means:
     train: TrainRow
     behaviour: BehaviourRow
     load_share: float
-    vehicle: Vehicle
+    vehicle: VehicleInputs
     adhesion_factor: float = DRY
 
 
-def why_not(way: Way, means: Means) -> Unable | None:
+def why_not(way: WayAhead, means: Means) -> Unable | None:
     """What keeps the train from its next stop; None: nothing that the unit knows of."""
     return too_steep(way, means)
 
 
-def too_steep(way: Way, means: Means) -> TooSteep | None:
+def too_steep(way: WayAhead, means: Means) -> TooSteep | None:
     """Where the train would stall on a gradient, or could not even start, at full power on the rail as it is told."""
     there, share = way.there, means.vehicle.motors_share
     if there is None:
@@ -93,7 +93,7 @@ class Ability:
         self._asked: tuple[object, ...] | None = None
         self._answer: Unable | None = None
 
-    def why_not(self, way: Way, means: Means) -> Unable | None:
+    def why_not(self, way: WayAhead, means: Means) -> Unable | None:
         """As the function of this name."""
         has = means.load_share, means.vehicle, means.adhesion_factor
         asked = (way.mission, way.at, round(way.front_m, 1), *has)

@@ -14,13 +14,14 @@ from network.model import SectionKind
 from onboard import notes
 from onboard.driving.stopping import LIMIT_MARGIN_M
 from onboard.driving.supervision import RESERVE_M
-from onboard.duty.mission import Mission, Target
+from onboard.duty.mission import Mission, PathTag, Target
 from onboard.duty.plan import ARRIVED_ON_SIGHT_WITHIN_M
-from onboard.duty.records import AtMark, Command, Found, Sensed, TagPassed, TagReached
+from onboard.duty.records import AtMark, DrivingCommand, FoundByOtherSensor, Sensed, TagBelieved, TagReached
 from onboard.localisation.fix import FOREIGN, MISSED, NOTHING, OUTCOMES, REFUSED, TAKEN, cut, missed_m
 from onboard.localisation.places import Places
-from onboard.localisation.sighting import sign
+from onboard.localisation.sighting import begin_slack, sign
 from onboard.localisation.table import READER_NAMES
+from onboard.localisation.tags import TagDoubt
 from onboard.records import EVENT_FOUND, EVENT_PLACE, EVENT_POSITION, UnitRow
 from onboard.unit_records import UnitParameters
 
@@ -42,18 +43,20 @@ class Fixes:
 
     def __init__(
         self,
-        row: UnitRow,
+        doubt: TagDoubt,
         record: UnitRow,
         readers: Any,  # noqa: ANN401
         parameters: UnitParameters,
         length_m: float,
         said: list[notes.Note],
     ) -> None:
-        self._row: Final = row
+        self._row: Final = doubt.row
         self._record: Final = record  # the same memory, as compiled code takes it
         self._readers: Final = readers
+        self._doubt: Final = doubt
         self._length_m: Final = length_m
-        self._places: Final = Places(row, parameters)
+        self._tag_within_m: Final = parameters.tag_accuracy_m
+        self._places: Final = Places(doubt.row, parameters)
         self._mission: Mission | None = None
         self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
         self._virtual = False
@@ -72,6 +75,7 @@ class Fixes:
             self._places.take_up(mission.tags)
         else:
             self._places.forget()
+            self._doubt.watch()
 
     def forget_sign(self) -> None:
         """What came of the camera's readings so far is of no interest: it looks for another sign."""
@@ -82,9 +86,18 @@ class Fixes:
         """The position is lost; `tight`: given up, since with it the train would come no further."""
         self._places.doubt()
         self.untold, self._tight = False, self._tight or tight
+        self._row.found = 0
 
-    def tag_believed(self) -> None:
+    def stand_back(self) -> None:
+        """A tag was read: what another sensor has found in this very step was not believed yet, and is not."""
+        if self._row.found:
+            self._row.position_known = self._row.found = 0
+
+    def tag_believed(self, tag: PathTag, correction_m: float) -> None:
         """A real tag has told the position: it lies on one track only."""
+        moved_m = round(correction_m, 3)
+        self.notes.append(notes.TagRead(tag_id=tag.tag_id, purpose=tag.purpose, correction_m=moved_m))
+        begin_slack(self._readers.sign, self._row, self._tag_within_m + self._row.pulse_m)
         self.untold = self._elsewhere = self._tight = False
 
     def tag_of_another_path(self) -> None:
@@ -134,10 +147,13 @@ class Fixes:
 
     # what they mean to the duty -----------------------------------------------------------------------------------
 
-    def ticked(self, bits: int, command: Command) -> list[Sensed]:
+    def ticked(self, bits: int, command: DrivingCommand) -> list[Sensed]:
         """What the tick reported of fixes."""
         happened: list[Sensed] = []
-        if bits & EVENT_FOUND:
+        if bits & EVENT_PLACE and not self._virtual:
+            self._doubt.fix_came()
+        if bits & EVENT_FOUND and self._row.found:  # and no tag read in the same step knows better
+            self._row.found = 0
             happened += self._found(READER_NAMES[self._row.fix_reader], command, by_eye=False)
         if self._virtual and self._row.position_known and bits & (EVENT_PLACE | EVENT_FOUND):
             happened += self._passed(READER_NAMES[self._row.fix_reader])
@@ -145,7 +161,7 @@ class Fixes:
             happened += [TagReached(index) for index in self._places.reached()]
         return happened
 
-    def at_mark(self, event: AtMark, command: Command) -> list[Sensed]:
+    def at_mark(self, event: AtMark, command: DrivingCommand) -> list[Sensed]:
         """The driver's eye has told where the train stands: what a unit without a reader of tags makes of it."""
         if not self._virtual or self._mission is None:
             return []
@@ -166,10 +182,10 @@ class Fixes:
         passed: list[Sensed] = []
         for index, tag in self._places.proved():
             self.notes.append(notes.PlacePassed(tag_id=tag.tag_id, purpose=tag.purpose, reader=reader))
-            passed.append(TagPassed(index, found=False))
+            passed.append(TagBelieved(index, found=False))
         return passed
 
-    def _found(self, reader: str, command: Command, *, by_eye: bool) -> list[Sensed]:
+    def _found(self, reader: str, command: DrivingCommand, *, by_eye: bool) -> list[Sensed]:
         """A position was told to a unit that had none: believed, or forgotten again."""
         if not (self._may_be_here(command, by_eye=by_eye) and (by_eye or self._leaves_room(command))):
             self._row.position_known = 0
@@ -178,9 +194,9 @@ class Fixes:
             self._doubted = True
             return []
         self._doubted, self._tight, self.untold = False, False, True
-        return [Found()]
+        return [FoundByOtherSensor()]
 
-    def _leaves_room(self, command: Command) -> bool:
+    def _leaves_room(self, command: DrivingCommand) -> bool:
         """Whether it is of more use than the one given up: as narrow as the driver's eye, or surely short of the mark.
 
         Otherwise the train would stand where it is, or be asked again whether it is at its mark.
@@ -194,7 +210,7 @@ class Fixes:
         front_m = float(row.position_m + row.bound_ahead_m)
         return front_m + ROOM_M < min(mark_m, limit_m)
 
-    def _may_be_here(self, command: Command, *, by_eye: bool) -> bool:
+    def _may_be_here(self, command: DrivingCommand, *, by_eye: bool) -> bool:
         """Whether the train may be on its own path where it was found: by the register, or where there is no other."""
         row, mission = self._row, self._mission
         if mission is None or self._elsewhere:

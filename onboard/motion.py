@@ -16,38 +16,37 @@ import numpy as np
 
 from network.model import Line
 from onboard import notes
-from onboard.ability import Ability, Means, Way
+from onboard.ability import Ability, Means, WayAhead
 from onboard.authority.coverage import covered_at, next_coverage_m
 from onboard.charge import ChargeWatch
 from onboard.driving.laws.table import LawsRow, told_of_run
 from onboard.driving.pace import Pace
-from onboard.driving.planner.plan import Laid
+from onboard.driving.planner.plan import PlanOnPath
 from onboard.driving.planner.wish import PLAIN, Planning
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.driving.stopping import aim_within, limit_is_short
-from onboard.driving.tasc import WEAK_TOLERANCE_M, Verdict, judge
+from onboard.driving.tasc import WEAK_TOLERANCE_M, StopVerdict, judge
 from onboard.duty.mission import Mission, PathTag, Target
 from onboard.duty.records import (
     AtMark,
-    Command,
-    Found,
-    How,
+    DrivingCommand,
+    DrivingOrder,
+    FoundByOtherSensor,
     Looked,
-    Order,
-    Place,
+    MarkRelation,
+    PlaceInJoints,
     PositionLost,
     Sensed,
-    Started,
     Stopped,
-    TagPassed,
+    TagBelieved,
     VehicleChecked,
+    WheelsTurning,
 )
 from onboard.duty.unable import Unable
 from onboard.fixes import ROOM_M, Fixes
-from onboard.localisation.sighting import begin_slack
 from onboard.localisation.table import READERS_ROW, ReadersRow
-from onboard.localisation.tags import Heard, TagDoubt, Wheels
-from onboard.localisation.wheel_scale import Held
+from onboard.localisation.tags import TagDoubt, TagOutcome, Wheels
+from onboard.localisation.wheel_scale import FrontAtCount
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_CONTRADICTED,
@@ -70,7 +69,7 @@ from onboard.records import (
     UnitRow,
 )
 from onboard.unit_records import UnitParameters
-from onboard.vehicle import IN_ORDER, Vehicle
+from onboard.vehicle import IN_ORDER, VehicleInputs
 from vehicle.record import cells_of
 from vehicle.records import TrainRow
 from vehicle.wheel import pulse_m
@@ -80,7 +79,7 @@ NO_ROOM: Final = "the bounds leave no room to go on"
 ARRIVED_WITHIN_M: Final = 5.0  # stood this near the mark, the train has arrived
 
 
-class Motion:
+class UnitMotion:
     """The driving part of one unit. `row` is its row of UNIT (a numpy record), shared with the compiled tick."""
 
     def __init__(
@@ -100,7 +99,7 @@ class Motion:
         fresh: Any = np.zeros(1, READERS_ROW).view(np.recarray)[0] if readers is None else readers
         self.readers: Final[Any] = cells_of(ReadersRow, fresh)
         self.keeper: Final = keeper
-        self.command = Command()
+        self.command = DrivingCommand()
         self.load_share = 0.0
         self.adhesion_factor = 1.0  # the least of the day's weather, of the dry rail's
         self.vehicle = IN_ORDER
@@ -121,8 +120,9 @@ class Motion:
         self._tags: Mapping[int, tuple[int, PathTag]] = {}
         self._doubt: Final = TagDoubt(self.row, parameters, row)
         self._ability: Final = Ability()
-        self._fixes: Final = Fixes(self.row, row, self.readers, parameters, self._length_m, self.notes)
+        self._fixes: Final = Fixes(self._doubt, row, self.readers, parameters, self._length_m, self.notes)
         self._found = False
+        self._held_short = False  # stands as at a stop: its own bounds keep it from a mark that it may go to
         self._off_plan = False
         self._due_m = math.inf  # place of the tag that is expected, also once it is overdue
         self._laws: Final = laws
@@ -175,7 +175,7 @@ class Motion:
         row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = row.stop_limit_m = math.inf
         row.intervention = EMERGENCY_INTERVENTION
 
-    def _take_up(self, mission: Mission, path: PathData, kept: Sequence[Held] = ()) -> None:
+    def _take_up(self, mission: Mission, path: PathData, kept: Sequence[FrontAtCount] = ()) -> None:
         row = self.row
         self._mission, self._off_plan = mission, False
         self._starts_m = [span.start_m for span in mission.spans]
@@ -191,7 +191,7 @@ class Motion:
         row.target_stop_m = row.mark_m = row.position_m
         self._expect_tag()
 
-    def taken_plan(self) -> Laid | None:
+    def taken_plan(self) -> PlanOnPath | None:
         """The plan for this path that was made since the last call, to be laid and followed."""
         return self._pace.taken_plan()
 
@@ -201,13 +201,13 @@ class Motion:
 
     # what is reported to the duty ---------------------------------------------------------------------------------
 
-    def place(self) -> Place:
+    def place(self) -> PlaceInJoints:
         """Where the train is now, in joints of the plan."""
         row, mission = self.row, self._mission
         emergency = bool(row.intervention == EMERGENCY_INTERVENTION)
         stands = bool(row.speed_mps == 0.0)
         if mission is None or not row.position_known:  # who does not know where it is can only try the radio
-            return Place(stands=stands, emergency=emergency, unfit=self.vehicle.unfit)
+            return PlaceInJoints(stands=stands, emergency=emergency, unfit=self.vehicle.unfit)
         position_m = float(row.position_m)
         rear_m = position_m - float(row.bound_behind_m) - self._length_m
         joints_m = [*self._starts_m, self._ends_m[-1]]
@@ -216,7 +216,7 @@ class Motion:
         within_m = ARRIVED_WITHIN_M if stands else -ARRIVED_WITHIN_M
         nearest = min(range(len(marks_m)), key=lambda i: abs(marks_m[i] - position_m))
         near = nearest if abs(marks_m[nearest] - position_m) < ARRIVED_WITHIN_M else -1
-        return Place(
+        return PlaceInJoints(
             known=True,
             covered=covered_at(self._line, mission.path, position_m),
             stands=stands,
@@ -231,18 +231,18 @@ class Motion:
             passed=max((i for i, mark_m in enumerate(marks_m) if mark_m <= position_m + within_m), default=0),
             unfit=self.vehicle.unfit,
             unable=self._unable(mission, near) if stands and near >= 0 else None,
-            unsure=stands and near >= 0 and self._fixes.unsure,
+            unsure=stands and (self._held_short or (near >= 0 and self._fixes.unsure)),
             untold=self._fixes.untold,
         )
 
     def _unable(self, mission: Mission, at: int) -> Unable | None:
         """Why the train could not reach the next stop if it left the one where it stands now."""
-        way = Way(mission, at, float(self.row.position_m), self._pace.climb_m, self._pace.driving_mps)
+        way = WayAhead(mission, at, float(self.row.position_m), self._pace.climb_m, self._pace.driving_mps)
         means = Means(self._train, self._behaviour, self.load_share, self.vehicle, self.adhesion_factor)
         too_weak = self._ability.why_not(way, means)
         return too_weak if too_weak is not None or self.charge is None else self.charge.why_not(mission, at)
 
-    def vehicle_shows(self, vehicle: Vehicle) -> list[Sensed]:
+    def vehicle_shows(self, vehicle: VehicleInputs) -> list[Sensed]:
         """What the vehicle shows of itself now."""
         before, self.vehicle = self.vehicle, vehicle
         if vehicle.unfit != before.unfit:
@@ -257,11 +257,12 @@ class Motion:
 
     def at_mark(self, event: AtMark) -> list[Sensed]:
         """The driver's eye has told where the train stands, which a unit that reads tags does not go by."""
+        self._held_short = False
         return self._taken_up(self._fixes.at_mark(event, self.command))
 
     def _taken_up(self, of_fixes: list[Sensed]) -> list[Sensed]:
         """What fixes mean to the duty; who has found its position runs on from there."""
-        if any(isinstance(each, Found) for each in of_fixes):
+        if any(isinstance(each, FoundByOtherSensor) for each in of_fixes):
             self._found = True
             self._expect_tag()
         return of_fixes
@@ -270,6 +271,7 @@ class Motion:
         """The reader read a tag when the tachometer stood at `odometer_m`."""
         known = self._tags.get(tag_id)
         odometer_m += self.row.odometer_off_m
+        self._fixes.stand_back()
         if self._shows_stand() and not (known and self._reaches(known[1])):
             return self._lose("a tag was passed while the tachometer shows a stand", Wheels.FALSE)
         if known is None:
@@ -278,19 +280,16 @@ class Motion:
         row, (index, tag) = self.row, known
         found = bool(row.position_known != 1)
         heard, correction_m = self._doubt.hear(tag, odometer_m)
-        if heard is Heard.OUT:
+        if heard is TagOutcome.OUT:
             return self._lose(f"tag {tag_id} where none can be", self._doubt.wheels_by_tag(tag, odometer_m))
-        if heard is not Heard.BELIEVED:
+        if heard is not TagOutcome.BELIEVED:
             self.notes.append(notes.TagDoubted(tag_id=tag_id))
             self._expect_tag()
             return []
-        moved_m = round(correction_m, 3)
-        self.notes.append(notes.TagRead(tag_id=tag_id, purpose=tag.purpose, correction_m=moved_m))
         self._expect_tag(tag.position_m)
-        begin_slack(self.readers.sign, row, self._parameters.tag_accuracy_m + row.pulse_m)
-        self._fixes.tag_believed()
+        self._fixes.tag_believed(tag, correction_m)
         self._found = self._found or found
-        return [TagPassed(index, found)]
+        return [TagBelieved(index, found)]
 
     def _shows_stand(self) -> bool:
         """Whether the tachometer shows that the train has not moved since it came to a stand."""
@@ -310,7 +309,7 @@ class Motion:
             wheels = Wheels.FALSE if row.wheel_slide == 0 else Wheels.DOUBTED
             happened += self._lose("the tachometer shows what cannot be", wheels)
         if bits & EVENT_FIX and self._fixes.sign_missed(self._next_target()):
-            self._impossible(Verdict.TARGET_NOT_SEEN)
+            self._impossible(StopVerdict.TARGET_NOT_SEEN)
         if bits & EVENT_CONTRADICTED and not self.reads_tags and row.position_known:
             happened += self._lose("fixes miss the bounds of the position")
         happened += self._taken_up(self._fixes.ticked(bits, self.command))
@@ -318,13 +317,13 @@ class Motion:
             self._note_impossible()
         if bits & EVENT_TAG_OVERDUE:
             if self.command.target is not None:
-                self._impossible(Verdict.TARGET_NOT_SEEN)
+                self._impossible(StopVerdict.TARGET_NOT_SEEN)
             happened += self._lose("expected tag was not read", self._doubt.wheels_by_overdue(self._due_m))
         if bits & EVENT_INTERVENTION:
             self.notes.append(notes.Intervention(level=int(row.intervention)))
         if bits & EVENT_MOVING:
             self._stood_m = None
-            happened.append(Started())
+            happened.append(WheelsTurning())
         if bits & EVENT_STOPPED:
             self._stood_m = float(row.odometer_m)
             happened += self._stopped()
@@ -346,23 +345,21 @@ class Motion:
     def _stopped(self) -> list[Sensed]:
         row, target = self.row, self._next_target()
         if target is None or self.command.target is None or self.command.on_sight:
-            return [Stopped(How.AT, 0.0)]
+            return [Stopped(MarkRelation.AT, 0.0)]
         away_m = float(row.position_m) - target.mark_m
         to_mark_m = row.bound_ahead_m if away_m < 0.0 else row.bound_behind_m
         if abs(away_m) > ARRIVED_WITHIN_M and to_mark_m > self._parameters.doubt_bound_max_m:
             return self._lose(NO_ROOM)
         if away_m < -WEAK_TOLERANCE_M and self._stands_at_limit_of(target):
-            self._impossible(Verdict.SIGN_BEYOND_LIMIT)
+            self._impossible(StopVerdict.SIGN_BEYOND_LIMIT)
+            self._held_short = target.mark_m < row.stop_limit_m - ROOM_M
         elif away_m < -ARRIVED_WITHIN_M:
             row.braking_to_stop = 0
-            return [Stopped(How.SHORT, away_m)]
+            return [Stopped(MarkRelation.SHORT, away_m)]
         run = None if self._laws is None else told_of_run(self._laws)
-        if run is not None:
-            self.notes.append(run)
         learned = self.keeper.stopped(self._train, self._behaviour, self.load_share)
-        if learned is not None:
-            self.notes.append(learned)
-        return [Stopped(How.BEYOND if away_m > ARRIVED_WITHIN_M else How.AT, away_m)]
+        self.notes.extend(note for note in (run, learned) if note is not None)
+        return [Stopped(MarkRelation.BEYOND if away_m > ARRIVED_WITHIN_M else MarkRelation.AT, away_m)]
 
     def _stands_idle(self) -> list[Sensed]:
         """It may go on to its mark and does not: it is there, or its own bounds leave no room, which nothing mends."""
@@ -387,9 +384,9 @@ class Motion:
             return None
         return self._mission.targets[following]
 
-    def _impossible(self, verdict: Verdict) -> None:
+    def _impossible(self, verdict: StopVerdict) -> None:
         """The stop at the next mark cannot be made as it should; the first reason found stands."""
-        if self.keeper.verdict() is Verdict.POSSIBLE:
+        if self.keeper.verdict() is StopVerdict.POSSIBLE:
             judge(self.keeper.tasc, int(verdict))
             self.row.stop_verdict = int(verdict)
             self._note_impossible()
@@ -416,7 +413,7 @@ class Motion:
         self._doubt.begin(wheels)
         self._fixes.doubt(tight=why == NO_ROOM)
         row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = math.inf
-        row.position_known = 0
+        row.position_known, self._held_short = 0, False
         row.restricted_mps = self._parameters.restricted_mps
         row.intervention = EMERGENCY_INTERVENTION
         self._pace.give_up_plan()
@@ -424,16 +421,16 @@ class Motion:
 
     # what the duty wants ------------------------------------------------------------------------------------------
 
-    def obey(self, command: Command, now_s: float) -> None:
+    def obey(self, command: DrivingCommand, now_s: float) -> None:
         """Set what the tick works to."""
         row = self.row
         self.command = command
         self._look_for_sign(None if command.target is None else self._next_target())
-        if Order.RELEASE in command.orders:
+        if DrivingOrder.RELEASE in command.orders:
             row.intervention = NO_INTERVENTION
-        if Order.STOP in command.orders:
+        if DrivingOrder.STOP in command.orders:
             row.intervention = EMERGENCY_INTERVENTION
-        if Order.LOSE in command.orders:
+        if DrivingOrder.LOSE in command.orders:
             self._lose(NO_ROOM)
         restricted = command.on_sight or command.sweeps or not row.position_known
         row.restricted_mps = self._parameters.restricted_mps if restricted else math.inf
@@ -448,7 +445,7 @@ class Motion:
             covered_m = next_coverage_m(self._line, self._mission.path, row.position_m)
             row.position_trigger_m = min(row.position_trigger_m, covered_m)
 
-    def _run_on_sight(self, command: Command) -> None:
+    def _run_on_sight(self, command: DrivingCommand) -> None:
         """No further than the section it is in; to the next mark, if it knows where that is."""
         row, mission = self.row, self._mission
         self._pace.give_up_plan()
@@ -466,7 +463,7 @@ class Motion:
             may_run = may_run and not self.charge.connected
         row.mode = MODE_DRIVE if may_run else MODE_HOLD
 
-    def _run(self, command: Command, now_s: float) -> None:
+    def _run(self, command: DrivingCommand, now_s: float) -> None:
         row, mission = self.row, self._mission
         if mission is None:
             return
@@ -474,9 +471,9 @@ class Motion:
         moved = limit_m != row.stop_limit_m and row.speed_mps == 0.0
         row.stop_limit_m = limit_m
         row.mode = MODE_DRIVE if command.drive else MODE_HOLD
-        if Order.DEPART in command.orders:
+        if DrivingOrder.DEPART in command.orders:
             row.braking_to_stop = 0
-        if Order.DEPART in command.orders or Order.RESUME in command.orders:
+        if DrivingOrder.DEPART in command.orders or DrivingOrder.RESUME in command.orders:
             row.target_stop_m = row.mark_m = row.position_m
         if command.target is not None:
             there = mission.targets[command.target]

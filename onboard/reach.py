@@ -39,7 +39,7 @@ class OffLine:
 
 
 @dataclass(frozen=True, slots=True)
-class Hop:
+class BatteryHop:
     """From one stop to the next: what the run takes, J at the battery in `run_s`, and then the stand there.
 
     `charger`: the station whose charger is at the stop where it ends; empty: none. `beyond_j`: what the set then takes
@@ -119,18 +119,18 @@ def hops_of(
     dwell_s: float,
     following: Mission | None,
     off: OffLine,
-) -> tuple[Hop, ...]:
+) -> tuple[BatteryHop, ...]:
     """The hops of a mission, given the time (s) and energy (J) of each run.
 
     `following`: the set's next, if it stays on the line.
     """
-    found: list[Hop] = []
+    found: list[BatteryHop] = []
     for (here, there), (time_s, takes_j) in zip(pairwise(mission.targets), runs, strict=True):
         last = there is mission.targets[-1]
         next_first = following.targets[0] if last and following is not None else None
         leaves = there.station_id is None
         found.append(
-            Hop(
+            BatteryHop(
                 mission.number,
                 here.place_id,
                 there.place_id,
@@ -154,7 +154,7 @@ class Reach:
     hops: int
 
 
-def to_next_charge(hops: Sequence[Hop], dead: Collection[str]) -> Reach:
+def to_next_charge(hops: Sequence[BatteryHop], dead: Collection[str]) -> Reach:
     """What the way takes that begins with the first of these hops."""
     needed_j = 0.0
     for count, hop in enumerate(hops, 1):
@@ -165,7 +165,7 @@ def to_next_charge(hops: Sequence[Hop], dead: Collection[str]) -> Reach:
     return Reach(needed_j, None, len(hops))
 
 
-def stretches(hops: Sequence[Hop], dead: Collection[str]) -> Iterator[tuple[int, Reach]]:
+def stretches(hops: Sequence[BatteryHop], dead: Collection[str]) -> Iterator[tuple[int, Reach]]:
     """Every way from charge to charge along some hops: the index of its first hop, and what it takes."""
     at = 0
     while at < len(hops):
@@ -178,9 +178,9 @@ def stretches(hops: Sequence[Hop], dead: Collection[str]) -> Iterator[tuple[int,
 class SetWays:
     """One set's hops from the beginning of its day to its end; `first` is the index of each train's first hop."""
 
-    hops: tuple[Hop, ...]
+    hops: tuple[BatteryHop, ...]
     first: Mapping[str, int]
 
-    def ahead(self, number: str, at: int) -> tuple[Hop, ...]:
+    def ahead(self, number: str, at: int) -> tuple[BatteryHop, ...]:
         """The hops ahead of the set at a stop of one of its trains."""
         return self.hops[self.first[number] + at :]

@@ -90,6 +90,7 @@ class UnitRow(Protocol):
     fix_reader: Annotated[int, "whose it was: its place in READERS"]
     sure_m: Annotated[float, "by such fixes alone the front is beyond this; -inf: by none"]
     place_trigger_m: Annotated[float, "the next virtual tag; +inf: none"]
+    found: Annotated[int, "1: a fix has told in this step what was not known, and nobody has believed it yet"]
     missed_fixes: Annotated[int, "of absolute sensors, one after the other"]
     # authority and supervision
     stop_limit_m: Annotated[float, "停止限界: never passed by the front"]

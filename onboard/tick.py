@@ -67,7 +67,8 @@ def tick(board: BoardRow, sensed: SensedRow, chart: Chart, plan: NDArray[np.void
         )
     known = unit.position_known
     events |= read_all(board.readers, sensed.readings, unit, chart, step_s)
-    if known == 0 and unit.position_known != 0:
+    unit.found = 1 if known == 0 and unit.position_known != 0 else 0
+    if unit.found != 0:
         events |= EVENT_FOUND
     moves = unit.mode == MODE_DRIVE or speed_mps > 0.0
     own_mps2 = own_deceleration_mps2(unit, train, path, sensed.load_share) if moves else 0.0

@@ -16,25 +16,25 @@ import msgspec
 from onboard import notes
 from onboard.authority import records as auth
 from onboard.authority.letters import Letters
+from onboard.duty.duty_step import NEVER_S, Action, DutyParameters
 from onboard.duty.machine import step
-from onboard.duty.plan import NO_PLAN, Plan
+from onboard.duty.plan import NO_PLAN, DutyPlan
 from onboard.duty.records import (
     Begin,
-    Command,
+    DrivingCommand,
+    DrivingOrder,
     DutyState,
     Event,
-    Heard,
-    Order,
     Person,
-    Place,
+    PlaceInJoints,
     Sensed,
     SetTimerAt,
     SwitchedOn,
+    TelegramHeard,
     TimerDue,
     Told,
 )
 from onboard.duty.shown import command_of
-from onboard.duty.turn import NEVER_S, Action, DutyParameters
 from radio.elapsed import Elapsed
 from radio.envelope import Dropped, Endpoint
 
@@ -47,7 +47,7 @@ class Report(msgspec.Struct, frozen=True):
     `claims_besides`: for its host alone, what a fault has it claim that it does not hold.
     """
 
-    place: Place
+    place: PlaceInJoints
     happened: tuple[Person | Sensed, ...] = ()
     claims_besides: tuple[str, ...] = ()
 
@@ -59,14 +59,14 @@ class Telegram(msgspec.Struct, frozen=True):
     data: bytes
 
 
-class Answer(msgspec.Struct, frozen=True):
+class UnitAnswer(msgspec.Struct, frozen=True):
     """What the unit did: telegrams, what it wants of its driving part, what it tells the driver, lines of the journal.
 
     `wake_at_s`: when a timer runs out next; None: none runs.
     """
 
     telegrams: tuple[Telegram, ...]
-    command: Command
+    command: DrivingCommand
     told: tuple[Told, ...]
     notes: tuple[notes.Note, ...]
     wake_at_s: float | None
@@ -79,7 +79,7 @@ class _RunsOut(NamedTuple):
     clock_s: float
 
 
-class Unit:
+class OnboardUnit:
     """One boot of one on-board unit. `perhaps_on_line`: whether the boot before ended there; None: nobody can tell."""
 
     def __init__(
@@ -94,7 +94,7 @@ class Unit:
         self.unit_id: Final = unit_id
         unsure = endpoint.epoch > 1 if perhaps_on_line is None else perhaps_on_line
         self.state = DutyState(authority=auth.Authority(unsure=unsure))
-        self.plan: Plan = NO_PLAN
+        self.plan: DutyPlan = NO_PLAN
         self._parameters: Final = parameters
         self._endpoint: Final = endpoint
         self._letters: Final = Letters(unit_id, manager_id)
@@ -103,9 +103,9 @@ class Unit:
         self._telegrams: list[Telegram] = []
         self._told: list[Told] = []
         self._notes: list[notes.Note] = []
-        self._orders: list[Order] = []
+        self._orders: list[DrivingOrder] = []
 
-    def advance(self, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+    def advance(self, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> UnitAnswer:
         """Act at `now_s` on what happened, on telegrams, on timers, in this order."""
         self._elapsed.at(now_s)
         for event in sensed.happened:
@@ -115,7 +115,7 @@ class Unit:
         while (timer := self._next_due(now_s)) is not None:
             del self._timers[timer]
             self._take(TimerDue(timer), sensed.place, now_s)
-        answer = Answer(
+        answer = UnitAnswer(
             tuple(self._telegrams),
             msgspec.structs.replace(command_of(self.plan, self.state), orders=tuple(self._orders)),
             tuple(self._told),
@@ -125,8 +125,8 @@ class Unit:
         self._telegrams, self._told, self._notes, self._orders = [], [], [], []
         return answer
 
-    def _take(self, event: Event, place: Place, now_s: float) -> None:
-        if Order.LOSE in self._orders:  # its driving part has yet to obey
+    def _take(self, event: Event, place: PlaceInJoints, now_s: float) -> None:
+        if DrivingOrder.LOSE in self._orders:  # its driving part has yet to obey
             place = msgspec.structs.replace(place, known=False, emergency=True)
         if isinstance(event, Begin | SwitchedOn):
             self.plan = event.plan
@@ -136,7 +136,7 @@ class Unit:
         for action in actions:
             self._do(action, now_s)
 
-    def _open(self, data: bytes, place: Place, now_s: float) -> None:
+    def _open(self, data: bytes, place: PlaceInJoints, now_s: float) -> None:
         """A telegram from the air: checked, written down, and put to the machine as it relates to what is open."""
         opened = self._endpoint.open(data, now_s)
         if isinstance(opened, Dropped):
@@ -145,7 +145,7 @@ class Unit:
         self._notes.append(opened.noted(self.unit_id))
         event = self._letters.read(opened)
         if event is not None:
-            self._take(Heard(event), place, now_s)
+            self._take(TelegramHeard(event), place, now_s)
 
     def _shown_at(self, runs_out: _RunsOut) -> float:
         """What the clock shows when a timer runs out."""
@@ -157,7 +157,7 @@ class Unit:
 
     def _do(self, action: Action, now_s: float) -> None:
         match action:
-            case auth.Send() | auth.SendClaim() | auth.SendCommand():
+            case auth.SendRequest() | auth.SendClaim() | auth.SendCommand():
                 letter = self._letters.write(action)
                 data = self._endpoint.seal(letter.destination, letter.message, now_s, letter.correlation)
                 self._telegrams.append(Telegram(letter.destination, data))
@@ -171,7 +171,7 @@ class Unit:
                 self._timers.pop(timer, None)
             case auth.Write(note):
                 self._notes.append(self._letters.with_token(note))
-            case Order():
+            case DrivingOrder():
                 self._orders.append(action)
             case _:
                 self._told.append(action)

@@ -15,7 +15,7 @@ from network.files.quantities import (
     WheelError,
 )
 from network.files.toml_input import Record
-from onboard.duty.turn import DutyParameters
+from onboard.duty.duty_step import DutyParameters
 
 
 class UnitParameters(Record):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import msgspec
 
 
-class Vehicle(msgspec.Struct, frozen=True):
+class VehicleInputs(msgspec.Struct, frozen=True):
     """The inputs. `doors_closed`: closed and locked, all of them (戸閉); `brake_good`: pressure is as commanded;
     `motors_share`: of the motors in service, those cut out (主電動機開放) being left out.
     """
@@ -28,4 +28,4 @@ class Vehicle(msgspec.Struct, frozen=True):
         return ", ".join(filter(None, wrong))
 
 
-IN_ORDER = Vehicle()
+IN_ORDER = VehicleInputs()

@@ -24,6 +24,7 @@ from network.files.toml_input import Record
 from radio.chance import generator
 
 STEP_S: Final = 0.1
+STEPS_PER_S: Final = 10
 _STEP_TOLERANCE: Final = 1e-9
 
 

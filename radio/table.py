@@ -7,7 +7,7 @@ from enum import Enum
 from typing import Any, NamedTuple
 
 
-class Row(NamedTuple):
+class TableCell(NamedTuple):
     """One cell of a machine's table: in `state`, `event` is handled by `handler`; `outcome` says what happens."""
 
     state: str
@@ -16,7 +16,7 @@ class Row(NamedTuple):
     outcome: str
 
 
-def rows(table: Mapping[Any, Callable[..., Any]]) -> tuple[Row, ...]:
+def rows(table: Mapping[Any, Callable[..., Any]]) -> tuple[TableCell, ...]:
     """A table as rows, in its order; its keys are states (one or more) and the type of the event.
 
     The outcome is the first paragraph of the handler's docstring. Raises ValueError if it has none.
@@ -24,10 +24,10 @@ def rows(table: Mapping[Any, Callable[..., Any]]) -> tuple[Row, ...]:
     return tuple(_row(key, handler) for key, handler in table.items())
 
 
-def _row(key: tuple[Enum | type, ...], handler: Callable[..., Any]) -> Row:
+def _row(key: tuple[Enum | type, ...], handler: Callable[..., Any]) -> TableCell:
     states = [part.value for part in key if isinstance(part, Enum)]
     (event,) = (part.__name__ for part in key if isinstance(part, type))
     if not handler.__doc__:
         raise ValueError(f"{handler.__name__} has no docstring to say what it does")
     outcome = " ".join(handler.__doc__.split("\n\n")[0].split())
-    return Row(", ".join(states), event, handler.__name__.lstrip("_"), outcome)
+    return TableCell(", ".join(states), event, handler.__name__.lstrip("_"), outcome)

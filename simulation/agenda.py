@@ -10,7 +10,7 @@ from typing import Final
 EARLY_MAX: Final = 1_000_000  # items that may be put in first
 
 
-class Due(IntEnum):
+class AgendaKind(IntEnum):
     """Kinds of events; within a step lower ones come first."""
 
     POINTS = 0  # a point machine reaches its end
@@ -28,7 +28,7 @@ class Item:
     """One thing due."""
 
     step: int
-    kind: Due
+    kind: AgendaKind
     order: int
     subject: str = field(compare=False)
     data: bytes | None = field(compare=False, default=None)
@@ -42,12 +42,12 @@ class Agenda:
         self._order = 0
         self._early = -EARLY_MAX
 
-    def put(self, step: int, kind: Due, subject: str, data: bytes | None = None) -> None:
+    def put(self, step: int, kind: AgendaKind, subject: str, data: bytes | None = None) -> None:
         """Add an item."""
         self._order += 1
         heapq.heappush(self._heap, Item(step, kind, self._order, subject, data))
 
-    def put_first(self, step: int, kind: Due, subject: str) -> None:
+    def put_first(self, step: int, kind: AgendaKind, subject: str) -> None:
         """Add an item as if it had been put in before all others, though after those that this was said of."""
         self._early += 1
         heapq.heappush(self._heap, Item(step, kind, self._early, subject))
@@ -56,7 +56,7 @@ class Agenda:
         """Step of the earliest item; None when nothing is due ever again."""
         return self._heap[0].step if self._heap else None
 
-    def subjects(self, kind: Due) -> frozenset[str]:
+    def subjects(self, kind: AgendaKind) -> frozenset[str]:
         """Who has an item of a kind."""
         return frozenset(item.subject for item in self._heap if item.kind is kind)
 
@@ -66,7 +66,7 @@ class Agenda:
             return heapq.heappop(self._heap)
         return None
 
-    def pop_all(self, step: int, kind: Due, subject: str) -> list[Item]:
+    def pop_all(self, step: int, kind: AgendaKind, subject: str) -> list[Item]:
         """Further items of the same step, kind and subject, in order, taken out."""
         taken = [i for i in self._heap if i.step <= step and i.kind is kind and i.subject == subject]
         if taken:

@@ -7,25 +7,21 @@ finished, the line is left, the portal may be entered) goes on to the duties.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 from onboard.duty.records import Person, Sensed, SetBack, Told
-from simulation.agenda import Agenda, Due
+from simulation.agenda import AgendaKind
+from simulation.clock import Clock
 from simulation.events import WORLD, Commissioned, PowerOff, PowerOn, Uncommissioned
 from simulation.faults.fault import VehiclePart
-from simulation.journal import Journal
 from simulation.pauses import Pauses
 from simulation.people import Pause
 from simulation.setup import STEPS_PER_S, step_not_before
-from simulation.world.books import Books
-from simulation.world.charging import Charging
-from simulation.world.clock import Clock
+from simulation.subscribers import Subscribers
 from simulation.world.crew import LOOKS_AGAIN_S, Crew
-from simulation.world.on_board import OnBoard
-from simulation.world.points import WaysideWorld
 from simulation.world.roster import Duty
-from simulation.world.trains import Trains
+from simulation.world.stage import World
 
 CREW: Final = "crew "
 _LOST: Final = "it has lost its durable state, and people must commission it"
@@ -34,31 +30,18 @@ _LOST: Final = "it has lost its durable state, and people must commission it"
 class Cabs:
     """What passes between the world and the units."""
 
-    def __init__(
-        self,
-        trains: Trains,
-        on_board: OnBoard,
-        wayside: WaysideWorld,
-        books: Books,
-        agenda: Agenda,
-        journal: Journal,
-    ) -> None:
-        self._trains = trains
-        self._on_board = on_board
-        self._wayside = wayside
-        self._books = books
-        self._agenda = agenda
-        self._journal = journal
-        self._crew = Crew(trains, on_board, wayside.machines.__getitem__, journal, wayside)
-        self.charging: Charging | None = None
+    def __init__(self, world: World) -> None:
+        self.told: Final = Subscribers[int, Told, int]()  # what a unit (slot) tells its driver, the step
+        self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
+        self._books, self._agenda, self._journal = world.books, world.agenda, world.journal
+        self._charging, self._signs = world.charging, world.signs
+        self._crew = Crew(world.trains, world.on_board, world.wayside, world.journal)
         self._looking: set[int] = set()  # slots whose crew has a next look on the agenda
-        self._pauses = Pauses(trains.setup)
+        self._pauses = Pauses(world.setup)
         self._about_to: set[tuple[Pause, int]] = set()  # what a crew is going to do, by its slot
         self._timer_steps: dict[int, int] = {}
         self._wakes: set[int] = set()  # slots whose unit has a timer running
         self._frozen: dict[int, list[tuple[Sequence[Person | Sensed], Sequence[bytes]]]] = {}
-        self.told: Callable[[int, Told, int], None] = lambda _slot, _told, _step: None
-        self.looked_ahead: Callable[[int], None] = lambda _slot: None  # signs, which cameras see
 
     def tell(
         self, slot: int, step: int, happened: Sequence[Person | Sensed] = (), telegrams: Sequence[bytes] = ()
@@ -89,7 +72,7 @@ class Cabs:
             wake_step = max(step_not_before(answer.wake_at_s), step + 1)
             if self._timer_steps.get(slot) != wake_step:
                 self._timer_steps[slot] = wake_step
-                self._agenda.put(wake_step, Due.UNIT_TIMER, stock_id)
+                self._agenda.put(wake_step, AgendaKind.UNIT_TIMER, stock_id)
 
     def _look(self, slot: int, step: int) -> None:
         """Stops are booked by the truth; the crew of a train on the line looks at its display and at the line."""
@@ -102,7 +85,7 @@ class Cabs:
         (self._crew.on_sight.add if shown.on_sight or shown.sweeps else self._crew.on_sight.discard)(slot)
         self._crew.look_ahead(slot)
         self._keep_looking(slot, step)
-        self.looked_ahead(slot)
+        self._signs.look_ahead(slot)
 
     def timer(self, slot: int, step: int) -> None:
         """A time asked for with `wake_at_s` has come."""
@@ -162,7 +145,7 @@ class Cabs:
             return "its unit, which is frozen"
         if slot in self._on_board.numberless:
             return "its crew to enter the train number"
-        if self.charging is not None and self.charging.empty(slot):
+        if self._charging is not None and self._charging.empty(slot):
             return "power: its battery is empty"
         if self._crew.sees_train(slot):
             return "the track ahead: the driver sees a train on it"
@@ -207,7 +190,7 @@ class Cabs:
         stock_id = self._trains.stock_ids[slot]
         due_step = step + self._pauses.steps(pause, stock_id)
         if due_step > step:
-            self._agenda.put(due_step, Due.CREW, f"{pause.value} {stock_id}")
+            self._agenda.put(due_step, AgendaKind.CREW, f"{pause.value} {stock_id}")
         return due_step
 
     def _look_out(self, slot: int, step: int) -> None:
@@ -230,7 +213,7 @@ class Cabs:
             return
         self._looking.add(slot)
         again = step + round(LOOKS_AGAIN_S * STEPS_PER_S)
-        self._agenda.put(again, Due.SCRIPT, CREW + self._trains.stock_ids[slot])
+        self._agenda.put(again, AgendaKind.SCRIPT, CREW + self._trains.stock_ids[slot])
 
     def set_back(self, slot: int, step: int, hold_s: float) -> None:
         """The crew sets back the route ahead (進路取消)."""

@@ -11,22 +11,18 @@ from enum import Enum
 from typing import Final
 
 from network.model import SectionKind
-from onboard.duty.records import Accepted, Finished, Leave, LeftLine, OffTheLine, Told
+from onboard.duty.records import EntryAllowed, Finished, Leave, LeftLine, OffTheLine, Told
 from onboard.notes import MissionDone
-from simulation.agenda import Agenda, Due
+from simulation.agenda import AgendaKind
 from simulation.cabs import Cabs
 from simulation.events import WORLD, CameLate, Entered, Left, Reversed
-from simulation.journal import Journal
 from simulation.judge.checkers import Checkers
 from simulation.people import Pause
 from simulation.result import Waiting
-from simulation.setup import STEP_S, STEPS_PER_S, Setup
-from simulation.world.books import Books
-from simulation.world.charging import Charging
-from simulation.world.on_board import OnBoard
-from simulation.world.points import WaysideWorld
+from simulation.setup import STEP_S, STEPS_PER_S
 from simulation.world.roster import Duty, stabled_at_start
-from simulation.world.trains import SIGN, Trains
+from simulation.world.stage import World
+from simulation.world.trains import SIGN
 from wayside.config import MANAGER_ID
 from wayside.said import BoundaryPassed, ConfirmOutside
 
@@ -38,7 +34,7 @@ _IS_TO: Final[Mapping[Pause, str]] = {
 }
 
 
-class Stage(Enum):
+class StockStage(Enum):
     """Where a stock is in its day."""
 
     OUTSIDE = "outside"
@@ -54,58 +50,39 @@ class WrongEnd(RuntimeError):  # noqa: N818 - names what happened
 class Duties:
     """The duties of all stocks."""
 
-    def __init__(
-        self,
-        setup: Setup,
-        drawn_up: Mapping[str, tuple[Duty, ...]],
-        trains: Trains,
-        on_board: OnBoard,
-        cabs: Cabs,
-        books: Books,
-        checkers: Checkers,
-        wayside: WaysideWorld,
-        agenda: Agenda,
-        journal: Journal,
-    ) -> None:
-        self._setup = setup
-        self._duties = drawn_up
-        self._trains = trains
-        self._on_board = on_board
-        self._cabs = cabs
-        self._books = books
-        self._checkers = checkers
-        self._wayside = wayside
-        self._agenda = agenda
-        self._journal = journal
-        self._next = dict.fromkeys(trains.stock_ids, 0)
-        self._stage = [Stage.OUTSIDE] * len(trains.stock_ids)
+    def __init__(self, world: World, cabs: Cabs, checkers: Checkers) -> None:
+        self._setup, self._duties, self._charging = world.setup, world.drawn, world.charging
+        self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
+        self._books, self._agenda, self._journal = world.books, world.agenda, world.journal
+        self._cabs, self._checkers = cabs, checkers
+        self._next = dict.fromkeys(world.trains.stock_ids, 0)
+        self._stage = [StockStage.OUTSIDE] * len(world.trains.stock_ids)
         self._becoming: list[Duty] = []
-        sections = setup.line.sections.values()
+        sections = world.setup.line.sections.values()
         self._portals: Final = {section.id for section in sections if section.kind is SectionKind.PORTAL}
         self._due: dict[tuple[Pause, int], int] = {}  # the step at which a crew does something, by slot
-        self.charging: Charging | None = None
-        cabs.told = self.told
+        cabs.told.add(self.told)
 
     def open(self, step: int) -> None:
         """The controller says which stock is outside; stock stabled on the line is put there."""
         for slot, stock_id in enumerate(self._trains.stock_ids):
             duties = self._duties[stock_id]
             if stabled_at_start(duties):
-                self._agenda.put(step, Due.DUTY, stock_id)
+                self._agenda.put(step, AgendaKind.DUTY, stock_id)
                 continue
             self._wayside.input(step, MANAGER_ID, ConfirmOutside(stock_id, "controller"))
             if duties:
-                self._agenda.put(round(duties[0].comes_s / STEP_S), Due.DUTY, stock_id)
+                self._agenda.put(round(duties[0].comes_s / STEP_S), AgendaKind.DUTY, stock_id)
             else:
-                self._stage[slot] = Stage.DONE
+                self._stage[slot] = StockStage.DONE
 
     def finished(self, slot: int) -> bool:
         """Whether nothing follows for a stock."""
-        return self._stage[slot] is Stage.DONE
+        return self._stage[slot] is StockStage.DONE
 
     def all_done(self) -> bool:
         """Whether nothing follows for any stock, and none moves: a tachometer shows a stand before the wheels do."""
-        done = all(stage is Stage.DONE for stage in self._stage)
+        done = all(stage is StockStage.DONE for stage in self._stage)
         return done and all(self._trains.plants[slot].speed_mps <= 0.0 for slot in self._trains.active())
 
     def unfinished(self) -> tuple[str, ...]:
@@ -114,7 +91,7 @@ class Duties:
 
     def _truly_done(self, slot: int) -> bool:
         duty = self._trains.duties[slot]
-        if self._stage[slot] is not Stage.DONE:
+        if self._stage[slot] is not StockStage.DONE:
             return False
         if duty is None or not self._trains.truths[slot].active:
             return True
@@ -122,7 +99,7 @@ class Duties:
 
     def bound(self, slot: int) -> bool:
         """Whether the stock has something to do: it is on the line, or outside its portal and wants in."""
-        return self._stage[slot] in (Stage.WAITING, Stage.ON_LINE)
+        return self._stage[slot] in (StockStage.WAITING, StockStage.ON_LINE)
 
     def place(self, slot: int) -> str:
         """Where the front truly is, in words."""
@@ -155,9 +132,9 @@ class Duties:
         late_s = 0.0
         for slot, stock_id in enumerate(self._trains.stock_ids):
             stage, duty = self._stage[slot], self._trains.duties[slot]
-            if stage is Stage.WAITING:
+            if stage is StockStage.WAITING:
                 late_s = max(late_s, now_s - self._duties[stock_id][self._next[stock_id] - 1].comes_s)
-            elif stage is Stage.ON_LINE and duty is not None:
+            elif stage is StockStage.ON_LINE and duty is not None:
                 at = self._books.next_target(slot) - 1
                 due_s = duty.mission.targets[at].departure_s
                 if due_s is None and at + 1 < len(duty.mission.targets):
@@ -171,20 +148,20 @@ class Duties:
         Raises WrongEnd where the train stands beyond the track on which it should turn.
         """
         stock_id = self._trains.stock_ids[slot]
-        if self._stage[slot] is Stage.WAITING:  # accepted, but its portal was not free
+        if self._stage[slot] is StockStage.WAITING:  # accepted, but its portal was not free
             self._enter(slot, self._duties[stock_id][self._next[stock_id] - 1], step)
             return
         duty = self._duties[stock_id][self._next[stock_id]]
-        on_line = self._stage[slot] is Stage.ON_LINE
+        on_line = self._stage[slot] is StockStage.ON_LINE
         turns = on_line and duty.mission.direction is not self._trains.direction(slot)
         if turns and not self._trains.can_turn(slot, duty):
             raise WrongEnd
         if not on_line and duty.enters and self._queues(duty):
-            self._agenda.put(step + round(PORTAL_RETRY_S / STEP_S), Due.DUTY, stock_id)
+            self._agenda.put(step + round(PORTAL_RETRY_S / STEP_S), AgendaKind.DUTY, stock_id)
             return
         self._next[stock_id] += 1
         if not on_line and duty.enters:
-            self._stage[slot] = Stage.WAITING
+            self._stage[slot] = StockStage.WAITING
             if duty.late_s > 0.0:
                 late = CameLate(unit_id=stock_id, train=duty.train.number, late_s=duty.late_s)
                 self._journal.write(step / STEPS_PER_S, WORLD, late)
@@ -201,7 +178,7 @@ class Duties:
             self._begin(slot, duty, step)
         if slot in self._on_board.unpowered:
             return
-        if self._stage[slot] is Stage.WAITING:
+        if self._stage[slot] is StockStage.WAITING:
             self._on_board.await_number(slot)
             self._begins(Pause.SIGN_ON, slot, step)
         elif not on_line or slot not in self._on_board.numberless:  # else its crew will enter this one
@@ -214,16 +191,26 @@ class Duties:
         waiting = [
             self._duties[stock_id][self._next[stock_id] - 1]
             for slot, stock_id in enumerate(self._trains.stock_ids)
-            if self._stage[slot] is Stage.WAITING
+            if self._stage[slot] is StockStage.WAITING
         ]
         return any(other.mission.spans[0].section_id == portal for other in waiting)
+
+    def power_on(self, slot: int, step: int) -> None:
+        """A unit is switched on."""
+        if self._cabs.power_on(slot, step):
+            self.powered_on(slot, step)
+
+    def commission(self, slot: int, step: int, number: int) -> None:
+        """People put a unit into service again that waits for it."""
+        if self._cabs.commission(slot, step, number):
+            self.powered_on(slot, step)
 
     def powered_on(self, slot: int, step: int) -> None:
         """A unit has booted: its crew will enter the train number again, and does nothing else before."""
         for pause in Pause:
             self._due.pop((pause, slot), None)
         on_line = self._trains.duties[slot] is not None and self._trains.truths[slot].active
-        if on_line or self._stage[slot] is Stage.WAITING:
+        if on_line or self._stage[slot] is StockStage.WAITING:
             self._begins(Pause.BOOT, slot, step)
 
     def _begins(self, pause: Pause, slot: int, step: int) -> None:
@@ -244,7 +231,7 @@ class Duties:
             return
         following = self._duties[self._trains.stock_ids[slot]][self._next[self._trains.stock_ids[slot]] - 1]
         match pause:
-            case Pause.SIGN_ON | Pause.BOOT if self._stage[slot] is Stage.WAITING:
+            case Pause.SIGN_ON | Pause.BOOT if self._stage[slot] is StockStage.WAITING:
                 happened = self._on_board.enter_number(slot, following, comes_on_line=True, turned=False)
                 self._cabs.tell(slot, step, happened)
             case Pause.BOOT:
@@ -263,11 +250,11 @@ class Duties:
     def told(self, slot: int, told: Told, step: int) -> None:
         """What a unit tells its driver."""
         match told:
-            case Accepted() if self._stage[slot] is Stage.WAITING:
+            case EntryAllowed() if self._stage[slot] is StockStage.WAITING:
                 self._begins(Pause.ENTRY, slot, step)
             case Finished():
                 self._finish(slot, step)
-            case LeftLine() if self._stage[slot] is Stage.ON_LINE:
+            case LeftLine() if self._stage[slot] is StockStage.ON_LINE:
                 self._begins(Pause.LEAVE, slot, step)
             case _:
                 pass
@@ -276,16 +263,16 @@ class Duties:
         """Through the portal, if nothing stands there."""
         if self._trains.stands_in(duty.mission.spans[0].section_id):
             again = step + round(PORTAL_RETRY_S / STEP_S)
-            self._agenda.put(again, Due.DUTY, self._trains.stock_ids[slot])
+            self._agenda.put(again, AgendaKind.DUTY, self._trains.stock_ids[slot])
             return
         self._put_on_line(slot, duty, step)
 
     def _put_on_line(self, slot: int, duty: Duty, step: int) -> None:
         stock_id = self._trains.stock_ids[slot]
-        self._stage[slot] = Stage.ON_LINE
+        self._stage[slot] = StockStage.ON_LINE
         self._trains.place(slot, duty)
-        if self.charging is not None:
-            self.charging.enters(slot, step)
+        if self._charging is not None:
+            self._charging.enters(slot, step)
         length_m = float(self._trains.kinds[slot].length_m)
         position_m = float(self._trains.truths[slot].position_m)
         under = tuple(
@@ -305,8 +292,8 @@ class Duties:
     def _begin(self, slot: int, duty: Duty, step: int) -> None:
         self._on_board.load_is(slot, float(self._trains.plants[slot].load_share))
         self._books.begin_train(slot, duty, step)
-        if self.charging is not None:
-            self.charging.begins(slot, duty, step)
+        if self._charging is not None:
+            self._charging.begins(slot, duty, step)
 
     def _finish(self, slot: int, step: int) -> None:
         """The journey is done: turn back, leave the line, or stand."""
@@ -319,10 +306,12 @@ class Duties:
             self._begins(Pause.SIGN_OFF, slot, step)
         elif duty.becomes is not None and duty not in self._becoming:
             self._becoming.append(duty)  # a unit that starts again in its terminus finishes twice
-            self._agenda.put(step + round(self._setup.operation.change_ends_s / STEP_S), Due.DUTY, stock_id)
+            self._agenda.put(
+                step + round(self._setup.operation.change_ends_s / STEP_S), AgendaKind.DUTY, stock_id
+            )
         elif duty.becomes is None:
             self._books.stable(slot, step)
-            self._stage[slot] = Stage.DONE
+            self._stage[slot] = StockStage.DONE
 
     def haul_away(self, slot: int, step: int) -> None:
         """Staff take a train off the line whose unit has no power; nothing where it does not stand in a portal alone.
@@ -330,7 +319,7 @@ class Duties:
         Neither they nor the train tell the manager of it: the contact at the boundary does, or persons do.
         """
         under = self._trains.sections_under().get(self._trains.stock_ids[slot], ())
-        stands = self._stage[slot] is Stage.ON_LINE and float(self._trains.plants[slot].speed_mps) == 0.0
+        stands = self._stage[slot] is StockStage.ON_LINE and float(self._trains.plants[slot].speed_mps) == 0.0
         if stands and slot in self._on_board.unpowered and self._portals.issuperset(under):
             self._leave(slot, step)
 
@@ -338,8 +327,8 @@ class Duties:
         """Off the line, as the contact at its boundary and the driver see; only then is the portal left."""
         stock_id = self._trains.stock_ids[slot]
         self._books.close_energy(slot, step)
-        if self.charging is not None:
-            self.charging.leaves(slot, step)
+        if self._charging is not None:
+            self._charging.leaves(slot, step)
         portals = [s for s in self._trains.sections_under()[stock_id] if s in self._portals]
         self._trains.remove(slot)
         self._checkers.left(stock_id)
@@ -349,8 +338,8 @@ class Duties:
         self._cabs.tell(slot, step, (OffTheLine(),))
         following = self._next[stock_id]
         if following >= len(self._duties[stock_id]):
-            self._stage[slot] = Stage.DONE
+            self._stage[slot] = StockStage.DONE
             return
-        self._stage[slot] = Stage.OUTSIDE
+        self._stage[slot] = StockStage.OUTSIDE
         comes_step = round(self._duties[stock_id][following].comes_s / STEP_S)
-        self._agenda.put(max(comes_step, step + 1), Due.DUTY, stock_id)
+        self._agenda.put(max(comes_step, step + 1), AgendaKind.DUTY, stock_id)

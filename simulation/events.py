@@ -243,7 +243,7 @@ Event = notes.Note | said.Note | WorldEvent | PersonEvent | Sent
 EventType = type[Noted]
 
 
-class Entry(msgspec.Struct, frozen=True):
+class JournalEntry(msgspec.Struct, frozen=True):
     """One line of the journal: simulated time, s since midnight, its author, and what happened."""
 
     t_s: float
@@ -283,6 +283,6 @@ def authors_of(event: EventType) -> tuple[Author, ...]:
     return tuple(author for author, kinds in _WRITES if event in get_args(kinds))
 
 
-def unit_of(entry: Entry) -> str:
+def unit_of(entry: JournalEntry) -> str:
     """The unit that an entry speaks of: the one it names, else its author."""
     return str(getattr(entry.event, "unit_id", entry.who))

@@ -7,7 +7,7 @@ from collections.abc import Collection
 from network.model import Direction, Line
 from network.profile import heights_of
 from simulation.judge.body import Heights
-from simulation.judge.checkers import Brake, Checkers, PointsFacts
+from simulation.judge.checkers import Checkers, GuaranteedBrake, PointsFacts
 from simulation.setup import Setup, behaviour_row
 from simulation.world.trains import SIGN
 from sumo_cfg.truth_map import NetMap
@@ -25,11 +25,11 @@ def checkers_of(setup: Setup, net: NetMap, stock_ids: Collection[str]) -> Checke
     return Checkers(net, points, stock_ids, brakes, edge_heights(line), setup.driving.design_adhesion_share)
 
 
-def brake_of(setup: Setup, stock_id: str) -> Brake:
+def brake_of(setup: Setup, stock_id: str) -> GuaranteedBrake:
     """The emergency brake of a stock as it is guaranteed to be."""
     train = setup.trains[stock_id].row[0]
     guaranteed = behaviour_row(setup.driving, train)
-    return Brake(
+    return GuaranteedBrake(
         float(guaranteed["emergency_guaranteed_mps2"]),
         float(guaranteed["emergency_reaction_s"]),
         GRAVITY_MPS2 / (1.0 + float(train["rotating_mass_factor"])),

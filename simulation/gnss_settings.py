@@ -42,7 +42,7 @@ class Correction(StrEnum):
     AIM = "aim"  # what is aimed at
 
 
-class Receiver(Record):
+class GnssReceiver(Record):
     """`gnss.fail_safe`, `gnss.aim`: what a kind of receiver errs by along the track, and what it states of that."""
 
     sigma_m: Annotated[ReceiverError, about("standard deviation of the error that lasts, under an open sky")]
@@ -67,8 +67,8 @@ class Receiver(Record):
         return protection_m
 
 
-FAIL_SAFE: Final = Receiver(sigma_m=1.2, noise_sigma_m=0.3, multipath_sigma_m=3.0, protection_m=20.0)
-AIM: Final = Receiver(sigma_m=0.15, noise_sigma_m=0.05, multipath_sigma_m=0.4, protection_m=3.0)
+FAIL_SAFE: Final = GnssReceiver(sigma_m=1.2, noise_sigma_m=0.3, multipath_sigma_m=3.0, protection_m=20.0)
+AIM: Final = GnssReceiver(sigma_m=0.15, noise_sigma_m=0.05, multipath_sigma_m=0.4, protection_m=3.0)
 
 
 class Gnss(Record):
@@ -100,14 +100,14 @@ class Gnss(Record):
         about("over which reflections become others", "assumed: houses, trees and cuttings along a track"),
     ] = 80.0
     fail_safe: Annotated[
-        Receiver,
+        GnssReceiver,
         about(
             "the receiver of today",
             "1.2 m: EGNOS, 3 m in 95 %; 20 m: Shift2Rail; noise and reflections assumed",
         ),
     ] = FAIL_SAFE
     aim: Annotated[
-        Receiver,
+        GnssReceiver,
         about(
             "the one aimed at",
             "3 m: Shift2Rail; errors assumed: somewhat beyond 0.12 m in 95 %, which QZSS states for CLAS on the move",
@@ -115,6 +115,6 @@ class Gnss(Record):
     ] = AIM
 
     @property
-    def receiver(self) -> Receiver:
+    def receiver(self) -> GnssReceiver:
         """The one that trains carry."""
         return self.fail_safe if self.correction is Correction.FAIL_SAFE else self.aim

@@ -11,7 +11,7 @@ from typing import Final, overload
 import msgspec
 
 from network.errors import InputError
-from simulation.events import Entry, Event, EventType
+from simulation.events import Event, EventType, JournalEntry
 
 _ENCODER: Final = msgspec.json.Encoder()
 _EVENT: Final[msgspec.json.Decoder[Event]] = msgspec.json.Decoder(Event)
@@ -36,13 +36,13 @@ class Journal:
     """
 
     def __init__(self, file: Path | None = None, *, kept: tuple[EventType, ...] | None = None) -> None:
-        self._entries: list[Entry] = []  # without a file: all of them
+        self._entries: list[JournalEntry] = []  # without a file: all of them
         self._lines: list[bytes] = []  # those not in the file
         self._kept = kept
         self._waiting_bytes = 0
         self._file = file
         self._hash = blake2b(digest_size=16)
-        self._watchers: list[Callable[[Entry], None]] = []
+        self._watchers: list[Callable[[JournalEntry], None]] = []
         if file is not None:
             file.write_bytes(b"")
 
@@ -52,17 +52,17 @@ class Journal:
         return self._file
 
     @property
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[JournalEntry]:
         """What was written, in order; read again each time where it is in a file."""
         return self._entries if self._file is None else _Spilled(self._file, self._lines)
 
-    def watch(self, watcher: Callable[[Entry], None]) -> None:
+    def watch(self, watcher: Callable[[JournalEntry], None]) -> None:
         """Show every further entry to `watcher`."""
         self._watchers.append(watcher)
 
     def write(self, t_s: float, who: str, event: Event) -> None:
         """Write an entry. OSError where its file takes no more."""
-        entry = Entry(t_s, who, event)
+        entry = JournalEntry(t_s, who, event)
         line = encode_entry(entry)
         self._hash.update(line)
         self._hash.update(b"\n")
@@ -116,14 +116,14 @@ class Journal:
         return (b"" if self._file is None else self._file.read_bytes()) + _joined(self._lines)
 
 
-class _Spilled(Sequence[Entry]):
+class _Spilled(Sequence[JournalEntry]):
     """Entries of a file, and of the lines that are still to come into it."""
 
     def __init__(self, file: Path, waiting: Sequence[bytes]) -> None:
         self._file = file
         self._waiting = waiting
 
-    def __iter__(self) -> Iterator[Entry]:
+    def __iter__(self) -> Iterator[JournalEntry]:
         with self._file.open("rb") as stream:
             for line in stream:
                 yield decode_entry(line)
@@ -134,12 +134,12 @@ class _Spilled(Sequence[Entry]):
         return sum(1 for _ in self)
 
     @overload
-    def __getitem__(self, index: int) -> Entry: ...
+    def __getitem__(self, index: int) -> JournalEntry: ...
 
     @overload
-    def __getitem__(self, index: slice) -> Sequence[Entry]: ...
+    def __getitem__(self, index: slice) -> Sequence[JournalEntry]: ...
 
-    def __getitem__(self, index: int | slice) -> Entry | Sequence[Entry]:
+    def __getitem__(self, index: int | slice) -> JournalEntry | Sequence[JournalEntry]:
         return list(self)[index]
 
 
@@ -147,25 +147,25 @@ def _joined(lines: Sequence[bytes]) -> bytes:
     return b"\n".join([*lines, b""])
 
 
-def encode_entry(entry: Entry) -> bytes:
+def encode_entry(entry: JournalEntry) -> bytes:
     """The line of an entry, without its end."""
     head = _ENCODER.encode(_Head(entry.t_s, entry.who))
     return head[:-1] + b"," + _ENCODER.encode(entry.event)[1:]
 
 
-def decode_entry(line: bytes) -> Entry:
+def decode_entry(line: bytes) -> JournalEntry:
     """The entry of a line. Raises msgspec.DecodeError for one that no run can have written."""
     head = _HEAD.decode(line)
-    return Entry(head.t, head.who, _EVENT.decode(line))
+    return JournalEntry(head.t, head.who, _EVENT.decode(line))
 
 
-def read_journal(path: Path) -> list[Entry]:
+def read_journal(path: Path) -> list[JournalEntry]:
     """The entries of a journal file, in order. InputError naming the line that is none."""
     try:
         lines = path.read_bytes().splitlines()
     except OSError as error:
         raise InputError(str(path), "", None, "a journal that can be read") from error
-    entries: list[Entry] = []
+    entries: list[JournalEntry] = []
     for number, line in enumerate(lines, 1):
         try:
             entries.append(decode_entry(line))

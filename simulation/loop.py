@@ -14,36 +14,28 @@ import numpy as np
 
 from host.parties import Parties
 from host.units import Units
-from network.model import Leg
-from onboard.duty.records import Found, Looked
-from onboard.duty.records import TagPassed as TagBelieved
+from network.model import PointsLeg
+from onboard.duty.records import FoundByOtherSensor, Looked, TagBelieved
 from onboard.records import EVENT_STOPPED
-from radio.air import Air
 from radio.noted import LostWhere
-from simulation.agenda import Agenda, Due, Item
+from simulation.agenda import AgendaKind, Item
 from simulation.cabs import CREW, Cabs
 from simulation.carriers.carrier import Carrier, Truth
 from simulation.duties import Duties, WrongEnd
 from simulation.events import WORLD, Collision, Danger, TagPassed, Unsafe
 from simulation.facts import checkers_of
-from simulation.faults.fault import VehiclePart
-from simulation.faults.injector import Injector
 from simulation.faults.script import Script
+from simulation.injector import Injector
 from simulation.journal import Journal
-from simulation.late.day import late_day
+from simulation.late_day import late_day
 from simulation.people import Pause
 from simulation.platforms import Platforms
 from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.staff import Staff
 from simulation.vigil import Vigil
-from simulation.world.books import Books
-from simulation.world.cable import Cable
 from simulation.world.charging import Charging
-from simulation.world.clock import Clock
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
-from simulation.world.on_board import OnBoard
-from simulation.world.points import WaysideWorld
 from simulation.world.records import (
     PASSED_FRONT,
     PASSED_REAR,
@@ -51,8 +43,8 @@ from simulation.world.records import (
     TRACE,
 )
 from simulation.world.roster import drawn_up
-from simulation.world.signs import Signs
-from simulation.world.trains import SIGN, Trains
+from simulation.world.stage import world_of
+from simulation.world.trains import SIGN
 from sumo_cfg.truth_map import NetMap
 
 TRACE_ROWS_FIRST: Final = 200_000
@@ -83,79 +75,31 @@ class Simulation:
         self._limit_step = round(setup.latest_end_s / STEP_S)
         self._step = self._begin_step
         self._carrier = carrier_of(self._begin_step / STEPS_PER_S)
-        self.trains = Trains(setup, self._carrier)
-        self._agenda = Agenda()
-        self.wayside = WaysideWorld(
-            setup.line,
-            parties,
-            Air(setup.air, setup.seed),
-            self._agenda,
-            self.journal,
-            self.trains.covered,
-            Cable(setup.line, setup.operation),
-            self.trains.place_m,
-        )
+        world = world_of(setup, duties, self.journal, self._carrier, parties, units)
+        self.trains: Final = world.trains
+        self.wayside: Final = world.wayside
+        self.on_board: Final = world.on_board
+        self._agenda, self._books = world.agenda, world.books
+        self._charging, self._signs = world.charging, world.signs
         self.checkers = checkers_of(setup, net, self.trains.stock_ids)
         self.journal.watch(self.checkers.journal)
-        self.trains.rail_is = lambda slot, share: self.checkers.rail(
-            self.now_s, self.trains.stock_ids[slot], share
-        )
+        self.trains.rail_is.add(self._rail_is)
         self._link = link
-        self.on_board = OnBoard(setup, self.trains, units)
-        self._books = Books(self.trains)
-        self._cabs = Cabs(self.trains, self.on_board, self.wayside, self._books, self._agenda, self.journal)
-        self._duties = Duties(
-            setup,
-            duties,
-            self.trains,
-            self.on_board,
-            self._cabs,
-            self._books,
-            self.checkers,
-            self.wayside,
-            self._agenda,
-            self.journal,
-        )
+        self._cabs = Cabs(world)
+        self._duties = Duties(world, self._cabs, self.checkers)
         day = late_day(setup)
-        self._platforms = Platforms(
-            setup, day, self.trains, self.on_board, self._cabs, self._books, self._agenda, self.journal
-        )
-        self._charging = None
-        if setup.battery is not None:
-            self._charging = Charging(setup, setup.battery, self.trains, self._books, duties)
-            self.trains.charger_is = self._charger_is
-        self.on_board.charging = self._duties.charging = self._cabs.charging = self._charging
+        self._platforms = Platforms(world, self._cabs, day)
         self._trace = np.zeros(TRACE_ROWS_FIRST, dtype=TRACE)
         self._trace_used = 0
         self._sheet = new_sheet(len(self.trains.stock_ids))
         self._moved_step = self._begin_step
         self._broken: Ending | None = None
-        self._vigil = Vigil(
-            self.trains, self._cabs, self._duties, self._agenda, self.checkers, self._begin_step
-        )
+        self._vigil = Vigil(world, self._cabs, self._duties, self.checkers, self._begin_step)
         self._closed = False
         self._collisions: tuple[str, ...] = ()
-        self._signs = Signs(self.trains, self._books.next_target)
-        self._cabs.looked_ahead = self._signs.look_ahead
-        self.injector: Final = Injector(
-            replace(setup.script, faults=(*setup.script.faults, *day.failures)),
-            setup.seed,
-            self.trains,
-            self.on_board,
-            self.wayside,
-            self.journal,
-            self._agenda,
-            self._unit_power,
-            self._unit_freeze,
-            self._give_back,
-            self._haul_away,
-            self._unit_clock,
-            self._unit_vehicle,
-            self._unit_claims,
-            self._unit_commission,
-        )
-        world = (setup, self.trains, self.on_board, self.wayside, self.injector, self.journal)
-        self.staff: Final = Staff(*world) if setup.people.react else None
+        script = replace(setup.script, faults=(*setup.script.faults, *day.failures))
+        self.injector: Final = Injector(script, world, self._cabs, self._duties, self._platforms)
+        self.staff: Final = Staff(world, self.injector) if setup.people.react else None
 
     @property
     def step(self) -> int:
@@ -233,25 +177,25 @@ class Simulation:
     def _handle(self, item: Item) -> None:
         step, subject = self._step, item.subject
         match item.kind:
-            case Due.POINTS:
+            case AgendaKind.POINTS:
                 self.wayside.points_due(step, subject)
-            case Due.TO_DEVICE:
-                others = self._agenda.pop_all(step, Due.TO_DEVICE, subject)
+            case AgendaKind.TO_DEVICE:
+                others = self._agenda.pop_all(step, AgendaKind.TO_DEVICE, subject)
                 self.wayside.advance(step, subject, [i.data for i in (item, *others) if i.data is not None])
-            case Due.TO_UNIT:
+            case AgendaKind.TO_UNIT:
                 if item.data is not None:
                     self._to_unit(self.trains.slot_of[subject], subject, item.data)
-            case Due.UNIT_TIMER:
+            case AgendaKind.UNIT_TIMER:
                 self._cabs.timer(self.trains.slot_of[subject], step)
-            case Due.SCRIPT if subject.startswith(CREW):
+            case AgendaKind.SCRIPT if subject.startswith(CREW):
                 self._cabs.crew_looks(self.trains.slot_of[subject.removeprefix(CREW)], step)
-            case Due.SCRIPT:
+            case AgendaKind.SCRIPT:
                 self.injector.due(step, subject)
-            case Due.PEOPLE:
+            case AgendaKind.PEOPLE:
                 self._platforms.due(step, subject)
-            case Due.DUTY:
+            case AgendaKind.DUTY:
                 self._take_up_duty(self.trains.slot_of[subject])
-            case Due.CREW:
+            case AgendaKind.CREW:
                 pause, stock_id = subject.split(" ", 1)
                 self._duties.crew_due(Pause(pause), self.trains.slot_of[stock_id], step)
 
@@ -344,7 +288,7 @@ class Simulation:
         line = self.setup.line
         before, expected = self.trains.crossing(slot)
         leaving, entering = line.pieces[before], line.pieces[expected]
-        if leaving.leg is Leg.STEM and leaving.points_id == entering.points_id and leaving.points_id:
+        if leaving.leg is PointsLeg.STEM and leaving.points_id == entering.points_id and leaving.points_id:
             points = line.points[leaving.points_id]
             position = self.wayside.position_of(points.id)
             if position is None:
@@ -355,11 +299,18 @@ class Simulation:
                 self._unsafe(slot, Danger.WRONG_WAY, points.id)
                 self.trains.divert(slot, onto)
                 self._signs.look_ahead(slot)
-        elif leaving.points_id and leaving.leg in (Leg.NORMAL, Leg.REVERSE) and entering.leg is Leg.STEM:
+        elif (
+            leaving.points_id
+            and leaving.leg in (PointsLeg.NORMAL, PointsLeg.REVERSE)
+            and entering.leg is PointsLeg.STEM
+        ):
             position = self.wayside.position_of(leaving.points_id)
             if position is None or position.value != leaving.leg.value:
                 self._unsafe(slot, Danger.SET_AGAINST, leaving.points_id)
                 self.wayside.force(self._step, leaving.points_id)
+
+    def _rail_is(self, slot: int, share: float) -> None:
+        self.checkers.rail(self.now_s, self.trains.stock_ids[slot], share)
 
     def _unsafe(self, slot: int, danger: Danger, points_id: str = "") -> None:
         happened = Unsafe(unit_id=self.trains.stock_ids[slot], danger=danger, points_id=points_id)
@@ -387,59 +338,10 @@ class Simulation:
         if events:
             sensed = self.on_board.ticked(slot, events)
             cabs.tell(slot, step, sensed)
-            if any(isinstance(what, TagBelieved | Found) for what in sensed):
+            if any(isinstance(what, TagBelieved | FoundByOtherSensor) for what in sensed):
                 trains.position_fixed(slot)
             if events & EVENT_STOPPED:
                 cabs.crew_stands(slot, step)
-
-    def _unit_power(self, stock_id: str, on: bool) -> None:
-        """Switch an on-board unit off, or on again."""
-        slot = self.trains.slot_of[stock_id]
-        if not on:
-            self._cabs.power_off(slot, self._step)
-        elif self._cabs.power_on(slot, self._step):
-            self._duties.powered_on(slot, self._step)
-
-    def _unit_commission(self, stock_id: str, number: int) -> None:
-        """People put an on-board unit into service again."""
-        slot = self.trains.slot_of[stock_id]
-        if self._cabs.commission(slot, self._step, number):
-            self._duties.powered_on(slot, self._step)
-
-    def _unit_freeze(self, stock_id: str, frozen: bool) -> None:
-        """The event-driven part of a unit does nothing, or goes on with what has piled up."""
-        self._cabs.freeze(self.trains.slot_of[stock_id], self._step, frozen=frozen)
-
-    def _unit_clock(self, stock_id: str, clock: Clock) -> None:
-        """The clock of an on-board unit is set, or goes wrong."""
-        self._cabs.set_clock(self.trains.slot_of[stock_id], self._step, clock)
-
-    def _unit_vehicle(self, stock_id: str, part: VehiclePart, value: float) -> None:
-        """Doors, brake or motors of a train show another state from now on."""
-        slot = self.trains.slot_of[stock_id]
-        if part == "doors_closed":
-            self._platforms.fault(slot, self._step, closed=bool(value))
-        else:
-            self._cabs.vehicle_shows(slot, self._step, part, value)
-
-    def _unit_claims(self, stock_id: str, section_ids: tuple[str, ...]) -> None:
-        """A unit claims sections besides what it holds, or does so no more."""
-        self._cabs.claim_besides(self.trains.slot_of[stock_id], self._step, section_ids)
-
-    def _charger_is(self, station_id: str, works: bool) -> None:
-        """A charger fails or is mended; every unit is asked anew whether its train can go on."""
-        if self._charging is not None:
-            self._charging.charger_is(station_id, works=works, step=self._step)
-            for slot in self.trains.active():
-                self._cabs.tell(slot, self._step, (Looked(),))
-
-    def _give_back(self, stock_id: str, hold_s: float) -> None:
-        """The crew sets back the route ahead."""
-        self._cabs.set_back(self.trains.slot_of[stock_id], self._step, hold_s)
-
-    def _haul_away(self, stock_id: str) -> None:
-        """Staff take a train without power off the line."""
-        self._duties.haul_away(self.trains.slot_of[stock_id], self._step)
 
     # the end ------------------------------------------------------------------------------------------------------
 

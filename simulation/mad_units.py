@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from typing import Final
 
-from simulation.events import Entry, FaultBegan, FaultOver
+from simulation.events import Commissioned, FaultBegan, FaultOver, JournalEntry
 from simulation.faults.script import ActKind
 from simulation.faults.speech import FalseClaims
 from wayside.config import MANAGER_ID
@@ -29,14 +29,14 @@ class MadUnits:
         self._barred: dict[str, set[str]] = {}  # the devices that drop what it says
         self._sane_s: dict[str, float] = {}  # since when it is barred and claims what is so
 
-    def see(self, entry: Entry) -> None:
+    def see(self, entry: JournalEntry) -> None:
         """An entry of the journal was written."""
         match entry.event:
             case FaultBegan(kind=FalseClaims.kind, target=unit_id):
                 self._mad[unit_id] += 1
             case FaultOver(kind=FalseClaims.kind, target=unit_id):
                 self._mad[unit_id] -= 1
-            case Contradicted(unit_id=unit_id) if unit_id in self._mad and not self._is_barred(unit_id):
+            case Contradicted(unit_id=unit_id) if unit_id in self._mad and not self.is_barred(unit_id):
                 self._wrong_s.setdefault(unit_id, entry.t_s)
             case Accepted(unit_id=unit_id, section_ids=section_ids) if unit_id in self._mad:
                 if set(section_ids) <= set(self._held(self._slot_of[unit_id])):
@@ -45,20 +45,28 @@ class MadUnits:
                     self._wrong_s.setdefault(unit_id, entry.t_s)
             case Freed(unit_id=unit_id):
                 self._wrong_s.pop(unit_id, None)
+            case Started() if entry.who == MANAGER_ID:
+                self._wrong_s.clear()
+            case _:
+                self._see_bars(entry)
+
+    def _see_bars(self, entry: JournalEntry) -> None:
+        match entry.event:
             case Barred(unit_id=unit_id):
                 self._barred.setdefault(unit_id, set()).add(entry.who)
                 if entry.who == MANAGER_ID:
                     self._wrong_s.pop(unit_id, None)
             case Unbarred(unit_id=unit_id):
                 self._barred[unit_id].discard(entry.who)
-            case Started() if entry.who == MANAGER_ID:
-                self._wrong_s.clear()
+            case Commissioned(device_id=device_id):  # what was barred there is forgotten
+                for devices in self._barred.values():
+                    devices.discard(device_id)
             case _:
                 pass
 
-    def _is_barred(self, unit_id: str) -> bool:
-        """At the manager: what it has then of the unit comes of persons' words."""
-        return MANAGER_ID in self._barred.get(unit_id, ())
+    def is_barred(self, unit_id: str, device_id: str = MANAGER_ID) -> bool:
+        """At a device; at the manager, what it has then of the unit comes of persons' words."""
+        return device_id in self._barred.get(unit_id, ())
 
     def due(self, t_s: float, patience_s: float) -> Iterator[tuple[ActKind, str]]:
         """What two persons are to enter now, of which unit."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from network.graph import all_routes
+from simulation.faults.cable import stretches_of
 from simulation.faults.fault import Names
 from simulation.setup import Setup
-from simulation.world.cable import stretches_of
 from wayside.config import MANAGER_ID
 
 

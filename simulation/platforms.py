@@ -9,15 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from simulation.agenda import Agenda, Due
+from simulation.agenda import AgendaKind
 from simulation.cabs import Cabs
 from simulation.events import WORLD, DoorsHeld
-from simulation.journal import Journal
-from simulation.late.day import LateDay, Stay
-from simulation.setup import STEPS_PER_S, Setup, step_not_before
-from simulation.world.books import Books
-from simulation.world.on_board import OnBoard
-from simulation.world.trains import Trains
+from simulation.late_day import DrawnStay, LateDay
+from simulation.setup import STEPS_PER_S, step_not_before
+from simulation.world.stage import World
 
 BEFORE_S: Final = 2.0  # doors are seen to be open from so long before the train could leave
 LOOKS_AGAIN_S: Final = 5.0  # while the unit does not know that it is at its mark
@@ -26,7 +23,7 @@ CLOSE: Final = "close"
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class DoorsAtStop:
     """Doors at one stop. `ready_s`: when it could leave without; `boarded_s`: when all are on; `until_s`: shut."""
 
     number: str
@@ -38,7 +35,7 @@ class Held:
 
 
 def held_until(
-    stay: Stay, stood_s: float, departure_s: float, dwell_s: float, *, begins: bool
+    stay: DrawnStay, stood_s: float, departure_s: float, dwell_s: float, *, begins: bool
 ) -> tuple[float, float, float]:
     """When a train could leave by dwell and plan alone, when its passengers are on, and when its doors are shut, s.
 
@@ -52,30 +49,16 @@ def held_until(
 class Platforms:
     """The doors of all trains: what people do with them, and what faults do."""
 
-    def __init__(
-        self,
-        setup: Setup,
-        day: LateDay,
-        trains: Trains,
-        on_board: OnBoard,
-        cabs: Cabs,
-        books: Books,
-        agenda: Agenda,
-        journal: Journal,
-    ) -> None:
-        self._dwell_s = setup.unit.dwell_min_s
+    def __init__(self, world: World, cabs: Cabs, day: LateDay) -> None:
+        self._dwell_s = world.setup.unit.dwell_min_s
         self._stays = day.stays
-        self._trains = trains
-        self._on_board = on_board
-        self._cabs = cabs
-        self._books = books
-        self._agenda = agenda
-        self._journal = journal
-        self._held: dict[int, Held] = {}  # by slot: what is to be, or is
+        self._trains, self._on_board, self._cabs = world.trains, world.on_board, cabs
+        self._books, self._agenda, self._journal = world.books, world.agenda, world.journal
+        self._held: dict[int, DoorsAtStop] = {}  # by slot: what is to be, or is
         self._open: set[int] = set()  # slots whose doors people hold open
         self._faulty: set[int] = set()  # slots whose doors a fault holds open
         if self._stays:
-            books.stands = self._stands
+            world.books.stands.add(self._stands)
 
     def fault(self, slot: int, step: int, *, closed: bool) -> None:
         """A fault has the doors show that they are open, or is over."""
@@ -109,10 +92,12 @@ class Platforms:
         )
         if until_s <= ready_s:
             return
-        self._held[slot] = Held(duty.train.number, at, target.station_id or "", ready_s, boarded_s, until_s)
+        self._held[slot] = DoorsAtStop(
+            duty.train.number, at, target.station_id or "", ready_s, boarded_s, until_s
+        )
         self._put(max(now_s + 1.0, ready_s - BEFORE_S), OPEN, slot)
 
-    def _hold(self, slot: int, held: Held, step: int) -> None:
+    def _hold(self, slot: int, held: DoorsAtStop, step: int) -> None:
         """Hold the doors open, if the train still stands there and its unit knows that it does."""
         now_s, stock_id, duty = step / STEPS_PER_S, self._trains.stock_ids[slot], self._trains.duties[slot]
         there = duty is not None and duty.train.number == held.number
@@ -136,7 +121,7 @@ class Platforms:
         self._put(held.until_s, CLOSE, slot)
 
     def _put(self, at_s: float, what: str, slot: int) -> None:
-        self._agenda.put(step_not_before(at_s), Due.PEOPLE, f"{what} {self._trains.stock_ids[slot]}")
+        self._agenda.put(step_not_before(at_s), AgendaKind.PEOPLE, f"{what} {self._trains.stock_ids[slot]}")
 
     def _show(self, slot: int, step: int) -> None:
         closed = slot not in self._open and slot not in self._faulty

@@ -12,15 +12,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from onboard.driving.tuning import Learned
-from onboard.driving.tuning import StopRecord as StopWaves
-from simulation.faults.script import Course
+from onboard.driving.tuning import Learned, StopDecelerations
+from simulation.faults.script import ItemCourse
 from simulation.journal import Journal
 from simulation.judge.checkers import Violation
-from simulation.judge.rail import Slippery
+from simulation.judge.rail import LowAdhesion
 from simulation.motion_digest import motion_digest
-from simulation.world.records import TRACE_EVERY_STEPS
-from simulation.world.ride import NO_RIDE, Ride
+from simulation.ride import NO_RIDE, Ride
+
+TRACE_EVERY_STEPS: Final = 10  # a sample a second, and one at every event
 
 
 class Ending(StrEnum):
@@ -51,7 +51,7 @@ class StopRecord:
     passengers: bool = True
 
 
-class Phase(StrEnum):
+class EnergyPhase(StrEnum):
     """What a stock did while it took a part of its energy."""
 
     RUNNING = "running"
@@ -98,7 +98,7 @@ class EnergyRecord:
     stock_id: str
     number: str
     revenue: bool
-    phase: Phase
+    phase: EnergyPhase
     from_id: str
     to_id: str
     begin_s: float
@@ -205,14 +205,14 @@ class RunResult:
     ended_because: Ending
     unfinished: tuple[str, ...] = ()  # stocks that neither left the line nor stand where their last duty ends
     outside_design: tuple[Violation, ...] = ()  # what followed from less adhesion than the design counts on
-    slippery: tuple[Slippery, ...] = ()  # when there was less
+    slippery: tuple[LowAdhesion, ...] = ()  # when there was less
     uncommissioned: tuple[
         str, ...
     ] = ()  # parties that have lost their durable state and were not commissioned again
-    courses: tuple[Course, ...] = ()  # what became of the script's faults and acts
+    courses: tuple[ItemCourse, ...] = ()  # what became of the script's faults and acts
     # By stock id, empty where no train learned; then the waves of the last stop that counted.
     learned: Mapping[str, Learned] = field(default_factory=dict[str, Learned])
-    learned_from: Mapping[str, StopWaves] = field(default_factory=dict[str, StopWaves])
+    learned_from: Mapping[str, StopDecelerations] = field(default_factory=dict[str, StopDecelerations])
     battery: tuple[BatteryRecord, ...] = ()  # of sets that run on one, in order of time
     # How many fixes each reader of a stock took, by stock id and reader; tags are not among them.
     fixes: Mapping[str, Mapping[str, int]] = field(default_factory=dict[str, Mapping[str, int]])

@@ -1,11 +1,12 @@
-"""The tables of a scenario that a run reads as they are: one class each, for the file and for the run.
+"""The tables of a scenario that a run reads as they are: one class each, for the file and for the run, and their list.
 
 Ranges are those of the kinds in `network.files.kinds`; what a key means and where its default comes from stands
-with it, and `docs/files.md` is made from here.
+with it, and `docs/files/scenario.md` is made from here.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Annotated, Final, Literal
 
@@ -36,8 +37,17 @@ from network.files.quantities import (
     WheelError,
 )
 from network.files.toml_input import Record
-from simulation.sensors.open_air import Light
-from wayside.config import Order, ReentryMode
+from onboard.driving.laws.settings import LawTables
+from onboard.driving.planner.wish import Planning
+from onboard.unit_records import UnitParameters
+from radio.air import AirParameters
+from simulation.battery_settings import BatterySettings
+from simulation.gnss_settings import Gnss
+from simulation.late.settings import Late
+from simulation.people import People
+from simulation.scatter import ScatterSettings
+from simulation.sensor_settings import Beacons, Curvature, Lidar
+from wayside.config import OrderRule, ReentryMode
 
 
 class Driving(Record):
@@ -95,7 +105,7 @@ class Driving(Record):
     ] = 0.5
 
 
-class Carried(StrEnum):
+class PositionSensor(StrEnum):
     """What trains may carry to know where they are, beside wheels and slide protection (cameras: `[vision]`)."""
 
     TAGS = "tags"  # a reader of tags (地上子)
@@ -106,7 +116,8 @@ class Carried(StrEnum):
 
 
 Carries = Annotated[
-    tuple[Annotated[Carried, Field(strict=False)], ...], Field(strict=False, max_length=len(Carried))
+    tuple[Annotated[PositionSensor, Field(strict=False)], ...],
+    Field(strict=False, max_length=len(PositionSensor)),
 ]
 
 
@@ -114,7 +125,7 @@ class Sensors(Record):
     """`[sensors]`: what trains carry, and its errors, drawn per train or per reading from seeded sources."""
 
     carries: Annotated[Carries, about("by what trains know where they are", "Sugiyama: tags and wheels")] = (
-        Carried.TAGS,
+        PositionSensor.TAGS,
     )
     carries_of: Annotated[dict[str, Carries], about("the same by stock id, in place of it")] = Field(
         default_factory=dict
@@ -131,18 +142,20 @@ class Sensors(Record):
         slope = self.tread_conicity * self.flangeway_m / (0.5 * wheel_diameter_m) if leads else 0.0
         return self.creep_share + slope
 
-    def carried_by(self, stock_id: str) -> frozenset[Carried]:
+    def carried_by(self, stock_id: str) -> frozenset[PositionSensor]:
         """What a stock carries."""
         return frozenset(self.carries_of.get(stock_id, self.carries))
 
     def carries_gyro(self, stock_id: str) -> bool:
         """Whether a stock carries a yaw gyro and a map of curvature."""
-        return Carried.CURVATURE in self.carried_by(stock_id)
+        return PositionSensor.CURVATURE in self.carried_by(stock_id)
 
     @property
     def any_gyro(self) -> bool:
         """Whether any stock may carry one."""
-        return any(Carried.CURVATURE in carried for carried in (self.carries, *self.carries_of.values()))
+        return any(
+            PositionSensor.CURVATURE in carried for carried in (self.carries, *self.carries_of.values())
+        )
 
     wheel_factor_sigma: Annotated[
         WheelError,
@@ -212,6 +225,17 @@ class Tuning(Record):
     learned: Annotated[
         str | None, about("file that an earlier run left (`learned.json`), beside the scenario")
     ] = None
+
+
+class Light(StrEnum):
+    """What a run may assume of light and weather."""
+
+    LIT_TUNNEL = "lit_tunnel"  # the paper's condition
+    DAYLIGHT = "daylight"
+    DUSK = "dusk"
+    RAIN = "rain"
+    RAIN_AT_DUSK = "rain_at_dusk"
+    BACKLIGHT = "backlight"
 
 
 class LightHours(PartOfDay):
@@ -329,14 +353,14 @@ class Dispatch(Record):
         bool, about("a route is granted only if it is proven that all trains can still finish", "off")
     ] = False
     order: Annotated[
-        Order,
+        OrderRule,
         Field(strict=False),
         about(
             "who goes first over open line: who asks first, who is planned first while it is not too late, or beyond"
             " that by the least delay of all trains",
             "off",
         ),
-    ] = Order.FIRST_COME
+    ] = OrderRule.FIRST_COME
     keep_order_below_min: Annotated[
         DelayMin,
         about("the planned order is kept while the train that is first is less late", "assumed: 4 min"),
@@ -352,3 +376,34 @@ class Dispatch(Record):
 
 NO_TUNING: Final = Tuning(learn=False)  # a scenario without that table
 NO_VISION: Final = Vision(stations=())
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tables:
+    """All tables of a scenario that a run reads: a field each, whose default is that of a scenario without the table.
+
+    What follows of a field: the table of a scenario file, its patch, its schema, its part of docs/files/scenario.md,
+    and the attribute of a setup.
+    """
+
+    air: AirParameters = field(default_factory=AirParameters)
+    unit: UnitParameters = field(default_factory=UnitParameters)
+    driving: Driving = field(default_factory=Driving)
+    law: LawTables = field(default_factory=LawTables)
+    planning: Planning = field(default_factory=Planning)
+    sensors: Sensors = field(default_factory=Sensors)
+    gnss: Gnss = field(default_factory=Gnss)
+    beacons: Beacons = field(default_factory=Beacons)
+    curvature: Curvature = field(default_factory=Curvature)
+    scatter: ScatterSettings = field(default_factory=ScatterSettings)
+    tuning: Tuning = NO_TUNING
+    vision: Vision = NO_VISION
+    lidar: Lidar = field(default_factory=Lidar)
+    limits: Limits = field(default_factory=Limits)
+    operation: Operation = field(default_factory=Operation)
+    dispatch: Dispatch = field(default_factory=Dispatch)
+    battery: Annotated[
+        BatterySettings | None, about("trains that have a battery run on it; left out: all run from a wire")
+    ] = None
+    people: People = field(default_factory=People)
+    late: Late = field(default_factory=Late)

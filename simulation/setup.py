@@ -11,41 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.unit import UnitConfig
-from network.files.toml_input import Record
 from network.model import Line
 from network.timetable import Timetable
-from onboard.driving.laws.settings import LawTables
-from onboard.driving.planner.wish import PLAIN, Planning
 from onboard.driving.tuning import Learned
 from onboard.localisation.curvature_map import CurvatureMap
 from onboard.records import BEHAVIOUR
-from onboard.unit_records import UnitParameters
-from radio.air import AirParameters
+from radio import air as radio_air
 from radio.keys import KeyRing, key_ring
-from simulation.battery_settings import BatterySettings
 from simulation.faults.script import Script
-from simulation.gnss_settings import Gnss
-from simulation.late.settings import NO_LATE, Late
-from simulation.people import People
-from simulation.sensor_settings import Beacons, Curvature, Lidar
-from simulation.settings import (
-    NO_TUNING,
-    NO_VISION,
-    Dispatch,
-    Driving,
-    Limits,
-    Load,
-    Operation,
-    Sensors,
-    Tuning,
-    Vision,
-)
-from simulation.world.scatter import Scatter
+from simulation.settings import Driving, Limits, Load, Tables
 from vehicle.train_file import TrainType
 from wayside.config import MANAGER_ID
 
-STEPS_PER_S: Final = 10  # time is step / STEPS_PER_S: exact decimals in every journal
-STEP_S: Final = 0.1
+STEPS_PER_S: Final = radio_air.STEPS_PER_S  # time is step / STEPS_PER_S: exact decimals in every journal
+STEP_S: Final = radio_air.STEP_S
 
 
 def step_not_before(t_s: float) -> int:
@@ -62,8 +41,8 @@ class Belief:
 
 
 @dataclass(frozen=True, slots=True)
-class Setup:
-    """One run. `trains` gives the kind of train of each stock id."""
+class Setup(Tables):
+    """One run: the scenario's tables and what they are of. `trains` gives the kind of train of each stock id."""
 
     name: str
     line: Line
@@ -72,32 +51,13 @@ class Setup:
     seed: int = 1
     belief: Belief | None = None  # None: units believe what is so
     script: Script = field(default_factory=Script)
-    air: AirParameters = field(default_factory=AirParameters)
-    unit: UnitParameters = field(default_factory=UnitParameters)
-    driving: Driving = field(default_factory=Driving)
     # Driving law by stock id; the others hold their speed.
     laws: Mapping[str, str] = field(default_factory=dict[str, str])
-    law_settings: Record = field(default_factory=LawTables)
-    planning: Planning = PLAIN
-    sensors: Sensors = field(default_factory=Sensors)
-    gnss: Gnss = field(default_factory=Gnss)
-    beacons: Beacons = field(default_factory=Beacons)
-    curvature: Curvature = field(default_factory=Curvature)
     curvature_map: CurvatureMap | None = None  # None: the one that the believed line makes
-    scatter: Scatter = field(default_factory=Scatter)
-    tuning: Tuning = NO_TUNING
     # What trains know of their brakes to begin with, by stock id.
     learned: Mapping[str, Learned] = field(default_factory=dict[str, Learned])
-    vision: Vision = NO_VISION
-    lidar: Lidar = field(default_factory=Lidar)
     day: int = 1  # what passes is drawn anew each day; what belongs to a train is not
     load: Load = field(default_factory=Load)
-    limits: Limits = field(default_factory=Limits)
-    operation: Operation = field(default_factory=Operation)
-    dispatch: Dispatch = field(default_factory=Dispatch)
-    battery: BatterySettings | None = None  # None: all trains run from a wire
-    people: People = field(default_factory=People)
-    late: Late = NO_LATE  # from which distributions the disturbances of the day are drawn
 
     @property
     def believed_line(self) -> Line:
@@ -150,17 +110,9 @@ def behaviour_row(driving: Driving, train: np.void) -> NDArray[np.void]:
     )
     row["standing_brake_notch"] = driving.standing_brake_share * float(train["brake_notches"])
     row["step_s"] = STEP_S
-    for name in (
-        "service_margin_mps",
-        "release_margin_mps",
-        "emergency_margin_mps",
-        "driving_margin_mps",
-        "stop_deceleration_mps2",
-        "stop_gain_per_s",
-        "cruise_gain_per_s",
-        "notch_hold_s",
-    ):
-        row[name] = getattr(driving, name)
+    for name in BEHAVIOUR.fields or ():
+        if name in Driving.model_fields:  # as the scenario has it
+            row[name] = getattr(driving, name)
     return row
 
 

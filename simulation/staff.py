@@ -19,20 +19,17 @@ from onboard.notes import UnitRestarted
 from radio.chance import generator
 from radio.messages import ClaimQuery
 from radio.noted import Sent
-from simulation.events import Acted, Commissioned, Entry, Left
-from simulation.faults.injector import Injector
+from simulation.events import Acted, JournalEntry, Left
 from simulation.faults.script import Act, ActKind, Trigger
-from simulation.journal import Journal
+from simulation.injector import Injector
 from simulation.mad_units import MadUnits
 from simulation.pauses import Pauses
 from simulation.people import Pause
-from simulation.setup import STEP_S, STEPS_PER_S, Setup
-from simulation.world.on_board import OnBoard
+from simulation.setup import STEP_S, STEPS_PER_S
 from simulation.world.point_machine import MachineState, PointMachine
-from simulation.world.points import WaysideWorld
-from simulation.world.trains import Trains
+from simulation.world.stage import World
 from wayside.config import MANAGER_ID, ReentryMode
-from wayside.register import Stage
+from wayside.register import ReentryStage
 from wayside.said import (
     Accepted,
     Barred,
@@ -42,7 +39,6 @@ from wayside.said import (
     Outside,
     PictureChanged,
     Started,
-    Unbarred,
 )
 
 LOOKS_EVERY_STEPS: Final = STEPS_PER_S
@@ -55,41 +51,29 @@ LINE: Final = ""  # what an act aims at that is about the whole line
 class Staff:
     """The people of one run; `acts` is what they did."""
 
-    def __init__(
-        self,
-        setup: Setup,
-        trains: Trains,
-        on_board: OnBoard,
-        wayside: WaysideWorld,
-        injector: Injector,
-        journal: Journal,
-    ) -> None:
+    def __init__(self, world: World, injector: Injector) -> None:
         self.acts: list[Act] = []
-        self._setup: Final = setup
-        self._trains: Final = trains
-        self._on_board: Final = on_board
-        self._wayside: Final = wayside
-        self._injector: Final = injector
-        self._pauses: Final = Pauses(setup)
+        self._setup, self._injector = world.setup, injector
+        self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
+        self._pauses: Final = Pauses(world.setup)
         self._next_look = 0
         self._from_s: dict[tuple[Pause, str], float] = {}  # when people act on what they have seen
         self._restores = False  # the manager has lost the picture of the line
-        self._stage: Stage | None = None  # of its re-entry; None: nobody looks at it yet
+        self._stage: ReentryStage | None = None  # of its re-entry; None: nobody looks at it yet
         self._awaited: dict[str, None] = {}  # units whose word the manager waits for
         self._bars: dict[
             str, dict[str, bool]
         ] = {}  # what each person said last: whether a unit is to be barred
-        self._barred: set[tuple[str, str]] = set()  # device and unit
         self._speaks_until_s: dict[str, float] = {}
         self._routes: dict[str, set[str]] = {}  # what each unit was granted and has not given back
         self._forgetful: set[str] = set()  # units that have booted since they were granted anything
         self._left: set[str] = set()  # units that were on the line
         self._again_s: dict[tuple[ActKind, str, str], float] = {}
         self._tries: Counter[tuple[ActKind, str, str]] = Counter()
-        self._mad = MadUnits(trains.slot_of, self._held)
-        journal.watch(self._see)
+        self._mad = MadUnits(world.trains.slot_of, self._held)
+        world.journal.watch(self._see)
 
-    def _see(self, entry: Entry) -> None:
+    def _see(self, entry: JournalEntry) -> None:
         """An entry of the journal was written: what the manager shows its controller."""
         self._mad.see(entry)
         match entry.event:
@@ -99,8 +83,8 @@ class Staff:
                 self._again_s.clear()
                 self._from_s = {key: at for key, at in self._from_s.items() if key[0] not in _OF_MANAGER}
             case PictureChanged(stage=stage):
-                self._restores = stage != Stage.DEFINED.value
-                self._stage = Stage(stage)
+                self._restores = stage != ReentryStage.DEFINED.value
+                self._stage = ReentryStage(stage)
             case Sent(source=source, receiver=unit_id, kind=ClaimQuery.__name__) if source == MANAGER_ID:
                 self._awaited.setdefault(unit_id)
             case Accepted(unit_id=unit_id) | Outside(unit_id=unit_id) | ConfirmedByHand(unit_id=unit_id):
@@ -109,19 +93,13 @@ class Staff:
             case _:
                 self._see_units(entry)
 
-    def _see_units(self, entry: Entry) -> None:
+    def _see_units(self, entry: JournalEntry) -> None:
         """What becomes of units: barred, gone, granted something, started again."""
         match entry.event:
             case Acted(act=act, target=unit_id) if act in _BARS:
                 self._bars.setdefault(unit_id, {})[entry.who] = _BARS[act]
-            case Barred(unit_id=unit_id):
-                self._barred.add((entry.who, unit_id))
-                if entry.who == MANAGER_ID:
-                    self._awaited.setdefault(unit_id)
-            case Unbarred(unit_id=unit_id):
-                self._barred.discard((entry.who, unit_id))
-            case Commissioned(device_id=device_id):  # what was barred there is forgotten
-                self._barred = {known for known in self._barred if known[0] != device_id}
+            case Barred(unit_id=unit_id) if entry.who == MANAGER_ID:
+                self._awaited.setdefault(unit_id)
             case Left(unit_id=unit_id):
                 self._left.add(unit_id)
                 self._routes.pop(unit_id, None)
@@ -191,7 +169,7 @@ class Staff:
             bar = next(iter(words.values()))
             agreed = len(words) > 1 and set(words.values()) == {bar}
             if not agreed or all(
-                ((device, unit_id) in self._barred) is bar for device in self._wayside.device_ids
+                self._mad.is_barred(unit_id, device) is bar for device in self._wayside.device_ids
             ):
                 self._from_s.pop((Pause.PICTURE, unit_id), None)
             elif self._ripe(Pause.PICTURE, unit_id, t_s):
@@ -257,7 +235,7 @@ class Staff:
             ActKind.REENTER_ASSISTED,
             LINE,
             CONTROLLER,
-        ) not in self._again_s or self._stage is Stage.COMPLETE:
+        ) not in self._again_s or self._stage is ReentryStage.COMPLETE:
             self._act(t_s, ActKind.REENTER_ASSISTED, LINE, CONTROLLER)
 
     def _say_who_left(self, t_s: float) -> None:

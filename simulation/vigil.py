@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Final
 
-from simulation.agenda import Agenda, Due
+from simulation.agenda import AgendaKind
 from simulation.cabs import Cabs
 from simulation.duties import Duties
 from simulation.judge.checkers import Checkers
-from simulation.judge.liveness import LOOKS_EVERY_S, Seen
+from simulation.judge.liveness import LOOKS_EVERY_S, TrainAndDisplay
 from simulation.setup import STEPS_PER_S
-from simulation.world.trains import Trains
+from simulation.world.stage import World
 
 LOOKS_EVERY_STEPS: Final = round(LOOKS_EVERY_S * STEPS_PER_S)
 
@@ -18,13 +18,11 @@ LOOKS_EVERY_STEPS: Final = round(LOOKS_EVERY_S * STEPS_PER_S)
 class Vigil:
     """What the liveness checker is shown of each train: the truth, and what its unit shows its driver."""
 
-    def __init__(
-        self, trains: Trains, cabs: Cabs, duties: Duties, agenda: Agenda, checkers: Checkers, step: int
-    ) -> None:
-        self._trains = trains
+    def __init__(self, world: World, cabs: Cabs, duties: Duties, checkers: Checkers, step: int) -> None:
+        self._trains = world.trains
         self._cabs = cabs
         self._duties = duties
-        self._agenda = agenda
+        self._agenda = world.agenda
         self._checkers = checkers
         self._next_step = step
 
@@ -33,15 +31,15 @@ class Vigil:
         if step < self._next_step:
             return
         self._next_step = step + LOOKS_EVERY_STEPS
-        of_crews = {subject.partition(" ")[2] for subject in self._agenda.subjects(Due.CREW)}
-        awaited = self._agenda.subjects(Due.DUTY) | of_crews
+        of_crews = {subject.partition(" ")[2] for subject in self._agenda.subjects(AgendaKind.CREW)}
+        awaited = self._agenda.subjects(AgendaKind.DUTY) | of_crews
         slots = range(len(self._trains.stock_ids))
         self._checkers.alive(step / STEPS_PER_S, [self._seen(slot, awaited) for slot in slots])
 
-    def _seen(self, slot: int, awaited: frozenset[str]) -> Seen:
+    def _seen(self, slot: int, awaited: frozenset[str]) -> TrainAndDisplay:
         trains, cabs = self._trains, self._cabs
         stock_id = trains.stock_ids[slot]
-        return Seen(
+        return TrainAndDisplay(
             unit_id=stock_id,
             place=self._duties.place(slot),
             bound=self._duties.bound(slot) and cabs.answers(slot),

@@ -1,6 +1,6 @@
 """How a command ends, as a word and an exit code: the one type for it, and the one place that gives an error its own.
 
-A run that came to its end is judged by `study.run.outcome`; what ended another one says what it was by its type.
+A run that came to its end is judged by `study.runner.outcome`; what ended another one says what it was by its type.
 """
 
 from __future__ import annotations

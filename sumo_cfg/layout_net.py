@@ -9,17 +9,17 @@ from itertools import combinations
 from pathlib import Path
 from typing import Final
 
+from exchange.layout import ForeignLayout, LayoutTrack, NodeKind, Place
+from exchange.layout_geometry import THROUGH_DEG_MIN, angle_deg, direction_from
+from exchange.sumo_net import NORMAL_AT
 from network.errors import InputError
-from network.exchange.layout import Layout, NodeKind, Place, Track
-from network.exchange.layout_geometry import THROUGH_DEG_MIN, angle_deg, direction_from
-from network.exchange.sumo_net import NORMAL_AT
 from sumo_cfg.build import convert
 from sumo_cfg.writer import EDGE_SPEED_MPS, PlainXml
 
 _UNFIT: Final = re.compile(r"[^A-Za-z0-9._#~-]")
 
 
-def plain_of(layout: Layout) -> PlainXml:
+def plain_of(layout: ForeignLayout) -> PlainXml:
     """Plain XML of a layout: a track is `<track>+` from its low node and `<track>-` back, points only stem to leg.
 
     At crossings tracks go on as straight as they can. Raises InputError for a layout without places.
@@ -65,7 +65,7 @@ def plain_of(layout: Layout) -> PlainXml:
     return PlainXml(*(_document(root) for root in (nodes, edges, connections)))
 
 
-def write_layout_net(layout: Layout, out: Path) -> None:
+def write_layout_net(layout: ForeignLayout, out: Path) -> None:
     """Build the SUMO net of a layout (extra `net`) and write it. Raises InputError as `plain_of` and `convert` do."""
     content = convert(plain_of(layout), layout.name)
     aside = out.with_name(out.name + ".part")
@@ -81,8 +81,8 @@ def fit(name: str) -> str:
     return _UNFIT.sub("_", name)
 
 
-def _movements(layout: Layout) -> Iterator[tuple[str, str]]:
-    ends: dict[str, list[tuple[Track, bool]]] = {node.id: [] for node in layout.nodes}
+def _movements(layout: ForeignLayout) -> Iterator[tuple[str, str]]:
+    ends: dict[str, list[tuple[LayoutTrack, bool]]] = {node.id: [] for node in layout.nodes}
     for track in layout.tracks:
         ends[track.low_node].append((track, False))
         ends[track.high_node].append((track, True))
@@ -97,10 +97,10 @@ def _movements(layout: Layout) -> Iterator[tuple[str, str]]:
 
 def _pairs(
     node: str,
-    ends: list[tuple[Track, bool]],
+    ends: list[tuple[LayoutTrack, bool]],
     stems: Mapping[str, str],
     kinds: Mapping[str, NodeKind],
-) -> Iterator[tuple[tuple[Track, bool], tuple[Track, bool]]]:
+) -> Iterator[tuple[tuple[LayoutTrack, bool], tuple[LayoutTrack, bool]]]:
     """Ends between which a train runs over a node."""
     if node in stems:
         stem = next(end for end in ends if end[0].id == stems[node])
@@ -120,11 +120,11 @@ def _pairs(
         yield ends[0], ends[1]
 
 
-def _into(end: tuple[Track, bool]) -> str:
+def _into(end: tuple[LayoutTrack, bool]) -> str:
     return fit(end[0].id) + ("+" if end[1] else "-")
 
 
-def _out_of(end: tuple[Track, bool]) -> str:
+def _out_of(end: tuple[LayoutTrack, bool]) -> str:
     return fit(end[0].id) + ("-" if end[1] else "+")
 
 

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from network.exchange.sumo_net import KILOMETRAGE, STATION, TRACK
+from exchange.sumo_net import KILOMETRAGE, STATION, TRACK
 from network.model import Direction, Line, Piece, PlatformTrack, SectionKind, Station, TagPurpose
 from sumo_cfg.writer import edge_id, piece_shapes
 

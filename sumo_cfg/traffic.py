@@ -52,7 +52,7 @@ class VehicleStop:
 
 
 @dataclass(frozen=True, slots=True)
-class Vehicle:
+class SumoVehicle:
     """A set from where it appears, `depart_m` into the first edge, to `arrive_m` on the last; None: to its end."""
 
     id: str
@@ -65,7 +65,7 @@ class Vehicle:
     arrive_m: float | None
 
 
-def routes_xml(types: Sequence[VehicleType], vehicles: Sequence[Vehicle]) -> bytes:
+def routes_xml(types: Sequence[VehicleType], vehicles: Sequence[SumoVehicle]) -> bytes:
     """The route file: vehicles in order of their departure."""
     root = _root("routes", ROUTES_XSD)
     for kind in types:

@@ -10,6 +10,7 @@ of that very class, `fields_of` its documentation:
         sliding: Annotated[int, "1: adhesion exceeded in this step"]
         pulses: Annotated[list[int], 16, "of the last steps"]  # a number is the length of an array
         axle: AxleRow  # a record in a record
+        settings: Wheel  # a table of a file in a record: its numbers and switches; `put_settings` fills it
 
     WHEEL: Final = dtype_of(WheelRow)
 
@@ -25,9 +26,12 @@ from typing import Annotated, Any, Final, TypeVar, cast, get_args, get_origin, g
 
 import numpy as np
 
+from network.files.toml_input import Record
+
 RowT = TypeVar("RowT")
 
 SCALARS: Final[dict[object, str]] = {float: "f8", int: "i8"}
+NUMBERS: Final[dict[object, type]] = {float: float, int: int, bool: int}  # of a table of a file
 UNITS: Final = {
     "m": "m",
     "s": "s",
@@ -76,6 +80,13 @@ def unit_of(name: str) -> str:
 
 def fields_of(row: type) -> tuple[Field, ...]:
     """The fields of a record in order. TypeError, naming record and field, for what no record can hold."""
+    table: type = row
+    if issubclass(table, Record):
+        return tuple(
+            Field(name, NUMBERS[info.annotation], 0, unit_of(name), info.description or "")
+            for name, info in table.model_fields.items()
+            if info.annotation in NUMBERS
+        )
     fields: list[Field] = []
     for name, hint in get_type_hints(row, include_extras=True).items():
         kind, notes = _taken_apart(hint)
@@ -99,6 +110,12 @@ def dtype_of(row: type) -> np.dtype[np.void]:
         kind = SCALARS.get(field.kind) or dtype_of(field.kind)
         columns.append((field.name, kind, (field.length,)) if field.length else (field.name, kind))
     return np.dtype(columns, align=True)
+
+
+def put_settings(row: object, settings: Record) -> None:
+    """Put the numbers and switches of a table of a file into its record."""
+    for field in fields_of(type(settings)):
+        setattr(row, field.name, getattr(settings, field.name))
 
 
 CELLS: Final[dict[object, Any]] = {float: ctypes.c_double, int: ctypes.c_int64}

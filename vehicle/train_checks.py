@@ -28,7 +28,7 @@ _FULL: Final = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
+class CombinedRange:
     """A figure made of several: `key` is the one to blame, by its name in SI; `low` and `high` are in the range."""
 
     name: str
@@ -101,8 +101,8 @@ def _no_load_share(train: Record) -> float:
 
 
 LOSSES: Final = "losses"  # rules of keys below it hold for trains that have the table
-RULES: Final[tuple[Rule, ...]] = (
-    Rule(
+RULES: Final[tuple[CombinedRange, ...]] = (
+    CombinedRange(
         "load over empty mass",
         "body.mass_load_full_kg",
         ("body.mass_empty_kg",),
@@ -112,7 +112,7 @@ RULES: Final[tuple[Rule, ...]] = (
         "ore wagons carry 6 to 7 times their own mass",
         lambda train: float(train["mass_load_full_kg"]) / float(train["mass_empty_kg"]),
     ),
-    Rule(
+    CombinedRange(
         "mass by length, full",
         "body.mass_empty_kg",
         ("body.mass_load_full_kg", "body.length_m"),
@@ -122,7 +122,7 @@ RULES: Final[tuple[Rule, ...]] = (
         "the heaviest train has 13 600 kg/m, the test car of Oda, 3.3.2 has 67",
         lambda train: float(mass_kg(train, _FULL)) / float(train["length_m"]),
     ),
-    Rule(
+    CombinedRange(
         "length by car",
         "body.length_m",
         ("body.cars",),
@@ -132,7 +132,7 @@ RULES: Final[tuple[Rule, ...]] = (
         "assumed: twice the longest passenger cars, for those that share a bogie",
         lambda train: float(train["length_m"]) / float(train["cars"]),
     ),
-    Rule(
+    CombinedRange(
         "acceleration of the full train from a stand on the level",
         "traction.force_max_n",
         ("body", "resistance", "traction"),
@@ -142,7 +142,7 @@ RULES: Final[tuple[Rule, ...]] = (
         "assumed: the heaviest train had about 0.03; the quickest electric cars on rails stay below 2",
         _start_mps2,
     ),
-    Rule(
+    CombinedRange(
         "greatest force over the grip of the driven axles on dry rail, empty",
         "traction.force_max_n",
         ("adhesion.dry", "body.motored_axle_mass_share", "body.mass_empty_kg"),
@@ -152,7 +152,7 @@ RULES: Final[tuple[Rule, ...]] = (
         "assumed: what is three times too strong only spins",
         lambda train: float(train["traction_force_max_n"]) / _grip_n(train),
     ),
-    Rule(
+    CombinedRange(
         "power over greatest force times greatest speed",
         "traction.power_max_w",
         ("traction.force_max_n", "body.speed_max_mps"),
@@ -165,7 +165,7 @@ RULES: Final[tuple[Rule, ...]] = (
             / (float(train["traction_force_max_n"]) * float(train["speed_max_mps"]))
         ),
     ),
-    Rule(
+    CombinedRange(
         "running resistance at the greatest speed by weight",
         "body.speed_max_mps",
         ("resistance",),
@@ -175,7 +175,7 @@ RULES: Final[tuple[Rule, ...]] = (
         "assumed: at 575 km/h it was about 30 to 40",
         _drag_n_per_kn,
     ),
-    Rule(
+    CombinedRange(
         "strongest service notch over the grip of all axles on dry rail",
         "brakes.notch_deceleration_mps2",
         ("adhesion.dry", "body.rotating_mass_factor"),
@@ -185,7 +185,7 @@ RULES: Final[tuple[Rule, ...]] = (
         "a brake that slides on dry rail as designed is none",
         lambda train: _service_mps2(train) / _grip_mps2(train),
     ),
-    Rule(
+    CombinedRange(
         "emergency brake over the grip of all axles on dry rail",
         "emergency.deceleration_mps2",
         ("adhesion.dry", "body.rotating_mass_factor"),
@@ -195,7 +195,7 @@ RULES: Final[tuple[Rule, ...]] = (
         "the same",
         lambda train: float(train["emergency_deceleration_mps2"]) / _grip_mps2(train),
     ),
-    Rule(
+    CombinedRange(
         "emergency brake over the strongest service notch",
         "emergency.deceleration_mps2",
         ("brakes.notch_deceleration_mps2",),
@@ -205,7 +205,7 @@ RULES: Final[tuple[Rule, ...]] = (
         "an emergency brake is no weaker",
         lambda train: float(train["emergency_deceleration_mps2"]) / _service_mps2(train),
     ),
-    Rule(
+    CombinedRange(
         "greatest efficiency of motors, inverters and gears",
         "losses.copper_w",
         (LOSSES, "traction"),
@@ -215,7 +215,7 @@ RULES: Final[tuple[Rule, ...]] = (
         "assumed: published drives with gear reach 0.90 to 0.96; none gives all, or more than it takes",
         _best_efficiency,
     ),
-    Rule(
+    CombinedRange(
         "efficiency of motors, inverters and gears at the greatest force and base speed",
         "losses.copper_w",
         (LOSSES, "traction"),
@@ -225,7 +225,7 @@ RULES: Final[tuple[Rule, ...]] = (
         "assumed: what loses more than it gives is a heater",
         _full_efficiency,
     ),
-    Rule(
+    CombinedRange(
         "no-load losses at base speed by greatest power",
         "losses.standby_w",
         (LOSSES, "traction.power_max_w", "traction.motors"),
@@ -235,7 +235,7 @@ RULES: Final[tuple[Rule, ...]] = (
         "assumed: induction motors take 2 to 5 % of their rating; without any, light load would be free",
         _no_load_share,
     ),
-    Rule(
+    CombinedRange(
         "base speed over greatest speed",
         "losses.base_speed_mps",
         ("body.speed_max_mps",),

@@ -209,7 +209,7 @@ class _Regeneration(Record):
         return self
 
 
-class Receiver(StrEnum):
+class RegenerationReceiver(StrEnum):
     """What takes the energy that the motors give back."""
 
     BATTERY = "battery"
@@ -225,14 +225,14 @@ class _Energy(Record):
     efficiency_regeneration: Annotated[EfficiencyOr0, about("wire over rim, without `[losses]`")]
     auxiliary_power_w: Annotated[AuxiliaryPowerW, about("lighting, compressors, heating and cooling")]
     regenerated_to: Annotated[
-        Receiver,
+        RegenerationReceiver,
         Field(strict=False),
         about(
             "what takes regenerated energy: the train's own battery, other trains on the wire, the substation, or"
             " resistors, from which nothing comes back",
             "assumed: other trains take all of it",
         ),
-    ] = Receiver.OTHER_TRAINS
+    ] = RegenerationReceiver.OTHER_TRAINS
 
 
 class _Adhesion(Record):
@@ -287,7 +287,7 @@ class TrainType:
     sources: tuple[str, ...]
     assumed: tuple[str, ...]
     row: NDArray[np.void]
-    regenerated_to: Receiver = Receiver.OTHER_TRAINS
+    regenerated_to: RegenerationReceiver = RegenerationReceiver.OTHER_TRAINS
     battery: NDArray[np.void] | None = None
 
 

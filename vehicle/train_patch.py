@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from network.errors import InputError
-from network.files.edits import Asked, Change, Data, Patched, Words, differences, words_of
+from network.files.edits import Change, Data, FilePatch, Patched, PatchInFile, differences, words_of
 from vehicle.train_file import TrainType, read_train, train_of
 
 
-def patched_train(path: Path, patches: Sequence[Asked]) -> tuple[TrainType, Data, tuple[Change, ...]]:
+def patched_train(path: Path, patches: Sequence[PatchInFile]) -> tuple[TrainType, Data, tuple[Change, ...]]:
     """The kind of train of a file with patches, one after the other, its tables then, and what the patches changed.
 
     Raises InputError, which names the train file when it is wrong as it stands, else the file of the patch.
@@ -35,8 +35,8 @@ def patched_train(path: Path, patches: Sequence[Asked]) -> tuple[TrainType, Data
     return train, data, tuple(changes)
 
 
-def _patched(data: Mapping[str, Any], asked: Asked) -> Patched:
-    words = words_of(asked, Words)
+def _patched(data: Mapping[str, Any], asked: PatchInFile) -> Patched:
+    words = words_of(asked, FilePatch)
     for word, given in (("add", words.add), ("remove", words.remove)):
         if given:
             raise InputError(

@@ -22,7 +22,7 @@ from wayside import barring, reentry
 from wayside.actions import Show
 from wayside.barring import person_key
 from wayside.reentry import Step
-from wayside.register import Register, Standing, Unit
+from wayside.register import Register, RegisteredUnit, UnitStanding
 from wayside.said import (
     AcceptPicture,
     Barred,
@@ -46,7 +46,7 @@ Act = ConfirmOutside | ConfirmHolding | EnterSection | AcceptPicture | TakeBack 
 ASKED_IN_VAIN: Final = 3  # assumed: so often a unit that reported must have been silent, at `ask_interval_s`
 
 
-class Phase(Enum):
+class LineState(Enum):
     """Whether the block state of the line is in force."""
 
     RUNNING = "running"  # since the first start, or since the line was defined again
@@ -55,7 +55,7 @@ class Phase(Enum):
 
 def act(register: Register, event: Act, now_s: float) -> Step:
     """The register after a person's input. Never raises for what a person enters."""
-    phase = Phase.RESTORING if register.restoring else Phase.RUNNING
+    phase = LineState.RESTORING if register.restoring else LineState.RUNNING
     person = person_key(event.person)
     if register.restoring:
         inputs = {**register.reentry.inputs, person: register.reentry.inputs.get(person, 0) + 1}
@@ -108,15 +108,15 @@ def _shut_out(register: Register, event: BarUnit) -> Register:
     """
     unit_id, unit = event.unit_id, register.unit(event.unit_id)
     register = register.without_doubt(unit_id)
-    silenced = Unit(Standing.UNKNOWN, unit.epoch, unit.token, claim=unit.claim, claim_needed=True)
     if register.restoring:
         heard_s = {other: at_s for other, at_s in register.reentry.heard_s.items() if other != unit_id}
-        register = replace(register, reentry=replace(register.reentry, heard_s=heard_s, accepted_by=""))
-        return register.with_held(unit_id, ()).with_unit(unit_id, replace(silenced, claim=None))
-    if unit.standing is Standing.DISPUTED:
-        return register.with_unit(unit_id, silenced)
-    if unit.standing in (Standing.REPORTED, Standing.LEAVING, Standing.BY_HAND):
-        by_hand = replace(silenced, standing=Standing.BY_HAND, claim=None, by=event.person, silent=True)
+        register = replace(register, reentry=replace(register.reentry, heard_s=heard_s))
+    if register.restoring or unit.standing is UnitStanding.DISPUTED:
+        return reentry.unheard(register, unit_id)
+    if unit.standing in (UnitStanding.REPORTED, UnitStanding.LEAVING, UnitStanding.BY_HAND):
+        by_hand = RegisteredUnit(
+            UnitStanding.BY_HAND, unit.epoch, unit.token, by=event.person, claim_needed=True, silent=True
+        )
         return register.with_unit(unit_id, by_hand)
     return register
 
@@ -132,6 +132,12 @@ def _place(event: ConfirmOutside | ConfirmHolding) -> str:
 def _freed(register: Register, event: ConfirmHolding) -> tuple[str, ...]:
     """What the unit no longer holds, nor claims, if this is so."""
     return tuple(s for s in _may_be_in(register, event.unit_id) if s not in event.section_ids)
+
+
+def _given_back(register: Register, event: ConfirmHolding) -> tuple[str, ...]:
+    """What of that the register has it hold; else the word says only that it is not where it claims to be."""
+    held = register.held_by(event.unit_id)
+    return tuple(section_id for section_id in _freed(register, event) if section_id in held)
 
 
 def _may_be_in(register: Register, unit_id: str) -> tuple[str, ...]:
@@ -171,8 +177,8 @@ def _set_outside(register: Register, event: ConfirmOutside) -> Step:
     unit_id, before = event.unit_id, register.unit(event.unit_id)
     freed, left = register.held_by(unit_id), _may_be_in(register, unit_id)
     silent = unit_id in register.ledger
-    unit = Unit(
-        Standing.OUTSIDE, before.epoch, by=event.person, claim_needed=before.has_spoken, silent=silent
+    unit = RegisteredUnit(
+        UnitStanding.OUTSIDE, before.epoch, by=event.person, claim_needed=before.has_spoken, silent=silent
     )
     register = reentry.without_words(register, unit_id).with_held(unit_id, ()).with_unit(unit_id, unit)
     register, swept = reentry.to_be_swept(register, left)
@@ -181,7 +187,7 @@ def _set_outside(register: Register, event: ConfirmOutside) -> Step:
 
 
 def _confirm_holding(register: Register, event: ConfirmHolding) -> Step:
-    """Held by hand at once; what it frees only when a second person says so."""
+    """Held by hand at once; what it frees, or ends the claim of, only when a second person says so."""
     unit_id, section_ids = event.unit_id, event.section_ids
     if (senseless := _senseless(register, event)) is not None:
         return register, (senseless,)
@@ -192,8 +198,9 @@ def _confirm_holding(register: Register, event: ConfirmHolding) -> Step:
         )
         return register, (Show(against),)
     freed = _freed(register, event)
-    if freed and not reentry.in_station(register, section_ids):
-        return register, (_refused(event, _IN_STATION, freed),)
+    given_back = _given_back(register, event)
+    if given_back and not reentry.in_station(register, section_ids):
+        return register, (_refused(event, _IN_STATION, given_back),)
     if freed:
         register = reentry.with_word(register, person_key(event.person), unit_id, section_ids)
         if reentry.agreed(register, unit_id) is None:
@@ -203,11 +210,12 @@ def _confirm_holding(register: Register, event: ConfirmHolding) -> Step:
 
 def _set_by_hand(register: Register, event: ConfirmHolding) -> Step:
     unit_id, by, before = event.unit_id, event.person, register.unit(event.unit_id)
-    left, was_held = _freed(register, event), register.held_by(unit_id)
-    freed = tuple(section_id for section_id in left if section_id in was_held)
+    left, freed = _freed(register, event), _given_back(register, event)
     register, token = reentry.without_words(register, unit_id).next_token()
     register = register.with_held(unit_id, event.section_ids)
-    unit = Unit(Standing.BY_HAND, before.epoch, token, by=by, claim_needed=before.has_spoken, silent=True)
+    unit = RegisteredUnit(
+        UnitStanding.BY_HAND, before.epoch, token, by=by, claim_needed=before.has_spoken, silent=True
+    )
     register = register.with_unit(unit_id, unit)
     register, swept = reentry.to_be_swept(register, left)
     shows = [Show(Freed(unit_id=unit_id, section_ids=freed, token=token, by=by))] if freed else []
@@ -243,7 +251,9 @@ def _take_back(register: Register, event: TakeBack) -> Step:
     unit = register.unit(event.unit_id)
     if not unit.by:
         return register, (_refused(event, "it has said so itself"),)
-    unknown = Unit(Standing.UNKNOWN, unit.epoch, claim_needed=unit.claim_needed, taken_back=True)
+    unknown = RegisteredUnit(
+        UnitStanding.UNKNOWN, unit.epoch, claim_needed=unit.claim_needed, taken_back=True
+    )
     register = register.with_unit(event.unit_id, unknown)
     # It may be on the line after all, so one person's word does not suffice the next time.
     register = replace(register, ledger=register.ledger | {event.unit_id}, ask_at_s=0.0)
@@ -335,47 +345,52 @@ _IN_STATION: Final = "a silent unit must stand in a station"
 _STILL_ASKED: Final = "the unit is still being asked; say it again if it stays silent"
 _Handler = Callable[[Register, Any], Step]
 
-UNIT_ACTS: Final[Mapping[tuple[Phase, Standing, type], _Handler]] = MappingProxyType(
+UNIT_ACTS: Final[Mapping[tuple[LineState, UnitStanding, type], _Handler]] = MappingProxyType(
     {
-        (Phase.RUNNING, Standing.UNKNOWN, ConfirmOutside): _confirm_outside,
-        (Phase.RUNNING, Standing.UNKNOWN, ConfirmHolding): _confirm_holding,
-        (Phase.RUNNING, Standing.OUTSIDE, ConfirmOutside): _confirm_outside,
-        (Phase.RUNNING, Standing.OUTSIDE, ConfirmHolding): _confirm_holding,
-        (Phase.RUNNING, Standing.BY_HAND, ConfirmOutside): _confirm_outside,
-        (Phase.RUNNING, Standing.BY_HAND, ConfirmHolding): _confirm_holding,
-        (Phase.RUNNING, Standing.REPORTED, ConfirmOutside): _doubt_speaker,
-        (Phase.RUNNING, Standing.REPORTED, ConfirmHolding): _doubt_speaker,
-        (Phase.RUNNING, Standing.LEAVING, ConfirmOutside): _doubt_speaker,
-        (Phase.RUNNING, Standing.LEAVING, ConfirmHolding): _doubt_speaker,
-        (Phase.RUNNING, Standing.DISPUTED, ConfirmOutside): _refuse_unit_speaks,
-        (Phase.RUNNING, Standing.DISPUTED, ConfirmHolding): _refuse_unit_speaks,
-        (Phase.RESTORING, Standing.UNKNOWN, ConfirmOutside): _take_word,
-        (Phase.RESTORING, Standing.UNKNOWN, ConfirmHolding): _take_word,
-        (Phase.RESTORING, Standing.OUTSIDE, ConfirmOutside): _take_correction,
-        (Phase.RESTORING, Standing.OUTSIDE, ConfirmHolding): _take_correction,
-        (Phase.RESTORING, Standing.BY_HAND, ConfirmOutside): _take_word,
-        (Phase.RESTORING, Standing.BY_HAND, ConfirmHolding): _take_word,
-        (Phase.RESTORING, Standing.REPORTED, ConfirmOutside): _take_correction,
-        (Phase.RESTORING, Standing.REPORTED, ConfirmHolding): _take_correction,
-        (Phase.RESTORING, Standing.LEAVING, ConfirmOutside): _take_correction,
-        (Phase.RESTORING, Standing.LEAVING, ConfirmHolding): _take_correction,
-        (Phase.RESTORING, Standing.DISPUTED, ConfirmOutside): _take_correction,
-        (Phase.RESTORING, Standing.DISPUTED, ConfirmHolding): _take_correction,
-        (Phase.RUNNING, Standing.OUTSIDE, TakeBack): _take_back,
-        (Phase.RUNNING, Standing.BY_HAND, TakeBack): _take_back,
+        (LineState.RUNNING, UnitStanding.UNKNOWN, ConfirmOutside): _confirm_outside,
+        (LineState.RUNNING, UnitStanding.UNKNOWN, ConfirmHolding): _confirm_holding,
+        (LineState.RUNNING, UnitStanding.OUTSIDE, ConfirmOutside): _confirm_outside,
+        (LineState.RUNNING, UnitStanding.OUTSIDE, ConfirmHolding): _confirm_holding,
+        (LineState.RUNNING, UnitStanding.BY_HAND, ConfirmOutside): _confirm_outside,
+        (LineState.RUNNING, UnitStanding.BY_HAND, ConfirmHolding): _confirm_holding,
+        (LineState.RUNNING, UnitStanding.REPORTED, ConfirmOutside): _doubt_speaker,
+        (LineState.RUNNING, UnitStanding.REPORTED, ConfirmHolding): _doubt_speaker,
+        (LineState.RUNNING, UnitStanding.LEAVING, ConfirmOutside): _doubt_speaker,
+        (LineState.RUNNING, UnitStanding.LEAVING, ConfirmHolding): _doubt_speaker,
+        (LineState.RUNNING, UnitStanding.DISPUTED, ConfirmOutside): _refuse_unit_speaks,
+        (LineState.RUNNING, UnitStanding.DISPUTED, ConfirmHolding): _refuse_unit_speaks,
+        (LineState.RESTORING, UnitStanding.UNKNOWN, ConfirmOutside): _take_word,
+        (LineState.RESTORING, UnitStanding.UNKNOWN, ConfirmHolding): _take_word,
+        (LineState.RESTORING, UnitStanding.OUTSIDE, ConfirmOutside): _take_correction,
+        (LineState.RESTORING, UnitStanding.OUTSIDE, ConfirmHolding): _take_correction,
+        (LineState.RESTORING, UnitStanding.BY_HAND, ConfirmOutside): _take_word,
+        (LineState.RESTORING, UnitStanding.BY_HAND, ConfirmHolding): _take_word,
+        (LineState.RESTORING, UnitStanding.REPORTED, ConfirmOutside): _take_correction,
+        (LineState.RESTORING, UnitStanding.REPORTED, ConfirmHolding): _take_correction,
+        (LineState.RESTORING, UnitStanding.LEAVING, ConfirmOutside): _take_correction,
+        (LineState.RESTORING, UnitStanding.LEAVING, ConfirmHolding): _take_correction,
+        (LineState.RESTORING, UnitStanding.DISPUTED, ConfirmOutside): _take_correction,
+        (LineState.RESTORING, UnitStanding.DISPUTED, ConfirmHolding): _take_correction,
+        (LineState.RUNNING, UnitStanding.OUTSIDE, TakeBack): _take_back,
+        (LineState.RUNNING, UnitStanding.BY_HAND, TakeBack): _take_back,
         **{
-            (Phase.RUNNING, standing, TakeBack): _nothing_to_take_back
-            for standing in (Standing.UNKNOWN, Standing.REPORTED, Standing.LEAVING, Standing.DISPUTED)
+            (LineState.RUNNING, standing, TakeBack): _nothing_to_take_back
+            for standing in (
+                UnitStanding.UNKNOWN,
+                UnitStanding.REPORTED,
+                UnitStanding.LEAVING,
+                UnitStanding.DISPUTED,
+            )
         },
-        **{(Phase.RESTORING, standing, TakeBack): _take_back_word for standing in Standing},
+        **{(LineState.RESTORING, standing, TakeBack): _take_back_word for standing in UnitStanding},
     }
 )
 
-LINE_ACTS: Final[Mapping[tuple[Phase, type], _Handler]] = MappingProxyType(
+LINE_ACTS: Final[Mapping[tuple[LineState, type], _Handler]] = MappingProxyType(
     {
-        (Phase.RUNNING, EnterSection): _refuse_running,
-        (Phase.RUNNING, AcceptPicture): _refuse_running,
-        (Phase.RESTORING, EnterSection): _enter_section,
-        (Phase.RESTORING, AcceptPicture): _accept,
+        (LineState.RUNNING, EnterSection): _refuse_running,
+        (LineState.RUNNING, AcceptPicture): _refuse_running,
+        (LineState.RESTORING, EnterSection): _enter_section,
+        (LineState.RESTORING, AcceptPicture): _accept,
     }
 )

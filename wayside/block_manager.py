@@ -44,35 +44,35 @@ from radio.messages import (
     SignOnAccepted,
     SignOnRefused,
 )
-from radio.table import Row, rows
+from radio.table import TableCell, rows
 from wayside import acts, dispatch, leaving, reentry
 from wayside.actions import Action, Send, Show
-from wayside.dispatch import Asked
+from wayside.dispatch import DispatchRequest
 from wayside.heard import Heard, challenge, show_refusal
 from wayside.reentry import Step
-from wayside.register import Register, Standing, Unit
+from wayside.register import Register, RegisteredUnit, UnitStanding
 from wayside.said import Accepted, BoundaryPassed, Contradicted, Freed, Granted, Outside, Refused
 
 M = TypeVar("M")
 
 
 ASKED_AGAIN: Final = 1  # correlation of a query whose answer is known to be one to it
-__all__ = ["TELEGRAMS", "Ask", "Event", "Heard", "step", "table_rows", "wake_at_s"]
+__all__ = ["TELEGRAMS", "AskUnits", "Event", "Heard", "step", "table_rows", "wake_at_s"]
 
 
 @dataclass(frozen=True, slots=True)
-class Ask:
+class AskUnits:
     """Look whether it is time to ask the units that block the line what they hold."""
 
 
-Event = Heard[AnyMessage] | acts.Act | BoundaryPassed | Ask
+Event = Heard[AnyMessage] | acts.Act | BoundaryPassed | AskUnits
 
 
 def step(register: Register, event: Event, now_s: float) -> Step:
     """The next register and what to do. Never raises for what a unit or an operator sends."""
     started_s = now_s if register.started_s is None else register.started_s
     before = register = replace(register, started_s=started_s)
-    if isinstance(event, Ask):
+    if isinstance(event, AskUnits):
         return _ask(register, now_s)
     match event:
         case Heard():
@@ -141,7 +141,7 @@ def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
     against = _against(register, heard, frozenset(held))
     shown: tuple[Action, ...] = ()
     if against is not None or not set(heard.message.section_ids) <= set(held):
-        asked = Asked(heard.unit_id, heard.message.route_id)
+        asked = DispatchRequest(heard.unit_id, heard.message.route_id)
         register, against, shown = dispatch.weigh(register, asked, against)
     answer = _grant(register, heard, held) if against is None else _refuse_route(register, heard, *against)
     return answer[0], (*shown, *answer[1])
@@ -261,8 +261,8 @@ def _sign_on(register: Register, heard: Heard[SignOn]) -> Step:
         return _refuse_claim(register, heard, RefusalReason.WRONG_UNIT)
     standing, claimed = register.unit(heard.unit_id).standing, heard.message.section_ids
     # Of a unit known to be outside, even an old wish to enter is only a wish; and a unit that reports is only added to.
-    outside = standing is Standing.OUTSIDE and _enters(register, heard.unit_id, claimed or ())
-    if not (heard.fresh or outside or standing in (Standing.REPORTED, Standing.LEAVING)):
+    outside = standing is UnitStanding.OUTSIDE and _enters(register, heard.unit_id, claimed or ())
+    if not (heard.fresh or outside or standing in (UnitStanding.REPORTED, UnitStanding.LEAVING)):
         return challenge(register, heard)
     return _take_claim(register, heard)
 
@@ -283,7 +283,7 @@ def _take_claim(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step
     unit = register.unit(unit_id)
     if claimed is None and (isinstance(heard.message, Claim) or not reentry.known(register, unit_id)):
         return _does_not_know(register, heard)
-    if claimed == () and unit.standing is Standing.BY_HAND:
+    if claimed == () and unit.standing is UnitStanding.BY_HAND:
         return _deny_entry(register, heard)
     if unknown := [section_id for section_id in claimed or () if section_id not in register.plan.order]:
         return _refuse_claim(register, heard, RefusalReason.UNKNOWN_SECTION, unknown[0])
@@ -296,13 +296,13 @@ def _weigh_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claime
     conflict = register.other_holder(unit_id, claimed)
     if _wishes(register, heard, claimed):
         # Where it was last known on the line, a wish may as well be its place: let the claim tell.
-        lost = unit.standing is Standing.UNKNOWN and unit_id in register.ledger
+        lost = unit.standing is UnitStanding.UNKNOWN and unit_id in register.ledger
         return challenge(register, heard) if lost else _enter(register, heard, claimed, conflict)
     conflict = conflict or reentry.entered_for_another(register, unit_id, claimed)
     if conflict is not None:
         free = [section_id for section_id in claimed if register.holders.get(section_id, unit_id) == unit_id]
         register = register.with_held(unit_id, (*register.held_by(unit_id), *free))
-        disputed = replace(unit, standing=Standing.DISPUTED, epoch=heard.epoch, claim=claimed)
+        disputed = replace(unit, standing=UnitStanding.DISPUTED, epoch=heard.epoch, claim=claimed)
         register = register.with_unit(unit_id, disputed)
         section_id, other_id = conflict
         shown = Contradicted(unit_id=unit_id, section_ids=(section_id,), token=unit.token, other_id=other_id)
@@ -312,10 +312,14 @@ def _weigh_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claime
 
 
 def _does_not_know(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
-    """Nobody knows what it holds: refused. One that counts as outside signs on so only where that is wrong."""
+    """Nobody knows what it holds: refused. One that counts as outside signs on so only where that is wrong; what one in
+    dispute has claimed, it does not know any more.
+    """
     standing = register.unit(heard.unit_id).standing
-    if isinstance(heard.message, Claim) and standing not in (Standing.UNKNOWN, Standing.DISPUTED):
+    if isinstance(heard.message, Claim) and standing not in (UnitStanding.UNKNOWN, UnitStanding.DISPUTED):
         return register, ()
+    if standing is UnitStanding.DISPUTED:
+        register = reentry.unheard(register, heard.unit_id)
     register, shown = reentry.on_line_after_all(register, heard.unit_id, heard.epoch)
     register, refusal = _refuse_claim(register, heard, RefusalReason.CLAIM_NEEDED)
     return register, (*shown, *refusal)
@@ -337,7 +341,7 @@ def _never_granted(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> S
     """
     unit_id, token, claimed = heard.unit_id, heard.message.token, heard.message.section_ids
     shown = Show(Contradicted(unit_id=unit_id, token=token, why="a token that was never granted"))
-    if claimed and register.unit(unit_id).standing is Standing.UNKNOWN:
+    if claimed and register.unit(unit_id).standing is UnitStanding.UNKNOWN:
         register, actions = _take_claim(register, replace(heard, message=_without_token(heard.message)))
     else:
         register = replace(register, ledger=register.ledger | {unit_id})  # two persons must say where it is
@@ -366,15 +370,15 @@ def _enter(
     """A wish, not a fact: it shows that an unknown unit is outside, and needs a defined line and a free portal."""
     unit_id = heard.unit_id
     shows: tuple[Action, ...] = ()
-    if register.unit(unit_id).standing is Standing.UNKNOWN:
-        register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, heard.epoch))
-        shows = (Show(Outside(unit_id=unit_id, was=Standing.UNKNOWN.value)),)
+    if register.unit(unit_id).standing is UnitStanding.UNKNOWN:
+        register = register.with_unit(unit_id, RegisteredUnit(UnitStanding.OUTSIDE, heard.epoch))
+        shows = (Show(Outside(unit_id=unit_id, was=UnitStanding.UNKNOWN.value)),)
     against: dispatch.Against | None = None
     if not register.defined:
         against = (RefusalReason.UNDEFINED, None, (*register.undefined_because_of(), None)[0])
     elif conflict is not None:
         against = (RefusalReason.HELD, *conflict)
-    asked = Asked(unit_id, portal=next(iter(portals), ""))
+    asked = DispatchRequest(unit_id, portal=next(iter(portals), ""))
     register, against, shown = dispatch.weigh(register, asked, against)
     if against is None:
         register, actions = _accept_claim(register, heard, portals)
@@ -393,13 +397,13 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     held = register.held_by(unit_id)
     token = max(unit.token, heard.message.token)
     # What it claims may have been another's since, who then commanded points in it under a greater token.
-    lost = not register.restoring and (bool(added) or unit.standing is not Standing.REPORTED)
+    lost = not register.restoring and (bool(added) or unit.standing is not UnitStanding.REPORTED)
     if held and (lost or token == 0 or token > register.token_max):
         register, token = register.next_token()
-    standing = Standing.REPORTED if held else Standing.OUTSIDE
+    standing = UnitStanding.REPORTED if held else UnitStanding.OUTSIDE
     # A unit that has started again numbers its requests anew, so its old request cannot be repeated.
     same_boot = heard.epoch == unit.epoch
-    after = Unit(standing, heard.epoch, token, unit.route_id, unit.correlation if same_boot else 0)
+    after = RegisteredUnit(standing, heard.epoch, token, unit.route_id, unit.correlation if same_boot else 0)
     after = replace(after, unproven=not held and (bool(shown) or unit.unproven))
     register = register.with_unit(unit_id, after)
     actions: list[Action] = [*shown]
@@ -452,42 +456,42 @@ def _not_for_manager(register: Register, heard: Heard[Any]) -> Step:
 
 _Handler = Callable[[Register, Heard[Any]], Step]
 
-TELEGRAMS: Final[Mapping[tuple[Standing, type], _Handler]] = MappingProxyType(
+TELEGRAMS: Final[Mapping[tuple[UnitStanding, type], _Handler]] = MappingProxyType(
     {
-        (Standing.UNKNOWN, RouteRequest): _request_undefined,
-        (Standing.UNKNOWN, HoldingReport): challenge,
-        (Standing.UNKNOWN, SignOn): _sign_on,
-        (Standing.UNKNOWN, SignOff): leaving.sign_off_not_signed_on,
-        (Standing.UNKNOWN, Claim): _claim,
-        (Standing.OUTSIDE, RouteRequest): _request_not_signed_on,
-        (Standing.OUTSIDE, HoldingReport): challenge,
-        (Standing.OUTSIDE, SignOn): _sign_on,
-        (Standing.OUTSIDE, SignOff): leaving.sign_off_again,
-        (Standing.OUTSIDE, Claim): _claim,
-        (Standing.BY_HAND, RouteRequest): _request_not_signed_on,
-        (Standing.BY_HAND, HoldingReport): challenge,
-        (Standing.BY_HAND, SignOn): _sign_on,
-        (Standing.BY_HAND, SignOff): leaving.sign_off_not_signed_on,
-        (Standing.BY_HAND, Claim): _claim,
-        (Standing.REPORTED, RouteRequest): _request,
-        (Standing.REPORTED, HoldingReport): _report,
-        (Standing.REPORTED, SignOn): _sign_on,
-        (Standing.REPORTED, SignOff): leaving.sign_off,
-        (Standing.REPORTED, Claim): _claim,
-        (Standing.LEAVING, RouteRequest): _request_not_signed_on,
-        (Standing.LEAVING, HoldingReport): _report,
-        (Standing.LEAVING, SignOn): _sign_on_leaving,
-        (Standing.LEAVING, SignOff): leaving.sign_off,
-        (Standing.LEAVING, Claim): _claim_leaving,
-        (Standing.DISPUTED, RouteRequest): _request_undefined,
-        (Standing.DISPUTED, HoldingReport): challenge,
-        (Standing.DISPUTED, SignOn): _sign_on,
-        (Standing.DISPUTED, SignOff): leaving.sign_off_not_signed_on,
-        (Standing.DISPUTED, Claim): _claim,
+        (UnitStanding.UNKNOWN, RouteRequest): _request_undefined,
+        (UnitStanding.UNKNOWN, HoldingReport): challenge,
+        (UnitStanding.UNKNOWN, SignOn): _sign_on,
+        (UnitStanding.UNKNOWN, SignOff): leaving.sign_off_not_signed_on,
+        (UnitStanding.UNKNOWN, Claim): _claim,
+        (UnitStanding.OUTSIDE, RouteRequest): _request_not_signed_on,
+        (UnitStanding.OUTSIDE, HoldingReport): challenge,
+        (UnitStanding.OUTSIDE, SignOn): _sign_on,
+        (UnitStanding.OUTSIDE, SignOff): leaving.sign_off_again,
+        (UnitStanding.OUTSIDE, Claim): _claim,
+        (UnitStanding.BY_HAND, RouteRequest): _request_not_signed_on,
+        (UnitStanding.BY_HAND, HoldingReport): challenge,
+        (UnitStanding.BY_HAND, SignOn): _sign_on,
+        (UnitStanding.BY_HAND, SignOff): leaving.sign_off_not_signed_on,
+        (UnitStanding.BY_HAND, Claim): _claim,
+        (UnitStanding.REPORTED, RouteRequest): _request,
+        (UnitStanding.REPORTED, HoldingReport): _report,
+        (UnitStanding.REPORTED, SignOn): _sign_on,
+        (UnitStanding.REPORTED, SignOff): leaving.sign_off,
+        (UnitStanding.REPORTED, Claim): _claim,
+        (UnitStanding.LEAVING, RouteRequest): _request_not_signed_on,
+        (UnitStanding.LEAVING, HoldingReport): _report,
+        (UnitStanding.LEAVING, SignOn): _sign_on_leaving,
+        (UnitStanding.LEAVING, SignOff): leaving.sign_off,
+        (UnitStanding.LEAVING, Claim): _claim_leaving,
+        (UnitStanding.DISPUTED, RouteRequest): _request_undefined,
+        (UnitStanding.DISPUTED, HoldingReport): challenge,
+        (UnitStanding.DISPUTED, SignOn): _sign_on,
+        (UnitStanding.DISPUTED, SignOff): leaving.sign_off_not_signed_on,
+        (UnitStanding.DISPUTED, Claim): _claim,
     }
 )
 
 
-def table_rows() -> tuple[Row, ...]:
+def table_rows() -> tuple[TableCell, ...]:
     """Standing of the unit and telegram, then phase, standing and input of a person, for the documentation."""
     return (*rows(TELEGRAMS), *rows(acts.UNIT_ACTS), *rows(acts.LINE_ACTS))

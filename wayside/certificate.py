@@ -21,6 +21,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Final
 
+from wayside.moves import Train
 from wayside.pairs import Pairs
 
 STEPS_MAX: Final = 4000  # assumed: moves tried beyond one for each that is to be made, some 40 ms
@@ -28,24 +29,7 @@ ANEW_STEPS: Final = 300  # assumed: then the search begins anew, a third later e
 LATER: Final = 1.3
 
 
-@dataclass(frozen=True, slots=True)
-class Move:
-    """From one track to the next. Sections are bits: `needs` must be free of others, `keeps` is held afterwards."""
-
-    needs: int
-    keeps: int
-    due_s: float = 0.0  # when it is planned: what is due first is tried first
-
-
-@dataclass(frozen=True, slots=True)
-class Train:
-    """A train with what it holds, and the moves that it still has to make."""
-
-    holds: int
-    ahead: tuple[Move, ...]
-
-
-class Proof(Enum):
+class CertificateProof(Enum):
     """What a search has shown."""
 
     ORDER = "all can finish"
@@ -54,18 +38,18 @@ class Proof(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class CertificateAnswer:
     """The answer. `order`: trains by index, a move each; `circle`: trains that were in each other's way, by index.
     Where there is no order, they alone have none.
     """
 
-    proof: Proof
+    proof: CertificateProof
     order: tuple[int, ...] = ()
     circle: tuple[int, ...] = ()
     steps: int = 0
 
 
-def finish(trains: Sequence[Train], steps_max: int = STEPS_MAX) -> Found:
+def finish(trains: Sequence[Train], steps_max: int = STEPS_MAX) -> CertificateAnswer:
     """An order in which all trains can finish; what is due first goes first where it can."""
     return _Search(trains).run(steps_max)
 
@@ -169,11 +153,11 @@ class _Search:
                 wants.append(wants[-1] | move.needs)
             self._wants.append(wants[::-1])
 
-    def run(self, steps_max: int) -> Found:
+    def run(self, steps_max: int) -> CertificateAnswer:
         """Search; the order found has all moves."""
         for index in range(len(self._trains)):
             if stuck := self._stuck(index):
-                return Found(Proof.NONE, (), _indices(stuck))
+                return CertificateAnswer(CertificateProof.NONE, (), _indices(stuck))
         steps, least, anew = 0, self._line.left, float(self._line.left + ANEW_STEPS)
         while True:
             branches = [self._branch()]
@@ -185,12 +169,12 @@ class _Search:
                     self._learn(branch.stuck)
                     branches.pop()
                     if not branches:
-                        return Found(Proof.NONE, (), _indices(branch.stuck), steps)
+                        return CertificateAnswer(CertificateProof.NONE, (), _indices(branch.stuck), steps)
                     self._line.take_back(branch.mover, branch.held)
                     self._failed(branches[-1], branch.mover, branch.stuck)
                     continue
                 if steps >= least + steps_max:
-                    return Found(Proof.UNKNOWN, (), self._circle, steps)
+                    return CertificateAnswer(CertificateProof.UNKNOWN, (), self._circle, steps)
                 if steps >= until:
                     break
                 steps += 1
@@ -201,7 +185,9 @@ class _Search:
                 else:
                     branches.append(self._branch(mover, held))
             else:
-                return Found(Proof.ORDER, tuple(b.mover for b in branches[1:]), self._circle, steps)
+                return CertificateAnswer(
+                    CertificateProof.ORDER, tuple(b.mover for b in branches[1:]), self._circle, steps
+                )
             for branch in reversed(branches[1:]):
                 self._line.take_back(branch.mover, branch.held)
             self._anew, anew = self._anew + 1, LATER * anew

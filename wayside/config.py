@@ -48,7 +48,7 @@ class RouteEntry(msgspec.Struct, frozen=True):
     section_ids: tuple[str, ...]
 
 
-class Order(Enum):
+class OrderRule(Enum):
     """Who goes first over a section that several trains want."""
 
     FIRST_COME = "first_come"  # who asks first
@@ -72,7 +72,7 @@ class JourneyMove(msgspec.Struct, frozen=True, array_like=True):
     stays_s: float
 
 
-class Journey(msgspec.Struct, frozen=True):
+class StockMoves(msgspec.Struct, frozen=True):
     """All moves of one stock's day, in order, from where it stands at first."""
 
     unit_id: str
@@ -83,16 +83,16 @@ class DispatchEntry(msgspec.Struct, frozen=True):
     """How routes are given to trains that could all have them; see `wayside.dispatch`."""
 
     certificate: bool = False
-    order: Order = Order.FIRST_COME
+    order: OrderRule = OrderRule.FIRST_COME
     late_s: float = 240.0
     hold_s_max: float = 900.0
     overtaken_max: int = 2
-    journeys: tuple[Journey, ...] = ()
+    journeys: tuple[StockMoves, ...] = ()
 
     @property
     def weighs(self) -> bool:
         """Whether anything but the register decides."""
-        return self.certificate or self.order is not Order.FIRST_COME
+        return self.certificate or self.order is not OrderRule.FIRST_COME
 
 
 NO_DISPATCH: Final = DispatchEntry()

@@ -18,10 +18,12 @@ from typing import Final
 from network.clock import clock
 from radio.messages import RefusalReason
 from wayside.actions import Show
-from wayside.certificate import STEPS_MAX, Found, Proof, Train, finish, follows
-from wayside.config import Order
-from wayside.journeys import Days, Kept, Sought, Stands, Trip, next_hop, stands_of, trip_of, with_trip
+from wayside.certificate import STEPS_MAX, CertificateAnswer, CertificateProof, finish, follows
+from wayside.config import OrderRule
+from wayside.journeys import DayProgress, Days, LastCertificate, LastSearch, Stands, next_hop
+from wayside.moves import Train
 from wayside.order import turn_of
+from wayside.places import stands_of
 from wayside.register import Register
 from wayside.said import Certified, HeldBack, NoOrderKnown, OrderChanged
 
@@ -37,7 +39,7 @@ LOOKED_BACK: Final = 40  # assumed: moves of the order looked at for the one tha
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class DispatchRequest:
     """What a unit asks for: a route, or else a portal by which to come onto the line."""
 
     unit_id: str
@@ -46,7 +48,7 @@ class Asked:
 
 
 def weigh(
-    register: Register, asked: Asked, against: Against | None
+    register: Register, asked: DispatchRequest, against: Against | None
 ) -> tuple[Register, Against | None, tuple[Show, ...]]:
     """The register with what is known of the days; why not now, if so, and what the journal is told.
 
@@ -56,18 +58,18 @@ def weigh(
     if days is None or asked.unit_id not in days.index:
         return register, against, ()
     index = days.index[asked.unit_id]
-    trip = trip_of(register, asked.unit_id)
+    trip = register.trip(asked.unit_id)
     if trip.astray:  # a day is known again from the first move that is its own
         trip = replace(trip, astray=False)
-        register = with_trip(register, asked.unit_id, trip)
+        register = register.with_trip(asked.unit_id, trip)
     stands = stands_of(register, days)
     place = next_hop(days, index, stands.at[index], asked.route_id, asked.portal)
     if place is None:
         astray = replace(trip, astray=True, done=max(trip.done, 0))
-        return with_trip(register, asked.unit_id, astray), against, ()
+        return register.with_trip(asked.unit_id, astray), against, ()
     if against is not None:
         waits = replace(trip, asked_s=trip.asked_s if trip.asked_s is not None else register.now_s)
-        return with_trip(register, asked.unit_id, waits), against, ()
+        return register.with_trip(asked.unit_id, waits), against, ()
     if place != stands.at[index]:
         stands = _skipped(stands, index, place)
     return _Weighing(register, days, stands, index).done()
@@ -86,7 +88,7 @@ class _Weighing:
         self._stands = stands
         self._index = index
         self._unit_id = days.unit_ids[index]
-        self._trip = trip_of(register, self._unit_id)
+        self._trip = register.trip(self._unit_id)
         self._trains = stands.trains(days)
         self._until_s = inf
         self._shows: list[Show] = []
@@ -94,7 +96,7 @@ class _Weighing:
     def done(self) -> tuple[Register, Against | None, tuple[Show, ...]]:
         """The answer."""
         against, after = self._certified() if self._days.certificate else (None, None)
-        if against is None and self._days.order is not Order.FIRST_COME:
+        if against is None and self._days.order is not OrderRule.FIRST_COME:
             against = self._by_order()
         if against is None:
             self._granted(after)
@@ -102,15 +104,15 @@ class _Weighing:
 
     # the certificate ------------------------------------------------------------------------------------------
 
-    def _certified(self) -> tuple[Against | None, Found | None]:
+    def _certified(self) -> tuple[Against | None, CertificateAnswer | None]:
         """Why not now, if so; and an order for afterwards, None where it is proven that there is none to be kept."""
         before = self._before()
         if before is None:
             sought = self._register.sought
-            unknown = sought is not None and sought.found.proof is Proof.UNKNOWN
+            unknown = sought is not None and sought.found.proof is CertificateProof.UNKNOWN
             return (self._not_known(sought.found) if sought is not None and unknown else None), None
         after = self._after(before)
-        return (None if after.proof is Proof.ORDER else self._no_way_on(before, after)), after
+        return (None if after.proof is CertificateProof.ORDER else self._no_way_on(before, after)), after
 
     def _before(self) -> tuple[int, ...] | None:
         """An order in which all can finish as things are; the one of the last certificate where that still leads on."""
@@ -123,30 +125,30 @@ class _Weighing:
         if sought is not None and (again or leads) and sought.lasts(register.now_s):
             return self._known(kept) if kept is not None and leads else None
         steps = STEPS_MAX
-        if sought is not None and again and sought.found.proof is Proof.UNKNOWN:
+        if sought is not None and again and sought.found.proof is CertificateProof.UNKNOWN:
             steps = min(MORE_STEPS * sought.steps, LAST_STEPS)
         found = finish(self._trains, steps)
-        if found.proof is Proof.ORDER:
-            kept = Kept(stands.at, stands.holds, found.order)
+        if found.proof is CertificateProof.ORDER:
+            kept = LastCertificate(stands.at, stands.holds, found.order)
             self._register = replace(register, kept=kept, sought=None)
             return found.order
-        shorter, proof = self._shorter(steps) if found.proof is Proof.NONE else (None, found.proof)
+        shorter, proof = self._shorter(steps) if found.proof is CertificateProof.NONE else (None, found.proof)
         if shorter is None or (kept is not None and leads and kept.until_s > shorter.until_s):
             shorter = kept if leads else None
         if shorter is None:
             found = replace(found, proof=proof)
         again_s = register.now_s + SEARCHES_EVERY_S
         if (
-            found.proof is Proof.UNKNOWN
+            found.proof is CertificateProof.UNKNOWN
         ):  # with more steps as soon as anybody asks; after the last, when things change
             again_s = register.now_s if steps < LAST_STEPS else inf
         said = "" if sought is None else sought.said
-        sought = Sought(stands.at, stands.holds, found, steps, again_s, said)
+        sought = LastSearch(stands.at, stands.holds, found, steps, again_s, said)
         self._register = replace(register, kept=shorter, sought=sought)
         self._no_order_known(sought, None if shorter is None else shorter.until_s)
         return None if shorter is None else self._known(shorter)
 
-    def _known(self, kept: Kept) -> tuple[int, ...]:
+    def _known(self, kept: LastCertificate) -> tuple[int, ...]:
         """The order; in one of a part of the day, a train that goes on beyond it comes after all that is in it."""
         self._until_s = kept.until_s
         if kept.until_s == inf:
@@ -159,33 +161,33 @@ class _Weighing:
         ]
         return order
 
-    def _shorter(self, steps: int) -> tuple[Kept | None, Proof]:
+    def _shorter(self, steps: int) -> tuple[LastCertificate | None, CertificateProof]:
         """An order of all that is planned to begin until then: looked for from the end of the day in growing strides,
         then between the last two. None: what the search for the shortest part has shown.
         """
         days, stands = self._days, self._stands
         places = zip(days.moves, stands.at, strict=True)
         times = sorted({move.due_s for moves, done in places for move in moves[done:]})
-        kept, proof = None, Proof.NONE
+        kept, proof = None, CertificateProof.NONE
         # Before the first time nothing is planned, and the whole day has no order.
         good, bad, tried = 0, len(times), 0
         while bad - good > 1:
             middle = (good + bad) // 2 if good else max(1, bad - 1 - tried * tried // 8)
             found = finish(stands.trains(days, times[middle]), steps if middle == 1 else SHORTER_STEPS)
-            if found.proof is Proof.ORDER:
-                kept, good = Kept(stands.at, stands.holds, found.order, times[middle]), middle
+            if found.proof is CertificateProof.ORDER:
+                kept, good = LastCertificate(stands.at, stands.holds, found.order, times[middle]), middle
             else:
                 bad, tried, proof = middle, tried + 1, found.proof
         return kept, proof
 
-    def _no_order_known(self, sought: Sought, until_s: float | None) -> None:
+    def _no_order_known(self, sought: LastSearch, until_s: float | None) -> None:
         """Shown once for each circle of trains, and once when people have to help."""
         circle = sought.found.circle
         units = tuple(self._days.unit_ids[index] for index in circle)
         why = f"{sought.found.proof.value}: {', '.join(map(self._where, circle))}"
         if until_s is not None:
             why += f"; of what is planned before {clock(until_s)} all can be run"
-        elif sought.found.proof is Proof.UNKNOWN:
+        elif sought.found.proof is CertificateProof.UNKNOWN:
             why += "; nothing is granted until one is known"
             if sought.again_s == inf:
                 why += f", and after {sought.steps} steps it is looked for no more until something changes: people must"
@@ -193,7 +195,7 @@ class _Weighing:
             self._shows.append(Show(NoOrderKnown(unit_ids=units, why=why)))
             self._register = replace(self._register, sought=replace(sought, said=why))
 
-    def _not_known(self, found: Found) -> Against:
+    def _not_known(self, found: CertificateAnswer) -> Against:
         """Refused: nobody knows whether all can finish, whoever goes next."""
         other = next(index for index in found.circle if index != self._index)
         section_id = self._next_section(other)
@@ -203,12 +205,12 @@ class _Weighing:
         self._held_back(why, other_id, section_id, certificate=True)
         return RefusalReason.NO_WAY_ON, section_id, other_id
 
-    def _after(self, before: tuple[int, ...]) -> Found:
+    def _after(self, before: tuple[int, ...]) -> CertificateAnswer:
         """An order in which all can finish once this is granted: as near to the one before as there is."""
         mine = before.index(self._index)
         ahead = (self._index, *before[:mine])
         if follows(self._trains, ahead):  # afterwards all is as in the order before
-            return Found(Proof.ORDER, (*before[:mine], *before[mine + 1 :]))
+            return CertificateAnswer(CertificateProof.ORDER, (*before[:mine], *before[mine + 1 :]))
         stands = self._stands.after(self._days, self._index)
         trains = stands.trains(self._days)
         if self._until_s < inf:
@@ -222,12 +224,12 @@ class _Weighing:
             counts = [rest[:near].count(index) for index in range(len(trains))]
             few = [Train(t.holds, t.ahead[:count]) for t, count in zip(trains, counts, strict=True)]
             found = finish(few, NEAR_STEPS)
-            if found.proof is Proof.ORDER:
-                return Found(Proof.ORDER, (*found.order, *rest[near:]))
+            if found.proof is CertificateProof.ORDER:
+                return CertificateAnswer(CertificateProof.ORDER, (*found.order, *rest[near:]))
             near *= 4
         return finish(trains, STEPS_MAX)
 
-    def _no_way_on(self, before: tuple[int, ...], after: Found) -> Against:
+    def _no_way_on(self, before: tuple[int, ...], after: CertificateAnswer) -> Against:
         """Refused: behind which train it waits, and where that will have come when it is let on."""
         mine = before.index(self._index)
         first = max(1, mine - LOOKED_BACK)
@@ -244,7 +246,7 @@ class _Weighing:
             (before[lets_on - 1], before[:lets_on].count(before[lets_on - 1])) if lets_on else (circle[0], 0)
         )
         hop = self._days.hops[other][max(0, self._stands.at[other] + moves - 1)]
-        proof = "" if after.proof is Proof.NONE else " as far as could be looked"
+        proof = "" if after.proof is CertificateProof.NONE else " as far as could be looked"
         stuck = " and ".join(map(self._train, [self._index, *circle]))
         why = (
             f"{self._where(self._index)} waits for {self._train(other)} to come to {hop.section_id}: if it went now,"
@@ -292,26 +294,26 @@ class _Weighing:
 
     def _say(self, why: str) -> None:
         self._trip = replace(self._trip, said=why)
-        self._register = with_trip(self._register, self._unit_id, self._trip)
+        self._register = self._register.with_trip(self._unit_id, self._trip)
 
-    def _granted(self, after: Found | None) -> None:
+    def _granted(self, after: CertificateAnswer | None) -> None:
         """The move counts as made; trains that wait for the same line were overtaken."""
         register, days, index = self._register, self._days, self._index
         place = self._stands.at[index]
         hop = days.hops[index][place]
         late_s = max(0.0, register.now_s - hop.departs_s)
-        register = with_trip(register, self._unit_id, Trip(place + 1, late_s))
+        register = register.with_trip(self._unit_id, DayProgress(place + 1, late_s))
         for other, unit_id in enumerate(days.unit_ids):
             trip = register.trips.get(unit_id)
             at = self._stands.at[other]
             if other == index or trip is None or trip.asked_s is None or at == len(days.hops[other]):
                 continue
             if days.hops[other][at].line & hop.line:
-                register = with_trip(register, unit_id, replace(trip, overtaken=trip.overtaken + 1))
+                register = register.with_trip(unit_id, replace(trip, overtaken=trip.overtaken + 1))
         kept = None
-        if after is not None and after.proof is Proof.ORDER:
+        if after is not None and after.proof is CertificateProof.ORDER:
             stands = self._stands.after(days, index)
-            kept = Kept(stands.at, stands.holds, after.order, self._until_s)
+            kept = LastCertificate(stands.at, stands.holds, after.order, self._until_s)
             self._shows.append(Show(self._certificate(after.order)))
         self._register = replace(register, kept=kept)
 

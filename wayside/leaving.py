@@ -16,10 +16,10 @@ from wayside import reentry
 from wayside.actions import Send, Show
 from wayside.heard import Heard, show_refusal
 from wayside.reentry import Step
-from wayside.register import Register, Standing, Unit
+from wayside.register import Register, RegisteredUnit, UnitStanding
 from wayside.said import Contradicted, Freed, Leaving, Outside
 
-_HOLDING: Final = (Standing.REPORTED, Standing.BY_HAND)
+_HOLDING: Final = (UnitStanding.REPORTED, UnitStanding.BY_HAND)
 
 
 def sign_off(register: Register, heard: Heard[SignOff]) -> Step:
@@ -34,7 +34,7 @@ def sign_off(register: Register, heard: Heard[SignOff]) -> Step:
         return _refuse_sign_off(register, heard, RefusalReason.STALE_TOKEN)
     if not register.plan.portals.issuperset(held):
         return _refuse_sign_off(register, heard, RefusalReason.STILL_HOLDING)
-    leaving = replace(unit, standing=Standing.LEAVING)
+    leaving = replace(unit, standing=UnitStanding.LEAVING)
     shows = () if unit == leaving else (Show(Leaving(unit_id=unit_id, section_ids=held, token=unit.token)),)
     register = register.with_unit(unit_id, leaving)
     return register, (*shows, Send(unit_id, SignOffAccepted(), heard.correlation))
@@ -45,7 +45,9 @@ def left(register: Register, unit_id: str) -> Step:
     unit, held = register.unit(unit_id), register.held_by(unit_id)
     register = reentry.released(register.with_held(unit_id, ()), unit_id, held)
     # Entering again gives a new token, so nothing said before this counts then.
-    register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch, claim_needed=unit.claim_needed))
+    register = register.with_unit(
+        unit_id, RegisteredUnit(UnitStanding.OUTSIDE, unit.epoch, claim_needed=unit.claim_needed)
+    )
     return register, (
         Show(Freed(unit_id=unit_id, section_ids=held, token=unit.token)),
         Show(Outside(unit_id=unit_id, token=unit.token, was=unit.standing.value)),
@@ -59,7 +61,7 @@ def boundary_passed(register: Register, portal: str) -> Step:
     if unit_id is None:
         return register, ()
     standing, held = register.unit(unit_id).standing, register.held_by(unit_id)
-    if standing is Standing.LEAVING or (standing in _HOLDING and held == (portal,)):
+    if standing is UnitStanding.LEAVING or (standing in _HOLDING and held == (portal,)):
         return left(register, unit_id)
     why = "a train has left by this portal, and its holder may be elsewhere"
     return register, (Show(Contradicted(unit_id=unit_id, section_ids=held, why=why)),)
@@ -92,6 +94,6 @@ def asked_later(before: Register, after: Register, now_s: float) -> Register:
     if before.units is after.units or before.asked():
         return after
     newly = after.asked()
-    if not newly or any(after.unit(unit_id).standing is not Standing.LEAVING for unit_id in newly):
+    if not newly or any(after.unit(unit_id).standing is not UnitStanding.LEAVING for unit_id in newly):
         return after
     return replace(after, ask_at_s=max(after.ask_at_s, now_s + after.plan.ask_interval_s))

@@ -11,14 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-from wayside.certificate import Proof, finish
-from wayside.config import Order
-from wayside.journeys import Days, Hop, Stands, trip_of
-
-if TYPE_CHECKING:
-    from wayside.register import Register
+from wayside.certificate import CertificateProof, finish
+from wayside.config import OrderRule
+from wayside.journeys import Days, PlannedMove, Stands
+from wayside.moves import bits_of
+from wayside.register import Register
 
 AHEAD_S: Final = 2 * 3600.0  # assumed: how far ahead delays are compared
 ORDER_STEPS: Final = 1000  # assumed: moves tried for either order
@@ -43,7 +42,7 @@ class _First:
 
     index: int
     place: int
-    hop: Hop
+    hop: PlannedMove
     late_s: float
 
 
@@ -65,7 +64,7 @@ def _planned_first(register: Register, days: Days, stands: Stands, index: int) -
     mine = days.hops[index][stands.at[index]]
     found: list[_First] = []
     for other, hops in enumerate(days.hops):
-        if other == index or trip_of(register, days.unit_ids[other]).astray:
+        if other == index or register.trip(days.unit_ids[other]).astray:
             continue
         for place in range(stands.at[other], len(hops)):
             hop = hops[place]
@@ -82,7 +81,7 @@ def _too_often(register: Register, days: Days, stands: Stands, index: int) -> li
     mine = days.hops[index][stands.at[index]]
     found: list[_First] = []
     for other, hops in enumerate(days.hops):
-        at, trip = stands.at[other], trip_of(register, days.unit_ids[other])
+        at, trip = stands.at[other], register.trip(days.unit_ids[other])
         if other == index or at == len(hops) or trip.asked_s is None or trip.overtaken < days.overtaken_max:
             continue
         if hops[at].line & mine.line and hops[at].departs_s >= mine.departs_s:
@@ -94,12 +93,12 @@ def _late_s(register: Register, days: Days, stands: Stands, index: int) -> float
     """How late a train is: it was when it left last, or its next departure is overdue."""
     hops, at = days.hops[index], stands.at[index]
     overdue_s = register.now_s - hops[at].departs_s if at < len(hops) else 0.0
-    return max(0.0, trip_of(register, days.unit_ids[index]).late_s, overdue_s)
+    return max(0.0, register.trip(days.unit_ids[index]).late_s, overdue_s)
 
 
 def _before(register: Register, days: Days, stands: Stands, index: int, first: _First) -> Turn:
     """Whether the train goes before one that comes first by plan, or has waited longest."""
-    other = trip_of(register, days.unit_ids[first.index])
+    other = register.trip(days.unit_ids[first.index])
     mine = days.hops[index][stands.at[index]]
     train, ahead, to = mine.train, first.hop.train, first.hop.section_id
     if why := _waited_enough(register, days, stands, index, ahead):
@@ -114,14 +113,14 @@ def _before(register: Register, days: Days, stands: Stands, index: int, first: _
     if first.late_s < days.late_s:
         why = f"{train} waits for {ahead}, {late}, threshold {_minutes(days.late_s)}"
         return Turn(first.index, False, why, to)
-    if days.order is Order.PLANNED:
+    if days.order is OrderRule.PLANNED:
         return Turn(first.index, True, f"order changed: {train} goes before {ahead}, {late}")
     return _least_delay(register, days, stands, index, first, coming, late)
 
 
 def _waited_enough(register: Register, days: Days, stands: Stands, index: int, ahead: str) -> str:
     """Why the train waits no longer for its turn, whoever is planned first; empty: it may have to."""
-    trip = trip_of(register, days.unit_ids[index])
+    trip = register.trip(days.unit_ids[index])
     due_s = days.hops[index][stands.at[index]].departs_s
     held_s = 0.0 if trip.held_s is None else register.now_s - max(trip.held_s, due_s)
     if held_s >= days.hold_s_max:
@@ -184,7 +183,7 @@ def _delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[in
     for mover in begins:
         after = after.after(days, mover)
     found = finish(after.trains(days), ORDER_STEPS)
-    if found.proof is not Proof.ORDER:
+    if found.proof is not CertificateProof.ORDER:
         return None
     until_s = register.now_s + AHEAD_S
     at = list(stands.at)
@@ -194,9 +193,9 @@ def _delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[in
     delay_s = 0.0
     for mover in (*begins, *found.order):
         hop = days.hops[mover][at[mover]]
-        leaves_s = max(ready_s[mover], hop.departs_s, *(free_s.get(b, 0.0) for b in _bits(hop.move.needs)))
+        leaves_s = max(ready_s[mover], hop.departs_s, *(free_s.get(b, 0.0) for b in bits_of(hop.move.needs)))
         comes_s = leaves_s + hop.arrives_s - hop.departs_s
-        free_s.update(dict.fromkeys(_bits(hop.move.needs | holds[mover]), comes_s))
+        free_s.update(dict.fromkeys(bits_of(hop.move.needs | holds[mover]), comes_s))
         holds[mover] = hop.move.keeps
         ready_s[mover] = comes_s + hop.stays_s
         at[mover] += 1
@@ -208,20 +207,11 @@ def _delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[in
 
 def _ready_s(register: Register, days: Days, stands: Stands, index: int) -> float:
     """When a stock can make its next move: it is on its way there, as late as it left, or waits."""
-    at, trip = stands.at[index], trip_of(register, days.unit_ids[index])
+    at, trip = stands.at[index], register.trip(days.unit_ids[index])
     if at == 0 or trip.asked_s is not None:
         return register.now_s
     before = days.hops[index][at - 1]
     return max(register.now_s, before.arrives_s + trip.late_s + before.stays_s)
-
-
-def _bits(mask: int) -> list[int]:
-    found: list[int] = []
-    while mask:
-        low = mask & -mask
-        found.append(low)
-        mask ^= low
-    return found
 
 
 def _minutes(time_s: float) -> int:

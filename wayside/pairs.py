@@ -6,12 +6,10 @@ ends. With one row for each place of the first and a bit for each place of the s
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from wayside.certificate import Train
+from wayside.moves import Train, bits_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,14 +44,6 @@ class Pairs:
             if not alive & 1:
                 return other
         return None
-
-
-def bits_of(mask: int) -> Iterator[int]:
-    """The bits of a mask, each as a mask."""
-    while mask:
-        low = mask & -mask
-        yield low
-        mask ^= low
 
 
 def _needs_of(train: Train) -> _Needs:

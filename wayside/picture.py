@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from wayside import reentry
 from wayside.reentry import Contradiction, Missing
-from wayside.register import Register, Stage, Standing
+from wayside.register import ReentryStage, Register, UnitStanding
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,7 @@ class UnitView:
     """
 
     unit_id: str
-    standing: Standing
+    standing: UnitStanding
     claim: tuple[str, ...] | None
     sections: tuple[str, ...]
     words: tuple[tuple[str, tuple[str, ...]], ...]
@@ -45,7 +45,7 @@ class SectionView:
 class Picture:
     """All of it. `inputs`: by person; times in s, `defined_s` None while the line is not defined again."""
 
-    stage: Stage
+    stage: ReentryStage
     units: tuple[UnitView, ...]
     sections: tuple[SectionView, ...]
     contradictions: tuple[Contradiction, ...]
@@ -79,10 +79,10 @@ def picture(register: Register) -> Picture:
 def _unit(register: Register, unit_id: str) -> UnitView:
     unit, held = register.unit(unit_id), register.held_by(unit_id)
     says = {
-        Standing.REPORTED: held,
-        Standing.LEAVING: held,
-        Standing.OUTSIDE: (),
-        Standing.DISPUTED: unit.claim,
+        UnitStanding.REPORTED: held,
+        UnitStanding.LEAVING: held,
+        UnitStanding.OUTSIDE: (),
+        UnitStanding.DISPUTED: unit.claim,
     }
     words = reentry.words_for(register, unit_id).items()
     heard_s = register.reentry.heard_s.get(unit_id, register.started_s)
@@ -93,7 +93,7 @@ def _unit(register: Register, unit_id: str) -> UnitView:
         held,
         tuple((person, tuple(sorted(word, key=register.plan.order.__getitem__))) for person, word in words),
         unit_id in register.ledger,
-        heard_s if unit.standing in (Standing.UNKNOWN, Standing.BY_HAND) else None,
+        heard_s if unit.standing in (UnitStanding.UNKNOWN, UnitStanding.BY_HAND) else None,
         reentry.vouched(register, unit_id),
     )
 

@@ -23,7 +23,7 @@ import msgspec
 from network.model import Position
 from radio.keys import capability_mac, mac_equal
 from radio.messages import AnyMessage, PointsCommand, PointsProof, PointsRefusalReason, PointsRefused
-from radio.table import Row, rows
+from radio.table import TableCell, rows
 from wayside import barring
 from wayside.actions import Action, Drive, Send, Show
 from wayside.barring import NO_BARS, Bars
@@ -62,7 +62,7 @@ class Commitment(msgspec.Struct, frozen=True, array_like=True):
     token: int
 
 
-class Memory(msgspec.Struct, frozen=True):
+class TerminalMemory(msgspec.Struct, frozen=True):
     """Durable state: highest token by section, commitment by points, barred units. Kept before anything is thrown."""
 
     tokens: dict[str, int] = {}
@@ -87,7 +87,7 @@ class Terminal:
 
     terminal_id: str
     key: bytes
-    memory: Memory
+    memory: TerminalMemory
     views: Mapping[str, PointsView] = field(default_factory=dict[str, PointsView])
 
 
@@ -109,7 +109,7 @@ TerminalEvent = Commanded | PointsDetected | BarUnit | UnbarUnit | Expired
 TerminalStep = tuple[Terminal, tuple[Action, ...]]
 
 
-def start(config: TerminalConfig, key: bytes, memory: Memory) -> Terminal:
+def start(config: TerminalConfig, key: bytes, memory: TerminalMemory) -> Terminal:
     """A terminal after a (re)start: it remembers for whom the points are locked and has detected nothing
     yet.
     """
@@ -200,7 +200,7 @@ def _command(terminal: Terminal, event: Commanded, now_s: float) -> TerminalStep
     commitment = Commitment(event.unit_id, command.position, command.token)
     memory = terminal.memory
     if memory.commitments.get(command.points_id) != commitment:
-        memory = Memory(
+        memory = TerminalMemory(
             {**memory.tokens, view.entry.section_id: command.token},
             {**memory.commitments, command.points_id: commitment},
             memory.bars,
@@ -358,6 +358,6 @@ TABLE: Final[Mapping[tuple[PointsState, type], Callable[[Terminal, Any, float], 
 )
 
 
-def table_rows() -> tuple[Row, ...]:
+def table_rows() -> tuple[TableCell, ...]:
     """State of the points and event, for the documentation; commands only if `refusal` lets them pass."""
     return rows(TABLE)

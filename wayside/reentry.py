@@ -35,13 +35,13 @@ from typing import Final
 
 from wayside.actions import Action, Show
 from wayside.config import ReentryMode
-from wayside.register import Reentry, Register, Stage, Standing, Unit
+from wayside.register import Reentry, ReentryStage, Register, RegisteredUnit, UnitStanding
 from wayside.said import ConfirmedByHand, Contradicted, Outside, PictureChanged, Swept, ToBeSwept
 
 Step = tuple[Register, tuple[Action, ...]]
 
 
-class Clash(Enum):
+class PictureClash(Enum):
     """What does not fit together in the picture."""
 
     CLAIMED_TWICE = "two units claim it"
@@ -53,7 +53,12 @@ class Clash(Enum):
 
 
 BLOCKING: Final = frozenset(
-    {Clash.CLAIMED_TWICE, Clash.ENTERED_FOR_ANOTHER, Clash.PERSONS_DIFFER, Clash.ENTERED_BUT_OUTSIDE}
+    {
+        PictureClash.CLAIMED_TWICE,
+        PictureClash.ENTERED_FOR_ANOTHER,
+        PictureClash.PERSONS_DIFFER,
+        PictureClash.ENTERED_BUT_OUTSIDE,
+    }
 )
 
 
@@ -61,7 +66,7 @@ BLOCKING: Final = frozenset(
 class Contradiction:
     """`unit_id` holds or claims the section, or is entered for it; `other_id` stands against it, if anyone."""
 
-    clash: Clash
+    clash: PictureClash
     section_id: str
     unit_id: str
     other_id: str = ""
@@ -138,8 +143,8 @@ def to_be_swept(register: Register, section_ids: Iterable[str]) -> Step:
 def vouched(register: Register, unit_id: str) -> bool:
     """Whether it is known well enough what the unit holds (see the table above)."""
     standing = register.unit(unit_id).standing
-    if standing is not Standing.UNKNOWN:
-        return standing is not Standing.DISPUTED
+    if standing is not UnitStanding.UNKNOWN:
+        return standing is not UnitStanding.DISPUTED
     heard = unit_id in register.reentry.heard_s  # it is not silent: it does not know, and runs on sight
     if (held := agreed(register, unit_id)) is not None and (heard or in_station(register, held)):
         return True
@@ -170,7 +175,7 @@ def contradictions(register: Register) -> tuple[Contradiction, ...]:
         for section_id in register.unit(unit_id).claim or ():
             holder = register.holders.get(section_id, unit_id)
             if holder != unit_id:
-                found.append(Contradiction(Clash.CLAIMED_TWICE, section_id, unit_id, holder))
+                found.append(Contradiction(PictureClash.CLAIMED_TWICE, section_id, unit_id, holder))
     return tuple(found)
 
 
@@ -179,17 +184,17 @@ def _contradictions_at(register: Register, section_id: str) -> list[Contradictio
     units, holder = sorted(filter(None, entered)), register.holders.get(section_id)
     found: list[Contradiction] = []
     if len(entered) > 1:
-        found.append(Contradiction(Clash.PERSONS_DIFFER, section_id, *units[:2]))
+        found.append(Contradiction(PictureClash.PERSONS_DIFFER, section_id, *units[:2]))
     for unit_id in units:
         standing = register.unit(unit_id).standing
         if holder not in (None, unit_id):
-            found.append(Contradiction(Clash.ENTERED_FOR_ANOTHER, section_id, holder or "", unit_id))
-        elif standing is Standing.OUTSIDE:
-            found.append(Contradiction(Clash.ENTERED_BUT_OUTSIDE, section_id, unit_id))
-        elif standing is Standing.REPORTED and holder is None:
-            found.append(Contradiction(Clash.NOT_CLAIMED, section_id, unit_id))
+            found.append(Contradiction(PictureClash.ENTERED_FOR_ANOTHER, section_id, holder or "", unit_id))
+        elif standing is UnitStanding.OUTSIDE:
+            found.append(Contradiction(PictureClash.ENTERED_BUT_OUTSIDE, section_id, unit_id))
+        elif standing is UnitStanding.REPORTED and holder is None:
+            found.append(Contradiction(PictureClash.NOT_CLAIMED, section_id, unit_id))
     if holder is not None and None in entered:
-        found.append(Contradiction(Clash.ENTERED_FREE, section_id, holder))
+        found.append(Contradiction(PictureClash.ENTERED_FREE, section_id, holder))
     return found
 
 
@@ -229,13 +234,13 @@ def missing_for_acceptance(register: Register) -> Missing:
     return replace(lacking, unit_ids=()) if register.plan.reentry is ReentryMode.BY_HAND else lacking
 
 
-def stage(register: Register) -> Stage:
+def stage(register: Register) -> ReentryStage:
     """How far the re-entry has come."""
     if not register.restoring:
-        return Stage.DEFINED
+        return ReentryStage.DEFINED
     if register.reentry.accepted_by:
-        return Stage.ACCEPTED
-    return Stage.INCOMPLETE if missing_for_acceptance(register) else Stage.COMPLETE
+        return ReentryStage.ACCEPTED
+    return ReentryStage.INCOMPLETE if missing_for_acceptance(register) else ReentryStage.COMPLETE
 
 
 def settle(register: Register, now_s: float) -> Step:
@@ -259,32 +264,35 @@ def settle(register: Register, now_s: float) -> Step:
 def _on_line(register: Register, unit_id: str) -> bool:
     unit = register.unit(unit_id)
     # Until the line is defined, and swept, the word of one that was on it does not take it off.
-    if unit.standing is Standing.UNKNOWN or (unit.unproven and register.restoring):
+    if unit.standing is UnitStanding.UNKNOWN or (unit.unproven and register.restoring):
         return unit_id in register.ledger
-    return unit.standing is not Standing.OUTSIDE
+    return unit.standing is not UnitStanding.OUTSIDE
 
 
 def _define(register: Register, now_s: float) -> Step:
     """Entries come into force: for silent units all that two persons agree on, for others as additions."""
     actions: list[Action] = []
     silent = [
-        u for u in register.ledger if register.unit(u).standing is Standing.UNKNOWN or _forgot(register, u)
+        u
+        for u in register.ledger
+        if register.unit(u).standing is UnitStanding.UNKNOWN or _forgot(register, u)
     ]
     for unit_id in register.plan.unit_ids:
         unit, entered = register.unit(unit_id), entered_for(register, unit_id)
         said_by = ", ".join(words_for(register, unit_id)) or register.reentry.accepted_by
-        if unit.standing is Standing.UNKNOWN and not entered:
+        if unit.standing is UnitStanding.UNKNOWN and not entered:
             register = register.with_unit(
-                unit_id, Unit(Standing.OUTSIDE, unit.epoch, by=said_by, silent=unit_id in silent)
+                unit_id,
+                RegisteredUnit(UnitStanding.OUTSIDE, unit.epoch, by=said_by, silent=unit_id in silent),
             )
             actions.append(Show(Outside(unit_id=unit_id, by=said_by)))
             continue
         before = register.held_by(unit_id)
         if entered <= frozenset(before):
             continue
-        if unit.standing is Standing.UNKNOWN:
+        if unit.standing is UnitStanding.UNKNOWN:
             register, token = register.next_token()
-            unit = Unit(Standing.BY_HAND, unit.epoch, token, by=said_by, silent=True)
+            unit = RegisteredUnit(UnitStanding.BY_HAND, unit.epoch, token, by=said_by, silent=True)
         register = register.with_held(unit_id, (*before, *entered.difference(before)))
         register = register.with_unit(unit_id, unit)
         held = register.held_by(unit_id)
@@ -322,13 +330,31 @@ def said_outside(register: Register, unit_id: str) -> Step:
 
 def known(register: Register, unit_id: str) -> bool:
     """Whether the register has what the unit holds, be it that persons have entered it."""
-    return register.unit(unit_id).standing in (Standing.BY_HAND, Standing.REPORTED, Standing.LEAVING)
+    return register.unit(unit_id).standing in (
+        UnitStanding.BY_HAND,
+        UnitStanding.REPORTED,
+        UnitStanding.LEAVING,
+    )
 
 
 def cannot_be_outside(register: Register, unit_id: str) -> bool:
     """Whether a unit that says it is outside is on the line, by what is known, and not only before a portal."""
-    unknown = register.unit(unit_id).standing is Standing.UNKNOWN and unit_id in register.ledger
+    unknown = register.unit(unit_id).standing is UnitStanding.UNKNOWN and unit_id in register.ledger
     return unknown or not register.plan.portals.issuperset(register.held_by(unit_id))
+
+
+def unheard(register: Register, unit_id: str) -> Register:
+    """What a unit has said counts no more: it is unknown, what it claimed against others is contested until persons
+    have said where it is, and while the line is restored nothing that it has said is left.
+    """
+    unit = register.unit(unit_id)
+    unknown = RegisteredUnit(
+        UnitStanding.UNKNOWN, unit.epoch, unit.token, claim=unit.claim, claim_needed=True
+    )
+    if not register.restoring:
+        return register.with_unit(unit_id, unknown)
+    register = replace(register, reentry=replace(register.reentry, accepted_by=""))
+    return register.with_held(unit_id, ()).with_unit(unit_id, replace(unknown, claim=None))
 
 
 def on_line_after_all(register: Register, unit_id: str, epoch: int) -> Step:
@@ -336,9 +362,11 @@ def on_line_after_all(register: Register, unit_id: str, epoch: int) -> Step:
 
     Who holds anything of the line is told to stop, and is asked as well: the answer says what must be swept.
     """
-    if register.unit(unit_id).standing is not Standing.OUTSIDE:
+    if register.unit(unit_id).standing is not UnitStanding.OUTSIDE:
         return register, ()
-    unit = Unit(Standing.UNKNOWN, epoch, claim_needed=register.unit(unit_id).claim_needed, taken_back=True)
+    unit = RegisteredUnit(
+        UnitStanding.UNKNOWN, epoch, claim_needed=register.unit(unit_id).claim_needed, taken_back=True
+    )
     register, locked = to_be_swept(register.with_unit(unit_id, unit), register.plan.order)
     register = replace(register, ledger=register.ledger | {unit_id}, ask_at_s=0.0)
     why = "it counts as outside, and signs on without knowing what it holds"
@@ -358,7 +386,7 @@ def swept(register: Register, unit_id: str, section_ids: Iterable[str]) -> Step:
 def _forget_words_of_speakers(register: Register) -> Register:
     """Of a running line, words are kept only while a first one waits for the second."""
     for unit_id in {unit_id for _, unit_id in register.reentry.complete}:
-        unheard = register.unit(unit_id).standing in (Standing.BY_HAND, Standing.UNKNOWN)
+        unheard = register.unit(unit_id).standing in (UnitStanding.BY_HAND, UnitStanding.UNKNOWN)
         if not (unheard or unit_id in register.doubted):
             register = without_words(register, unit_id)
     return register

@@ -17,10 +17,10 @@ from radio.keys import capability_mac
 from radio.messages import Capability
 from wayside.barring import NO_BARS, Bars
 from wayside.config import ManagerConfig, ReentryMode, RouteEntry
-from wayside.journeys import Days, Kept, Sought, Trip, days_of
+from wayside.journeys import NEW, UNKNOWN, DayProgress, Days, LastCertificate, LastSearch, days_of
 
 
-class Standing(Enum):
+class UnitStanding(Enum):
     """What the manager knows of a registered unit since its own restart."""
 
     UNKNOWN = "unknown"  # derived: not heard
@@ -32,18 +32,17 @@ class Standing(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class RegisteredUnit:
     """A unit that has been heard or entered.
 
     `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request;
     `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `claim_needed`:
     of this boot only a fresh claim counts, since it spoke for itself before persons did; `silent`: it may be on the
-    line, so it is asked all the same; `taken_back`: they were
-    wrong, or it was.
-    `unproven`: by its own word it is outside, and it was on the line as far as was known when the block state was lost.
+    line, so it is asked all the same; `taken_back`: persons were wrong about it, or it was. `unproven`: by its own word
+    it is outside, and it was on the line as far as was known when the block state was lost.
     """
 
-    standing: Standing
+    standing: UnitStanding
     epoch: int = 0
     token: int = 0
     route_id: str | None = None
@@ -58,14 +57,14 @@ class Unit:
     @property
     def has_spoken(self) -> bool:
         """Whether it spoke for itself, be it before persons spoke for it."""
-        return self.claim_needed or self.standing in (Standing.REPORTED, Standing.LEAVING)
+        return self.claim_needed or self.standing in (UnitStanding.REPORTED, UnitStanding.LEAVING)
 
 
-UNKNOWN_UNIT = Unit(Standing.UNKNOWN)
+UNKNOWN_UNIT = RegisteredUnit(UnitStanding.UNKNOWN)
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class RegisterPlan:
     """Fixed data, indexed."""
 
     unit_ids: tuple[str, ...]
@@ -81,7 +80,7 @@ class Plan:
     days: Days | None = None  # None: nothing but the register decides
 
 
-class Stage(Enum):
+class ReentryStage(Enum):
     """How far the re-entry has come."""
 
     INCOMPLETE = "incomplete"
@@ -107,7 +106,7 @@ class Reentry:
     accepted_by: str = ""
     inputs: Mapping[str, int] = field(default_factory=dict[str, int])
     heard_s: Mapping[str, float] = field(default_factory=dict[str, float])
-    stage: Stage = Stage.INCOMPLETE
+    stage: ReentryStage = ReentryStage.INCOMPLETE
     defined_s: float | None = None
 
 
@@ -125,11 +124,11 @@ class Register:
     and `now_s` when the last telegram came; all where `plan.days` are.
     """
 
-    plan: Plan
+    plan: RegisterPlan
     epoch: int
     counter: int = 0
     holders: Mapping[str, str] = field(default_factory=dict[str, str])
-    units: Mapping[str, Unit] = field(default_factory=dict[str, Unit])
+    units: Mapping[str, RegisteredUnit] = field(default_factory=dict[str, RegisteredUnit])
     started_s: float | None = None
     ask_at_s: float = 0.0
     restoring: bool = False
@@ -139,10 +138,10 @@ class Register:
     left_through: frozenset[str] = frozenset()
     doubted: Mapping[str, int] = field(default_factory=dict[str, int])
     reentry: Reentry = field(default_factory=Reentry)
-    trips: Mapping[str, Trip] = field(default_factory=dict[str, Trip])
+    trips: Mapping[str, DayProgress] = field(default_factory=dict[str, DayProgress])
     trips_lost: bool = False
-    kept: Kept | None = None
-    sought: Sought | None = None
+    kept: LastCertificate | None = None
+    sought: LastSearch | None = None
     now_s: float = 0.0
 
     @property
@@ -160,9 +159,17 @@ class Register:
         """The greatest token that this boot or one before it can have given."""
         return (self.epoch << 32) + self.counter
 
-    def unit(self, unit_id: str) -> Unit:
+    def unit(self, unit_id: str) -> RegisteredUnit:
         """What is known of a unit."""
         return self.units.get(unit_id, UNKNOWN_UNIT)
+
+    def trip(self, unit_id: str) -> DayProgress:
+        """How far a stock is in its day, as it was last known."""
+        return self.trips.get(unit_id, UNKNOWN if self.trips_lost else NEW)
+
+    def with_trip(self, unit_id: str, trip: DayProgress) -> Register:
+        """The register with this known of a stock's day."""
+        return replace(self, trips={**self.trips, unit_id: trip})
 
     def held_by(self, unit_id: str) -> tuple[str, ...]:
         """Its sections, in the order of the line."""
@@ -171,7 +178,7 @@ class Register:
 
     def undefined_because_of(self) -> tuple[str, ...]:
         """Units for which nothing may be granted, and which are asked: unknown or disputed."""
-        blocking = (Standing.UNKNOWN, Standing.DISPUTED)
+        blocking = (UnitStanding.UNKNOWN, UnitStanding.DISPUTED)
         return tuple(unit_id for unit_id in self.plan.unit_ids if self.unit(unit_id).standing in blocking)
 
     def asked(self) -> tuple[str, ...]:
@@ -180,7 +187,7 @@ class Register:
         While one is looked for, those that hold what it may be in, too: with the answer they hear what to sweep.
         """
         units = self.units.items()
-        others = (unit_id for unit_id, u in units if u.silent or u.standing is Standing.LEAVING)
+        others = (unit_id for unit_id, u in units if u.silent or u.standing is UnitStanding.LEAVING)
         near = (unit_id for unit_id in self.units if self.on_sight(self.contested(unit_id)))
         named = dict.fromkeys((*self.undefined_because_of(), *self.doubted, *others, *near))
         return tuple(unit_id for unit_id in named if unit_id not in self.bars.barred)
@@ -216,7 +223,7 @@ class Register:
                 return section_id, holder
         return None
 
-    def with_unit(self, unit_id: str, unit: Unit) -> Register:
+    def with_unit(self, unit_id: str, unit: RegisteredUnit) -> Register:
         """The register with this known of the unit."""
         return replace(self, units={**self.units, unit_id: unit})
 
@@ -272,7 +279,7 @@ def start(
     if strangers := sorted(on_line.difference(config.unit_ids)):
         expected = f"a fleet list with {', '.join(strangers)}, on the line when the manager stopped"
         raise InputError("config.json", "unit_ids", config.unit_ids, expected)
-    plan = Plan(
+    plan = RegisterPlan(
         config.unit_ids,
         {section.section_id: index for index, section in enumerate(config.sections)},
         frozenset(section.section_id for section in config.sections if section.portal),
@@ -292,6 +299,6 @@ def start(
         ledger=on_line,
         bars=bars,
         unswept=frozenset(unswept),
-        trips={unit_id: Trip(done) for unit_id, done in (moves_done or {}).items()},
+        trips={unit_id: DayProgress(done) for unit_id, done in (moves_done or {}).items()},
         trips_lost=trips_lost,
     )

@@ -32,7 +32,7 @@ _CALLED_BY: Final = ("id", "name", "number", "station", "stock")
 Data = dict[str, Any]
 
 
-class Words(Record):
+class FilePatch(Record):
     """What a patch may say of any file; see `network.files.edits`."""
 
     remove: Annotated[dict[str, list[str | int]], about("entries taken out, by list")] = Field(
@@ -49,11 +49,11 @@ class Words(Record):
     )
 
 
-WordsT = TypeVar("WordsT", bound=Words)
+WordsT = TypeVar("WordsT", bound=FilePatch)
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class PatchInFile:
     """A patch and where it stands: the file that holds it and its key there (`patch.line`)."""
 
     words: Mapping[str, Any]
@@ -88,13 +88,13 @@ class Patched:
     data: Data
     origins: dict[tuple[int, str], str] = field(default_factory=dict)
 
-    def remove_all(self, words: Words) -> None:
+    def remove_all(self, words: FilePatch) -> None:
         """Take out what the words remove."""
         for table, names in words.remove.items():
             for i, name in enumerate(names):
                 self.remove(table, str(name), f"{self.key}.remove.{table}[{i}]")
 
-    def write_all(self, words: Words) -> None:
+    def write_all(self, words: FilePatch) -> None:
         """Set and multiply; where an entry that is added goes is the file's own business."""
         for path, value in words.values.items():
             self.set(path, deepcopy(value))
@@ -196,7 +196,7 @@ class Patched:
         return name, remains
 
 
-def words_of(asked: Asked, model: type[WordsT]) -> WordsT:
+def words_of(asked: PatchInFile, model: type[WordsT]) -> WordsT:
     """The words of a patch, checked. Raises InputError that names the patch's key."""
     try:
         return validate(asked.words, asked.file, model)

@@ -9,14 +9,14 @@ from typing import Final
 from network.errors import InputError
 from network.files.line_schema import DIRECTIONS, PointsTable
 from network.files.toml_input import one_of
-from network.model import Direction, Leg
+from network.model import Direction, PointsLeg
 
 MEET_TOLERANCE_M: Final = 0.001
 _SIDE: Final = {Direction.DOWN: "high", Direction.UP: "low"}
 
 
 @dataclass(frozen=True, slots=True)
-class Draft:
+class PieceDraft:
     """A piece before its nodes are known; `key` is the table it comes from, `faces` that of its points."""
 
     id: str
@@ -27,7 +27,7 @@ class Draft:
     to_m: float
     offset_m: float | None
     points_id: str | None = None
-    leg: Leg | None = None
+    leg: PointsLeg | None = None
     faces: Direction | None = None
 
     @property
@@ -35,7 +35,7 @@ class Draft:
         """The end at the toe of points: DOWN is the high end, UP the low end."""
         if self.faces is None:
             return None
-        return self.faces if self.leg is Leg.STEM else self.faces.opposite
+        return self.faces if self.leg is PointsLeg.STEM else self.faces.opposite
 
     def end_m(self, end: Direction) -> float:
         """Kilometrage (m) of the high (DOWN) or low (UP) end."""
@@ -48,7 +48,7 @@ End = tuple[str, Direction]  # a piece and its high (DOWN) or low (UP) end
 class Joiner:
     """Which end meets which. Every method raises InputError for a joint that cannot be."""
 
-    def __init__(self, file: str, drafts: Mapping[str, Draft], points_sections: set[str]) -> None:
+    def __init__(self, file: str, drafts: Mapping[str, PieceDraft], points_sections: set[str]) -> None:
         self._file = file
         self._drafts = drafts
         self._points_sections = points_sections
@@ -63,17 +63,21 @@ class Joiner:
 
     def add_points(self, key: str, points: PointsTable) -> None:
         """Join the three ends of points to the neighbours they name."""
-        ends = {Leg.STEM: points.stem, Leg.NORMAL: points.normal, Leg.REVERSE: points.reverse}
+        ends = {
+            PointsLeg.STEM: points.stem,
+            PointsLeg.NORMAL: points.normal,
+            PointsLeg.REVERSE: points.reverse,
+        }
         faces = DIRECTIONS[points.faces]
         for leg, name in ends.items():
             self._find(f"{key}.{leg.value}", name)
         self._check_sides(key, points, ends)
         for leg, name in ends.items():
-            side = faces.opposite if leg is Leg.STEM else faces
+            side = faces.opposite if leg is PointsLeg.STEM else faces
             self._join(f"{key}.{leg.value}", (f"{points.id}.{leg.value}", side), (name, side.opposite))
         self._points[points.id] = points
 
-    def node_of(self, draft: Draft, end: Direction) -> str:
+    def node_of(self, draft: PieceDraft, end: Direction) -> str:
         """Node at an end: the points' id at a toe, `low+high` at a joint, with an empty side at a free end.
 
         Ids cannot contain the plus sign, so these names are unique.
@@ -83,11 +87,11 @@ class Joiner:
         mate = self._mates.get((draft.id, end), ("", end.opposite))
         return f"{draft.id}+{mate[0]}" if end is Direction.DOWN else f"{mate[0]}+{draft.id}"
 
-    def offset_of(self, draft: Draft) -> float:
+    def offset_of(self, draft: PieceDraft) -> float:
         """Lateral offset (m) of a piece, of a leg at its outer end; call when all joints are made."""
         if draft.points_id is None or draft.toe_end is None:
             return draft.offset_m or 0.0
-        if draft.leg is Leg.STEM:
+        if draft.leg is PointsLeg.STEM:
             return self._points_offset_m(draft.points_id, ())
         mate = self._drafts[self._mates[draft.id, draft.toe_end.opposite][0]]
         if mate.points_id is not None:
@@ -106,7 +110,7 @@ class Joiner:
             return 0.0
         return self._points_offset_m(before.points_id, (*asking, points_id))
 
-    def _find(self, key: str, name: str) -> Draft:
+    def _find(self, key: str, name: str) -> PieceDraft:
         if name in self._drafts:
             return self._drafts[name]
         if name in self._points_sections:
@@ -116,13 +120,13 @@ class Joiner:
             self._file, key, name, f"a section or `<points id>.<leg>`, {one_of(self._drafts, name)}"
         )
 
-    def _check_sides(self, key: str, points: PointsTable, ends: Mapping[Leg, str]) -> None:
+    def _check_sides(self, key: str, points: PointsTable, ends: Mapping[PointsLeg, str]) -> None:
         """A neighbour whose middle lies on the wrong side of the toe: either `faces` or the name is wrong."""
         faces = DIRECTIONS[points.faces]
-        wrong: list[tuple[Leg, str, Direction]] = []
+        wrong: list[tuple[PointsLeg, str, Direction]] = []
         for leg, name in ends.items():
             own, mate = self._drafts[f"{points.id}.{leg.value}"], self._drafts[name]
-            side = faces.opposite if leg is Leg.STEM else faces
+            side = faces.opposite if leg is PointsLeg.STEM else faces
             toe_m = own.end_m(side.opposite)
             beyond_m = ((mate.from_m + mate.to_m) / 2 - toe_m) * side
             if mate.toe_end is side.opposite or (mate.alignment_id == own.alignment_id and beyond_m < 0):

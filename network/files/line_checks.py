@@ -20,7 +20,7 @@ from network.files.line_schema import (
     StationTable,
 )
 from network.files.toml_input import one_of
-from network.model import Alignment, Leg, Line, Piece, SectionKind
+from network.model import Alignment, Line, Piece, PointsLeg, SectionKind
 from network.units import metres
 
 TOLERANCE_M: Final = 0.001
@@ -226,9 +226,9 @@ def check_overlaps(file: str, line: Line, keys: Mapping[str, str]) -> None:
     tracks: dict[tuple[str, float], list[Piece]] = {}
     for piece in line.pieces.values():
         across = False
-        if piece.points_id is not None and piece.leg is not Leg.STEM:
+        if piece.points_id is not None and piece.leg is not PointsLeg.STEM:
             stem = line.pieces[line.points[piece.points_id].stem_piece]
-            across = piece.leg is Leg.REVERSE or piece.offset_m != stem.offset_m
+            across = piece.leg is PointsLeg.REVERSE or piece.offset_m != stem.offset_m
         if not across:
             tracks.setdefault((piece.alignment_id, piece.offset_m), []).append(piece)
     for pieces in tracks.values():

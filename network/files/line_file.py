@@ -15,7 +15,7 @@ from network.errors import InputError
 from network.files import line_checks as check
 from network.files import line_schema as schema
 from network.files.chargers import chargers_of
-from network.files.joints import Draft, Joiner
+from network.files.joints import Joiner, PieceDraft
 from network.files.line_schema import DIRECTIONS, LineFile
 from network.files.toml_input import one_of, parse_toml, read_text
 from network.graph import TooManyRoutesError, all_routes
@@ -27,12 +27,12 @@ from network.model import (
     Curve,
     Direction,
     Gradient,
-    Leg,
     Line,
     MarkerGroup,
     Piece,
     PlatformTrack,
     Points,
+    PointsLeg,
     Position,
     Section,
     SectionKind,
@@ -186,7 +186,7 @@ def _alignment(file: str, index: int, entry: schema.AlignmentTable) -> Alignment
     )
 
 
-def _drafts(file: str, entry: LineFile, alignments: Mapping[str, Alignment]) -> dict[str, Draft]:
+def _drafts(file: str, entry: LineFile, alignments: Mapping[str, Alignment]) -> dict[str, PieceDraft]:
     """Pieces without their nodes, by id."""
     _unique(file, "sections", [s.id for s in entry.sections])
     _unique(file, "points", [p.id for p in entry.points])
@@ -195,7 +195,7 @@ def _drafts(file: str, entry: LineFile, alignments: Mapping[str, Alignment]) -> 
         if points.section not in points_sections:
             expected = f"a points section, {one_of(points_sections, points.section)}"
             raise InputError(file, f"points[{i}].section", points.section, expected)
-    drafts: list[Draft] = []
+    drafts: list[PieceDraft] = []
     for i, section in enumerate(entry.sections):
         key = f"sections[{i}]"
         if section.kind == "points":
@@ -203,13 +203,13 @@ def _drafts(file: str, entry: LineFile, alignments: Mapping[str, Alignment]) -> 
             continue
         alignment = check.find_alignment(file, key, section.alignment, alignments)
         from_m, to_m = check.section_range_m(file, key, section, alignment)
-        drafts.append(Draft(section.id, key, section.id, alignment.id, from_m, to_m, section.offset_m))
+        drafts.append(PieceDraft(section.id, key, section.id, alignment.id, from_m, to_m, section.offset_m))
     for i, points in enumerate(entry.points):
         key = f"points[{i}]"
         alignment = check.find_alignment(file, key, points.alignment, alignments)
         check.check_points_range(file, key, points, alignment)
         drafts.extend(_points_drafts(key, points, alignment.id))
-    by_id: dict[str, Draft] = {}
+    by_id: dict[str, PieceDraft] = {}
     for draft in drafts:
         if draft.id in by_id:
             raise InputError(file, f"{draft.key}.id", draft.id, f"no clash with {by_id[draft.id].key}")
@@ -217,23 +217,23 @@ def _drafts(file: str, entry: LineFile, alignments: Mapping[str, Alignment]) -> 
     return by_id
 
 
-def _points_drafts(key: str, points: schema.PointsTable, alignment_id: str) -> list[Draft]:
+def _points_drafts(key: str, points: schema.PointsTable, alignment_id: str) -> list[PieceDraft]:
     faces = DIRECTIONS[points.faces]
     low = (metres(points.from_km), metres(points.toe_km))
     high = (metres(points.toe_km), metres(points.to_km))
-    drafts: list[Draft] = []
-    for leg in Leg:
-        from_m, to_m = low if (leg is Leg.STEM) == (faces is Direction.DOWN) else high
+    drafts: list[PieceDraft] = []
+    for leg in PointsLeg:
+        from_m, to_m = low if (leg is PointsLeg.STEM) == (faces is Direction.DOWN) else high
         name = f"{points.id}.{leg.value}"
         drafts.append(
-            Draft(
+            PieceDraft(
                 name, key, points.section, alignment_id, from_m, to_m, points.offset_m, points.id, leg, faces
             )
         )
     return drafts
 
 
-def _piece(draft: Draft, joiner: Joiner) -> Piece:
+def _piece(draft: PieceDraft, joiner: Joiner) -> Piece:
     return Piece(
         id=draft.id,
         section_id=draft.section_id,

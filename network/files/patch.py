@@ -22,7 +22,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import Field
 
 from network.errors import InputError
-from network.files.edits import Asked, Change, Data, Patched, Words, differences, words_of
+from network.files.edits import Change, Data, FilePatch, Patched, PatchInFile, differences, words_of
 from network.files.kinds import about
 from network.files.line_file import line_of
 from network.files.line_schema import LineFile
@@ -47,7 +47,7 @@ class TagsOut(Record):
     near_marks_m: Annotated[PositionBound, about("as near as this to a stopping mark")]
 
 
-class LineWords(Words):
+class LinePatch(FilePatch):
     """`[patch.line]`."""
 
     remove_tracks: Annotated[list[str], about("platform tracks taken out with their points")] = Field(
@@ -59,7 +59,7 @@ class LineWords(Words):
     remove_tags: Annotated[TagsOut | None, about("tags taken out by purpose")] = None
 
 
-def patched_line(path: Path, patches: Sequence[Asked]) -> tuple[Line, Data, tuple[Change, ...]]:
+def patched_line(path: Path, patches: Sequence[PatchInFile]) -> tuple[Line, Data, tuple[Change, ...]]:
     """The line of a line file with patches, one after the other, its tables then, and what the patches changed.
 
     Raises InputError, which names the line file when it is wrong as it stands, else the file of the patch.
@@ -79,7 +79,7 @@ def patched_line(path: Path, patches: Sequence[Asked]) -> tuple[Line, Data, tupl
 
 def load_patched_line(path: Path, patch: Mapping[str, Any], patch_file: str) -> Line:
     """The line of a line file with one patch, which stands in `patch_file`. Raises InputError."""
-    return patched_line(path, [Asked(patch, patch_file, KEY)])[0]
+    return patched_line(path, [PatchInFile(patch, patch_file, KEY)])[0]
 
 
 def patch_line_data(data: Mapping[str, Any], patch: Mapping[str, Any], file: str) -> Data:
@@ -89,11 +89,11 @@ def patch_line_data(data: Mapping[str, Any], patch: Mapping[str, Any], file: str
     what needs the whole line is checked by `network.files.line_file.line_of`. Raises InputError for an unknown
     operation, track, id or key, and for a value of the wrong type.
     """
-    return _patched(data, Asked(patch, file, KEY))[0].data
+    return _patched(data, PatchInFile(patch, file, KEY))[0].data
 
 
-def _patched(data: Mapping[str, Any], asked: Asked) -> tuple[Patched, LineFile]:
-    wanted, file = words_of(asked, LineWords), asked.file
+def _patched(data: Mapping[str, Any], asked: PatchInFile) -> tuple[Patched, LineFile]:
+    wanted, file = words_of(asked, LinePatch), asked.file
     entry = validate(data, file, LineFile)
     for i, track_id in enumerate(wanted.remove_tracks):
         entry = without_track(entry, track_id, file, f"{asked.key}.remove_tracks[{i}]")

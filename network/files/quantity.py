@@ -1,7 +1,8 @@
 """What a kind of figure is: its unit, the range outside of which it is nonsense, and what the range rests on.
 
 A `Quantity` stands in `Annotated[float, …]` of every key that has it (`network.files.quantities` lists all), checks
-the value, and leaves its name in the JSON Schema, from which `docs/files.md` and the tests of damaged files read it.
+the value, and leaves its name in the JSON Schema, from which `docs/files/ranges.md` and the tests of damaged files
+read it.
 """
 
 from __future__ import annotations

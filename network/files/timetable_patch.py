@@ -20,7 +20,7 @@ from pydantic import Field
 
 from network.clock import clock
 from network.errors import InputError
-from network.files.edits import Asked, Change, Data, Patched, Words, called, differences, words_of
+from network.files.edits import Change, Data, FilePatch, Patched, PatchInFile, called, differences, words_of
 from network.files.kinds import TimeOfDay, about
 from network.files.quantities import Stretch
 from network.files.timetable_schema import TimetableFile
@@ -40,7 +40,7 @@ class ScaleTable(Record):
     trains: Annotated[list[str] | None, about("only these; left out: all")] = None
 
 
-class TimetableWords(Words):
+class TimetablePatch(FilePatch):
     """`[patch.timetable]`."""
 
     scale: Annotated[list[ScaleTable], about("running times by a factor, between hours")] = Field(
@@ -49,7 +49,7 @@ class TimetableWords(Words):
 
 
 def patched_timetable(
-    path: Path, line: Line, patches: Sequence[Asked]
+    path: Path, line: Line, patches: Sequence[PatchInFile]
 ) -> tuple[Timetable, Data, tuple[Change, ...]]:
     """The timetable of a file with patches, one after the other, its tables then, and what the patches changed.
 
@@ -68,8 +68,8 @@ def patched_timetable(
     return timetable, data, tuple(differences(path.name, before, data))
 
 
-def _patched(data: Data, asked: Asked) -> Patched:
-    wanted = words_of(asked, TimetableWords)
+def _patched(data: Data, asked: PatchInFile) -> Patched:
+    wanted = words_of(asked, TimetablePatch)
     patched = Patched(asked.file, asked.key, "timetable", deepcopy(data))
     patched.remove_all(wanted)
     _leave_diagrams(patched.data, {str(name) for name in wanted.remove.get("trains", ())})

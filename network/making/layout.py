@@ -138,7 +138,7 @@ class LaidStation:
 
 
 @dataclass(slots=True)
-class Layout:
+class LineLayout:
     """Everything laid out, in order of kilometrage; `assumed` says what was done for want of room."""
 
     sections: list[LaidSection] = field(default_factory=list[LaidSection])
@@ -191,9 +191,9 @@ class _Place:
 
 def lay_out(
     file: str, stations: Sequence[ListedStation], places_m: Sequence[float], rule: LayoutRule
-) -> Layout:
+) -> LineLayout:
     """Lay out stations at their places (m, ascending). Raises InputError, with `file`, where they are too near."""
-    layout = Layout()
+    layout = LineLayout()
     own = [(s, at_m) for s, at_m in zip(stations, places_m, strict=True) if not s.is_halt]
     halts = [(s, at_m) for s, at_m in zip(stations, places_m, strict=True) if s.is_halt]
     places = [_place(s, at_m, rule, first=i == 0, last=i == len(own) - 1) for i, (s, at_m) in enumerate(own)]
@@ -206,7 +206,7 @@ def lay_out(
     return layout
 
 
-def coverage_m(layout: Layout) -> list[tuple[float, float]]:
+def coverage_m(layout: LineLayout) -> list[tuple[float, float]]:
     """Where the radio reaches: around each station with tracks of its own, and over portals; overlaps joined."""
     reach = [
         (station.place_m - COVERED_M, station.place_m + COVERED_M)
@@ -299,7 +299,10 @@ def _check_halts(file: str, halts: Sequence[tuple[ListedStation, float]], rule: 
 
 
 def _lay_sections(
-    layout: Layout, places: Sequence[_Place], halts: Sequence[tuple[ListedStation, float]], rule: LayoutRule
+    layout: LineLayout,
+    places: Sequence[_Place],
+    halts: Sequence[tuple[ListedStation, float]],
+    rule: LayoutRule,
 ) -> None:
     first, last = places[0], places[-1]
     before = ""
@@ -328,7 +331,7 @@ def _lay_sections(
         layout.stubs.append((last.tracks_low_m, last.at_m + rule.stub_m, "down"))
 
 
-def _lay_station(layout: Layout, place: _Place, before: str, after: str) -> None:
+def _lay_station(layout: LineLayout, place: _Place, before: str, after: str) -> None:
     """Tracks of a station between what lies before and after it, with the points or the joint at either end."""
     station = place.listed
     low_ends_m = dict.fromkeys(station.tracks, place.tracks_low_m)

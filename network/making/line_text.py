@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from network.files.line_file import parse_line
-from network.making.layout import LaidStation, Layout, LayoutRule, coverage_m
+from network.making.layout import LaidStation, LayoutRule, LineLayout, coverage_m
 from network.model import Alignment, Direction
 from network.tag_layout import lay_tags, tags_toml
 
@@ -18,7 +18,7 @@ _NAMES: Final = {Direction.DOWN: "down", Direction.UP: "up"}
 
 
 @dataclass(frozen=True, slots=True)
-class LineWords:
+class LineHeader:
     """What `[line]` says, and the comment before everything."""
 
     id: str
@@ -30,7 +30,7 @@ class LineWords:
     comment: tuple[str, ...]
 
 
-def line_toml(words: LineWords, alignment: Alignment, layout: Layout, rule: LayoutRule) -> str:
+def line_toml(words: LineHeader, alignment: Alignment, layout: LineLayout, rule: LayoutRule) -> str:
     """The whole file. Raises InputError or ValueError where the result is no line: a mistake in the layout."""
     bare = "\n".join(
         [
@@ -59,7 +59,7 @@ def km_text(position_m: float) -> str:
     return text.removeprefix("-") if float(text) == 0.0 else text
 
 
-def _head(words: LineWords) -> Iterable[str]:
+def _head(words: LineHeader) -> Iterable[str]:
     yield "[line]"
     yield f"id = {quoted(words.id)}"
     yield f"name = {quoted(words.name)}"
@@ -71,7 +71,7 @@ def _head(words: LineWords) -> Iterable[str]:
             yield from (f"{key} = [", *(f"  {quoted(text)}," for text in texts), "]")
 
 
-def _alignment(line: Alignment, layout: Layout) -> Iterable[str]:
+def _alignment(line: Alignment, layout: LineLayout) -> Iterable[str]:
     yield from ("", "[[alignments]]", f"id = {quoted(line.id)}")
     yield f"from_km = {km_text(line.from_m)}"
     yield f"to_km = {km_text(line.to_m)}"
@@ -115,7 +115,7 @@ def _table(name: str, rows: Sequence[str]) -> Iterable[str]:
         yield from (f"{name} = [", *(f"  {{ {row} }}," for row in rows), "]")
 
 
-def _sections(layout: Layout) -> Iterable[str]:
+def _sections(layout: LineLayout) -> Iterable[str]:
     for section in layout.sections:
         yield from ("", "[[sections]]", f'id = "{section.id}"', f'kind = "{section.kind}"')
         if section.from_m is not None and section.to_m is not None:
@@ -125,7 +125,7 @@ def _sections(layout: Layout) -> Iterable[str]:
             yield f"offset_m = {section.offset_m}"
 
 
-def _points(layout: Layout) -> Iterable[str]:
+def _points(layout: LineLayout) -> Iterable[str]:
     for points in layout.points:
         yield from ("", "[[points]]", f'id = "{points.id}"', f'section = "{points.section}"')
         yield f'terminal = "{points.terminal}"'
@@ -140,7 +140,7 @@ def _points(layout: Layout) -> Iterable[str]:
         yield f"diverging_limit_kmh = {DIVERGING_KMH:g}"
 
 
-def _joints(layout: Layout) -> Iterable[str]:
+def _joints(layout: LineLayout) -> Iterable[str]:
     for low, high in layout.joints:
         yield from ("", "[[joints]]", f'low = "{low}"', f'high = "{high}"')
 

@@ -16,12 +16,12 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import Field
 
 from network.errors import InputError
-from network.exchange.station_names import is_japanese
 from network.files.kinds import TEXTS_MAX, about
 from network.files.names import IDENTIFIER_HELP, Identifier, Prose, Title, is_identifier
 from network.files.quantities import Kilometrage, Offset, SpeedKmh, TrainLength
 from network.files.text_input import read_text
 from network.files.toml_input import Record, one_of, parse_table, validate
+from network.making.station_names import is_japanese
 
 STATIONS_MIN: Final = 2
 STATIONS_MAX: Final = 400  # ids of tags are 100 times a station's number, in 16 bits

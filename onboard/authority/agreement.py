@@ -12,11 +12,19 @@ from typing import Final
 from msgspec.structs import replace
 
 from onboard.authority import route, sign_on
-from onboard.authority.records import Ask, Authority, BeginOnLine, Contested, FoundAt, Refused, SignedOn
-from onboard.authority.tables import Result, Standing, Table, disagrees
+from onboard.authority.records import (
+    Authority,
+    BeginOnLine,
+    ContestHeard,
+    FoundAt,
+    RefusalHeard,
+    RequestKind,
+    SignOnHeard,
+)
+from onboard.authority.tables import Result, SignOnStanding, Table, disagrees
 
 
-def contested(state: Authority, event: Contested) -> Result:
+def contested(state: Authority, event: ContestHeard) -> Result:
     """The train is stopped: another claims, or may be in, what the unit holds."""
     return disagrees(state, f"contested: {', '.join(event.section_ids)}")
 
@@ -29,16 +37,16 @@ def found_at(state: Authority, event: FoundAt) -> Result:
     return stopped, (*actions, *more)
 
 
-def refused_on_line(state: Authority, event: Refused) -> Result:
+def refused_on_line(state: Authority, event: RefusalHeard) -> Result:
     """Its claim: the train is stopped. Its route: asks again, and reports first if the manager has lost sight of it."""
-    if event.ask is Ask.SIGN_ON:
+    if event.ask is RequestKind.SIGN_ON:
         return disagrees(state, f"claim refused: {event.why}")
     return route.route_refused(state, event)
 
 
-def refused_signing_on(state: Authority, event: Refused) -> Result:
+def refused_signing_on(state: Authority, event: RefusalHeard) -> Result:
     """Its sign-on: asks again. If that says where it stands, which is no wish to enter, the train is stopped."""
-    request = state.open(Ask.SIGN_ON)
+    request = state.open(RequestKind.SIGN_ON)
     waiting, actions = sign_on.sign_on_refused(state, event)
     if not actions or state.entering or request is None or not request.section_ids:
         return waiting, actions
@@ -46,14 +54,14 @@ def refused_signing_on(state: Authority, event: Refused) -> Result:
     return stopped, (*actions, *more)
 
 
-def refused_signing_off(state: Authority, event: Refused) -> Result:
+def refused_signing_off(state: Authority, event: RefusalHeard) -> Result:
     """Its claim: the train is stopped. Its sign-off: asks again."""
-    if event.ask is Ask.SIGN_ON:
+    if event.ask is RequestKind.SIGN_ON:
         return disagrees(state, f"claim refused: {event.why}")
     return sign_on.sign_off_refused(state, event)
 
 
-def claim_accepted(state: Authority, event: SignedOn) -> Result:
+def claim_accepted(state: Authority, event: SignOnHeard) -> Result:
     """To a claim: takes a greater token, never sections; if it has less than the unit holds, the train is stopped."""
     taken, actions = sign_on.claim_accepted(state, event)
     if set(state.held) <= set(event.section_ids):
@@ -64,14 +72,14 @@ def claim_accepted(state: Authority, event: SignedOn) -> Result:
 
 TABLE: Final[Table] = MappingProxyType(
     {
-        (Standing.SIGNING_ON, Contested): contested,
-        (Standing.ON_LINE, Contested): contested,
-        (Standing.ON_LINE, FoundAt): found_at,
-        (Standing.SIGNING_OFF, Contested): contested,
-        (Standing.SIGNING_ON, Refused): refused_signing_on,
-        (Standing.ON_LINE, Refused): refused_on_line,
-        (Standing.SIGNING_OFF, Refused): refused_signing_off,
-        (Standing.ON_LINE, SignedOn): claim_accepted,
-        (Standing.SIGNING_OFF, SignedOn): claim_accepted,
+        (SignOnStanding.SIGNING_ON, ContestHeard): contested,
+        (SignOnStanding.ON_LINE, ContestHeard): contested,
+        (SignOnStanding.ON_LINE, FoundAt): found_at,
+        (SignOnStanding.SIGNING_OFF, ContestHeard): contested,
+        (SignOnStanding.SIGNING_ON, RefusalHeard): refused_signing_on,
+        (SignOnStanding.ON_LINE, RefusalHeard): refused_on_line,
+        (SignOnStanding.SIGNING_OFF, RefusalHeard): refused_signing_off,
+        (SignOnStanding.ON_LINE, SignOnHeard): claim_accepted,
+        (SignOnStanding.SIGNING_OFF, SignOnHeard): claim_accepted,
     }
 )

@@ -13,7 +13,7 @@ from msgspec.structs import replace
 
 from onboard import notes
 from onboard.authority import records as sym
-from onboard.authority.records import Ask
+from onboard.authority.records import RequestKind
 from onboard.duty.plan import PointsNeeded
 from radio import messages as radio
 from radio.envelope import Received
@@ -48,7 +48,7 @@ class Letters:
         self._manager_id: Final = manager_id
         self.token: int = 0  # the greatest taken
         self._correlation = 0  # of the newest request; each open request keeps its own
-        self._open: dict[Ask, int] = {}
+        self._open: dict[RequestKind, int] = {}
         self._tokens: dict[str, int] = {}  # by section
         self._macs: dict[tuple[str, str], bytes] = {}  # by section and terminal
         self._commanded: dict[str, _Commanded] = {}  # by points
@@ -60,10 +60,10 @@ class Letters:
         reader = _READERS.get(type(heard.message))
         return None if reader is None else reader(self, heard, heard.message)
 
-    def write(self, action: sym.Send | sym.SendClaim | sym.SendCommand) -> Letter:
+    def write(self, action: sym.SendRequest | sym.SendClaim | sym.SendCommand) -> Letter:
         """The telegram that an action asks for."""
         match action:
-            case sym.Send(request):
+            case sym.SendRequest(request):
                 return Letter(self._manager_id, self._request(request), self._open[request.ask])
             case sym.SendClaim(section_ids):
                 query = self._heard
@@ -109,15 +109,15 @@ class Letters:
     def _mac(self, needed: PointsNeeded) -> bytes:
         return self._macs.get((needed.section_id, needed.terminal_id), b"")
 
-    def _request(self, request: sym.Request) -> radio.AnyMessage:
+    def _request(self, request: sym.OpenRequest) -> radio.AnyMessage:
         match request.ask:
-            case Ask.SIGN_ON:
+            case RequestKind.SIGN_ON:
                 return radio.SignOn(self._unit_id, request.section_ids)
-            case Ask.SIGN_OFF:
+            case RequestKind.SIGN_OFF:
                 return radio.SignOff(self._unit_id, self.token)
-            case Ask.ROUTE:
+            case RequestKind.ROUTE:
                 return radio.RouteRequest(self._unit_id, request.subject, request.section_ids or ())
-            case Ask.REPORT:
+            case RequestKind.REPORT:
                 return radio.HoldingReport(request.section_ids or (), self.token, request.swept)
 
     def _take(self, section_ids: tuple[str, ...]) -> None:
@@ -135,66 +135,72 @@ class Letters:
 
     # telegrams as the machine is told of them -------------------------------------------------------------------
 
-    def _answers(self, ask: Ask, heard: Received) -> bool:
+    def _answers(self, ask: RequestKind, heard: Received) -> bool:
         return heard.correlation == self._open.get(ask, -1)
 
     def _signed_on(self, heard: Received, message: radio.SignOnAccepted) -> sym.Event:
         commandable = tuple(dict.fromkeys(c.section_id for c in message.capabilities))
-        return sym.SignedOn(
+        return sym.SignOnHeard(
             message.section_ids,
             commandable,
-            self._answers(Ask.SIGN_ON, heard),
+            self._answers(RequestKind.SIGN_ON, heard),
             message.token > self.token,
             message.on_sight,
         )
 
     def _sign_on_refused(self, heard: Received, message: radio.SignOnRefused) -> sym.Event:
-        return self._refusal(Ask.SIGN_ON, "", heard, message)
+        return self._refusal(RequestKind.SIGN_ON, "", heard, message)
 
     def _sign_off_refused(self, heard: Received, message: radio.SignOffRefused) -> sym.Event:
         lost = message.reason in LOST_SIGHT
-        return sym.Refused(Ask.SIGN_OFF, "", message.reason.name, lost, self._answers(Ask.SIGN_OFF, heard))
+        return sym.RefusalHeard(
+            RequestKind.SIGN_OFF, "", message.reason.name, lost, self._answers(RequestKind.SIGN_OFF, heard)
+        )
 
     def _route_refused(self, heard: Received, message: radio.RouteRefused) -> sym.Event:
-        return self._refusal(Ask.ROUTE, message.route_id, heard, message)
+        return self._refusal(RequestKind.ROUTE, message.route_id, heard, message)
 
     def _refusal(
-        self, ask: Ask, subject: str, heard: Received, message: radio.RouteRefused | radio.SignOnRefused
+        self,
+        ask: RequestKind,
+        subject: str,
+        heard: Received,
+        message: radio.RouteRefused | radio.SignOnRefused,
     ) -> sym.Event:
         why = message.reason.name.lower().replace("_", " ")
         if message.section_id is not None:
             why += f": section {message.section_id}"
         if message.holder is not None:
             why += f" of {message.holder}"
-        return sym.Refused(ask, subject, why, message.reason in LOST_SIGHT, self._answers(ask, heard))
+        return sym.RefusalHeard(ask, subject, why, message.reason in LOST_SIGHT, self._answers(ask, heard))
 
     def _signed_off(self, heard: Received, _message: radio.SignOffAccepted) -> sym.Event:
-        return sym.SignedOff(self._answers(Ask.SIGN_OFF, heard))
+        return sym.SignOffHeard(self._answers(RequestKind.SIGN_OFF, heard))
 
     def _granted(self, heard: Received, message: radio.RouteGranted) -> sym.Event:
-        return sym.Granted(
+        return sym.GrantHeard(
             message.route_id,
             message.section_ids,
             tuple(dict.fromkeys(c.section_id for c in message.capabilities)),
-            self._answers(Ask.ROUTE, heard),
+            self._answers(RequestKind.ROUTE, heard),
             heard.fresh,
             message.token > self.token,
             message.on_sight,
         )
 
     def _confirmed(self, heard: Received, message: radio.HoldingConfirmed) -> sym.Event:
-        answers = self._answers(Ask.REPORT, heard)
+        answers = self._answers(RequestKind.REPORT, heard)
         newer = message.token > self.token
-        return sym.Confirmed(message.section_ids, answers, newer, message.contested, message.on_sight)
+        return sym.ConfirmationHeard(message.section_ids, answers, newer, message.contested, message.on_sight)
 
     def _proof(self, heard: Received, message: radio.PointsProof) -> sym.Event:
         good = message.locked and message.detected and message.position is not None
         position = message.position.value if good and message.position is not None else None
-        return sym.Proof(message.points_id, heard.source, position, self._mine(message))
+        return sym.ProofHeard(message.points_id, heard.source, position, self._mine(message))
 
     def _points_refused(self, heard: Received, message: radio.PointsRefused) -> sym.Event:
         why = message.reason.name.lower().replace("_", " ")
-        return sym.PointsDenied(
+        return sym.PointsDenialHeard(
             message.points_id, heard.source, why, self._mine(message), message.reason in NOT_THE_NEWEST
         )
 
@@ -213,7 +219,7 @@ _READERS: Final[Mapping[type[radio.AnyMessage], Callable[[Letters, Received, Any
     radio.PointsProof: Letters._proof,
     radio.PointsRefused: Letters._points_refused,
     radio.HoldingConfirmed: Letters._confirmed,
-    radio.Contested: lambda _letters, _heard, message: sym.Contested(message.section_ids),
-    radio.ClaimQuery: lambda _letters, _heard, _message: sym.Queried(),
+    radio.Contested: lambda _letters, _heard, message: sym.ContestHeard(message.section_ids),
+    radio.ClaimQuery: lambda _letters, _heard, _message: sym.QueryHeard(),
     radio.Restarted: lambda _letters, _heard, _message: sym.PeerRestarted(),
 }

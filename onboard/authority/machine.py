@@ -21,24 +21,28 @@ from onboard import notes
 from onboard.authority import agreement, points, report, route, sign_on
 from onboard.authority.records import (
     Action,
-    Ask,
     Authority,
-    Due,
     Event,
     PeerRestarted,
-    Send,
+    RepeatDue,
+    RequestKind,
     SendCommand,
+    SendRequest,
     SetTimer,
     StopTimer,
     Write,
 )
-from onboard.authority.tables import REPEAT_S, Result, Standing, Table, standing
-from radio.table import Row, rows
+from onboard.authority.tables import REPEAT_S, Result, SignOnStanding, Table, standing
+from radio.table import TableCell, rows
 
-SAID_IN_ORDER: Final = (Ask.SIGN_OFF, Ask.SIGN_ON, Ask.ROUTE)  # then points, and last the report
+SAID_IN_ORDER: Final = (
+    RequestKind.SIGN_OFF,
+    RequestKind.SIGN_ON,
+    RequestKind.ROUTE,
+)  # then points, and last the report
 
 
-def due(state: Authority, event: Due) -> Result:
+def due(state: Authority, event: RepeatDue) -> Result:
     """What this timer belongs to is due again; without one, whatever could not be sent for want of coverage."""
     return (
         replace(
@@ -58,8 +62,8 @@ def peer_restarted(state: Authority, _event: PeerRestarted) -> Result:
 _EVERYWHERE: Final[Table] = MappingProxyType(
     {
         (at, kind): handler
-        for kind, handler in ((Due, due), (PeerRestarted, peer_restarted))
-        for at in (Standing.SIGNING_ON, Standing.ON_LINE, Standing.SIGNING_OFF)
+        for kind, handler in ((RepeatDue, due), (PeerRestarted, peer_restarted))
+        for at in (SignOnStanding.SIGNING_ON, SignOnStanding.ON_LINE, SignOnStanding.SIGNING_OFF)
     }
 )
 TABLE: Final[Table] = MappingProxyType(
@@ -82,7 +86,7 @@ def step(state: Authority, event: Event, *, covered: bool) -> Result:
     return after, (*actions, *said)
 
 
-def table_rows() -> tuple[Row, ...]:
+def table_rows() -> tuple[TableCell, ...]:
     """The tables as rows of text."""
     return rows(TABLE)
 
@@ -95,10 +99,10 @@ def say(state: Authority) -> Result:
     for command in state.commands:
         if not command.sent:
             actions += (SendCommand(command.needed), SetTimer(command.timer, REPEAT_S))
-    report_ = state.open(Ask.REPORT)
+    report_ = state.open(RequestKind.REPORT)
     if report_ is not None and not report_.sent:  # always the whole of what is held now
         whole = replace(report_, section_ids=state.held, swept=state.swept)
-        actions += (Send(whole), SetTimer(report_.timer, REPEAT_S))
+        actions += (SendRequest(whole), SetTimer(report_.timer, REPEAT_S))
         actions.append(Write(notes.Reported(section_ids=state.held, token=0)))
     if not actions:
         return state, ()
@@ -110,11 +114,11 @@ def say(state: Authority) -> Result:
     return said, tuple(actions)
 
 
-def _say_request(state: Authority, ask: Ask) -> tuple[Action, ...]:
+def _say_request(state: Authority, ask: RequestKind) -> tuple[Action, ...]:
     request = state.open(ask)
     if request is None or request.sent:
         return ()
-    return Send(request), SetTimer(request.timer, REPEAT_S)
+    return SendRequest(request), SetTimer(request.timer, REPEAT_S)
 
 
 def defer(state: Authority) -> Result:

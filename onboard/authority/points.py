@@ -14,27 +14,27 @@ from msgspec.structs import replace
 from onboard import notes
 from onboard.authority.records import (
     Action,
-    Ask,
     Authority,
     CheckedByCrew,
-    Command,
     Commit,
-    PointsDenied,
-    Proof,
+    OpenCommand,
+    PointsDenialHeard,
+    ProofHeard,
+    RequestKind,
     SetTimer,
     StopTimer,
     Throw,
     Withdrawn,
     Write,
 )
-from onboard.authority.tables import REFUSED_REPEAT_S, Result, Standing, Table, report_now
+from onboard.authority.tables import REFUSED_REPEAT_S, Result, SignOnStanding, Table, report_now
 
 
 def throw(state: Authority, event: Throw) -> Result:
     """Commands points of sections held, with the capability of the grant, until they are proven."""
     under_way = {command.needed for command in state.commands} | set(state.proven)
     new = tuple(n for n in event.points if n.section_id in state.commandable and n not in under_way)
-    commanded = replace(state, commands=(*state.commands, *(Command(needed) for needed in new)))
+    commanded = replace(state, commands=(*state.commands, *(OpenCommand(needed) for needed in new)))
     return commanded, tuple(Commit(needed) for needed in new)
 
 
@@ -63,7 +63,7 @@ def withdrawn(state: Authority, event: Withdrawn) -> Result:
     return left, tuple(StopTimer(c.timer) for c in gone)
 
 
-def proof(state: Authority, event: Proof) -> Result:
+def proof(state: Authority, event: ProofHeard) -> Result:
     """Proven, if detected and locked as commanded, under that token; a proof that no longer holds is dropped."""
     for needed in (*(c.needed for c in state.commands), *state.unsaid):
         if (needed.points_id, needed.terminal_id) != (event.points_id, event.terminal_id):
@@ -82,7 +82,7 @@ def proof(state: Authority, event: Proof) -> Result:
     return _lost(state, event)
 
 
-def _lost(state: Authority, event: Proof) -> Result:
+def _lost(state: Authority, event: ProofHeard) -> Result:
     shown = (event.points_id, event.terminal_id)
     lost = [n for n in state.proven if (n.points_id, n.terminal_id) == shown]
     if not lost or event.position == lost[0].position.value:
@@ -94,9 +94,9 @@ def _lost(state: Authority, event: Proof) -> Result:
     return dropped, (*actions, Write(notes.ProofDropped(points_id=event.points_id)))
 
 
-def denied(state: Authority, event: PointsDenied) -> Result:
+def denied(state: Authority, event: PointsDenialHeard) -> Result:
     """Commands again later; where its grant is not the newest one, it reports, so that the manager can say so."""
-    commands: list[Command] = []
+    commands: list[OpenCommand] = []
     actions: list[Action] = []
     for command in state.commands:
         needed = command.needed
@@ -108,7 +108,7 @@ def denied(state: Authority, event: PointsDenied) -> Result:
         commands.append(replace(command, sent=True, refusal=event.why))
         actions.append(SetTimer(command.timer, REFUSED_REPEAT_S))
     state = replace(state, commands=tuple(commands))
-    if event.mine and event.stale and state.open(Ask.REPORT) is None:
+    if event.mine and event.stale and state.open(RequestKind.REPORT) is None:
         state, more = report_now(state)
         actions += more
     return state, tuple(actions)
@@ -116,12 +116,12 @@ def denied(state: Authority, event: PointsDenied) -> Result:
 
 TABLE: Final[Table] = MappingProxyType(
     {
-        (Standing.ON_LINE, Throw): throw,
-        (Standing.SIGNING_ON, CheckedByCrew): checked_by_crew,
-        (Standing.ON_LINE, CheckedByCrew): checked_by_crew,
-        (Standing.ON_LINE, Withdrawn): withdrawn,
-        (Standing.SIGNING_ON, Proof): proof,
-        (Standing.ON_LINE, Proof): proof,
-        (Standing.ON_LINE, PointsDenied): denied,
+        (SignOnStanding.ON_LINE, Throw): throw,
+        (SignOnStanding.SIGNING_ON, CheckedByCrew): checked_by_crew,
+        (SignOnStanding.ON_LINE, CheckedByCrew): checked_by_crew,
+        (SignOnStanding.ON_LINE, Withdrawn): withdrawn,
+        (SignOnStanding.SIGNING_ON, ProofHeard): proof,
+        (SignOnStanding.ON_LINE, ProofHeard): proof,
+        (SignOnStanding.ON_LINE, PointsDenialHeard): denied,
     }
 )

@@ -16,7 +16,7 @@ from onboard import notes
 from onboard.duty.plan import PointsNeeded
 
 
-class Ask(Enum):
+class RequestKind(Enum):
     """What may be open with the block manager, at most one of each."""
 
     SIGN_ON = "sign on"
@@ -32,14 +32,14 @@ class Timer(NamedTuple):
     of: str = ""
 
 
-class Request(msgspec.Struct, frozen=True):
+class OpenRequest(msgspec.Struct, frozen=True):
     """The record of an open request. Not `sent`: due as soon as the radio reaches; sent: its timer runs.
 
     `subject`: the route asked for; `section_ids`: its sections, or those of a sign-on (None: does not know).
     `refusal`: why it was not granted the last time; `swept`: with a report, as there.
     """
 
-    ask: Ask
+    ask: RequestKind
     subject: str = ""
     section_ids: tuple[str, ...] | None = ()
     sent: bool = False
@@ -52,7 +52,7 @@ class Request(msgspec.Struct, frozen=True):
         return Timer(self.ask.value)
 
 
-class Command(msgspec.Struct, frozen=True):
+class OpenCommand(msgspec.Struct, frozen=True):
     """A points command not yet proven; `sent` and `refusal` as in a request."""
 
     needed: PointsNeeded
@@ -80,8 +80,8 @@ class Authority(msgspec.Struct, frozen=True):
     on_line: bool = False  # signed on and not signed off
     leaving: bool = False
     entering: bool = False
-    requests: tuple[Request, ...] = ()
-    commands: tuple[Command, ...] = ()
+    requests: tuple[OpenRequest, ...] = ()
+    commands: tuple[OpenCommand, ...] = ()
     proven: tuple[PointsNeeded, ...] = ()
     unsaid: tuple[PointsNeeded, ...] = ()
     mismatch: str = ""
@@ -93,14 +93,14 @@ class Authority(msgspec.Struct, frozen=True):
         """Whether the unit holds a section."""
         return section_id in self.held
 
-    def open(self, ask: Ask) -> Request | None:
+    def open(self, ask: RequestKind) -> OpenRequest | None:
         """The open request of a kind."""
         return next((request for request in self.requests if request.ask is ask), None)
 
     @property
     def perhaps_on_line(self) -> bool:
         """Whether it may stand on the line: it never says then, after a boot, that it holds nothing."""
-        claims = self.open(Ask.SIGN_ON) is not None and not self.entering
+        claims = self.open(RequestKind.SIGN_ON) is not None and not self.entering
         return self.unsure or self.on_line or self.leaving or claims
 
     @property
@@ -174,7 +174,7 @@ class TurnedBack(msgspec.Struct, frozen=True, tag=True):
     """The train changed ends: what was behind is ahead; proofs made for the old path are forgotten."""
 
 
-class Due(msgspec.Struct, frozen=True, tag=True):
+class RepeatDue(msgspec.Struct, frozen=True, tag=True):
     """The timer of a request or command has run out; None: the radio reaches again."""
 
     timer: Timer | None
@@ -183,7 +183,7 @@ class Due(msgspec.Struct, frozen=True, tag=True):
 # events: telegrams, as they relate to what is open ------------------------------------------------------------
 
 
-class SignedOn(msgspec.Struct, frozen=True, tag=True):
+class SignOnHeard(msgspec.Struct, frozen=True, tag=True):
     """The manager accepted a sign-on or a claim: it has the unit with these sections."""
 
     section_ids: tuple[str, ...]
@@ -193,23 +193,23 @@ class SignedOn(msgspec.Struct, frozen=True, tag=True):
     on_sight: tuple[str, ...] = ()
 
 
-class Refused(msgspec.Struct, frozen=True, tag=True):
+class RefusalHeard(msgspec.Struct, frozen=True, tag=True):
     """The manager refused what is open; `lost_sight`: it does not know the unit as the unit knows itself."""
 
-    ask: Ask
+    ask: RequestKind
     subject: str
     why: str
     lost_sight: bool
     answers: bool
 
 
-class SignedOff(msgspec.Struct, frozen=True, tag=True):
+class SignOffHeard(msgspec.Struct, frozen=True, tag=True):
     """The manager has the unit off the line."""
 
     answers: bool
 
 
-class Granted(msgspec.Struct, frozen=True, tag=True):
+class GrantHeard(msgspec.Struct, frozen=True, tag=True):
     """The manager grants a route. `fresh`: it has heard this boot; `newer`: by its token."""
 
     route_id: str
@@ -221,7 +221,7 @@ class Granted(msgspec.Struct, frozen=True, tag=True):
     on_sight: tuple[str, ...] = ()
 
 
-class Confirmed(msgspec.Struct, frozen=True, tag=True):
+class ConfirmationHeard(msgspec.Struct, frozen=True, tag=True):
     """What the register has for the unit, after a report; `contested`: some of it is."""
 
     section_ids: tuple[str, ...]
@@ -231,17 +231,17 @@ class Confirmed(msgspec.Struct, frozen=True, tag=True):
     on_sight: tuple[str, ...] = ()
 
 
-class Contested(msgspec.Struct, frozen=True, tag=True):
+class ContestHeard(msgspec.Struct, frozen=True, tag=True):
     """The manager says that another claims, or may be in, what the unit holds."""
 
     section_ids: tuple[str, ...]
 
 
-class Queried(msgspec.Struct, frozen=True, tag=True):
+class QueryHeard(msgspec.Struct, frozen=True, tag=True):
     """The manager asks what the unit holds."""
 
 
-class Proof(msgspec.Struct, frozen=True, tag=True):
+class ProofHeard(msgspec.Struct, frozen=True, tag=True):
     """A terminal shows points: `position` None where none is detected and locked; `mine`: under the token commanded."""
 
     points_id: str
@@ -250,7 +250,7 @@ class Proof(msgspec.Struct, frozen=True, tag=True):
     mine: bool
 
 
-class PointsDenied(msgspec.Struct, frozen=True, tag=True):
+class PointsDenialHeard(msgspec.Struct, frozen=True, tag=True):
     """A terminal refuses a command; `mine` as above; `stale`: the grant that the unit goes by is not the newest."""
 
     points_id: str
@@ -276,16 +276,16 @@ Event = (
     | Cleared
     | GiveBack
     | TurnedBack
-    | Due
-    | SignedOn
-    | Refused
-    | SignedOff
-    | Granted
-    | Confirmed
-    | Contested
-    | Queried
-    | Proof
-    | PointsDenied
+    | RepeatDue
+    | SignOnHeard
+    | RefusalHeard
+    | SignOffHeard
+    | GrantHeard
+    | ConfirmationHeard
+    | ContestHeard
+    | QueryHeard
+    | ProofHeard
+    | PointsDenialHeard
     | PeerRestarted
 )
 
@@ -296,7 +296,7 @@ Event = (
 class Renew(msgspec.Struct, frozen=True, tag=True):
     """From here on this is a new request: an answer to the one before it fits no more."""
 
-    ask: Ask
+    ask: RequestKind
 
 
 class Commit(msgspec.Struct, frozen=True, tag=True):
@@ -311,10 +311,10 @@ class Take(msgspec.Struct, frozen=True, tag=True):
     section_ids: tuple[str, ...]
 
 
-class Send(msgspec.Struct, frozen=True, tag=True):
+class SendRequest(msgspec.Struct, frozen=True, tag=True):
     """Say it to the manager: the request open under this name, as it stands."""
 
-    request: Request
+    request: OpenRequest
 
 
 class SendClaim(msgspec.Struct, frozen=True, tag=True):
@@ -348,4 +348,4 @@ class Write(msgspec.Struct, frozen=True, tag=True):
     note: notes.Note
 
 
-Action = Renew | Commit | Take | Send | SendClaim | SendCommand | SetTimer | StopTimer | Write
+Action = Renew | Commit | Take | SendRequest | SendClaim | SendCommand | SetTimer | StopTimer | Write

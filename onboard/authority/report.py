@@ -11,10 +11,10 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from onboard.authority.records import Action, Ask, Authority, Cleared, Confirmed, StopTimer
+from onboard.authority.records import Action, Authority, Cleared, ConfirmationHeard, RequestKind, StopTimer
 from onboard.authority.tables import (
     Result,
-    Standing,
+    SignOnStanding,
     Table,
     agrees,
     changed,
@@ -52,13 +52,13 @@ def dropped(state: Authority, section_ids: tuple[str, ...]) -> Result:
     return left, (*(StopTimer(c.timer) for c in gone), *actions, holds(left))
 
 
-def confirmed(state: Authority, event: Confirmed) -> Result:
+def confirmed(state: Authority, event: ConfirmationHeard) -> Result:
     """To its last report: done if the register has the same, with nothing contested; a greater token is taken.
 
     If it has less, or some of it is contested, the train is stopped, and it is reported again. What must be passed on
     sight is as the manager says.
     """
-    request = state.open(Ask.REPORT)
+    request = state.open(RequestKind.REPORT)
     if request is None or not event.answers:
         return state, ()
     actions: tuple[Action, ...] = ()
@@ -70,7 +70,7 @@ def confirmed(state: Authority, event: Confirmed) -> Result:
         state, more = refused(state, request, why)
         actions = (*actions, *more)
     elif set(event.section_ids) == held:
-        state, actions = closed(state, Ask.REPORT)
+        state, actions = closed(state, RequestKind.REPORT)
         state, more = agrees(replace(state, swept=()))
         actions = (*actions, *more)
     elif event.newer:  # refused for its token: the same report again under the newer one
@@ -83,8 +83,8 @@ def confirmed(state: Authority, event: Confirmed) -> Result:
 
 TABLE: Final[Table] = MappingProxyType(
     {
-        (Standing.ON_LINE, Cleared): cleared,
-        (Standing.ON_LINE, Confirmed): confirmed,
-        (Standing.SIGNING_OFF, Confirmed): confirmed,
+        (SignOnStanding.ON_LINE, Cleared): cleared,
+        (SignOnStanding.ON_LINE, ConfirmationHeard): confirmed,
+        (SignOnStanding.SIGNING_OFF, ConfirmationHeard): confirmed,
     }
 )

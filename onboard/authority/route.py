@@ -13,36 +13,36 @@ from msgspec.structs import replace
 
 from onboard import notes
 from onboard.authority.records import (
-    Ask,
     AskRoute,
     Authority,
     GiveBack,
-    Granted,
-    Refused,
+    GrantHeard,
+    OpenRequest,
+    RefusalHeard,
     Renew,
-    Request,
+    RequestKind,
     Take,
     Write,
 )
 from onboard.authority.report import dropped
-from onboard.authority.tables import Result, Standing, Table, closed, holds, opened, refused, report_now
+from onboard.authority.tables import Result, SignOnStanding, Table, closed, holds, opened, refused, report_now
 
 
 def ask(state: Authority, event: AskRoute) -> Result:
     """Requests the route, one at a time, with the same correlation until it is answered."""
-    if state.open(Ask.ROUTE) is not None:
+    if state.open(RequestKind.ROUTE) is not None:
         return state, ()
-    return opened(state, Request(Ask.ROUTE, event.route_id, event.section_ids))
+    return opened(state, OpenRequest(RequestKind.ROUTE, event.route_id, event.section_ids))
 
 
-def granted(state: Authority, event: Granted) -> Result:
+def granted(state: Authority, event: GrantHeard) -> Result:
     """Only to the request outstanding, of this boot, with a greater token: holds the sections."""
-    request = state.open(Ask.ROUTE)
+    request = state.open(RequestKind.ROUTE)
     if request is None or not (event.fresh and event.answers and event.newer):
         return state, ()
     if (event.route_id, event.section_ids) != (request.subject, request.section_ids):
         return state, ()
-    state, actions = closed(state, Ask.ROUTE)
+    state, actions = closed(state, RequestKind.ROUTE)
     added = tuple(s for s in event.section_ids if s not in state.held)
     held = (*state.held, *added)
     regranted = set(event.section_ids)
@@ -57,16 +57,21 @@ def granted(state: Authority, event: Granted) -> Result:
     return state, (*actions, Take(event.section_ids), note, holds(state))
 
 
-def route_refused(state: Authority, event: Refused) -> Result:
+def route_refused(state: Authority, event: RefusalHeard) -> Result:
     """To the request outstanding: asks again, as a new request; reports first if the manager has lost sight of it."""
-    request = state.open(Ask.ROUTE)
-    if request is None or event.ask is not Ask.ROUTE or not event.answers or event.subject != request.subject:
+    request = state.open(RequestKind.ROUTE)
+    if (
+        request is None
+        or event.ask is not RequestKind.ROUTE
+        or not event.answers
+        or event.subject != request.subject
+    ):
         return state, ()
     waiting, actions = refused(state, request, event.why)
-    actions = (Renew(Ask.ROUTE), *actions)
+    actions = (Renew(RequestKind.ROUTE), *actions)
     if event.why != request.refusal:
         actions = (*actions, Write(notes.RouteDenied(route_id=request.subject, why=event.why)))
-    if event.lost_sight and state.open(Ask.REPORT) is None:
+    if event.lost_sight and state.open(RequestKind.REPORT) is None:
         waiting, more = report_now(waiting)
         actions = (*actions, *more)
     return waiting, actions
@@ -75,18 +80,18 @@ def route_refused(state: Authority, event: Refused) -> Result:
 def give_back(state: Authority, event: GiveBack) -> Result:
     """Drops a route not entered and the request still open, then reports what is left."""
     given, first = dropped(state, event.section_ids)
-    if state.open(Ask.ROUTE) is None:
+    if state.open(RequestKind.ROUTE) is None:
         return given, first
     # Its answer fits nothing, and the report frees what it may have given.
-    given, second = closed(given, Ask.ROUTE)
+    given, second = closed(given, RequestKind.ROUTE)
     given, third = report_now(given)
     return given, (*first, *second, *third)
 
 
 TABLE: Final[Table] = MappingProxyType(
     {
-        (Standing.ON_LINE, AskRoute): ask,
-        (Standing.ON_LINE, Granted): granted,
-        (Standing.ON_LINE, GiveBack): give_back,
+        (SignOnStanding.ON_LINE, AskRoute): ask,
+        (SignOnStanding.ON_LINE, GrantHeard): granted,
+        (SignOnStanding.ON_LINE, GiveBack): give_back,
     }
 )

@@ -13,16 +13,16 @@ from msgspec.structs import replace
 
 from onboard import notes
 from onboard.authority.records import (
-    Ask,
     Authority,
     BeginOnLine,
     EndOnLine,
-    Queried,
-    Refused,
-    Request,
+    OpenRequest,
+    QueryHeard,
+    RefusalHeard,
+    RequestKind,
     SendClaim,
-    SignedOff,
-    SignedOn,
+    SignOffHeard,
+    SignOnHeard,
     StopTimer,
     Take,
     TakenOff,
@@ -31,7 +31,7 @@ from onboard.authority.records import (
 )
 from onboard.authority.tables import (
     Result,
-    Standing,
+    SignOnStanding,
     Table,
     agrees,
     closed,
@@ -56,7 +56,7 @@ def begin(state: Authority, event: BeginOnLine) -> Result:
         swept=(),
         unsure=False,
     )
-    begun, actions = opened(begun, Request(Ask.SIGN_ON, section_ids=event.section_ids))
+    begun, actions = opened(begun, OpenRequest(RequestKind.SIGN_ON, section_ids=event.section_ids))
     # Who has just been switched on does not know what it holds, which is not the same as nothing.
     return begun, actions if event.section_ids is None else (*actions, holds(begun))
 
@@ -65,18 +65,18 @@ def end(state: Authority, _event: EndOnLine) -> Result:
     """Signs off, if nothing but one section is held."""
     if len(state.held) > 1:
         return state, ()
-    return opened(state, Request(Ask.SIGN_OFF))
+    return opened(state, OpenRequest(RequestKind.SIGN_OFF))
 
 
-def signed_on(state: Authority, event: SignedOn) -> Result:
+def signed_on(state: Authority, event: SignOnHeard) -> Result:
     """To its sign-on: holds what the manager says, if that has the portal that it wishes to enter."""
-    request = state.open(Ask.SIGN_ON)
+    request = state.open(RequestKind.SIGN_ON)
     if request is None or not event.answers:
         return state, ()
     # Asked on its sign-on, it has claimed nothing, and that is what was accepted: the wish is still to come.
     if state.entering and not set(request.section_ids or ()) <= set(event.section_ids):
         return state, ()
-    accepted, actions = closed(state, Ask.SIGN_ON)
+    accepted, actions = closed(state, RequestKind.SIGN_ON)
     accepted = replace(
         accepted,
         held=event.section_ids,
@@ -90,34 +90,34 @@ def signed_on(state: Authority, event: SignedOn) -> Result:
     return accepted, (*actions, *agreed, Take(event.section_ids), note, holds(accepted))
 
 
-def claim_accepted(state: Authority, event: SignedOn) -> Result:
+def claim_accepted(state: Authority, event: SignOnHeard) -> Result:
     """To a claim: takes a greater token, never sections; what is open is asked anew."""
     state = replace(state, unswept=tuple(s for s in event.on_sight if state.holds(s)))
     return take_newer(state, event.commandable) if event.newer else (state, ())
 
 
-def sign_on_refused(state: Authority, event: Refused) -> Result:
+def sign_on_refused(state: Authority, event: RefusalHeard) -> Result:
     """To its sign-on: waits and asks again."""
-    request = state.open(Ask.SIGN_ON)
-    if request is None or event.ask is not Ask.SIGN_ON or not event.answers:
+    request = state.open(RequestKind.SIGN_ON)
+    if request is None or event.ask is not RequestKind.SIGN_ON or not event.answers:
         return state, ()
     waiting, actions = refused(state, request, event.why)
     return waiting, (*actions, Write(notes.SignOnDenied(why=event.why)))
 
 
-def sign_off_refused(state: Authority, event: Refused) -> Result:
+def sign_off_refused(state: Authority, event: RefusalHeard) -> Result:
     """To its sign-off: asks again; reports first if the manager has lost sight of it."""
-    request = state.open(Ask.SIGN_OFF)
-    if request is None or event.ask is not Ask.SIGN_OFF or not event.answers:
+    request = state.open(RequestKind.SIGN_OFF)
+    if request is None or event.ask is not RequestKind.SIGN_OFF or not event.answers:
         return state, ()
     waiting, actions = refused(state, request, event.why)
-    if event.lost_sight and state.open(Ask.REPORT) is None:
+    if event.lost_sight and state.open(RequestKind.REPORT) is None:
         waiting, more = report_now(waiting)
         actions = (*actions, *more)
     return waiting, (*actions, Write(notes.SignOffDenied(why=event.why)))
 
 
-def signed_off(state: Authority, event: SignedOff) -> Result:
+def signed_off(state: Authority, event: SignOffHeard) -> Result:
     """To its sign-off: asks for nothing any more, and its train may leave; the portal is its own until it has."""
     if not event.answers:
         return state, ()
@@ -132,19 +132,19 @@ def taken_off(_state: Authority, _event: TakenOff) -> Result:
     return gone, (holds(gone),)
 
 
-def queried(state: Authority, _event: Queried) -> Result:
+def queried(state: Authority, _event: QueryHeard) -> Result:
     """Answers at once with all that it holds, which is nothing while it waits to enter."""
     return state, (SendClaim(state.held), Write(notes.Claimed(section_ids=state.held, token=0)))
 
 
-def queried_off_line(state: Authority, event: Queried) -> Result:
+def queried_off_line(state: Authority, event: QueryHeard) -> Result:
     """Answers at once: that it holds nothing, or after a boot, where it may be on the line, that it does not know."""
     return (state, (SendClaim(None),)) if state.unsure else queried(state, event)
 
 
-def queried_signing_on(state: Authority, event: Queried) -> Result:
+def queried_signing_on(state: Authority, event: QueryHeard) -> Result:
     """Answers at once: with all that it claims, with nothing while it waits to enter, or that it does not know."""
-    request = state.open(Ask.SIGN_ON)
+    request = state.open(RequestKind.SIGN_ON)
     if request is not None and request.section_ids is None:
         return state, (SendClaim(None),)
     return queried(state, event)
@@ -160,17 +160,17 @@ def turned_back(state: Authority, _event: TurnedBack) -> Result:
 
 TABLE: Final[Table] = MappingProxyType(
     {
-        (Standing.OFF_LINE, BeginOnLine): begin,
-        (Standing.SIGNING_ON, BeginOnLine): begin,
-        (Standing.SIGNING_ON, SignedOn): signed_on,
-        (Standing.ON_LINE, EndOnLine): end,
-        (Standing.SIGNING_OFF, SignedOff): signed_off,
-        (Standing.LEAVING, TakenOff): taken_off,
-        (Standing.OFF_LINE, Queried): queried_off_line,
-        (Standing.SIGNING_ON, Queried): queried_signing_on,
-        (Standing.ON_LINE, Queried): queried,
-        (Standing.SIGNING_OFF, Queried): queried,
-        (Standing.LEAVING, Queried): queried,
-        **dict.fromkeys(((s, TurnedBack) for s in Standing), turned_back),
+        (SignOnStanding.OFF_LINE, BeginOnLine): begin,
+        (SignOnStanding.SIGNING_ON, BeginOnLine): begin,
+        (SignOnStanding.SIGNING_ON, SignOnHeard): signed_on,
+        (SignOnStanding.ON_LINE, EndOnLine): end,
+        (SignOnStanding.SIGNING_OFF, SignOffHeard): signed_off,
+        (SignOnStanding.LEAVING, TakenOff): taken_off,
+        (SignOnStanding.OFF_LINE, QueryHeard): queried_off_line,
+        (SignOnStanding.SIGNING_ON, QueryHeard): queried_signing_on,
+        (SignOnStanding.ON_LINE, QueryHeard): queried,
+        (SignOnStanding.SIGNING_OFF, QueryHeard): queried,
+        (SignOnStanding.LEAVING, QueryHeard): queried,
+        **dict.fromkeys(((s, TurnedBack) for s in SignOnStanding), turned_back),
     }
 )

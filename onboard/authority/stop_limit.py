@@ -10,20 +10,20 @@ from collections.abc import Collection
 from typing import Final
 
 from onboard.authority.records import Authority
-from onboard.duty.plan import Plan
-from onboard.duty.records import Limit
+from onboard.duty.plan import DutyPlan
+from onboard.duty.records import StopLimit
 
 NOT_PROVEN: Final = "points not proven"
 
 
 def stop_limit(
-    plan: Plan,
+    plan: DutyPlan,
     authority: Authority,
     entered: Collection[str] = frozenset(),
     *,
     sweeps: bool = False,
     left: int = 0,
-) -> Limit:
+) -> StopLimit:
     """The stop limit on the plan's path; the path's beginning when nothing on it is held.
 
     Points of sections that the train has `entered` on their proof no longer hold it back: they are locked under
@@ -34,31 +34,31 @@ def stop_limit(
     for joint, span in enumerate(plan.spans):
         if not authority.holds(span.section_id):
             if begun:
-                return Limit(joint, span.section_id, "not held")
+                return StopLimit(joint, span.section_id, "not held")
             continue
         begun = True
         if span.section_id in authority.unswept and not sweeps and joint >= left:
-            return Limit(joint, span.section_id, "to be passed on sight")
+            return StopLimit(joint, span.section_id, "to be passed on sight")
         missing = any(needed not in authority.proven for needed in span.points)
         if missing and span.section_id not in entered:
-            return Limit(joint, span.section_id, NOT_PROVEN)
+            return StopLimit(joint, span.section_id, NOT_PROVEN)
     if not begun:
-        return Limit(0, plan.spans[0].section_id, "not held")
-    return Limit(len(plan.spans), None, "end of the path")
+        return StopLimit(0, plan.spans[0].section_id, "not held")
+    return StopLimit(len(plan.spans), None, "end of the path")
 
 
-def cleared_sections(plan: Plan, authority: Authority, clear: int) -> tuple[str, ...]:
+def cleared_sections(plan: DutyPlan, authority: Authority, clear: int) -> tuple[str, ...]:
     """Sections held among the first `clear` spans, which the safe rear has left; in order of travel."""
     return tuple(s.section_id for s in plan.spans[:clear] if authority.holds(s.section_id))
 
 
-def next_rear_span(plan: Plan, authority: Authority, freed: int) -> int | None:
+def next_rear_span(plan: DutyPlan, authority: Authority, freed: int) -> int | None:
     """The span among the first `freed` that the safe rear leaves next to free a section; None for the last one held."""
     held = [index for index, span in enumerate(plan.spans) if authority.holds(span.section_id)]
     return held[0] if len(held) > 1 and held[0] < freed else None
 
 
-def entered_on_proof(plan: Plan, authority: Authority, sure: int) -> frozenset[str]:
+def entered_on_proof(plan: DutyPlan, authority: Authority, sure: int) -> frozenset[str]:
     """Points sections among the first `sure` spans, in which the front surely is or was, with all points proven."""
     return frozenset(
         span.section_id
@@ -67,7 +67,7 @@ def entered_on_proof(plan: Plan, authority: Authority, sure: int) -> frozenset[s
     )
 
 
-def points_perhaps_under(plan: Plan, authority: Authority, perhaps: int) -> tuple[str, ...]:
+def points_perhaps_under(plan: DutyPlan, authority: Authority, perhaps: int) -> tuple[str, ...]:
     """Sections with points still being thrown that the front may have come into, `perhaps` spans far."""
     under_way = {command.needed.section_id for command in authority.commands}
     return tuple(span.section_id for span in plan.spans[:perhaps] if span.section_id in under_way)

@@ -15,12 +15,12 @@ from msgspec.structs import replace
 from onboard import notes
 from onboard.authority.records import (
     Action,
-    Ask,
     Authority,
     Commit,
     Event,
+    OpenRequest,
     Renew,
-    Request,
+    RequestKind,
     SetTimer,
     StopTimer,
     Take,
@@ -31,7 +31,7 @@ REPEAT_S: Final = 2.0
 REFUSED_REPEAT_S: Final = 5.0
 
 
-class Standing(Enum):
+class SignOnStanding(Enum):
     """Where the unit stands with the block manager; derived from its state."""
 
     OFF_LINE = "off the line"
@@ -43,33 +43,33 @@ class Standing(Enum):
 
 Result: TypeAlias = tuple[Authority, tuple[Action, ...]]
 Handler: TypeAlias = Callable[[Authority, Any], Result]
-Table: TypeAlias = Mapping[tuple[Standing, type[Event]], Handler]
+Table: TypeAlias = Mapping[tuple[SignOnStanding, type[Event]], Handler]
 
 
-def standing(state: Authority) -> Standing:
+def standing(state: Authority) -> SignOnStanding:
     """Where the unit stands with the manager."""
-    if state.open(Ask.SIGN_OFF) is not None:
-        return Standing.SIGNING_OFF
+    if state.open(RequestKind.SIGN_OFF) is not None:
+        return SignOnStanding.SIGNING_OFF
     if state.leaving:
-        return Standing.LEAVING
+        return SignOnStanding.LEAVING
     if state.on_line:
-        return Standing.ON_LINE
-    return Standing.OFF_LINE if state.open(Ask.SIGN_ON) is None else Standing.SIGNING_ON
+        return SignOnStanding.ON_LINE
+    return SignOnStanding.OFF_LINE if state.open(RequestKind.SIGN_ON) is None else SignOnStanding.SIGNING_ON
 
 
-def opened(state: Authority, request: Request) -> Result:
+def opened(state: Authority, request: OpenRequest) -> Result:
     """A new request, in place of one of its kind that may be open: an answer to that fits no more."""
     others = tuple(other for other in state.requests if other.ask is not request.ask)
     return replace(state, requests=(*others, request)), (Renew(request.ask),)
 
 
-def changed(state: Authority, request: Request) -> Authority:
+def changed(state: Authority, request: OpenRequest) -> Authority:
     """The open request of this kind, changed; its place among the others stays."""
     requests = tuple(request if other.ask is request.ask else other for other in state.requests)
     return replace(state, requests=requests)
 
 
-def closed(state: Authority, ask: Ask) -> Result:
+def closed(state: Authority, ask: RequestKind) -> Result:
     """The request of this kind is over."""
     request = state.open(ask)
     if request is None:
@@ -79,7 +79,7 @@ def closed(state: Authority, ask: Ask) -> Result:
     )
 
 
-def refused(state: Authority, request: Request, why: str) -> Result:
+def refused(state: Authority, request: OpenRequest, why: str) -> Result:
     """The request stays open and is repeated, later than one that was not answered."""
     waiting = replace(request, sent=True, refusal=why)
     return changed(state, waiting), (SetTimer(request.timer, REFUSED_REPEAT_S),)
@@ -92,13 +92,13 @@ def holds(state: Authority) -> Write:
 
 def report_now(state: Authority) -> Result:
     """Report what is held: as a new request, at once."""
-    return opened(state, Request(Ask.REPORT))
+    return opened(state, OpenRequest(RequestKind.REPORT))
 
 
 def disagrees(state: Authority, why: str) -> Result:
     """Register and unit contradict each other: that is remembered, and reported until it is over."""
     actions: tuple[Action, ...] = ()
-    if state.on_line and state.open(Ask.REPORT) is None:
+    if state.on_line and state.open(RequestKind.REPORT) is None:
         state, actions = report_now(state)
     if why == state.mismatch:
         return state, actions
@@ -122,7 +122,7 @@ def take_newer(state: Authority, commandable: tuple[str, ...] = ()) -> Result:
     commands = tuple(replace(c, sent=False) if c.needed in anew else c for c in state.commands)
     state = replace(state, commandable=known, commands=commands)
     actions: tuple[Action, ...] = (Take(()), *map(Commit, anew))
-    for ask in (Ask.ROUTE, Ask.SIGN_OFF):
+    for ask in (RequestKind.ROUTE, RequestKind.SIGN_OFF):
         request = state.open(ask)
         if request is not None:
             state = changed(state, replace(request, sent=False))

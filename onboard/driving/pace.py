@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onboard.driving.laws.table import LAWS, LawsRow
-from onboard.driving.planner.arrivals import OnMap, Times, arrivals_s
-from onboard.driving.planner.plan import Ahead, Laid, planned
+from onboard.driving.planner.arrivals import ArrivalAims, TrainOnMap, arrivals_s
+from onboard.driving.planner.plan import PlanOnPath, PlanRequest, planned
 from onboard.driving.planner.wish import PLAIN, Planning
 from onboard.duty.mission import Mission, Passing, Target
 from onboard.duty.timekeeping import cruise_for
@@ -50,7 +50,7 @@ class Pace:
         self._meant: tuple[str, int, float] | None = None  # train, target, and when it means to be there
         self.climb_m: NDArray[np.float64] = np.zeros(1)
         self.driving_mps: NDArray[np.float64] = np.zeros(1)
-        self._laid: Laid | None = None
+        self._laid: PlanOnPath | None = None
 
     def take_up(self, rows: NDArray[np.void]) -> None:
         """Another path: its rows of PATTERN."""
@@ -66,7 +66,7 @@ class Pace:
         self._row.plan_rows = 0
         self._row.replan_s = math.inf
 
-    def taken_plan(self) -> Laid | None:
+    def taken_plan(self) -> PlanOnPath | None:
         """The plan made since the last call, to be laid."""
         taken, self._laid = self._laid, None
         return taken
@@ -118,7 +118,7 @@ class Pace:
             return False
         row, mark_m = self._row, mission.targets[at].mark_m
         row.due_s = self._aimed_s(mission, at, now_s, load_share)
-        ahead = Ahead(
+        ahead = PlanRequest(
             self._train,
             load_share,
             self.climb_m,
@@ -128,13 +128,13 @@ class Pace:
             float(row.speed_mps),
             self._behaviour.stop_deceleration_mps2,
             row.due_s - now_s,
-            float(self._law.regeneration_share),
+            float(self._law.settings.regeneration_share),
         )
         self._laid = found = planned(ahead, self._planning)
         if found is None:
             return False
         row.plan_due_s = now_s + found.takes_s
-        row.replan_s = self._law.replan_after_s
+        row.replan_s = self._law.settings.replan_after_s
         return True
 
     def _aimed_s(self, mission: Mission, at: int, now_s: float, load_share: float) -> float:
@@ -142,14 +142,14 @@ class Pace:
         row, parameters = self._row, self._parameters
         leaves = row.speed_mps == 0.0 and abs(mission.targets[at - 1].mark_m - row.position_m) < AT_MARK_M
         if leaves:
-            on_map = OnMap(
+            on_map = TrainOnMap(
                 self._train,
                 load_share,
                 self.climb_m,
                 self.driving_mps,
                 self._behaviour.stop_deceleration_mps2,
             )
-            times = Times(parameters.dwell_min_s, parameters.time_margin_s)
+            times = ArrivalAims(parameters.dwell_min_s, parameters.time_margin_s)
             with suppress(ValueError, WindowMissed):
                 aimed_s = arrivals_s(self._planning, on_map, mission, at - 1, now_s, times)[0]
                 self._meant = (mission.number, at, aimed_s)

@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 
 from onboard.driving.stopping import WAVE_STEPS, WaveRow
-from onboard.driving.tasc import WHOLE_LAW, DesignRow, TascRow, Verdict
-from onboard.driving.tuning import Learned, StopRecord, approximate, disturbance, learn
+from onboard.driving.tasc import WHOLE_LAW, DesignRow, StopVerdict, TascRow
+from onboard.driving.tuning import Learned, StopDecelerations, approximate, disturbance, learn
 from onboard.notes import LearnedFromStop
 from onboard.records import BehaviourRow
 from vehicle.records import TrainRow
@@ -55,11 +55,11 @@ class StopKeeper:
     wave: WaveRow
     learned: Learned
     learns: bool = False
-    last: StopRecord | None = None  # the last stop that was counted
+    last: StopDecelerations | None = None  # the last stop that was counted
 
-    def verdict(self) -> Verdict:
+    def verdict(self) -> StopVerdict:
         """Whether the present stop is possible."""
-        return Verdict(int(self.tasc.verdict))
+        return StopVerdict(int(self.tasc.verdict))
 
     def stopped(self, train: TrainRow, behaviour: BehaviourRow, load_share: float) -> LearnedFromStop | None:
         """Learn from the stop just made and use it from the next one on; what the journal says of it."""
@@ -80,14 +80,14 @@ class StopKeeper:
             uses_offset_mps2=round(self.learned.offset_mps2, 4),
         )
 
-    def record(self, load_share: float) -> StopRecord | None:
+    def record(self, load_share: float) -> StopDecelerations | None:
         """The waves of the stop just made, up to rest; None where TASC did not brake."""
         wave = self.wave
         if wave.steps == 0:
             return None
         count = min(int(wave.steps) + LEAD_STEPS, WAVE_STEPS)
         order = (int(wave.head) + 1 - count + np.arange(count)) % WAVE_STEPS
-        return StopRecord(
+        return StopDecelerations(
             np.asarray(wave.designed_mps2, dtype=np.float64)[order],
             np.asarray(wave.actual_mps2, dtype=np.float64)[order],
             bool(wave.disturbed),

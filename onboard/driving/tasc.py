@@ -29,7 +29,7 @@ NEWTON_STEPS: Final = 6
 LEAST_BRAKE_MPS2: Final = 0.02  # of the train's whole deceleration: it never rolls at a mark it has reached
 
 
-class Verdict(IntEnum):
+class StopVerdict(IntEnum):
     """Whether the stop at the mark is possible; the first impossibility found stands."""
 
     POSSIBLE = 0
@@ -38,7 +38,7 @@ class Verdict(IntEnum):
     SIGN_BEYOND_LIMIT = 3  # the mark lies beyond the stop limit: stops at the limit instead
 
 
-class Part(IntFlag):
+class StopLawPart(IntFlag):
     """What the law consists of beyond proportional following; a train has all, an experiment may leave some out."""
 
     PREDICTION = 1  # decides on the state in which its command will act, not on the present one
@@ -48,17 +48,23 @@ class Part(IntFlag):
     SOFT_END = 16  # lets the pattern end in a weaker brake
 
 
-WHOLE_LAW: Final = Part.PREDICTION | Part.REDRAWING | Part.FEED_FORWARD | Part.RESISTANCE | Part.SOFT_END
-PREDICTION: Final = int(Part.PREDICTION)  # compiled code reads plain integers
-REDRAWING: Final = int(Part.REDRAWING)
-FEED_FORWARD: Final = int(Part.FEED_FORWARD)
-RESISTANCE: Final = int(Part.RESISTANCE)
-SOFT_END: Final = int(Part.SOFT_END)
+WHOLE_LAW: Final = (
+    StopLawPart.PREDICTION
+    | StopLawPart.REDRAWING
+    | StopLawPart.FEED_FORWARD
+    | StopLawPart.RESISTANCE
+    | StopLawPart.SOFT_END
+)
+PREDICTION: Final = int(StopLawPart.PREDICTION)  # compiled code reads plain integers
+REDRAWING: Final = int(StopLawPart.REDRAWING)
+FEED_FORWARD: Final = int(StopLawPart.FEED_FORWARD)
+RESISTANCE: Final = int(StopLawPart.RESISTANCE)
+SOFT_END: Final = int(StopLawPart.SOFT_END)
 
-POSSIBLE: Final = int(Verdict.POSSIBLE)
-BRAKE_TOO_WEAK: Final = int(Verdict.BRAKE_TOO_WEAK)
-TARGET_NOT_SEEN: Final = int(Verdict.TARGET_NOT_SEEN)
-SIGN_BEYOND_LIMIT: Final = int(Verdict.SIGN_BEYOND_LIMIT)
+POSSIBLE: Final = int(StopVerdict.POSSIBLE)
+BRAKE_TOO_WEAK: Final = int(StopVerdict.BRAKE_TOO_WEAK)
+TARGET_NOT_SEEN: Final = int(StopVerdict.TARGET_NOT_SEEN)
+SIGN_BEYOND_LIMIT: Final = int(StopVerdict.SIGN_BEYOND_LIMIT)
 
 
 class DesignRow(Protocol):

@@ -51,7 +51,7 @@ MISFIT_MAX_MPS2: Final = 0.10  # assumed: root mean square left at the best fit;
 
 
 @dataclass(frozen=True, slots=True)
-class StopRecord:
+class StopDecelerations:
     """One stop at the unit's step of 0.1 s: designed and actual deceleration, m/s^2, equally long, up to rest.
 
     `actual_mps2` is without the part of gradient and running resistance; `slid` is what the slide protection
@@ -65,7 +65,7 @@ class StopRecord:
 
 
 @dataclass(frozen=True, slots=True)
-class Fit:
+class CharacteristicFit:
     """The best characteristic of one stop as places on the grid, its J (m/s^2)^2, and how many J were computed."""
 
     dead_time_index: int
@@ -103,7 +103,7 @@ def smoothed(wave: Wave) -> Wave:
     return np.asarray(np.convolve(padded, weights / weights.sum(), mode="valid"), dtype=np.float64)
 
 
-def waves(record: StopRecord) -> tuple[Wave, Wave, Wave]:
+def waves(record: StopDecelerations) -> tuple[Wave, Wave, Wave]:
     """Designed and actual deceleration, m/s^2, and the share of time a brake is asked for; all smoothed."""
     asked = (record.designed_mps2 > 0.0).astype(np.float64)
     return smoothed(record.designed_mps2), smoothed(record.actual_mps2), smoothed(asked)
@@ -133,7 +133,7 @@ def _best(designed: Wave, actual: Wave, asked: Wave, first: int, last: int) -> t
     return best_x, best_y, best_j
 
 
-def window(record: StopRecord) -> tuple[int, int] | None:
+def window(record: StopDecelerations) -> tuple[int, int] | None:
     """First and last step over which J is taken: from before the brake until every shift still sees braking.
 
     None where the stop is too short for that, or the brake was never applied.
@@ -146,13 +146,13 @@ def window(record: StopRecord) -> tuple[int, int] | None:
     return (first, last) if last - int(applied[0]) >= round(BRAKING_LEAST_S / STEP_S) else None
 
 
-def search(record: StopRecord) -> Fit | None:
+def search(record: StopDecelerations) -> CharacteristicFit | None:
     """The least J of all 441 points (総当たり法); None where the stop has no usable window."""
     span = window(record)
     if span is None:
         return None
     x, y, j = _best(*waves(record), *span)
-    return Fit(x, y, j, SEARCH_EVALUATIONS)
+    return CharacteristicFit(x, y, j, SEARCH_EVALUATIONS)
 
 
 def quadratic_through(points: NDArray[np.float64], values: NDArray[np.float64]) -> Quadratic:
@@ -173,7 +173,7 @@ def minimum_of(z: Quadratic) -> tuple[float, float] | None:
     return (2.0 * z.b * z.c - z.d * z.e) / determinant, (2.0 * z.a * z.d - z.c * z.e) / determinant
 
 
-def approximate(record: StopRecord, centre: tuple[int, int]) -> Fit | None:
+def approximate(record: StopDecelerations, centre: tuple[int, int]) -> CharacteristicFit | None:
     """The least J by six points and the quadratic through them (近似関数法).
 
     `centre` is a place on the grid near what is expected: the designed dead time and no offset for a new train,
@@ -197,7 +197,7 @@ def approximate(record: StopRecord, centre: tuple[int, int]) -> Fit | None:
     least = z.f + (z.c * p + z.d * q) / 2.0
     x = min(max(round(x0 + p), 0), DEAD_TIMES - 1)
     y = min(max(round(y0 + q), 0), OFFSETS - 1)
-    return Fit(x, y, max(least, 0.0), len(SIX_POINTS))
+    return CharacteristicFit(x, y, max(least, 0.0), len(SIX_POINTS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,7 +279,7 @@ def learned_from(file: str, kept: Mapping[str, object]) -> Learned:
     )
 
 
-def disturbance(record: StopRecord, fit: Fit | None) -> str | None:
+def disturbance(record: StopDecelerations, fit: CharacteristicFit | None) -> str | None:
     """Why a stop says nothing lasting about the train (外乱); None where it does."""
     if record.slid:
         return "slide"
@@ -292,7 +292,7 @@ def disturbance(record: StopRecord, fit: Fit | None) -> str | None:
     return None
 
 
-def learn(learned: Learned, record: StopRecord, fit: Fit | None) -> Learned:
+def learn(learned: Learned, record: StopDecelerations, fit: CharacteristicFit | None) -> Learned:
     """What the train knows after one more stop, fitted by `search` or `approximate`."""
     if fit is None or disturbance(record, fit) is not None:
         return replace(learned, left_out=learned.left_out + 1)

@@ -1,46 +1,64 @@
-"""Giving back what lies behind (閉そく解放): at the arrival tag (①), once (Sugiyama et al. 2017, section 2.2).
+"""Giving sections back (閉そく解放): what lies behind, at the arrival tag (①), once (Sugiyama et al. 2017, section
+2.2), and what is of no use ahead.
 
 Invariant: nothing is given back that neither a tag nor the driver's eye proves to be behind the whole train; the
-odometer is a second condition to the tag, and never one by itself.
+odometer is a second condition to the tag, and never one by itself. Ahead, only what the train stands surely short of.
 """
 
 from __future__ import annotations
 
 from onboard.authority.records import GiveBack
-from onboard.duty.records import AtMark
+from onboard.duty.duty_step import DutyStep
+from onboard.duty.records import AtMark, DutyPhase
 from onboard.duty.shown import AT_A_MARK
-from onboard.duty.turn import Turn
 
 
-def clear_behind(turn: Turn) -> None:
+def clear_behind(duty: DutyStep) -> None:
     """Give back what tags prove to be behind (①, once), and the safe rear by the odometer has left, too.
 
     At a mark on a track every tag read so far counts; what none of them proves, the driver is asked to confirm.
     """
-    state = turn.state
+    state = duty.state
     place, at_mark = state.place, state.phase in AT_A_MARK
-    arrived(turn)
+    arrived(duty)
     clear = place.clear_at_mark if at_mark else place.clear
-    turn.give_back_behind(min(clear, turn.state.freed))
-    on_path = {span.section_id for span in turn.plan.spans}
+    duty.give_back_behind(min(clear, duty.state.freed))
+    on_path = {span.section_id for span in duty.plan.spans}
+    # The train lies on its path as a whole, so it is not elsewhere and will not be.
     elsewhere = tuple(s for s in state.authority.held if s not in on_path)
-    if elsewhere:  # the train lies on its path as a whole, so it is not there and will not be
-        turn.authority(GiveBack(elsewhere))
+    if useless := (*elsewhere, *useless_ahead(duty)):
+        duty.authority(GiveBack(useless))
 
 
-def arrived(turn: Turn) -> None:
+def useless_ahead(duty: DutyStep) -> tuple[str, ...]:
+    """What a train holds ahead of its stand of a route that it does not hold whole: it would keep others from it, and
+    asks for the route anew as a whole. No grant gives so much; the register does, after a boot or a false claim.
+    At its last mark nothing is ahead: as it changes ends, its place is that on the way back.
+    """
+    place, holds = duty.state.place, duty.state.authority.holds
+    sections = [span.section_id for span in duty.plan.spans]
+    lacks = next((i for i in range(place.perhaps, len(sections)) if not holds(sections[i])), None)
+    if lacks is None or not place.stands or duty.state.phase not in (DutyPhase.STANDING, DutyPhase.RUNNING):
+        return ()
+    waits_in = {section for leg in duty.plan.legs for section in (leg.from_section, leg.section_ids[-1])}
+    under = max(place.perhaps - 1, 0)
+    last = next((i for i in reversed(range(under, lacks)) if sections[i] in waits_in), lacks)
+    return tuple(section for section in sections[last + 1 :] if holds(section))
+
+
+def arrived(duty: DutyStep) -> None:
     """At a mark on a track, what tags prove to be behind may be given back, whichever tags they are.
 
     So it is where the train is stopped because another claims what it holds.
     """
-    state = turn.state
+    state = duty.state
     if state.halted:
-        turn.set(freed=max(state.freed, state.proved))
+        duty.set(freed=max(state.freed, state.proved))
     if state.phase in AT_A_MARK:
-        turn.set(freed=max(state.freed, min(state.proved, turn.stop(state.at).clear)))
+        duty.set(freed=max(state.freed, min(state.proved, duty.stop(state.at).clear)))
 
 
-def confirm(turn: Turn, event: AtMark) -> None:
+def confirm(duty: DutyStep, event: AtMark) -> None:
     """The driver sees the whole train at its mark (到着確認): what is surely behind is given back."""
-    if event.stop == turn.state.at:
-        turn.give_back_behind(turn.stop(event.stop).clear)
+    if event.stop == duty.state.at:
+        duty.give_back_behind(duty.stop(event.stop).clear)

@@ -11,58 +11,68 @@ from __future__ import annotations
 from typing import Final
 
 from onboard import notes
-from onboard.duty.records import Order, Phase, VehicleChecked
-from onboard.duty.turn import Turn
+from onboard.duty.duty_step import DutyStep
+from onboard.duty.records import DrivingOrder, DutyPhase, VehicleChecked
 from onboard.duty.unable import Unable
 
-ON_ITS_WAY: Final = (Phase.RUNNING, Phase.ON_SIGHT)
+ON_ITS_WAY: Final = (DutyPhase.RUNNING, DutyPhase.ON_SIGHT)
 LOOKS_AGAIN_S: Final = 10.0  # assumed: often enough for a load, motors or a charge that change
 
 
-def checked(turn: Turn, _event: VehicleChecked) -> None:
+def checked(duty: DutyStep, _event: VehicleChecked) -> None:
     """Says what is wrong with the vehicle, or that nothing is any more; on its way the train is stopped at once."""
-    unfit = turn.state.place.unfit
+    unfit = duty.state.place.unfit
     if not unfit:
-        turn.note(notes.VehicleFit())
+        duty.note(notes.VehicleFit())
         return
-    turn.note(notes.VehicleUnfit(why=unfit))
-    if turn.state.phase in ON_ITS_WAY:
-        turn.actions.append(Order.STOP)
-        if turn.state.place.stands:
-            turn.await_release()
+    duty.note(notes.VehicleUnfit(why=unfit))
+    if duty.state.phase in ON_ITS_WAY:
+        duty.actions.append(DrivingOrder.STOP)
+        if duty.state.place.stands:
+            duty.await_release()
 
 
-def acknowledged(turn: Turn) -> bool:
+def acknowledged(duty: DutyStep) -> bool:
     """Whether the driver may acknowledge an emergency stop; with a vehicle that is not in order, only later."""
-    if turn.state.place.unfit:
-        turn.await_release()
-    return not turn.state.place.unfit
+    if duty.state.place.unfit:
+        duty.await_release()
+    return not duty.state.place.unfit
 
 
-def unable_now(turn: Turn) -> Unable | None:
+def unable_now(duty: DutyStep) -> Unable | None:
     """What keeps a train from reaching its next stop, whose time to get ready at its stop has come."""
-    state = turn.state
+    state = duty.state
     due = state.may_ask or state.may_leave
-    ready = state.phase is Phase.STANDING and due and state.at + 1 < len(turn.plan.stops)
+    ready = state.phase is DutyPhase.STANDING and due and state.at + 1 < len(duty.plan.stops)
     return state.place.unable if ready else None
 
 
-def examine(turn: Turn) -> None:
+def examine(duty: DutyStep) -> None:
     """Says that the train is unable to leave, and why, or that it is able again; unable, it looks again by a timer."""
-    before, why = turn.state.unable, unable_now(turn)
+    before, why = duty.state.unable, unable_now(duty)
     if why == before:
         return
-    turn.set(unable=why)
-    station = turn.stop(turn.state.at).place
+    duty.set(unable=why)
+    station = duty.stop(duty.state.at).place
     if why is not None and type(why) is not type(before):
-        turn.note(notes.UnableToLeave(station=station, why=why.words))
+        duty.note(notes.UnableToLeave(station=station, why=why.words))
     if why is not None and before is None:
-        turn.timer("able", LOOKS_AGAIN_S)
-    if why is None and turn.state.phase is Phase.STANDING:
-        turn.note(notes.AbleToLeave(station=station))
+        duty.timer("able", LOOKS_AGAIN_S)
+    if why is None and duty.state.phase is DutyPhase.STANDING:
+        duty.note(notes.AbleToLeave(station=station))
 
 
-def look_again(turn: Turn) -> None:
+def look_again(duty: DutyStep) -> None:
     """The timer of a train that is unable to leave: its place shows what is so now, and it runs as long as needed."""
-    if unable_now(turn) is not None:
-        turn.timer("able", LOOKS_AGAIN_S)
+    if unable_now(duty) is not None:
+        duty.timer("able", LOOKS_AGAIN_S)
+
+
+def way_is_free(duty: DutyStep) -> bool:
+    """The vehicle is in order and the stop limit beyond the train's track: no start towards points not proven."""
+    limit, place = duty.state.limit, duty.state.place
+    own = duty.stop(duty.state.at).span
+    beyond = limit.joint > own + 1 or limit.before is None
+    on_track = duty.leg_from_stop(duty.state.at) is not None
+    way = limit.joint >= place.reach and (beyond or not on_track)
+    return place.known and way and not place.unfit and not duty.state.halted

@@ -37,7 +37,7 @@ class Span(msgspec.Struct, frozen=True):
     kilometrage_m: float
 
 
-class Leg(msgspec.Struct, frozen=True):
+class PlanLeg(msgspec.Struct, frozen=True):
     """A route of the plan: from a track to the next one."""
 
     route_id: str
@@ -45,7 +45,7 @@ class Leg(msgspec.Struct, frozen=True):
     section_ids: tuple[str, ...]
 
 
-class Stop(msgspec.Struct, frozen=True):
+class PlanStop(msgspec.Struct, frozen=True):
     """A place where the train stops: in which span, when; `clear`: spans surely behind a train at this mark, by eye.
 
     `by_eye`: no tag up to the mark proves all that to be behind it, so that the driver must confirm the arrival.
@@ -61,7 +61,7 @@ class Stop(msgspec.Struct, frozen=True):
     passengers: bool = True  # they get on and off
 
 
-class Tag(msgspec.Struct, frozen=True):
+class PlanTag(msgspec.Struct, frozen=True):
     """A tag of the path; `ahead`: the first span that begins beyond it; `clear`: spans behind a train that reads it."""
 
     tag_id: int
@@ -70,24 +70,24 @@ class Tag(msgspec.Struct, frozen=True):
     clear: int = 0
 
 
-class Plan(msgspec.Struct, frozen=True):
+class DutyPlan(msgspec.Struct, frozen=True):
     """All of it; `end_*` say where the path ends."""
 
     number: str
     direction: str
     spans: tuple[Span, ...]
-    legs: tuple[Leg, ...]
-    stops: tuple[Stop, ...]
-    tags: tuple[Tag, ...]
+    legs: tuple[PlanLeg, ...]
+    stops: tuple[PlanStop, ...]
+    tags: tuple[PlanTag, ...]
     end_piece: str
     end_kilometrage_m: float
     enters: bool  # the first section is a portal
 
-    def leg_beyond(self, section_id: str) -> Leg | None:
+    def leg_beyond(self, section_id: str) -> PlanLeg | None:
         """The route that begins in a section; None where the plan ends there, or on open line."""
         return next((leg for leg in self.legs if leg.from_section == section_id), None)
 
-    def leg_at(self, span: int) -> Leg | None:
+    def leg_at(self, span: int) -> PlanLeg | None:
         """The route that begins in a span, or else the one that leads through it; None at the plan's end."""
         section_id = self.spans[span].section_id
         through = next((leg for leg in self.legs if section_id in leg.section_ids[:-1]), None)
@@ -112,18 +112,18 @@ class Plan(msgspec.Struct, frozen=True):
             found.extend(span.points)
         return tuple(found)
 
-    def arrival_points(self, tag: Tag) -> tuple[PointsNeeded, ...]:
+    def arrival_points(self, tag: PlanTag) -> tuple[PointsNeeded, ...]:
         """Points ahead of a train on the open line up to the next track: thrown at the approach tag (④)."""
         ahead = tag.ahead
         while ahead < len(self.spans) and self.spans[ahead].kind is SectionKind.BETWEEN:
             ahead += 1
         return self._points_up_to_other(ahead)
 
-    def track_ahead(self, tag: Tag) -> Span | None:
+    def track_ahead(self, tag: PlanTag) -> Span | None:
         """The next track that begins beyond a tag."""
         return next((s for s in self.spans[tag.ahead :] if s.kind is SectionKind.TRACK), None)
 
-    def track_behind_joint(self, tag: Tag) -> Span | None:
+    def track_behind_joint(self, tag: PlanTag) -> Span | None:
         """The track that begins where the open line of a tag ends, without points between (no ④ stands before it)."""
         here, ahead = self.spans[max(tag.ahead - 1, 0)], self.spans[tag.ahead : tag.ahead + 1]
         if here.kind is not SectionKind.BETWEEN or not ahead or ahead[0].kind is not SectionKind.TRACK:
@@ -135,7 +135,7 @@ class Plan(msgspec.Struct, frozen=True):
         return any(self.spans[stop.span].section_id == section_id for stop in self.stops)
 
 
-def plan_of(mission: Mission, length_m: float) -> Plan:
+def plan_of(mission: Mission, length_m: float) -> DutyPlan:
     """The plan of a mission for a train of this length."""
     path = mission.path
     spans: list[Span] = []
@@ -147,7 +147,7 @@ def plan_of(mission: Mission, length_m: float) -> Plan:
         )
         spans.append(Span(span.section_id, span.kind, points, piece, kilometrage_m))
     tags = tuple(
-        Tag(
+        PlanTag(
             tag.tag_id,
             tag.purpose,
             sum(span.start_m <= tag.position_m for span in mission.spans),
@@ -155,7 +155,7 @@ def plan_of(mission: Mission, length_m: float) -> Plan:
         )
         for tag in mission.tags
     )
-    stops: list[Stop] = []
+    stops: list[PlanStop] = []
     for target in mission.targets:
         rear_m = target.mark_m - ARRIVED_ON_SIGHT_WITHIN_M - length_m
         at = mission.span_index(target.section_id)
@@ -166,7 +166,7 @@ def plan_of(mission: Mission, length_m: float) -> Plan:
         read = zip(mission.tags, tags, strict=True)
         by_tag = max((tag.clear for laid, tag in read if laid.position_m <= target.mark_m), default=0)
         stops.append(
-            Stop(
+            PlanStop(
                 target.place_id,
                 target.station_id is not None,
                 at,
@@ -178,11 +178,11 @@ def plan_of(mission: Mission, length_m: float) -> Plan:
             )
         )
     end_piece, end_m = path.locate(mission.spans[-1].end_m)
-    return Plan(
+    return DutyPlan(
         number=mission.number,
         direction=mission.direction.name.lower(),
         spans=tuple(spans),
-        legs=tuple(Leg(r.id, r.from_section, r.section_ids) for r in mission.routes),
+        legs=tuple(PlanLeg(r.id, r.from_section, r.section_ids) for r in mission.routes),
         stops=tuple(stops),
         tags=tags,
         end_piece=end_piece,
@@ -191,4 +191,4 @@ def plan_of(mission: Mission, length_m: float) -> Plan:
     )
 
 
-NO_PLAN: Final = Plan("", "", (), (), (), (), "", 0.0, enters=False)
+NO_PLAN: Final = DutyPlan("", "", (), (), (), (), "", 0.0, enters=False)

@@ -14,11 +14,11 @@ import msgspec
 
 from onboard.authority.records import Authority, Timer
 from onboard.authority.records import Event as AuthorityEvent
-from onboard.duty.plan import Plan, PointsNeeded
+from onboard.duty.plan import DutyPlan, PointsNeeded
 from onboard.duty.unable import Unable
 
 
-class Phase(Enum):
+class DutyPhase(Enum):
     """Where the unit is in its duty."""
 
     OFF = "off"
@@ -38,7 +38,7 @@ RELEASE: Final = Timer("release")  # the driver's acknowledgement after an emerg
 ABLE: Final = Timer("able")  # a train that is unable to leave looks again
 
 
-class Place(msgspec.Struct, frozen=True):
+class PlaceInJoints(msgspec.Struct, frozen=True):
     """Where the train is by its own localisation, in joints; `onboard.motion` makes it of metres.
 
     `sure` and `perhaps` count the spans whose beginning the front has surely, or perhaps, passed; `clear` those that
@@ -46,8 +46,9 @@ class Place(msgspec.Struct, frozen=True):
     `here` is the span of the estimate, `reach` the first joint that lies far enough ahead to start for it. `near` is
     the stop whose mark is near (-1: none), `passed` the last one whose mark has been passed. `unfit`: what
     is wrong with the vehicle, wherever it is; empty: nothing. `unable`: at a stop, why the train could not reach the
-    next one if it left now. Of a train without a reader of tags: `unsure`, its bounds leave open whether it stands at
-    its mark; `untold`, it was found by what does not tell tracks apart, so that the register must have it there, too.
+    next one if it left now. `unsure`: its bounds leave open whether it stands at its mark, as it reads no
+    tags or they keep it short of it, and it waits for the driver's word. `untold`, of a train without a reader of tags:
+    it was found by what does not tell tracks apart, so that the register must have it there, too.
     """
 
     known: bool = False
@@ -68,7 +69,7 @@ class Place(msgspec.Struct, frozen=True):
     untold: bool = False
 
 
-class Limit(msgspec.Struct, frozen=True):
+class StopLimit(msgspec.Struct, frozen=True):
     """Where the train must stop (停止限界点): a joint, and the section beyond it that it may not enter."""
 
     joint: int
@@ -85,8 +86,8 @@ class DutyState(msgspec.Struct, frozen=True):
     may not leave its stop, as its driver was told.
     """
 
-    phase: Phase = Phase.OFF
-    place: Place = Place()
+    phase: DutyPhase = DutyPhase.OFF
+    place: PlaceInJoints = PlaceInJoints()
     authority: Authority = Authority()
     at: int = 0
     stands_at: int | None = None
@@ -94,7 +95,7 @@ class DutyState(msgspec.Struct, frozen=True):
     entered: frozenset[str] = frozenset()
     proved: int = 0
     freed: int = 0
-    limit: Limit = Limit(0, None, "no mission")
+    limit: StopLimit = StopLimit(0, None, "no mission")
     halted: bool = False
     sweeps: bool = False
     may_ask: bool = False
@@ -109,14 +110,14 @@ class DutyState(msgspec.Struct, frozen=True):
 class Begin(msgspec.Struct, frozen=True, tag=True):
     """The crew has entered the train number at the first stop; `signs_on`: the stock comes onto the line."""
 
-    plan: Plan
+    plan: DutyPlan
     signs_on: bool
 
 
 class SwitchedOn(msgspec.Struct, frozen=True, tag=True):
     """Power is back: the crew enters the train number and, if it stands at one, the stop (復旧)."""
 
-    plan: Plan
+    plan: DutyPlan
     stands_at: int | None
     epoch: int = 0  # of this boot; the unit fills it in
 
@@ -174,7 +175,7 @@ class NotAtMark(msgspec.Struct, frozen=True, tag=True):
 # events: localisation and driving --------------------------------------------------------------------------------
 
 
-class TagPassed(msgspec.Struct, frozen=True, tag=True):
+class TagBelieved(msgspec.Struct, frozen=True, tag=True):
     """A tag was read and believed; `tag` is its index on the plan. `found`: before it the position was unknown.
 
     On a train without a reader of tags, fixes prove that its front is beyond the tag's place (仮想地上子).
@@ -190,7 +191,7 @@ class TagReached(msgspec.Struct, frozen=True, tag=True):
     tag: int
 
 
-class Found(msgspec.Struct, frozen=True, tag=True):
+class FoundByOtherSensor(msgspec.Struct, frozen=True, tag=True):
     """Another sensor than the reader of tags, or the driver's eye, has told the position, which was unknown."""
 
 
@@ -198,11 +199,11 @@ class PositionLost(msgspec.Struct, frozen=True, tag=True):
     """The position cannot be trusted any more (位置検知異常, table 5)."""
 
 
-class Started(msgspec.Struct, frozen=True, tag=True):
+class WheelsTurning(msgspec.Struct, frozen=True, tag=True):
     """The wheels have begun to turn."""
 
 
-class How(Enum):
+class MarkRelation(Enum):
     """How the train stands with respect to its next mark."""
 
     SHORT = "short"
@@ -213,7 +214,7 @@ class How(Enum):
 class Stopped(msgspec.Struct, frozen=True, tag=True):
     """The train has come to a stand, `away_m` beyond the mark where it is to stop next; `how`: judged by that."""
 
-    how: How
+    how: MarkRelation
     away_m: float
 
 
@@ -234,7 +235,7 @@ class TimerDue(msgspec.Struct, frozen=True, tag=True):
     timer: Timer
 
 
-class Heard(msgspec.Struct, frozen=True, tag=True):
+class TelegramHeard(msgspec.Struct, frozen=True, tag=True):
     """A telegram, as it relates to what is open."""
 
     event: AuthorityEvent
@@ -253,8 +254,17 @@ Person = (
     | NotAtMark
     | EndOfHeld
 )
-Sensed = TagPassed | TagReached | Found | PositionLost | Started | Stopped | Looked | VehicleChecked
-Event = Person | Sensed | TimerDue | Heard
+Sensed = (
+    TagBelieved
+    | TagReached
+    | FoundByOtherSensor
+    | PositionLost
+    | WheelsTurning
+    | Stopped
+    | Looked
+    | VehicleChecked
+)
+Event = Person | Sensed | TimerDue | TelegramHeard
 
 
 # actions ----------------------------------------------------------------------------------------------------------
@@ -280,16 +290,16 @@ class LeftLine(msgspec.Struct, frozen=True, tag=True):
     number: str
 
 
-class Accepted(msgspec.Struct, frozen=True, tag=True):
+class EntryAllowed(msgspec.Struct, frozen=True, tag=True):
     """To the driver: signed on; who waits outside may enter the portal."""
 
     number: str
 
 
-Told = Finished | LeftLine | Accepted
+Told = Finished | LeftLine | EntryAllowed
 
 
-class Order(Enum):
+class DrivingOrder(Enum):
     """What the driving part is told once, besides what the command says for as long as it stands."""
 
     DEPART = "depart"
@@ -299,7 +309,7 @@ class Order(Enum):
     LOSE = "lose"  # the position is of no use here: on sight from now on
 
 
-class Command(msgspec.Struct, frozen=True):
+class DrivingCommand(msgspec.Struct, frozen=True):
     """What the unit wants of its driving part: run or stand, how far, and what to watch for.
 
     `target`: the stop to run to; None: none. `rear`: the span that the safe rear is to leave next. What is held
@@ -314,10 +324,10 @@ class Command(msgspec.Struct, frozen=True):
     target: int | None = None
     at: int = 0
     stands_at: int | None = None
-    limit: Limit = Limit(0, None, "no mission")
+    limit: StopLimit = StopLimit(0, None, "no mission")
     rear: int | None = None
     await_radio: bool = False
-    orders: tuple[Order, ...] = ()
+    orders: tuple[DrivingOrder, ...] = ()
     on_line: bool = False
     held: tuple[str, ...] = ()
     proven: tuple[PointsNeeded, ...] = ()

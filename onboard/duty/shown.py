@@ -6,34 +6,36 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Final
 
-from onboard.authority.records import Ask
+from onboard.authority.records import RequestKind
 from onboard.authority.stop_limit import cleared_sections, next_rear_span
-from onboard.duty.plan import Plan
-from onboard.duty.records import Command, DutyState, Phase
+from onboard.duty.plan import DutyPlan
+from onboard.duty.records import DrivingCommand, DutyPhase, DutyState
 
-_IDLE: Final[Mapping[Phase, str]] = MappingProxyType(
+_IDLE: Final[Mapping[DutyPhase, str]] = MappingProxyType(
     {
-        Phase.OFF: "its next train",
-        Phase.STANDING: "departure time",
-        Phase.FINISHED: "its next train",
-        Phase.LEAVING: "its train to leave the line",
-        Phase.GONE: "its next train",
+        DutyPhase.OFF: "its next train",
+        DutyPhase.STANDING: "departure time",
+        DutyPhase.FINISHED: "its next train",
+        DutyPhase.LEAVING: "its train to leave the line",
+        DutyPhase.GONE: "its next train",
     }
 )
-_ASKS: Final = MappingProxyType({Ask.SIGN_ON: "signing on", Ask.SIGN_OFF: "signing off", Ask.ROUTE: "route"})
-AT_A_MARK: Final = (Phase.STANDING, Phase.FINISHED, Phase.SIGNING_OFF)
+_ASKS: Final = MappingProxyType(
+    {RequestKind.SIGN_ON: "signing on", RequestKind.SIGN_OFF: "signing off", RequestKind.ROUTE: "route"}
+)
+AT_A_MARK: Final = (DutyPhase.STANDING, DutyPhase.FINISHED, DutyPhase.SIGNING_OFF)
 
 
-def command_of(plan: Plan, state: DutyState) -> Command:
+def command_of(plan: DutyPlan, state: DutyState) -> DrivingCommand:
     """What the driving part is to do in a state."""
-    on_sight_now = state.phase is Phase.ON_SIGHT
-    running = state.phase is Phase.RUNNING
+    on_sight_now = state.phase is DutyPhase.ON_SIGHT
+    running = state.phase is DutyPhase.RUNNING
     at_end = state.stands_at == len(plan.stops) - 1
     may_run = state.released and not at_end and (state.stands_at is None or state.may_leave)
-    return Command(
+    return DrivingCommand(
         drive=(running or (on_sight_now and may_run)) and not state.halted,
         on_sight=on_sight_now,
-        at_mark=state.phase is Phase.STANDING,
+        at_mark=state.phase is DutyPhase.STANDING,
         target=state.at + 1 if running and state.at + 1 < len(plan.stops) else None,
         at=state.at,
         stands_at=state.stands_at,
@@ -50,20 +52,20 @@ def command_of(plan: Plan, state: DutyState) -> Command:
     )
 
 
-def to_confirm(plan: Plan, state: DutyState) -> bool:
+def to_confirm(plan: DutyPlan, state: DutyState) -> bool:
     """Whether only the driver's eye can tell where a train at a mark stands, or that what it holds is behind it."""
     if state.phase in AT_A_MARK and state.place.unsure:
         return True
-    stands = state.phase in AT_A_MARK and state.authority.open(Ask.REPORT) is None
+    stands = state.phase in AT_A_MARK and state.authority.open(RequestKind.REPORT) is None
     return stands and bool(cleared_sections(plan, state.authority, plan.stops[state.at].clear))
 
 
-def waits_for(plan: Plan, state: DutyState) -> str:
+def waits_for(plan: DutyPlan, state: DutyState) -> str:
     """What the train waits for, in words, for whoever looks on when nothing moves."""
     return next(_reasons(plan, state))
 
 
-def _reasons(plan: Plan, state: DutyState) -> Iterator[str]:
+def _reasons(plan: DutyPlan, state: DutyState) -> Iterator[str]:
     authority = state.authority
     if authority.mismatch:
         yield f"agreement with the block manager: {authority.mismatch}"
@@ -86,13 +88,13 @@ def _reasons(plan: Plan, state: DutyState) -> Iterator[str]:
         yield "the driver's word that it stands at its mark: its bounds leave that open"
     if to_confirm(plan, state):
         yield "the driver's confirmation that the whole train has arrived"
-    if authority.open(Ask.REPORT) is not None and state.place.stands:
+    if authority.open(RequestKind.REPORT) is not None and state.place.stands:
         yield "the block manager's confirmation of what is held"
-    if state.phase is Phase.RUNNING and not state.may_ask:
+    if state.phase is DutyPhase.RUNNING and not state.may_ask:
         yield "the end of the hold on its route"
     ahead = min(state.at + 1, len(plan.stops) - 1)
     may_go_on = state.limit.before is None or state.limit.joint >= state.place.reach
-    if state.phase is Phase.RUNNING and (may_go_on or not state.place.stands):
+    if state.phase is DutyPhase.RUNNING and (may_go_on or not state.place.stands):
         yield f"its run to {plan.stops[ahead].place}"
     yield _IDLE.get(
         state.phase, "nothing" if state.place.known else "a tag or another fix: its position is unknown"

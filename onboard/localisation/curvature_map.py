@@ -148,7 +148,7 @@ def unbent_rad(body_rad: Floats, mounting: Mounting) -> Floats:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Record:
+class FirstRunRecord:
     """What a run showed, step by step: the wheels' count (m) and the body's heading (rad, without bias) at its ends.
 
     `anchors`: (wheels' count, path coordinate), m, in order: where the front was known to be.
@@ -160,7 +160,7 @@ class Record:
 
 
 def measured_map(
-    record: Record, path: Path, line: Line, mounting: Mounting, error_m: float, made: str
+    record: FirstRunRecord, path: Path, line: Line, mounting: Mounting, error_m: float, made: str
 ) -> CurvatureMap:
     """The map that a first run makes (section 3.1): its pieces are those of the path that the run has been on.
 

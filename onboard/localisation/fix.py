@@ -53,14 +53,14 @@ class Fix(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Taken:
+class TakenFix:
     """The fix holds; it moved the estimate by `correction_m` (0 where there was none)."""
 
     correction_m: float
 
 
 @dataclass(frozen=True, slots=True)
-class Refused:
+class RefusedFix:
     """The fix was not believed, and why."""
 
     why: str
@@ -192,7 +192,7 @@ def within(row: UnitRow, low_m: float, high_m: float) -> None:
     row.bound_behind_m, row.bound_ahead_m = estimate_m - low_m, high_m - estimate_m
 
 
-def take(row: UnitRow, fix: Fix, span_m: tuple[float, float] | None = None) -> Taken | Refused:
+def take(row: UnitRow, fix: Fix, span_m: tuple[float, float] | None = None) -> TakenFix | RefusedFix:
     """Cut the present interval with the fix's; `span_m`: or let the bounds be that, which holds the fix's whole.
 
     The row is left alone where the fix is refused.
@@ -200,7 +200,7 @@ def take(row: UnitRow, fix: Fix, span_m: tuple[float, float] | None = None) -> T
     known, before_m = row.position_known, float(row.position_m)
     away_m = cut(row, fix.position_m, fix.behind_m, fix.ahead_m)
     if not away_m <= 0.0:
-        return Refused(f"{fix.source} misses the bounds by {away_m:.3f} m")
+        return RefusedFix(f"{fix.source} misses the bounds by {away_m:.3f} m")
     if span_m is not None:
         within(row, *span_m)
-    return Taken(float(row.position_m) - before_m if known else 0.0)
+    return TakenFix(float(row.position_m) - before_m if known else 0.0)

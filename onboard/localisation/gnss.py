@@ -15,6 +15,9 @@ What may be wrong, and what comes of it (P is the protection level that the rece
 - While wheels slide or slip, a fault may move the fixes by as much the other way, and nothing is seen of it. So all
   that may have slid is in the interval, too: ahead of the fix, as it is in the bounds; what slipped, behind it. What
   only a slide or slip explains of a movement may be a lie that came up after it: that is in the interval as well.
+- Without a fix under an open sky for more than half a window's way nothing is compared, and the wheels' error adds up:
+  what they are allowed in that gap, and what they may be wrong by the other way, is in the interval from then on. Of
+  several gaps the greatest counts, until bounds have shown what lie there is: one lie comes up in one of them.
 - Bounds hold the front, whatever made them. A fix that is further from them than P / 4 and the lie that is known shows
   that it lies, also from the first one on: the interval spans that. One that is nearer shows how great the lie can
   still be: narrow bounds confirm a receiver, and give back what slides had taken from it.
@@ -73,6 +76,10 @@ class GnssRow(Protocol):
     heard: Annotated[int, "1: it has had a fix"]
     silent_s: Annotated[float, "since the last one"]
     agreeing: Annotated[int, "fixes under an open sky that did not move against the wheels, in a row"]
+    open_way_m: Annotated[float, "the way at the last fix under an open sky"]
+    gap_m: Annotated[
+        float, "what the lie's interval has of a gap without one, since bounds last showed it, m"
+    ]
     offset_m: Annotated[float, "a fix less the way, at the window's beginning"]
     window_way_m: Annotated[float, "the way there"]
     window_slid_m: float
@@ -86,7 +93,9 @@ class GnssRow(Protocol):
     moved_high_m: Annotated[float, "and no more"]
     shown_low_m: Annotated[float, "its lie is no less, as bounds have shown that it is no other"]
     shown_high_m: Annotated[float, "and no more"]
-    forgives: Annotated[int, "1: what may hide in slides is not in the interval; for experiments alone"]
+    forgives: Annotated[
+        int, "1: what may hide in slides and gaps is not in the interval; for experiments alone"
+    ]
     slack_m: Annotated[float, "what the estimate may be wrong by if all that it leans on was true"]
     bounds_m: Annotated[float, "half of what the bounds spanned at the last tick"]
 
@@ -147,13 +156,26 @@ def front_by_fix(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: floa
 
 
 @compiled
-def bears_out(own: GnssRow, at_m: float, protection_m: float) -> bool:
+def hidden_in_gap_m(own: GnssRow, unit: UnitRow, protection_m: float) -> float:
+    """What of a lie wheels may hide that came up since the last fix under an open sky, m; none in half a window."""
+    gap_m, in_window_m = abs(own.way_m - own.open_way_m), WHEELS_SHARE * protection_m
+    if DRIFT_SHARE * gap_m <= 0.5 * in_window_m:
+        return 0.0
+    return float((DRIFT_SHARE + min(unit.bound_growth, 2.0 * DRIFT_SHARE)) * gap_m) - in_window_m
+
+
+@compiled
+def bears_out(own: GnssRow, unit: UnitRow, at_m: float, protection_m: float) -> bool:
     """Whether a fix under an open sky has moved against the wheels by no more than it may; keeps the window."""
-    offset_m = at_m - own.way_m
+    offset_m, hidden_m = at_m - own.way_m, hidden_in_gap_m(own, unit, protection_m)
+    own.open_way_m = own.way_m
     if own.window_s < 0.0:
         begin_window(own, offset_m)
         own.agreeing = 1
         return True
+    if own.forgives == 0 and hidden_m > own.gap_m:
+        may_lie(own, own.gap_m - hidden_m, hidden_m - own.gap_m)
+        own.gap_m = hidden_m
     moved_m = offset_m - own.offset_m
     wheels_m = DRIFT_SHARE * abs(own.way_m - own.window_way_m)
     most_m = STEADY_SHARE * protection_m + wheels_m + own.slid_m - own.window_slid_m
@@ -196,13 +218,16 @@ def measure_lie(own: GnssRow, unit: UnitRow, at_m: float, wheels_m: float, prote
     if low_m > most_m or high_m < least_m:
         own.shown_low_m, own.shown_high_m = low_m, high_m
     elif -hidden_m <= low_m and high_m <= hidden_m:
-        own.moved_low_m = own.moved_high_m = own.shown_low_m = own.shown_high_m = 0.0
+        own.moved_low_m = own.moved_high_m = own.shown_low_m = own.shown_high_m = own.gap_m = 0.0
     else:
         own.shown_low_m = min(max(own.shown_low_m, low_m), high_m)
         own.shown_high_m = min(max(own.shown_high_m, low_m), high_m)
         if meets:
+            wide_m = own.moved_high_m - own.moved_low_m
             own.moved_low_m = min(max(own.moved_low_m, low_m), high_m)
             own.moved_high_m = min(max(own.moved_high_m, low_m), high_m)
+            if own.moved_high_m - own.moved_low_m < wide_m:
+                own.gap_m = 0.0
     return bool(meets)
 
 
@@ -229,7 +254,7 @@ def used(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: float) -> in
     """A fix that is sound: it cuts the bounds under an open sky once borne out, else it leans the estimate."""
     at_m, wheels_m = front_by_fix(own, reading, unit, step_s)
     protection_m, sky_open = reading.protection_m, reading.open_sky != 0
-    if sky_open and not bears_out(own, at_m, protection_m):
+    if sky_open and not bears_out(own, unit, at_m, protection_m):
         return REFUSED
     meets = not sky_open or unit.position_known == 0 or measure_lie(own, unit, at_m, wheels_m, protection_m)
     least_m, most_m = lie_m(own)

@@ -46,7 +46,7 @@ class SpeedRow(Protocol):
 SPEED: Final = dtype_of(SpeedRow)
 
 
-class Used(NamedTuple):
+class PointUse(NamedTuple):
     """How points are made use of: how long they are kept (s), moved, smoothed in speed; the rows' spacing (m)."""
 
     kept_s: float = KEPT_S
@@ -115,7 +115,7 @@ def window(time_s: Floats, now_s: float, kept_s: float, first: int, end: int) ->
 
 
 @compiled
-def passage(time_s: Floats, x_m: Floats, y_m: Floats, own: SpeedRow, used: Used, cycles: Floats) -> None:
+def passage(time_s: Floats, x_m: Floats, y_m: Floats, own: SpeedRow, used: PointUse, cycles: Floats) -> None:
     """All cycles of a passage by the points' times (s) and places (m), in order of time.
 
     Fills `cycles` (n, 5): mean distance (m; -1: none), detected and smoothed speed (m/s), the pattern read (UNREAD:

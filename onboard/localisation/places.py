@@ -17,7 +17,7 @@ from typing import Final
 
 from network.model import TagPurpose
 from onboard.duty.mission import PathTag
-from onboard.localisation.wheel_scale import Held, WheelScale, carried, held
+from onboard.localisation.wheel_scale import FrontAtCount, WheelScale, carried, held
 from onboard.records import UnitRow
 from onboard.unit_records import UnitParameters
 
@@ -34,7 +34,7 @@ class Places:
         self._row: Final = row
         self._parameters: Final = parameters
         self._wheel: Final = WheelScale(row, parameters)
-        self._before: Held | None = None  # a fix in doubt, with which the next must agree
+        self._before: FrontAtCount | None = None  # a fix in doubt, with which the next must agree
         self._tags: tuple[PathTag, ...] = ()
         self._proved = 0  # of the tags, how many by fixes
         self._asked = 0  # and how many by the estimate

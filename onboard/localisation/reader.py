@@ -42,7 +42,7 @@ REFUSED: Final = -1
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
+class IdAgreement:
     """When a passage gives an id: `agree` equal items among `window_items`, else `step_items` further on."""
 
     window_items: int = 8
@@ -58,7 +58,7 @@ class Judgement:
     items_read: int
 
 
-PAPER_RULE: Final = Rule()
+PAPER_RULE: Final = IdAgreement()
 
 
 @compiled
@@ -142,7 +142,7 @@ def decode(telegram: int) -> tuple[int | None, int | None]:
     return (None if first == REFUSED else first), (None if second == REFUSED else second)
 
 
-def judge(items: Sequence[int | None], rule: Rule = PAPER_RULE) -> Judgement:
+def judge(items: Sequence[int | None], rule: IdAgreement = PAPER_RULE) -> Judgement:
     """Judge the data items of one passage in order of reading, refused ones (None) in their places."""
     numbers = np.array([REFUSED if item is None else item for item in items], dtype=np.int64)
     tag_id, items_read = judged(numbers, rule.window_items, rule.agree, rule.step_items)

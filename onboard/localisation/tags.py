@@ -12,6 +12,8 @@ tachometer may be wrong, or if it agrees with the tag read before it (地上子�
 alone spoke for the fault, the bounds that there were may be true and the tags false: they are spanned too. They stay
 wide until the way between two tags is as the tachometer says; but wheels are not doubted for what they cannot explain:
 a tag that does not lie on the path, or one further from what another sensor has told than they could err by since.
+What was known of the wheels comes back where two places that were told, by a tag believed or by a fix of an absolute
+sensor, the first even before the fault, say that they are worth what they were: then it was the tag that was false.
 """
 
 from __future__ import annotations
@@ -24,9 +26,18 @@ from typing import Final
 
 from onboard.duty.mission import PathTag
 from onboard.localisation.axles import forget_axles
-from onboard.localisation.fix import Fix, FixSource, Taken, missed_by_m, take, within
+from onboard.localisation.fix import Fix, FixSource, TakenFix, missed_by_m, take, within
 from onboard.localisation.tachometer import calibrated_scale
-from onboard.localisation.wheel_scale import Held, Scales, WheelScale, carried, held
+from onboard.localisation.wheel_scale import (
+    LEARNED_OVER_M,
+    PLACES_KEPT,
+    FrontAtCount,
+    Scales,
+    WheelScale,
+    carried,
+    held,
+    way_between,
+)
 from onboard.records import UnitRow
 from onboard.unit_records import UnitParameters
 from vehicle.compiled import compiled
@@ -52,7 +63,7 @@ def bounds_of(row: UnitRow) -> tuple[float, float]:
     return float(row.position_m - row.bound_behind_m), float(row.position_m + row.bound_ahead_m)
 
 
-class Heard(Enum):
+class TagOutcome(Enum):
     """What came of a tag that was read."""
 
     OUT = "out"  # it misses the bounds
@@ -83,30 +94,41 @@ class TagDoubt:
         self._wheel: Final = WheelScale(row, parameters)
         self._wide = False  # the tachometer may be out of order
         together = parameters.tags_wrong_together
-        self._read: Final[deque[Held]] = deque(maxlen=2 * together + 2)  # what tags said, the newest last
-        self._before: Held | None = None  # the bounds before a position fault for which tags alone spoke
+        # Where tags believed, and fixes, had the front.
+        self._told: Final[deque[FrontAtCount]] = deque(maxlen=PLACES_KEPT)
+        self._known: Scales | None = None  # what wheels were worth before they were doubted
+        self._measured_m = -math.inf  # the tachometer at the last fix that measured the wheels
+        # What tags said, the newest last; and the bounds before a position fault for which they alone spoke.
+        self._read: Final[deque[FrontAtCount]] = deque(maxlen=2 * together + 2)
+        self._before: FrontAtCount | None = None
         self._doubted = 0  # read since the last that was believed
         forget_axles(row)
+
+    @property
+    def row(self) -> UnitRow:
+        """The unit's row that it sets."""
+        return self._row
 
     def placed(self) -> None:
         """The crew has told where the train stands, or that the unit has just started."""
         forget_axles(self._row)
         self._read.clear()
+        self._told.clear()
         self._before = None
-        self._end_doubt()
+        self._wide = False
         self._wheel.forget_places()
         self._wheel.apply(self._row.odometer_scale)
 
-    def leave_path(self, *, turned: bool) -> list[Held]:
+    def leave_path(self, *, turned: bool) -> list[FrontAtCount]:
         """What tags said, as intervals about the front, or about the rear where the train has `turned`; m."""
         row = self._row
-        kept: list[Held] = []
+        kept: list[FrontAtCount] = []
         for low_m, high_m in (self._now(one) for one in self._read):
             behind_m, ahead_m = row.position_m - low_m, high_m - row.position_m
             kept.append(held(row, -ahead_m, behind_m) if turned else held(row, -behind_m, ahead_m))
         return kept
 
-    def new_path(self, tags: tuple[PathTag, ...], kept: Sequence[Held] = ()) -> None:
+    def new_path(self, tags: tuple[PathTag, ...], kept: Sequence[FrontAtCount] = ()) -> None:
         """Another mission, from where the train stands: coordinates are those of its path."""
         here_m = self._row.position_m
         self._tags = tags
@@ -115,6 +137,7 @@ class TagDoubt:
         self._read.clear()
         self._read.extend(one._replace(low_m=one.low_m + here_m, high_m=one.high_m + here_m) for one in kept)
         self._before = None
+        self._told.clear()
         self._wheel.forget_places()
 
     def begin(self, wheels: Wheels = Wheels.DOUBTED) -> None:
@@ -139,6 +162,14 @@ class TagDoubt:
             since_m = max(row.position_m - self._right_at_m, 0.0)
             row.bound_ahead_m += share * since_m
             row.bound_behind_m += share * since_m
+        if wheels is Wheels.FALSE:
+            self._known = None
+            self._told.clear()
+        elif not self._wide:
+            self._known = self._wheel.worth
+            # A way that began before the last would say less of what has been run since.
+            while len(self._told) > 1:
+                self._told.popleft()
         self._wide = True
         self._wheel.forget()
         row.bound_growth = share
@@ -204,7 +235,7 @@ class TagDoubt:
         self._suspect = (tag, odometer_m) if self._doubting else None
         return not self._doubting
 
-    def hear(self, tag: PathTag, odometer_m: float) -> tuple[Heard, float]:
+    def hear(self, tag: PathTag, odometer_m: float) -> tuple[TagOutcome, float]:
         """A tag was read when the tachometer stood at `odometer_m`: position, bounds and wheels by it.
 
         Returns what came of it, and by how much it moved the estimate, m.
@@ -212,19 +243,20 @@ class TagDoubt:
         row, record = self._row, self._record
         fix = tag_fix(record, tag.position_m, odometer_m, self._parameters.tag_accuracy_m)
         if missed_by_m(record, fix) > 0.0:
-            return Heard.OUT, 0.0
+            return TagOutcome.OUT, 0.0
         believed, span_m = self.believes(tag, odometer_m), self.span_m(fix)
         if not believed:
             if row.position_known:
                 within(row, *span_m)
             self._doubted += 1
             self.remember(fix)
-            return Heard.DOUBTED, 0.0
+            return TagOutcome.DOUBTED, 0.0
+        self._place_told(held(row, fix.position_m - fix.behind_m, fix.position_m + fix.ahead_m))
         self.take(tag, odometer_m)
         self._doubted = 0
         taken = take(record, fix, span_m)
         self.remember(fix)
-        return Heard.BELIEVED, taken.correction_m if isinstance(taken, Taken) else 0.0
+        return TagOutcome.BELIEVED, taken.correction_m if isinstance(taken, TakenFix) else 0.0
 
     def span_m(self, fix: Fix) -> tuple[float, float]:
         """What the bounds are to span after this tag's fix, which meets them, m: see above."""
@@ -256,7 +288,7 @@ class TagDoubt:
                 parameters.tag_accuracy_m,
             )
         if self._last is not None and self._agree(self._last, tag, odometer_m):
-            self._end_doubt()
+            self._wide = False
         row.odometer_scale = scale
         if not self._wide:
             self._wheel.apply(scale)
@@ -274,7 +306,7 @@ class TagDoubt:
             self._wheel.learn(held(row, *bounds_of(row)))
             self._wheel.apply(row.odometer_scale)
 
-    def _now(self, one: Held) -> tuple[float, float]:
+    def _now(self, one: FrontAtCount) -> tuple[float, float]:
         """Where the front is by what a tag said then, m; were the wheels out of order, the newest tag would be true."""
         return carried(self._row, one, self._wheel.scales)
 
@@ -289,8 +321,38 @@ class TagDoubt:
         earlier = (carried(self._row, one, scales) for one in list(self._read)[-1 - self._doubted :])
         return any(lower_m <= high_m and upper_m >= low_m for lower_m, upper_m in earlier)
 
-    def _end_doubt(self) -> None:
-        self._wide = False
+    def watch(self) -> None:
+        """Have the tick report the next fix of an absolute sensor that lies far enough on to measure the wheels."""
+        self._row.place_trigger_m = float(self._row.sure_m) + LEARNED_OVER_M
+
+    def fix_came(self) -> None:
+        """An absolute sensor has told where the front is: what that says of the wheels."""
+        row = self._row
+        here = held(row, float(row.fix_low_m), float(row.fix_high_m))
+        tells_over_m = (here.high_m - here.low_m) / self._parameters.wheel_error_share
+        if here.odometer_m - self._measured_m >= tells_over_m:
+            self._measured_m = here.odometer_m
+            self._place_told(here)
+            if row.position_known and not self._wide:
+                self._wheel.learn(here)
+                if self._wheel.growth < row.bound_growth:
+                    self._wheel.apply(self._wheel.middle)
+        self.watch()
+
+    def _place_told(self, here: FrontAtCount) -> None:
+        """A tag believed or a fix has the front here: wheels in doubt are believed again if places before it say so."""
+        scales = self._wheel.scales if self._known is None else self._wheel.varied(self._known)
+        if self._wide and any(self._answers(way_between(before, here), scales) for before in self._told):
+            self._wide = False
+            if self._known is not None:
+                self._wheel.recall(self._known)
+            self._wheel.apply(self._row.odometer_scale)
+        self._told.append(here)
+
+    def _answers(self, way: Scales, scales: Scales) -> bool:
+        """Whether a way tells what wheels are worth as finely as that is stated, and it is within these scales."""
+        fine = way.high - way.low <= 2.0 * self._parameters.wheel_error_share
+        return fine and way.low <= scales.high and way.high >= scales.low
 
     def _agree(self, before: tuple[PathTag, float], tag: PathTag, odometer_m: float) -> bool:
         """Whether the way between two tags is as the tachometer says, within what wheels wear."""

@@ -33,7 +33,7 @@ COLUMN_TOLERANCE_PX: Final = 6.0
 AREA_RATIO_MAX: Final = 2.0
 
 
-class Window(NamedTuple):
+class ImageWindow(NamedTuple):
     """A part of the image in pixels, right and bottom edges excluded."""
 
     left: int
@@ -226,7 +226,7 @@ def search_window(
     axis_px: tuple[float, float],
     size_px: tuple[int, int],
     margin_px: int = 8,
-) -> Window | None:
+) -> ImageWindow | None:
     """Where in the image (`size_px`: rows, columns) the sign can be if it is `distance_m` +- `bound_m` away.
 
     None while all of that lies beyond the table: there is nothing to look for yet.
@@ -237,7 +237,7 @@ def search_window(
     near_row, near_column, near_area = table.expected_at(max(nearest, float(table.distance_m[0])))
     far_row, far_column, _area = table.expected_at(min(farthest, float(table.distance_m[-1])))
     around = margin_px + ROW_SCATTER_PX + math.sqrt(near_area / math.pi)
-    window = Window(
+    window = ImageWindow(
         max(math.floor(axis_px[1] + min(near_column, far_column) - around), 0),
         max(math.floor(axis_px[0] + far_row - around), 0),
         min(math.ceil(axis_px[1] + max(near_column, far_column) + around), size_px[1]),

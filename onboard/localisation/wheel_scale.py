@@ -21,7 +21,7 @@ PLACES_KEPT: Final = 6  # two stations' worth of tags
 LEARNED_OVER_M: Final = 100.0  # on less the accuracy of two readings says nothing
 
 
-class Held(NamedTuple):
+class FrontAtCount(NamedTuple):
     """An interval of path coordinates (m) that the front was in when the tachometer stood at `odometer_m`.
 
     `ahead_m` and `behind_m`: what slides and slips had widened bounds by until then, see `UnitRow`.
@@ -41,19 +41,19 @@ class Scales(NamedTuple):
     high: float
 
 
-def held(row: UnitRow, low_m: float, high_m: float) -> Held:
+def held(row: UnitRow, low_m: float, high_m: float) -> FrontAtCount:
     """The front lies in this interval now."""
-    return Held(low_m, high_m, row.odometer_m, row.slid_ahead_m, row.slipped_behind_m)
+    return FrontAtCount(low_m, high_m, row.odometer_m, row.slid_ahead_m, row.slipped_behind_m)
 
 
-def carried(row: UnitRow, before: Held, scales: Scales) -> tuple[float, float]:
+def carried(row: UnitRow, before: FrontAtCount, scales: Scales) -> tuple[float, float]:
     """The interval in which the front lies now, m, if it was in `before` then."""
     run_m = max(row.odometer_m - before.odometer_m, 0.0)
     low_m = before.low_m + run_m * scales.low - (row.slipped_behind_m - before.behind_m)
     return low_m, before.high_m + run_m * scales.high + (row.slid_ahead_m - before.ahead_m)
 
 
-def way_between(before: Held, here: Held) -> Scales:
+def way_between(before: FrontAtCount, here: FrontAtCount) -> Scales:
     """What a metre counted was worth from one interval of the front to another; anything where nothing was counted."""
     run_m = here.odometer_m - before.odometer_m
     if run_m <= 0.0:
@@ -71,19 +71,33 @@ class WheelScale:
         self._worn: Final = parameters.wheel_scale_limit
         self._varies: Final = parameters.wheel_varies_share
         self._low, self._high = 1.0 - self._worn, 1.0 + self._worn
-        self._places: deque[Held] = deque(maxlen=PLACES_KEPT)
-        self._tag: Held | None = None  # the last that was read
+        self._places: deque[FrontAtCount] = deque(maxlen=PLACES_KEPT)
+        self._tag: FrontAtCount | None = None  # the last that was read
         self._ways: deque[Scales] = deque(maxlen=2 * parameters.tags_wrong_together + 1)
 
     @property
     def scales(self) -> Scales:
         """What is stated or known now, with what changes from place to place."""
-        return Scales(self._low - self._varies, self._high + self._varies)
+        return self.varied(self.worth)
+
+    @property
+    def worth(self) -> Scales:
+        """What the wheels themselves are worth."""
+        return Scales(self._low, self._high)
+
+    def varied(self, worth: Scales) -> Scales:
+        """With what changes from place to place."""
+        return Scales(worth.low - self._varies, worth.high + self._varies)
 
     @property
     def middle(self) -> float:
         """The scale by which bounds grow least."""
         return (self._low + self._high) / 2.0
+
+    @property
+    def growth(self) -> float:
+        """By what share of the way bounds then grow."""
+        return self._varies + (self._high - self._low) / 2.0
 
     def forget_places(self) -> None:
         """The path coordinates are others now; what the wheels are worth is kept."""
@@ -96,14 +110,18 @@ class WheelScale:
         self.forget_places()
         self._low, self._high = 1.0 - self._worn, 1.0 + self._worn
 
-    def learn(self, here: Held) -> None:
+    def recall(self, worth: Scales) -> None:
+        """What was known once holds again."""
+        self._low, self._high = worth
+
+    def learn(self, here: FrontAtCount) -> None:
         """The front surely is in this interval now: what that says about the way since earlier ones."""
         for before in tuple(self._places):
             if here.odometer_m - before.odometer_m >= LEARNED_OVER_M:
                 self._narrow(*way_between(before, here))
         self._places.append(here)
 
-    def read(self, tag: Held) -> None:
+    def read(self, tag: FrontAtCount) -> None:
         """A tag was read that says the front is in this interval now; it may lie."""
         before, self._tag = self._tag, tag
         if before is not None:

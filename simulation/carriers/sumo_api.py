@@ -57,14 +57,14 @@ def in_process() -> SumoApi:
 
 
 @dataclass(frozen=True, slots=True)
-class Window:
+class GuiWindow:
     """What a window shows beside the trains, an additional file, and how long, ms, it takes over a step at first."""
 
     scenery: Path | None = None
     delay_ms: int = STEP_DELAY_MS
 
 
-def in_window(window: Window) -> SumoApi:
+def in_window(window: GuiWindow) -> SumoApi:
     """sumo-gui in a process of its own.
 
     Raises InputError where there is no sumo-gui or no display.

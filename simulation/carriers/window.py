@@ -11,7 +11,7 @@ from network.model import Direction
 from simulation.carriers.carrier import Truth
 from simulation.carriers.lost import CarrierLostError
 from simulation.carriers.sumo import SumoCarrier
-from simulation.carriers.sumo_api import Window, in_window
+from simulation.carriers.sumo_api import GuiWindow, in_window
 
 
 @contextmanager
@@ -27,7 +27,7 @@ def _window_open() -> Generator[None]:
 class WindowCarrier:
     """A SUMO simulation in sumo-gui. Each method is that of `SumoCarrier`."""
 
-    def __init__(self, net: Path, begin_s: float, window: Window) -> None:
+    def __init__(self, net: Path, begin_s: float, window: GuiWindow) -> None:
         api = in_window(window)
         with _window_open():
             self._inner = SumoCarrier(net, begin_s, api)

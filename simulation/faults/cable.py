@@ -9,11 +9,32 @@ need, and its cut changes nothing.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
 from pydantic import Field
 
 from network.files.quantities import Share
-from simulation.faults.fault import Fault, Names, World
-from simulation.world.cable import WHOLE, CableCut
+from network.model import Line
+from simulation.faults.fault import Fault, Names
+
+WHOLE: Final = "*"
+BETWEEN: Final = " - "
+
+
+def stretches_of(line: Line) -> tuple[str, ...]:
+    """What of a line's cable may be cut: between two neighbouring stations, as `A - B` with the kilometrage."""
+    ids = [station.id for station in sorted(line.stations.values(), key=lambda station: station.position_m)]
+    return tuple(f"{low}{BETWEEN}{high}" for low, high in pairwise(ids))
+
+
+@dataclass(frozen=True, slots=True)
+class CableCut:
+    """Where the cable is cut: a stretch of it, and how far along that; or all of it (`*`)."""
+
+    stretch: str
+    along_share: float
 
 
 class CableFault(Fault[tuple[CableCut, ...]]):
@@ -31,11 +52,8 @@ class CableFault(Fault[tuple[CableCut, ...]]):
     def place(self) -> tuple[str, str]:
         return self.changes, WHOLE
 
-    def base(self, _world: World) -> tuple[CableCut, ...]:
+    def base(self) -> tuple[CableCut, ...]:
         return ()
-
-    def put(self, world: World, cuts: tuple[CableCut, ...]) -> None:
-        world.wayside.cable.cut(cuts)
 
 
 class CutCable(CableFault):

@@ -6,7 +6,7 @@ there keeps what it has.
 
 from __future__ import annotations
 
-from simulation.faults.fault import Fault, Names, World
+from simulation.faults.fault import Fault, Names
 
 
 class ChargerFault(Fault[bool]):
@@ -20,11 +20,8 @@ class ChargerFault(Fault[bool]):
     def targets(cls, names: Names) -> tuple[str, ...]:
         return names.chargers
 
-    def base(self, _world: World) -> bool:
+    def base(self) -> bool:
         return True
-
-    def put(self, world: World, works: bool) -> None:
-        world.trains.charger_is(self.target, works)
 
 
 class ChargerDead(ChargerFault):

@@ -12,9 +12,8 @@ from typing import Self
 from pydantic import Field, PrivateAttr
 
 from network.files.quantities import ClockDrift, ClockOffset
-from simulation.faults.fault import Fault, Names, World
-from simulation.setup import STEPS_PER_S
-from simulation.world.clock import Clock
+from simulation.clock import Clock
+from simulation.faults.fault import Fault, Names, Onset
 
 
 class ClockFault(Fault[Clock]):
@@ -28,14 +27,8 @@ class ClockFault(Fault[Clock]):
     def targets(cls, names: Names) -> tuple[str, ...]:
         return *names.devices, *names.units
 
-    def base(self, _world: World) -> Clock:
+    def base(self) -> Clock:
         return Clock()
-
-    def put(self, world: World, clock: Clock) -> None:
-        if self.target in world.trains.slot_of:
-            world.unit_clock(self.target, clock)
-        else:
-            world.wayside.set_clock(world.step, self.target, clock)
 
 
 class WrongClock(ClockFault):
@@ -50,9 +43,9 @@ class WrongClock(ClockFault):
     )
     _since_s: float = PrivateAttr(default=0.0)
 
-    def begun(self, world: World) -> Self:
+    def begun(self, onset: Onset) -> Self:
         begun = self.model_copy()
-        begun._since_s = world.step / STEPS_PER_S
+        begun._since_s = onset.t_s
         return begun
 
     def over(self, clock: Clock) -> Clock:

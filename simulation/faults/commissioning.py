@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import msgspec
 
-from simulation.events import Entry
-from wayside.point_terminal import Memory
+from simulation.events import JournalEntry
+from wayside.point_terminal import TerminalMemory
 from wayside.said import Accepted, ConfirmedByHand, Freed, Granted
 
 
@@ -31,7 +31,7 @@ class ServiceRecord:
         self._again: Counter[str] = Counter()
         self._given: dict[str, _Given] = {}
 
-    def see(self, entry: Entry) -> None:
+    def see(self, entry: JournalEntry) -> None:
         """What the block manager's screen shows of grants."""
         match entry.event:
             case Granted(unit_id=unit_id, section_ids=section_ids, token=token):
@@ -61,4 +61,4 @@ class ServiceRecord:
         if sections is None:
             return b""
         tokens = {s: self._given[s].token for s in sections if s in self._given}
-        return msgspec.msgpack.encode(Memory(tokens, {}))
+        return msgspec.msgpack.encode(TerminalMemory(tokens, {}))

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from simulation.faults.fault import Fault, Names, World
+from simulation.faults.fault import Fault, Names
 
 
 class DeviceFault(Fault[bool]):
@@ -30,22 +30,14 @@ class PowerFault(DeviceFault):
 
     changes = "power"
 
-    def base(self, _world: World) -> bool:
+    def base(self) -> bool:
         return True
 
     def over(self, _on: bool) -> bool:
         return False
 
-    def put(self, world: World, on: bool) -> None:
-        if self.target in world.trains.slot_of:
-            world.unit_power(self.target, on)
-        elif on:
-            world.wayside.power_on(world.step, self.target)
-        else:
-            world.wayside.power_off(world.step, self.target)
 
-
-class PowerOff(PowerFault):
+class PowerCut(PowerFault):
     """The device is off; on again after the duration, and without one never."""
 
     kind = "power_off"
@@ -55,11 +47,6 @@ class LostStore(PowerFault):
     """The device is off and has lost its durable state; after the duration it waits to be commissioned again."""
 
     kind = "lost_store"
-
-    def put(self, world: World, on: bool) -> None:
-        super().put(world, on)
-        if not on:
-            world.lose_store(self.target)
 
 
 class Restart(PowerFault):
@@ -75,14 +62,8 @@ class Frozen(DeviceFault):
     kind = "frozen"
     changes = "frozen"
 
-    def base(self, _world: World) -> bool:
+    def base(self) -> bool:
         return False
 
     def over(self, _frozen: bool) -> bool:
         return True
-
-    def put(self, world: World, frozen: bool) -> None:
-        if self.target in world.trains.slot_of:
-            world.unit_freeze(self.target, frozen)
-        else:
-            world.wayside.freeze(world.step, self.target, frozen=frozen)

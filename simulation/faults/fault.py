@@ -2,26 +2,23 @@
 in which they began; one that ends takes nothing but itself away.
 
 A fault is a type: its fields are its table in a file, with bounds, its family says what it may aim at and which
-quantity it changes, `over` is its effect. `simulation.faults.table` lists the types. Faults that overlap are folded:
-each makes of the value what it makes of it, from the base up. Nothing is ever set back; it is computed again.
+quantity it changes, `over` is its effect on that. All of it is data: what makes trains and track so is
+`simulation.world.disorder`, what makes devices and units so `simulation.effects`. `simulation.faults.table` finds the
+types. Faults that overlap are folded: each makes of the value what it makes of it, from the base up. Nothing is ever
+set back; it is computed again.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, Self, TypeVar
+from dataclasses import dataclass
+from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
 
 from network.files.toml_input import Record, one_of
 
 VehiclePart = Literal["doors_closed", "brake_good", "motors_share"]  # as in `onboard.vehicle.Vehicle`
-
-if TYPE_CHECKING:  # the world is built from scripts, so it cannot be imported here
-    from simulation.world.clock import Clock
-    from simulation.world.points import WaysideWorld
-    from simulation.world.trains import Trains
 
 V = TypeVar("V")
 
@@ -45,24 +42,13 @@ class Names:
     chargers: tuple[str, ...] = ()  # stations that have one, where sets run on batteries
 
 
-@dataclass(slots=True)
-class World:
-    """What faults act on. `step` is the present one; the loop lends how a unit is switched and stopped."""
+@dataclass(frozen=True, slots=True)
+class Onset:
+    """When a fault takes hold, as far as a fault may keep it."""
 
-    trains: Trains
-    wayside: WaysideWorld
-    unit_power: Callable[[str, bool], None]  # stock id, on
-    unit_freeze: Callable[[str, bool], None]  # stock id, frozen
-    unit_clock: Callable[[str, Clock], None]  # stock id, its clock from now on
-    unit_vehicle: Callable[[str, VehiclePart, float], None]  # stock id, what shows, and what it shows
-    unit_claims: Callable[[str, tuple[str, ...]], None]  # stock id, what it claims besides what it holds
-    lose_store: Callable[[str], None]  # of a device or unit without power: its durable state is gone
-    step: int = 0
-    chance: np.random.Generator = field(default_factory=np.random.default_rng)  # of the fault that begins
-
-    def slot(self, stock_id: str) -> int:
-        """Slot of a train."""
-        return self.trains.slot_of[stock_id]
+    t_s: float
+    chance: np.random.Generator  # its own
+    shown_mps: Callable[[str], float]  # what the tachometer of a stock shows
 
 
 class Fault(Record, Generic[V]):
@@ -89,20 +75,16 @@ class Fault(Record, Generic[V]):
         """By key of its own, what should stand in place of a name that does not exist."""
         return {}
 
-    def begun(self, _world: World, /) -> Self:
+    def begun(self, _onset: Onset, /) -> Self:
         """The fault as it takes hold; a kind that keeps something of the moment returns a copy that has it."""
         return self
 
-    def base(self, world: World, /) -> V:
+    def base(self) -> V:
         """The quantity without any fault."""
         raise NotImplementedError
 
     def over(self, value: V, /) -> V:
         """What the fault makes of the quantity."""
-        raise NotImplementedError
-
-    def put(self, world: World, value: V, /) -> None:
-        """Make the quantity so."""
         raise NotImplementedError
 
     @property
@@ -126,6 +108,13 @@ class UnitFault(Fault[V], Generic[V]):
         return names.units
 
 
+class SensorFault(UnitFault[V], Generic[V]):
+    """A kind of failure of one train's sensor: its quantity is a field of the sensor's row."""
+
+    sensor: ClassVar[str]  # name of its row
+    field: ClassVar[str]
+
+
 def fold(base: V, faults: Iterable[Fault[V]]) -> V:
     """The value in force: what the faults, in their order, make of the base."""
     for fault in faults:
@@ -142,14 +131,18 @@ class InForce:
     def __contains__(self, key: int) -> bool:
         return key in self._faults
 
-    def begin(self, key: int, fault: Fault[Any], world: World) -> None:
+    def begin(self, key: int, fault: Fault[Any], onset: Onset) -> None:
         """A fault takes hold."""
-        self._faults[key] = fault.begun(world)
-        self._put(fault, world)
+        self._faults[key] = fault.begun(onset)
 
-    def end(self, key: int, world: World) -> None:
+    def end(self, key: int) -> None:
         """A fault is over; the others of its place stay in force."""
-        self._put(self._faults.pop(key), world)
+        del self._faults[key]
+
+    def value(self, fault: Fault[V]) -> V:
+        """What the quantity that a fault changes is now."""
+        now: V = fold(fault.base(), [self._faults[key] for key in self.at(fault.place)])
+        return now
 
     def at(self, place: tuple[str, str]) -> list[int]:
         """Numbers of the faults in force on one quantity of one target."""
@@ -158,7 +151,3 @@ class InForce:
     def of(self, kind: type[Fault[V]]) -> list[Fault[V]]:
         """Those of a family, in order."""
         return [fault for fault in self._faults.values() if isinstance(fault, kind)]
-
-    def _put(self, changed: Fault[Any], world: World) -> None:
-        faults = [self._faults[key] for key in self.at(changed.place)]
-        changed.put(world, fold(changed.base(world), faults))

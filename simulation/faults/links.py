@@ -13,9 +13,8 @@ from pydantic import BeforeValidator, Field, PrivateAttr
 
 from network.files.quantities import AddedDelay, Distance, Probability, Share
 from network.files.toml_input import one_of
-from radio.air import Delivery
-from simulation.faults.fault import Fault, Names, World
-from simulation.setup import STEPS_PER_S
+from radio.air import STEPS_PER_S, Delivery
+from simulation.faults.fault import Fault, InForce, Names, Onset, fold
 
 ANY: Final = "*"
 BOTH_WAYS: Final = " <-> "
@@ -26,7 +25,7 @@ Telegram = tuple[Delivery, ...]  # what arrives of one telegram, and when
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class FaultyLink:
     """From one party to another, or both ways; `*` is any party."""
 
     source: str
@@ -34,9 +33,9 @@ class Link:
     both_ways: bool = False
 
     @classmethod
-    def parse(cls, text: object) -> Link:
+    def parse(cls, text: object) -> FaultyLink:
         """The link that 'A -> B' or 'A <-> B' names. ValueError if the words are not of that form."""
-        if isinstance(text, Link):
+        if isinstance(text, FaultyLink):
             return text
         for arrow in (BOTH_WAYS, ONE_WAY):
             ends = text.split(arrow) if isinstance(text, str) else []
@@ -60,7 +59,7 @@ class LinkFault(Fault[Telegram]):
 
     aims_at = "link"
     changes = "link"
-    target: Annotated[Link, BeforeValidator(Link.parse)]
+    target: Annotated[FaultyLink, BeforeValidator(FaultyLink.parse)]
     _chance: np.random.Generator | None = PrivateAttr(default=None)  # from when it has begun
 
     @classmethod
@@ -74,9 +73,9 @@ class LinkFault(Fault[Telegram]):
                 return f"a link between {one_of(parties[:-1], end)}, or '*'"
         return ""
 
-    def begun(self, world: World) -> Self:
+    def begun(self, onset: Onset) -> Self:
         copy = self.model_copy()
-        copy._chance = world.chance
+        copy._chance = onset.chance
         return copy
 
     @property
@@ -86,11 +85,8 @@ class LinkFault(Fault[Telegram]):
             raise ValueError(f"{self.kind} has not begun")
         return self._chance
 
-    def base(self, _world: World) -> Telegram:
+    def base(self) -> Telegram:
         return ()
-
-    def put(self, _world: World, _value: Telegram) -> None:
-        """Nothing now: each telegram is folded when it is sent."""
 
     def over(self, telegram: Telegram) -> Telegram:
         return tuple(
@@ -177,7 +173,7 @@ class Flip(ChanceLinkFault):
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class LineStretch:
     """A stretch of line from a share of a section on, by rising kilometrage; its length, m."""
 
     section_id: str
@@ -185,7 +181,7 @@ class Stretch:
     length_m: float
 
 
-class DeadZone(Fault[tuple[Stretch, ...]]):
+class DeadZone(Fault[tuple[LineStretch, ...]]):
     """The radio does not reach a stretch of line, on all tracks beside each other, and no unit knows of it."""
 
     kind = "dead_zone"
@@ -202,14 +198,16 @@ class DeadZone(Fault[tuple[Stretch, ...]]):
     def targets(cls, names: Names) -> tuple[str, ...]:
         return names.sections
 
-    def base(self, _world: World) -> tuple[Stretch, ...]:
+    def base(self) -> tuple[LineStretch, ...]:
         return ()
 
-    def over(self, dead: tuple[Stretch, ...]) -> tuple[Stretch, ...]:
-        return (*dead, Stretch(self.target, self.from_share, self.length_m))
+    def over(self, dead: tuple[LineStretch, ...]) -> tuple[LineStretch, ...]:
+        return (*dead, LineStretch(self.target, self.from_share, self.length_m))
 
-    def put(self, world: World, dead: tuple[Stretch, ...]) -> None:
-        world.trains.dead_zones.put(self.target, dead)
+
+def disturbed(in_force: InForce, source: str, destination: str, deliveries: Telegram) -> Telegram:
+    """What the link faults in force make of a telegram on its way."""
+    return fold(deliveries, [f for f in in_force.of(LinkFault) if f.target.joins(source, destination)])
 
 
 def _later(delivery: Delivery, seconds: float) -> Delivery:

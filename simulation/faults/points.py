@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pydantic import Field
 
 from network.files.quantities import Slowness
-from simulation.faults.fault import Fault, Names, World
+from simulation.faults.fault import Fault, Names
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,18 +30,8 @@ class PointsFault(Fault[Condition]):
     def targets(cls, names: Names) -> tuple[str, ...]:
         return names.points
 
-    def base(self, _world: World) -> Condition:
+    def base(self) -> Condition:
         return Condition()
-
-    def put(self, world: World, condition: Condition) -> None:
-        machine = world.wayside.machines[self.target]
-        changed = replace(
-            machine,
-            stuck=condition.stuck,
-            detection_fault=condition.detection_fault,
-            throw_factor=condition.throw_factor,
-        )
-        world.wayside.set_machine(world.step, changed)
 
 
 class Stuck(PointsFault):

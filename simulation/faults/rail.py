@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import Field
 
 from network.files.quantities import Share
-from simulation.faults.fault import UnitFault, World
+from simulation.faults.fault import UnitFault
 
 
 class RailFault(UnitFault[float]):
@@ -13,11 +13,8 @@ class RailFault(UnitFault[float]):
 
     changes = "rail"
 
-    def base(self, _world: World) -> float:
+    def base(self) -> float:
         return 1.0
-
-    def put(self, world: World, share: float) -> None:
-        world.trains.set_rail(world.slot(self.target), share)
 
 
 class Slippery(RailFault):

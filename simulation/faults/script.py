@@ -1,7 +1,7 @@
 """What a drill does and expects: faults, acts and expectations, and when they take effect (試験メニュー, table 5).
 
 Everything here is data. A trigger is a time, or an event of the journal in words ("train 323M passes tag 4"), and
-may add a delay. `Watch` looks at every journal entry as it is written and says what has come due.
+may add a delay. `TriggerWatch` looks at every journal entry as it is written and says what has come due.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from network.files.raw import is_row
 from onboard.notes import Arrived, Departs, Holds, MissionBegun, UnitRestarted
 from simulation.events import (
     Entered,
-    Entry,
     EventType,
+    JournalEntry,
     PointsLocked,
     PointsMoving,
     TagPassed,
@@ -72,7 +72,7 @@ class Matcher:
             if unknown:
                 raise ValueError(f"{word_of(event)} has no field {', '.join(unknown)}")
 
-    def matches(self, entry: Entry, train_of: Mapping[str, str]) -> bool:
+    def matches(self, entry: JournalEntry, train_of: Mapping[str, str]) -> bool:
         """Whether an entry is this event; `train_of` gives the present train number of each unit."""
         event = entry.event
         if not isinstance(event, self.events) or (self.who is not None and entry.who != self.who):
@@ -102,7 +102,7 @@ class Trigger:
 
 
 @dataclass(frozen=True, slots=True)
-class Failure:
+class ScriptedFault:
     """A fault with its beginning and, unless it lasts, its duration."""
 
     fault: Fault[Any]
@@ -136,7 +136,10 @@ class Property(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Expectation:
-    """An event by a time, or a property; exactly one of `event` and `holds` is set. `absent`: that it is not so."""
+    """An event by a time, or a property; exactly one of `event` and `holds` is set. `absent`: that it is not so.
+
+    `rules`: of invariants that are broken, as persons are wrong, those that may be, and no others.
+    """
 
     text: str
     event: Matcher | None = None
@@ -149,6 +152,7 @@ class Expectation:
     section: str = ""
     kmh: float = 0.0
     until: Matcher | None = None
+    rules: tuple[str, ...] = ()
 
 
 # What every drill expects unless its file says otherwise of the same property.
@@ -162,7 +166,7 @@ DEFAULTS: Final = (
 class Script:
     """All of a drill."""
 
-    faults: tuple[Failure, ...] = ()
+    faults: tuple[ScriptedFault, ...] = ()
     acts: tuple[Act, ...] = ()
     expectations: tuple[Expectation, ...] = ()
 
@@ -210,15 +214,15 @@ def matcher_of(text: str) -> Matcher | None:
 
 
 @dataclass(slots=True)
-class Course:
+class ItemCourse:
     """What became of a failure or an act: when it began, and when it was over (None: never)."""
 
-    item: Failure | Act
+    item: ScriptedFault | Act
     begun_s: float
     over_s: float | None = None
 
 
-class Watch:
+class TriggerWatch:
     """Follows the journal: which train each unit runs, and which triggers have come due."""
 
     def __init__(self, triggers: Mapping[int, Trigger], due: Callable[[int, float], None]) -> None:
@@ -227,7 +231,7 @@ class Watch:
         self._due = due
         self._seen: dict[int, int] = {}
 
-    def see(self, entry: Entry) -> None:
+    def see(self, entry: JournalEntry) -> None:
         """An entry was written. A trigger fires once, at the event that it counts to."""
         if isinstance(entry.event, MissionBegun):
             self.train_of[entry.who] = entry.event.train

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from network.files.names import Identifier
 from network.files.toml_input import one_of
-from simulation.faults.fault import Names, UnitFault, World
+from simulation.faults.fault import Names, UnitFault
 
 
 class SpeechFault(UnitFault[tuple[str, ...]]):
@@ -20,11 +20,8 @@ class SpeechFault(UnitFault[tuple[str, ...]]):
 
     changes = "claims"
 
-    def base(self, _world: World) -> tuple[str, ...]:
+    def base(self) -> tuple[str, ...]:
         return ()
-
-    def put(self, world: World, section_ids: tuple[str, ...]) -> None:
-        world.unit_claims(self.target, section_ids)
 
 
 class FalseClaims(SpeechFault):

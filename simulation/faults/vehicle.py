@@ -14,7 +14,7 @@ from pydantic import Field
 
 from network.files.quantities import Motors as MotorCount
 from network.files.quantities import Share
-from simulation.faults.fault import UnitFault, World
+from simulation.faults.fault import UnitFault
 
 
 class DoorsFault(UnitFault[bool]):
@@ -22,11 +22,8 @@ class DoorsFault(UnitFault[bool]):
 
     changes = "doors"
 
-    def base(self, _world: World) -> bool:
+    def base(self) -> bool:
         return True
-
-    def put(self, world: World, closed: bool) -> None:
-        world.unit_vehicle(self.target, "doors_closed", closed)
 
 
 class Doors(DoorsFault):
@@ -51,12 +48,8 @@ class BrakeFault(UnitFault[BrakeState]):
 
     changes = "brake"
 
-    def base(self, _world: World) -> BrakeState:
+    def base(self) -> BrakeState:
         return BrakeState()
-
-    def put(self, world: World, brake: BrakeState) -> None:
-        world.trains.set_brake(world.slot(self.target), brake.reserve)
-        world.unit_vehicle(self.target, "brake_good", brake.good)
 
 
 class Brake(BrakeFault):
@@ -77,13 +70,8 @@ class MotorsFault(UnitFault[int]):
 
     changes = "motors"
 
-    def base(self, _world: World) -> int:
+    def base(self) -> int:
         return 0
-
-    def put(self, world: World, cut_out: int) -> None:
-        world.unit_vehicle(
-            self.target, "motors_share", world.trains.set_motors(world.slot(self.target), cut_out)
-        )
 
 
 class Motors(MotorsFault):

@@ -46,7 +46,7 @@ class Body:
     fresh: list[str] = field(default_factory=list)
 
 
-class Track:
+class NetTrack:
     """The net, for following bodies along it."""
 
     def __init__(self, net: NetMap, heights: Heights) -> None:

@@ -20,11 +20,11 @@ from simulation.events import (
     Accepted,
     Collision,
     ConfirmedByHand,
-    Entry,
     Event,
     Freed,
     Granted,
     Holds,
+    JournalEntry,
     Outside,
     PointsForced,
     PointsLocked,
@@ -38,16 +38,16 @@ from simulation.events import (
     UnitRestarted,
     Unsafe,
 )
-from simulation.judge.body import RESOLUTION_M, Body, Heights, Track
-from simulation.judge.liveness import LivenessWatch, Seen
-from simulation.judge.locking import Brake, RouteLocking
+from simulation.judge.body import RESOLUTION_M, Body, Heights, NetTrack
+from simulation.judge.liveness import LivenessWatch, TrainAndDisplay
+from simulation.judge.locking import GuaranteedBrake, RouteLocking
 from simulation.judge.log import Checker, Log, Violation
-from simulation.judge.points import PointsFacts, PointsWatch, Proof
-from simulation.judge.rail import RailWatch, Slippery
+from simulation.judge.points import PointsFacts, PointsWatch, ProvenPoints
+from simulation.judge.rail import LowAdhesion, RailWatch
 from simulation.judge.register import RegisterWatch
 from sumo_cfg.truth_map import NetMap
 
-__all__ = ["Brake", "Checker", "Checkers", "PointsFacts", "Violation"]
+__all__ = ["Checker", "Checkers", "GuaranteedBrake", "PointsFacts", "Violation"]
 
 
 class Checkers:
@@ -58,12 +58,12 @@ class Checkers:
         net: NetMap,
         points: Mapping[str, PointsFacts],
         unit_ids: Collection[str],
-        brakes: Mapping[str, Brake],
+        brakes: Mapping[str, GuaranteedBrake],
         heights: Heights,
         design_share: float,
     ) -> None:
         self._log = Log()
-        self._track = Track(net, heights)
+        self._track = NetTrack(net, heights)
         self._rail = RailWatch(design_share, brakes)
         self._locking = RouteLocking(brakes, self._track)
         self._points = PointsWatch(points, self._log)
@@ -74,7 +74,7 @@ class Checkers:
         self._occupants: dict[str, set[str]] = {}
         self._own: dict[str, frozenset[str]] = {}  # what each unit counts as held
         self._forgetful: set[str] = set()  # units that have restarted and not yet said what they hold
-        self._proofs: dict[str, dict[str, Proof]] = {}
+        self._proofs: dict[str, dict[str, ProvenPoints]] = {}
         self._changed: set[str] = set()  # units whose holdings changed at `_changed_s`, not yet judged
         self._changed_s = 0.0
         self._effects: dict[tuple[str, str, int], set[int]] = {}
@@ -90,7 +90,7 @@ class Checkers:
         return self._log.outside
 
     @property
-    def slippery(self) -> tuple[Slippery, ...]:
+    def slippery(self) -> tuple[LowAdhesion, ...]:
         """When trains had less than the design adhesion."""
         return tuple(self._rail.stretches)
 
@@ -178,7 +178,7 @@ class Checkers:
             )
             self._log.note(t_s, Checker.WITHIN_BOUNDS, unit_id, text)
 
-    def alive(self, t_s: float, trains: Iterable[Seen]) -> None:
+    def alive(self, t_s: float, trains: Iterable[TrainAndDisplay]) -> None:
         """`no-dead-state`: all trains at one moment, every `liveness.LOOKS_EVERY_S` or so."""
         self._liveness.look(t_s, trains)
 
@@ -223,7 +223,7 @@ class Checkers:
         unit_id = body.unit_id
         need = self._points.needs(piece_id)
         if need is not None:
-            proof: Proof | str | None = self._proofs.get(unit_id, {}).get(need[0])
+            proof: ProvenPoints | str | None = self._proofs.get(unit_id, {}).get(need[0])
             if proof is None and need[0] in on_points:
                 proof = self._locking.remembered(unit_id, need[0])
                 if proof is None:
@@ -270,7 +270,7 @@ class Checkers:
 
     # journal ------------------------------------------------------------------------------------------------
 
-    def journal(self, entry: Entry) -> None:
+    def journal(self, entry: JournalEntry) -> None:
         """One journal entry, in order. Entries that say nothing to a checker are passed over."""
         if self._changed and entry.t_s > self._changed_s:
             self._judge_changes()
@@ -343,7 +343,7 @@ class Checkers:
             case Reported(section_ids=section_ids):
                 self._reported(t_s, unit_id, frozenset(section_ids))
             case Proven(points_id=points_id, position=position, token=token):
-                self._proofs.setdefault(unit_id, {})[points_id] = Proof(position, token)
+                self._proofs.setdefault(unit_id, {})[points_id] = ProvenPoints(position, token)
                 self._locking.over(unit_id, (points_id,))
             case ProofDropped(points_id=points_id):
                 self._lost(unit_id, (points_id,))

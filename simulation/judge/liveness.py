@@ -21,7 +21,7 @@ NOTHING: Final = ("", "nothing")  # what a unit shows that waits for nothing
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class TrainAndDisplay:
     """One train as it truly is, and what its unit shows.
 
     `bound`: its duty is not over, and its unit has power and is not frozen. `run_m`: true distance since the run began.
@@ -55,7 +55,7 @@ class LivenessWatch:
         self._log = log
         self._since: dict[str, tuple[float, float]] = {}  # unit: when, and what it had run then
 
-    def look(self, t_s: float, trains: Iterable[Seen]) -> None:
+    def look(self, t_s: float, trains: Iterable[TrainAndDisplay]) -> None:
         """All trains at one moment."""
         for seen in trains:
             since_s, run_m = self._since.get(seen.unit_id, (t_s, seen.run_m))

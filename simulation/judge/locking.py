@@ -19,14 +19,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from simulation.judge.body import Body, Track
-from simulation.judge.points import Proof
+from simulation.judge.body import Body, NetTrack
+from simulation.judge.points import ProvenPoints
 
 TOLERANCE_MPS: Final = 0.2  # a step of 0.1 s, and what brakes differ within it
 
 
 @dataclass(frozen=True, slots=True)
-class Brake:
+class GuaranteedBrake:
     """What the emergency brake of a stock is guaranteed to give, and gravity's part of its inert mass, m/s^2."""
 
     deceleration_mps2: float
@@ -47,7 +47,7 @@ class Brake:
 class _Loss:
     """A proof that a unit lost while its train ran: how fast and where it was then, and what went wrong since."""
 
-    proof: Proof
+    proof: ProvenPoints
     speed_mps: float
     gain_mps2: float
     run_m: float
@@ -60,12 +60,12 @@ class _Loss:
 class RouteLocking:
     """The losses of all trains; one is over when the train stands, has a proof again, or is off the points."""
 
-    def __init__(self, brakes: Mapping[str, Brake], track: Track) -> None:
+    def __init__(self, brakes: Mapping[str, GuaranteedBrake], track: NetTrack) -> None:
         self._brakes = brakes
         self._track = track
         self._losses: dict[str, dict[str, _Loss]] = {}
 
-    def lost(self, body: Body, proofs: Mapping[str, Proof]) -> None:
+    def lost(self, body: Body, proofs: Mapping[str, ProvenPoints]) -> None:
         """The unit has no proofs any more of these points."""
         if body.unit_id in self._brakes and body.speed_mps > 0.0:
             losses = self._losses.setdefault(body.unit_id, {})
@@ -106,7 +106,7 @@ class RouteLocking:
                 found += [points_id] if loss.entered else []
         return found
 
-    def enters(self, body: Body, piece_id: str, points_id: str) -> str | Proof:
+    def enters(self, body: Body, piece_id: str, points_id: str) -> str | ProvenPoints:
         """The front has come onto points without a proof: the one that was lost too late to stop, or what is wrong."""
         loss = self._losses.get(body.unit_id, {}).get(points_id)
         if loss is None:
@@ -125,7 +125,7 @@ class RouteLocking:
         loss.entered = True
         return loss.proof
 
-    def remembered(self, unit_id: str, points_id: str) -> Proof | None:
+    def remembered(self, unit_id: str, points_id: str) -> ProvenPoints | None:
         """The proof that the unit lost last of these points."""
         loss = self._losses.get(unit_id, {}).get(points_id)
         return None if loss is None else loss.proof

@@ -22,7 +22,7 @@ class PointsFacts:
 
 
 @dataclass(frozen=True, slots=True)
-class Proof:
+class ProvenPoints:
     """What a unit takes as proven, and under which token."""
 
     position: Position
@@ -105,7 +105,7 @@ class PointsWatch:
                 self._log.note(t_s, Checker.POINTS_UNDER_TRAIN, subject, text, outside=outside)
 
     def check_entry(
-        self, t_s: float, unit_id: str, piece_id: str, proof: Proof | str, token: int, *, outside: bool
+        self, t_s: float, unit_id: str, piece_id: str, proof: ProvenPoints | str, token: int, *, outside: bool
     ) -> bool:
         """The front of a train came onto a piece of points: by a proof, or in words by none; whether that is a breach.
 

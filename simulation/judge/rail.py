@@ -12,11 +12,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from simulation.judge.locking import Brake
+from simulation.judge.locking import GuaranteedBrake
 
 
 @dataclass(slots=True)
-class Slippery:
+class LowAdhesion:
     """One stretch of time in which a train had less than the design adhesion; `least` as a share of the dry rail's."""
 
     unit_id: str
@@ -28,19 +28,19 @@ class Slippery:
 class RailWatch:
     """The adhesion under each train against that of the design."""
 
-    def __init__(self, design_share: float, brakes: Mapping[str, Brake]) -> None:
+    def __init__(self, design_share: float, brakes: Mapping[str, GuaranteedBrake]) -> None:
         self._design_share = design_share
         self._brakes = brakes
-        self._below: dict[str, Slippery] = {}
+        self._below: dict[str, LowAdhesion] = {}
         self._until_s: dict[str, float] = {}  # units that may still be sliding on from there
-        self.stretches: list[Slippery] = []
+        self.stretches: list[LowAdhesion] = []
 
     def rail(self, t_s: float, unit_id: str, share: float, speed_mps: float) -> None:
         """The adhesion under a train is now this share of the dry rail's, at any speed."""
         below = self._below.get(unit_id)
         if share < self._design_share:
             if below is None:
-                below = self._below[unit_id] = Slippery(unit_id, t_s, share)
+                below = self._below[unit_id] = LowAdhesion(unit_id, t_s, share)
                 self.stretches.append(below)
             below.least = min(below.least, share)
         elif below is not None:

@@ -6,7 +6,7 @@ is there, or what it says, changes no draw of it. A table says where its figures
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Self
+from typing import Annotated, Self
 
 from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
@@ -16,7 +16,7 @@ from network.files.names import Identifier, Prose
 from network.files.part_of_day import PartOfDay
 from network.files.quantities import Distance, Share
 from network.files.toml_input import Record
-from simulation.late.spread import Spread
+from simulation.late.spread import DrawnTime
 
 Ids = Annotated[tuple[str, ...], Field(strict=False, max_length=TEXTS_MAX)]
 Source = Annotated[
@@ -31,7 +31,7 @@ class EntryDelays(Record):
     on: Switch = True
     portals: Annotated[Ids, about("portal sections; none: all")] = ()
     share: Annotated[Share, about("of the trains that come late", "all of them")] = 1.0
-    seconds: Annotated[Spread, about("how late those are")]
+    seconds: Annotated[DrawnTime, about("how late those are")]
     source: Source
 
 
@@ -46,7 +46,7 @@ class DwellScatter(Record):
 
     on: Switch = True
     share: Annotated[Share, about("of the stops", "all of them")] = 1.0
-    seconds: Annotated[Spread, about("beyond the shortest stop")]
+    seconds: Annotated[DrawnTime, about("beyond the shortest stop")]
     stations: Annotated[
         dict[str, DelayFactor], about("what is drawn is multiplied by this, by station; elsewhere 1")
     ] = Field(default_factory=dict)
@@ -68,7 +68,7 @@ class DoorDelays(Record):
 
     on: Switch = True
     share: Annotated[Share, about("of the stops")]
-    seconds: Annotated[Spread, about("until they close")]
+    seconds: Annotated[DrawnTime, about("until they close")]
     source: Source
 
 
@@ -81,7 +81,7 @@ class DeadZones(Record):
     ]
     length_low_m: Annotated[Distance, about("least length")]
     length_high_m: Annotated[Distance, about("greatest length, evenly between")]
-    seconds: Annotated[Spread, about("how long it lasts")]
+    seconds: Annotated[DrawnTime, about("how long it lasts")]
     source: Source
 
     @field_validator("length_high_m")
@@ -109,7 +109,7 @@ class Failures(Record):
     mtbf_km: Annotated[MtbfKm | None, about("units: mean kilometres between failures")] = None
     mtbf_operations: Annotated[MtbfOperations | None, about("points: mean throws between failures")] = None
     seconds: Annotated[
-        Spread | None, about("until it is repaired; left out only of kinds that are over at once")
+        DrawnTime | None, about("until it is repaired; left out only of kinds that are over at once")
     ] = None
     source: Source
 
@@ -134,6 +134,3 @@ class Late(Record):
     )
     dead_zones: Annotated[dict[str, DeadZones], about("the radio, by name")] = Field(default_factory=dict)
     failures: Annotated[dict[str, Failures], about("what breaks, by name")] = Field(default_factory=dict)
-
-
-NO_LATE: Final = Late()  # a scenario without that table

@@ -43,7 +43,7 @@ NEEDS: Final = {
 _FIGURES: Final = ("mean_s", "sigma", "shape", "low_s", "high_s")
 
 
-class Spread(Record):
+class DrawnTime(Record):
     """A time that is drawn: a distribution with its figures, and a lid."""
 
     distribution: Annotated[Distribution, Field(strict=False), about("by name")]

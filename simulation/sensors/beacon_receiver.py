@@ -1,25 +1,22 @@
 """The receiver of the train stop's beacons (ATS地上子): that one was passed, and where the tachometer stood then.
 
-Most beacons tell no more than that (ATS-Sx); some tell their number too (ATS-P). Its faults: it notices none, or
-notices one where none lies. Fitted to trains that carry `beacons`.
+Most beacons tell no more than that (ATS-Sx); some tell their number too (ATS-P). Fitted to trains
+that carry `beacons`.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
+from typing import Annotated, Any, Protocol
 
 from onboard.board import SensedRow
 from onboard.localisation.beacons import BeaconsRow
-from simulation.faults.fault import UnitFault, World
 from simulation.sensor_settings import BeaconTrust
 from simulation.sensors.noise import source_of
 from simulation.sensors.scene import SceneRow
 from simulation.sensors.tag_reader import WithTachometer, latch
-from simulation.settings import Carried
+from simulation.settings import PositionSensor
+from simulation.setup import Setup
 from vehicle.compiled import compiled
-
-if TYPE_CHECKING:
-    from simulation.setup import Setup
 
 
 class BeaconReceiverRow(Protocol):
@@ -36,7 +33,7 @@ class BeaconReceiverRow(Protocol):
 
 def fit(own: BeaconReceiverRow, setup: Setup, stock_id: str) -> None:
     """A receiver with noise of its own, on trains that carry one."""
-    own.fitted = int(Carried.BEACONS in setup.sensors.carried_by(stock_id))
+    own.fitted = int(PositionSensor.BEACONS in setup.sensors.carried_by(stock_id))
     own.source = source_of(setup.seed, "beacon receiver", stock_id, *setup.today)
     own.sigma_m, own.most_m = setup.beacons.notice_sigma_m, setup.beacons.notice_max_m
 
@@ -45,7 +42,7 @@ def fit_reader(readers: Any, setup: Setup, stock_id: str) -> None:  # noqa: ANN4
     """What its unit goes by."""
     own: BeaconsRow = readers.beacons
     settings = setup.beacons
-    own.fitted = int(Carried.BEACONS in setup.sensors.carried_by(stock_id))
+    own.fitted = int(PositionSensor.BEACONS in setup.sensors.carried_by(stock_id))
     own.trusts = int(settings.trust is BeaconTrust.PAPER)
     own.window_share, own.window_least_m = settings.window_share, settings.window_least_m
     own.accuracy_m, own.placed_within_m = settings.accuracy_m, settings.placed_within_m
@@ -71,37 +68,3 @@ def beacon_receiver(
     else:
         return
     shown.noticed, shown.odometer_m = 1, own.latched_m
-
-
-class DeafReceiver(UnitFault[bool]):
-    """The receiver notices no beacon."""
-
-    kind = "no_beacon"
-    changes = "beacon receiver"
-
-    def base(self, _world: World) -> bool:
-        return False
-
-    def over(self, _deaf: bool) -> bool:
-        return True
-
-    def put(self, world: World, deaf: bool) -> None:
-        world.trains.sensors["beacon_receiver"][world.slot(self.target)].deaf = int(deaf)
-
-
-class FalseBeacon(UnitFault[bool]):
-    """The receiver notices a beacon, without a number, where none lies."""
-
-    kind = "false_beacon"
-    changes = "false beacon"
-    momentary: ClassVar[bool] = True
-
-    def base(self, _world: World) -> bool:
-        return False
-
-    def over(self, _deceived: bool) -> bool:
-        return True
-
-    def put(self, world: World, deceived: bool) -> None:
-        if deceived:  # once; the receiver forgets it with the step
-            world.trains.sensors["beacon_receiver"][world.slot(self.target)].deceived = 1

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from onboard.localisation.vision import Image, Window
+from onboard.localisation.vision import Image, ImageWindow
 from radio.chance import generator
 from simulation.sensors.camera_pixels import BLUE, RED, draw_board, draw_tunnel, expose
 from simulation.sensors.camera_surroundings import (
@@ -28,7 +28,8 @@ from simulation.sensors.camera_surroundings import (
     wall_texture,
 )
 from simulation.sensors.camera_weather import add_drops, add_glare, add_streaks, draw_open
-from simulation.sensors.open_air import OPEN_AIR, Exposure, Light, OpenAir, exposure
+from simulation.sensors.open_air import OPEN_AIR, CameraExposure, OpenAir, exposure
+from simulation.settings import Light
 
 NOISE_BANK: Final = 1 << 22
 TUNNEL_AIR: Final = 0.35  # what mist in a tunnel shows
@@ -72,9 +73,9 @@ class CameraModel:
         return self.height_px, self.width_px
 
     @property
-    def whole(self) -> Window:
+    def whole(self) -> ImageWindow:
         """The whole image."""
-        return Window(0, 0, self.width_px, self.height_px)
+        return ImageWindow(0, 0, self.width_px, self.height_px)
 
     @property
     def row_s(self) -> float:
@@ -132,7 +133,7 @@ PAPER_SIGN: Final = Sign(
 # and for table 2's places.
 PAPER_TABLE_M: Final = tuple(round(0.1 * k, 1) for k in range(2, 34))
 
-SIGN_QUARTER: Final = Window(
+SIGN_QUARTER: Final = ImageWindow(
     640, 480, 1280, 960
 )  # right of and below the axis: all a sign on the right can reach
 
@@ -257,12 +258,12 @@ class Renderer:
         outside = generator(seed, "camera", "open air")
         self._grass: Final = grass_texture(outside)
         self._skyline: Final = skyline(outside)
-        self._exposures: Final[dict[OpenAir, Exposure]] = {}
+        self._exposures: Final[dict[OpenAir, CameraExposure]] = {}
         noise = generator(seed, "camera", "noise").standard_normal(NOISE_BANK, dtype=np.float32)
         self._noise: Final[Singles] = noise
 
     def render(
-        self, scene: Scene, shot: Shot, rng: np.random.Generator, window: Window | None = None
+        self, scene: Scene, shot: Shot, rng: np.random.Generator, window: ImageWindow | None = None
     ) -> Image:
         """The BGR image (rows, columns, 3), or only a window of it. `rng` draws this shot's noise and weather."""
         camera, light = self.camera, scene.lighting
@@ -282,11 +283,11 @@ class Renderer:
         expose(image, factor, self._noise, int(rng.integers(NOISE_BANK)), read_grey, shot_grey, out)
         return out
 
-    def exposure(self, air: OpenAir) -> Exposure:
+    def exposure(self, air: OpenAir) -> CameraExposure:
         """What the exposure control comes to in this light: metered once, on the picture's lower half."""
         if air not in self._exposures:
             camera, rng = self.camera, generator(0, "camera", "metering")
-            half = Window(0, camera.height_px // 2, camera.width_px, camera.height_px)
+            half = ImageWindow(0, camera.height_px // 2, camera.width_px, camera.height_px)
             image = self._outside(Scene(lighting=air), air, Shot(0.0), rng, half, 0.0)
             metered = float(image[::METER_EVERY_PX, ::METER_EVERY_PX].mean())
             self._exposures[air] = exposure(air, metered)
@@ -296,7 +297,7 @@ class Renderer:
         """How long a row is exposed, s."""
         return self.exposure(light).time_s if isinstance(light, OpenAir) else self.camera.exposure_s
 
-    def _inside(self, scene: Scene, light: Lighting, shot: Shot, view: Window) -> Singles:
+    def _inside(self, scene: Scene, light: Lighting, shot: Shot, view: ImageWindow) -> Singles:
         """The tunnel and what stands in it, in full light."""
         camera = self.camera
         axis_row, axis_column = camera.axis_of(shot.pitch_rad)
@@ -330,7 +331,7 @@ class Renderer:
         air: OpenAir,
         shot: Shot,
         rng: np.random.Generator,
-        view: Window,
+        view: ImageWindow,
         exposure_s: float,
     ) -> Singles:
         """The open line, its weather and what stands beside it, in white faces."""
@@ -402,7 +403,7 @@ class Renderer:
         image *= np.float32(1.0 - air.veil_share)
         image += np.float32(air.veil_share * air.sky_low)
 
-    def _lens_m(self, shot: Shot, view: Window) -> Floats:
+    def _lens_m(self, shot: Shot, view: ImageWindow) -> Floats:
         """The lens's place along the track when each row of the window begins to be exposed."""
         rows_s = np.arange(view.top, view.bottom, dtype=np.float64) * self.camera.row_s
         lens_m: Floats = shot.front_m - self.camera.setback_m + shot.speed_mps * rows_s
@@ -413,7 +414,7 @@ class Renderer:
         image: Singles,
         boards: Floats,
         shot: Shot,
-        view: Window,
+        view: ImageWindow,
         lens_m: Floats,
         axis_px: tuple[float, float],
         seen: _Seen,

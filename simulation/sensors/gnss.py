@@ -9,30 +9,21 @@ clocks), white noise, and where part of the sky is hidden what reflections add. 
 the satellites stand, which come back after a sidereal day: who passes again within minutes errs nearly alike, an hour
 later otherwise, and four minutes earlier on the next day as today. It states one protection level, and whether it sees
 all the satellites that should be in sight. In tunnels and for a time after them it has no fix.
-
-Its faults: a dead antenna, jamming (both: no fix), reflections beyond the protection level, a jump, a wrong time tag,
-one place for ever.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol
+from typing import Annotated, Any, Final, Protocol
 
-from pydantic import Field
-
-from network.files.quantities import CorrelationWay, ReceiverBias, ReceiverLatency
 from network.profile import NO_SKY, OPEN_SKY
 from onboard.board import SensedRow
-from simulation.faults.fault import UnitFault, World
+from simulation.faults.gnss import Reception
 from simulation.sensors.noise import normal, source_of
 from simulation.sensors.scene import SceneRow
-from simulation.settings import Carried
+from simulation.settings import PositionSensor
+from simulation.setup import Setup
 from vehicle.compiled import compiled
-
-if TYPE_CHECKING:
-    from simulation.setup import Setup
 
 RING: Final = 64  # fixes under way: more than the latest tag of the fastest receiver needs
 SIDEREAL_DAY_S: Final = 86_164.1  # after which the satellites stand as before
@@ -80,7 +71,7 @@ class GnssReceiverRow(Protocol):
 
 def fit(own: GnssReceiverRow, setup: Setup, stock_id: str) -> None:
     """A receiver for stock that carries one; reflections are those of the place and the day."""
-    if Carried.GNSS not in setup.sensors.carried_by(stock_id):
+    if PositionSensor.GNSS not in setup.sensors.carried_by(stock_id):
         return
     gnss, receiver = setup.gnss, setup.gnss.receiver
     own.every_steps = setup.steps_of(1.0 / gnss.rate_hz)
@@ -173,29 +164,6 @@ def follow_bias(own: GnssReceiverRow, run_m: float) -> None:
     own.bias_m += missing_m
 
 
-@dataclass(frozen=True, slots=True)
-class Reception:
-    """What is wrong: no signals, what is added to fixes (over how much way), older than stated, all the same place."""
-
-    no_signals: bool = False
-    bias_m: float = 0.0
-    over_m: float = 0.0
-    late_s: float = 0.0
-    frozen: bool = False
-
-
-class GnssFault(UnitFault[Reception]):
-    """What the receiver of a train shows; nothing where it has none."""
-
-    changes = "gnss"
-
-    def base(self, _world: World) -> Reception:
-        return Reception()
-
-    def put(self, world: World, reception: Reception) -> None:
-        put_reception(world.trains.sensors["gnss_receiver"][world.slot(self.target)], reception)
-
-
 def put_reception(own: GnssReceiverRow, reception: Reception) -> None:
     """Make a receiver so. A bias that went over some way goes over the same way, if it came over any."""
     if own.every_steps == 0:
@@ -210,61 +178,3 @@ def put_reception(own: GnssReceiverRow, reception: Reception) -> None:
     if reception.frozen and own.frozen == 0:
         own.frozen_run_m, own.frozen_error_m = own.run_m, own.error_m
     own.frozen = int(reception.frozen)
-
-
-class GnssAntenna(GnssFault):
-    """The antenna is dead: no fix."""
-
-    kind = "gnss_antenna"
-
-    def over(self, reception: Reception) -> Reception:
-        return replace(reception, no_signals=True)
-
-
-class GnssJammed(GnssFault):
-    """Somebody's transmitter drowns the satellites: no fix, and none for a time after."""
-
-    kind = "gnss_jammed"
-
-    def over(self, reception: Reception) -> Reception:
-        return replace(reception, no_signals=True)
-
-
-class GnssReflections(GnssFault):
-    """Reflections beyond the protection level, under what the receiver takes for an open sky: it states wrongly."""
-
-    kind = "gnss_reflections"
-    bias_m: ReceiverBias = Field(description="what they come to, along the train's way")
-    over_m: CorrelationWay = Field(default=80.0, description="the way over which they come, and go")
-
-    def over(self, reception: Reception) -> Reception:
-        return replace(reception, bias_m=reception.bias_m + self.bias_m, over_m=self.over_m)
-
-
-class GnssJump(GnssFault):
-    """The receiver's position jumps, and its statement is wrong."""
-
-    kind = "gnss_jump"
-    bias_m: ReceiverBias = Field(description="by so much, along the train's way")
-
-    def over(self, reception: Reception) -> Reception:
-        return replace(reception, bias_m=reception.bias_m + self.bias_m, over_m=0.0)
-
-
-class GnssTimeTag(GnssFault):
-    """Fixes are older than their time tags say."""
-
-    kind = "gnss_time_tag"
-    late_s: ReceiverLatency = Field(description="by so much")
-
-    def over(self, reception: Reception) -> Reception:
-        return replace(reception, late_s=reception.late_s + self.late_s)
-
-
-class GnssFrozen(GnssFault):
-    """Fixes are all of the place of the last one before, with new time tags: what computes the position has died."""
-
-    kind = "gnss_frozen"
-
-    def over(self, reception: Reception) -> Reception:
-        return replace(reception, frozen=True)

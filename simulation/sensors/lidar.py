@@ -8,26 +8,21 @@ front is over their first row: groups must lie further apart than it sees.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol
+from typing import Annotated, Any, Final, Protocol
 
 import numpy as np
-from pydantic import Field
 
-from network.files.quantities import VisibilityM
 from onboard.board import SensedRow
 from onboard.localisation.lidar import SETBACK_M, LidarRow
 from onboard.localisation.lidar_points import CYCLE_S, FARTHEST_M, KEPT_S, SPOTS
 from onboard.localisation.marker_patterns import HALF_M
-from simulation.faults.fault import Fault, Names, UnitFault, World
 from simulation.sensors.lidar_scan import SIGN_SHEETING
 from simulation.sensors.line_scans import COLUMNS, PLACES_M, SMEARS_M, SPEEDS_MPS, line_scans
 from simulation.sensors.noise import normal, source_of, uniform
 from simulation.sensors.scene import SceneRow
-from simulation.settings import Carried
+from simulation.settings import PositionSensor
+from simulation.setup import Setup
 from vehicle.compiled import compiled
-
-if TYPE_CHECKING:
-    from simulation.setup import Setup
 
 PLACES: Final = len(PLACES_M)
 SPEEDS: Final = len(SPEEDS_MPS)
@@ -65,7 +60,7 @@ class LidarSensorRow(Protocol):
 def fit(own: LidarSensorRow, setup: Setup, stock_id: str) -> None:
     """A LiDAR where the stock carries one."""
     own.visibility_m, own.dirt_share = setup.lidar.visibility_m, setup.lidar.dirt_share
-    if Carried.LIDAR not in setup.sensors.carried_by(stock_id):
+    if PositionSensor.LIDAR not in setup.sensors.carried_by(stock_id):
         return
     own.fitted, own.laid_m = 1, setup.lidar.laid_within_m
     own.source = source_of(setup.seed, "lidar", stock_id, *setup.today)
@@ -81,7 +76,7 @@ def fit(own: LidarSensorRow, setup: Setup, stock_id: str) -> None:
 def fit_reader(readers: Any, setup: Setup, stock_id: str) -> None:  # noqa: ANN401 - all readers' rows
     """Its unit looks for markers where there is a LiDAR."""
     own: LidarRow = readers.lidar
-    own.fitted = int(Carried.LIDAR in setup.sensors.carried_by(stock_id))
+    own.fitted = int(PositionSensor.LIDAR in setup.sensors.carried_by(stock_id))
 
 
 @compiled
@@ -181,58 +176,3 @@ def lidar(own: LidarSensorRow, _sensors: Any, scene: SceneRow, sensed: SensedRow
             row_m + at_speed(own.row_bias_m, 1, 0, speed_mps) + row_sigma_m * normal(own.row_source, cycle)
         )
         shown.bears_m[k] = bears_m(own, cycle, speed_mps)
-
-
-class LidarFault(UnitFault[float]):
-    """How far a train's LiDAR sees through what is before it: visibility in m."""
-
-    changes = "lidar"
-
-    def base(self, world: World) -> float:
-        return world.trains.setup.lidar.visibility_m
-
-    def put(self, world: World, visibility_m: float) -> None:
-        own = world.trains.lidars[world.slot(self.target)]
-        own.visibility_m = visibility_m
-        own.blind = int(visibility_m <= 0.0)
-
-
-class LidarBlind(LidarFault):
-    """The LiDAR sees nothing: dirt or ice on its window, or it is out of order."""
-
-    kind = "lidar_blind"
-
-    def over(self, _visibility_m: float) -> float:
-        return 0.0
-
-
-class LidarFog(LidarFault):
-    """Fog, snow or spray before the LiDAR."""
-
-    kind = "lidar_fog"
-    visibility_m: VisibilityM = Field(description="how far people see in it")
-
-    def over(self, visibility_m: float) -> float:
-        return min(visibility_m, self.visibility_m)
-
-
-class MarkerMissing(Fault[bool]):
-    """One marker of a group has gone: its points are seen, its pattern is no pattern any more."""
-
-    kind = "marker_missing"
-    aims_at = "group of markers"
-    changes = "markers"
-    target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.markers
-
-    def base(self, _world: World) -> bool:
-        return True
-
-    def over(self, _whole: bool) -> bool:
-        return False
-
-    def put(self, world: World, whole: bool) -> None:
-        world.trains.pool.lay_markers(int(self.target), whole=whole)

@@ -21,7 +21,7 @@ from onboard.localisation.lidar_points import (
 )
 from onboard.localisation.marker_patterns import HALF_M, PATTERNS, ROW_M, recognised
 from radio.chance import generator
-from simulation.sensors.lidar_scan import Motion, Points, distance_m, laid, scan, scan_row
+from simulation.sensors.lidar_scan import MarkerMotion, ScanPoints, distance_m, laid, scan, scan_row
 from simulation.sensors.line_scans import PLACES_M, SMEARS_M, Floats, Scans
 
 FROM_M: Final = 34.0
@@ -48,14 +48,14 @@ def measure(speed_mps: float, passages: int, seed: int, least_readings: int = 0)
     while number < passages or sums.readings < least_readings:
         pattern = 1 + number % PATTERNS
         rng = generator(seed, "lidar model", f"{speed_mps:g}", str(number))
-        motion = Motion(FROM_M + float(rng.uniform(0.0, speed_mps * KEPT_S)) - HALF_M, speed_mps, 0.0)
+        motion = MarkerMotion(FROM_M + float(rng.uniform(0.0, speed_mps * KEPT_S)) - HALF_M, speed_mps, 0.0)
         duration_s = (motion.from_m + HALF_M - TO_M) / speed_mps
         _cycles(sums, scan(row, laid(pattern, ROW_M), motion, duration_s, rng), motion, duration_s, pattern)
         number += 1
     return sums
 
 
-def _cycles(sums: Sums, points: Points, motion: Motion, duration_s: float, pattern: int) -> None:
+def _cycles(sums: Sums, points: ScanPoints, motion: MarkerMotion, duration_s: float, pattern: int) -> None:
     first = end = 0
     for cycle in range(int(duration_s / CYCLE_S)):
         now_s = (cycle + 1) * CYCLE_S
@@ -76,7 +76,7 @@ def _cycles(sums: Sums, points: Points, motion: Motion, duration_s: float, patte
 
 
 def _read(
-    sums: Sums, points: Points, kept: tuple[int, int], now: tuple[float, float, float], pattern: int
+    sums: Sums, points: ScanPoints, kept: tuple[int, int], now: tuple[float, float, float], pattern: int
 ) -> None:
     """What is read at each smear, to either side in turn; `now`: time, true speed, the first row's true distance."""
     first, end = kept

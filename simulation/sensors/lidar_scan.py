@@ -136,7 +136,7 @@ class ScanRow(Protocol):
 SCAN: Final = dtype_of(ScanRow)
 
 
-class Motion(NamedTuple):
+class MarkerMotion(NamedTuple):
     """How the train runs at the markers: from the LiDAR to the first row at time 0 (m), m/s, m/s2."""
 
     from_m: float
@@ -144,7 +144,7 @@ class Motion(NamedTuple):
     acceleration_mps2: float
 
 
-class Points(NamedTuple):
+class ScanPoints(NamedTuple):
     """What it returns: when each point was taken (s), where (m), its reading (0 to 255); in order of time."""
 
     time_s: Floats
@@ -216,10 +216,10 @@ def coverage(scanner: Scanner, time_s: float, begins_s: float = 0.0, cell_rad: f
 def scan(
     row: ScanRow,
     markers_m: Floats,
-    motion: Motion,
+    motion: MarkerMotion,
     duration_s: float,
     rng: np.random.Generator,
-) -> Points:
+) -> ScanPoints:
     """Points of a passage, from time 0 on; `markers_m` as `laid` gives them. `rng` draws phases, sway and noise."""
     points = np.empty((4, POINTS_MAX))
     sway_m = SWAY_SIGMA_M * float(rng.standard_normal())
@@ -229,11 +229,11 @@ def scan(
     )
     if count > POINTS_MAX:
         raise ValueError(f"more than {POINTS_MAX} points in a passage of {duration_s:g} s")
-    return Points(*points[:, :count].copy())
+    return ScanPoints(*points[:, :count].copy())
 
 
 @compiled
-def distance_m(motion: Motion, at_s: float) -> float:
+def distance_m(motion: MarkerMotion, at_s: float) -> float:
     """From the LiDAR to the first row at a time."""
     return motion.from_m - motion.speed_mps * at_s - 0.5 * motion.acceleration_mps2 * at_s * at_s
 
@@ -342,7 +342,7 @@ def _track_range_m(row: ScanRow, azimuth: float, elevation: float) -> float:
 def _scanned(
     row: ScanRow,
     markers_m: Floats,
-    motion: Motion,
+    motion: MarkerMotion,
     duration_s: float,
     begins: tuple[float, float, float],
     rng: np.random.Generator,

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from simulation.sensors.open_air import Light
+from simulation.settings import Light
 
 Floats = NDArray[np.float64]
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Protocol
+from typing import Annotated, Any, Protocol
 
 from onboard.board import SensedRow
 from simulation.sensors.scene import SceneRow
+from simulation.setup import Setup
 from vehicle.compiled import compiled
-
-if TYPE_CHECKING:
-    from simulation.setup import Setup
 
 
 class LoadSensorRow(Protocol):

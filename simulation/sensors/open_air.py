@@ -9,19 +9,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Final
 
-
-class Light(StrEnum):
-    """What a run may assume of light and weather."""
-
-    LIT_TUNNEL = "lit_tunnel"  # the paper's condition
-    DAYLIGHT = "daylight"
-    DUSK = "dusk"
-    RAIN = "rain"
-    RAIN_AT_DUSK = "rain_at_dusk"
-    BACKLIGHT = "backlight"
+from simulation.settings import Light
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +122,7 @@ METERED_GREY: Final = 0.42  # what the exposure control makes of the picture's l
 
 
 @dataclass(frozen=True, slots=True)
-class Exposure:
+class CameraExposure:
     """What the control came to: time (s), gain, picture value of a white face, and the noise of a pixel.
 
     Its variance (grey levels of 255, squared) is `read_grey`^2 and `shot_grey` times the pixel's grey.
@@ -145,7 +135,7 @@ class Exposure:
     shot_grey: float
 
 
-def exposure(air: OpenAir, metered: float, chip: Chip = CHIP) -> Exposure:
+def exposure(air: OpenAir, metered: float, chip: Chip = CHIP) -> CameraExposure:
     """Exposure for a picture whose lower half has the mean `metered` (white faces): time first, then gain.
 
     Where both end the picture stays dark.
@@ -155,4 +145,4 @@ def exposure(air: OpenAir, metered: float, chip: Chip = CHIP) -> Exposure:
     time_s = min(max(wanted / per_second, chip.exposure_min_s), chip.exposure_max_s)
     gain = min(max(wanted / (per_second * time_s), 1.0), chip.gain_max)
     grey_per_e = 255.0 * gain / chip.full_well_e
-    return Exposure(time_s, gain, per_second * time_s * gain, chip.read_e * grey_per_e, grey_per_e)
+    return CameraExposure(time_s, gain, per_second * time_s * gain, chip.read_e * grey_per_e, grey_per_e)

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from onboard.localisation.vision import SightTable, Window, largest_cluster, search_window, sight
+from onboard.localisation.vision import ImageWindow, SightTable, largest_cluster, search_window, sight
 from radio.chance import generator
 from simulation.sensors.camera import CREEP_MPS, NO_MOTION, Renderer, Scene, Shot, Sign, light_of
 from simulation.sensors.camera_surroundings import Floats
-from simulation.sensors.open_air import Light
+from simulation.settings import Light
 
 
 def record_table(
@@ -24,7 +24,7 @@ def record_table(
     distances_m: Sequence[float],
     seed: int,
     repeats: int = 4,
-    window: Window | None = None,
+    window: ImageWindow | None = None,
     light: Light = Light.LIT_TUNNEL,
     *,
     around: bool = False,
@@ -91,13 +91,13 @@ class SightingModel:
         return distance_m + bias + sigma * error - speed_mps * after_s
 
 
-def window_around(renderer: Renderer, sign: Sign, distance_m: float) -> Window:
+def window_around(renderer: Renderer, sign: Sign, distance_m: float) -> ImageWindow:
     """The part of the image about a sign at a distance (m) in which nothing else is looked for."""
     camera = renderer.camera
     row = min(camera.axis_px[0] + sign.offset_px(camera, distance_m), camera.height_px - 1.0)
     column = camera.axis_px[1] + camera.focal_px * sign.right_m / (distance_m + camera.setback_m)
     around = int(24 + camera.focal_px * sign.diameter_m / (distance_m + camera.setback_m))
-    return Window(
+    return ImageWindow(
         max(int(column) - around, 0),
         max(int(row) - around, 0),
         min(int(column) + around, camera.width_px),
@@ -140,7 +140,7 @@ def sighted_distances(
 
 
 @dataclass(frozen=True, slots=True)
-class Search:
+class SignSearch:
     """How a unit looks for a sign: sure of its place to `within_m`, and what it takes for one frame's error, m."""
 
     within_m: float
@@ -155,7 +155,7 @@ def fit_sighting_model(
     count: int = 100,
     places_m: Sequence[float] | None = None,
     light: Light = Light.LIT_TUNNEL,
-    search: Search | None = None,
+    search: SignSearch | None = None,
 ) -> SightingModel:
     """Measure probability, bias and spread with `count` rendered images a place, those of the table if none are given.
 

@@ -5,7 +5,7 @@ What a frame shows follows the figures that were fitted to the renderer for the 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol
+from typing import Annotated, Any, Final, Protocol
 
 import numpy as np
 
@@ -14,10 +14,8 @@ from onboard.localisation.sighting import SIGN_BEYOND_MARK_M
 from simulation.sensors.line_sightings import COLUMNS, LIGHTS, PLACES_M, line_sightings
 from simulation.sensors.noise import normal, source_of, uniform
 from simulation.sensors.scene import SceneRow
+from simulation.setup import Setup
 from vehicle.compiled import compiled
-
-if TYPE_CHECKING:
-    from simulation.setup import Setup
 
 PLACES: Final = len(PLACES_M)
 FIGURES: Final = len(LIGHTS) * PLACES

@@ -11,7 +11,7 @@ how much its wheels differ from those it finds itself while all roll. These puls
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Final, Protocol
+from typing import Annotated, Final, Protocol
 
 import numpy as np
 
@@ -19,13 +19,11 @@ from onboard.board import SensedRow
 from radio.chance import generator
 from simulation.sensors.scene import SceneRow
 from simulation.sensors.tag_reader import WithTachometer
+from simulation.setup import Setup
 from vehicle.compiled import compiled
 from vehicle.mass import equivalent_mass_kg
 from vehicle.records import TrainRow
 from vehicle.traction import full_force_n
-
-if TYPE_CHECKING:
-    from simulation.setup import Setup
 
 SEEN_MPS: Final = 0.05  # it compares axles no finer than this
 SEEN_SHARE: Final = 0.01  # nor than wheels of one train may differ in diameter

@@ -6,32 +6,25 @@ outer wheel, which carries more there, then rolls on a larger circle of its trea
 gave way alike nothing would come of it, so that is the most that can (assumed).
 
 It counts whole pulses; its speed comes from the time between them, and is as fine as its clock.
-Its faults: a scale other than 1, no output (gain 0), an output that stays at one speed for ever. Factors multiply;
-one that is stuck shows the same whatever they are.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, Self
+from typing import Annotated, Any, Final, Protocol
 
 import numpy as np
-from pydantic import Field, PrivateAttr
 
-from network.files.quantities import ReadingFactor
 from onboard.board import SensedRow
 from radio.chance import generator
-from simulation.faults.fault import UnitFault, World
+from simulation.scatter import Individual
 from simulation.sensors.scene import SceneRow
-from simulation.world.scatter import Individual
+from simulation.setup import Setup
 from vehicle.compiled import compiled
 from vehicle.records import TrainRow
 from vehicle.wheel import pulse_m
 
-if TYPE_CHECKING:
-    from simulation.setup import Setup
-
+IN_ORDER: Final = -1.0  # what the compiled truth holds where nothing is stuck
 CONTACT_HALF_M: Final = 0.56  # half of what wheels of 1067 mm gauge touch the rails apart
 
 
@@ -101,68 +94,3 @@ def tachometer(own: TachometerRow, _sensors: Any, scene: SceneRow, sensed: Sense
         sensed.speed_mps = scene.wheel_mps * gain
     own.odometer_m = counted_m(own, own.turned_m)
     sensed.odometer_m = own.odometer_m
-
-
-IN_ORDER: Final = -1.0  # what the compiled truth holds where nothing is stuck
-
-
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """What the tachometer makes of the wheel: its speed times `gain`, or `stuck_mps` for ever."""
-
-    gain: float = 1.0
-    stuck_mps: float | None = None
-
-
-class TachometerFault(UnitFault[Reading]):
-    """What the tachometer of a train shows."""
-
-    changes = "tachometer"
-
-    def base(self, _world: World) -> Reading:
-        return Reading()
-
-    def put(self, world: World, reading: Reading) -> None:
-        slot = world.slot(self.target)
-        tachometer = world.trains.tachometers[slot]
-        tachometer.gain = reading.gain
-        tachometer.frozen_mps = IN_ORDER if reading.stuck_mps is None else reading.stuck_mps
-        world.trains.premises.fault(slot, in_force=reading != Reading())
-
-
-class Scale(TachometerFault):
-    """Shows the speed times a factor."""
-
-    kind = "scale"
-    factor: ReadingFactor = Field(description="shown over real speed")
-
-    def over(self, reading: Reading) -> Reading:
-        return replace(reading, gain=reading.gain * self.factor)
-
-
-class NoOutput(TachometerFault):
-    """Shows nothing, even if it was stuck before."""
-
-    kind = "no_output"
-
-    def over(self, _reading: Reading) -> Reading:
-        return Reading(gain=0.0)
-
-
-class StuckOutput(TachometerFault):
-    """Shows for ever what it shows when it begins."""
-
-    kind = "stuck_output"
-    _shown_mps: float = PrivateAttr(default=0.0)
-
-    def begun(self, world: World) -> Self:
-        slot = world.slot(self.target)
-        tachometer, plant = world.trains.tachometers[slot], world.trains.plants[slot]
-        copy = self.model_copy()
-        turned_mps = float(plant.wheel_speed_mps * tachometer.gain / tachometer.wheel_factor)
-        stuck_mps = float(tachometer.frozen_mps)
-        copy._shown_mps = stuck_mps if stuck_mps >= 0.0 else turned_mps
-        return copy
-
-    def over(self, reading: Reading) -> Reading:
-        return replace(reading, stuck_mps=self._shown_mps)

@@ -21,7 +21,7 @@ from onboard.localisation.reader import (
     REFUSED,
     WORD_BITS,
     WORD_MASK,
-    Rule,
+    IdAgreement,
     item_id,
     item_word,
     judged,
@@ -152,7 +152,11 @@ def receive(
 
 
 def read_bits(
-    rng: np.random.Generator, tag_id: int, channel: Channel, tags: int = TAGS_PAPER, rule: Rule = PAPER_RULE
+    rng: np.random.Generator,
+    tag_id: int,
+    channel: Channel,
+    tags: int = TAGS_PAPER,
+    rule: IdAgreement = PAPER_RULE,
 ) -> int | None:
     """The id that the reader makes of one passage over tags that say `tag_id`; None if it believes none."""
     items = np.empty(2 * tags * len(channel.bit_error_rates), dtype=np.int64)

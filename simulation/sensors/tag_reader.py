@@ -6,20 +6,14 @@ leaves of its telegrams (`tag_air`); one that is not read reads as nothing, what
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Protocol
+from typing import Annotated, Protocol
 
-from pydantic import Field
-
-from network.files.quantities import TagId
 from onboard.board import SensedRow
-from simulation.faults.fault import Fault, Names, World
 from simulation.sensors.noise import normal, source_of
 from simulation.sensors.scene import SceneRow
 from simulation.sensors.tachometer import TachometerRow, counted_m
+from simulation.setup import Setup
 from vehicle.compiled import compiled
-
-if TYPE_CHECKING:
-    from simulation.setup import Setup
 
 
 class TagReaderRow(Protocol):
@@ -56,44 +50,3 @@ def latch(reader: TagReaderRow, tachometer: TachometerRow, beyond_m: float, step
     error_m = min(max(reader.sigma_m * normal(reader.source, step), -reader.most_m), reader.most_m)
     since_m = beyond_m * tachometer.gain / tachometer.wheel_factor * (1.0 + tachometer.miscount_share)
     reader.latched_m = counted_m(tachometer, tachometer.turned_m - since_m) + error_m
-
-
-class TagFault(Fault[int | None]):
-    """The id read where a tag lies; None: nothing is read."""
-
-    aims_at = "tag"
-    changes = "tag"
-    target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.tags
-
-    def base(self, _world: World) -> int | None:
-        return int(self.target)
-
-    def put(self, world: World, read_id: int | None) -> None:
-        tag_id = int(self.target)
-        if read_id == tag_id:
-            world.trains.tag_faults.pop(tag_id, None)
-        else:
-            world.trains.tag_faults[tag_id] = read_id
-
-
-class Miss(TagFault):
-    """The tag is not read."""
-
-    kind = "miss"
-
-    def over(self, _read_id: int | None) -> None:
-        return None
-
-
-class WrongId(TagFault):
-    """The tag reads as another."""
-
-    kind = "wrong_id"
-    id: TagId = Field(description="the id read")
-
-    def over(self, read_id: int | None) -> int | None:
-        return None if read_id is None else self.id

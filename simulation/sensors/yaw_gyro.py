@@ -12,24 +12,18 @@ Harada, Maki, Kazato and Ishiguri, section 3.3, name the body's motion in yaw as
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol
+from typing import Annotated, Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 from scipy.linalg import expm
 
-from network.files.quantities import NoiseFactor, YawRateDegps
 from onboard.board import SensedRow
 from radio.chance import generator
-from simulation.faults.fault import UnitFault, World
 from simulation.sensors.noise import normal, source_of
 from simulation.sensors.scene import SceneRow
+from simulation.setup import Setup
 from vehicle.compiled import compiled
-
-if TYPE_CHECKING:
-    from simulation.setup import Setup
 
 IN_ORDER: Final = 0
 DEAD: Final = 1
@@ -124,65 +118,3 @@ def yaw_gyro(own: YawGyroRow, _sensors: Any, scene: SceneRow, sensed: SensedRow)
         bias_radps = own.bias_radps + own.walk_radps + own.jump_radps
         own.shown_radps = turned_rad / scene.step_s * own.gain + bias_radps + noise_radps
     shown.yaw_radps = own.shown_radps
-
-
-@dataclass(frozen=True, slots=True)
-class Gyro:
-    """What a gyro makes of the yaw rate: silent, stuck, a jump (rad/s) on its bias, more noise."""
-
-    is_silent: bool = False
-    is_stuck: bool = False
-    jump_radps: float = 0.0
-    noise_factor: float = 1.0
-
-
-class GyroFault(UnitFault[Gyro]):
-    """What the yaw gyro of a train shows; a train without one does not mind."""
-
-    changes = "gyro"
-
-    def base(self, _world: World) -> Gyro:
-        return Gyro()
-
-    def put(self, world: World, gyro: Gyro) -> None:
-        own = world.trains.sensors["yaw_gyro"][world.slot(self.target)]
-        own.state = DEAD if gyro.is_silent else STUCK if gyro.is_stuck else IN_ORDER
-        own.jump_radps, own.noise_factor = gyro.jump_radps, gyro.noise_factor
-
-
-class GyroDead(GyroFault):
-    """The gyro shows nothing, even if it was stuck before."""
-
-    kind = "gyro_dead"
-
-    def over(self, gyro: Gyro) -> Gyro:
-        return replace(gyro, is_silent=True)
-
-
-class GyroStuck(GyroFault):
-    """The gyro shows for ever what it shows when it begins."""
-
-    kind = "gyro_stuck"
-
-    def over(self, gyro: Gyro) -> Gyro:
-        return replace(gyro, is_stuck=True)
-
-
-class GyroBias(GyroFault):
-    """The gyro's bias jumps."""
-
-    kind = "gyro_bias"
-    jump_degps: YawRateDegps = Field(description="added to the bias, to the right")
-
-    def over(self, gyro: Gyro) -> Gyro:
-        return replace(gyro, jump_radps=gyro.jump_radps + math.radians(self.jump_degps))
-
-
-class GyroNoise(GyroFault):
-    """The gyro is noisier."""
-
-    kind = "gyro_noise"
-    factor: NoiseFactor = Field(description="on the deviation of its noise")
-
-    def over(self, gyro: Gyro) -> Gyro:
-        return replace(gyro, noise_factor=gyro.noise_factor * self.factor)

@@ -5,13 +5,13 @@ Where a train has called is judged by where it truly stands, never by what its u
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Final
 
 from network.model import SectionKind
 from onboard.duty.mission import Target
 from simulation.result import EnergyRecord, StopRecord, TraceSpan
 from simulation.setup import STEPS_PER_S
+from simulation.subscribers import Subscribers
 from simulation.world.energy_book import EnergyBook
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
@@ -25,6 +25,7 @@ class Books:
     """The records of one run."""
 
     def __init__(self, trains: Trains) -> None:
+        self.stands: Final = Subscribers[int, int, float]()  # a train (slot) stands at a target, since when
         self.stops: list[StopRecord] = []
         self.spans: list[TraceSpan] = []
         self.arrived: list[str] = []  # numbers of trains at their last call
@@ -34,8 +35,6 @@ class Books:
         self._at: dict[int, int] = {}  # slot: the target where the train truly called last
         self._called: dict[int, StopRecord] = {}  # its record
         self._moved: set[int] = set()  # slots that have moved since
-        # Who is told that a train stands at a target, and since when.
-        self.stands: Callable[[int, int, float], None] = lambda _slot, _at, _now_s: None
 
     @property
     def energy(self) -> list[EnergyRecord]:

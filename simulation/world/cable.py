@@ -13,35 +13,17 @@ takes nothing away. What else a line's cable may carry (telephones, level crossi
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
 from typing import Final
 
 from network.model import Line
+from simulation.faults.cable import BETWEEN, WHOLE, CableCut
 from simulation.settings import Interlocking, Operation
 from wayside.config import MANAGER_ID
-
-WHOLE: Final = "*"
-BETWEEN: Final = " - "
-
-
-def stretches_of(line: Line) -> tuple[str, ...]:
-    """What of a line's cable may be cut: between two neighbouring stations, as `A - B` with the kilometrage."""
-    ids = [station.id for station in sorted(line.stations.values(), key=lambda station: station.position_m)]
-    return tuple(f"{low}{BETWEEN}{high}" for low, high in pairwise(ids))
 
 
 def centre_of(line: Line, operation: Operation) -> str:
     """The station at which the centre's cable joins the line; where none is named, the lowest."""
     return operation.centre or min(line.stations.values(), key=lambda station: station.position_m).id
-
-
-@dataclass(frozen=True, slots=True)
-class CableCut:
-    """Where the cable is cut: a stretch of it, and how far along that; or all of it (`*`)."""
-
-    stretch: str
-    along_share: float
 
 
 class Cable:

@@ -2,7 +2,7 @@
 
 The world knows which chargers work and tells all crews at once of one that does not; it connects a set to the charger
 at which it truly stands. The rest follows in the compiled step (`simulation.world.charge_control`). What a set needs
-is its unit's own prediction (`simulation.ways`), what it has is what its battery shows.
+is its unit's own prediction (`simulation.world.ways`), what it has is what its battery shows.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from onboard.reach import charger_at
 from simulation.battery_settings import BatterySettings, Beyond, Departure
 from simulation.result import BatteryEvent, BatteryRecord
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
-from simulation.ways import ways_of
 from simulation.world.books import Books
 from simulation.world.charge_control import DOWN, MOVED, READY_S, TOLD, UP, ChargingRow, fits, is_full
 from simulation.world.records import PASSED_FROM_A_STAND, PASSED_TO_A_STAND
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
+from simulation.world.ways import ways_of
 from vehicle.battery import BatteryRow, available_j, soc_of, stand, stored_j
 from vehicle.record import cells_of
 

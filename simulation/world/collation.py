@@ -28,7 +28,7 @@ WAVES: Final = 4000
 
 
 @dataclass(frozen=True, slots=True)
-class Charted:
+class LaidCurvatureMap:
     """The map of curvature as units of a run have it, laid along paths."""
 
     known: CurvatureMap
@@ -47,11 +47,11 @@ class Charted:
         return self._laid[key]
 
 
-def charted(setup: Setup, mounting: Mounting) -> Charted | None:
+def charted(setup: Setup, mounting: Mounting) -> LaidCurvatureMap | None:
     """The map of a run; None where no stock carries a gyro."""
     if not setup.sensors.any_gyro:
         return None
-    return Charted(map_of(setup), mounting, setup.curvature.filter)
+    return LaidCurvatureMap(map_of(setup), mounting, setup.curvature.filter)
 
 
 def map_of(setup: Setup) -> CurvatureMap:

@@ -11,20 +11,19 @@ The crew sees the real track, so this is part of the world; what it does is in t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
 from network.model import SectionKind
 from onboard.duty.mission import Mission
-from onboard.duty.plan import ARRIVED_ON_SIGHT_WITHIN_M, Plan, PointsNeeded
-from onboard.duty.records import AtMark, Command, EndOfHeld, NotAtMark, Person, PointsSeen, PointsWrong
+from onboard.duty.plan import ARRIVED_ON_SIGHT_WITHIN_M, DutyPlan, PointsNeeded
+from onboard.duty.records import AtMark, DrivingCommand, EndOfHeld, NotAtMark, Person, PointsSeen, PointsWrong
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S
 from simulation.world.books import CALLS_BEYOND_M, CALLS_SHORT_M
 from simulation.world.on_board import OnBoard
-from simulation.world.point_machine import PointMachine
+from simulation.world.points import WaysideWorld
 from simulation.world.trains import Trains
 
 LOOKS_AGAIN_S: Final = 20.0
@@ -39,20 +38,8 @@ SAYS_TO_M: Final = 10.0  # half a coach
 SEES_MARK_BEYOND_M: Final = 2.0  # a driver on sight stops with the mark under the cab
 
 
-class HandLocks(Protocol):
-    """The point machines, as a crew can lock them on the spot."""
-
-    def lock_by_hand(self, step: int, points_id: str, unit_id: str) -> None:
-        """Lock points and take the key."""
-        ...
-
-    def give_key_back(self, step: int, points_id: str, unit_id: str) -> None:
-        """Give the key back."""
-        ...
-
-
 @dataclass(frozen=True, slots=True)
-class Passage:
+class KeyPassage:
     """For what a crew has the key of points: a train of a slot that is to pass a section on its mission."""
 
     slot: int
@@ -63,21 +50,13 @@ class Passage:
 class Crew:
     """What the crews of all trains see, by what their units show them and by their eyes, and what they do."""
 
-    def __init__(
-        self,
-        trains: Trains,
-        on_board: OnBoard,
-        machine_of: Callable[[str], PointMachine],
-        journal: Journal,
-        hand_locks: HandLocks,
-    ) -> None:
+    def __init__(self, trains: Trains, on_board: OnBoard, wayside: WaysideWorld, journal: Journal) -> None:
         self._trains = trains
         self._on_board = on_board
-        self._machine_of = machine_of
+        self._wayside = wayside
         self._journal = journal
         self.on_sight: set[int] = set()  # slots of trains that run on sight, or sweep
-        self._hand_locks = hand_locks
-        self._passages: dict[str, Passage] = {}  # by points
+        self._passages: dict[str, KeyPassage] = {}  # by points
 
     def look_ahead(self, slot: int) -> None:
         """Set where the driver will stop: before points not proven, at the mark, at the end of what is held."""
@@ -160,7 +139,7 @@ class Crew:
         away_m = float(self._trains.truths[slot].position_m) - duty.mission.targets[stop].mark_m
         return SAYS_TO_M * round(away_m / SAYS_TO_M)
 
-    def _at_end_of_held(self, slot: int, mission: Mission, shown: Command) -> list[Person]:
+    def _at_end_of_held(self, slot: int, mission: Mission, shown: DrivingCommand) -> list[Person]:
         """The span where it stands, if it cannot go on because the unit does not hold what is ahead."""
         front_m = float(self._trains.truths[slot].position_m)
         index = mission.spans.index(mission.span_at(front_m))
@@ -169,7 +148,7 @@ class Crew:
         return [EndOfHeld(index)] if asks else []
 
     @staticmethod
-    def _mark_reached(mission: Mission, shown: Command, front_m: float) -> int | None:
+    def _mark_reached(mission: Mission, shown: DrivingCommand, front_m: float) -> int | None:
         """The next stop at whose mark the front stands."""
         for index, target in enumerate(mission.targets):
             span = mission.spans[mission.span_index(target.section_id)]
@@ -180,7 +159,7 @@ class Crew:
                 return index
         return None
 
-    def _look_at_points(self, slot: int, plan: Plan, mission: Mission, now_s: float) -> list[Person]:
+    def _look_at_points(self, slot: int, plan: DutyPlan, mission: Mission, now_s: float) -> list[Person]:
         """Standing before points that are not proven to its unit, the crew sees how they lie."""
         front_m = float(self._trains.truths[slot].position_m)
         found = self._at_points(slot, plan, self._on_board.shown(slot))
@@ -188,7 +167,7 @@ class Crew:
             return []
         start_m, needed = found
         right = self._locks(slot, mission, needed, now_s)
-        machine = self._machine_of(needed.points_id)
+        machine = self._wayside.machines[needed.points_id]
         seen = CrewCheckedPoints if right else CrewWaitsAtPoints
         note = seen(points_id=needed.points_id, lies=machine.position)
         self._journal.write(now_s, self._trains.stock_ids[slot], note)
@@ -204,10 +183,12 @@ class Crew:
         found = self._at_points(slot, plan, self._on_board.shown(slot))
         if found is None:
             return False
-        machine = self._machine_of(found[1].points_id)
+        machine = self._wayside.machines[found[1].points_id]
         return not (machine.locked and machine.position is found[1].position)
 
-    def _at_points(self, slot: int, plan: Plan, shown: Command) -> tuple[float, PointsNeeded] | None:
+    def _at_points(
+        self, slot: int, plan: DutyPlan, shown: DrivingCommand
+    ) -> tuple[float, PointsNeeded] | None:
         """The first points not proven, where they begin (m), if they are near enough to be seen and held."""
         duty = self._trains.duties[slot]
         following = self._unproven(slot, plan, shown)
@@ -228,21 +209,21 @@ class Crew:
         for points_id in self.keys_over(slot):
             del self._passages[points_id]
             step = round(now_s * STEPS_PER_S)
-            self._hand_locks.give_key_back(step, points_id, self._trains.stock_ids[slot])
+            self._wayside.give_key_back(step, points_id, self._trains.stock_ids[slot])
 
     def _locks(self, slot: int, mission: Mission, needed: PointsNeeded, now_s: float) -> bool:
         """Locks points that lie as needed; whether they now are so, locked by this crew."""
         stock_id, points_id = self._trains.stock_ids[slot], needed.points_id
-        machine = self._machine_of(points_id)
+        machine = self._wayside.machines[points_id]
         if not machine.locked or machine.position is not needed.position:
             return False
-        self._hand_locks.lock_by_hand(round(now_s * STEPS_PER_S), points_id, stock_id)
-        has_key = self._machine_of(points_id).key == stock_id
+        self._wayside.lock_by_hand(round(now_s * STEPS_PER_S), points_id, stock_id)
+        has_key = self._wayside.machines[points_id].key == stock_id
         if has_key:
-            self._passages[points_id] = Passage(slot, mission, needed.section_id)
+            self._passages[points_id] = KeyPassage(slot, mission, needed.section_id)
         return has_key
 
-    def _over(self, passage: Passage) -> bool:
+    def _over(self, passage: KeyPassage) -> bool:
         """Whether the train has left the section; or is not in it, and on another mission or no longer its holder."""
         truth, duty = self._trains.truths[passage.slot], self._trains.duties[passage.slot]
         if not truth.active:
@@ -254,7 +235,7 @@ class Crew:
         mission = passage.mission
         return rear_m >= mission.spans[mission.span_index(passage.section_id)].end_m
 
-    def _unproven(self, slot: int, plan: Plan, shown: Command) -> list[tuple[int, PointsNeeded]]:
+    def _unproven(self, slot: int, plan: DutyPlan, shown: DrivingCommand) -> list[tuple[int, PointsNeeded]]:
         """Points from the front on that the unit does not show as proven, each with the index of its span."""
         duty, front_m = self._trains.duties[slot], float(self._trains.truths[slot].position_m)
         spans = () if duty is None else duty.mission.spans
@@ -266,7 +247,7 @@ class Crew:
             if needed not in shown.proven
         ]
 
-    def _held_end_m(self, slot: int, shown: Command) -> float:
+    def _held_end_m(self, slot: int, shown: DrivingCommand) -> float:
         """End of what the unit holds from where it is; of the section it is in while it does not know."""
         duty = self._trains.duties[slot]
         if duty is None:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from network.model import Line
 from network.path import Path
-from simulation.faults.links import Stretch
+from simulation.faults.links import LineStretch
 
 
-class DeadZones:
+class DeadZonesInForce:
     """Those in force, by the section that each is named after."""
 
     def __init__(self, line: Line) -> None:
         self._line = line
         self._by_section: dict[str, list[tuple[str, float, float]]] = {}  # alignment, from and to, m
 
-    def put(self, section_id: str, stretches: tuple[Stretch, ...]) -> None:
+    def put(self, section_id: str, stretches: tuple[LineStretch, ...]) -> None:
         """These are the stretches that are named after a section."""
         pieces = [self._line.pieces[piece_id] for piece_id in self._line.sections[section_id].piece_ids]
         low_m, high_m = min(piece.from_m for piece in pieces), max(piece.to_m for piece in pieces)

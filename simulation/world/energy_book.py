@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from simulation.result import PARTS, EnergyParts, EnergyRecord, Phase
+from simulation.result import PARTS, EnergyParts, EnergyPhase, EnergyRecord
+from simulation.ride import NO_RIDE, taken
 from simulation.setup import STEP_S, STEPS_PER_S
-from simulation.world.ride import NO_RIDE, taken
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
 
@@ -33,7 +33,7 @@ class Account:
     """The open record of one stock, and those of the leg that it is on: its end is known on arrival alone."""
 
     duty: Duty
-    phase: Phase
+    phase: EnergyPhase
     at: int  # index of the target from which it left, or at which it stands
     since_step: int
     since: Counters
@@ -50,14 +50,14 @@ class EnergyBook:
 
     def begin(self, slot: int, duty: Duty, step: int) -> None:
         """A stock has taken up a train and stands at its first target."""
-        phase = Phase.HELD if duty.mission.targets[0].station_id is None else Phase.LAYOVER
+        phase = EnergyPhase.HELD if duty.mission.targets[0].station_id is None else EnergyPhase.LAYOVER
         self._accounts[slot] = Account(duty, phase, 0, step, self._counters(slot))
         taken(self._trains.rides[slot])  # whatever was before it is of no run
 
     def moves(self, slot: int, step: int) -> None:
         """A stock has moved in this step."""
         account = self._accounts.get(slot)
-        if account is None or account.phase in (Phase.RUNNING, Phase.STABLED):
+        if account is None or account.phase in (EnergyPhase.RUNNING, EnergyPhase.STABLED):
             return
         # No force does work on a train that stands: the step in which it began to move belongs to the run.
         since = account.since
@@ -65,24 +65,24 @@ class EnergyBook:
         auxiliary_j = max(self._counters(slot).auxiliary_j - step_j, since.auxiliary_j)
         stood = replace(since, auxiliary_j=auxiliary_j)
         self._cut(slot, account, max(step - 1, account.since_step), stood)
-        account.phase = Phase.RUNNING
+        account.phase = EnergyPhase.RUNNING
 
     def stands(self, slot: int, step: int, at: int) -> None:
         """A stock has come to a stand; `at` is the index of the target at which it last called, perhaps here."""
         account = self._accounts.get(slot)
-        if account is None or account.phase is Phase.STABLED:
+        if account is None or account.phase is EnergyPhase.STABLED:
             return
         arrived = at != account.at
-        if not arrived and account.phase is not Phase.RUNNING:
+        if not arrived and account.phase is not EnergyPhase.RUNNING:
             return
         self._cut(slot, account, step, self._counters(slot))
         targets = account.duty.mission.targets
         if not arrived:
-            account.phase = Phase.HELD
+            account.phase = EnergyPhase.HELD
             return
         self._arrive(account, at)
-        ends = Phase.LAYOVER if at == len(targets) - 1 else Phase.AT_STOP
-        account.phase = Phase.HELD if targets[at].station_id is None else ends
+        ends = EnergyPhase.LAYOVER if at == len(targets) - 1 else EnergyPhase.AT_STOP
+        account.phase = EnergyPhase.HELD if targets[at].station_id is None else ends
 
     def close(self, slot: int, step: int) -> None:
         """The stock's present train has ended, or the run."""
@@ -96,14 +96,14 @@ class EnergyBook:
         """The stock stands after its last train; what is still switched on is counted apart."""
         self.close(slot, step)
         at = len(duty.mission.targets) - 1
-        self._accounts[slot] = Account(duty, Phase.STABLED, at, step, self._counters(slot))
+        self._accounts[slot] = Account(duty, EnergyPhase.STABLED, at, step, self._counters(slot))
 
     def _cut(self, slot: int, account: Account, step: int, now: Counters) -> None:
         """End the open record; the next begins where it ends."""
         duty, since = account.duty, account.since
         targets = duty.mission.targets
         here = targets[account.at].place_id
-        on_leg = account.phase in (Phase.RUNNING, Phase.HELD)
+        on_leg = account.phase in (EnergyPhase.RUNNING, EnergyPhase.HELD)
         record = EnergyRecord(
             self._trains.stock_ids[slot],
             duty.train.number,
@@ -119,7 +119,7 @@ class EnergyBook:
             now.auxiliary_j - since.auxiliary_j,
             now.parts.since(since.parts),
             now.rejected_j - since.rejected_j,
-            taken(self._trains.rides[slot]) if account.phase is Phase.RUNNING else NO_RIDE,
+            taken(self._trains.rides[slot]) if account.phase is EnergyPhase.RUNNING else NO_RIDE,
         )
         (account.leg if on_leg else self.records).append(record)
         account.since_step, account.since = step, now

@@ -12,8 +12,10 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from onboard.records import MODE_DRIVE, MODE_HOLD, Chart, UnitRow
+from onboard.records import EVENT_FOUND, MODE_DRIVE, MODE_HOLD, Chart, UnitRow
 from onboard.tick import tick
+from simulation.result import TRACE_EVERY_STEPS
+from simulation.ride import count_motion, count_notches
 from simulation.sensors.scene import NO_TAG_M
 from simulation.sensors.table import sense_all
 from simulation.world.charge_control import drain, offer, steer
@@ -23,12 +25,10 @@ from simulation.world.records import (
     PASSED_REAR,
     PASSED_TAG,
     PASSED_TO_A_STAND,
-    TRACE_EVERY_STEPS,
     StockRow,
     TraceRow,
     TruthRow,
 )
-from simulation.world.ride import count_motion, count_notches
 from vehicle.adhesion import adhesion_coefficient
 from vehicle.brakes import service_notch
 from vehicle.compiled import compiled
@@ -48,7 +48,7 @@ SIGHT_MARGIN_MPS = 0.5  # the driver brakes this far above the ceiling, whatever
 Rows = NDArray[np.void]
 
 
-class Track(NamedTuple):
+class PathArrays(NamedTuple):
     """The pool of all paths: the real profile, what units know of it, their plans, where tags and other things lie."""
 
     profile: Rows
@@ -181,7 +181,7 @@ def points_rad(profile: Rows, truth: TruthRow, at_m: float) -> float:
 
 
 @compiled
-def look_around(row: StockRow, track: Track, before_m: float, curvature_per_m: float) -> None:
+def look_around(row: StockRow, track: PathArrays, before_m: float, curvature_per_m: float) -> None:
     """What else there is to be sensed by a train that was at `before_m` a step ago."""
     scene, truth = row.scene, row.truth
     now_m = truth.position_m
@@ -233,7 +233,7 @@ def look(row: StockRow, tag_beyond_m: float, wheel_before_m: float, step: int, s
 
 
 @compiled
-def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
+def step_one(row: StockRow, track: PathArrays, step: int) -> tuple[int, int]:
     """One stock through one step: its body moves, its sensors show it, its unit ticks.
 
     Returns what it passed and what its unit reports, as bits.
@@ -286,13 +286,14 @@ def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
 
 
 @compiled
-def judge_bounds(row: StockRow, worst: NDArray[np.float64], step: int) -> None:
+def judge_bounds(row: StockRow, events: int, worst: NDArray[np.float64], step: int) -> None:
     """Remember the moment of this stretch in which the truth was furthest out of the stated bounds, or nearest to it.
 
-    The checker judges it; here nothing is decided. `worst`: see `Sheet.worst`.
+    The checker judges it; here nothing is decided. `worst`: see `Sheet.worst`. A position that a sensor has found in
+    this step is stated from the next one on, if the unit then believes it.
     """
     unit = row.board.unit
-    if unit.position_known == 0 or row.truth.powered == 0:
+    if unit.position_known == 0 or events & EVENT_FOUND != 0 or row.truth.powered == 0:
         return
     beyond_m = row.truth.position_m - unit.position_m
     out_m = max(beyond_m - unit.bound_ahead_m, -beyond_m - unit.bound_behind_m)
@@ -346,7 +347,7 @@ def begins_to_move(sheet: Sheet, count: int, slot: int, speed_mps: float, done: 
 
 @compiled
 def advance(
-    stock: Rows, track: Track, sheet: Sheet, trace: Rows, trace_used: int, first_step: int, steps: int
+    stock: Rows, track: PathArrays, sheet: Sheet, trace: Rows, trace_used: int, first_step: int, steps: int
 ) -> tuple[int, int, int]:
     """Run all active trains for up to `steps` steps from `first_step`; returns steps done, trace rows used, movers.
 
@@ -372,11 +373,11 @@ def advance(
             found, events = step_one(row, track, step)
             if mover < moving and sheet.movers[mover] == slot:
                 sheet.speeds_mps[mover, done] = row.plant.speed_mps
-                judge_bounds(row, sheet.worst[mover], step)
+                judge_bounds(row, events, sheet.worst[mover], step)
                 mover += 1
             elif row.plant.speed_mps > 0.0:
                 begins_to_move(sheet, told, slot, row.plant.speed_mps, done)
-                judge_bounds(row, sheet.worst[told], step)
+                judge_bounds(row, events, sheet.worst[told], step)
                 told += 1
             sheet.passed[slot] = found
             sheet.events[slot] = events

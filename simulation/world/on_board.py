@@ -16,18 +16,18 @@ from host.units import Units
 from network.path import Path
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.driving.tuning import Learned
-from onboard.driving.tuning import StopRecord as StopWaves
+from onboard.driving.tuning import StopDecelerations as StopWaves
 from onboard.duty.mission import Mission
-from onboard.duty.plan import Plan, plan_of
-from onboard.duty.records import AtMark, Begin, ChangeEnds, Command, Person, Sensed, SwitchedOn
-from onboard.motion import Motion
+from onboard.duty.plan import DutyPlan, plan_of
+from onboard.duty.records import AtMark, Begin, ChangeEnds, DrivingCommand, Person, Sensed, SwitchedOn
+from onboard.motion import UnitMotion
 from onboard.notes import Note
 from onboard.records import PathData
-from onboard.unit import Answer, Report
+from onboard.unit import Report, UnitAnswer
+from simulation.clock import Clock
 from simulation.faults.fault import VehiclePart
 from simulation.setup import Setup
 from simulation.world.charging import Charging
-from simulation.world.clock import Clock
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
 
@@ -40,10 +40,10 @@ def new_keeper(trains: Trains, slot: int, *, learns: bool) -> StopKeeper:
     return StopKeeper(trains.tascs[slot], trains.designs[slot], trains.waves[slot], learned, learns)
 
 
-def new_motion(trains: Trains, slot: int, keeper: StopKeeper) -> Motion:
+def new_motion(trains: Trains, slot: int, keeper: StopKeeper) -> UnitMotion:
     """The driving part of a unit that is switched on."""
     setup = trains.setup
-    motion = Motion(
+    motion = UnitMotion(
         setup.believed_line,
         setup.unit,
         trains.units[slot],
@@ -67,11 +67,11 @@ def path_data(trains: Trains, slot: int, path: Path) -> PathData:
 class OnBoard:
     """The units of all stocks, by slot."""
 
-    def __init__(self, setup: Setup, trains: Trains, units: Units) -> None:
+    def __init__(self, setup: Setup, trains: Trains, units: Units, charging: Charging | None = None) -> None:
         self.unpowered: Final[set[int]] = set()
         self.uncommissioned: Final[set[int]] = set()  # of these, those that have power and lost their state
         self.numberless: Final[set[int]] = set()  # slots whose unit has power, and no train number yet
-        self.charging: Charging | None = None
+        self._charging: Final = charging
         self.clocks: Final = [Clock()] * len(trains.stock_ids)
         self.claims_besides: Final[
             dict[int, tuple[str, ...]]
@@ -79,7 +79,7 @@ class OnBoard:
         self._setup: Final = setup
         self._trains: Final = trains
         self._units: Final = units
-        self._plans: dict[tuple[str, int], Plan] = {}
+        self._plans: dict[tuple[str, int], DutyPlan] = {}
         self._keepers = [
             new_keeper(trains, slot, learns=setup.tuning.learn) for slot in range(len(trains.stock_ids))
         ]
@@ -95,7 +95,7 @@ class OnBoard:
         now_s: float,
         happened: Sequence[Person | Sensed] = (),
         telegrams: Sequence[bytes] = (),
-    ) -> tuple[Answer, list[Note]] | None:
+    ) -> tuple[UnitAnswer, list[Note]] | None:
         """Put what happened to the unit; its answer, and all lines for the journal. None while it has no power.
 
         The unit is asked by its own clock; in the answer its wake is true time again. Its driver knows the weather, and
@@ -108,9 +108,9 @@ class OnBoard:
         clock = self.clocks[slot]
         own_s = clock.shows(now_s)
         self._trains.truths[slot].clock_ahead_s = own_s - now_s
-        if self.charging is not None:
-            motion.charge = self.charging.watch_of(slot)
-            self.charging.now(slot, own_s)
+        if self._charging is not None:
+            motion.charge = self._charging.watch_of(slot)
+            self._charging.now(slot, own_s)
         by_eye = [told for event in happened if isinstance(event, AtMark) for told in motion.at_mark(event)]
         report = Report(motion.place(), (*happened, *by_eye), self.claims_besides.get(slot, ()))
         answer = self._units.advance(self._trains.stock_ids[slot], own_s, telegrams, report)
@@ -228,11 +228,11 @@ class OnBoard:
 
     # what the driver sees -----------------------------------------------------------------------------------------
 
-    def shown(self, slot: int) -> Command:
+    def shown(self, slot: int) -> DrivingCommand:
         """What the unit shows its driver."""
         return self._motions[slot].command
 
-    def plan(self, slot: int) -> Plan | None:
+    def plan(self, slot: int) -> DutyPlan | None:
         """The plan of the train that the stock runs."""
         duty = self._trains.duties[slot]
         return None if duty is None else self._plan(slot, duty.mission)
@@ -252,7 +252,7 @@ class OnBoard:
         """Waves of the last stop that each train counted."""
         return {k.learned.train_id: k.last for k in self._keepers if k.learns and k.last is not None}
 
-    def _plan(self, slot: int, mission: Mission) -> Plan:
+    def _plan(self, slot: int, mission: Mission) -> DutyPlan:
         key = (mission.number, slot)
         if key not in self._plans:
             self._plans[key] = plan_of(mission, float(self._trains.kinds[slot].length_m))

@@ -14,9 +14,9 @@ from network.profile import PROFILE, profile_of
 from onboard.driving.laws.cue import PLAN
 from onboard.driving.pattern import pattern_of
 from onboard.records import NO_PLACES, PATTERN, PLACE, PLACE_BEACON, PLACE_MARKERS, BehaviourRow
-from simulation.world.collation import Charted
+from simulation.world.collation import LaidCurvatureMap
 from simulation.world.irregularities import Irregularities
-from simulation.world.kernel import Track
+from simulation.world.kernel import PathArrays
 from vehicle.records import TrainRow
 
 
@@ -77,7 +77,7 @@ class PathPool:
         line: Line,
         believed: Line | None = None,
         rails: Irregularities | None = None,
-        charted: Charted | None = None,
+        charted: LaidCurvatureMap | None = None,
     ) -> None:
         self._line = line
         self._rails = rails
@@ -168,9 +168,9 @@ class PathPool:
         return offset
 
     @property
-    def track(self) -> Track:
+    def track(self) -> PathArrays:
         """The arrays as compiled code takes them."""
-        return Track(
+        return PathArrays(
             self.profile, self.pattern, self.plan, self.tag_positions_m, self.places, self.known_places
         )
 

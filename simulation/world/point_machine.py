@@ -16,7 +16,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from network.model import Points, Position
-from radio.table import Row, rows
+from radio.table import TableCell, rows
 from wayside.said import PointsDetected, StartThrow, StopThrow
 
 
@@ -59,7 +59,7 @@ class PointMachine:
 
 
 @dataclass(frozen=True, slots=True)
-class Arrived:
+class ThrowTimeOver:
     """Event: the time has come to which the motor had to run."""
 
     now_s: float
@@ -91,7 +91,7 @@ class KeyBack:
     by: str
 
 
-MachineEvent = StartThrow | StopThrow | Arrived | Forced | Repaired | LockedByHand | KeyBack
+MachineEvent = StartThrow | StopThrow | ThrowTimeOver | Forced | Repaired | LockedByHand | KeyBack
 
 
 def machine_of(points: Points) -> PointMachine:
@@ -106,7 +106,7 @@ def step(machine: PointMachine, event: MachineEvent, now_s: float) -> PointMachi
 
 def advance(machine: PointMachine, now_s: float) -> PointMachine:
     """The machine at `now_s`; call it at every step or at `done_at_s`."""
-    return step(machine, Arrived(now_s), now_s) if machine.done_at_s is not None else machine
+    return step(machine, ThrowTimeOver(now_s), now_s) if machine.done_at_s is not None else machine
 
 
 def detection(machine: PointMachine) -> PointsDetected:
@@ -133,7 +133,7 @@ def _stop(machine: PointMachine, _event: StopThrow, _now_s: float) -> PointMachi
     return replace(machine, target=None, done_at_s=None)
 
 
-def _arrive(machine: PointMachine, event: Arrived, _now_s: float) -> PointMachine:
+def _arrive(machine: PointMachine, event: ThrowTimeOver, _now_s: float) -> PointMachine:
     """At its time it is in the position and locked, unless it is stuck or its lock has failed."""
     if machine.stuck or machine.done_at_s is None or event.now_s < machine.done_at_s - 1e-9:
         return machine
@@ -171,21 +171,21 @@ TABLE: Final[Mapping[tuple[MachineState, type], Callable[[PointMachine, Any, flo
         {
             (MachineState.AT_REST, StartThrow): _start,
             (MachineState.AT_REST, StopThrow): _ignore,
-            (MachineState.AT_REST, Arrived): _ignore,
+            (MachineState.AT_REST, ThrowTimeOver): _ignore,
             (MachineState.AT_REST, Forced): _force,
             (MachineState.AT_REST, Repaired): _repair,
             (MachineState.AT_REST, LockedByHand): _lock_by_hand,
             (MachineState.AT_REST, KeyBack): _take_key_back,
             (MachineState.MOVING, StartThrow): _start,
             (MachineState.MOVING, StopThrow): _stop,
-            (MachineState.MOVING, Arrived): _arrive,
+            (MachineState.MOVING, ThrowTimeOver): _arrive,
             (MachineState.MOVING, Forced): _force,
             (MachineState.MOVING, Repaired): _repair,
             (MachineState.MOVING, LockedByHand): _ignore,
             (MachineState.MOVING, KeyBack): _ignore,
             (MachineState.BETWEEN, StartThrow): _start,
             (MachineState.BETWEEN, StopThrow): _ignore,
-            (MachineState.BETWEEN, Arrived): _ignore,
+            (MachineState.BETWEEN, ThrowTimeOver): _ignore,
             (MachineState.BETWEEN, Forced): _force,
             (MachineState.BETWEEN, Repaired): _repair,
             (MachineState.BETWEEN, LockedByHand): _ignore,
@@ -195,6 +195,6 @@ TABLE: Final[Mapping[tuple[MachineState, type], Callable[[PointMachine, Any, flo
 )
 
 
-def table_rows() -> tuple[Row, ...]:
+def table_rows() -> tuple[TableCell, ...]:
     """State of the machine and event, for the documentation."""
     return rows(TABLE)

@@ -10,10 +10,11 @@ from host.devices import DeviceAdvance, Devices
 from host.parties import Parties
 from host.store import NotCommissioned
 from network.model import Line, Position
-from radio.air import Air, Delivery
+from radio.air import Air
 from radio.envelope import header_of, kind_of
 from radio.noted import Lost, LostWhere, Sent
-from simulation.agenda import Agenda, Due
+from simulation.agenda import Agenda, AgendaKind
+from simulation.clock import Clock
 from simulation.events import (
     WORLD,
     Commissioned,
@@ -28,16 +29,15 @@ from simulation.events import (
     PowerOn,
     Uncommissioned,
 )
+from simulation.faults.fault import InForce
+from simulation.faults.links import disturbed
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world import point_machine
 from simulation.world.cable import Cable
-from simulation.world.clock import Clock
 from simulation.world.point_machine import KeyBack, LockedByHand, PointMachine, Repaired
 from wayside.config import MANAGER_ID
 from wayside.said import Input, Output
-
-Disturb = Callable[[int, str, str, tuple[Delivery, ...]], tuple[Delivery, ...]]
 
 
 class WaysideWorld:
@@ -53,6 +53,7 @@ class WaysideWorld:
         covered: Callable[[str], bool],
         cable: Cable,
         place_m: Callable[[str], float],
+        in_force: InForce,
     ) -> None:
         self.machines: dict[str, PointMachine] = {
             points.id: point_machine.machine_of(points) for points in line.points.values()
@@ -70,6 +71,7 @@ class WaysideWorld:
         self._covered = covered
         self.cable: Final = cable
         self._place_m = place_m
+        self._in_force: Final = in_force
         self._inputs: dict[str, list[Input]] = defaultdict(list)
         self._wakes: dict[str, int] = {}
         self.down: Final[set[str]] = set()  # devices without power
@@ -78,18 +80,17 @@ class WaysideWorld:
         )  # of these, those that have power and lost their durable state
         self._frozen: dict[str, list[bytes]] = {}
         self._clocks: dict[str, Clock] = {}
-        self.disturb: Disturb = lambda _step, _source, _destination, deliveries: deliveries
 
     def start(self, step: int) -> None:
         """Power on: every terminal sees its points."""
         for machine in self.machines.values():
             self.input(step, self._terminal_of[machine.points_id], point_machine.detection(machine))
-        self._agenda.put(step, Due.TO_DEVICE, MANAGER_ID)
+        self._agenda.put(step, AgendaKind.TO_DEVICE, MANAGER_ID)
 
     def input(self, step: int, device_id: str, value: Input) -> None:
         """Something a device senses, or an operator enters, at `step`."""
         self._inputs[device_id].append(value)
-        self._agenda.put(step, Due.TO_DEVICE, device_id)
+        self._agenda.put(step, AgendaKind.TO_DEVICE, device_id)
 
     def input_all(self, step: int, value: Input) -> None:
         """Something an operator enters at every device."""
@@ -101,7 +102,7 @@ class WaysideWorld:
         unit_id, device_id = (destination, source) if source in self.device_ids else (source, destination)
         covered = self._covered(unit_id)
         deliveries = self._air.transmit(step, source, destination, data, covered)
-        deliveries = self.disturb(step, source, destination, deliveries)
+        deliveries = disturbed(self._in_force, source, destination, deliveries)
         whole = not self.cable.severed or self.cable.carries(self._place_m(unit_id), device_id)
         deliveries = deliveries if whole else ()
         header = header_of(data)
@@ -125,7 +126,7 @@ class WaysideWorld:
         if not deliveries:
             of_air = LostWhere.AIR if covered else LostWhere.NO_COVERAGE
             self.lost(step, destination, data, of_air if whole or not covered else LostWhere.CABLE)
-        due = Due.TO_DEVICE if destination in self.device_ids else Due.TO_UNIT
+        due = AgendaKind.TO_DEVICE if destination in self.device_ids else AgendaKind.TO_UNIT
         for delivery in deliveries:
             self._agenda.put(delivery.step, due, destination, delivery.data)
 
@@ -183,7 +184,7 @@ class WaysideWorld:
             wake_step = max(step_not_before(wake_at_s), step + 1)
             if self._wakes.get(device_id) != wake_step:
                 self._wakes[device_id] = wake_step
-                self._agenda.put(wake_step, Due.TO_DEVICE, device_id)
+                self._agenda.put(wake_step, AgendaKind.TO_DEVICE, device_id)
 
     def _output(self, step: int, output: Output) -> None:
         machine = self.machines[output.points_id]
@@ -212,7 +213,7 @@ class WaysideWorld:
             locked = PointsLocked(points_id=points, position=machine.position)
             self._journal.write(step / STEPS_PER_S, WORLD, locked)
         if machine.done_at_s is not None and machine.done_at_s != before.done_at_s:
-            self._agenda.put(step_not_before(machine.done_at_s), Due.POINTS, points)
+            self._agenda.put(step_not_before(machine.done_at_s), AgendaKind.POINTS, points)
         shown = point_machine.detection(machine)
         if shown != point_machine.detection(before):
             self.input(step, self._terminal_of[points], shown)
@@ -221,7 +222,9 @@ class WaysideWorld:
         """Change a machine: a fault comes or goes. A motor that was held on its way may arrive now."""
         self._moved(step, machine)
         if machine.done_at_s is not None:
-            self._agenda.put(max(step_not_before(machine.done_at_s), step), Due.POINTS, machine.points_id)
+            self._agenda.put(
+                max(step_not_before(machine.done_at_s), step), AgendaKind.POINTS, machine.points_id
+            )
 
     def lock_by_hand(self, step: int, points_id: str, unit_id: str) -> None:
         """The crew of a train locks points on the spot and takes the key; the terminal sees it."""
@@ -267,7 +270,7 @@ class WaysideWorld:
         for points_id, terminal_id in self._terminal_of.items():
             if terminal_id == device_id:
                 self.input(step, device_id, point_machine.detection(self.machines[points_id]))
-        self._agenda.put(step, Due.TO_DEVICE, device_id)
+        self._agenda.put(step, AgendaKind.TO_DEVICE, device_id)
 
     def lose_store(self, device_id: str) -> None:
         """The durable state of a device that is down is gone."""
@@ -284,7 +287,7 @@ class WaysideWorld:
     def set_clock(self, step: int, device_id: str, clock: Clock) -> None:
         """The clock of a device shows another time from now on; its timers may have run out by it."""
         self._clocks[device_id] = clock
-        self._agenda.put(step, Due.TO_DEVICE, device_id)
+        self._agenda.put(step, AgendaKind.TO_DEVICE, device_id)
 
     def freeze(self, step: int, device_id: str, *, frozen: bool) -> None:
         """A device stops working without losing anything, or goes on with what has piled up."""
@@ -292,8 +295,8 @@ class WaysideWorld:
             self._frozen.setdefault(device_id, [])
             return
         for data in self._frozen.pop(device_id, []):
-            self._agenda.put(step, Due.TO_DEVICE, device_id, data)
-        self._agenda.put(step, Due.TO_DEVICE, device_id)
+            self._agenda.put(step, AgendaKind.TO_DEVICE, device_id, data)
+        self._agenda.put(step, AgendaKind.TO_DEVICE, device_id)
 
 
 def _sections_with_points(line: Line) -> dict[str, tuple[str, ...]]:

@@ -28,7 +28,7 @@ class _Lie:
     fixes: int = 0
 
 
-class Premises:
+class FalsePositions:
     """Which trains' positions a faulty tachometer has made false, by slot."""
 
     def __init__(self, tachometers: Sequence[TachometerRow], units: Sequence[UnitRow]) -> None:

@@ -8,10 +8,10 @@ from __future__ import annotations
 from typing import Annotated, Final, Protocol
 
 from onboard.board import BoardRow, SensedRow
+from simulation.ride import RideRow
 from simulation.sensors.scene import SceneRow
 from simulation.sensors.table import SensorsRow
 from simulation.world.charge_control import ChargingRow
-from simulation.world.ride import RideRow
 from vehicle.battery import BatteryRow
 from vehicle.record import dtype_of
 from vehicle.records import PlantRow, TrainRow
@@ -68,8 +68,6 @@ class StockRow(Protocol):
 
 TRUTH: Final = dtype_of(TruthRow)
 STOCK: Final = dtype_of(StockRow)
-
-TRACE_EVERY_STEPS: Final = 10  # a sample a second, and one at every event
 
 
 class TraceRow(Protocol):

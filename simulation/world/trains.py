@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -22,21 +22,22 @@ from onboard.localisation.table import READER_NAMES, ReadersRow
 from onboard.records import BehaviourRow, UnitRow
 from radio.chance import generator
 from simulation.carriers.carrier import Carrier, Truth
+from simulation.ride import RideRow
 from simulation.sensors.lidar import LidarSensorRow
 from simulation.sensors.table import SENSORS
 from simulation.sensors.tachometer import TachometerRow
 from simulation.sensors.tag_air import channel_at, read_bits
 from simulation.sensors.tag_reader import TagReaderRow
-from simulation.settings import Carried
+from simulation.settings import PositionSensor
 from simulation.setup import Setup, behaviour_rows
+from simulation.subscribers import Subscribers
 from simulation.world.collation import charted
 from simulation.world.collation import fit as fit_collation
-from simulation.world.dead_zones import DeadZones
+from simulation.world.dead_zones import DeadZonesInForce
 from simulation.world.irregularities import Irregularities
 from simulation.world.path_pool import PathPool, PathRows
-from simulation.world.premises import Premises
+from simulation.world.premises import FalsePositions
 from simulation.world.records import STOCK, TruthRow
-from simulation.world.ride import RideRow
 from simulation.world.roster import Duty
 from vehicle.record import cells_of
 from vehicle.records import PlantRow, TrainRow
@@ -113,13 +114,12 @@ class Trains:
         self.pool = PathPool(setup.line, setup.believed_line, rails, charted(setup, MOUNTING))
         self.paths: list[Path | None] = [None] * n  # the true path, which wrong points change
         self.duties: list[Duty | None] = [None] * n
-        self.premises = Premises(self.tachometers, self.units)
-        self.dead_zones = DeadZones(setup.line)
+        self.premises = FalsePositions(self.tachometers, self.units)
+        self.dead_zones = DeadZonesInForce(setup.line)
         self.tag_faults: dict[int, int | None] = {}  # id read instead of the tag's own; None: not read
-        self.charger_is: Callable[[str, bool], None] = lambda _station, _works: (
-            None
-        )  # who is told of a charger
-        self.rail_is: Callable[[int, float], None] = lambda _slot, _share: None  # who is told of the adhesion
+        self.rail_is: Final = Subscribers[
+            int, float
+        ]()  # the adhesion under a train (slot), of the dry rail's
         self._brake_factors = np.ones(n)
         self._brake_drawn = np.ones(n)  # of the leg
         self._brake_reserve = np.ones(n)  # what faults leave beyond the guaranteed share
@@ -135,7 +135,7 @@ class Trains:
         row["board"]["kind"] = setup.believed_train(stock_id).row[0]
         law = setup.laws.get(stock_id, LAW_NAMES[0])
         chance = generator(setup.seed, "driver", stock_id)
-        fit_law(self.laws[slot], law, setup.law_settings, lambda _law, _field: float(chance.normal()))
+        fit_law(self.laws[slot], law, setup.law, lambda _law, _field: float(chance.normal()))
         body, self._brake_factors[slot] = setup.scatter.body(setup.seed, stock_id, setup.trains[stock_id].row)
         row["body"] = body[0]
         for sensor in SENSORS:
@@ -145,7 +145,7 @@ class Trains:
         truth = self.truths[slot]
         truth.powered = 1
         truth.sight_m = truth.sign_m = math.inf
-        truth.carries_more = int(bool(setup.sensors.carried_by(stock_id) - {Carried.TAGS}))
+        truth.carries_more = int(bool(setup.sensors.carried_by(stock_id) - {PositionSensor.TAGS}))
         truth.wheels_vary = int(setup.sensors.wheels_vary)
         truth.lead_bogie_m, truth.bogie_base_m = LEAD_BOGIE_M, BOGIE_BASE_M
 
@@ -441,7 +441,7 @@ class Trains:
 
     def reads_tags(self, slot: int) -> bool:
         """Whether the stock carries a reader of tags."""
-        return Carried.TAGS in self.setup.sensors.carried_by(self.stock_ids[slot])
+        return PositionSensor.TAGS in self.setup.sensors.carried_by(self.stock_ids[slot])
 
     def _read_bits(self, slot: int, tag_id: int) -> int | None:
         """What the reader makes of the telegrams of a tag; drawn by seed, stock and time, whatever came before."""

@@ -1,23 +1,23 @@
-"""What two trains want of the same sections, each around an event of its own, moved against each other.
+"""What a headway between an event of one train and one of another goes into, along what the two need of each other.
 
-Each stood where it sets out for as long as it liked; but where the other one is going, or was, it is not free to. If
-the first train was in a place, or comes there, before the second leaves it, the second came there only when it had
-gone: the leg by which it came counts, too. If the first comes to a place before the second does, it has to go on: the
-leg by which it does counts, too. So the one is followed backwards and the other onwards, as far as that says which goes
-first; all stands between are the shortest (docs/decisions/060).
+Each stood where it sets out for as long as it liked; but where the other one is going, or was, it is not free to. Who
+goes first over what both need is `study.capacity.orders`; what decides is a chain of claims: the first train has a
+section from its event until that is free, the second from its need of it goes on to its own event, or, where the first
+waits for it, until a section is free that the first needs, and so on. All stands between are the shortest.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
-from study.capacity.legs import Leg, costs_between, slack_of, stand_of, stands_in
-from study.capacity.occupation import COST_OF, TOUCH_S, Cost, Occupation
+from study.capacity.legs import SetLeg, costs_between, slack_of, stand_of, stands_in
+from study.capacity.occupation import COST_OF, TOUCH_S, Occupation, OccupationCost
+from study.capacity.orders import DayOfLegs, OrderedLeg, Orders, TimedOrder
 
 WAY_IN_COUNTS = True  # off: a train that starts from where another one was may have been there all the time
-BACK_MAX = 1_000  # legs of the second before that of its event; 1: what lies further back can always wait
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,10 +27,10 @@ class Event:
     `before`: by which legs its set came to where that leg starts, the last one first; `after`: by which it goes on.
     """
 
-    leg: Leg
+    leg: SetLeg
     arrival: bool
-    before: tuple[Leg, ...] = ()
-    after: tuple[Leg, ...] = ()
+    before: tuple[SetLeg, ...] = ()
+    after: tuple[SetLeg, ...] = ()
 
     @property
     def time_s(self) -> float:
@@ -45,172 +45,190 @@ class Event:
 
 
 @dataclass(frozen=True, slots=True)
-class Claim:
-    """A section of one of the two trains, and what the time between its event and the section's end, or begin, goes
-    into: for the first from the event until the section is free, for the second from its need of it to the event.
-    """
-
-    occupation: Occupation
-    costs_s: Mapping[Cost, float]
-
-    @property
-    def time_s(self) -> float:
-        """The whole of that time, s."""
-        return math.fsum(self.costs_s.values())
-
-
 class Claims:
-    """What the first train holds from its event on, and what the second needs up to its own.
+    """What the first train holds from its event on, and what the second needs up to its own, in the best order.
 
-    `ahead` are legs of the first, that of its event first, `behind` legs of the second, that of its event first. Of
-    `behind[j]` is known that it comes after `ahead[: first[j] + 1]`; there are as many of each as that says of.
-    `possible` is off where the second can never come after the first: it was in the first one's way in the morning, or
-    the first stays in its way at night.
+    `first_s` and `second_s` make up the least time; `section_id` is the section by which the first is last in the
+    second's way. `ahead` are the legs that the first goes before the second's event, that of its event first, `behind`
+    those of the second, that of its event first; `ahead_waits_s` and `behind_waits_s` say for how much longer than it
+    must a train stands before each: the first goes as soon as it can, the second as late. `possible`: off where the
+    second can never come after the first, and the legs of the two events alone count.
     """
+
+    section_id: str
+    first_s: Mapping[OccupationCost, float]
+    second_s: Mapping[OccupationCost, float]
+    ahead: tuple[SetLeg, ...]
+    behind: tuple[SetLeg, ...]
+    ahead_waits_s: tuple[float, ...]
+    behind_waits_s: tuple[float, ...]
+    possible: bool
+
+
+def claims_of(
+    first: Event, second: Event, known: DayOfLegs, room: Collection[str] | None = None
+) -> Claims | None:
+    """The claims of two events; None where the two share nothing, or the second cannot come after the first.
+
+    `room`: the legs of the two events alone count, and of these not the sections that have room for all that wait.
+    """
+    started = tuple(_runs_in(first))
+    orders = Orders([*started, first.leg, *first.after], len(started), [second.leg, *second.before], known)
+    timed = orders.least() if WAY_IN_COUNTS and room is None else None
+    possible = timed is not None or not WAY_IN_COUNTS or room is not None
+    timed = timed or orders.alone(room or (), comes=not possible)
+    if timed is None or math.isinf(timed.later_s[-1]):
+        return None
+    return _Chain(orders, timed, first, second, known).claims(possible=possible)
+
+
+def _runs_in(event: Event) -> Iterator[SetLeg]:
+    """The legs by which a train came on which it did not stop before its event, in order of travel."""
+    found: list[SetLeg] = []
+    leg = event.leg
+    for before in event.before:
+        if leg.start is None or not stand_of(leg.start).passes:
+            break
+        found.insert(0, before)
+        leg = before
+    yield from found
+
+
+class _Chain:
+    """The chain of claims that decides, from the first train's event to the second's."""
 
     def __init__(
-        self, first: Event, second: Event, held: Iterable[Occupation], dwell_min_s: float = math.inf
+        self, orders: Orders, timed: TimedOrder, first: Event, second: Event, known: DayOfLegs
     ) -> None:
-        self._dwell_min_s = dwell_min_s
-        self._held = tuple(one for one in held if math.isfinite(one.end_s))
-        self.ahead: tuple[Leg, ...] = (first.leg, *(() if first.arrival else first.after))
-        self.behind: tuple[Leg, ...] = (second.leg, *second.before[:BACK_MAX])
-        self.possible = True
-        self.first: tuple[int, ...] = tuple(self._order(ends=not first.arrival)) if WAY_IN_COUNTS else (0,)
-        self._goes_on = len(self.ahead) > 1
-        self.ahead = self.ahead[: self.first[0] + 1]
-        self.behind = self.behind[: len(self.first)]
-        self._holds = list(self._all_held(first))
-        self._needs = list(self._all_needed(second))
+        self._orders, self._timed, self._first, self._second = orders, timed, first, second
+        self._known = known
+        self._path = [len(timed.moves) - 1]
+        while not self._is_source(self._path[0]):
+            self._path.insert(0, timed.came[self._path[0]][0])
 
-    def shared(self) -> Iterator[tuple[Claim, Claim]]:
-        """Each section that the second needs after the first held it: the one's claim and the other's.
+    def claims(self, *, possible: bool) -> Claims:
+        """What the time goes into, and what each train does meanwhile."""
+        timed, at = self._timed, self._first
+        spent_s: tuple[list[Mapping[OccupationCost, float]], list[Mapping[OccupationCost, float]]] = ([], [])
+        section_id = ""
+        for place, (before, after) in enumerate(pairwise(self._path)):
+            one, other, cross = timed.moves[before], timed.moves[after], timed.came[after][1]
+            if cross is None and before < after:
+                spent_s[one.second].extend((_rest_s(at), self._stood_s(other.leg)))
+            elif cross is None:
+                back_s = _sum(_run_s(at), self._stood_s(one.leg), _run_s(Event(other.leg, arrival=True)))
+                spent_s[one.second].append(_times(back_s, -1.0))
+            else:
+                spent_s[one.second].append(self._hold(cross.hold, at))
+            at = Event(other.leg, arrival=False)
+            if cross is not None:
+                section_id = cross.need.section_id if other.second else section_id
+                at = self._until(place + 1, other)
+                spent_s[other.second].append(self._need(cross.need, at))
+        if self._second.arrival and not at.arrival:
+            spent_s[True].append(_rest_s(at))
+        ahead = tuple(move.leg for move in timed.moves if not move.second and move.away >= 0)
+        behind = tuple(move.leg for move in timed.moves if move.second)[::-1]
+        waits_s = self._waits_s()
+        return Claims(
+            section_id,
+            _sum(*spent_s[False]),
+            _sum(*spent_s[True]),
+            ahead,
+            behind,
+            tuple(waits_s[id(leg)] for leg in ahead),
+            tuple(waits_s[id(leg)] for leg in behind),
+            possible,
+        )
 
-        What the first has there and back it has until it comes back.
-        """
-        for goes_first, needs in reversed(list(zip(self.first, self._needs, strict=True))):
-            holds = {h.occupation.section_id: h for own in self._holds[: goes_first + 1] for h in own}
-            for need in needs:
-                hold = holds.get(need.occupation.section_id)
-                if hold is not None:
-                    yield hold, need
+    def _is_source(self, at: int) -> bool:
+        move = self._timed.moves[at]
+        return not move.second and move.away == 0
 
-    # which leg goes before which -----------------------------------------------------------------------------------
+    def _until(self, place: int, move: OrderedLeg) -> Event:
+        """Up to which event a leg counts as that by which a section is needed."""
+        if place + 1 == len(self._path):
+            return self._second
+        after = self._path[place + 1]
+        goes_on = self._timed.came[after][1] is None and after > self._path[place]
+        return Event(move.leg, arrival=goes_on)
 
-    def _order(self, *, ends: bool) -> list[int]:
-        """Of each leg of the second, from that of its event backwards, the last leg of the first that goes before it.
-
-        Whoever goes before a leg goes before all that come after that; so it is looked at until nothing more follows.
-        """
-        found = [0]
-        changed = True
-        while changed:
-            before = list(found)
-            for later, goes_first in enumerate(before):
-                for one in range(goes_first + 1):
-                    self._follow(found, one, later, ends=ends)
-            for later in reversed(range(len(found) - 1)):
-                found[later] = max(found[later], found[later + 1])
-            changed = found != before
+    def _waits_s(self) -> dict[int, float]:
+        """For how much longer than it must each train stands before each leg, by leg."""
+        moves, orders = self._timed.moves, self._orders
+        at_s = [
+            s if not move.second else math.inf for s, move in zip(self._timed.later_s, moves, strict=True)
+        ]
+        at_s[-1] = self._timed.later_s[-1]
+        before: list[int | None] = [None] * len(moves)
+        for at in range(len(moves) - 1, -1, -1):
+            for earlier, w_s, cross in orders.after(moves[:at], moves[at]):
+                if cross is None:
+                    before[at] = earlier
+                if moves[earlier].second:
+                    at_s[earlier] = min(at_s[earlier], at_s[at] - w_s)
+        found: dict[int, float] = {}
+        for at, move in enumerate(moves):
+            came = before[at]
+            least_s = 0.0 if came is None else self._known.gap_s(moves[came].leg, move.leg)
+            wait_s = 0.0 if came is None else at_s[at] - at_s[came] - least_s
+            found[id(move.leg)] = wait_s if math.isfinite(wait_s) else 0.0
         return found
 
-    def _follow(self, found: list[int], one: int, later: int, *, ends: bool) -> None:
-        """What it says of other legs that `ahead[one]` goes before `behind[later]`."""
-        leg, other = self.ahead[one], self.behind[later]
-        goes_to, comes_from, comes_to = _id(leg.end), _id(other.start), _id(other.end)
-        goes_on = one + 1 < len(self.ahead)
-        stays = leg.end is not None and ends and not goes_on and math.isinf(leg.end.leaves_s)
-        if stays and goes_to in (comes_from, comes_to):
-            self.possible = False
-        if goes_on and goes_to and goes_to == comes_to:
-            found[later] = max(found[later], one + 1)
-        was_in = {o.section_id for o in self._held} if one == 0 else {_id(leg.start)}
-        least = one + 1 if goes_on and goes_to == comes_from else one if comes_from in was_in else -1
-        if other.start is None or least < 0:
-            return
-        if later + 1 < len(self.behind):
-            found[later + 1 :] = [max([least, *found[later + 1 : later + 2]]), *found[later + 2 :]]
-        elif later < BACK_MAX and math.isinf(other.start.enters_s):
-            self.possible = False
-
-    # claims ----------------------------------------------------------------------------------------------------------
-
-    def _all_held(self, first: Event) -> Iterator[list[Claim]]:
-        """What the first holds, leg by leg; a place to which it comes counts as of the leg by which it leaves that."""
-        sooner_s: Mapping[Cost, float] = {}
-        place: list[Claim] = []
-        for index, leg in enumerate(self.ahead):
-            event = first if index == 0 else Event(leg, arrival=False)
-            own = self._held if index == 0 else tuple(o for o in leg.occupations if math.isfinite(o.end_s))
-            holds = [self._hold(one, event, sooner_s) for one in own]
-            goes_on = index + 1 < len(self.ahead) or (index == 0 and self._goes_on and WAY_IN_COUNTS)
-            ends = [hold for hold in holds if goes_on and hold.occupation is leg.end]
-            yield [*place, *(hold for hold in holds if hold not in ends)]
-            place = ends
-            if leg.end is not None:
-                sooner_s = _sum(sooner_s, _run_s(Event(leg, arrival=True)), self._stood_s(leg.end))
-
-    def _all_needed(self, second: Event) -> Iterator[list[Claim]]:
-        """What the second needs, leg by leg, that of its event first; and the portal where it signs on."""
-        later_s: Mapping[Cost, float] = {}
-        for index, leg in enumerate(self.behind):
-            event = second if index == 0 else Event(leg, arrival=True)
-            needs = list(_needed(event, later_s))
-            start = leg.start
-            if start is not None:
-                later_s = _sum(later_s, _run_s(event), self._stood_s(start))
-                signs_on = math.isfinite(start.enters_s) and len(second.before) == index
-                if signs_on and index + 1 == len(self.behind) and WAY_IN_COUNTS:
-                    signs_on_s = costs_between(start, start.begin_s, stand_of(start).arrives_s)
-                    needs.insert(0, Claim(start, _sum(later_s, signs_on_s)))
-            yield needs
-
-    def _hold(self, one: Occupation, event: Event, sooner_s: Mapping[Cost, float]) -> Claim:
-        """What the first train holds; a stand that comes after the event is as short as it can be."""
+    def _hold(self, one: Occupation, event: Event) -> dict[OccupationCost, float]:
+        """What a train has a section for after an event; a stand after that is as short as it can be."""
         spent_s = costs_between(one, event.time_s, one.end_s)
-        if stand_of(one).arrives_s >= event.time_s - TOUCH_S:
-            slack_s = slack_of(one, self._dwell_min_s)
-            spent_s = {cost: spent_s[cost] - slack_s[cost] for cost in Cost}
-        return Claim(one, _sum(spent_s, sooner_s))
+        if stand_of(one).arrives_s < event.time_s - TOUCH_S:
+            return spent_s
+        return _sum(spent_s, _times(slack_of(one, self._known.dwell_min_s), -1.0))
 
-    def _stood_s(self, place: Occupation) -> dict[Cost, float]:
-        """What the shortest stand in a place goes into, s; infinite parts of one that has no end are left out."""
-        stand = stand_of(place)
-        if not (math.isfinite(stand.arrives_s) and math.isfinite(stand.departs_s)):
-            return dict.fromkeys(Cost, 0.0)
-        stood_s = costs_between(place, stand.arrives_s, stand.departs_s)
-        slack_s = slack_of(place, self._dwell_min_s)
-        return {cost: stood_s[cost] - slack_s[cost] for cost in Cost}
+    def _need(self, one: Occupation, event: Event) -> dict[OccupationCost, float]:
+        """What a train needs a section for until an event; the portal where it signs on with the shortest stand.
 
-
-def _id(place: Occupation | None) -> str:
-    return "" if place is None else place.section_id
-
-
-def _needed(event: Event, later_s: Mapping[Cost, float]) -> Iterator[Claim]:
-    """The sections of the leg of an event of the second train, and what comes after that event.
-
-    Once its front is out of a section it drives on to its event, however long its rear holds the section.
-    """
-    for one in event.leg.occupations:
-        if not math.isfinite(one.begin_s):
-            continue
+        Once its front is out of a section it drives on to its event, however long its rear holds the section.
+        """
+        leg = event.leg
+        if one is leg.start:
+            signs_on_s = costs_between(one, one.begin_s, stand_of(one).arrives_s)
+            return _sum(signs_on_s, self._stood_s(leg), _run_s(event))
         until_s = min(event.time_s, max(one.leaves_s, one.begin_s))
-        spent_s = costs_between(one, one.begin_s, until_s, event.leg.occupations)
-        spent_s[Cost.DRIVING] += event.time_s - until_s
-        yield Claim(one, _sum(spent_s, later_s))
+        spent_s = costs_between(one, one.begin_s, until_s, leg.occupations)
+        spent_s[OccupationCost.DRIVING] += event.time_s - until_s
+        return spent_s
+
+    def _stood_s(self, leg: SetLeg) -> dict[OccupationCost, float]:
+        """What the shortest stand before a leg goes into, s; infinite parts of one that has no end are left out."""
+        place = leg.start
+        stand = None if place is None else stand_of(place)
+        if (
+            place is None
+            or stand is None
+            or not (math.isfinite(stand.arrives_s) and math.isfinite(stand.departs_s))
+        ):
+            return dict.fromkeys(OccupationCost, 0.0)
+        stood_s = costs_between(place, stand.arrives_s, stand.departs_s)
+        return _sum(stood_s, _times(slack_of(place, self._known.dwell_min_s), -1.0))
 
 
-def _run_s(event: Event) -> dict[Cost, float]:
+def _run_s(event: Event) -> dict[OccupationCost, float]:
     """What the time from a leg's departure to its event goes into, s."""
-    found = dict.fromkeys(Cost, 0.0)
+    found = dict.fromkeys(OccupationCost, 0.0)
     if event.arrival:
         leg = event.leg
         for stand in (s for one in leg.occupations[:-1] for s in stands_in(one)):
             found[COST_OF[stand.part]] += stand.length_s
-        found[Cost.DRIVING] += leg.arrives_s - leg.departs_s - math.fsum(found.values())
+        found[OccupationCost.DRIVING] += leg.arrives_s - leg.departs_s - math.fsum(found.values())
     return found
 
 
-def _sum(*costs_s: Mapping[Cost, float]) -> dict[Cost, float]:
-    return {cost: math.fsum(one.get(cost, 0.0) for one in costs_s) for cost in Cost}
+def _rest_s(event: Event) -> dict[OccupationCost, float]:
+    """What the time from a leg's event to its arrival goes into, s."""
+    return dict.fromkeys(OccupationCost, 0.0) if event.arrival else _run_s(Event(event.leg, arrival=True))
+
+
+def _times(costs_s: Mapping[OccupationCost, float], by: float) -> dict[OccupationCost, float]:
+    return {cost: by * time_s for cost, time_s in costs_s.items()}
+
+
+def _sum(*costs_s: Mapping[OccupationCost, float]) -> dict[OccupationCost, float]:
+    return {cost: math.fsum(one.get(cost, 0.0) for one in costs_s) for cost in OccupationCost}

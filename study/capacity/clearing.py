@@ -16,11 +16,11 @@ from dataclasses import dataclass
 from network.model import SectionKind, TagPurpose
 from onboard.unit_records import UnitParameters
 from simulation.world.crew import LOOKS_AGAIN_S
-from study.capacity.journey import Journey
+from study.capacity.journey import TrainJourney
 
 
 @dataclass(frozen=True, slots=True)
-class Frees:
+class ReleaseMoment:
     """At this moment, s, with the front at `at_m`, so many spans may be given back; `stands`: at a mark on a track."""
 
     t_s: float
@@ -42,14 +42,14 @@ class Clearing:
         """By how much bounds grow, m a metre."""
         return min(2.0 * self.unit.wheel_varies_share, self.unit.wheel_error_share)
 
-    def bound_m(self, journey: Journey, front_m: float) -> float:
+    def bound_m(self, journey: TrainJourney, front_m: float) -> float:
         """By how much the front may be off at a path coordinate, m either way."""
         known_m = _known_m(journey)
         counts = bisect_right(known_m, front_m) - 1 - self.unit.tags_wrong_together
         since_m = max(front_m - known_m[max(counts, 0)], 0.0)
         return self.unit.tag_accuracy_m + self.pulse_m + self.growth * since_m
 
-    def clear_at_m(self, journey: Journey, end_m: float, from_m: float, doubt: float) -> float:
+    def clear_at_m(self, journey: TrainJourney, end_m: float, from_m: float, doubt: float) -> float:
         """Where the front is when the safe rear first is beyond `end_m`, from `from_m` on, m; infinite: nowhere.
 
         `doubt`: share of the way since the last tag that the odometer may have shown too much, for a release on it.
@@ -65,12 +65,12 @@ class Clearing:
                 return at_m
         return math.inf
 
-    def reported_s(self, journey: Journey) -> tuple[float, ...]:
+    def reported_s(self, journey: TrainJourney) -> tuple[float, ...]:
         """When each section of the journey is reported as clear, s; infinite for those that it ends in."""
         frees = () if self.by_section else tuple(self._frees(journey))
         return tuple(self._reported_s(journey, frees, i) for i in range(len(journey.mission.spans)))
 
-    def _reported_s(self, journey: Journey, frees: tuple[Frees, ...], span: int) -> float:
+    def _reported_s(self, journey: TrainJourney, frees: tuple[ReleaseMoment, ...], span: int) -> float:
         end_m = journey.mission.spans[span].end_m
         if self.by_section:
             return journey.at_s(self.clear_at_m(journey, end_m, 0.0, 0.0))
@@ -85,12 +85,12 @@ class Clearing:
                 found_s = min(found_s, each.t_s)
         return min(found_s, self._by_eye_s(journey, span))
 
-    def _by_eye_s(self, journey: Journey, span: int) -> float:
+    def _by_eye_s(self, journey: TrainJourney, span: int) -> float:
         """When the driver of a train at its mark would have confirmed what no tag proves, s."""
         found = (s.arrives_s for s in journey.stays if journey.plan.stops[s.target].clear > span)
         return next(found, math.inf) + LOOKS_AGAIN_S
 
-    def _frees(self, journey: Journey) -> Iterator[Frees]:
+    def _frees(self, journey: TrainJourney) -> Iterator[ReleaseMoment]:
         """What may be given back when, by the tags read and the stops made."""
         mission, plan = journey.mission, journey.plan
         proved = 0
@@ -101,12 +101,12 @@ class Clearing:
                 laid, tag = read.pop(0)
                 proved = max(proved, tag.clear)
                 if tag.purpose is TagPurpose.ARRIVAL:
-                    yield Frees(journey.at_s(laid.position_m), laid.position_m, proved, stands=False)
+                    yield ReleaseMoment(journey.at_s(laid.position_m), laid.position_m, proved, stands=False)
             if mission.spans[stop.span].kind is not SectionKind.BETWEEN:
-                yield Frees(stay.arrives_s, mark_m, min(proved, stop.clear), stands=True)
+                yield ReleaseMoment(stay.arrives_s, mark_m, min(proved, stop.clear), stands=True)
 
 
-def _known_m(journey: Journey) -> list[float]:
+def _known_m(journey: TrainJourney) -> list[float]:
     """Where the position was told: where the journey begins, and at each tag, m."""
     start_m = journey.mission.targets[0].mark_m
     return [start_m, *(tag.position_m for tag in journey.mission.tags if tag.position_m > start_m)]

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
-from study.capacity.occupation import COST_OF, TOUCH_S, Occupation, Part
+from study.capacity.occupation import COST_OF, TOUCH_S, Occupation, OccupationPart
 
 SEEN_S: Final = 0.05  # differences below this are none
 LATE_S: Final = 5.0  # a train so far off its prediction is told as such
@@ -19,7 +19,7 @@ REPEATED_S: Final = 1.5  # a telegram that took so much longer was sent again
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class ComparedOccupation:
     """One occupation in theory and in a run."""
 
     theory: Occupation
@@ -31,7 +31,7 @@ class Pair:
         ends = (self.theory.leaves_s, self.run.leaves_s, self.theory.enters_s, self.run.enters_s)
         return all(math.isfinite(t) for t in ends)
 
-    def more_s(self, part: Part) -> float:
+    def more_s(self, part: OccupationPart) -> float:
         """By how much the run has more of a part, s."""
         return self.run.of_part(part) - self.theory.of_part(part)
 
@@ -47,7 +47,7 @@ class Difference:
     theory), where the greatest is, and why it differs there.
     """
 
-    part: Part
+    part: OccupationPart
     pairs: int
     theory_s: float
     run_s: float
@@ -77,7 +77,7 @@ class Difference:
 class Compared:
     """Theory beside a run. `only_theory` and `only_run`: occupations that the other lacks."""
 
-    pairs: tuple[Pair, ...]
+    pairs: tuple[ComparedOccupation, ...]
     only_theory: tuple[Occupation, ...]
     only_run: tuple[Occupation, ...]
 
@@ -88,10 +88,10 @@ class Compared:
 
     def differences(self) -> tuple[Difference, ...]:
         """Each part that either has, in the order of parts."""
-        found = (self._of(part) for part in Part)
+        found = (self._of(part) for part in OccupationPart)
         return tuple(one for one in found if one is not None)
 
-    def _of(self, part: Part) -> Difference | None:
+    def _of(self, part: OccupationPart) -> Difference | None:
         own = [
             p for p in self.pairs if p.usable and max(p.run.of_part(part), p.theory.of_part(part)) > TOUCH_S
         ]
@@ -111,7 +111,7 @@ class Compared:
             _why(worst, part, self._waited(worst)),
         )
 
-    def _waited(self, pair: Pair) -> float:
+    def _waited(self, pair: ComparedOccupation) -> float:
         """For how long the train waited for others up to that occupation, s."""
         own = (p.run for p in self.pairs if p.run.number == pair.run.number)
         return max((o.waited_s for o in own if o.begin_s <= pair.run.end_s), default=0.0)
@@ -120,14 +120,14 @@ class Compared:
 def compared(theory: Iterable[Occupation], run: Iterable[Occupation]) -> Compared:
     """Theory beside a run, in the order of the run."""
     left = {_key(one): one for one in theory}
-    pairs: list[Pair] = []
+    pairs: list[ComparedOccupation] = []
     only_run: list[Occupation] = []
     for one in run:
         other = left.pop(_key(one), None)
         if other is None:
             only_run.append(one)
         else:
-            pairs.append(Pair(other, one))
+            pairs.append(ComparedOccupation(other, one))
     return Compared(tuple(pairs), tuple(left.values()), tuple(only_run))
 
 
@@ -135,24 +135,30 @@ def _key(one: Occupation) -> tuple[str, str, str]:
     return one.section_id, one.stock_id, one.number
 
 
-_TELEGRAMS: Final = (Part.REQUEST, Part.AIR, Part.GRANT, Part.PROOF, Part.RELEASE)
+_TELEGRAMS: Final = (
+    OccupationPart.REQUEST,
+    OccupationPart.AIR,
+    OccupationPart.GRANT,
+    OccupationPart.PROOF,
+    OccupationPart.RELEASE,
+)
 _STANDS: Final = (
-    Part.READY,
-    Part.DWELL,
-    Part.HELD,
-    Part.LAYOVER,
-    Part.CHANGE_ENDS,
-    Part.CHARGING,
-    Part.START,
+    OccupationPart.READY,
+    OccupationPart.DWELL,
+    OccupationPart.HELD,
+    OccupationPart.LAYOVER,
+    OccupationPart.CHANGE_ENDS,
+    OccupationPart.CHARGING,
+    OccupationPart.START,
 )
 
 
-def _why(pair: Pair, part: Part, waited_s: float) -> str:
+def _why(pair: ComparedOccupation, part: OccupationPart, waited_s: float) -> str:
     """Why a part differs there, in words."""
     more_s = pair.more_s(part)
     if abs(more_s) <= SEEN_S:
         return "no difference"
-    if part is Part.THROW:
+    if part is OccupationPart.THROW:
         return "the points lay otherwise than the planned order of trains leaves them"
     return _telegram(more_s) if part in _TELEGRAMS else _train(pair, part, waited_s)
 
@@ -163,7 +169,7 @@ def _telegram(more_s: float) -> str:
     return f"the air took {'longer' if more_s > 0.0 else 'less'} than its mean"
 
 
-def _train(pair: Pair, part: Part, waited_s: float) -> str:
+def _train(pair: ComparedOccupation, part: OccupationPart, waited_s: float) -> str:
     if waited_s > SEEN_S:
         return f"the train had waited {waited_s:.0f} s for what another held"
     if abs(pair.late_s) > LATE_S:

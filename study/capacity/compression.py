@@ -15,11 +15,11 @@ from enum import StrEnum
 from itertools import pairwise
 from typing import Final
 
-from study.capacity.legs import Leg, costs_between, joined_legs, stand_of
-from study.capacity.occupation import TOUCH_S, Cost, Occupation
+from study.capacity.legs import SetLeg, costs_between, joined_legs, stand_of
+from study.capacity.occupation import TOUCH_S, Occupation, OccupationCost
 
 
-class Stops(StrEnum):
+class StandingRule(StrEnum):
     """How long trains stand between two legs of a part: as planned, as UIC 406 has it, or no longer than they must."""
 
     KEPT = "kept"
@@ -35,7 +35,7 @@ class ContradictionError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class HeldSection:
     """A section held from something that moves with the leg `begins` to something that moves with the leg `ends`."""
 
     occupation: Occupation
@@ -56,7 +56,7 @@ class Touch:
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class ChainLink:
     """One link of the critical chain: from when a train's leg is let begin to when it lets the next one begin.
 
     The chain is without gaps, so that its links make up the compressed time; `costs_s` make up the link.
@@ -66,7 +66,7 @@ class Link:
     section_id: str
     begin_s: float
     end_s: float
-    costs_s: Mapping[Cost, float]
+    costs_s: Mapping[OccupationCost, float]
 
     @property
     def length_s(self) -> float:
@@ -82,11 +82,11 @@ class Compressed:
     each leg moved (negative: to the left). `section_id`: the critical section, on which most of the chain lies.
     """
 
-    legs: tuple[Leg, ...]
+    legs: tuple[SetLeg, ...]
     moves_s: tuple[float, ...]
     begins_s: float
     occupied_s: float
-    chain: tuple[Link, ...]
+    chain: tuple[ChainLink, ...]
 
     @property
     def trains(self) -> tuple[str, ...]:
@@ -106,15 +106,15 @@ class Compressed:
             found.setdefault(link.section_id, []).append(link.length_s)
         return {section_id: math.fsum(lengths) for section_id, lengths in found.items()}
 
-    def costs_s(self) -> dict[Cost, float]:
+    def costs_s(self) -> dict[OccupationCost, float]:
         """What the compressed time goes into, s; together all of it."""
-        return {cost: math.fsum(link.costs_s[cost] for link in self.chain) for cost in Cost}
+        return {cost: math.fsum(link.costs_s[cost] for link in self.chain) for cost in OccupationCost}
 
 
 def compressed(
-    legs: Iterable[Leg],
+    legs: Iterable[SetLeg],
     section_ids: frozenset[str],
-    stops: Stops = Stops.KEPT,
+    stops: StandingRule = StandingRule.KEPT,
     dwell_min_s: float = math.inf,
 ) -> Compressed:
     """The trains of a part pushed together; ContradictionError where its trains cannot be put into an order.
@@ -136,24 +136,24 @@ def compressed(
     return Compressed(inside, tuple(moves_s), begins_s, occupied_s, chain)
 
 
-def _held(legs: Sequence[Leg], section_ids: frozenset[str]) -> list[Held]:
+def _held(legs: Sequence[SetLeg], section_ids: frozenset[str]) -> list[HeldSection]:
     """All that is held in the part, in order of time; what never begins or ends is held while its leg runs."""
     number = {id(leg): index for index, leg in enumerate(legs)}
     leaves = {id(before): number[id(after)] for before, after in joined_legs(legs)}
     begun = {id(after.start) for _, after in joined_legs(legs)}
-    found: list[Held] = []
+    found: list[HeldSection] = []
     for index, leg in enumerate(legs):
         if leg.start is not None and id(leg.start) not in begun and leg.start.section_id in section_ids:
-            found.append(Held(_finite(leg.start, leg), index, index))
+            found.append(HeldSection(_finite(leg.start, leg), index, index))
         for one in leg.occupations:
             if one.section_id in section_ids:
                 ends = leaves.get(id(leg), index) if one is leg.end else index
-                found.append(Held(_finite(one, leg), index, ends))
+                found.append(HeldSection(_finite(one, leg), index, ends))
     found.sort(key=lambda h: (h.occupation.begin_s, h.occupation.end_s, h.occupation.number))
     return found
 
 
-def _finite(occupation: Occupation, leg: Leg) -> Occupation:
+def _finite(occupation: Occupation, leg: SetLeg) -> Occupation:
     """An occupation without a beginning begins as its leg does; one without an end ends as its leg does."""
     begin_s = max(occupation.begin_s, min(o.begin_s for o in leg.occupations))
     end_s = occupation.end_s
@@ -176,9 +176,9 @@ def _clipped(occupation: Occupation, begin_s: float, end_s: float) -> Occupation
     return replace(occupation, slices=slices)
 
 
-def _in_turn(held: Sequence[Held]) -> list[Touch]:
+def _in_turn(held: Sequence[HeldSection]) -> list[Touch]:
     """One after the other on each section, as planned; a set does not wait for itself."""
-    by_section: dict[str, list[Held]] = {}
+    by_section: dict[str, list[HeldSection]] = {}
     for one in held:
         by_section.setdefault(one.occupation.section_id, []).append(one)
     found: list[Touch] = []
@@ -193,7 +193,7 @@ def _in_turn(held: Sequence[Held]) -> list[Touch]:
 
 
 def _stands(
-    legs: Sequence[Leg], section_ids: frozenset[str], stops: Stops, dwell_min_s: float
+    legs: Sequence[SetLeg], section_ids: frozenset[str], stops: StandingRule, dwell_min_s: float
 ) -> list[Touch]:
     """Between the legs of a set whose stand lies in the part: no sooner than it must, and where kept no later."""
     number = {id(leg): index for index, leg in enumerate(legs)}
@@ -207,10 +207,10 @@ def _stands(
         slack_s = max(stand.departs_s - stand.arrives_s - stand.least_s, 0.0)
         turns = before.number != after.number
         if end.section_id not in section_ids:
-            if turns or stops is Stops.LEAST:
+            if turns or stops is StandingRule.LEAST:
                 continue  # what it does beyond the part is no matter of the part
             slack_s = 0.0
-        elif stops is Stops.KEPT and not turns:
+        elif stops is StandingRule.KEPT and not turns:
             slack_s = 0.0
         found.append(Touch(one, other, -slack_s, stand.arrives_s + stand.least_s, stand.departs_s, ""))
         if slack_s == 0.0 and not turns:
@@ -219,7 +219,7 @@ def _stands(
 
 
 def _least(
-    legs: Sequence[Leg], held: Sequence[Held], touches: Sequence[Touch], begins_s: float
+    legs: Sequence[SetLeg], held: Sequence[HeldSection], touches: Sequence[Touch], begins_s: float
 ) -> tuple[list[float], list[Touch | None]]:
     """The least moves, s, and what holds each leg where it is (None: the beginning of the part)."""
     moves_s = [-math.inf] * len(legs)
@@ -240,7 +240,7 @@ def _least(
     raise ContradictionError(_circle(legs, because))
 
 
-def _circle(legs: Sequence[Leg], because: Sequence[Touch | None]) -> list[str]:
+def _circle(legs: Sequence[SetLeg], because: Sequence[Touch | None]) -> list[str]:
     """The trains of a circle of legs that push each other."""
     for start in range(len(legs)):
         seen: list[int] = []
@@ -254,10 +254,10 @@ def _circle(legs: Sequence[Leg], because: Sequence[Touch | None]) -> list[str]:
     return []
 
 
-def _again(held: Sequence[Held], moves_s: Sequence[float]) -> tuple[Held, Held]:
+def _again(held: Sequence[HeldSection], moves_s: Sequence[float]) -> tuple[HeldSection, HeldSection]:
     """The last and the first of the section that makes the same trains wait longest before they could begin again."""
-    first: dict[str, Held] = {}
-    last: dict[str, Held] = {}
+    first: dict[str, HeldSection] = {}
+    last: dict[str, HeldSection] = {}
     for one in held:
         section_id = one.occupation.section_id
         if section_id not in first or _begin_s(one, moves_s) < _begin_s(first[section_id], moves_s):
@@ -268,28 +268,28 @@ def _again(held: Sequence[Held], moves_s: Sequence[float]) -> tuple[Held, Held]:
     return last[longest], first[longest]
 
 
-def _begin_s(held: Held, moves_s: Sequence[float]) -> float:
+def _begin_s(held: HeldSection, moves_s: Sequence[float]) -> float:
     return held.occupation.begin_s + moves_s[held.begins]
 
 
-def _end_s(held: Held, moves_s: Sequence[float]) -> float:
+def _end_s(held: HeldSection, moves_s: Sequence[float]) -> float:
     return held.occupation.end_s + moves_s[held.ends]
 
 
 def _chain(
-    legs: Sequence[Leg],
-    held: Sequence[Held],
+    legs: Sequence[SetLeg],
+    held: Sequence[HeldSection],
     moves_s: Sequence[float],
     because: Sequence[Touch | None],
-    ends: tuple[Held, Held],
-) -> tuple[Link, ...]:
+    ends: tuple[HeldSection, HeldSection],
+) -> tuple[ChainLink, ...]:
     """From the last end back to the first beginning, by what holds each leg where it is."""
     first, last = ends
     until_s, stop_s = _end_s(last, moves_s), _begin_s(first, moves_s)
     by_leg = {(h.begins, h.occupation.section_id): h for h in held}
     by_leg |= {(h.ends, h.occupation.section_id): h for h in held}
     at, section_id = last.ends, last.occupation.section_id
-    links: list[Link] = []
+    links: list[ChainLink] = []
     while until_s > stop_s + TOUCH_S:
         touch = because[at]
         from_s = stop_s if touch is None else max(touch.begin_s + moves_s[at], stop_s)
@@ -302,7 +302,9 @@ def _chain(
     return tuple(reversed(links))
 
 
-def _link(leg: Leg, occupation: Occupation | None, begin_s: float, end_s: float, move_s: float) -> Link:
+def _link(
+    leg: SetLeg, occupation: Occupation | None, begin_s: float, end_s: float, move_s: float
+) -> ChainLink:
     one = leg.occupations[-1] if occupation is None else occupation
     costs_s = costs_between(one, begin_s - move_s, end_s - move_s, leg.occupations)
-    return Link(leg.number, one.section_id, begin_s, end_s, costs_s)
+    return ChainLink(leg.number, one.section_id, begin_s, end_s, costs_s)

@@ -36,7 +36,7 @@ class CutPart:
 
 
 @dataclass(frozen=True, slots=True)
-class Cut:
+class LineCut:
     """A line in parts; `how` says in words how it was cut."""
 
     name: str
@@ -99,12 +99,12 @@ WAYS: Final[Mapping[str, tuple[str, Callable[[Line], tuple[CutPart, ...]]]]] = M
 )
 
 
-def cut_of(line: Line, name: str) -> Cut:
+def cut_of(line: Line, name: str) -> LineCut:
     """A line cut in one of the ways; InputError for another."""
     if name not in WAYS:
         raise InputError("command line", "--cut", name, one_of([*WAYS, "all"], name))
     how, parts = WAYS[name]
-    return Cut(name, how, parts(line))
+    return LineCut(name, how, parts(line))
 
 
 def _stations(line: Line) -> list[Station]:

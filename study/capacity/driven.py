@@ -17,9 +17,9 @@ from onboard.records import BehaviourRow
 from onboard.unit_records import UnitParameters
 from simulation.people import Pause
 from simulation.setup import Setup, behaviour_row
-from simulation.ways import ground_of
+from simulation.world.ways import ground_of
 from study.capacity.clearing import Clearing
-from study.capacity.journey import Journey, Stay
+from study.capacity.journey import JourneyStay, TrainJourney
 from study.capacity.links import Links
 from study.capacity.rules import Rules
 from study.capacity.setting import Setting
@@ -34,7 +34,7 @@ HOP_LEAST_M = 0.05  # two marks nearer than this are one
 
 
 @dataclass(frozen=True, slots=True)
-class Driving:
+class StockDriving:
     """How one stock is driven: the train as its unit believes it to be, its rules, and the ways that it knows.
 
     `start`: from the word to leave until the train moves, and runs as predicted. `known`: hops already predicted.
@@ -57,7 +57,7 @@ class Driving:
         """Times of the unit."""
         return self.setup.unit
 
-    def journey(self, planned: PlannedTrain, setting: Setting, ready_s: float) -> Journey:
+    def journey(self, planned: PlannedTrain, setting: Setting, ready_s: float) -> TrainJourney:
         """A train of the plan whose stock is ready for it at a time, s."""
         duty, mission = planned.duty, planned.duty.mission
         plan = plan_of(mission, float(self.train.length_m))
@@ -71,14 +71,14 @@ class Driving:
         if leg is not None:
             asks_s[leg.route_id] = self._asks_s(mission.targets[0], asked_s, asked_s)
             leaves_s = max(leaves_s, setting.way_free_s(plan, leg, asks_s[leg.route_id]))
-        stays = [Stay(0, ready_s, leaves_s)]
+        stays = [JourneyStay(0, ready_s, leaves_s)]
         course = [np.array([[ready_s, mission.targets[0].mark_m, 0.0]])]
         for at, there in enumerate(mission.targets[1:], start=1):
             hop = self._hop(mission, at, stays[-1].departs_s)
             course.append(hop)
             stands_s = float(hop[-1, 0])
             if at + 1 == len(mission.targets):
-                stays.append(Stay(at, stands_s, stands_s))
+                stays.append(JourneyStay(at, stands_s, stands_s))
                 break
             free_s = stands_s + (self.unit.dwell_min_s if there.passengers else 0.0)
             leaves_s = max(free_s, -math.inf if self.rules.unslowed else there.departure_s or -math.inf)
@@ -87,8 +87,8 @@ class Driving:
                 asks_s[leg.route_id] = self._asks_s(there, stands_s, free_s)
                 if not self.rules.late:
                     leaves_s = max(leaves_s, setting.way_free_s(plan, leg, asks_s[leg.route_id]))
-            stays.append(Stay(at, stands_s, leaves_s))
-        made = Journey(
+            stays.append(JourneyStay(at, stands_s, leaves_s))
+        made = TrainJourney(
             self.stock_id,
             mission,
             plan,
@@ -116,12 +116,12 @@ class Driving:
         return begins_s, begins_s + self.links.ask_s
 
     def _asks_s(self, target: Target, stands_s: float, free_s: float) -> float:
-        """When a unit that stands at a stop asks for the route beyond it (`onboard.duty.turn.Turn.schedule`)."""
+        """When a unit that stands at a stop asks for the route beyond it; see `DutyStep.schedule`."""
         lead_s = self.unit.request_lead_s
         planned_s = -math.inf if target.departure_s is None else target.departure_s - lead_s
         return max(stands_s, free_s - lead_s, planned_s)
 
-    def _done_s(self, journey: Journey) -> float:
+    def _done_s(self, journey: TrainJourney) -> float:
         """When a train has done with its number: it stands, and what it reports there is confirmed."""
         stands_s = journey.stays[-1].arrives_s
         reports_s = [s for s in self.clearing.reported_s(journey)[:-1] if not math.isinf(s)]
@@ -182,7 +182,7 @@ class Driving:
         return self.grounds[key]
 
 
-def driving_of(setup: Setup, stock_id: str, rules: Rules, links: Links) -> Driving:
+def driving_of(setup: Setup, stock_id: str, rules: Rules, links: Links) -> StockDriving:
     """How a stock of a setup is driven."""
     row = setup.believed_train(stock_id).row
     train = row.view(np.recarray)[0]
@@ -191,4 +191,4 @@ def driving_of(setup: Setup, stock_id: str, rules: Rules, links: Links) -> Drivi
     reaction_s = float(train.brake_dead_time_s + train.brake_lag_s)
     room = Room(behaviour, reaction_s, setup.unit.standoff_m)
     start = start_of(train, setup.load.load_share_mean, float(behaviour.standing_brake_notch), STEP_S)
-    return Driving(setup, stock_id, rules, links, train, behaviour, clearing, room, start, {}, {})
+    return StockDriving(setup, stock_id, rules, links, train, behaviour, clearing, room, start, {}, {})

@@ -16,10 +16,10 @@ from typing import Any, Final
 from network.model import Direction, Line, TagPurpose
 from simulation.setup import Setup
 from study.capacity.cut import cut_of
-from study.capacity.headway import Case, HeadwayKind, line_cases
+from study.capacity.headway import HeadwayCase, HeadwayKind, line_cases
 from study.capacity.legs import legs_of, places_of
-from study.capacity.line_capacity import Terms, day_of, fullest, rates_of
-from study.capacity.occupation import Cost
+from study.capacity.line_capacity import CompressionTerms, day_of, fullest, rates_of
+from study.capacity.occupation import OccupationCost
 from study.capacity.rules import MINIMAL, Rules
 from study.capacity.theory import occupations
 from study.capacity.virtual_blocks import with_virtual_blocks
@@ -64,18 +64,18 @@ class Lever:
     """A parameter, what it costs where it is bad, and both ends: words for each, and the setup and rules made so."""
 
     name: str
-    cost: Cost
+    cost: OccupationCost
     low: str
     high: str
     at: Callable[[Setup, bool], tuple[Setup, Rules]]
 
 
 @dataclass(frozen=True, slots=True)
-class Worth:
+class LeverWorth:
     """What a lever moves: as it is, and at its ends."""
 
     name: str
-    cost: Cost
+    cost: OccupationCost
     low: str
     high: str
     base: Measured
@@ -122,7 +122,9 @@ def measured(setup: Setup, rules: Rules = MINIMAL) -> Measured:
         if case.headway.kind is HeadwayKind.ARRIVAL_DEPARTURE
     ]
     legs = legs_of(planned, is_place)
-    rates = rates_of(legs, cut_of(setup.line, "crossing"), (day_of(legs),), Terms(dwell_min_s=dwell_min_s))
+    rates = rates_of(
+        legs, cut_of(setup.line, "crossing"), (day_of(legs),), CompressionTerms(dwell_min_s=dwell_min_s)
+    )
     full = fullest(rates)
     return Measured(
         math.nan if most is None else most.headway.least_s,
@@ -134,7 +136,7 @@ def measured(setup: Setup, rules: Rules = MINIMAL) -> Measured:
     )
 
 
-def _following(setup: Setup, rules: Rules) -> Case | None:
+def _following(setup: Setup, rules: Rules) -> HeadwayCase | None:
     """The greatest headway of a follower on the way down, trains running as fast as they are driven."""
     quick = occupations(setup, replace(rules, unslowed=True))
     down = [one for one in quick if one.direction is Direction.DOWN]
@@ -145,11 +147,11 @@ def _following(setup: Setup, rules: Rules) -> Case | None:
     return max(found, key=lambda case: case.headway.least_s, default=None)
 
 
-def worth_of(setup: Setup, levers: Sequence[Lever] | None = None) -> tuple[Worth, ...]:
+def worth_of(setup: Setup, levers: Sequence[Lever] | None = None) -> tuple[LeverWorth, ...]:
     """Every lever from end to end, the one that moves the headway most first."""
     base = measured(setup)
     found = [
-        Worth(
+        LeverWorth(
             lever.name,
             lever.cost,
             lever.low,
@@ -203,7 +205,7 @@ def fewer_tags(line: Line) -> Line:
 
 def _lever(
     name: str,
-    cost: Cost,
+    cost: OccupationCost,
     ends: tuple[str, str],
     low: Callable[[Setup], Setup],
     high: Callable[[Setup], Setup],
@@ -244,47 +246,49 @@ def _blocks(blocks: int) -> Callable[[Setup, bool], tuple[Setup, Rules]]:
 LEVERS: Final = (
     _lever(
         "radio delay",
-        Cost.RADIO,
+        OccupationCost.RADIO,
         ("0.1 s", "2 s"),
         lambda s: with_delay(s, 0.1),
         lambda s: with_delay(s, 2.0),
     ),
     _lever(
         "telegrams lost",
-        Cost.RADIO,
+        OccupationCost.RADIO,
         ("0 %", "10 %"),
         lambda s: with_loss(s, 0.0),
         lambda s: with_loss(s, 0.1),
     ),
     _lever(
         "throw time",
-        Cost.POINTS,
+        OccupationCost.POINTS,
         ("3 s", "12 s"),
         lambda s: with_throw(s, 3.0),
         lambda s: with_throw(s, 12.0),
     ),
     _lever(
         "growth of bounds",
-        Cost.LOCALISATION,
+        OccupationCost.LOCALISATION,
         ("0.5 %", "5 %"),
         lambda s: with_wheel_error(s, 0.005),
         lambda s: with_wheel_error(s, 0.05),
     ),
-    _lever("tags that only fix", Cost.LOCALISATION, ("all", "half"), _same, with_fewer_tags),
+    _lever("tags that only fix", OccupationCost.LOCALISATION, ("all", "half"), _same, with_fewer_tags),
     _lever(
         "braking to stops",
-        Cost.DRIVING,
+        OccupationCost.DRIVING,
         ("0.8 m/s^2", "0.4 m/s^2"),
         lambda s: _driven(s, 0.8),
         lambda s: _driven(s, 0.4),
     ),
     _lever(
         "shortest dwell",
-        Cost.PEOPLE,
+        OccupationCost.PEOPLE,
         ("15 s", "45 s"),
         lambda s: _dwells(s, 15.0),
         lambda s: _dwells(s, 45.0),
     ),
-    Lever("clear section by section", Cost.LOCALISATION, "at arrival tag", "each section", _blocks(1)),
-    Lever("virtual blocks", Cost.LOCALISATION, "as it is", f"{BLOCKS} a section", _blocks(BLOCKS)),
+    Lever(
+        "clear section by section", OccupationCost.LOCALISATION, "at arrival tag", "each section", _blocks(1)
+    ),
+    Lever("virtual blocks", OccupationCost.LOCALISATION, "as it is", f"{BLOCKS} a section", _blocks(BLOCKS)),
 )

@@ -15,15 +15,16 @@ there: its way in counts too, with the shortest stand. The kinds have the names 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Final
 
 from network.model import Direction, Line
-from study.capacity.claims import Claim, Claims, Event
-from study.capacity.legs import Leg, joined_legs, legs_of, places_of, stand_of
-from study.capacity.occupation import TOUCH_S, Cost, Occupation
+from study.capacity.claims import Claims, Event, claims_of
+from study.capacity.legs import SetLeg, joined_legs, legs_of, places_of, stand_of
+from study.capacity.occupation import TOUCH_S, Occupation, OccupationCost
+from study.capacity.orders import DayOfLegs
 
 
 class HeadwayKind(StrEnum):
@@ -67,22 +68,30 @@ _BETWEEN: Mapping[HeadwayKind, str] = {
 class Headway:
     """The least time from an event of the first train to one of the second, s, and the section that makes it so.
 
-    `costs_s` make up `least_s`. `first_s` and `second_s`: what of it is the first train's, from its event until the
-    section is free, and the second's, from when it needs the section to its event. `planned_s`: as the two are.
-    `ahead` and `behind` are the legs that count, `possible`: whether the second can come after the first (`Claims`).
+    `costs_s` make up `least_s`.
     """
 
     kind: HeadwayKind
     first: Event
     second: Event
-    section_id: str
+    claims: Claims
     least_s: float
-    first_s: float
-    second_s: float
-    costs_s: Mapping[Cost, float]
-    ahead: tuple[Leg, ...]
-    behind: tuple[Leg, ...]
-    possible: bool
+    costs_s: Mapping[OccupationCost, float]
+
+    @property
+    def section_id(self) -> str:
+        """The section by which the first is last in the second's way."""
+        return self.claims.section_id
+
+    @property
+    def first_s(self) -> float:
+        """What of it is the first train's: it has a section that the second needs."""
+        return math.fsum(self.claims.first_s.values())
+
+    @property
+    def second_s(self) -> float:
+        """What of it is the second's: from its need of a section on."""
+        return math.fsum(self.claims.second_s.values())
 
     @property
     def planned_s(self) -> float:
@@ -96,30 +105,25 @@ class Headway:
 
 
 def least_between(
-    kind: HeadwayKind, first: Event, second: Event, held: Iterable[Occupation], dwell_min_s: float = math.inf
+    kind: HeadwayKind,
+    first: Event,
+    second: Event,
+    known: DayOfLegs,
+    room: Collection[str] | None = None,
 ) -> Headway | None:
     """The headway of two events; None where the two share nothing.
 
-    `held` is all that the first train holds around its event, without what it stands there beyond the least; the
-    second's leg says what that one needs, and so does the one before where it comes after the first. Of
-    sections that free at once the first on the second's way counts.
+    Of sections that free at once the first on the second's way counts. `room`: see `claims_of`.
     """
-    claims = Claims(first, second, held, dwell_min_s)
-    critical: tuple[float, Claim, Claim] | None = None
-    for hold, need in claims.shared():
-        least_s = hold.time_s + need.time_s
-        if critical is None or least_s > critical[0] + TOUCH_S:
-            critical = (least_s, hold, need)
-    if critical is None:
+    claims = claims_of(first, second, known, room)
+    if claims is None:
         return None
-    least_s, hold, need = critical
-    costs_s = {cost: hold.costs_s[cost] + need.costs_s[cost] for cost in Cost}
-    section_id, ways = need.occupation.section_id, (claims.ahead, claims.behind, claims.possible)
-    return Headway(kind, first, second, section_id, least_s, hold.time_s, need.time_s, costs_s, *ways)
+    costs_s = {cost: claims.first_s[cost] + claims.second_s[cost] for cost in OccupationCost}
+    return Headway(kind, first, second, claims, math.fsum(costs_s.values()), costs_s)
 
 
 @dataclass(frozen=True, slots=True)
-class Visit:
+class StationVisit:
     """A train at one station: how it comes, if it does, and how it leaves.
 
     `before` and `after` are the legs of its set before and after these, the nearest first.
@@ -127,10 +131,10 @@ class Visit:
 
     number: str
     stock_id: str
-    comes: Leg | None
-    leaves: Leg | None
-    before: tuple[Leg, ...] = ()
-    after: tuple[Leg, ...] = ()
+    comes: SetLeg | None
+    leaves: SetLeg | None
+    before: tuple[SetLeg, ...] = ()
+    after: tuple[SetLeg, ...] = ()
 
     @property
     def arrival(self) -> Event | None:
@@ -168,28 +172,24 @@ class Visit:
         place = self.comes.end if self.comes is not None else None
         return place is not None and self.leaves is not None and stand_of(place).passes
 
-    def held(self, event: Event) -> Iterator[Occupation]:
-        """All that it holds around an event: before it departs from a stand, no more of its way in than the track.
 
-        How long it stood before it departs is its own affair: of what it freed on its way in it frees none later.
-        """
-        if self.comes is not None and (event.arrival or self.passes):
-            yield from self.comes.held
-        if self.leaves is not None:
-            yield from self.leaves.held
+def headways_of(
+    first: StationVisit, second: StationVisit, dwell_min_s: float = math.inf, known: DayOfLegs | None = None
+) -> Iterator[Headway]:
+    """Every headway between two trains at a station, the first before the second; none between trains of one set.
 
-
-def headways_of(first: Visit, second: Visit, dwell_min_s: float = math.inf) -> Iterator[Headway]:
-    """Every headway between two trains at a station, the first before the second; none between trains of one set."""
+    `known`: of the legs of the same day, with the same shortest dwell.
+    """
     if first.stock_id == second.stock_id:
         return
+    known = known or DayOfLegs(dwell_min_s)
     for kind, one, other in _events(first, second):
-        found = least_between(kind, one, other, first.held(one), dwell_min_s)
+        found = least_between(kind, one, other, known)
         if found is not None:
             yield found
 
 
-def _events(first: Visit, second: Visit) -> Iterator[tuple[HeadwayKind, Event, Event]]:
+def _events(first: StationVisit, second: StationVisit) -> Iterator[tuple[HeadwayKind, Event, Event]]:
     """The pairs of events for which there is a name."""
     one, other = (first.arrival, first.departure), (second.arrival, second.departure)
     same_way = first.direction is second.direction
@@ -205,22 +205,22 @@ def _events(first: Visit, second: Visit) -> Iterator[tuple[HeadwayKind, Event, E
         yield HeadwayKind.DEPARTURE_ARRIVAL, one[1], other[0]
 
 
-def visits_at(legs: Sequence[Leg], track_ids: frozenset[str]) -> tuple[Visit, ...]:
+def visits_at(legs: Sequence[SetLeg], track_ids: frozenset[str]) -> tuple[StationVisit, ...]:
     """Every train at a station of these tracks, in order of time; a set that turns back is two trains."""
     comes = {leg.number: leg for leg in legs if leg.end is not None and leg.end.section_id in track_ids}
     leaves = {leg.number: leg for leg in legs if leg.start is not None and leg.start.section_id in track_ids}
     joined = joined_legs(legs)
     before = {id(later): leg for leg, later in joined}
     after = {id(leg): later for leg, later in joined}
-    found: list[Visit] = []
+    found: list[StationVisit] = []
     for number in dict.fromkeys((*comes, *leaves)):
         first, last = comes.get(number) or leaves[number], leaves.get(number) or comes[number]
         ways = tuple(_chain(first, before)), tuple(_chain(last, after))
-        found.append(Visit(number, first.stock_id, comes.get(number), leaves.get(number), *ways))
+        found.append(StationVisit(number, first.stock_id, comes.get(number), leaves.get(number), *ways))
     return tuple(sorted(found, key=lambda visit: (visit.time_s, visit.number)))
 
 
-def _chain(leg: Leg, following: Mapping[int, Leg]) -> Iterator[Leg]:
+def _chain(leg: SetLeg, following: Mapping[int, SetLeg]) -> Iterator[SetLeg]:
     """The legs that follow one, each as long as there is another."""
     while (found := following.get(id(leg))) is not None:
         yield found
@@ -228,7 +228,7 @@ def _chain(leg: Leg, following: Mapping[int, Leg]) -> Iterator[Leg]:
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class HeadwayCase:
     """A row of the table of headways: two kinds of trains at a station, and what of the day is nearest to the least.
 
     A kind of train is its direction, its track and whether it passes; `headway` is the greatest least
@@ -256,7 +256,7 @@ class Case:
             "section": one.section_id,
             "first_train_s": round(one.first_s, 1),
             "second_train_s": round(one.second_s, 1),
-            **{f"{cost.value}_s": round(one.costs_s[cost], 1) for cost in Cost},
+            **{f"{cost.value}_s": round(one.costs_s[cost], 1) for cost in OccupationCost},
             "of": f"{one.first.leg.number}, {one.second.leg.number}",
             "pairs": self.pairs,
             "closest": "" if near is None else f"{near.first.leg.number}, {near.second.leg.number}",
@@ -265,7 +265,7 @@ class Case:
         }
 
 
-def kind_of_visit(visit: Visit) -> str:
+def kind_of_visit(visit: StationVisit) -> str:
     """What a train is at a station, in few words: direction, track, and whether it passes."""
     event = visit.arrival or visit.departure
     track_id = "" if event is None else event.track_id
@@ -290,7 +290,7 @@ class _Found:
                 self.closest = one
 
 
-def cases_at(station_id: str, visits: Sequence[Visit], dwell_min_s: float = math.inf) -> tuple[Case, ...]:
+def cases_at(station_id: str, visits: Sequence[StationVisit], known: DayOfLegs) -> tuple[HeadwayCase, ...]:
     """The headways at a station by kinds of trains, in the order in which they first come.
 
     A train is held against the NEAR trains after it, and against those before it as if they came after, where they can.
@@ -299,27 +299,28 @@ def cases_at(station_id: str, visits: Sequence[Visit], dwell_min_s: float = math
     for index, visit in enumerate(visits):
         for other in visits[index + 1 : index + 1 + NEAR]:
             for first, second in ((visit, other), (other, visit)):
-                for one in headways_of(first, second, dwell_min_s):
-                    if not one.possible:
+                for one in headways_of(first, second, known.dwell_min_s, known):
+                    if not one.claims.possible:
                         continue
                     key = kind_of_visit(first), kind_of_visit(second), one.kind
                     found.setdefault(key, _Found(one)).take(one)
     return tuple(
-        Case(station_id, first, second, one.greatest, one.closest, one.pairs)
+        HeadwayCase(station_id, first, second, one.greatest, one.closest, one.pairs)
         for (first, second, _), one in found.items()
     )
 
 
 def line_cases(
     line: Line, occupations: Iterable[Occupation], dwell_min_s: float = math.inf
-) -> tuple[Case, ...]:
+) -> tuple[HeadwayCase, ...]:
     """The headways at every station of a line, along the line."""
     legs = legs_of(occupations, places_of(line))
+    known = DayOfLegs(dwell_min_s)
     stations = sorted((s for s in line.stations.values() if not s.is_halt), key=lambda s: s.position_m)
     return tuple(
         case
         for station in stations
         for case in cases_at(
-            station.id, visits_at(legs, frozenset(t.section_id for t in station.tracks)), dwell_min_s
+            station.id, visits_at(legs, frozenset(t.section_id for t in station.tracks)), known
         )
     )

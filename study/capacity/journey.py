@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from network.model import Direction
 from onboard.duty.mission import Mission
-from onboard.duty.plan import Plan
+from onboard.duty.plan import DutyPlan
 
 
 @dataclass(frozen=True, slots=True)
-class Stay:
+class JourneyStay:
     """A stop of a train, s; the last one ends when the train has done with its number."""
 
     target: int  # of the mission
@@ -29,7 +29,7 @@ class Stay:
 
 
 @dataclass(frozen=True, slots=True)
-class Journey:
+class TrainJourney:
     """One train of the day. `course`: time (s), front (m of its path), speed (m/s), shape (n, 3), in order of time.
 
     `begins_s`: it takes up its number; `ends_s`: it has done with it. `asks_s`: by route id, when it asks for the
@@ -38,10 +38,10 @@ class Journey:
 
     stock_id: str
     mission: Mission
-    plan: Plan
+    plan: DutyPlan
     length_m: float
     course: NDArray[np.float64]
-    stays: tuple[Stay, ...]
+    stays: tuple[JourneyStay, ...]
     begins_s: float
     ends_s: float
     enters: bool
@@ -78,14 +78,14 @@ class Journey:
                 left_s = stay.departs_s
         return left_s
 
-    def ended(self, at_s: float) -> Journey:
+    def ended(self, at_s: float) -> TrainJourney:
         """The same, done with its number only then."""
         last = replace(self.stays[-1], departs_s=at_s)
         return replace(self, stays=(*self.stays[:-1], last), ends_s=at_s)
 
-    def moved(self, by_s: float) -> Journey:
+    def moved(self, by_s: float) -> TrainJourney:
         """The same journey so much later."""
-        stays = tuple(Stay(s.target, s.arrives_s + by_s, s.departs_s + by_s) for s in self.stays)
+        stays = tuple(JourneyStay(s.target, s.arrives_s + by_s, s.departs_s + by_s) for s in self.stays)
         return replace(
             self,
             course=self.course + np.array([by_s, 0.0, 0.0]),

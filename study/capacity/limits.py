@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import Final
 
 
-class Traffic(StrEnum):
+class TrafficKind(StrEnum):
     """Kinds of traffic for which there are limits."""
 
     MIXED = "mixed"
@@ -24,7 +24,7 @@ class Traffic(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Limit:
+class OccupancyLimit:
     """The share of the peak hour and of the day that may be occupied."""
 
     peak_share: float
@@ -35,14 +35,14 @@ class Limit:
         return self.peak_share if peak else self.day_share
 
 
-LIMITS: Final[Mapping[Traffic, Limit]] = MappingProxyType(
+LIMITS: Final[Mapping[TrafficKind, OccupancyLimit]] = MappingProxyType(
     {
-        Traffic.MIXED: Limit(0.75, 0.60),
-        Traffic.SUBURBAN: Limit(0.85, 0.70),
-        Traffic.HIGH_SPEED: Limit(0.75, 0.60),
+        TrafficKind.MIXED: OccupancyLimit(0.75, 0.60),
+        TrafficKind.SUBURBAN: OccupancyLimit(0.85, 0.70),
+        TrafficKind.HIGH_SPEED: OccupancyLimit(0.75, 0.60),
     }
 )
-NODE_LIMIT: Final = Limit(0.80, 0.60)  # the ends of the band for nodes
+NODE_LIMIT: Final = OccupancyLimit(0.80, 0.60)  # the ends of the band for nodes
 
 
 def additional_share(limit_share: float) -> float:

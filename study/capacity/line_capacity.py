@@ -7,11 +7,18 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from study.capacity.compression import Compressed, ContradictionError, Stops, compressed
-from study.capacity.cut import Cut, CutPart, PartKind
-from study.capacity.legs import Leg
-from study.capacity.limits import LIMITS, NODE_LIMIT, Limit, Traffic, additional_share, consumed_share
-from study.capacity.occupation import Cost
+from study.capacity.compression import Compressed, ContradictionError, StandingRule, compressed
+from study.capacity.cut import CutPart, LineCut, PartKind
+from study.capacity.legs import SetLeg
+from study.capacity.limits import (
+    LIMITS,
+    NODE_LIMIT,
+    OccupancyLimit,
+    TrafficKind,
+    additional_share,
+    consumed_share,
+)
+from study.capacity.occupation import OccupationCost
 
 HOUR_S: Final = 3600.0
 PEAK_S: Final = 2.0 * HOUR_S  # assumed: an hour of a branch line holds two or three trains, too few to tell
@@ -32,7 +39,7 @@ class Period:
         """How long it is."""
         return self.to_s - self.from_s
 
-    def legs(self, legs: Iterable[Leg]) -> tuple[Leg, ...]:
+    def legs(self, legs: Iterable[SetLeg]) -> tuple[SetLeg, ...]:
         """Those legs that begin in it."""
         return tuple(leg for leg in legs if self.from_s <= leg.departs_s < self.to_s)
 
@@ -49,8 +56,8 @@ class Rate:
     period: Period
     trains: int
     compressed: Compressed
-    limit: Limit
-    stops: Stops
+    limit: OccupancyLimit
+    stops: StandingRule
     contradiction: tuple[str, ...] = ()
 
     @property
@@ -102,7 +109,7 @@ class Rate:
         }
 
 
-def day_of(legs: Sequence[Leg]) -> Period:
+def day_of(legs: Sequence[SetLeg]) -> Period:
     """From the first departure to the last arrival, in whole hours."""
     begin_s = min(leg.departs_s for leg in legs)
     ends = [leg.arrives_s for leg in legs if math.isfinite(leg.arrives_s)]
@@ -111,7 +118,7 @@ def day_of(legs: Sequence[Leg]) -> Period:
     )
 
 
-def peak_of(legs: Sequence[Leg], day: Period, length_s: float = PEAK_S) -> Period:
+def peak_of(legs: Sequence[SetLeg], day: Period, length_s: float = PEAK_S) -> Period:
     """The stretch of that length, from a quarter of an hour on, in which most legs begin; the first of them."""
     starts = [day.from_s + i * STEP_S for i in range(max(1, round((day.length_s - length_s) / STEP_S) + 1))]
 
@@ -123,18 +130,18 @@ def peak_of(legs: Sequence[Leg], day: Period, length_s: float = PEAK_S) -> Perio
 
 
 @dataclass(frozen=True, slots=True)
-class Terms:
+class CompressionTerms:
     """On which terms trains are pushed together: how long they stand, s, and by which limits that is judged."""
 
-    traffic: Traffic = Traffic.MIXED
-    stops: Stops = Stops.KEPT
+    traffic: TrafficKind = TrafficKind.MIXED
+    stops: StandingRule = StandingRule.KEPT
     dwell_min_s: float = math.inf
 
 
-DEFAULT_TERMS: Final = Terms()
+DEFAULT_TERMS: Final = CompressionTerms()
 
 
-def rate_of(legs: Iterable[Leg], part: CutPart, period: Period, terms: Terms) -> Rate:
+def rate_of(legs: Iterable[SetLeg], part: CutPart, period: Period, terms: CompressionTerms) -> Rate:
     """One part in one period; ContradictionError where not even the shortest stops make sense of the order."""
     limit = NODE_LIMIT if part.kind is PartKind.NODE else LIMITS[terms.traffic]
     stops = terms.stops
@@ -142,16 +149,16 @@ def rate_of(legs: Iterable[Leg], part: CutPart, period: Period, terms: Terms) ->
     try:
         found = compressed(inside, part.section_ids, stops, terms.dwell_min_s)
     except ContradictionError as error:
-        if stops is Stops.LEAST:
+        if stops is StandingRule.LEAST:
             raise
-        stops, contradiction = Stops.LEAST, error.numbers
+        stops, contradiction = StandingRule.LEAST, error.numbers
         found = compressed(inside, part.section_ids, stops, terms.dwell_min_s)
     trains = len({(leg.stock_id, leg.number) for leg in found.legs})
     return Rate(part, period, trains, found, limit, stops, contradiction)
 
 
 def rates_of(
-    legs: Sequence[Leg], cut: Cut, periods: Sequence[Period], terms: Terms = DEFAULT_TERMS
+    legs: Sequence[SetLeg], cut: LineCut, periods: Sequence[Period], terms: CompressionTerms = DEFAULT_TERMS
 ) -> tuple[Rate, ...]:
     """Every part of a cut in every period, in the order of the cut."""
     return tuple(rate_of(legs, part, period, terms) for period in periods for part in cut.parts)
@@ -163,9 +170,9 @@ def fullest(rates: Iterable[Rate], kind: PartKind = PartKind.LINE) -> Rate | Non
     return max(some, key=lambda rate: (rate.occupied_share, rate.part.name), default=None)
 
 
-def costs_of(rates: Iterable[Rate]) -> dict[Cost, float]:
+def costs_of(rates: Iterable[Rate]) -> dict[OccupationCost, float]:
     """What the compressed time of parts goes into altogether, s."""
-    found = dict.fromkeys(Cost, 0.0)
+    found = dict.fromkeys(OccupationCost, 0.0)
     for rate in rates:
         for cost, time_s in rate.compressed.costs_s().items():
             found[cost] += time_s

@@ -12,9 +12,9 @@ from typing import Any, Final
 
 from network.clock import clock
 from simulation.setup import Setup
-from study.capacity.legs import Leg, legs_of, places_of
+from study.capacity.legs import SetLeg, legs_of, places_of
 from study.capacity.line_capacity import Period
-from study.capacity.room import Placed, Search, Taken, fill
+from study.capacity.room import OccupiedSpans, PathSearch, Placed, fill
 from study.capacity.rules import Rules
 from study.capacity.standard import Added, StandardPath, added, alone, extended, standard_paths
 from study.capacity.theory import occupations
@@ -47,13 +47,13 @@ class MorePath:
 
 
 @dataclass(frozen=True, slots=True)
-class More:
+class AddedTrains:
     """What fits into a day: `paths` verified, `dropped` the sets that the judgement threw out, `names` of the kinds."""
 
     names: tuple[str, ...]
     paths: tuple[MorePath, ...]
     dropped: tuple[str, ...]
-    search: Search
+    search: PathSearch
 
     @property
     def trains(self) -> int:
@@ -65,10 +65,10 @@ class More:
         return sum(p.trains for p in self.paths if period.from_s <= p.departs_s < period.to_s)
 
 
-def more_trains(setup: Setup, period: Period, search: Search) -> More:
+def more_trains(setup: Setup, period: Period, search: PathSearch) -> AddedTrains:
     """As many standard paths as fit into a period of the day and hold when the day is judged; see `fill`."""
     paths = standard_paths(setup)
-    taken = Taken.of(occupations(setup))
+    taken = OccupiedSpans.of(occupations(setup))
     templates = [template(setup, path) for path in paths]
     placed = fill(templates, (period.from_s, period.to_s), taken, search)
     found = [_made(setup, paths, templates, one, number) for number, one in enumerate(placed, start=1)]
@@ -86,12 +86,12 @@ def more_trains(setup: Setup, period: Period, search: Search) -> More:
     else:
         dropped += [one.stock_id for _, one, _ in found]
         found = []
-    return More(
+    return AddedTrains(
         tuple(path.name for path in paths), tuple(shown for shown, _, _ in found), tuple(dropped), search
     )
 
 
-def template(setup: Setup, path: StandardPath) -> tuple[Leg, ...]:
+def template(setup: Setup, path: StandardPath) -> tuple[SetLeg, ...]:
     """The legs of a standard path alone on its line."""
     return legs_of(occupations(alone(setup, path), STANDARD), places_of(setup.line))
 
@@ -99,7 +99,7 @@ def template(setup: Setup, path: StandardPath) -> tuple[Leg, ...]:
 def _made(
     setup: Setup,
     paths: Sequence[StandardPath],
-    templates: Sequence[tuple[Leg, ...]],
+    templates: Sequence[tuple[SetLeg, ...]],
     placed: Placed,
     number: int,
 ) -> tuple[MorePath, Added, StandardPath]:

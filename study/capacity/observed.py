@@ -17,20 +17,20 @@ from typing import Final
 from network.model import Direction, Line, SectionKind
 from onboard import notes
 from radio.noted import Sent, TookEffect
-from simulation.events import MANAGER, Entry, Left
-from simulation.result import BatteryEvent, Phase, RunResult
+from simulation.events import MANAGER, JournalEntry, Left
+from simulation.result import BatteryEvent, EnergyPhase, RunResult
 from simulation.setup import STEPS_PER_S, Setup
 from study.capacity import passage
-from study.capacity.occupation import TOUCH_S, Occupation, Part
-from study.capacity.passage import Passage, Standing, Throwing, occupation_of, setting_out
-from study.capacity.visits import Visit, visits_of
+from study.capacity.occupation import TOUCH_S, Occupation, OccupationPart
+from study.capacity.passage import PassageStand, SectionPassage, Throwing, occupation_of, setting_out
+from study.capacity.visits import SectionVisit, visits_of
 from wayside import said
 
 PART_OF: Final = {
-    Phase.AT_STOP: Part.DWELL,
-    Phase.HELD: Part.HELD,
-    Phase.LAYOVER: Part.LAYOVER,
-    Phase.STABLED: Part.LAYOVER,
+    EnergyPhase.AT_STOP: OccupationPart.DWELL,
+    EnergyPhase.HELD: OccupationPart.HELD,
+    EnergyPhase.LAYOVER: OccupationPart.LAYOVER,
+    EnergyPhase.STABLED: OccupationPart.LAYOVER,
 }
 ROUTE_REQUEST: Final = "RouteRequest"
 SIGNS_ON: Final = ("SignOn", "Claim")
@@ -39,7 +39,7 @@ COUNTS_WAITING = False  # off: what is waited for while another has it is no par
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class RegisteredHolding:
     """A section as one unit's: by the register from `granted_s` until `freed_s`, and when it was in it by the truth, s.
 
     `number`: the train for which it was had. `freed_s` is infinite, and `visit` None, where that never comes.
@@ -51,18 +51,18 @@ class Held:
     token: int
     granted_s: float
     freed_s: float
-    visit: Visit | None
+    visit: SectionVisit | None
 
 
-def held_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> tuple[Held, ...]:
+def held_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> tuple[RegisteredHolding, ...]:
     """Every section that the register had as a unit's, in the order of the grants."""
     visits = visits_of(result, line, lengths_m)
-    found: list[Held] = []
+    found: list[RegisteredHolding] = []
     for hold in _played(result).holds:
         own = visits.get(hold.unit, ())
         visit = _visit(hold, own)
         had = hold.unit, _number(hold, visit, own), hold.token, hold.heard_s, hold.freed_s
-        found.append(Held(hold.section_id, *had, visit))
+        found.append(RegisteredHolding(hold.section_id, *had, visit))
     return tuple(found)
 
 
@@ -156,7 +156,7 @@ class _Register:
         ] = {}  # unit, terminal -> correlation of the last one taken
         self._arrived_s: dict[str, float] = {}
 
-    def take(self, entry: Entry) -> None:
+    def take(self, entry: JournalEntry) -> None:
         """One line of the journal."""
         t_s, who, event = entry.t_s, entry.who, entry.event
         match event:
@@ -300,26 +300,26 @@ class _Register:
                 last.dropped = True
 
 
-def _visit(hold: _Hold, visits: Iterable[Visit]) -> Visit | None:
+def _visit(hold: _Hold, visits: Iterable[SectionVisit]) -> SectionVisit | None:
     """How the unit was in the section while it had it; None: never."""
     own = (v for v in visits if v.section_id == hold.section_id)
     return next((v for v in own if v.begin_s <= hold.freed_s and v.rear_s >= hold.wanted_s), None)
 
 
-def _number(hold: _Hold, visit: Visit | None, visits: Sequence[Visit]) -> str:
+def _number(hold: _Hold, visit: SectionVisit | None, visits: Sequence[SectionVisit]) -> str:
     """The train for which a section was had; who has told of none is the train that is in it, or was seen last."""
     seen = [visit] if visit is not None else [v for v in visits if v.begin_s <= hold.heard_s] or visits[:1]
     return hold.number or (seen[-1].number if seen else "")
 
 
 def _passage(
-    hold: _Hold, visits: Sequence[Visit], standing: tuple[Standing, ...], *, portal: bool
-) -> Passage:
+    hold: _Hold, visits: Sequence[SectionVisit], standing: tuple[PassageStand, ...], *, portal: bool
+) -> SectionPassage:
     """The moments of a hold: those of the register and the unit, and those of the truth."""
     visit = _visit(hold, visits)
     number = _number(hold, visit, visits)
     if visit is None:
-        visit = Visit(hold.section_id, math.inf, math.inf)
+        visit = SectionVisit(hold.section_id, math.inf, math.inf)
     leaves_s, rear_s = visit.leaves_s, visit.rear_s
     reported_s = hold.freed_s if hold.reported_s is None else hold.reported_s
     if (
@@ -330,7 +330,7 @@ def _passage(
     held_s = heard_s if hold.held_s is None else hold.held_s
     if visit.enters_s == -math.inf and not hold.route_id:  # there before anybody asked
         wanted_s = sent_s = heard_s = held_s = min(wanted_s, visit.begin_s)
-    return Passage(
+    return SectionPassage(
         hold.section_id,
         hold.unit,
         number,
@@ -351,17 +351,17 @@ def _passage(
     )
 
 
-def _standing(result: RunResult, setup: Setup, holds: Sequence[_Hold]) -> dict[str, tuple[Standing, ...]]:
+def _standing(result: RunResult, setup: Setup, holds: Sequence[_Hold]) -> dict[str, tuple[PassageStand, ...]]:
     """What each stock stood for, by the truth; of what went on at once the last one told counts.
 
     A stand of no length is that of a train that comes to a stand as the run ends.
     """
-    found: dict[str, list[Standing]] = defaultdict(list)
+    found: dict[str, list[PassageStand]] = defaultdict(list)
     ends_s = result.end_step / STEPS_PER_S
     for record in result.energy:
         lasts = passage.LAST_STANDS and abs(record.end_s - ends_s) <= TOUCH_S
         if record.phase in PART_OF and (record.end_s > record.begin_s or lasts):
-            found[record.stock_id].append(Standing(PART_OF[record.phase], record.begin_s, record.end_s))
+            found[record.stock_id].append(PassageStand(PART_OF[record.phase], record.begin_s, record.end_s))
     stood = {unit: tuple(own) for unit, own in found.items()}
     for unit, charged in _charging(result, setup):
         found[unit] += [both for both in (_both(charged, s) for s in stood.get(unit, ())) if both is not None]
@@ -374,13 +374,13 @@ def _standing(result: RunResult, setup: Setup, holds: Sequence[_Hold]) -> dict[s
     return {stock_id: tuple(found[stock_id]) for stock_id in result.stock_ids}
 
 
-def _both(one: Standing, other: Standing) -> Standing | None:
+def _both(one: PassageStand, other: PassageStand) -> PassageStand | None:
     """What of a stand falls into another."""
     begin_s, end_s = max(one.begin_s, other.begin_s), min(one.end_s, other.end_s)
-    return Standing(one.part, begin_s, end_s) if end_s > begin_s else None
+    return PassageStand(one.part, begin_s, end_s) if end_s > begin_s else None
 
 
-def _charging(result: RunResult, setup: Setup) -> Iterator[tuple[str, Standing]]:
+def _charging(result: RunResult, setup: Setup) -> Iterator[tuple[str, PassageStand]]:
     """The time at chargers on the line, with raising and lowering the pantograph: since the set stood there."""
     stood_s: dict[str, float] = {}
     since_s: dict[str, float] = {}
@@ -391,12 +391,15 @@ def _charging(result: RunResult, setup: Setup) -> Iterator[tuple[str, Standing]]
         elif record.event is BatteryEvent.CONNECTED and charger is not None:
             since_s[unit] = min(stood_s.get(unit, record.t_s), record.t_s - charger.connect_s)
         elif record.event is BatteryEvent.DISCONNECTED and unit in since_s and charger is not None:
-            yield unit, Standing(Part.CHARGING, since_s.pop(unit), record.t_s + charger.disconnect_s)
+            yield (
+                unit,
+                PassageStand(OccupationPart.CHARGING, since_s.pop(unit), record.t_s + charger.disconnect_s),
+            )
     for unit, from_s in since_s.items():
-        yield unit, Standing(Part.CHARGING, from_s, result.end_step / STEPS_PER_S)
+        yield unit, PassageStand(OccupationPart.CHARGING, from_s, result.end_step / STEPS_PER_S)
 
 
-def _starts(entries: Iterable[Entry]) -> Iterator[tuple[str, Standing]]:
+def _starts(entries: Iterable[JournalEntry]) -> Iterator[tuple[str, PassageStand]]:
     """From the word to leave until the train moves."""
     told_s: dict[str, float] = {}
     for entry in entries:
@@ -404,12 +407,14 @@ def _starts(entries: Iterable[Entry]) -> Iterator[tuple[str, Standing]]:
             case notes.Departs():
                 told_s[entry.who] = entry.t_s
             case notes.Moving() if entry.who in told_s:
-                yield entry.who, Standing(Part.START, told_s.pop(entry.who), entry.t_s)
+                yield entry.who, PassageStand(OccupationPart.START, told_s.pop(entry.who), entry.t_s)
             case _:
                 pass
 
 
-def _settings_out(entries: Iterable[Entry], holds: Sequence[_Hold]) -> Iterator[tuple[str, Standing]]:
+def _settings_out(
+    entries: Iterable[JournalEntry], holds: Sequence[_Hold]
+) -> Iterator[tuple[str, PassageStand]]:
     """While the first way of a train is set, for which its unit could not ask before it took up its number."""
     begun_s: dict[str, float] = {}
     for entry in entries:
@@ -428,7 +433,7 @@ def _settings_out(entries: Iterable[Entry], holds: Sequence[_Hold]) -> Iterator[
                 pass
 
 
-def _changes(entries: Iterable[Entry]) -> Iterator[tuple[str, Standing]]:
+def _changes(entries: Iterable[JournalEntry]) -> Iterator[tuple[str, PassageStand]]:
     """From the end of a train until the unit takes up the next one where it stands, and what it gives back before."""
     arrived_s: dict[str, float] = {}
     done_s: dict[str, float] = {}
@@ -442,7 +447,10 @@ def _changes(entries: Iterable[Entry]) -> Iterator[tuple[str, Standing]]:
                 done_s.pop(unit, None)
             case notes.MissionBegun() if entry.who in done_s:
                 ended_s = done_s.pop(entry.who)
-                yield entry.who, Standing(Part.RELEASE, arrived_s.get(entry.who, ended_s), ended_s)
-                yield entry.who, Standing(Part.CHANGE_ENDS, ended_s, entry.t_s)
+                yield (
+                    entry.who,
+                    PassageStand(OccupationPart.RELEASE, arrived_s.get(entry.who, ended_s), ended_s),
+                )
+                yield entry.who, PassageStand(OccupationPart.CHANGE_ENDS, ended_s, entry.t_s)
             case _:
                 pass

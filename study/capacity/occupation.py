@@ -20,7 +20,7 @@ from network.model import Direction
 TOUCH_S: Final = 1e-6  # instants nearer than this are one
 
 
-class Cost(StrEnum):
+class OccupationCost(StrEnum):
     """What time is spent on, as a planner would change it."""
 
     RADIO = "radio"
@@ -31,7 +31,7 @@ class Cost(StrEnum):
     CHARGING = "charging"
 
 
-class Part(StrEnum):
+class OccupationPart(StrEnum):
     """What an occupation goes into at one instant, in the order in which the parts usually come."""
 
     REQUEST = "request"  # it could be had and is wanted: until the request that is granted is sent
@@ -53,25 +53,25 @@ class Part(StrEnum):
     RELEASE = "release"  # until the register has freed it
 
 
-COST_OF: Final[Mapping[Part, Cost]] = MappingProxyType(
+COST_OF: Final[Mapping[OccupationPart, OccupationCost]] = MappingProxyType(
     {
-        Part.REQUEST: Cost.RADIO,
-        Part.AIR: Cost.RADIO,
-        Part.GRANT: Cost.RADIO,
-        Part.THROW: Cost.POINTS,
-        Part.PROOF: Cost.RADIO,
-        Part.APPROACH: Cost.DRIVING,
-        Part.READY: Cost.PEOPLE,
-        Part.RUN: Cost.DRIVING,
-        Part.DWELL: Cost.PEOPLE,
-        Part.HELD: Cost.DRIVING,
-        Part.CHANGE_ENDS: Cost.PEOPLE,
-        Part.LAYOVER: Cost.PEOPLE,
-        Part.CHARGING: Cost.CHARGING,
-        Part.START: Cost.DRIVING,
-        Part.LENGTH: Cost.DRIVING,
-        Part.BOUND: Cost.LOCALISATION,
-        Part.RELEASE: Cost.RADIO,
+        OccupationPart.REQUEST: OccupationCost.RADIO,
+        OccupationPart.AIR: OccupationCost.RADIO,
+        OccupationPart.GRANT: OccupationCost.RADIO,
+        OccupationPart.THROW: OccupationCost.POINTS,
+        OccupationPart.PROOF: OccupationCost.RADIO,
+        OccupationPart.APPROACH: OccupationCost.DRIVING,
+        OccupationPart.READY: OccupationCost.PEOPLE,
+        OccupationPart.RUN: OccupationCost.DRIVING,
+        OccupationPart.DWELL: OccupationCost.PEOPLE,
+        OccupationPart.HELD: OccupationCost.DRIVING,
+        OccupationPart.CHANGE_ENDS: OccupationCost.PEOPLE,
+        OccupationPart.LAYOVER: OccupationCost.PEOPLE,
+        OccupationPart.CHARGING: OccupationCost.CHARGING,
+        OccupationPart.START: OccupationCost.DRIVING,
+        OccupationPart.LENGTH: OccupationCost.DRIVING,
+        OccupationPart.BOUND: OccupationCost.LOCALISATION,
+        OccupationPart.RELEASE: OccupationCost.RADIO,
     }
 )
 
@@ -80,7 +80,7 @@ COST_OF: Final[Mapping[Part, Cost]] = MappingProxyType(
 class Slice:
     """A stretch of an occupation, s after midnight, and what it goes into."""
 
-    part: Part
+    part: OccupationPart
     begin_s: float
     end_s: float
 
@@ -133,13 +133,13 @@ class Occupation:
         """How long it is."""
         return self.end_s - self.begin_s
 
-    def of_part(self, part: Part) -> float:
+    def of_part(self, part: OccupationPart) -> float:
         """How much of it goes into a part, s."""
         return math.fsum(s.length_s for s in self.slices if s.part is part)
 
-    def costs_s(self) -> Mapping[Cost, float]:
+    def costs_s(self) -> Mapping[OccupationCost, float]:
         """How much goes into each cost, s; together the length."""
-        found: dict[Cost, list[float]] = {cost: [] for cost in Cost}
+        found: dict[OccupationCost, list[float]] = {cost: [] for cost in OccupationCost}
         for one in self.slices:
             found[COST_OF[one.part]].append(one.length_s)
         return {cost: math.fsum(lengths) for cost, lengths in found.items()}

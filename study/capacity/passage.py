@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from network.model import Direction
-from study.capacity.occupation import TOUCH_S, Occupation, Part, Slice
+from study.capacity.occupation import TOUCH_S, Occupation, OccupationPart, Slice
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,29 +28,29 @@ class Throwing:
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class PassageStand:
     """A stand of the train, s, and what it would be for in the section in which its front is."""
 
-    part: Part
+    part: OccupationPart
     begin_s: float
     end_s: float
 
 
 def setting_out(
     sent_s: float, heard_s: float, held_s: float, throwing: Iterable[Throwing], departs_s: float
-) -> Iterator[Standing]:
+) -> Iterator[PassageStand]:
     """What a train stands for while its first way is set: request, grant, and points that are proven as it departs."""
-    yield Standing(Part.AIR, sent_s, heard_s)
-    yield Standing(Part.GRANT, heard_s, held_s)
+    yield PassageStand(OccupationPart.AIR, sent_s, heard_s)
+    yield PassageStand(OccupationPart.GRANT, heard_s, held_s)
     for each in throwing:
         if each.proven_s <= departs_s + TOUCH_S:
-            yield Standing(Part.AIR, each.sent_s, each.taken_s)
-            yield Standing(Part.THROW, each.taken_s, each.locked_s)
-            yield Standing(Part.PROOF, each.locked_s, each.proven_s)
+            yield PassageStand(OccupationPart.AIR, each.sent_s, each.taken_s)
+            yield PassageStand(OccupationPart.THROW, each.taken_s, each.locked_s)
+            yield PassageStand(OccupationPart.PROOF, each.locked_s, each.proven_s)
 
 
 @dataclass(frozen=True, slots=True)
-class Passage:
+class SectionPassage:
     """The moments of one section, s; infinite where one does not come, minus infinity where it lies before the day.
 
     In their order: the section could be had and is wanted, the request that is granted is sent, the manager hears it,
@@ -73,15 +73,24 @@ class Passage:
     reported_s: float
     freed_s: float
     throwing: tuple[Throwing, ...] = ()
-    standing: tuple[Standing, ...] = ()
+    standing: tuple[PassageStand, ...] = ()
     waited_s: float = 0.0
 
 
 LAST_STANDS = True  # off: the last train of the day passes the terminus at which its day ends
-_COMING = (Part.REQUEST, Part.AIR, Part.GRANT, Part.APPROACH, Part.RUN, Part.LENGTH, Part.BOUND, Part.RELEASE)
+_COMING = (
+    OccupationPart.REQUEST,
+    OccupationPart.AIR,
+    OccupationPart.GRANT,
+    OccupationPart.APPROACH,
+    OccupationPart.RUN,
+    OccupationPart.LENGTH,
+    OccupationPart.BOUND,
+    OccupationPart.RELEASE,
+)
 
 
-def occupation_of(passage: Passage, ends_s: float = math.inf) -> Occupation:
+def occupation_of(passage: SectionPassage, ends_s: float = math.inf) -> Occupation:
     """The occupation that the moments make; it ends at `ends_s`, when the day is over, if nothing ends it before.
 
     A moment that comes before the one that should precede it counts as at once with that.
@@ -103,7 +112,7 @@ def occupation_of(passage: Passage, ends_s: float = math.inf) -> Occupation:
         times.append(min(max(moment_s, times[-1] if times else moment_s), end_s))
     stretches = [Slice(part, *ends) for part, ends in zip(_COMING, pairwise(times), strict=True)]
     slices = [piece for stretch in stretches for piece in _painted(stretch, passage)]
-    joined = list(_joined(slices)) or [Slice(Part.RUN, end_s, end_s)]
+    joined = list(_joined(slices)) or [Slice(OccupationPart.RUN, end_s, end_s)]
     if (
         LAST_STANDS and passage.enters_s <= end_s < passage.leaves_s
     ):  # who comes to a stand as the day ends does not pass
@@ -122,16 +131,16 @@ def occupation_of(passage: Passage, ends_s: float = math.inf) -> Occupation:
     )
 
 
-def _painted(stretch: Slice, passage: Passage) -> Iterator[Slice]:
+def _painted(stretch: Slice, passage: SectionPassage) -> Iterator[Slice]:
     """A stretch, with what is done in it: points set and stands while it lies ahead, stands with the front in it."""
     over: list[Slice] = []
-    if stretch.part is Part.APPROACH:
-        over += [Slice(Part.READY, s.begin_s, s.end_s) for s in passage.standing]
+    if stretch.part is OccupationPart.APPROACH:
+        over += [Slice(OccupationPart.READY, s.begin_s, s.end_s) for s in passage.standing]
         for each in passage.throwing:
-            over.append(Slice(Part.AIR, each.sent_s, each.taken_s))
-            over.append(Slice(Part.THROW, each.taken_s, each.locked_s))
-            over.append(Slice(Part.PROOF, each.locked_s, each.proven_s))
-    elif stretch.part is Part.RUN:
+            over.append(Slice(OccupationPart.AIR, each.sent_s, each.taken_s))
+            over.append(Slice(OccupationPart.THROW, each.taken_s, each.locked_s))
+            over.append(Slice(OccupationPart.PROOF, each.locked_s, each.proven_s))
+    elif stretch.part is OccupationPart.RUN:
         over += [Slice(s.part, s.begin_s, s.end_s) for s in passage.standing]
     ends = {min(max(t, stretch.begin_s), stretch.end_s) for o in over for t in (o.begin_s, o.end_s)}
     for begin_s, end_s in pairwise(sorted({stretch.begin_s, stretch.end_s, *ends})):

@@ -12,7 +12,7 @@ from bisect import bisect_left, insort
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from study.capacity.legs import Leg, stand_of
+from study.capacity.legs import SetLeg, stand_of
 from study.capacity.occupation import TOUCH_S, Occupation
 
 GRID_S = 1.0  # times of a timetable are whole seconds
@@ -22,7 +22,7 @@ GRID_S = 1.0  # times of a timetable are whole seconds
 class Placed:
     """A standard path in the timetable: its legs, and by how much each has moved, s."""
 
-    legs: tuple[Leg, ...]
+    legs: tuple[SetLeg, ...]
     moves_s: tuple[float, ...]
 
     @property
@@ -42,15 +42,15 @@ class Placed:
 
 
 @dataclass(slots=True)
-class Taken:
+class OccupiedSpans:
     """By section, from when to when it is somebody's, in order of time, s."""
 
     spans: dict[str, list[tuple[float, float]]] = field(default_factory=dict[str, list[tuple[float, float]]])
 
     @staticmethod
-    def of(occupations: Iterable[Occupation]) -> Taken:
+    def of(occupations: Iterable[Occupation]) -> OccupiedSpans:
         """What trains that run take."""
-        taken = Taken()
+        taken = OccupiedSpans()
         for one in occupations:
             taken.add(one.section_id, one.begin_s, one.end_s)
         return taken
@@ -69,14 +69,16 @@ class Taken:
 
 
 @dataclass(frozen=True, slots=True)
-class Search:
+class PathSearch:
     """What a path may do: wait so long at a place and in all, with so much time between it and others, s."""
 
     wait_s_max: float = 900.0
     buffer_s: float = 0.0
 
 
-def place(legs: Sequence[Leg], departs_s: float, taken: Taken, search: Search) -> Placed | None:
+def place(
+    legs: Sequence[SetLeg], departs_s: float, taken: OccupiedSpans, search: PathSearch
+) -> Placed | None:
     """A standard path that leaves at a time; None where it does not fit. Nothing is taken."""
     moves_s: list[float] = []
     for index, leg in enumerate(legs):
@@ -90,11 +92,11 @@ def place(legs: Sequence[Leg], departs_s: float, taken: Taken, search: Search) -
 
 
 def _free_move_s(
-    legs: Sequence[Leg],
+    legs: Sequence[SetLeg],
     index: int,
     between_s: tuple[float, float],
     moves_s: Sequence[float],
-    among: tuple[Taken, float],
+    among: tuple[OccupiedSpans, float],
 ) -> float | None:
     """The least move of a leg with which nothing is in its way; whole seconds later than the least."""
     taken, buffer_s = among
@@ -129,11 +131,11 @@ def _end_s(occupation: Occupation) -> float:
     return occupation.end_s if math.isfinite(occupation.end_s) else stand_of(occupation).arrives_s
 
 
-def _begin_s(start: Occupation, leg: Leg) -> float:
+def _begin_s(start: Occupation, leg: SetLeg) -> float:
     return start.begin_s if math.isfinite(start.begin_s) else leg.occupations[0].begin_s
 
 
-def take(placed: Placed, taken: Taken) -> None:
+def take(placed: Placed, taken: OccupiedSpans) -> None:
     """The sections of a path, taken; its places from when it is let in to when it has left."""
     for index, (leg, move_s) in enumerate(zip(placed.legs, placed.moves_s, strict=True)):
         if index == 0 and leg.start is not None:
@@ -145,10 +147,10 @@ def take(placed: Placed, taken: Taken) -> None:
 
 
 def fill(
-    paths: Sequence[Sequence[Leg]],
+    paths: Sequence[Sequence[SetLeg]],
     period_s: tuple[float, float],
-    taken: Taken,
-    search: Search,
+    taken: OccupiedSpans,
+    search: PathSearch,
     step_s: float = 60.0,
 ) -> tuple[Placed, ...]:
     """As many more paths as fit into a period, s: each of the kinds in turn, as early as it can leave.
@@ -172,7 +174,11 @@ def fill(
 
 
 def _first(
-    legs: Sequence[Leg], from_s: float, until_s: tuple[float, float], taken: Taken, search: Search
+    legs: Sequence[SetLeg],
+    from_s: float,
+    until_s: tuple[float, float],
+    taken: OccupiedSpans,
+    search: PathSearch,
 ) -> Placed | None:
     ends_s, step_s = until_s
     while from_s < ends_s:

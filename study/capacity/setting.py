@@ -16,9 +16,9 @@ import numpy as np
 
 from network.model import Points, TagPurpose
 from onboard.driving.room import Room
-from onboard.duty.plan import Leg, Plan, Tag
+from onboard.duty.plan import DutyPlan, PlanLeg, PlanTag
 from study.capacity.clearing import Clearing
-from study.capacity.journey import Journey
+from study.capacity.journey import TrainJourney
 from study.capacity.links import Links
 from study.capacity.passage import Throwing
 from study.capacity.rules import Rules
@@ -47,7 +47,7 @@ class Setting:
     room: Room
     lie_right: Collection[tuple[str, str]] = frozenset()
 
-    def set_ups(self, journey: Journey) -> dict[int, SetUp]:
+    def set_ups(self, journey: TrainJourney) -> dict[int, SetUp]:
         """How each section of the journey is set, by its index on the path; all but the first."""
         found: dict[int, SetUp] = {}
         passing_s = {} if self.rules.late else asks_in_passing_s(journey)
@@ -71,13 +71,13 @@ class Setting:
         lies = (number, points_id) in self.lie_right and not self.rules.throws
         return 0.0 if lies else self.points[points_id].throw_time_s
 
-    def way_free_s(self, plan: Plan, leg: Leg, ask_s: float) -> float:
+    def way_free_s(self, plan: DutyPlan, leg: PlanLeg, ask_s: float) -> float:
         """When a train that asks for a route at a time may leave by it, s."""
         points = plan.departure_points(leg.from_section)
         set_s = max((self.set_s(plan.number, needed.points_id) for needed in points), default=0.0)
         return ask_s + self.links.ask_s + set_s
 
-    def touches_s(self, journey: Journey, span: int) -> float:
+    def touches_s(self, journey: TrainJourney, span: int) -> float:
         """When a train that runs on would first have to brake for the begin of a section, s; when it leaves its last
         stop before that, if it is so near.
         """
@@ -100,7 +100,7 @@ class Setting:
     # as units do it ---------------------------------------------------------------------------------------------------
 
     def _as_asked(
-        self, journey: Journey, leg: Leg, spans: range, ask_s: float
+        self, journey: TrainJourney, leg: PlanLeg, spans: range, ask_s: float
     ) -> Iterator[tuple[int, SetUp]]:
         at_once = {needed.points_id for needed in journey.plan.departure_points(leg.from_section)}
         by_tag_s = wants_at_tags_s(journey)
@@ -125,7 +125,7 @@ class Setting:
 
     # as late as it can be ---------------------------------------------------------------------------------------------
 
-    def _late(self, journey: Journey, leg: Leg, spans: range) -> Iterator[tuple[int, SetUp]]:
+    def _late(self, journey: TrainJourney, leg: PlanLeg, spans: range) -> Iterator[tuple[int, SetUp]]:
         ready_s = {span: self._ready_s(journey, leg, spans, span) for span in spans}
         points_s = {
             span: max(
@@ -150,7 +150,7 @@ class Setting:
             )
             yield span, SetUp(leg.route_id, wanted_s, sent_s, heard_s, heard_s + self.links.grant_s, throwing)
 
-    def _ready_s(self, journey: Journey, leg: Leg, spans: range, span: int) -> float:
+    def _ready_s(self, journey: TrainJourney, leg: PlanLeg, spans: range, span: int) -> float:
         """When all that leads into a section must be done: at the departure, or where the train would have to brake."""
         touches_s = self.touches_s(journey, span)
         departs_s = leaves_s(journey, leg)
@@ -161,20 +161,20 @@ class Setting:
         return departs_s if first else max(touches_s, departs_s)
 
 
-def spans_of(plan: Plan, leg: Leg) -> range:
+def spans_of(plan: DutyPlan, leg: PlanLeg) -> range:
     """Indices of a route's sections on the path."""
     first = next(i for i, span in enumerate(plan.spans) if span.section_id == leg.section_ids[0])
     return range(first, first + len(leg.section_ids))
 
 
-def leaves_s(journey: Journey, leg: Leg) -> float | None:
+def leaves_s(journey: TrainJourney, leg: PlanLeg) -> float | None:
     """When a train leaves the track where a route begins, s; None: it runs through."""
     at = next(i for i, span in enumerate(journey.plan.spans) if span.section_id == leg.from_section)
     stays = [stay for stay in journey.stays if journey.plan.stops[stay.target].span == at]
     return stays[-1].departs_s if stays else None
 
 
-def asks_in_passing_s(journey: Journey) -> dict[str, float]:
+def asks_in_passing_s(journey: TrainJourney) -> dict[str, float]:
     """When routes beyond tracks that the train runs through are asked for, by id, s (`look_ahead` of the duty)."""
     plan, found = journey.plan, dict[str, float]()
     for index, tag in enumerate(plan.tags):
@@ -194,7 +194,7 @@ def asks_in_passing_s(journey: Journey) -> dict[str, float]:
     return found
 
 
-def wants_at_tags_s(journey: Journey) -> dict[str, float]:
+def wants_at_tags_s(journey: TrainJourney) -> dict[str, float]:
     """When the approach tags have arrival points thrown, by id, s."""
     plan, found = journey.plan, dict[str, float]()
     for index in range(len(plan.tags)):
@@ -207,7 +207,7 @@ def wants_at_tags_s(journey: Journey) -> dict[str, float]:
     return found
 
 
-def _approach(passed: tuple[Tag, ...]) -> int | None:
+def _approach(passed: tuple[PlanTag, ...]) -> int | None:
     """The last approach tag passed, unless an arrival tag has been passed since."""
     last = max((i for i, tag in enumerate(passed) if tag.purpose is TagPurpose.APPROACH), default=None)
     if last is None or any(tag.purpose is TagPurpose.ARRIVAL for tag in passed[last:]):

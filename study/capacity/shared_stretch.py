@@ -17,14 +17,15 @@ import numpy as np
 from network.model import Direction
 from radio.chance import generator
 from study.capacity.headway import HeadwayKind, least_between, visits_at
-from study.capacity.legs import Leg
+from study.capacity.legs import SetLeg
+from study.capacity.orders import DayOfLegs
 
 TRAINS: Final = 5_000
 BISECTIONS: Final = 30
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class StretchHeadways:
     """Headways of a stretch by direction of the second train, s: `following_s` from departure to departure,
     `meeting_s` from the arrival of the opposing train to the departure; `runs_s` from departure to arrival.
     """
@@ -45,8 +46,8 @@ class Stretch:
 
 
 def stretch_of(
-    legs: Sequence[Leg], copies: Sequence[Leg], ends: tuple[frozenset[str], frozenset[str]]
-) -> Stretch:
+    legs: Sequence[SetLeg], copies: Sequence[SetLeg], ends: tuple[frozenset[str], frozenset[str]]
+) -> StretchHeadways:
     """The stretch between two stations, given by their tracks, low end first; `copies`: the same legs as other trains.
 
     ValueError where no leg leads from one to the other each way.
@@ -56,10 +57,10 @@ def stretch_of(
     up = _leg(legs, high, low, Direction.UP)
     following = (_least(legs, copies, low, Direction.DOWN), _least(legs, copies, high, Direction.UP))
     meeting = (_meets(legs, copies, low, Direction.DOWN), _meets(legs, copies, high, Direction.UP))
-    return Stretch(following, meeting, (down.arrives_s - down.departs_s, up.arrives_s - up.departs_s))
+    return StretchHeadways(following, meeting, (down.arrives_s - down.departs_s, up.arrives_s - up.departs_s))
 
 
-def _leg(legs: Sequence[Leg], start: frozenset[str], end: frozenset[str], direction: Direction) -> Leg:
+def _leg(legs: Sequence[SetLeg], start: frozenset[str], end: frozenset[str], direction: Direction) -> SetLeg:
     for leg in legs:
         if leg.start is None or leg.end is None or leg.direction is not direction:
             continue
@@ -68,7 +69,7 @@ def _leg(legs: Sequence[Leg], start: frozenset[str], end: frozenset[str], direct
     raise ValueError(f"no train runs {direction.name.lower()} there")
 
 
-def _least(legs: Sequence[Leg], copies: Sequence[Leg], tracks: frozenset[str], way: Direction) -> float:
+def _least(legs: Sequence[SetLeg], copies: Sequence[SetLeg], tracks: frozenset[str], way: Direction) -> float:
     """From departure to departure in a direction; the station has a track for whoever waits there."""
     found: list[float] = []
     for first in (v for v in visits_at(legs, tracks) if v.direction is way):
@@ -76,13 +77,12 @@ def _least(legs: Sequence[Leg], copies: Sequence[Leg], tracks: frozenset[str], w
             one, other = first.departure, second.departure
             if one is None or other is None:
                 continue
-            held = [hold for hold in first.held(one) if hold.section_id not in tracks]
-            least = least_between(HeadwayKind.FOLLOWING, one, other, held)
+            least = least_between(HeadwayKind.FOLLOWING, one, other, DayOfLegs(), tracks)
             found += [] if least is None else [least.least_s]
     return max(found)
 
 
-def _meets(legs: Sequence[Leg], copies: Sequence[Leg], tracks: frozenset[str], way: Direction) -> float:
+def _meets(legs: Sequence[SetLeg], copies: Sequence[SetLeg], tracks: frozenset[str], way: Direction) -> float:
     """From the arrival of the opposing train to the departure of one in a direction.
 
     Each has a track of its own, also where both are laid out by one: else who departs would have come there after it.
@@ -95,13 +95,14 @@ def _meets(legs: Sequence[Leg], copies: Sequence[Leg], tracks: frozenset[str], w
             arrival, departure = first.arrival, second.departure
             if arrival is None or departure is None:
                 continue
-            held = [hold for hold in arrival.leg.occupations if hold.section_id not in tracks]
-            one = least_between(HeadwayKind.ARRIVAL_DEPARTURE, arrival, departure, held)
+            start = arrival.leg.start
+            room = tracks if start is None else tracks | {start.section_id}
+            one = least_between(HeadwayKind.ARRIVAL_DEPARTURE, arrival, departure, DayOfLegs(), room)
             found += [] if one is None else [one.least_s]
     return max(found)
 
 
-def mean_wait_s(stretch: Stretch, trains_per_hour: float, seed: int, count: int = TRAINS) -> float:
+def mean_wait_s(stretch: StretchHeadways, trains_per_hour: float, seed: int, count: int = TRAINS) -> float:
     """How long a train waits on average for its turn, s; infinite beyond what the stretch takes."""
     if trains_per_hour >= stretch.trains_per_hour_max:
         return math.inf
@@ -118,7 +119,7 @@ def mean_wait_s(stretch: Stretch, trains_per_hour: float, seed: int, count: int 
     return waits_s / count
 
 
-def traffic_at(stretch: Stretch, wait_s: float, seed: int) -> float:
+def traffic_at(stretch: StretchHeadways, wait_s: float, seed: int) -> float:
     """The traffic, trains an hour, at which a train waits so long on average."""
     low, high = 0.0, stretch.trains_per_hour_max
     for _ in range(BISECTIONS):

@@ -7,15 +7,15 @@ from collections.abc import Iterable
 
 import polars as pl
 
-from study.capacity.occupation import Conflict, Cost, Occupation, Part
+from study.capacity.occupation import Conflict, Occupation, OccupationCost, OccupationPart
 
 
-def part_column(part: Part) -> str:
+def part_column(part: OccupationPart) -> str:
     """The column of a part."""
     return f"{part.value.replace(' ', '_')}_s"
 
 
-def cost_column(cost: Cost) -> str:
+def cost_column(cost: OccupationCost) -> str:
     """The column of a cost."""
     return f"cost_{cost.value}_s"
 
@@ -34,7 +34,7 @@ def blocking_times(occupations: Iterable[Occupation]) -> pl.DataFrame:
             "leaves_s": one.leaves_s if math.isfinite(one.leaves_s) else None,
             "end_s": one.end_s,
             "whole_s": one.length_s,
-            **{part_column(part): one.of_part(part) for part in Part},
+            **{part_column(part): one.of_part(part) for part in OccupationPart},
             **{cost_column(cost): value_s for cost, value_s in one.costs_s().items()},
             "waited_s": one.waited_s,
         }
@@ -42,7 +42,7 @@ def blocking_times(occupations: Iterable[Occupation]) -> pl.DataFrame:
     ]
     texts = dict.fromkeys(("train", "section", "unit", "direction", "route"), pl.String)
     times = ("begin_s", "enters_s", "leaves_s", "end_s", "whole_s")
-    figures = [*times, *map(part_column, Part), *map(cost_column, Cost), "waited_s"]
+    figures = [*times, *map(part_column, OccupationPart), *map(cost_column, OccupationCost), "waited_s"]
     return pl.DataFrame(rows, schema=texts | dict.fromkeys(figures, pl.Float64))
 
 

@@ -24,11 +24,11 @@ from simulation.loop import OPENING_S
 from simulation.people import Pause
 from simulation.setup import Setup
 from simulation.world.charge_control import READY_S, WORTH_S
-from study.capacity.driven import Driving, driving_of
-from study.capacity.journey import Journey
+from study.capacity.driven import StockDriving, driving_of
+from study.capacity.journey import TrainJourney
 from study.capacity.links import Links
-from study.capacity.occupation import Occupation, Part
-from study.capacity.passage import Passage, Standing, occupation_of, setting_out
+from study.capacity.occupation import Occupation, OccupationPart
+from study.capacity.passage import PassageStand, SectionPassage, occupation_of, setting_out
 from study.capacity.rules import AS_UNITS, Rules
 from study.capacity.setting import Setting, SetUp
 from study.feasibility.planned import PlannedDay, planned_day
@@ -48,20 +48,20 @@ class Theory:
         self.rules: Final = rules
         self.links: Final = Links.of(setup.air)
         self._day: Final[PlannedDay] = planned_day(setup)
-        self._driving: Final[dict[str, Driving]] = {
+        self._driving: Final[dict[str, StockDriving]] = {
             stock_id: driving_of(setup, stock_id, rules, self.links) for stock_id in self._day.trains
         }
         first_s = min((train.duty.enter_s for train in self._day.all()), default=0.0)
         self.opens_s: Final = math.floor((first_s - OPENING_S) / 60.0) * 60.0
 
-    def journeys(self) -> dict[str, tuple[Journey, ...]]:
+    def journeys(self) -> dict[str, tuple[TrainJourney, ...]]:
         """The journeys of each stock as planned, in order. Points are set as the order of the day has them."""
         found = self._journeys(frozenset())
         if self.rules.throws:
             return found
         return self._journeys(self._lie_right(found))
 
-    def of_day(self, journeys: Mapping[str, Sequence[Journey]]) -> tuple[Occupation, ...]:
+    def of_day(self, journeys: Mapping[str, Sequence[TrainJourney]]) -> tuple[Occupation, ...]:
         """The occupations of all stocks; the day ends with the last journey."""
         ends_s = max((self.over_s(j) for run in journeys.values() for j in run), default=self.opens_s)
         lie_right = frozenset[tuple[str, str]]() if self.rules.throws else self._lie_right(journeys)
@@ -73,7 +73,10 @@ class Theory:
         return tuple(sorted(found, key=lambda o: (o.begin_s, o.section_id)))
 
     def of_journeys(
-        self, stock_id: str, journeys: Sequence[Journey], lie_right: frozenset[tuple[str, str]] = frozenset()
+        self,
+        stock_id: str,
+        journeys: Sequence[TrainJourney],
+        lie_right: frozenset[tuple[str, str]] = frozenset(),
     ) -> tuple[Occupation, ...]:
         """The occupations of journeys that one stock runs one after another, wherever they were moved to.
 
@@ -90,13 +93,16 @@ class Theory:
         )
 
     def passages(
-        self, stock_id: str, journeys: Sequence[Journey], lie_right: frozenset[tuple[str, str]] = frozenset()
-    ) -> tuple[Passage, ...]:
+        self,
+        stock_id: str,
+        journeys: Sequence[TrainJourney],
+        lie_right: frozenset[tuple[str, str]] = frozenset(),
+    ) -> tuple[SectionPassage, ...]:
         """The moments of every section that the journeys of one stock take, in order; see `of_journeys`."""
         setting = self.setting(stock_id, lie_right)
         set_ups = [setting.set_ups(journey) for journey in journeys]
         standing = tuple(self._standing(stock_id, journeys, set_ups))
-        found: list[Passage] = []
+        found: list[SectionPassage] = []
         for journey, own in zip(journeys, set_ups, strict=True):
             goes_on = bool(found) and not journey.enters
             reported_s = setting.clearing.reported_s(journey)
@@ -106,10 +112,10 @@ class Theory:
 
     # the day ----------------------------------------------------------------------------------------------------------
 
-    def _journeys(self, lie_right: frozenset[tuple[str, str]]) -> dict[str, tuple[Journey, ...]]:
-        found: dict[str, tuple[Journey, ...]] = {}
+    def _journeys(self, lie_right: frozenset[tuple[str, str]]) -> dict[str, tuple[TrainJourney, ...]]:
+        found: dict[str, tuple[TrainJourney, ...]] = {}
         for stock_id, trains in self._day.trains.items():
-            run: list[Journey] = []
+            run: list[TrainJourney] = []
             setting = self.setting(stock_id, lie_right)
             driving = self._driving[stock_id]
             for train in trains:
@@ -122,7 +128,7 @@ class Theory:
             found[stock_id] = tuple(run)
         return found
 
-    def _lie_right(self, journeys: Mapping[str, Sequence[Journey]]) -> frozenset[tuple[str, str]]:
+    def _lie_right(self, journeys: Mapping[str, Sequence[TrainJourney]]) -> frozenset[tuple[str, str]]:
         """The points that the train before left as this one needs them, by train number."""
         commands: list[tuple[float, str, str, Position]] = []
         for stock_id, run in journeys.items():
@@ -139,7 +145,7 @@ class Theory:
             lies[points_id] = position
         return frozenset(right)
 
-    def over_s(self, journey: Journey) -> float:
+    def over_s(self, journey: TrainJourney) -> float:
         """When nothing follows of a journey, s. At a portal its crew signs off, it is heard and answered, and then it
         goes through the portal, whose contact sees it.
         """
@@ -152,11 +158,11 @@ class Theory:
 
     def _moments(
         self,
-        journey: Journey,
+        journey: TrainJourney,
         set_ups: Mapping[int, SetUp],
         reported_s: Sequence[float],
-        before: Passage | None,
-    ) -> Iterator[Passage]:
+        before: SectionPassage | None,
+    ) -> Iterator[SectionPassage]:
         """The sections of a journey; `before`: where it begins, as its stock has it since the train before."""
         spans = journey.mission.spans
         for index, span in enumerate(spans):
@@ -176,9 +182,9 @@ class Theory:
                 passage, leaves_s=leaves_s, rear_s=rear_s, reported_s=reported_s[index], freed_s=freed_s
             )
 
-    def _set(self, journey: Journey, index: int, set_up: SetUp) -> Passage:
+    def _set(self, journey: TrainJourney, index: int, set_up: SetUp) -> SectionPassage:
         span = journey.mission.spans[index]
-        return Passage(
+        return SectionPassage(
             span.section_id,
             journey.stock_id,
             journey.number,
@@ -193,7 +199,7 @@ class Theory:
             throwing=set_up.throwing,
         )
 
-    def _first(self, journey: Journey) -> Passage:
+    def _first(self, journey: TrainJourney) -> SectionPassage:
         """The section where a stock begins: a portal by which it signs on, or a track on which it stood."""
         span, wanted_s, links = journey.mission.spans[0], journey.begins_s, self.links
         sent_s = heard_s = held_s = wanted_s
@@ -203,7 +209,7 @@ class Theory:
             heard_s = sent_s + links.delay_s
             held_s = wanted_s + links.ask_s
             enters_s = held_s + self.setup.people.mean_s(Pause.ENTRY)
-        return Passage(
+        return SectionPassage(
             span.section_id,
             journey.stock_id,
             journey.number,
@@ -223,34 +229,34 @@ class Theory:
     # what it stands for -----------------------------------------------------------------------------------------------
 
     def _standing(
-        self, stock_id: str, journeys: Sequence[Journey], set_ups: Sequence[Mapping[int, SetUp]]
-    ) -> Iterator[Standing]:
+        self, stock_id: str, journeys: Sequence[TrainJourney], set_ups: Sequence[Mapping[int, SetUp]]
+    ) -> Iterator[PassageStand]:
         """All stands of a stock, until it moves; of what goes on at once the last one told counts."""
         change_s, moves_s = self.setup.operation.change_ends_s, self._driving[stock_id].start.moves_s
         for at, journey in enumerate(journeys):
             follows = journeys[at + 1] if at + 1 < len(journeys) and not journeys[at + 1].enters else None
             first, *between, last = journey.stays
-            stands = [(Part.DWELL, stay.target, stay.arrives_s, stay.departs_s) for stay in between]
+            stands = [(OccupationPart.DWELL, stay.target, stay.arrives_s, stay.departs_s) for stay in between]
             if at == 0 or journey.enters:
-                part = Part.HELD if journey.enters else Part.LAYOVER
+                part = OccupationPart.HELD if journey.enters else OccupationPart.LAYOVER
                 stands.insert(0, (part, first.target, first.arrives_s, first.departs_s))
             if not journey.leaves:
                 leaves_s = math.inf if follows is None else follows.stays[0].departs_s
-                stands.append((Part.LAYOVER, last.target, last.arrives_s, leaves_s))
+                stands.append((OccupationPart.LAYOVER, last.target, last.arrives_s, leaves_s))
             for part, target, from_s, to_s in stands:
-                yield Standing(part, from_s, to_s)
+                yield PassageStand(part, from_s, to_s)
                 yield from self._charging(stock_id, journey, target, from_s, to_s)
-                yield Standing(Part.START, to_s, to_s + moves_s)
+                yield PassageStand(OccupationPart.START, to_s, to_s + moves_s)
             if journey.enters:
                 yield from _setting_out(set_ups[at], first.departs_s)
             if follows is not None:
                 yield from _setting_out(set_ups[at + 1], follows.stays[0].departs_s)
-                yield Standing(Part.RELEASE, last.arrives_s, journey.ends_s)
-                yield Standing(Part.CHANGE_ENDS, journey.ends_s, journey.ends_s + change_s)
+                yield PassageStand(OccupationPart.RELEASE, last.arrives_s, journey.ends_s)
+                yield PassageStand(OccupationPart.CHANGE_ENDS, journey.ends_s, journey.ends_s + change_s)
 
     def _charging(
-        self, stock_id: str, journey: Journey, target: int, from_s: float, to_s: float
-    ) -> Iterator[Standing]:
+        self, stock_id: str, journey: TrainJourney, target: int, from_s: float, to_s: float
+    ) -> Iterator[PassageStand]:
         """The time at a charger, with raising and lowering the pantograph, where it is worth raising."""
         line = self.setup.line
         charger = line.chargers.get(charger_at(line, journey.mission.targets[target]))
@@ -258,10 +264,10 @@ class Theory:
             return
         down_s = to_s - READY_S
         if from_s + charger.connect_s + WORTH_S <= down_s - charger.disconnect_s:
-            yield Standing(Part.CHARGING, from_s, down_s)
+            yield PassageStand(OccupationPart.CHARGING, from_s, down_s)
 
 
-def _setting_out(set_ups: Mapping[int, SetUp], departs_s: float) -> Iterator[Standing]:
+def _setting_out(set_ups: Mapping[int, SetUp], departs_s: float) -> Iterator[PassageStand]:
     """What a train that has just taken up its number stands for until its way is set: it could not ask sooner."""
     first = set_ups.get(1)
     if first is None:
@@ -270,5 +276,5 @@ def _setting_out(set_ups: Mapping[int, SetUp], departs_s: float) -> Iterator[Sta
     yield from setting_out(first.sent_s, first.heard_s, first.held_s, throwing, departs_s)
 
 
-def _within(standing: Sequence[Standing], passage: Passage) -> tuple[Standing, ...]:
+def _within(standing: Sequence[PassageStand], passage: SectionPassage) -> tuple[PassageStand, ...]:
     return tuple(s for s in standing if s.end_s > passage.wanted_s and s.begin_s < passage.freed_s)

@@ -25,14 +25,14 @@ from network.timetable import (
 from onboard.authority.tables import REFUSED_REPEAT_S
 from radio.air import AirParameters, DelayShape
 from simulation.faults.script import Script
-from simulation.late.settings import NO_LATE
+from simulation.late.settings import Late
 from simulation.people import Pause
 from simulation.settings import Dispatch
 from simulation.setup import STEP_S, Setup
 from study.capacity.headway import Headway
-from study.capacity.legs import Leg, stand_of
+from study.capacity.legs import SetLeg, stand_of
 from study.capacity.links import Links
-from study.capacity.occupation import TOUCH_S, Part
+from study.capacity.occupation import TOUCH_S, OccupationPart
 from study.feasibility.planned import planned_day
 
 NOON_S: Final = 43_200
@@ -45,16 +45,16 @@ class NoSuchDayError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Alone:
+class SingleLegTrains:
     """Legs of one set as trains of their own."""
 
     stock_id: str
     trains: tuple[TimetableTrain, ...]
 
-    def later(self, by_s: int) -> Alone:
+    def later(self, by_s: int) -> SingleLegTrains:
         """The same so much later."""
         moved = (replace(t, calls=tuple(_moved(call, by_s, by_s) for call in t.calls)) for t in self.trains)
-        return Alone(self.stock_id, tuple(moved))
+        return SingleLegTrains(self.stock_id, tuple(moved))
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,10 +63,10 @@ class TwoTrains:
 
     setup: Setup
     headway: Headway
-    first: Alone
-    second: Alone
+    first: SingleLegTrains
+    second: SingleLegTrains
 
-    def day(self, *alone: Alone) -> Setup:
+    def day(self, *alone: SingleLegTrains) -> Setup:
         """A day with nothing but some sets."""
         return day_of(self.setup, alone)
 
@@ -87,7 +87,7 @@ def undisturbed(setup: Setup) -> Setup:
         people=setup.people.model_copy(update={"sigma": 0.0}),
         load=setup.load.model_copy(update={"load_share_spread": 0.0}),
         dispatch=Dispatch(),
-        late=NO_LATE,
+        late=Late(),
         script=Script(),
     )
 
@@ -95,9 +95,12 @@ def undisturbed(setup: Setup) -> Setup:
 def two_trains(setup: Setup, headway: Headway) -> TwoTrains:
     """The two trains of a headway of an undisturbed setup. Raises NoSuchDayError."""
     first, second = headway.first, headway.second
-    ends, begins = len(headway.ahead) - 1, len(headway.behind) - 1
-    ahead = _Way(setup, headway.ahead, first.before, first.after[ends:], WAITS_S)
-    behind = _Way(setup, headway.behind[::-1], second.before[begins:], second.after, COMES_S, ahead.places)
+    ends, begins = len(headway.claims.ahead) - 1, len(headway.claims.behind) - 1
+    claims = headway.claims
+    ahead = _Way(setup, claims.ahead, first.before, first.after[ends:], WAITS_S, (), claims.ahead_waits_s)
+    way_in, waits_s = claims.behind[::-1], claims.behind_waits_s[::-1]
+    before = second.before[begins:]
+    behind = _Way(setup, way_in, before, second.after, COMES_S, ahead.places, waits_s)
     alone = ahead.alone(), behind.alone()
     return TwoTrains(_asks_late(setup, headway, alone[1], 0.0), headway, *alone)
 
@@ -109,18 +112,18 @@ def without_throw(two: TwoTrains, spared_s: float) -> TwoTrains:
 
 def deciding_leg(headway: Headway) -> int:
     """Which leg of those of the second needs what decides; -1: it is the portal at which it signs on."""
-    ways = (i for i, leg in enumerate(headway.behind) if _has(leg, headway.section_id))
+    ways = (i for i, leg in enumerate(headway.claims.behind) if _has(leg, headway.section_id))
     return next(ways, -1)
 
 
-def _asks_late(setup: Setup, headway: Headway, second: Alone, spared_s: float) -> Setup:
+def _asks_late(setup: Setup, headway: Headway, second: SingleLegTrains, spared_s: float) -> Setup:
     """A setup in which the second train of a headway asks as late as it can, and units aim at arrivals as they stand.
 
     Who asks sooner is refused, and asks again at fixed intervals: every unit asks so many of them sooner that the way
     of each can be set meanwhile. A train comes to its portal in time to sign on as late as it can.
     """
     links, people = Links.of(setup.air), setup.people
-    wants_s = [_wants_s(leg) for leg in headway.behind]
+    wants_s = [_wants_s(leg) for leg in headway.claims.behind]
     own_s = wants_s[deciding_leg(headway)] - spared_s
     longest_s = links.ask_s + links.set_s(
         max((p.throw_time_s for p in setup.line.points.values()), default=0.0)
@@ -137,29 +140,29 @@ def _asks_late(setup: Setup, headway: Headway, second: Alone, spared_s: float) -
     )
 
 
-def thrown_s(leg: Leg) -> float:
+def thrown_s(leg: SetLeg) -> float:
     """How long a leg's points are thrown before it departs, s: those that take longest."""
     if leg.start is None:
         return 0.0
-    throws = (s for one in leg.occupations for s in one.slices if s.part is Part.THROW)
+    throws = (s for one in leg.occupations for s in one.slices if s.part is OccupationPart.THROW)
     return max((s.length_s for s in throws if s.end_s <= leg.departs_s), default=0.0)
 
 
-def _has(leg: Leg, section_id: str) -> bool:
+def _has(leg: SetLeg, section_id: str) -> bool:
     return any(one.section_id == section_id for one in leg.occupations)
 
 
-def _wants_s(leg: Leg) -> float:
+def _wants_s(leg: SetLeg) -> float:
     """How long before its word to leave a leg's way is wanted, s."""
     return leg.departs_s - _starts_s(leg) - leg.occupations[0].begin_s
 
 
-def _starts_s(leg: Leg) -> float:
+def _starts_s(leg: SetLeg) -> float:
     """From the word to leave until it moves, s."""
-    return 0.0 if leg.start is None else leg.start.of_part(Part.START)
+    return 0.0 if leg.start is None else leg.start.of_part(OccupationPart.START)
 
 
-def day_of(setup: Setup, alone: Sequence[Alone]) -> Setup:
+def day_of(setup: Setup, alone: Sequence[SingleLegTrains]) -> Setup:
     """A day with nothing but some sets."""
     trains = {train.number: train for one in alone for train in one.trains}
     sets = tuple(Diagram(one.stock_id, tuple(train.number for train in one.trains)) for one in alone)
@@ -170,19 +173,22 @@ def day_of(setup: Setup, alone: Sequence[Alone]) -> Setup:
 class _Way:
     """Legs of a set, and those before (the nearest first) and after them, by which they are made whole trains.
 
-    It is `waits_s` at the first of the legs, if it had to come there; it begins in none of the `taken` places.
+    It is `waits_s` at the first of the legs, if it had to come there; it begins in none of the `taken` places. Before
+    each leg it stands for so much longer than it must (`stands_s`).
     """
 
     def __init__(
         self,
         setup: Setup,
-        legs: Sequence[Leg],
-        before: Sequence[Leg],
-        after: Sequence[Leg],
+        legs: Sequence[SetLeg],
+        before: Sequence[SetLeg],
+        after: Sequence[SetLeg],
         waits_s: int,
         taken: Collection[str] = (),
+        stands_s: Sequence[float] = (),
     ) -> None:
         self._setup = setup
+        self._stands_s = {id(leg): s for leg, s in zip(legs, stands_s, strict=bool(stands_s))}
         self._waits_s = waits_s
         self._taken = taken
         self._counts = {id(leg) for leg in legs}
@@ -203,7 +209,7 @@ class _Way:
         kinds = self._setup.line.sections
         return frozenset(o.section_id for o in found if kinds[o.section_id].kind is not SectionKind.PORTAL)
 
-    def alone(self) -> Alone:
+    def alone(self) -> SingleLegTrains:
         """As trains of their own."""
         moves_s = self._moves_s()
         numbers = list(dict.fromkeys(leg.number for leg in self._legs))
@@ -211,7 +217,7 @@ class _Way:
         for at in range(1, len(trains)):
             trains[at - 1] = replace(trains[at - 1], ends=BecomesTrain(numbers[at]))
             trains[at] = replace(trains[at], begins=FromTrain(numbers[at - 1]))
-        return Alone(self._legs[0].stock_id, tuple(trains))
+        return SingleLegTrains(self._legs[0].stock_id, tuple(trains))
 
     def _begins(self) -> bool:
         leg = self._legs[0]
@@ -223,7 +229,7 @@ class _Way:
         leg = self._legs[-1]
         return leg.end is not None and (self._leaves(leg) or self._stops(leg, leg.end.section_id))
 
-    def _enters(self, leg: Leg) -> bool:
+    def _enters(self, leg: SetLeg) -> bool:
         begins = self._setup.timetable.trains[leg.number].begins
         return (
             isinstance(begins, AtPortal)
@@ -231,16 +237,16 @@ class _Way:
             and leg.start.section_id == begins.section_id
         )
 
-    def _leaves(self, leg: Leg) -> bool:
+    def _leaves(self, leg: SetLeg) -> bool:
         ends = self._setup.timetable.trains[leg.number].ends
         return isinstance(ends, AtPortal) and leg.end is not None and leg.end.section_id == ends.section_id
 
-    def _stops(self, leg: Leg, section_id: str) -> bool:
+    def _stops(self, leg: SetLeg, section_id: str) -> bool:
         train = self._setup.timetable.trains[leg.number]
         at = call_at(self._setup.line, train, section_id)
         return at is not None and train.calls[at].stops
 
-    def _runs(self, leg: Leg) -> bool:
+    def _runs(self, leg: SetLeg) -> bool:
         """Whether what there is of the train of a leg has two calls."""
         first, last = self._calls(leg.number)
         return last > first
@@ -268,6 +274,7 @@ class _Way:
             can_s = before.arrives_s + found[-1] + stand_of(leg.start, dwell_min_s).least_s
             if id(leg) in self._counts and id(before) not in self._counts:
                 can_s += self._waits_s
+            can_s += self._stands_s.get(id(leg), 0.0)
             found.append(math.floor(can_s - leg.departs_s))
         return found
 

@@ -18,11 +18,11 @@ from network.model import Line, SectionKind
 from simulation.events import Entered, Left
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
-from study.run.spans import rows_by_span, section_stretches
+from study.record.spans import rows_by_span, section_stretches
 
 
 @dataclass(slots=True)
-class Visit:
+class SectionVisit:
     """A stock in a section, s, by the truth; minus infinity: it was there, infinite: it stays.
 
     `begin_s` is when its front comes in, or when any of it is first seen in it; `number` the train that it then is.
@@ -36,11 +36,13 @@ class Visit:
     rear_s: float = math.inf
 
 
-def visits_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> dict[str, list[Visit]]:
+def visits_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> dict[str, list[SectionVisit]]:
     """The visits of each stock to sections, in the order in which they begin."""
     came_s, left_s = _times(result, Entered), _times(result, Left)
-    found: dict[str, list[Visit]] = defaultdict(list)
-    within: dict[str, dict[str, Visit]] = defaultdict(dict)  # stock -> section -> a visit that has not ended
+    found: dict[str, list[SectionVisit]] = defaultdict(list)
+    within: dict[str, dict[str, SectionVisit]] = defaultdict(
+        dict
+    )  # stock -> section -> a visit that has not ended
     for span, rows in rows_by_span(result):
         if not rows.size:
             continue
@@ -58,7 +60,7 @@ def visits_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> 
             if visit is None:
                 portal = line.sections[section_id].kind is SectionKind.PORTAL
                 begin_s, enters_s = seen.begin(start_m, on_line_s[-1] if portal and on_line_s else -math.inf)
-                visit = within[unit][section_id] = Visit(section_id, begin_s, enters_s, span.number)
+                visit = within[unit][section_id] = SectionVisit(section_id, begin_s, enters_s, span.number)
                 found[unit].append(visit)
             elif seen.front_m[0] < end_m:
                 visit.leaves_s = math.inf  # turned back: it is its front that is in it again
@@ -72,7 +74,7 @@ def visits_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> 
     return found
 
 
-def _gone(open_visits: dict[str, Visit], gone_s: float) -> None:
+def _gone(open_visits: dict[str, SectionVisit], gone_s: float) -> None:
     """Taken off the line."""
     for section_id, visit in list(open_visits.items()):
         if visit.begin_s <= gone_s:

@@ -9,11 +9,11 @@ from network.model import Line
 from study.compare.comparison import Comparisons, compare
 from study.compare.files import json_text
 from study.compare.parts import parts_against
-from study.compare.side import Side, check_same_line, of_read, of_run
+from study.compare.side import ComparedRun, check_same_line, of_read, of_run
+from study.record.directory import COMPARE_FILE
+from study.record.read_back import read_run
 from study.report.beside import Beside
-from study.run.directory import COMPARE_FILE
-from study.run.read_back import read_run
-from study.run.run import More, Run
+from study.runner.run import FinishedRun, RunExtras
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,10 +21,10 @@ class Against:
     """What was found, and what it adds to the run directory."""
 
     found: Comparisons
-    more: More
+    more: RunExtras
 
 
-def base_of(directory: Path, line: Line) -> Side:
+def base_of(directory: Path, line: Line) -> ComparedRun:
     """The run to be compared with, read before the other one begins: that may take its place.
 
     Raises InputError for a directory that is none of a run, or is of another line.
@@ -34,7 +34,7 @@ def base_of(directory: Path, line: Line) -> Side:
     return of_read(read, directory.resolve().name)
 
 
-def against(run: Run, base: Side, over_s: float) -> Against:
+def against(run: FinishedRun, base: ComparedRun, over_s: float) -> Against:
     """What changed from the run that was kept to the one that has just ended."""
     label = run.scenario.id
     found = compare((base, of_run(run, label if label != base.label else f"{label} (now)")), over_s)
@@ -42,4 +42,4 @@ def against(run: Run, base: Side, over_s: float) -> Against:
     moved = frozenset({one.train for one in times.moved} | {one.train for one in times.once})
     beside = Beside(base.label, base.run, moved, frozenset(times.only_base))
     parts = parts_against(found, graphs=False)
-    return Against(found, More(parts, {COMPARE_FILE: json_text(found)}, beside))
+    return Against(found, RunExtras(parts, {COMPARE_FILE: json_text(found)}, beside))

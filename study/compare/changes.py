@@ -9,8 +9,8 @@ from typing import Any, Final
 
 from network.files.edits import Change, differences
 from network.files.toml_input import validate
-from study.compare.side import Side
-from study.scenario.scenario_file import ScenarioFile
+from scenario.scenario_file import ScenarioFile
+from study.compare.side import ComparedRun
 
 # What a scenario is called, and prose; what it names and what it patches is compared itself.
 _NO_SETTING: Final = ("extends", "id", "name", "assumed", "patch")
@@ -37,7 +37,7 @@ class InputChange:
         return {"file": self.file, "key": self.key, "old": self.old, "new": self.new, "by": list(self.by)}
 
 
-def input_changes(base: Side, new: Side) -> tuple[InputChange, ...]:
+def input_changes(base: ComparedRun, new: ComparedRun) -> tuple[InputChange, ...]:
     """Where the inputs of two runs differ: scenario, line, timetable, trains that both have, command line."""
     a, b = base.inputs, new.inputs
     settings = _settings(a.scenario), _settings(b.scenario)
@@ -74,7 +74,7 @@ def _file(old: str, new: str) -> str:
     return " | ".join(names)
 
 
-def _by(change: Change, base: Side, new: Side) -> tuple[str, ...]:
+def _by(change: Change, base: ComparedRun, new: ComparedRun) -> tuple[str, ...]:
     """The runs whose own account of changes has this key and value."""
     return tuple(
         side.label

@@ -8,17 +8,17 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Final
 
 from study.compare.changes import InputChange, input_changes
-from study.compare.measures import TABLES, Measure, Row, compare_rows, measures_of
-from study.compare.meets import Fate, MeetChange, compare_meets
-from study.compare.side import Side
-from study.compare.times import Times, compare_times
-from study.run.tables import RunTables
+from study.compare.measures import TABLES, ComparedRow, Measure, compare_rows, measures_of
+from study.compare.meets import MeetChange, MeetFate, compare_meets
+from study.compare.side import ComparedRun
+from study.compare.times import ComparedTimes, compare_times
+from study.record.tables import RunTables
 from study.wording import compared as words
 from study.wording.phrase import Phrase, joined
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class RunComparison:
     """What changed from `base` to `new`. `over_s` is the threshold, s; `broken` are failures that one of both has.
 
     `same_inputs`, `same_journal` and `same_tables` say what did not differ at all; `rows` are by table.
@@ -31,9 +31,9 @@ class Comparison:
     same_journal: bool
     same_tables: bool
     inputs: tuple[InputChange, ...]
-    times: Times
+    times: ComparedTimes
     meets: tuple[MeetChange, ...]
-    rows: Mapping[str, tuple[Row, ...]]
+    rows: Mapping[str, tuple[ComparedRow, ...]]
     broken_base: tuple[str, ...]
     broken_new: tuple[str, ...]
 
@@ -71,9 +71,9 @@ class Comparison:
 class Comparisons:
     """The first run with each of the others, and the figures of all."""
 
-    sides: tuple[Side, ...]
+    sides: tuple[ComparedRun, ...]
     measures: tuple[Measure, ...]
-    pairs: tuple[Comparison, ...]
+    pairs: tuple[RunComparison, ...]
 
     def of_two(self, index: int) -> Comparisons:
         """The first run with one of the others alone."""
@@ -101,7 +101,7 @@ class Comparisons:
         }
 
 
-def compare(sides: Sequence[Side], over_s: float) -> Comparisons:
+def compare(sides: Sequence[ComparedRun], over_s: float) -> Comparisons:
     """The first run is what the others are compared with."""
     base = sides[0]
     return Comparisons(
@@ -109,11 +109,11 @@ def compare(sides: Sequence[Side], over_s: float) -> Comparisons:
     )
 
 
-def compare_two(base: Side, new: Side, over_s: float) -> Comparison:
+def compare_two(base: ComparedRun, new: ComparedRun, over_s: float) -> RunComparison:
     """What changed from one run to another; times that moved by at most `over_s` are not listed."""
     inputs = input_changes(base, new)
     mine, others = base.run.tables, new.run.tables
-    return Comparison(
+    return RunComparison(
         base=base.label,
         new=new.label,
         over_s=over_s,
@@ -129,12 +129,12 @@ def compare_two(base: Side, new: Side, over_s: float) -> Comparison:
     )
 
 
-def verdict_of(found: Comparison) -> tuple[str, ...]:
+def verdict_of(found: RunComparison) -> tuple[str, ...]:
     """`verdict_said` in English."""
     return tuple(said.en for said in verdict_said(found))
 
 
-def verdict_said(found: Comparison) -> tuple[Phrase, ...]:
+def verdict_said(found: RunComparison) -> tuple[Phrase, ...]:
     """What changed, in sentences: what a planner wants to know first."""
     if found.nothing_differs:
         inputs = words.SAME_INPUTS if found.same_inputs else words.OTHER_INPUTS
@@ -153,7 +153,7 @@ def verdict_said(found: Comparison) -> tuple[Phrase, ...]:
     return tuple(told)
 
 
-def _moved(found: Comparison) -> Phrase:
+def _moved(found: RunComparison) -> Phrase:
     """The sentence on times."""
     times = found.times
     if not times.compared:
@@ -190,11 +190,11 @@ def _trains(numbers: Sequence[str]) -> Phrase:
     return form.of(shown=shown, rest=rest)
 
 
-FATES: Final[Mapping[Fate, Phrase]] = {
-    Fate.ELSEWHERE: Phrase("{count} elsewhere", "場所 {count}"),
-    Fate.OTHER_TIME: Phrase("{count} at another time", "時刻 {count}"),
-    Fate.GONE: Phrase("{count} gone", "消滅 {count}"),
-    Fate.NEW: Phrase("{count} new", "新規 {count}"),
+FATES: Final[Mapping[MeetFate, Phrase]] = {
+    MeetFate.ELSEWHERE: Phrase("{count} elsewhere", "場所 {count}"),
+    MeetFate.OTHER_TIME: Phrase("{count} at another time", "時刻 {count}"),
+    MeetFate.GONE: Phrase("{count} gone", "消滅 {count}"),
+    MeetFate.NEW: Phrase("{count} new", "新規 {count}"),
 }
 # One and several of a thing, and how Japanese counts it.
 _TIME: Final = ("arrival or departure", "arrivals and departures", " 件")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Iterable, Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,19 +16,20 @@ from study.compare.graph import draw_both
 from study.compare.grids import columns_of, measures_grid
 from study.compare.measures import TABLES, columns_in
 from study.compare.parts import parts_against
+from study.compare.times import MovedTime, UnmatchedTime
+from study.record.directory import COMPARE_FILE, replaced
+from study.record.parts import PagePart
 from study.report.face import FACE, japanese_face
-from study.report.parts import Part
 from study.report.style import drawing
 from study.report.template import rendered
-from study.run.directory import COMPARE_FILE, replaced
 
 PAGE_FILE: Final = "compare.html"
 GRAPH: Final = "train_graph_"  # and the number of the run
 _PICTURES: Final = (".svg", ".png")
 _PNG_DPI: Final = 130
-_TIMES: Final = ("train", "direction", "station", "what", "old_s", "new_s", "by_s", "plan_by_s")
+_TIMES: Final = tuple(field.name for field in fields(MovedTime))
 _MEETS: Final = ("down_train", "up_train", "fate", "old_at", "old_s", "new_at", "new_s", "by_s", "why")
-_ONCE: Final = ("train", "station", "what", "in_new", "at_s")
+_ONCE: Final = tuple(field.name for field in fields(UnmatchedTime))
 _CSVS: Final = ("measures", "inputs", "times", "once", "meets", *TABLES)
 
 
@@ -66,15 +68,17 @@ def json_text(found: Comparisons) -> str:
 def _page(found: Comparisons) -> str:
     """The page; with more than two runs the figures of all come first."""
     base, others = found.sides[0], found.sides[1:]
-    parts: list[Part] = []
+    parts: list[PagePart] = []
     if len(others) > 1:
         parts.append(
-            Part("All runs", f"Differences are from {base.label}.", grids=(measures_grid(found),), folded="")
+            PagePart(
+                "All runs", f"Differences are from {base.label}.", grids=(measures_grid(found),), folded=""
+            )
         )
     for index, side in enumerate(others):
         for part in parts_against(found, index):
             title = part.title if len(others) == 1 else f"{side.label}: {_lowered(part.title)}"
-            parts.append(Part(title, part.caption, part.figures, part.grids, part.folded, part.notes))
+            parts.append(PagePart(title, part.caption, part.figures, part.grids, part.folded, part.notes))
     page = rendered(
         "compare.html.j2",
         title=base.run.line.name,

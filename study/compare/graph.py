@@ -12,10 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from study.compare.comparison import Comparison
-from study.compare.meets import Fate
-from study.compare.side import Side
-from study.report.data import Run
+from study.compare.comparison import RunComparison
+from study.compare.meets import MeetFate
+from study.compare.side import ComparedRun
+from study.report.data import ReportedRun
 from study.report.graph import draw_frame, numbers_of, write_numbers
 from study.report.labels import Number
 from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, WIDTH_IN, TimeBand, time_bands
@@ -35,7 +35,7 @@ class _Looks:
     zorder: float
 
 
-def draw_both(base: Side, new: Side, found: Comparison) -> Figure:
+def draw_both(base: ComparedRun, new: ComparedRun, found: RunComparison) -> Figure:
     """Both runs in panels of at most 6.5 h. Trains that did not move are pale; meets that did are circled.
 
     The base run is the thin dashed line, the new one the thick line; a train of one run only is red (gone) or
@@ -59,7 +59,9 @@ def draw_both(base: Side, new: Side, found: Comparison) -> Figure:
     return figure
 
 
-def _draw_base(axes: Axes, run: Run, band: TimeBand, moved: Collection[str], gone: Collection[str]) -> None:
+def _draw_base(
+    axes: Axes, run: ReportedRun, band: TimeBand, moved: Collection[str], gone: Collection[str]
+) -> None:
     for (_, number), course in run.courses.items():
         if number in gone:
             _draw(axes, course, band, _Looks(RED, 1.4, _DASHES, 4.0))
@@ -67,7 +69,9 @@ def _draw_base(axes: Axes, run: Run, band: TimeBand, moved: Collection[str], gon
             _draw(axes, course, band, _Looks(BASE, 0.8, _DASHES, 4.0))
 
 
-def _draw_new(axes: Axes, run: Run, band: TimeBand, moved: Collection[str], added: Collection[str]) -> None:
+def _draw_new(
+    axes: Axes, run: ReportedRun, band: TimeBand, moved: Collection[str], added: Collection[str]
+) -> None:
     for (_, number), course in run.courses.items():
         if number in added:
             _draw(axes, course, band, _Looks(ADDED, 2.2, "-", 3.2))
@@ -86,12 +90,12 @@ def _draw(axes: Axes, course: pl.DataFrame, band: TimeBand, looks: _Looks) -> No
         )
 
 
-def _draw_meets(axes: Axes, found: Comparison, band: TimeBand) -> None:
+def _draw_meets(axes: Axes, found: RunComparison, band: TimeBand) -> None:
     """A ring where a meet is in the new run, an open square where one was and is no more."""
     for change in found.meets:
-        meet = change.old if change.fate is Fate.GONE else change.new
+        meet = change.old if change.fate is MeetFate.GONE else change.new
         if meet is not None and band.from_s <= meet.time_s <= band.to_s:
-            mark = "s" if change.fate is Fate.GONE else "o"
+            mark = "s" if change.fate is MeetFate.GONE else "o"
             axes.plot(
                 [meet.time_s], [meet.position_m], marker=mark, ms=8, mfc="none", mec=RED, mew=1.1, zorder=4.5
             )
@@ -130,7 +134,9 @@ def _short(label: str, most: int = 40) -> str:
     return label if len(label) <= most else f"…{label[1 - most :]}"
 
 
-def _numbers(old: Run, new: Run, band: TimeBand, moved: Collection[str], found: Comparison) -> list[Number]:
+def _numbers(
+    old: ReportedRun, new: ReportedRun, band: TimeBand, moved: Collection[str], found: RunComparison
+) -> list[Number]:
     """Numbers of the new run's trains, and of those that are gone; first of all those that moved or came."""
     gone = [n for n in numbers_of(old, band) if n.text in found.times.only_base]
     mine = numbers_of(new, band)

@@ -3,43 +3,41 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Final
 
 from network.clock import clock
-from study.compare.comparison import Comparison, Comparisons
-from study.compare.measures import Measure, Row, Value, columns_in, names_in, sorted_by
+from study.compare.comparison import Comparisons, RunComparison
+from study.compare.measures import ComparedRow, Measure, Value, columns_in, names_in, sorted_by
 from study.compare.meets import MeetChange, RunMeet
-from study.compare.side import Side
-from study.compare.times import Moved, What
+from study.compare.side import ComparedRun
+from study.compare.times import MovedTime, What
+from study.record.driving import EARLY
+from study.record.figure import Figure, Kind, ShownIn, seen_in
+from study.record.parts import TextTable, signed
+from study.record.tables import ROWS
 from study.report.data import place_said
-from study.report.parts import Grid, signed
-from study.wording.compared import EARLIER, HEADING, LATER, phrase, word
+from study.wording.compared import EARLIER, HEADING, LATER, word
 from study.wording.phrase import Language, Phrase, joined
 from study.wording.telegrams import telegram
 
 SAME: Final = "="
 NONE: Final = "–"
-# Of a table's columns those shown to a person, with their heading, unit and digits; the files have all.
-_SHOWN: Final[Mapping[str, tuple[tuple[str, str, int], ...]]] = {
-    "margins": (("margin_s", "margin, s", 0), ("left_s", "left as run, s", 1)),
-    "energy": (
-        ("net_kwh", "net, kWh", 1),
-        ("traction_kwh", "traction, kWh", 1),
-        ("regenerated_kwh", "back, kWh", 1),
-    ),
-    "driving": (
-        ("running_kwh", "running, kWh", 2),
-        ("power_changes", "power notch changes", 0),
-        ("coasting_way_percent", "coasting, % of the way", 0),
-        ("late_s", "late, s", 1),
-    ),
-    "telegrams": (("sent", "sent", 0), ("lost", "lost", 0)),
-    "stops": (("stop_error_m", "stop error, m", 3),),
+_FIGURES: Final = {
+    said.name.en: said.name
+    for said in (
+        *(said for row in ROWS.values() for said in seen_in(row, ShownIn.TOTALS_COMPARED).values()),
+        EARLY,
+    )
 }
 
 
-def measures_grid(found: Comparisons, language: Language = "en", *, changed_only: bool = False) -> Grid:
+def _named(text: str, language: Language) -> str:
+    """A figure's name: its own, or from the words of comparisons."""
+    return _FIGURES[text].in_(language) if text in _FIGURES else word(text, language)
+
+
+def measures_grid(found: Comparisons, language: Language = "en", *, changed_only: bool = False) -> TextTable:
     """A row a figure, a column a run; with two runs their difference stands in a column of its own."""
     labels = [side.label for side in found.sides]
     rows: list[tuple[str, ...]] = []
@@ -52,9 +50,9 @@ def measures_grid(found: Comparisons, language: Language = "en", *, changed_only
             for index in range(len(labels))
         ]
         last = (_by(measure, 1),) if len(labels) == 2 else ()
-        rows.append((word(measure.group, language), f"{word(measure.name, language)}{unit}", *cells, *last))
+        rows.append((word(measure.group, language), f"{_named(measure.name, language)}{unit}", *cells, *last))
     header = ("", "", *labels, *((word("difference", language),) if len(labels) == 2 else ()))
-    return Grid(header, tuple(rows), numbers_from=2)
+    return TextTable(header, tuple(rows), numbers_from=2)
 
 
 def changed(measure: Measure) -> bool:
@@ -62,17 +60,17 @@ def changed(measure: Measure) -> bool:
     return any(_by(measure, index) != SAME for index in range(1, len(measure.values)))
 
 
-def inputs_grid(found: Comparison, language: Language = "en") -> Grid:
+def inputs_grid(found: RunComparison, language: Language = "en") -> TextTable:
     """Inputs that differ, with who patched them."""
     rows = tuple(
         (word(c.file, language), c.key, _json(c.old), _json(c.new), ", ".join(c.by)) for c in found.inputs
     )
-    return Grid(_heads(language, "file", "key", "old", "new", "set by"), rows)
+    return TextTable(_heads(language, "file", "key", "old", "new", "set by"), rows)
 
 
 def moved_grid(
-    found: Comparison, new: Side, language: Language = "en", *, largest_first: bool = False
-) -> Grid:
+    found: RunComparison, new: ComparedRun, language: Language = "en", *, largest_first: bool = False
+) -> TextTable:
     """Every time that moved, in order of time or the largest first."""
     listed = list(found.times.moved)
     if largest_first:
@@ -91,12 +89,12 @@ def moved_grid(
         for moved in listed
     )
     header = _heads(language, "train", "", "station", "what", "old", "new", "moved", "by plan")
-    return Grid(header, rows, numbers_from=4)
+    return TextTable(header, rows, numbers_from=4)
 
 
-def moved_matrix(found: Comparison, new: Side, language: Language = "en") -> Grid:
+def moved_matrix(found: RunComparison, new: ComparedRun, language: Language = "en") -> TextTable:
     """A row a train that moved, a column a station: seconds of arrival / departure, a dot where it did not move."""
-    by_train: dict[str, dict[str, dict[What, Moved]]] = {}
+    by_train: dict[str, dict[str, dict[What, MovedTime]]] = {}
     for moved in found.times.moved:
         by_train.setdefault(moved.train, {}).setdefault(moved.station, {})[moved.what] = moved
     seen = {station for stations in by_train.values() for station in stations}
@@ -111,10 +109,10 @@ def moved_matrix(found: Comparison, new: Side, language: Language = "en") -> Gri
         if train in by_train
     )
     names = (place_said(new.run, place.id).in_(language) for place in places)
-    return Grid((*_heads(language, "train", ""), *names), rows, numbers_from=2)
+    return TextTable((*_heads(language, "train", ""), *names), rows, numbers_from=2)
 
 
-def once_grid(found: Comparison, new: Side, language: Language = "en") -> Grid:
+def once_grid(found: RunComparison, new: ComparedRun, language: Language = "en") -> TextTable:
     """Arrivals and departures that came in one of the runs only."""
     rows = tuple(
         (
@@ -126,13 +124,15 @@ def once_grid(found: Comparison, new: Side, language: Language = "en") -> Grid:
         )
         for once in found.times.once
     )
-    return Grid(_heads(language, "train", "station", "what", "only in", "at"), rows, numbers_from=4)
+    return TextTable(_heads(language, "train", "station", "what", "only in", "at"), rows, numbers_from=4)
 
 
-def meets_grid(found: Comparison, base: Side, new: Side, language: Language = "en") -> Grid:
+def meets_grid(
+    found: RunComparison, base: ComparedRun, new: ComparedRun, language: Language = "en"
+) -> TextTable:
     """Meets that moved, came or went."""
 
-    def place(side: Side, meet: RunMeet | None) -> str:
+    def place(side: ComparedRun, meet: RunMeet | None) -> str:
         if meet is None:
             return NONE
         where = joined((place_said(side.run, at) for at in meet.at), " – ", "～")
@@ -154,38 +154,41 @@ def meets_grid(found: Comparison, base: Side, new: Side, language: Language = "e
         )
         for c in found.meets
     )
-    return Grid(_heads(language, "down", "up", "meet", "old", "new", "moved"), rows)
+    return TextTable(_heads(language, "down", "up", "meet", "old", "new", "moved"), rows)
 
 
-def rows_grid(found: Comparison, table: str, new: Side, language: Language = "en") -> Grid:
+def rows_grid(found: RunComparison, table: str, new: ComparedRun, language: Language = "en") -> TextTable:
     """What differs in margins, energy, telegrams or stops, by more than can be left out, most first."""
-    shown = _SHOWN[table]
-    first = shown[0][0]
-    listed = [row for row in found.rows[table] if any(_told(row, *column) for column in shown)]
-    names: Callable[[Row], tuple[str, ...]] = lambda row: tuple(  # noqa: E731
-        _name(new, column, name, language) for column, name in zip(names_in(table), row.names, strict=True)
-    )
+    shown = seen_in(ROWS[table], ShownIn.ROWS_LISTED)
+    by = next(iter({**seen_in(ROWS[table], ShownIn.LISTED_BY), **shown}))
+    listed = [row for row in found.rows[table] if any(_told(row, *column) for column in shown.items())]
     rows = tuple(
-        (*names(row), *(text for column, _, digits in shown for text in _old_new_by(row, column, digits)))
-        for row in sorted_by(listed, first)
+        (
+            *(
+                _name(new, said, name, language)
+                for said, name in zip(names_in(table).values(), row.names, strict=True)
+            ),
+            *(text for column, said in shown.items() for text in _old_new_by(row, column, said.digits)),
+        )
+        for row in sorted_by(listed, by)
     )
     headings = [
         text
-        for _, heading, _ in shown
-        for text in (HEADING.of(what=phrase(heading)).in_(language), *_heads(language, "new", "by"))
+        for said in shown.values()
+        for text in (HEADING.of(what=said.heading).in_(language), *_heads(language, "new", "by"))
     ]
-    titles = _heads(language, *(_title(column) for column in names_in(table)))
-    return Grid((*titles, *headings), rows, numbers_from=len(names_in(table)))
+    titles = [said.name.in_(language) for said in names_in(table).values()]
+    return TextTable((*titles, *headings), rows, numbers_from=len(titles))
 
 
-def _name(side: Side, column: str, name: str, language: Language) -> str:
-    if "station" in column:
-        return place_said(side.run, name).in_(language)
-    return telegram(name).in_(language) if column == "kind" else name
-
-
-def _title(column: str) -> str:
-    return column.removesuffix("_station").replace("_", " ")
+def _name(side: ComparedRun, said: Figure, name: str, language: Language) -> str:
+    match said.kind:
+        case Kind.PLACE:
+            return place_said(side.run, name).in_(language)
+        case Kind.SAID:
+            return telegram(name).in_(language)
+        case _:
+            return name
 
 
 def _heads(language: Language, *names: str) -> tuple[str, ...]:
@@ -200,20 +203,20 @@ def columns_of(table: str) -> tuple[str, ...]:
     )
 
 
-def cut(grid: Grid, most: int) -> tuple[Grid, int]:
+def cut(grid: TextTable, most: int) -> tuple[TextTable, int]:
     """The first rows of a grid, and how many were left out."""
-    return Grid(grid.header, grid.rows[:most], grid.numbers_from, grid.numbers_to), max(
+    return TextTable(grid.header, grid.rows[:most], grid.numbers_from, grid.numbers_to), max(
         len(grid.rows) - most, 0
     )
 
 
-def _told(row: Row, column: str, _heading: str, digits: int) -> bool:
+def _told(row: ComparedRow, column: str, said: Figure) -> bool:
     """Whether a difference can be read, or one of both has none."""
     old, new = row.values[column]
-    return (old is None) != (new is None) or abs(row.by(column) or 0.0) >= 0.5 * 10.0**-digits
+    return (old is None) != (new is None) or abs(row.by(column) or 0.0) >= 0.5 * 10.0**-said.digits
 
 
-def _old_new_by(row: Row, column: str, digits: int) -> tuple[str, str, str]:
+def _old_new_by(row: ComparedRow, column: str, digits: int) -> tuple[str, str, str]:
     old, new = row.values[column]
     by = NONE if old is None or new is None else _difference(new - old, digits)
     return _number(old, digits), _number(new, digits), by
@@ -243,7 +246,7 @@ def _number(value: Value, digits: int) -> str:
     return NONE if value is None else f"{value:,.{digits}f}".replace("-", "−")
 
 
-def _cell(moved: Mapping[What, Moved]) -> str:
+def _cell(moved: Mapping[What, MovedTime]) -> str:
     """Arrival and departure of a train at a station; nothing where neither moved."""
     if not moved:
         return ""

@@ -10,13 +10,17 @@ from typing import Any, Final, TypeAlias
 import polars as pl
 
 from study.compare.meets import meets_of
-from study.compare.side import Side
+from study.compare.side import ComparedRun
 from study.compare.times import What
 from study.measures.driving import driven
 from study.measures.missing import planned_times
+from study.measures.summary import ENERGIES, arrived_trains, energy_summary
+from study.record.driving import EARLY, DrivenHop
+from study.record.figure import Adds, ShownIn, rows_in, seen_in
+from study.record.figure import Figure as Said
+from study.record.tables import ROWS
+from study.record.told import TelegramsOfWay
 from study.report.data import place_said
-from study.run.driving import read_hops
-from study.run.summary import ENERGIES, TELEGRAM_COUNTS, arrived_trains, energy_summary
 from study.wording import compared as words
 from study.wording.phrase import NOTHING, Phrase, joined
 
@@ -29,7 +33,7 @@ Value: TypeAlias = float | None
 
 
 @dataclass(frozen=True, slots=True)
-class Figure:
+class RunFigure:
     """One figure of one run: `where` says of which train and place, for the extremes."""
 
     group: str
@@ -62,7 +66,7 @@ class Measure:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ComparedRow:
     """What one thing of a table was and is: its name's parts, then column: (old, new)."""
 
     names: tuple[str, ...]
@@ -74,7 +78,7 @@ class Row:
         return None if old is None and new is None else (new or 0.0) - (old or 0.0)
 
 
-def measures_of(sides: Sequence[Side]) -> tuple[Measure, ...]:
+def measures_of(sides: Sequence[ComparedRun]) -> tuple[Measure, ...]:
     """Every figure of all runs."""
     columns = [tuple(figures_of(side)) for side in sides]
     return tuple(
@@ -90,31 +94,35 @@ def measures_of(sides: Sequence[Side]) -> tuple[Measure, ...]:
     )
 
 
-def figures_of(side: Side) -> Iterator[Figure]:
+def figures_of(side: ComparedRun) -> Iterator[RunFigure]:
     """The figures of one run, always the same ones in the same order."""
     tables, timetable = side.run.tables, side.run.timetable
     planned = sum(train.revenue for train in timetable.trains.values())
-    yield Figure("trains", "planned", "", 0, float(planned))
-    yield Figure(
+    yield RunFigure("trains", "planned", "", 0, float(planned))
+    yield RunFigure(
         "trains", "ran their whole journey", "", 0, float(len(arrived_trains(tables.stops, timetable)))
     )
-    yield Figure("trains", "meets as run", "", 0, float(len(meets_of(side.run))))
+    yield RunFigure("trains", "meets as run", "", 0, float(len(meets_of(side.run))))
     for what in (What.ARRIVAL, What.DEPARTURE):
         yield from _punctuality(side, what)
     yield from _margins(side)
     yield from _energy(side)
     yield from _driving(side)
-    for name in TELEGRAM_COUNTS:
-        yield Figure("telegrams", name, "", 0, float(tables.telegrams[name].sum()))
-    yield Figure("telegrams", "volume", "kB", 1, float(tables.telegrams["bytes"].sum()) / 1000.0)
+    for name, said in seen_in(TelegramsOfWay, ShownIn.TOTALS_COMPARED).items():
+        yield RunFigure(
+            "telegrams", said.name.en, said.unit, said.digits, float(tables.telegrams[name].sum())
+        )
+    yield RunFigure("telegrams", "volume", "kB", 1, float(tables.telegrams["bytes"].sum()) / 1000.0)
     yield from _stop_errors(side)
     for kind in ("intervention", "refusal", "fault"):
-        yield Figure("events", f"{kind}s", "", 0, float(tables.events.filter(pl.col("kind") == kind).height))
+        yield RunFigure(
+            "events", f"{kind}s", "", 0, float(tables.events.filter(pl.col("kind") == kind).height)
+        )
     for key, name in (("invariants_broken", "invariants broken"), ("collisions", "collisions")):
-        yield Figure("safety", name, "", 0, _number(side.summary.get(key)))
+        yield RunFigure("safety", name, "", 0, _number(side.summary.get(key)))
 
 
-def _punctuality(side: Side, what: What) -> Iterator[Figure]:
+def _punctuality(side: ComparedRun, what: What) -> Iterator[RunFigure]:
     """What share of the planned was late by at most so much; passings are departures.
 
     What never came was not on time, and is as late as `study.measures.missing` has it.
@@ -123,20 +131,20 @@ def _punctuality(side: Side, what: What) -> Iterator[Figure]:
     planned = times.filter(pl.col("what") == what.value)
     came, late = planned.filter("came"), pl.col("late_s")
     group = f"{what.value}s"
-    yield Figure(group, "planned", "", 0, float(planned.height))
+    yield RunFigure(group, "planned", "", 0, float(planned.height))
     for most_s in WITHIN_S:
         kept = came.filter(late <= most_s).height
         form = words.NOT_LATE if most_s == NOT_LATE_S else words.AT_MOST
         name = form.of(most=words.span(most_s)).en
-        yield Figure(group, name, "%", 1, 100.0 * kept / planned.height if planned.height else None)
-    yield Figure(group, "never came", "", 0, float(planned.height - came.height))
-    yield Figure(group, "mean lateness", "s", 1, _number(planned["late_s"].mean()))
+        yield RunFigure(group, name, "%", 1, 100.0 * kept / planned.height if planned.height else None)
+    yield RunFigure(group, "never came", "", 0, float(planned.height - came.height))
+    yield RunFigure(group, "mean lateness", "s", 1, _number(planned["late_s"].mean()))
     worst = planned.sort(late, descending=True, maintain_order=True).head(1)
     where = _at_station(side, worst)
-    yield Figure(group, "worst lateness", "s", 1, _number(planned["late_s"].max()), where)
+    yield RunFigure(group, "worst lateness", "s", 1, _number(planned["late_s"].max()), where)
 
 
-def _margins(side: Side) -> Iterator[Figure]:
+def _margins(side: ComparedRun) -> Iterator[RunFigure]:
     margins = side.run.tables.margins
     for column, name, unit in (
         ("margin_s", "smallest planned", "s"),
@@ -145,57 +153,58 @@ def _margins(side: Side) -> Iterator[Figure]:
     ):
         least = margins.filter(pl.col(column).is_finite()).sort(column, maintain_order=True).head(1)
         where = _on_hop(side, least)
-        yield Figure("margins", name, unit, 1, least[column][0] if least.height else None, where)
-    yield Figure("margins", "mean left as run", "s", 1, _number(margins["left_s"].mean()))
+        yield RunFigure("margins", name, unit, 1, least[column][0] if least.height else None, where)
+    yield RunFigure("margins", "mean left as run", "s", 1, _number(margins["left_s"].mean()))
     short = margins.filter(pl.col("margin_s") < 0.0).height
-    yield Figure("margins", "hops that the plan cannot keep", "", 0, float(short))
+    yield RunFigure("margins", "hops that the plan cannot keep", "", 0, float(short))
 
 
-def _energy(side: Side) -> Iterator[Figure]:
+def _energy(side: ComparedRun) -> Iterator[RunFigure]:
     tables = side.run.tables
     whole = energy_summary(tables)
     for name in (*ENERGIES, "net"):
-        yield Figure("energy", name, "kWh", 1, whole["all"][name])
-    yield Figure("energy", "of it standing", "kWh", 1, whole["standing"]["net"])
-    yield Figure("energy", "of it layovers", "kWh", 1, whole["layovers"]["net"])
+        yield RunFigure("energy", name, "kWh", 1, whole["all"][name])
+    yield RunFigure("energy", "of it standing", "kWh", 1, whole["standing"]["net"])
+    yield RunFigure("energy", "of it layovers", "kWh", 1, whole["layovers"]["net"])
     traction = whole["all"]["traction"]
     share = 100.0 * whole["all"]["regenerated"] / traction if traction > 0.0 else None
-    yield Figure("energy", "regenerated, of traction", "%", 1, share)
-    yield Figure("energy", "distance", "train-km", 1, whole["train_km"])
+    yield RunFigure("energy", "regenerated, of traction", "%", 1, share)
+    yield RunFigure("energy", "distance", "train-km", 1, whole["train_km"])
     for key, unit in (("net_kwh_per_train_km", "kWh/train-km"), ("net_kwh_per_car_km", "kWh/car-km")):
-        yield Figure("energy", "net", unit, 3, whole[key]["trains"])
-        yield Figure("energy", "net, with layovers", unit, 3, whole[key]["all"])
+        yield RunFigure("energy", "net", unit, 3, whole[key]["trains"])
+        yield RunFigure("energy", "net, with layovers", unit, 3, whole[key]["all"])
 
 
-def _driving(side: Side) -> Iterator[Figure]:
+def _driving(side: ComparedRun) -> Iterator[RunFigure]:
     """Means over the hops as `study.measures.driving.driven` has them; none of a run without any."""
-    whole = driven(read_hops(side.run.tables.driving))
-    for name, said, unit, digits in _DRIVEN:
-        yield Figure("driving", said, unit, digits, None if whole is None else getattr(whole, name))
+    whole = driven(rows_in(DrivenHop, side.run.tables.driving))
+    for name, said in (*seen_in(DrivenHop, ShownIn.TOTALS_COMPARED).items(), ("early_s", EARLY)):
+        value = None if whole is None else whole[name]
+        yield RunFigure("driving", said.name.en, said.unit, said.digits, value)
 
 
-def _stop_errors(side: Side) -> Iterator[Figure]:
+def _stop_errors(side: ComparedRun) -> Iterator[RunFigure]:
     stops = side.run.tables.stops
     error_m = stops["stop_error_m"].drop_nulls()
     worst = stops.filter(pl.col("stop_error_m").is_not_null()).sort(
         pl.col("stop_error_m").abs(), descending=True, maintain_order=True
     )
     where = _at_station(side, worst)
-    yield Figure("stops at the mark", "measured", "", 0, float(len(error_m)))
-    yield Figure("stops at the mark", "mean error", "m", 3, _number(error_m.mean()))
+    yield RunFigure("stops at the mark", "measured", "", 0, float(len(error_m)))
+    yield RunFigure("stops at the mark", "mean error", "m", 3, _number(error_m.mean()))
     sigma = error_m.std() if len(error_m) > 1 else None
-    yield Figure("stops at the mark", "sigma of error", "m", 3, _number(sigma))
-    yield Figure("stops at the mark", "largest error", "m", 3, _number(error_m.abs().max()), where)
+    yield RunFigure("stops at the mark", "sigma of error", "m", 3, _number(sigma))
+    yield RunFigure("stops at the mark", "largest error", "m", 3, _number(error_m.abs().max()), where)
 
 
-def _at_station(side: Side, stops: pl.DataFrame) -> Phrase:
+def _at_station(side: ComparedRun, stops: pl.DataFrame) -> Phrase:
     """Train and station of the first row."""
     if stops.is_empty():
         return NOTHING
     return words.AT_STATION.of(train=stops["train"][0], place=place_said(side.run, stops["station"][0]))
 
 
-def _on_hop(side: Side, margins: pl.DataFrame) -> Phrase:
+def _on_hop(side: ComparedRun, margins: pl.DataFrame) -> Phrase:
     """Train and hop of the first row."""
     if margins.is_empty():
         return NOTHING
@@ -203,64 +212,35 @@ def _on_hop(side: Side, margins: pl.DataFrame) -> Phrase:
     return joined((Phrase(margins["train"][0]), ends), " ", " ")
 
 
-# Of all hops together: the field, its words, its unit, digits.
-_DRIVEN: Final = (
-    ("running_kwh", "traction less what came back", "kWh", 1),
-    ("power_changes", "power notch changes a hop", "", 1),
-    ("brake_changes", "brake notch changes a hop", "", 1),
-    ("jerk_max_mps3", "largest jerk", "m/s³", 2),
-    ("jerk_rms_mps3", "jerk, rms", "m/s³", 3),
-    ("coasting_time_percent", "coasting, of the time", "%", 1),
-    ("coasting_way_percent", "coasting, of the way", "%", 1),
-    ("cruising_way_percent", "even speed under power, of the way", "%", 1),
-    ("braking_way_percent", "braking, of the way", "%", 1),
-    ("early_s", "arrival before the time, mean", "s", 1),
-)
-
-# What is compared row by row: columns that name a row, and those that are figures of it.
-_TABLES: Final[Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
-    "margins": (
-        ("train", "from_station", "to_station"),
-        ("planned_s", "least_s", "margin_s", "run_s", "left_s"),
-    ),
-    "energy": (("train",), ("traction_kwh", "regenerated_kwh", "auxiliary_kwh", "net_kwh", "distance_km")),
-    "driving": (
-        ("train", "from_station", "to_station"),
-        ("running_kwh", "power_changes", "brake_changes", "jerk_rms_mps3", "coasting_way_percent", "late_s"),
-    ),
-    "telegrams": (("kind",), (*TELEGRAM_COUNTS, "bytes")),
-    "stops": (("train", "station"), ("stop_error_m",)),
-}
-TABLES: Final = tuple(_TABLES)
-_SUMMED: Final = ("energy", "telegrams")  # several rows of a name are one: units of a train, ways of a kind
+TABLES: Final = ("margins", "energy", "driving", "telegrams", "stops")  # what is compared row by row
 
 
-def names_in(table: str) -> tuple[str, ...]:
+def names_in(table: str) -> Mapping[str, Said]:
     """The columns that name a row of a table."""
-    return _TABLES[table][0]
+    return seen_in(ROWS[table], ShownIn.ROWS_NAMED)
 
 
-def columns_in(table: str) -> tuple[str, ...]:
+def columns_in(table: str) -> Mapping[str, Said]:
     """The columns of a table that are compared."""
-    return _TABLES[table][1]
+    return seen_in(ROWS[table], ShownIn.ROWS_COMPARED)
 
 
-def compare_rows(base: Side, new: Side, table: str) -> tuple[Row, ...]:
+def compare_rows(base: ComparedRun, new: ComparedRun, table: str) -> tuple[ComparedRow, ...]:
     """The rows of a table that are not the same in both runs, matched by their names."""
     olds, news = _rows(base, table), _rows(new, table)
-    found: list[Row] = []
+    found: list[ComparedRow] = []
     for names in dict.fromkeys((*olds, *news)):
         old, late = olds.get(names, {}), news.get(names, {})
         if old != late:
             values = {column: (old.get(column), late.get(column)) for column in columns_in(table)}
-            found.append(Row(names, values))
+            found.append(ComparedRow(names, values))
     return tuple(found)
 
 
-def _rows(side: Side, table: str) -> dict[tuple[str, ...], dict[str, Value]]:
-    names, columns = _TABLES[table]
+def _rows(side: ComparedRun, table: str) -> dict[tuple[str, ...], dict[str, Value]]:
+    names, columns = tuple(names_in(table)), tuple(columns_in(table))
     frame: pl.DataFrame = getattr(side.run.tables, table)
-    if table in _SUMMED:
+    if all(said.adds is Adds.SUM for said in columns_in(table).values()):  # several rows of a name are one
         frame = frame.group_by(names, maintain_order=True).agg(pl.col(columns).sum())
     else:
         frame = frame.filter(pl.any_horizontal(pl.col(columns).is_not_null()))
@@ -271,9 +251,9 @@ def _rows(side: Side, table: str) -> dict[tuple[str, ...], dict[str, Value]]:
     }
 
 
-def sorted_by(rows: Sequence[Row], column: str) -> tuple[Row, ...]:
+def sorted_by(rows: Sequence[ComparedRow], column: str) -> tuple[ComparedRow, ...]:
     """Rows by how much a column has changed, most first."""
-    size: Callable[[Row], float] = lambda row: -abs(row.by(column) or 0.0)  # noqa: E731
+    size: Callable[[ComparedRow], float] = lambda row: -abs(row.by(column) or 0.0)  # noqa: E731
     return tuple(sorted(rows, key=size))
 
 

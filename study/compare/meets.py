@@ -13,7 +13,7 @@ import polars as pl
 from numpy.typing import NDArray
 
 from network.model import Direction, Line
-from study.report.data import Run
+from study.report.data import ReportedRun
 from study.wording import compared as words
 from study.wording.phrase import NOTHING, Phrase, joined
 
@@ -32,7 +32,7 @@ class RunMeet:
     at: tuple[str, ...]
 
 
-class Fate(Enum):
+class MeetFate(Enum):
     """What became of a meet."""
 
     ELSEWHERE = "elsewhere"
@@ -47,7 +47,7 @@ class MeetChange:
 
     down_train: str
     up_train: str
-    fate: Fate
+    fate: MeetFate
     old: RunMeet | None
     new: RunMeet | None
     why: Phrase = NOTHING
@@ -82,7 +82,7 @@ class _Course:
         return str(self.pieces[max(int(np.searchsorted(self.t_s, time_s, side="right")) - 1, 0)])
 
 
-def meets_of(run: Run) -> tuple[RunMeet, ...]:
+def meets_of(run: ReportedRun) -> tuple[RunMeet, ...]:
     """All meets of a run in order of time, from the true trajectories; between two samples trains run evenly."""
     courses: dict[Direction, list[_Course]] = {Direction.DOWN: [], Direction.UP: []}
     for (_, number), samples in run.courses.items():
@@ -96,7 +96,7 @@ def meets_of(run: Run) -> tuple[RunMeet, ...]:
     return tuple(sorted(found, key=lambda meet: (meet.time_s, meet.down_train, meet.up_train)))
 
 
-def compare_meets(base: Run, new: Run, over_s: float) -> tuple[MeetChange, ...]:
+def compare_meets(base: ReportedRun, new: ReportedRun, over_s: float) -> tuple[MeetChange, ...]:
     """Meets elsewhere, at a time that differs by more than `over_s`, gone and new, in order of time."""
     olds, news = _by_pair(meets_of(base)), _by_pair(meets_of(new))
     changes = [
@@ -155,12 +155,12 @@ def _by_pair(meets: Iterable[RunMeet]) -> Mapping[Pair, RunMeet]:
 
 
 def _change(
-    pair: Pair, old: RunMeet | None, new: RunMeet | None, runs: tuple[Run, Run], over_s: float
+    pair: Pair, old: RunMeet | None, new: RunMeet | None, runs: tuple[ReportedRun, ReportedRun], over_s: float
 ) -> MeetChange | None:
     if old is not None and new is not None:
         if old.at != new.at:
-            return MeetChange(*pair, Fate.ELSEWHERE, old, new)
-        later = MeetChange(*pair, Fate.OTHER_TIME, old, new)
+            return MeetChange(*pair, MeetFate.ELSEWHERE, old, new)
+        later = MeetChange(*pair, MeetFate.OTHER_TIME, old, new)
         return later if abs(later.by_s or 0.0) > over_s else None
     missing_in = runs[1] if new is None else runs[0]
     ran = {number for _, number in missing_in.courses}
@@ -168,7 +168,7 @@ def _change(
     which = words.phrase("new" if new is None else "base")
     trains = joined(map(Phrase, absent), words.AND.en, words.AND.ja)
     why = words.DID_NOT_RUN.of(trains=trains, which=which) if absent else NOTHING
-    return MeetChange(*pair, Fate.GONE if new is None else Fate.NEW, old, new, why)
+    return MeetChange(*pair, MeetFate.GONE if new is None else MeetFate.NEW, old, new, why)
 
 
 def _time(change: MeetChange) -> tuple[float, str, str]:

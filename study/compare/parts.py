@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
-from study.compare.comparison import Comparison, Comparisons, verdict_said
+from study.compare.comparison import Comparisons, RunComparison, verdict_said
 from study.compare.graph import draw_both
 from study.compare.grids import (
     inputs_grid,
@@ -18,8 +18,8 @@ from study.compare.grids import (
     rows_grid,
 )
 from study.compare.measures import TABLES
-from study.compare.side import Side
-from study.report.parts import Grid, Part
+from study.compare.side import ComparedRun
+from study.record.parts import PagePart, TextTable
 from study.report.style import svg_of
 from study.wording import compared as words
 from study.wording.phrase import NOTHING, Language, Phrase, joined
@@ -72,7 +72,7 @@ _ROWS: Final = {
 }
 
 
-def parts_against(found: Comparisons, index: int = 0, *, graphs: bool = True) -> tuple[Part, ...]:
+def parts_against(found: Comparisons, index: int = 0, *, graphs: bool = True) -> tuple[PagePart, ...]:
     """What changed from the first run to one of the others, in the order in which a planner reads it.
 
     The report of a run leaves out the picture of both `graphs`: its own graph shows the other run. Call within
@@ -99,16 +99,16 @@ def parts_against(found: Comparisons, index: int = 0, *, graphs: bool = True) ->
         *(_of_table(pair, table, new) for table in TABLES),
     ]
     both = (
-        (Part("Both train graphs", _GRAPH_HELP, (svg_of(draw_both(base, new, pair), f"both{index}"),)),)
+        (PagePart("Both train graphs", _GRAPH_HELP, (svg_of(draw_both(base, new, pair), f"both{index}"),)),)
         if graphs
         else ()
     )
     return (first, *both, *(_folded(part) for part in listed if part.grids[0].rows))
 
 
-def _part(title: Phrase, caption: Phrase, grid: Callable[[Language], Grid]) -> Part:
+def _part(title: Phrase, caption: Phrase, grid: Callable[[Language], TextTable]) -> PagePart:
     """A part with one table, in both languages."""
-    return Part(
+    return PagePart(
         title.en,
         caption.en,
         grids=(grid("en"),),
@@ -118,19 +118,19 @@ def _part(title: Phrase, caption: Phrase, grid: Callable[[Language], Grid]) -> P
     )
 
 
-def _of_table(pair: Comparison, table: str, new: Side) -> Part:
+def _of_table(pair: RunComparison, table: str, new: ComparedRun) -> PagePart:
     """What differs in one of the tables."""
     title, caption = _ROWS[table]
     return _part(title, caption, lambda language: rows_grid(pair, table, new, language))
 
 
-def _folded(part: Part) -> Part:
+def _folded(part: PagePart) -> PagePart:
     """A long table is folded; its line says how long."""
     count = len(part.grids[0].rows)
     folded = words.ROWS.of(count=f"{count:,}")
     return part if count <= OPEN_ROWS else replace(part, folded=folded.en, folded_ja=folded.in_("ja"))
 
 
-def _inputs_text(pair: Comparison) -> Phrase:
+def _inputs_text(pair: RunComparison) -> Phrase:
     count = len(pair.inputs)
     return words.ONE_DIFFERENCE if count == 1 else words.DIFFERENCES.of(count=f"{count:,}")

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 from network.errors import InputError
 from network.model import Line
-from study.report.data import Run as Course
-from study.run.read_back import RunRead, read_run
-from study.scenario.inputs import Inputs
+from scenario.inputs import Inputs
+from study.record.read_back import RunRead, read_run
+from study.report.data import ReportedRun as Course
 
 if TYPE_CHECKING:
-    from study.run.run import Run
+    from study.runner.run import FinishedRun
 
 
 @dataclass(frozen=True, slots=True)
-class Side:
+class ComparedRun:
     """A run by the name under which it is compared; `run` has line, timetable and tables."""
 
     label: str
@@ -31,7 +31,7 @@ class Side:
     broken: tuple[str, ...] = field(default=())
 
 
-def read_sides(directories: Sequence[Path]) -> tuple[Side, ...]:
+def read_sides(directories: Sequence[Path]) -> tuple[ComparedRun, ...]:
     """The runs of some directories. InputError for a directory that is none of a run, or is of another line."""
     reads = [read_run(directory) for directory in directories]
     for read in reads[1:]:
@@ -39,17 +39,19 @@ def read_sides(directories: Sequence[Path]) -> tuple[Side, ...]:
     return tuple(of_read(read, label) for read, label in zip(reads, labels_of(directories), strict=True))
 
 
-def of_read(read: RunRead, label: str) -> Side:
+def of_read(read: RunRead, label: str) -> ComparedRun:
     """A run that was read back."""
     course = Course(read.line, read.timetable, read.tables)
-    return Side(label, read.name, read.inputs, read.summary, course, read.directory, _broken(read.summary))
+    return ComparedRun(
+        label, read.name, read.inputs, read.summary, course, read.directory, _broken(read.summary)
+    )
 
 
-def of_run(run: Run, label: str) -> Side:
+def of_run(run: FinishedRun, label: str) -> ComparedRun:
     """A run that has just come to its end."""
     setup, scenario = run.scenario.setup, run.scenario
     course = Course(setup.line, setup.timetable, run.tables)
-    return Side(label, scenario.name, scenario.inputs, run.summary, course, None, _broken(run.summary))
+    return ComparedRun(label, scenario.name, scenario.inputs, run.summary, course, None, _broken(run.summary))
 
 
 def labels_of(directories: Sequence[Path]) -> tuple[str, ...]:

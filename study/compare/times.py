@@ -9,7 +9,7 @@ from enum import Enum
 from typing import Any, TypeAlias
 
 from network.timetable import CallKind
-from study.report.data import Run
+from study.report.data import ReportedRun
 
 # Train, station, how often the train was there before, and what it did.
 Key: TypeAlias = tuple[str, str, int, "What"]
@@ -24,7 +24,7 @@ class What(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class At:
+class CallTimes:
     """When a train came or left: true and planned, s; None where it did not, or was not planned."""
 
     true_s: float | None
@@ -32,7 +32,7 @@ class At:
 
 
 @dataclass(frozen=True, slots=True)
-class Moved:
+class MovedTime:
     """An arrival, departure or passing at another time.
 
     `by_s` > 0 is later in the new run; `plan_by_s` is by how much the plan moved, None where one of both has none.
@@ -53,7 +53,7 @@ class Moved:
 
 
 @dataclass(frozen=True, slots=True)
-class OnlyOnce:
+class UnmatchedTime:
     """An arrival or departure of a train of both runs that came in one of them; `at_s` is when."""
 
     train: str
@@ -68,20 +68,20 @@ class OnlyOnce:
 
 
 @dataclass(frozen=True, slots=True)
-class Times:
+class ComparedTimes:
     """All of it. `compared` counts what came in both runs, `largest_s` is the most that any of it moved, unsigned."""
 
     compared: int
     largest_s: float
-    moved: tuple[Moved, ...]
-    once: tuple[OnlyOnce, ...]
+    moved: tuple[MovedTime, ...]
+    once: tuple[UnmatchedTime, ...]
     only_base: tuple[str, ...]
     only_new: tuple[str, ...]
 
 
-def times_of(run: Run) -> dict[Key, At]:
+def times_of(run: ReportedRun) -> dict[Key, CallTimes]:
     """Every arrival and departure of the table of stops, by train and station: never by its row."""
-    found: dict[Key, At] = {}
+    found: dict[Key, CallTimes] = {}
     visits: Counter[tuple[str, str]] = Counter()
     for row in run.tables.stops.iter_rows(named=True):
         train, station = row["train"], row["station"]
@@ -91,18 +91,18 @@ def times_of(run: Run) -> dict[Key, At]:
         whats = (What.PASSING,) if passes else (What.ARRIVAL, What.DEPARTURE)
         for what in whats:
             name = What.DEPARTURE.value if passes else what.value
-            at = At(row[f"{name}_s"], row[f"planned_{name}_s"])
+            at = CallTimes(row[f"{name}_s"], row[f"planned_{name}_s"])
             if at.true_s is not None or at.planned_s is not None:
                 found[train, station, visit, what] = at
     return found
 
 
-def compare_times(base: Run, new: Run, over_s: float) -> Times:
+def compare_times(base: ReportedRun, new: ReportedRun, over_s: float) -> ComparedTimes:
     """What moved by more than `over_s`, in order of time; times are of steps of 0.1 s and compared as such."""
     olds, news = times_of(base), times_of(new)
     trains = {key[0] for key in olds}, {key[0] for key in news}
     both = trains[0] & trains[1]
-    moved: list[Moved] = []
+    moved: list[MovedTime] = []
     compared, largest_s = 0, 0.0
     for key, old, late in _pairs(olds, news):
         by_s = _less(late.true_s, old.true_s)
@@ -114,14 +114,14 @@ def compare_times(base: Run, new: Run, over_s: float) -> Times:
             train, station, _, what = key
             direction = new.directions[train].name.lower()
             plan_by_s = _less(late.planned_s, old.planned_s)
-            moved.append(Moved(train, direction, station, what, old.true_s, late.true_s, by_s, plan_by_s))
+            moved.append(MovedTime(train, direction, station, what, old.true_s, late.true_s, by_s, plan_by_s))
     once = [
-        OnlyOnce(key[0], key[1], key[3], in_new, at.true_s)
+        UnmatchedTime(key[0], key[1], key[3], in_new, at.true_s)
         for mine, others, in_new in ((olds, news, False), (news, olds, True))
         for key, at in mine.items()
         if key[0] in both and at.true_s is not None and (key not in others or others[key].true_s is None)
     ]
-    return Times(
+    return ComparedTimes(
         compared,
         largest_s,
         tuple(sorted(moved, key=lambda m: (m.new_s, m.train, m.what.value))),
@@ -131,7 +131,9 @@ def compare_times(base: Run, new: Run, over_s: float) -> Times:
     )
 
 
-def _pairs(olds: Mapping[Key, At], news: Mapping[Key, At]) -> Iterator[tuple[Key, At, At]]:
+def _pairs(
+    olds: Mapping[Key, CallTimes], news: Mapping[Key, CallTimes]
+) -> Iterator[tuple[Key, CallTimes, CallTimes]]:
     for key, old in olds.items():
         late = news.get(key)
         if late is not None:

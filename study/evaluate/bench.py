@@ -62,7 +62,7 @@ BUSY_BUDGET: Final = Budget(1.7, 1.4)
 
 
 @dataclass(frozen=True, slots=True)
-class Operation:
+class CarrierOperation:
     """Something asked of the carrier after `step` steps: insert, reverse, reroute or remove."""
 
     step: int
@@ -78,7 +78,7 @@ class Recorder:
     """A carrier that passes everything on and remembers it."""
 
     inner: Carrier
-    operations: list[Operation] = field(default_factory=list)
+    operations: list[CarrierOperation] = field(default_factory=list)
     chunks: list[tuple[int, dict[str, list[float]]]] = field(default_factory=list)
     steps: int = 0
 
@@ -87,7 +87,7 @@ class Recorder:
     ) -> None:
         """Pass on and remember."""
         edges = tuple(edge_id(piece, direction) for piece in pieces)
-        self.operations.append(Operation(self.steps, "insert", unit_id, edges, offset_m, length_m))
+        self.operations.append(CarrierOperation(self.steps, "insert", unit_id, edges, offset_m, length_m))
         self.inner.insert(unit_id, pieces, direction, offset_m, length_m)
 
     def run(self, columns: Sequence[tuple[str, Sequence[float]]], steps: int) -> int:
@@ -104,19 +104,19 @@ class Recorder:
     def reroute(self, unit_id: str, pieces: Sequence[str], direction: Direction) -> None:
         """Pass on and remember."""
         edges = tuple(edge_id(piece, direction) for piece in pieces)
-        self.operations.append(Operation(self.steps, "reroute", unit_id, edges))
+        self.operations.append(CarrierOperation(self.steps, "reroute", unit_id, edges))
         self.inner.reroute(unit_id, pieces, direction)
 
     def reverse(self, unit_id: str, pieces: Sequence[str], direction: Direction) -> None:
         """Pass on and remember."""
         edges = tuple(edge_id(piece, direction) for piece in pieces)
         back = edge_id(pieces[0], direction.opposite)
-        self.operations.append(Operation(self.steps, "reroute", unit_id, (back, *edges)))
+        self.operations.append(CarrierOperation(self.steps, "reroute", unit_id, (back, *edges)))
         self.inner.reverse(unit_id, pieces, direction)
 
     def remove(self, unit_id: str) -> None:
         """Pass on and remember."""
-        self.operations.append(Operation(self.steps, "remove", unit_id))
+        self.operations.append(CarrierOperation(self.steps, "remove", unit_id))
         self.inner.remove(unit_id)
 
     def collisions(self) -> tuple[str, ...]:
@@ -166,7 +166,7 @@ def replay(recording: Path, net: Path) -> dict[str, float]:
         speeds = data["speeds"]
         header = json.loads(str(data["header"]))
     units: list[str] = header["units"]
-    operations = [Operation(*values) for values in header["operations"]]
+    operations = [CarrierOperation(*values) for values in header["operations"]]
     libsumo.start([*sumo_command(net), "--begin", f"{header['begin_s']:.1f}"])
     set_speed, step = libsumo.vehicle.setSpeed, libsumo.simulationStep
     started = time.perf_counter()
@@ -214,8 +214,8 @@ class Recording:
 
 def record(scenario: str, folder: Path) -> Recording:
     """Run a scenario once, and keep what the carrier was asked to do."""
-    from study.run.run import Link, execute
-    from study.scenario.scenario import load_scenario
+    from scenario.scenario import load_scenario
+    from study.runner.run import PartyLink, execute
     from sumo_cfg.build import net_for
 
     recorders: list[Recorder] = []
@@ -225,7 +225,7 @@ def record(scenario: str, folder: Path) -> Recording:
         return recorders[-1]
 
     loaded = load_scenario(scenario)
-    run = execute(loaded, Link.SIMULATED, wrap=wrap)
+    run = execute(loaded, PartyLink.SIMULATED, wrap=wrap)
     file = folder / "recording.npz"
     recorders[0].save(file, run.result.begin_step / 10)
     trains = len(run.result.trains_planned)
@@ -280,7 +280,7 @@ class Metered:
         self.inner.commission(party_id, number, vital)
 
 
-class Memory:
+class MemorySampler:
     """Resident memory of this process and its children, sampled; the recording is read before it counts."""
 
     def __init__(self) -> None:
@@ -305,12 +305,12 @@ class Memory:
 
 def run_child(way: str, scenario: str, recording: Path, net: Path) -> dict[str, float]:
     """One timed run in this process; peak memory is this process and its children together."""
-    memory = Memory()
+    memory = MemorySampler()
     if way == "sumo":
         figures = replay(recording, net)
     else:
-        from study.run.run import Link, execute
-        from study.scenario.scenario import load_scenario
+        from scenario.scenario import load_scenario
+        from study.runner.run import PartyLink, execute
 
         meters: list[Metered] = []
 
@@ -318,7 +318,7 @@ def run_child(way: str, scenario: str, recording: Path, net: Path) -> dict[str, 
             meters.append(Metered(parties))
             return meters[-1]
 
-        run = execute(load_scenario(scenario), Link(way), progress=memory.now_and_then, watch=watch)
+        run = execute(load_scenario(scenario), PartyLink(way), progress=memory.now_and_then, watch=watch)
         figures = {"wall_s": float(run.summary["wall_s"]), "digest": run.summary["digest"]}
         figures |= {"queries": meters[-1].queries, "telegrams": meters[-1].telegrams}
         figures |= {"queries_s": meters[-1].spent_s}

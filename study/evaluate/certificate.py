@@ -21,11 +21,11 @@ from study.evaluate.manager_day import AGAIN_S, ManagerDay, config_of
 from wayside.config import (
     NO_DISPATCH,
     DispatchEntry,
-    Journey,
     JourneyMove,
     ManagerConfig,
     RouteEntry,
     SectionEntry,
+    StockMoves,
 )
 
 TRAINS: Final = 20
@@ -38,11 +38,11 @@ US_MAX: Final = 1000.0
 ASKED_MAX: Final = 200_000  # more, and the day is no bench any more
 
 
-class Day:
+class DayOfManager:
     """A day of a manager, and what each grant and refusal took."""
 
     def __init__(
-        self, config: ManagerConfig, journeys: tuple[Journey, ...], late_s: Callable[[], float]
+        self, config: ManagerConfig, journeys: tuple[StockMoves, ...], late_s: Callable[[], float]
     ) -> None:
         self.played = ManagerDay(config, journeys)
         self.grants_us: list[float] = []
@@ -102,7 +102,7 @@ def of_twenty() -> ManagerConfig:
         for here, there in [(f"{s}.{t}", f"{to}.{u}")]
         for name in [f"{here}>{there}"]
     }
-    journeys = tuple(Journey(f"u{k}", tuple(_shuttle(k))) for k in range(TRAINS))
+    journeys = tuple(StockMoves(f"u{k}", tuple(_shuttle(k))) for k in range(TRAINS))
     unit_ids = tuple(journey.unit_id for journey in journeys)
     entry = DispatchEntry(certificate=True, journeys=journeys)
     return ManagerConfig("line", "m", unit_ids, tuple(sections), tuple(routes.values()), dispatch=entry)
@@ -126,12 +126,12 @@ def _shuttle(number: int) -> list[JourneyMove]:
     return moves
 
 
-def day_of(config: ManagerConfig, *, certificate: bool, late: bool) -> Day:
+def day_of(config: ManagerConfig, *, certificate: bool, late: bool) -> DayOfManager:
     """A day of the manager, played through."""
     chance = random.Random("late" if late else "planned")
     journeys = config.dispatch.journeys
     given = config if certificate else with_fields(config, dispatch=NO_DISPATCH)
-    day = Day(given, journeys, lambda: chance.uniform(0.0, LATE_S_MAX) if late else 0.0)
+    day = DayOfManager(given, journeys, lambda: chance.uniform(0.0, LATE_S_MAX) if late else 0.0)
     day.play()
     return day
 

@@ -21,18 +21,18 @@ import numpy as np
 from onboard.localisation.curvature import collate
 from onboard.localisation.curvature_row import WINDOW_MAX
 from onboard.records import Chart
+from scenario.scenario import load_scenario
 from simulation.carriers.plain_track import PlainTrack
-from simulation.settings import Carried
+from simulation.settings import PositionSensor
 from simulation.setup import STEP_S, Setup
 from simulation.world.roster import drawn_up
 from simulation.world.trains import Trains
-from study.run.run import Link, execute
-from study.scenario.scenario import load_scenario
+from study.runner.run import PartyLink, execute
 
 SLOT: Final = 0
 WITHOUT: Final = "tags"
 WITH: Final = "tags and curvature"
-CARRIED: Final = {WITHOUT: (Carried.TAGS,), WITH: (Carried.TAGS, Carried.CURVATURE)}
+CARRIED: Final = {WITHOUT: (PositionSensor.TAGS,), WITH: (PositionSensor.TAGS, PositionSensor.CURVATURE)}
 WARMED_BY: Final = "karasuyama_round_trip"
 FIXES: Final = 2000
 FIX_MS_MAX: Final = 0.2
@@ -76,7 +76,7 @@ def run_child(what: str, scenario: str) -> dict[str, Any]:
     """One timed day in this process: wall time, s, and the digest of its journal."""
     for name in (WARMED_BY, scenario):
         loaded = load_scenario(name)
-        run = execute(replace(loaded, setup=carrying(loaded.setup, what)), Link.SIMULATED)
+        run = execute(replace(loaded, setup=carrying(loaded.setup, what)), PartyLink.SIMULATED)
     return {"wall_s": float(run.summary["wall_s"]), "digest": run.summary["digest"]}
 
 

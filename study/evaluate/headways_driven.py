@@ -13,10 +13,11 @@ from pathlib import Path
 from typing import Any, Final
 
 from host.scratch import scratch
+from scenario.scenario import Scenario
 from simulation.setup import STEP_S, Setup
 from study.capacity.claims import Event
-from study.capacity.headway import Case
-from study.capacity.legs import Leg, legs_of, places_of
+from study.capacity.headway import HeadwayCase
+from study.capacity.legs import SetLeg, legs_of, places_of
 from study.capacity.observed import observed
 from study.capacity.occupation import TOUCH_S
 from study.capacity.two_trains import (
@@ -27,8 +28,7 @@ from study.capacity.two_trains import (
     two_trains,
     without_throw,
 )
-from study.run.run import TEMPORARY, CarrierKind, Course, carrier_factory, through
-from study.scenario.scenario import Scenario
+from study.runner.run import TEMPORARY, CarrierKind, RunOptions, carrier_factory, through
 from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import read_net
 
@@ -48,7 +48,7 @@ class Driven:
     `why` is told where the two cannot be driven.
     """
 
-    case: Case
+    case: HeadwayCase
     spared_s: float = 0.0
     kept_s: float = math.nan
     nearer_s: float = math.nan
@@ -97,7 +97,7 @@ class Drives:
         self._map = read_net(net)
         self._is_place = places_of(line)
 
-    def driven(self, case: Case, *, searched: bool = True) -> Driven:
+    def driven(self, case: HeadwayCase, *, searched: bool = True) -> Driven:
         """A headway driven; what a run needs instead is looked for where it differs, if that is asked for."""
         try:
             drive = _Drive(self, two_trains(self.setup, case.headway))
@@ -105,10 +105,10 @@ class Drives:
         except NoSuchDayError as error:
             return Driven(case, why=str(error))
 
-    def legs(self, setup: Setup) -> tuple[Leg, ...]:
+    def legs(self, setup: Setup) -> tuple[SetLeg, ...]:
         """The legs of a day, as run."""
         with scratch(TEMPORARY, self._folder) as folder:
-            course = Course(self._make, self._map, folder)
+            course = RunOptions(self._make, self._map, folder)
             setup, result = through(replace(self._scenario, setup=setup), course)
         return legs_of(observed(result, setup), self._is_place)
 
@@ -126,15 +126,15 @@ class _Drive:
         self._asking = two
         self._late_s: dict[int, float] = {}
 
-    def _unhindered(self, legs: Sequence[Leg], by_s: int) -> None:
+    def _unhindered(self, legs: Sequence[SetLeg], by_s: int) -> None:
         """How the two run when neither is in the other's way, the second so much later."""
         headway = self._two.headway
-        self._way = [_as(legs, leg) for leg in reversed(headway.behind)]
+        self._way = [_as(legs, leg) for leg in reversed(headway.claims.behind)]
         one, other = _as(legs, headway.first.leg), _as(legs, headway.second.leg)
         self._apart_s = _at_s(headway.second, other) - _at_s(headway.first, one) - by_s
         self._later_s = by_s
 
-    def driven(self, case: Case, *, searched: bool) -> Driven:
+    def driven(self, case: HeadwayCase, *, searched: bool) -> Driven:
         found = self._at_least(case, self._two, 0.0)
         if found.kept_s <= LATE_S and not found.agrees:
             spared_s = self._spared()
@@ -146,7 +146,7 @@ class _Drive:
         needs_s = self._needs(kept if found.nearer_s > LATE_S else nearer)
         return replace(found, needs_s=self._apart_s + needs_s)
 
-    def _at_least(self, case: Case, two: TwoTrains, spared_s: float) -> Driven:
+    def _at_least(self, case: HeadwayCase, two: TwoTrains, spared_s: float) -> Driven:
         """The headway driven, the second asking as it does in `two`."""
         self._asking, self._late_s = two, {}
         kept, nearer = (self.late_s(by_s) for by_s in self._times(spared_s))
@@ -162,11 +162,11 @@ class _Drive:
         at = deciding_leg(self._two.headway)
         if at < 0:
             return 0.0
-        leg = self._two.headway.behind[at]
+        leg = self._two.headway.claims.behind[at]
         spared_s = thrown_s(leg) - thrown_s(_as(self._both(self._times(0.0)[0]), leg))
         return spared_s if spared_s > STEP_S else 0.0
 
-    def _both(self, by_s: int) -> tuple[Leg, ...]:
+    def _both(self, by_s: int) -> tuple[SetLeg, ...]:
         two = self._asking
         return self._drives.legs(two.day(two.first, two.second.later(by_s)))
 
@@ -176,7 +176,7 @@ class _Drive:
             self._late_s[by_s] = self._held_up_s(self._both(by_s), by_s)
         return self._late_s[by_s]
 
-    def _held_up_s(self, both: Sequence[Leg], by_s: int) -> float:
+    def _held_up_s(self, both: Sequence[SetLeg], by_s: int) -> float:
         late_s = -math.inf
         for leg in self._way:
             try:
@@ -203,7 +203,7 @@ class _Drive:
         return high
 
 
-def _as(legs: Sequence[Leg], leg: Leg) -> Leg:
+def _as(legs: Sequence[SetLeg], leg: SetLeg) -> SetLeg:
     """The same leg as it was run."""
     for one in legs:
         if one.number == leg.number and _ends(one) == _ends(leg):
@@ -211,10 +211,10 @@ def _as(legs: Sequence[Leg], leg: Leg) -> Leg:
     raise NoSuchDayError(f"{leg.number} does not come from {_ends(leg)[0]} to {_ends(leg)[1]}")
 
 
-def _ends(leg: Leg) -> tuple[str, str]:
+def _ends(leg: SetLeg) -> tuple[str, str]:
     start, end = leg.start, leg.end
     return "" if start is None else start.section_id, "" if end is None else end.section_id
 
 
-def _at_s(event: Event, leg: Leg) -> float:
+def _at_s(event: Event, leg: SetLeg) -> float:
     return leg.arrives_s if event.arrival else leg.departs_s

@@ -16,9 +16,9 @@ from typing import Any, Final
 
 from onboard.driving.laws.optimal import optimal
 from onboard.driving.laws.table import LAW_NAMES
-from study.run.run import Link, execute
-from study.scenario.law_choice import driven_by
-from study.scenario.scenario import load_scenario
+from scenario.law_choice import driven_by
+from scenario.scenario import load_scenario
+from study.runner.run import PartyLink, execute
 
 COMPARED: Final = (LAW_NAMES[0], optimal.__name__)
 WARMED_BY: Final = "karasuyama_round_trip"
@@ -29,7 +29,7 @@ def run_child(law: str, scenario: str) -> dict[str, Any]:
     """One timed day in this process: wall time, s, and the digest of its journal."""
     for name in (WARMED_BY, scenario):
         loaded = load_scenario(name)
-        run = execute(replace(loaded, setup=driven_by(loaded.setup, law)), Link.SIMULATED)
+        run = execute(replace(loaded, setup=driven_by(loaded.setup, law)), PartyLink.SIMULATED)
     return {"wall_s": float(run.summary["wall_s"]), "digest": run.summary["digest"]}
 
 

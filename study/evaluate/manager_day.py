@@ -7,11 +7,11 @@ from dataclasses import replace
 from network.graph import all_routes
 from radio.keys import KEY_BYTES
 from radio.messages import AnyMessage, Claim, HoldingReport, RouteRequest, SignOff, SignOn
-from study.run.journeys import dispatch_of
-from study.scenario.scenario import load_scenario
+from scenario.scenario import load_scenario
+from study.runner.journeys import dispatch_of
 from wayside.actions import Send
 from wayside.block_manager import Heard, step
-from wayside.config import Journey, JourneyMove, ManagerConfig, Order, RouteEntry, manager_config
+from wayside.config import JourneyMove, ManagerConfig, OrderRule, RouteEntry, StockMoves, manager_config
 from wayside.register import Register, start
 from wayside.said import BoundaryPassed
 
@@ -21,7 +21,7 @@ AGAIN_S = 5.0  # a refused train asks again
 class ManagerDay:
     """A manager and all its stock, each at a place of its journey: `at[k]` is the next move of the k-th."""
 
-    def __init__(self, config: ManagerConfig, journeys: tuple[Journey, ...]) -> None:
+    def __init__(self, config: ManagerConfig, journeys: tuple[StockMoves, ...]) -> None:
         self.journeys = journeys
         keys = {
             terminal: bytes(KEY_BYTES) for section in config.sections for terminal in section.terminal_ids
@@ -67,7 +67,7 @@ class ManagerDay:
         return move
 
 
-def config_of(scenario: str, order: Order | None = None) -> ManagerConfig:
+def config_of(scenario: str, order: OrderRule | None = None) -> ManagerConfig:
     """The manager of a scenario, with the certificate; `order` instead of the order of trains that it has."""
     setup = load_scenario(scenario).setup
     update = {"certificate": True, "order": setup.dispatch.order if order is None else order}

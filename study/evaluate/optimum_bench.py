@@ -63,7 +63,7 @@ def optimum_cost(course: Course, what: str) -> OptimumCost:
 
 def bench_optimum(scenario: str) -> dict[str, Any]:
     """The part of `branchline bench`: the longest hop of a scenario's timetable."""
-    from study.scenario.scenario import load_scenario
+    from scenario.scenario import load_scenario
 
     return asdict(optimum_cost(longest_hop(load_scenario(scenario).setup), "least energy of the longest hop"))
 

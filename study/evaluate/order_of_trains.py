@@ -16,7 +16,7 @@ from typing import Final
 
 from study.evaluate.manager_day import AGAIN_S, ManagerDay, config_of
 from study.sweep.statistics import difference_of, mean_of
-from wayside.config import ManagerConfig, Order
+from wayside.config import ManagerConfig, OrderRule
 
 SHARE: Final = 0.01  # assumed: of departures at which doors stay open
 MEAN_S: Final = 480.0  # assumed: exponential
@@ -63,10 +63,10 @@ def rows(scenario: str, days: int) -> list[str]:
     """For each rule the train-minutes lost a day, and how much more than with who asks first, paired by day."""
     by_rule = {
         order: [lost_min(config, seed) for seed in range(1, days + 1)]
-        for order in Order
+        for order in OrderRule
         for config in [config_of(scenario, order)]
     }
-    first = by_rule[Order.FIRST_COME]
+    first = by_rule[OrderRule.FIRST_COME]
     return [f"{order.value}: {_text(first, lost)}" for order, lost in by_rule.items()]
 
 

@@ -27,8 +27,8 @@ from host.scratch import scratch
 from study.evaluate.bench import Recording, record, replay
 
 if TYPE_CHECKING:
-    from study.sweep.plan import Plan
-    from study.sweep.store import Store
+    from study.sweep.plan import SweepPlan
+    from study.sweep.store import SweepDirectory
 
 EXECUTE: Final = "execute, tables and all"
 ON_SUMO: Final = "a sweep's day on SUMO"
@@ -68,13 +68,13 @@ def _one(way: str, scenario: str, file: str, net: str) -> Generator[Callable[[],
 
         yield alone
         return
-    from study.scenario.scenario import load_scenario
+    from scenario.scenario import load_scenario
 
     loaded = load_scenario(scenario)
     if way == EXECUTE:
-        from study.run.run import Link, execute
+        from study.runner.run import PartyLink, execute
 
-        yield lambda: str(execute(loaded, Link.SIMULATED).summary["digest"])
+        yield lambda: str(execute(loaded, PartyLink.SIMULATED).summary["digest"])
         return
     from study.sweep.worker import Task, run_task
 
@@ -84,7 +84,7 @@ def _one(way: str, scenario: str, file: str, net: str) -> Generator[Callable[[],
 
 
 @contextmanager
-def _begun(scenario: str, carrier: str, first: int, days: int) -> Generator[tuple[Plan, Store]]:
+def _begun(scenario: str, carrier: str, first: int, days: int) -> Generator[tuple[SweepPlan, SweepDirectory]]:
     """A sweep over seeds alone, in a directory of its own."""
     from study.sweep.plan import load_plan
     from study.sweep.store import opened

@@ -1,7 +1,7 @@
 """Whether the batteries of the sets last by the plan: predicted hop by hop, charged where and as long as it has it.
 
-The prediction is that of the units (`simulation.ways`), the battery is that of the run (`vehicle.battery`), and what
-must be there before a set leaves is what its unit will ask for (`onboard.charge`). Faults are not looked at.
+The prediction is that of the units (`simulation.world.ways`), the battery is that of the run (`vehicle.battery`), and
+what must be there before a set leaves is what its unit will ask for (`onboard.charge`). Faults are not looked at.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from typing import Any
 
 from network.units import J_PER_KWH
 from onboard.charge import ChargeRules, commits_at
-from onboard.reach import Hop, SetWays, charger_at, stands_s, to_next_charge
+from onboard.reach import BatteryHop, SetWays, charger_at, stands_s, to_next_charge
 from simulation.battery_settings import BatterySettings, Departure
 from simulation.setup import Setup
-from simulation.ways import ways_of
 from simulation.world.charge_control import READY_S
 from simulation.world.roster import Duty
-from study.feasibility.finding import Finding, Kind, Severity, lasting, minute, severity_of
+from simulation.world.ways import ways_of
+from study.feasibility.finding import Finding, FindingKind, Severity, lasting, minute, severity_of
 from study.feasibility.planned import PlannedDay
 from vehicle.battery import available_j, soc_of, stand, stored_j
 
@@ -115,7 +115,7 @@ def _train(one: _Set, duty: Duty, following: Duty | None) -> Iterator[Finding]:
         if available_j(one.battery) <= 0.0:
             text = f"{duty.train.number} would have an empty battery at {hops[at].to_place}"
             yield Finding(
-                Kind.CHARGE,
+                FindingKind.CHARGE,
                 Severity.IMPOSSIBLE,
                 (duty.train.number,),
                 hops[at].from_place,
@@ -136,7 +136,7 @@ def _stands(one: _Set, station_id: str, time_s: float) -> None:
     one.charge(0.0, time_s - connected_s)
 
 
-def _looks(one: _Set, duty: Duty, at: int, hops: Sequence[Hop]) -> Finding | None:
+def _looks(one: _Set, duty: Duty, at: int, hops: Sequence[BatteryHop]) -> Finding | None:
     """Whether the set may leave a stop; it waits there for what it lacks, if there is a charger."""
     line, target = one.setup.believed_line, duty.mission.targets[at]
     reach = to_next_charge(hops[at:], ())
@@ -157,11 +157,11 @@ def _looks(one: _Set, duty: Duty, at: int, hops: Sequence[Hop]) -> Finding | Non
     trains = (duty.train.number,)
     if waits_s is None:
         remedy = "more charging before that"
-        return Finding(Kind.CHARGE, Severity.IMPOSSIBLE, trains, place, departs_s, text, remedy)
+        return Finding(FindingKind.CHARGE, Severity.IMPOSSIBLE, trains, place, departs_s, text, remedy)
     text = f"{text}: it charges there for {lasting(waits_s)} longer"
     severity = severity_of(waits_s, target.departure_s)
     return Finding(
-        Kind.CHARGE, severity, trains, place, departs_s, text, "more charging before that", waits_s
+        FindingKind.CHARGE, severity, trains, place, departs_s, text, "more charging before that", waits_s
     )
 
 

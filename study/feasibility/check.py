@@ -13,13 +13,13 @@ from study.feasibility.charge import charge_of
 from study.feasibility.climbs import climbs_of
 from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of
 from study.feasibility.equipment import equipment_of
-from study.feasibility.finding import LATE_S, Feasibility, Finding, Kind, Severity, lasting, minute
+from study.feasibility.finding import LATE_S, Feasibility, Finding, FindingKind, Severity, lasting, minute
 from study.feasibility.holdings import clashes_of, holds_of
 from study.feasibility.meets import day_meets
 from study.feasibility.passings import passings_of
 from study.feasibility.places import track_place
 from study.feasibility.planned import PlannedDay, planned_day
-from study.feasibility.rehearsal import Lateness, Rehearsal, Waits
+from study.feasibility.rehearsal import BlockedTrain, Rehearsal, RehearsedLateness
 from study.feasibility.timing import timing_of
 
 TOLD_FROM_S = 60.0  # lateness that adds up to less is within what plans in whole minutes hide
@@ -51,7 +51,7 @@ def feasibility(setup: Setup) -> Feasibility:
     paper = frozenset(frozenset(pair) for pair, found in pairs.items() if on_paper(found))
     sure = [f for f in findings if f.severity is Severity.IMPOSSIBLE and not _by_blocks(f, paper)]
     if not sure:
-        slowed = {(n, f.place) for f in findings if f.kind is Kind.TAG for n in f.trains}
+        slowed = {(n, f.place) for f in findings if f.kind is FindingKind.TAG for n in f.trains}
         rehearsal = Rehearsal(setup, day, frozenset(slowed))
         found_late = [*_circles(day, rehearsal.waits), *_lateness(day, rehearsal.late)]
         if not found_late:
@@ -79,7 +79,7 @@ class PlanRefusedError(InputError):
         """One line for the person who has to mend the plan."""
         first, *more = self._found.impossible
         further = f"; {len(more)} more" if more else ""
-        can_run = not any(finding.kind is Kind.NO_WAY for finding in self._found.impossible)
+        can_run = not any(finding.kind is FindingKind.NO_WAY for finding in self._found.impossible)
         anyway = ", --anyway runs it all the same" if can_run else ""
         shows = f"branchline check {one_line(self.file)} shows all{anyway}"
         return f"{one_line(self.file)} cannot work: {first.sentence}{further}; {shows}"
@@ -91,7 +91,7 @@ def refuse(scenario: str, setup: Setup, *, anyway: bool = False) -> Feasibility:
     Raises PlanRefusedError where it cannot work; `anyway`, only where the line has no way for a train.
     """
     found = feasibility(setup)
-    no_way = any(finding.kind is Kind.NO_WAY for finding in found.impossible)
+    no_way = any(finding.kind is FindingKind.NO_WAY for finding in found.impossible)
     if no_way or not (found.good or anyway):
         raise PlanRefusedError(scenario, found)
     return found
@@ -104,7 +104,9 @@ def _missing(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
         text = f"{missing.number} cannot run at {minute(first.last_s)}: {missing.why}"
         remedy = "other tracks, or points that lead there"
         trains = (missing.number,)
-        yield Finding(Kind.NO_WAY, Severity.IMPOSSIBLE, trains, first.station_id, first.last_s, text, remedy)
+        yield Finding(
+            FindingKind.NO_WAY, Severity.IMPOSSIBLE, trains, first.station_id, first.last_s, text, remedy
+        )
 
 
 def _nowhere(day: PlannedDay) -> Iterator[Finding]:
@@ -116,10 +118,12 @@ def _nowhere(day: PlannedDay) -> Iterator[Finding]:
             text = f"{train.number} has one stop alone, at {minute(stand.departs_s)}, and goes nowhere"
             remedy = "a second call, or no train"
             trains = (train.number,)
-            yield Finding(Kind.NO_WAY, Severity.IMPOSSIBLE, trains, place, stand.departs_s, text, remedy)
+            yield Finding(
+                FindingKind.NO_WAY, Severity.IMPOSSIBLE, trains, place, stand.departs_s, text, remedy
+            )
 
 
-def _circles(day: PlannedDay, waits: Sequence[Waits]) -> Iterator[Finding]:
+def _circles(day: PlannedDay, waits: Sequence[BlockedTrain]) -> Iterator[Finding]:
     """Trains that never get on, each circle of them once; those that only wait behind one are not told."""
     by_stock = {one.train.stock_id: one for one in waits}
     told: set[str] = set()
@@ -131,14 +135,14 @@ def _circles(day: PlannedDay, waits: Sequence[Waits]) -> Iterator[Finding]:
         yield _circle_finding(day, circle)
 
 
-def _planned_s(one: Waits) -> float:
+def _planned_s(one: BlockedTrain) -> float:
     return one.train.nodes[one.node].departs_s
 
 
-def _circle(first: Waits, by_stock: dict[str, Waits]) -> list[Waits]:
+def _circle(first: BlockedTrain, by_stock: dict[str, BlockedTrain]) -> list[BlockedTrain]:
     """From a waiting train on to whom it waits for, until one comes again: those from there on."""
-    chain: list[Waits] = []
-    one: Waits | None = first
+    chain: list[BlockedTrain] = []
+    one: BlockedTrain | None = first
     while one is not None and one not in chain:
         chain.append(one)
         holder = one.held_by[0] if one.held_by else ""
@@ -146,7 +150,7 @@ def _circle(first: Waits, by_stock: dict[str, Waits]) -> list[Waits]:
     return chain if one is None else chain[chain.index(one) :]
 
 
-def _circle_finding(day: PlannedDay, circle: Sequence[Waits]) -> Finding:
+def _circle_finding(day: PlannedDay, circle: Sequence[BlockedTrain]) -> Finding:
     line = day.line
     last = max(circle, key=_planned_s)
     parts: list[str] = []
@@ -164,12 +168,12 @@ def _circle_finding(day: PlannedDay, circle: Sequence[Waits]) -> Finding:
     )
     place, _ = track_place(line, last.train.nodes[last.node].section_id)
     trains = tuple(one.train.number for one in circle)
-    return Finding(Kind.CIRCLE, Severity.IMPOSSIBLE, trains, place, time_s, text, remedy)
+    return Finding(FindingKind.CIRCLE, Severity.IMPOSSIBLE, trains, place, time_s, text, remedy)
 
 
-def _lateness(day: PlannedDay, late: Sequence[Lateness]) -> Iterator[Finding]:
+def _lateness(day: PlannedDay, late: Sequence[RehearsedLateness]) -> Iterator[Finding]:
     """Trains that come late by what adds up: one finding a train, where it is latest."""
-    worst: dict[str, Lateness] = {}
+    worst: dict[str, RehearsedLateness] = {}
     for one in late:
         if one.late_s > TOLD_FROM_S and one.late_s > worst.get(one.train.number, one).late_s - 1e-9:
             worst[one.train.number] = one
@@ -181,4 +185,4 @@ def _lateness(day: PlannedDay, late: Sequence[Lateness]) -> Iterator[Finding]:
         severity = Severity.IMPOSSIBLE if one.late_s >= LATE_S else Severity.TIGHT
         trains = (number, *(b for b in one.behind if b != number))
         remedy = "more time on its way before that"
-        yield Finding(Kind.LATE, severity, trains, one.station_id, one.due_s, text, remedy, one.late_s)
+        yield Finding(FindingKind.LATE, severity, trains, one.station_id, one.due_s, text, remedy, one.late_s)

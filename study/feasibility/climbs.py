@@ -21,10 +21,10 @@ from network.profile import profile_of
 from onboard.driving.pattern import limit_for_train
 from simulation.faults.vehicle import Motors
 from simulation.setup import Setup
-from study.feasibility.finding import Finding, Kind, Severity, minute
-from study.feasibility.planned import PlannedDay, PlannedTrain, Stand
+from study.feasibility.finding import Finding, FindingKind, Severity, minute
+from study.feasibility.planned import PlannedDay, PlannedStop, PlannedTrain
 from study.feasibility.run_times import cut_way
-from study.measures.running_times import Way
+from study.measures.running_times import RunWay
 from vehicle.pull import mean_gradient_permille
 from vehicle.resistance import climb_m
 from vehicle.running_time import Conditions, Stall, balance_at, stall_of
@@ -86,7 +86,13 @@ class Climbs:
         self._known: dict[tuple[object, ...], Climb | None] = {}
 
     def on(
-        self, train: PlannedTrain, before: Stand, there: Stand, conditions: Conditions, *, may_stop: bool
+        self,
+        train: PlannedTrain,
+        before: PlannedStop,
+        there: PlannedStop,
+        conditions: Conditions,
+        *,
+        may_stop: bool,
     ) -> Climb | None:
         """Where a train cannot get on between two stops; with `may_stop` also where it could not start again."""
         kind, path = self._setup.trains[train.stock_id], train.duty.mission.path
@@ -125,7 +131,7 @@ class Climbs:
         return Climb(way.path.kilometrage_m(worst.at_m), worst, conditions, stopped=True)
 
 
-def _steepest_m(climbs_m: NDArray[np.float64], way: Way, length_m: float) -> float:
+def _steepest_m(climbs_m: NDArray[np.float64], way: RunWay, length_m: float) -> float:
     """Where the front of a train is that stands on the steepest climb of its way, m."""
     fronts = range(math.ceil(way.from_m), math.floor(way.to_m) + 1)
     return float(max(fronts, key=lambda at_m: mean_gradient_permille(climbs_m, float(at_m), length_m)))
@@ -135,7 +141,7 @@ def _finding(
     setup: Setup,
     day: PlannedDay,
     train: PlannedTrain,
-    ends: tuple[Stand, Stand],
+    ends: tuple[PlannedStop, PlannedStop],
     climb: Climb,
     severity: Severity,
 ) -> Finding:
@@ -153,7 +159,7 @@ def _finding(
         f" {stall.needed_n / 1e3:.1f} kN, {kind.name} has {stall.pull_n / 1e3:.1f} kN,"
         f" {_with_what(kind, climb.conditions)}"
     )
-    return Finding(Kind.GRADIENT, severity, (train.number,), "-".join(ids), leaves_s, text, REMEDY)
+    return Finding(FindingKind.GRADIENT, severity, (train.number,), "-".join(ids), leaves_s, text, REMEDY)
 
 
 def _with_what(kind: TrainType, conditions: Conditions) -> str:

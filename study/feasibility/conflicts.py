@@ -8,8 +8,16 @@ from typing import Final
 
 from network.clock import clock
 from network.model import Line, SectionKind
-from study.feasibility.finding import Finding, Kind, PlannedMeet, Severity, lasting, minute, severity_of
-from study.feasibility.holdings import Clash, Hold
+from study.feasibility.finding import (
+    Finding,
+    FindingKind,
+    PlannedMeet,
+    Severity,
+    lasting,
+    minute,
+    severity_of,
+)
+from study.feasibility.holdings import Hold, HoldingConflict
 from study.feasibility.places import (
     free_track,
     has_two_tracks,
@@ -22,12 +30,18 @@ from study.feasibility.planned import PlannedTrain
 
 Pair = frozenset[str]
 # What follows from how a run gives sections, not from the plan's own times: the trains may still make it.
-BY_BLOCKS: Final = (Kind.FOLLOWING, Kind.CROSSING, Kind.PORTAL, Kind.TRACK, Kind.TERMINAL)
+BY_BLOCKS: Final = (
+    FindingKind.FOLLOWING,
+    FindingKind.CROSSING,
+    FindingKind.PORTAL,
+    FindingKind.TRACK,
+    FindingKind.TERMINAL,
+)
 
 
-def pairs_of(clashes: Sequence[Clash]) -> dict[Pair, list[Clash]]:
+def pairs_of(clashes: Sequence[HoldingConflict]) -> dict[Pair, list[HoldingConflict]]:
     """Clashes by the numbers of the two trains, the longest wait first."""
-    pairs: dict[Pair, list[Clash]] = {}
+    pairs: dict[Pair, list[HoldingConflict]] = {}
     for clash in clashes:
         pairs.setdefault(frozenset(train.number for train in clash.trains), []).append(clash)
     for found in pairs.values():
@@ -35,7 +49,7 @@ def pairs_of(clashes: Sequence[Clash]) -> dict[Pair, list[Clash]]:
     return pairs
 
 
-def severity(clash: Clash) -> Severity:
+def severity(clash: HoldingConflict) -> Severity:
     """Whether the second train could wait that long."""
     times_s = [time_s for train in clash.trains for time_s in _given_s(train)]
     first, second = clash.trains
@@ -43,7 +57,7 @@ def severity(clash: Clash) -> Severity:
     return severity_of(clash.wait_s, *([] if whole else times_s))
 
 
-def on_paper(found: Sequence[Clash]) -> bool:
+def on_paper(found: Sequence[HoldingConflict]) -> bool:
     """Whether two trains would stand on one track at once by the plan's own times, whatever a run makes of them."""
     return any(c.together_s > 0.0 and severity_of(c.together_s) is Severity.IMPOSSIBLE for c in found)
 
@@ -56,7 +70,7 @@ def _given_s(train: PlannedTrain) -> list[int]:
 
 def conflicts_of(
     line: Line,
-    pairs: Mapping[Pair, list[Clash]],
+    pairs: Mapping[Pair, list[HoldingConflict]],
     meets: Mapping[Pair, PlannedMeet],
     by_section: Mapping[str, list[Hold]],
 ) -> list[Finding]:
@@ -65,7 +79,10 @@ def conflicts_of(
 
 
 def _finding(
-    line: Line, found: Sequence[Clash], meet: PlannedMeet | None, by_section: Mapping[str, list[Hold]]
+    line: Line,
+    found: Sequence[HoldingConflict],
+    meet: PlannedMeet | None,
+    by_section: Mapping[str, list[Hold]],
 ) -> Finding:
     portal = next((c for c in found if _kind_of(line, c) is SectionKind.PORTAL), None)
     between = next((c for c in found if _kind_of(line, c) is SectionKind.BETWEEN), None)
@@ -86,11 +103,11 @@ def _finding(
     return _crossing(worst)
 
 
-def _kind_of(line: Line, clash: Clash) -> SectionKind:
+def _kind_of(line: Line, clash: HoldingConflict) -> SectionKind:
     return line.sections[clash.section_id].kind
 
 
-def _on_a_track(line: Line, found: Sequence[Clash], station_id: str) -> Clash | None:
+def _on_a_track(line: Line, found: Sequence[HoldingConflict], station_id: str) -> HoldingConflict | None:
     """The clash on a track of that station, if there is one."""
     for clash in found:
         station = station_of(line, clash.section_id)
@@ -103,7 +120,7 @@ def _numbers(*trains: PlannedTrain) -> tuple[str, ...]:
     return tuple(train.number for train in trains)
 
 
-def _short(clash: Clash) -> float | None:
+def _short(clash: HoldingConflict) -> float | None:
     return clash.wait_s if math.isfinite(clash.wait_s) else None
 
 
@@ -113,14 +130,14 @@ def _until(time_s: float) -> str:
     return clock(math.ceil(time_s)) if time_s % 60 else minute(time_s)
 
 
-def _later(clash: Clash, what: str) -> str:
+def _later(clash: HoldingConflict, what: str) -> str:
     """The remedy of waiting, where there is an end to it."""
     if not math.isfinite(clash.wait_s):
         return "one of them needs another track, or has to leave first"
     return f"{what} {lasting(clash.wait_s)} later, at {_until(clash.first.to_s)}"
 
 
-def _meeting(line: Line, clash: Clash, meet: PlannedMeet) -> Finding:
+def _meeting(line: Line, clash: HoldingConflict, meet: PlannedMeet) -> Finding:
     """They meet where there are no two tracks for them."""
     at = line.stations.get(meet.station or "")
     low, high = (line.stations.get(name or "") for name in (meet.low, meet.high))
@@ -137,34 +154,36 @@ def _meeting(line: Line, clash: Clash, meet: PlannedMeet) -> Finding:
     trains = (meet.down_train, meet.up_train)
     text = f"{trains[0]} and {trains[1]} would meet {where} at {minute(meet.time_s)}: {why}"
     remedy = where_to_pass(line, meet.position_m, None if at is None else at.id)
-    return Finding(Kind.OPPOSING, severity(clash), trains, place, meet.time_s, text, remedy, _short(clash))
+    return Finding(
+        FindingKind.OPPOSING, severity(clash), trains, place, meet.time_s, text, remedy, _short(clash)
+    )
 
 
-def _towards(clash: Clash) -> Finding:
+def _towards(clash: HoldingConflict) -> Finding:
     """Opposing trains that do not quite meet on paper, but want the same stretch at a time."""
     first, second = clash.trains
     text = (
         f"{second.number} is to leave at {_until(clash.begins_s)} into {clash.section_id}, where"
         f" {first.number} comes the other way until {_until(clash.first.to_s)}"
     )
-    return _one_after_another(Kind.OPPOSING, clash, text, f"{second.number} leaves")
+    return _one_after_another(FindingKind.OPPOSING, clash, text, f"{second.number} leaves")
 
 
-def _follows(clash: Clash) -> Finding:
+def _follows(clash: HoldingConflict) -> Finding:
     """One train behind another, into a stretch that is not free yet."""
     first, second = clash.trains
     text = (
         f"{second.number} is to follow {first.number} at {_until(clash.begins_s)} into {clash.section_id},"
         f" which is taken until {_until(clash.first.to_s)}"
     )
-    return _one_after_another(Kind.FOLLOWING, clash, text, f"{second.number} leaves")
+    return _one_after_another(FindingKind.FOLLOWING, clash, text, f"{second.number} leaves")
 
 
-def _on_track(line: Line, clash: Clash, by_section: Mapping[str, list[Hold]]) -> Finding:
+def _on_track(line: Line, clash: HoldingConflict, by_section: Mapping[str, list[Hold]]) -> Finding:
     """A train is to come to a track, or to leave for it, that another still has."""
     first, second = clash.trains
     place, track = track_place(line, clash.section_id)
-    kind = Kind.TERMINAL if is_end(line, place) else Kind.TRACK
+    kind = FindingKind.TERMINAL if is_end(line, place) else FindingKind.TRACK
     time_s = max(clash.second.arrives_s, clash.first.from_s)
     if not math.isfinite(time_s):
         time_s = clash.begins_s
@@ -185,26 +204,26 @@ def _on_track(line: Line, clash: Clash, by_section: Mapping[str, list[Hold]]) ->
     return Finding(kind, severity(clash), trains, place, time_s, text, remedy, _short(clash))
 
 
-def _crossing(clash: Clash) -> Finding:
+def _crossing(clash: HoldingConflict) -> Finding:
     first, second = clash.trains
     text = (
         f"{second.number} is to go over the points of {clash.section_id} from {_until(clash.begins_s)};"
         f" {first.number} has them until {_until(clash.first.to_s)}"
     )
-    return _one_after_another(Kind.CROSSING, clash, text, f"{second.number} goes")
+    return _one_after_another(FindingKind.CROSSING, clash, text, f"{second.number} goes")
 
 
-def _at_portal(clash: Clash) -> Finding:
+def _at_portal(clash: HoldingConflict) -> Finding:
     first, second = clash.trains
     text = (
         f"{second.number} needs the portal {clash.section_id} from {_until(clash.begins_s)}, and"
         f" {first.number} is in it until {_until(clash.first.to_s)}"
     )
     what = f"{second.number} comes" if second.duty.enters else f"{second.number} goes"
-    return _one_after_another(Kind.PORTAL, clash, text, what)
+    return _one_after_another(FindingKind.PORTAL, clash, text, what)
 
 
-def _one_after_another(kind: Kind, clash: Clash, text: str, what: str) -> Finding:
+def _one_after_another(kind: FindingKind, clash: HoldingConflict, text: str, what: str) -> Finding:
     """Two trains that want a section at a time: the second has to wait, and `what` it does comes later."""
     remedy = _later(clash, what)
     numbers = _numbers(*clash.trains)

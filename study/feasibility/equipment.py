@@ -18,15 +18,15 @@ from network.model import Line, SectionKind, TagPurpose
 from onboard.authority.coverage import covered_at
 from onboard.driving.stopping import LIMIT_MARGIN_M
 from onboard.duty.mission import Mission, SectionSpan, Target
-from onboard.duty.plan import Plan, plan_of
+from onboard.duty.plan import DutyPlan, plan_of
 from onboard.motion import ARRIVED_WITHIN_M
-from simulation.settings import Carried
+from simulation.settings import PositionSensor
 from simulation.setup import Setup
 from simulation.world.books import CALLS_SHORT_M
-from study.feasibility.finding import Finding, Kind, Severity, minute
-from study.feasibility.fixes import Fixed, fixes_on, measured_growth
-from study.feasibility.planned import PlannedDay, PlannedTrain, Stand
-from study.run.summary import OFF_MARK_M
+from study.feasibility.finding import Finding, FindingKind, Severity, minute
+from study.feasibility.fixes import PositionKnown, fixes_on, measured_growth
+from study.feasibility.planned import PlannedDay, PlannedStop, PlannedTrain
+from study.measures.summary import OFF_MARK_M
 
 RESERVE_M: Final = 1.0  # what supervision keeps beyond that
 BEFORE_LIMIT_M: Final = LIMIT_MARGIN_M + RESERVE_M  # trains stop this far before a limit, and their bound
@@ -47,10 +47,10 @@ class _Way:
     setup: Setup
     line: Line
     train: PlannedTrain
-    plan: Plan
+    plan: DutyPlan
     since_m: float
     measured: bool
-    fixes: tuple[Fixed, ...] = ()
+    fixes: tuple[PositionKnown, ...] = ()
     mended_m: list[float] = field(default_factory=list[float])
 
     @property
@@ -72,16 +72,16 @@ class _Way:
         known = self.reads_tags and self.measured_by(at_m)
         return measured_growth(unit) if known else unit.wheel_error_share
 
-    def known_m(self, at_m: float) -> list[Fixed]:
+    def known_m(self, at_m: float) -> list[PositionKnown]:
         """What has told the train where it is by then: at least where it last knew before this mission."""
         start_m, accuracy_m = self.mission.targets[0].mark_m, self.setup.unit.tag_accuracy_m
-        told = [*self.fixes, *(Fixed(mended_m, accuracy_m) for mended_m in self.mended_m)]
+        told = [*self.fixes, *(PositionKnown(mended_m, accuracy_m) for mended_m in self.mended_m)]
         known = [fix for fix in told if start_m <= fix.at_m <= at_m]
-        return known or [Fixed(start_m - self.since_m, accuracy_m)]
+        return known or [PositionKnown(start_m - self.since_m, accuracy_m)]
 
     @property
     def reads_tags(self) -> bool:
-        return Carried.TAGS in self.setup.sensors.carried_by(self.train.stock_id)
+        return PositionSensor.TAGS in self.setup.sensors.carried_by(self.train.stock_id)
 
     def off_m(self, at_m: float) -> float:
         """How far the front may truly be from where the unit believes it at `at_m`, by its wheels' wear: two sigma.
@@ -104,11 +104,11 @@ class _Way:
     def stops_before_m(self, limit_m: float) -> float:
         """Where the front stops before a limit: what would tell it more beyond that is not come to any more."""
         start_m, accuracy_m = self.mission.targets[0].mark_m, self.setup.unit.tag_accuracy_m
-        mended = (Fixed(at_m, accuracy_m) for at_m in self.mended_m)
+        mended = (PositionKnown(at_m, accuracy_m) for at_m in self.mended_m)
         ahead = sorted(fix for fix in {*self.fixes, *mended} if start_m <= fix.at_m < limit_m)
         share = self.growth(limit_m)
         stops_m = -math.inf
-        for index, fix in enumerate([Fixed(start_m - self.since_m, accuracy_m), *ahead]):
+        for index, fix in enumerate([PositionKnown(start_m - self.since_m, accuracy_m), *ahead]):
             if index and fix.at_m > stops_m:
                 break
             room_m = BEFORE_LIMIT_M + fix.within_m
@@ -127,7 +127,7 @@ class _Way:
     def km(self, at_m: float) -> str:
         return f"km {self.mission.path.kilometrage_m(at_m) / 1000.0:.3f}"
 
-    def stand_at(self, target: Target) -> Stand:
+    def stand_at(self, target: Target) -> PlannedStop:
         return next(stand for stand in self.train.stands if stand.target is target)
 
     def place(self, target: Target) -> tuple[str, str]:
@@ -136,11 +136,13 @@ class _Way:
             return target.section_id, f"portal {target.section_id}"
         return target.station_id, self.line.stations[target.station_id].name
 
-    def next_stand(self, at_m: float) -> Stand:
+    def next_stand(self, at_m: float) -> PlannedStop:
         """The first stop beyond a place."""
         return next((s for s in self.train.stands if s.target.mark_m >= at_m), self.train.stands[-1])
 
-    def finding(self, kind: Kind, severity: Severity, stand: Stand, texts: tuple[str, str]) -> Finding:
+    def finding(
+        self, kind: FindingKind, severity: Severity, stand: PlannedStop, texts: tuple[str, str]
+    ) -> Finding:
         place, _ = self.place(stand.target)
         return Finding(kind, severity, (self.train.number,), place, stand.arrives_s, *texts)
 
@@ -166,7 +168,7 @@ def equipment_of(setup: Setup, day: PlannedDay) -> list[Finding]:
 
 def _gathered(found: Iterable[Finding]) -> list[Finding]:
     """One finding for what several trains lack at one place."""
-    by_what: dict[tuple[Kind, Severity, str, str], list[Finding]] = {}
+    by_what: dict[tuple[FindingKind, Severity, str, str], list[Finding]] = {}
     for finding in found:
         by_what.setdefault((finding.kind, finding.severity, finding.place, finding.remedy), []).append(
             finding
@@ -225,7 +227,7 @@ def _mark(way: _Way, target: Target) -> Iterator[Finding]:
     within_m = max(min(room_m, 300.0), 15.0)
     remedy = f"a position tag at most {within_m:.0f} m before the mark ({way.km(target.mark_m)})"
     way.mended_m.append(target.mark_m)
-    yield way.finding(Kind.TAG, Severity.IMPOSSIBLE, stand, (text, remedy))
+    yield way.finding(FindingKind.TAG, Severity.IMPOSSIBLE, stand, (text, remedy))
 
 
 def _wide(way: _Way, target: Target, short_m: float, off_m: float) -> Iterator[Finding]:
@@ -247,7 +249,7 @@ def _wide(way: _Way, target: Target, short_m: float, off_m: float) -> Iterator[F
             f"{head}perhaps {off_m:.1f} m off{at}: nothing tells it where it is for {since_m:.0f} m before it"
         )
         remedy = f"a position tag at most {NEAR_M:.0f} m before the mark ({mark})"
-    yield way.finding(Kind.STOP, Severity.TIGHT, stand, (text, remedy))
+    yield way.finding(FindingKind.STOP, Severity.TIGHT, stand, (text, remedy))
 
 
 def _to_be_brought(way: _Way, target: Target, misses_m: float, bound_m: float) -> Finding:
@@ -260,7 +262,7 @@ def _to_be_brought(way: _Way, target: Target, misses_m: float, bound_m: float) -
     )
     remedy = f"something that tells it where it is nearer to the mark ({way.km(target.mark_m)})"
     way.mended_m.append(target.mark_m)
-    return way.finding(Kind.TAG, Severity.TIGHT, stand, (text, remedy))
+    return way.finding(FindingKind.TAG, Severity.TIGHT, stand, (text, remedy))
 
 
 def _by_eye(way: _Way, target: Target) -> bool:
@@ -312,10 +314,10 @@ def _points(way: _Way, index: int) -> Iterator[Finding]:
     elif not way.covered(tags[0], max(stops_m, tags[0])):
         text = f"{head}no radio between their approach tag and them, so they cannot be thrown"
         remedy = _coverage_to(way, stops_m)
-        yield way.finding(Kind.COVERAGE, Severity.IMPOSSIBLE, stand, (text, remedy))
+        yield way.finding(FindingKind.COVERAGE, Severity.IMPOSSIBLE, stand, (text, remedy))
 
 
-def _without_approach_tag(way: _Way, stand: Stand, span: SectionSpan, head: str) -> Iterator[Finding]:
+def _without_approach_tag(way: _Way, stand: PlannedStop, span: SectionSpan, head: str) -> Iterator[Finding]:
     """The train stops before the points: it can go on if it still knows where it is, and has radio there."""
     stops_m = way.stops_before_m(span.start_m)
     bound_m = way.bound_m(stops_m)
@@ -326,15 +328,17 @@ def _without_approach_tag(way: _Way, stand: Stand, span: SectionSpan, head: str)
             " where it is, so that it gives its position up"
         )
         way.mended_m.append(span.start_m)
-        yield way.finding(Kind.TAG, Severity.IMPOSSIBLE, stand, (text, remedy))
+        yield way.finding(FindingKind.TAG, Severity.IMPOSSIBLE, stand, (text, remedy))
     elif not way.covered(stops_m, stops_m):
         text = (
             f"{head}no approach tag has them thrown, and there is no radio where the train stops before them"
         )
-        yield way.finding(Kind.TAG, Severity.IMPOSSIBLE, stand, (text, f"{remedy}, where the radio reaches"))
+        yield way.finding(
+            FindingKind.TAG, Severity.IMPOSSIBLE, stand, (text, f"{remedy}, where the radio reaches")
+        )
     else:
         text = f"{head}no approach tag has them thrown, so that the train stops before them"
-        yield way.finding(Kind.TAG, Severity.TIGHT, stand, (text, remedy))
+        yield way.finding(FindingKind.TAG, Severity.TIGHT, stand, (text, remedy))
 
 
 def _group(spans: Sequence[SectionSpan], first: int) -> list[SectionSpan]:
@@ -388,7 +392,7 @@ def _radio(way: _Way) -> Iterator[Finding]:
             f" to {what}"
         )
         remedy = _coverage_to(way, target.mark_m)
-        yield way.finding(Kind.COVERAGE, Severity.IMPOSSIBLE, stand, (text, remedy))
+        yield way.finding(FindingKind.COVERAGE, Severity.IMPOSSIBLE, stand, (text, remedy))
     yield from _passing(way)
 
 
@@ -412,7 +416,7 @@ def _passing(way: _Way) -> Iterator[Finding]:
             " ask for its route beyond"
         )
         remedy = _coverage_to(way, stops_m)
-        yield way.finding(Kind.COVERAGE, Severity.IMPOSSIBLE, stand, (text, remedy))
+        yield way.finding(FindingKind.COVERAGE, Severity.IMPOSSIBLE, stand, (text, remedy))
 
 
 def _coverage_to(way: _Way, at_m: float) -> str:

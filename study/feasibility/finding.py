@@ -26,7 +26,7 @@ SAID_IN_SECONDS_S: Final = 120  # longer times are told in minutes
 LATE_S: Final = 180.0  # assumed: later than this, trains miss those that they are to meet
 
 
-class Kind(Enum):
+class FindingKind(Enum):
     """What is wrong."""
 
     NO_WAY = "no way"  # the line has no route for a train
@@ -64,7 +64,7 @@ class Finding:
     `text` says who, where, when and why; `remedy` what would mend it nearest at hand.
     """
 
-    kind: Kind
+    kind: FindingKind
     severity: Severity
     trains: tuple[str, ...]
     place: str

@@ -38,7 +38,7 @@ class Hold:
 
 
 @dataclass(frozen=True, slots=True)
-class Clash:
+class HoldingConflict:
     """Two sets want one section at a time: the `second` one would wait for `wait_s`, if it ever gets there."""
 
     first: Hold
@@ -85,16 +85,16 @@ def holds_of(day: PlannedDay) -> dict[str, list[Hold]]:
     return by_section
 
 
-def clashes_of(by_section: dict[str, list[Hold]]) -> list[Clash]:
+def clashes_of(by_section: dict[str, list[Hold]]) -> list[HoldingConflict]:
     """Every two holds of one section by different sets that overlap."""
-    clashes: list[Clash] = []
+    clashes: list[HoldingConflict] = []
     for holds in by_section.values():
         for index, first in enumerate(holds):
             for second in holds[index + 1 :]:
                 if second.from_s >= first.to_s:
                     break  # they are in order of their beginning
                 if first.stock_id != second.stock_id:
-                    clashes.append(Clash(first, second))
+                    clashes.append(HoldingConflict(first, second))
     return clashes
 
 

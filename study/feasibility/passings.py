@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from network.clock import clock
 from simulation.setup import Setup
-from study.feasibility.finding import LATE_S, Finding, Kind, Severity, minute
+from study.feasibility.finding import LATE_S, Finding, FindingKind, Severity, minute
 from study.feasibility.planned import PlannedDay, PlannedTrain
 from study.feasibility.timing import NEGLIGIBLE_S
 
@@ -35,7 +35,7 @@ def _late(setup: Setup, day: PlannedDay, train: PlannedTrain) -> Iterator[Findin
                 continue  # a train that cannot climb is told of its leg
             left, name = stations[before.target.station_id].name, stations[passing.station_id].name
             yield Finding(
-                Kind.LEG,
+                FindingKind.LEG,
                 Severity.IMPOSSIBLE if short_s >= LATE_S else Severity.TIGHT,
                 (train.number,),
                 f"{before.target.station_id}-{passing.station_id}",

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from network.graph import find_route
 from network.model import Direction, Line, SectionKind, Station
-from study.feasibility.holdings import Clash, Hold
+from study.feasibility.holdings import Hold, HoldingConflict
 
 
 def station_of(line: Line, section_id: str) -> Station | None:
@@ -46,7 +46,7 @@ def where_to_pass(line: Line, position_m: float, but: str | None) -> str:
     return f"the nearest {other}station with two tracks is {nearest.name}"
 
 
-def free_track(line: Line, clash: Clash, by_section: Mapping[str, list[Hold]]) -> str | None:
+def free_track(line: Line, clash: HoldingConflict, by_section: Mapping[str, list[Hold]]) -> str | None:
     """A track of the same station that the second train can reach and that nobody else holds then; None without."""
     second = clash.second
     train = second.trains[0]

@@ -24,7 +24,7 @@ SIGNS_S: Final = 2.0  # assumed: telegrams of signing on or off, or of a route a
 
 
 @dataclass(frozen=True, slots=True)
-class Node:
+class PlannedNode:
     """A track or portal on a train's way; `target` is its stop there, None where it runs through.
 
     `arrives_s` and `departs_s` are of the plan, inferred where that has none, at `position_m` of the path.
@@ -38,7 +38,7 @@ class Node:
 
 
 @dataclass(frozen=True, slots=True)
-class Stand:
+class PlannedStop:
     """A stop of a train, halts included, with its running time from the stop before, s (0 for the first).
 
     `passes_s`: the running time to each station passed on the way, s.
@@ -57,8 +57,8 @@ class PlannedTrain:
 
     stock_id: str
     duty: Duty
-    nodes: tuple[Node, ...]
-    stands: tuple[Stand, ...]
+    nodes: tuple[PlannedNode, ...]
+    stands: tuple[PlannedStop, ...]
 
     @property
     def number(self) -> str:
@@ -138,17 +138,17 @@ def _planned(setup: Setup, duty: Duty, times: RunTimes) -> PlannedTrain:
     return PlannedTrain(duty.stock_id, duty, nodes, stands)
 
 
-def _stands(setup: Setup, duty: Duty, times: RunTimes) -> tuple[Stand, ...]:
+def _stands(setup: Setup, duty: Duty, times: RunTimes) -> tuple[PlannedStop, ...]:
     """The stops of a train in order, with planned or inferred times."""
     mission = duty.mission
-    stands: list[Stand] = []
+    stands: list[PlannedStop] = []
     for before, there in pairwise((None, *mission.targets)):
         if there is None:
             continue
         if before is None:
             begins_s = duty.enter_s if duty.enters else float(duty.train.calls[0].last_s)
             arrives_s = begins_s if there.arrival_s is None else there.arrival_s
-            stands.append(Stand(there, arrives_s, there.departure_s or begins_s, 0.0))
+            stands.append(PlannedStop(there, arrives_s, there.departure_s or begins_s, 0.0))
             continue
         passing_m = tuple(passing.position_m for passing in there.passings)
         *passes_s, run_s = times.times_s(duty.stock_id, mission.path, before.mark_m, there.mark_m, passing_m)
@@ -161,7 +161,7 @@ def _stands(setup: Setup, duty: Duty, times: RunTimes) -> tuple[Stand, ...]:
         elif there.departure_s is not None:
             arrives_s = max(min(arrives_s, there.departure_s), last.departs_s)
         departs_s = arrives_s if there.departure_s is None else there.departure_s
-        stands.append(Stand(there, arrives_s, departs_s, run_s, tuple(passes_s)))
+        stands.append(PlannedStop(there, arrives_s, departs_s, run_s, tuple(passes_s)))
     return tuple(stands)
 
 
@@ -173,30 +173,30 @@ def due_s(target: Target, dwell_min_s: float) -> float:
     return (target.departure_s or 0.0) - dwell_s
 
 
-def _comes_in(setup: Setup, duty: Duty, portal: Stand, there: Target, run_s: float) -> Stand:
+def _comes_in(setup: Setup, duty: Duty, portal: PlannedStop, there: Target, run_s: float) -> PlannedStop:
     """A train in its portal: it leaves that in time for its first call, not before the lead lets it come."""
     latest_s = due_s(there, setup.unit.dwell_min_s) - run_s
     leaves_s = max(duty.enter_s + SIGNS_S, latest_s)
-    return Stand(portal.target, leaves_s - SIGNS_S, leaves_s, 0.0)
+    return PlannedStop(portal.target, leaves_s - SIGNS_S, leaves_s, 0.0)
 
 
-def _node(mission: Mission, stands: tuple[Stand, ...], section_id: str) -> Node:
+def _node(mission: Mission, stands: tuple[PlannedStop, ...], section_id: str) -> PlannedNode:
     """A track or portal of the way: as the train stands there, or as it runs through."""
     here = [stand for stand in stands if stand.target.section_id == section_id]
     if here:
         first, last = here[0], here[-1]
-        return Node(section_id, first.target.mark_m, first.arrives_s, last.departs_s, first.target)
+        return PlannedNode(section_id, first.target.mark_m, first.arrives_s, last.departs_s, first.target)
     span = mission.spans[mission.span_index(section_id)]
     for target in mission.targets:
         for passing in target.passings:
             if span.start_m <= passing.position_m < span.end_m:
-                return Node(section_id, passing.position_m, passing.time_s, passing.time_s, None)
+                return PlannedNode(section_id, passing.position_m, passing.time_s, passing.time_s, None)
     middle_m = (span.start_m + span.end_m) / 2.0
     passes_s = _between(stands, mission, middle_m)
-    return Node(section_id, middle_m, passes_s, passes_s, None)
+    return PlannedNode(section_id, middle_m, passes_s, passes_s, None)
 
 
-def _between(stands: tuple[Stand, ...], mission: Mission, position_m: float) -> float:
+def _between(stands: tuple[PlannedStop, ...], mission: Mission, position_m: float) -> float:
     """When the train is somewhere on its way, by even speed between the times known on either side, s."""
     known = [(s.target.mark_m, s.arrives_s, s.departs_s) for s in stands]
     known += [(p.position_m, p.time_s, p.time_s) for target in mission.targets for p in target.passings]

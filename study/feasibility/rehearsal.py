@@ -29,7 +29,7 @@ RESTARTS_S: Final = 30.0  # assumed: what a train loses that must stop where it 
 
 
 @dataclass(frozen=True, slots=True)
-class Waits:
+class BlockedTrain:
     """A train that never gets on: at a node it wants sections, which others hold."""
 
     train: PlannedTrain
@@ -40,7 +40,7 @@ class Waits:
 
 
 @dataclass(frozen=True, slots=True)
-class Lateness:
+class RehearsedLateness:
     """How late a train comes to a stop, s, and behind whom it had to wait on its way there."""
 
     train: PlannedTrain
@@ -97,19 +97,19 @@ class Rehearsal:
         self._sets = [_Set(stock_id, trains) for stock_id, trains in day.trains.items() if trains]
         self._heap: list[tuple[float, int, Callable[[float], None]]] = []
         self._count = 0
-        self.late: list[Lateness] = []
+        self.late: list[RehearsedLateness] = []
         self._play()
 
     @property
-    def waits(self) -> list[Waits]:
+    def waits(self) -> list[BlockedTrain]:
         """Trains that never get on."""
-        found: list[Waits] = []
+        found: list[BlockedTrain] = []
         for one in self._sets:
             if one.done:
                 continue
             others = [self._holder[s] for s in one.wants if self._holder.get(s, one) is not one]
             held_by = tuple(dict.fromkeys(other.stock_id for other in others))
-            found.append(Waits(one.train, one.node, one.wants, held_by, one.blocked_by))
+            found.append(BlockedTrain(one.train, one.node, one.wants, held_by, one.blocked_by))
         return found
 
     # the course of the day --------------------------------------------------------------------------------------------
@@ -250,7 +250,9 @@ class Rehearsal:
         if node.target is not None and node.target.station_id is not None:
             late_s = now_s - node.arrives_s
             behind = tuple(one.behind)
-            self.late.append(Lateness(one.train, node.target.station_id, node.arrives_s, late_s, behind))
+            self.late.append(
+                RehearsedLateness(one.train, node.target.station_id, node.arrives_s, late_s, behind)
+            )
 
     def _end(self, one: _Set, now_s: float) -> None:
         """The train's journey is over: it leaves the line, becomes the next one, or stays."""

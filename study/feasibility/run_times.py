@@ -9,7 +9,7 @@ from __future__ import annotations
 from network.model import Line
 from network.path import Path, path_of
 from simulation.setup import Setup
-from study.measures.running_times import Way, least_times_s
+from study.measures.running_times import RunWay, least_times_s
 
 
 class RunTimes:
@@ -59,9 +59,9 @@ class RunTimes:
         return self._known[key]
 
 
-def cut_way(line: Line, path: Path, from_m: float, to_m: float, length_m: float) -> Way:
+def cut_way(line: Line, path: Path, from_m: float, to_m: float, length_m: float) -> RunWay:
     """A run on the part of its path that it needs."""
     steps = [s for s in path.steps if s.end_m > from_m - length_m - 1.0 and s.start_m < to_m + 1.0]
     begin_m = steps[0].start_m
     part = path_of(line, [step.piece_id for step in steps], path.direction)
-    return Way(line, part, from_m - begin_m, to_m - begin_m)
+    return RunWay(line, part, from_m - begin_m, to_m - begin_m)

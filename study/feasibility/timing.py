@@ -15,8 +15,8 @@ from network.clock import clock
 from network.model import Line
 from onboard.duty.mission import Mission
 from simulation.setup import Setup
-from study.feasibility.finding import Finding, Kind, lasting, minute, severity_of
-from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedTrain, Stand, due_s
+from study.feasibility.finding import Finding, FindingKind, lasting, minute, severity_of
+from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedStop, PlannedTrain, due_s
 from study.feasibility.run_times import RunTimes
 
 NEGLIGIBLE_S = 1.0  # shorter than this, a time is not worth a word
@@ -35,7 +35,7 @@ def timing_of(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
             yield from _between(setup, day.line, before, after)
 
 
-def _name(line: Line, stand: Stand) -> str:
+def _name(line: Line, stand: PlannedStop) -> str:
     station_id = stand.target.station_id
     return f"portal {stand.target.section_id}" if station_id is None else line.stations[station_id].name
 
@@ -63,7 +63,9 @@ def _legs(setup: Setup, line: Line, train: PlannedTrain, times: RunTimes) -> Ite
         times_s = (before.target.departure_s, there.target.arrival_s or there.target.departure_s)
         place = f"{before.target.station_id}-{there.target.station_id}"
         severity = severity_of(short_s, *times_s)
-        yield Finding(Kind.LEG, severity, (train.number,), place, before.departs_s, text, remedy, short_s)
+        yield Finding(
+            FindingKind.LEG, severity, (train.number,), place, before.departs_s, text, remedy, short_s
+        )
 
 
 def _dwells(setup: Setup, line: Line, train: PlannedTrain) -> Iterator[Finding]:
@@ -89,7 +91,7 @@ def _dwells(setup: Setup, line: Line, train: PlannedTrain) -> Iterator[Finding]:
         remedy = f"it leaves at {clock(math.ceil(target.arrival_s + setup.unit.dwell_min_s))} at the earliest"
         severity = severity_of(short_s, target.arrival_s, target.departure_s)
         trains, place = (train.number,), target.station_id
-        yield Finding(Kind.DWELL, severity, trains, place, target.arrival_s, text, remedy, short_s)
+        yield Finding(FindingKind.DWELL, severity, trains, place, target.arrival_s, text, remedy, short_s)
 
 
 def _comes_in(setup: Setup, train: PlannedTrain) -> Iterator[Finding]:
@@ -109,7 +111,9 @@ def _comes_in(setup: Setup, train: PlannedTrain) -> Iterator[Finding]:
     remedy = f"operation.portal_lead_s is {math.ceil(needs_s)} at least"
     severity = severity_of(short_s, first.target.arrival_s, first.target.departure_s)
     place = portal.target.section_id
-    yield Finding(Kind.PORTAL, severity, (train.number,), place, first.arrives_s, text, remedy, short_s)
+    yield Finding(
+        FindingKind.PORTAL, severity, (train.number,), place, first.arrives_s, text, remedy, short_s
+    )
 
 
 def throws_s(line: Line, mission: Mission) -> float:
@@ -142,7 +146,7 @@ def _between(setup: Setup, line: Line, before: PlannedTrain, after: PlannedTrain
     remedy = f"{after.number} leaves at {clock(math.ceil(arrival.arrives_s + needs_s))} at the earliest"
     severity = severity_of(short_s, arrival.target.arrival_s, start.target.departure_s)
     trains, place = (before.number, after.number), arrival.target.station_id
-    kind = Kind.TURN_BACK
+    kind = FindingKind.TURN_BACK
     yield Finding(kind, severity, trains, place, arrival.arrives_s, text, remedy, short_s)
 
 
@@ -162,4 +166,4 @@ def _layover(setup: Setup, before: PlannedTrain, after: PlannedTrain) -> Iterato
     remedy = f"{after.number} comes {lasting(short_s)} later"
     severity = severity_of(short_s, first.target.arrival_s, first.target.departure_s)
     trains, place = (before.number, after.number), before.nodes[-1].section_id
-    yield Finding(Kind.LAYOVER, severity, trains, place, first.arrives_s, text, remedy, short_s)
+    yield Finding(FindingKind.LAYOVER, severity, trains, place, first.arrives_s, text, remedy, short_s)

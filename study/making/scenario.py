@@ -8,9 +8,9 @@ from typing import Final
 from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
 from network.files.toml_text import text_toml
+from scenario.scenario import Scenario, load_scenario
 from simulation.setup import Setup
 from study.making.place import checked_new, named_from, write_new
-from study.scenario.scenario import Scenario, load_scenario
 
 FAULT_BEFORE_S: Final = 90  # the first departure: its route is not asked for yet, so that the train waits
 POWER_OFF_S: Final = 60

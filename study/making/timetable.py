@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, TypeAlias
 
+from exchange.planned import TrainOnLine
+from exchange.timetable_writer import file_of_trains, timetable_toml
+from exchange.workings import workings_of
 from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
-from network.exchange.planned import PlannedTrain
-from network.exchange.timetable_writer import file_of_trains, timetable_toml
-from network.exchange.workings import workings_of
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.files.text_input import existing_file
@@ -93,7 +93,7 @@ def timetable_text(line: Line, train: TrainType, pattern: Pattern, stem: str) ->
     for slack in SLACKS:
         for kinds in _kinds(line, legs):
             for offset_s in _offsets(legs, kinds, slack, pattern.every_s):
-                day = Day(line, train, legs, kinds, slack, offset_s, stem)
+                day = PatternTrial(line, train, legs, kinds, slack, offset_s, stem)
                 if _text(day, short) is None:
                     continue
                 made = _text(day, pattern)
@@ -164,7 +164,7 @@ def _calls(legs: Sequence[StandardTime], kinds: Kinds, slack: float, departs_s: 
 
 
 @dataclass(frozen=True, slots=True)
-class Day:
+class PatternTrial:
     """What a pattern is tried with: `slack` over the least running time, up trains `offset_s` after down trains.
 
     `kinds` has how trains call where they do not stop for passengers.
@@ -179,17 +179,17 @@ class Day:
     stem: str
 
 
-def _text(day: Day, pattern: Pattern) -> tuple[int, str] | None:
+def _text(day: PatternTrial, pattern: Pattern) -> tuple[int, str] | None:
     """How many trains, and the file; None where it cannot work."""
     line, train, stem = day.line, day.train, day.stem
-    planned: list[PlannedTrain] = []
+    planned: list[TrainOnLine] = []
     for direction, first, begin_s in (
         (Direction.DOWN, 1, pattern.from_s),
         (Direction.UP, 2, pattern.from_s + day.offset_s),
     ):
         departures_s = range(begin_s, pattern.to_s, pattern.every_s)
         planned += [
-            PlannedTrain(
+            TrainOnLine(
                 str(first + 2 * i), direction, _calls(day.legs[direction], day.kinds, day.slack, departs_s)
             )
             for i, departs_s in enumerate(departures_s)

@@ -14,8 +14,8 @@ from network.files.raw import is_table
 from network.files.schema_walk import resolved
 from network.files.text_input import existing_file
 from network.files.toml_input import read_text
+from scenario.schemas import schema_of
 from study.making.place import checked_new, write_new
-from study.scenario.schemas import schema_of
 from vehicle.train_file import TrainType, load_train, shipped_train
 
 COMMENT_AT: Final = 44  # column where explanations begin

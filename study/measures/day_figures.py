@@ -17,7 +17,7 @@ import numpy as np
 
 from network.timetable import Timetable
 from simulation.events import EventType
-from simulation.late.day import counts_of, late_day
+from simulation.late_day import counts_of, late_day
 from simulation.result import RunResult, StopRecord
 from simulation.setup import Setup, latest_end_s
 from study.measures import deadlock, delays
@@ -136,7 +136,7 @@ def figures_of_stops(
     )
 
 
-def _sum(found: Sequence[delays.Delay], name: str) -> float:
+def _sum(found: Sequence[delays.LatenessGrowth], name: str) -> float:
     return _rounded(math.fsum(getattr(delay, name) for delay in found))
 
 

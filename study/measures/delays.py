@@ -17,8 +17,8 @@ from typing import Final
 
 from network.timetable import AtPortal
 from onboard.notes import PositionFault, Resumed
-from simulation.events import MANAGER, CameLate, DoorsHeld, Entered, Entry, EventType, PowerOff
-from simulation.faults.script import Failure
+from simulation.events import MANAGER, CameLate, DoorsHeld, Entered, EventType, JournalEntry, PowerOff
+from simulation.faults.script import ScriptedFault
 from simulation.result import RunResult, StopRecord
 from simulation.setup import STEPS_PER_S, Setup
 from wayside.said import Accepted, Granted, Refused
@@ -40,7 +40,7 @@ Span = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Delay:
+class LatenessGrowth:
     """By how much a set's lateness grew until `at_s`, when `number` arrived at or left a station, s."""
 
     stock_id: str
@@ -75,7 +75,7 @@ class _Seen:
     refused_s: dict[str, float] = field(default_factory=dict[str, float])  # open still, since
     blind_s: dict[str, float] = field(default_factory=dict[str, float])
 
-    def take(self, entry: Entry) -> None:
+    def take(self, entry: JournalEntry) -> None:
         """A line of the journal."""
         match entry.event:
             case Refused(unit_id=unit, other_id=other) if entry.who == MANAGER and other:
@@ -129,13 +129,13 @@ class _Moment:
     never: bool = False
 
 
-def delays_of(result: RunResult, setup: Setup) -> tuple[Delay, ...]:
+def delays_of(result: RunResult, setup: Setup) -> tuple[LatenessGrowth, ...]:
     """Every growth of lateness of a run, by stock and time."""
     seen, end_s = _Seen(frozenset(result.stock_ids)), max(setup.latest_end_s, result.end_step / STEPS_PER_S)
     for entry in result.journal.entries:
         seen.take(entry)
     for course in result.courses:
-        if isinstance(course.item, Failure):
+        if isinstance(course.item, ScriptedFault):
             to_s = end_s if course.over_s is None else course.over_s
             seen.fault(str(course.item.fault.target), (course.begun_s, max(to_s, course.begun_s + 1.0)))
     seen.close(end_s)
@@ -149,7 +149,9 @@ def delays_of(result: RunResult, setup: Setup) -> tuple[Delay, ...]:
     )
 
 
-def _of_stock(stock_id: str, stops: Sequence[StopRecord], seen: _Seen, setup: Setup) -> Iterator[Delay]:
+def _of_stock(
+    stock_id: str, stops: Sequence[StopRecord], seen: _Seen, setup: Setup
+) -> Iterator[LatenessGrowth]:
     """Walks through a set's day; lateness goes on from train to train, and ends where the set leaves the line."""
     late_s = since_s = 0.0
     for moment in (*_moments(stops, seen, setup), *_never_came(stock_id, stops, seen, setup)):
@@ -213,7 +215,7 @@ def _ready_s(stop: StopRecord, held: DoorsHeld | None, setup: Setup) -> float:
     return max(stop.planned_departure_s or 0.0, dwelt_s, 0.0 if held is None else held.until_s)
 
 
-def _split(moment: _Moment, grown_s: float, since_s: float, seen: _Seen) -> Delay:
+def _split(moment: _Moment, grown_s: float, since_s: float, seen: _Seen) -> LatenessGrowth:
     """Put growth down to what was drawn, to others, to what failed."""
     stop = moment.stop
     from_s = max(since_s, moment.ready_s)
@@ -227,7 +229,9 @@ def _split(moment: _Moment, grown_s: float, since_s: float, seen: _Seen) -> Dela
     primary_s = min(grown_s, moment.drawn_s)
     secondary_s = min(grown_s - primary_s, waited_s)
     primary_s += min(grown_s - primary_s - secondary_s, failed_s)
-    return Delay(stop.stock_id, stop.number, stop.station_id, moment.at_s, grown_s, primary_s, secondary_s)
+    return LatenessGrowth(
+        stop.stock_id, stop.number, stop.station_id, moment.at_s, grown_s, primary_s, secondary_s
+    )
 
 
 def _overlap_s(spans: Iterable[Span], from_s: float, to_s: float) -> float:

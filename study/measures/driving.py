@@ -1,7 +1,7 @@
 """How each hop of each train was driven: running energy, notches, jerk, coasting, and how it came to its stop.
 
 A hop is a leg of the energy's records: from a place where the train stops to the next. What the kernel counted in every
-step (`simulation.world.ride`) is cut with the energy, so both are of the same run.
+step (`simulation.ride`) is cut with the energy, so both are of the same run.
 """
 
 from __future__ import annotations
@@ -9,11 +9,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
+from typing import Any
+
+import polars as pl
 
 from network.units import J_PER_KWH
-from simulation.result import EnergyRecord, Phase
-from simulation.world.ride import BRAKES, COASTS, CRUISES, Ride, together
-from vehicle.train_file import Receiver
+from onboard.driving.laws.table import LAW_NAMES
+from simulation.result import EnergyPhase, EnergyRecord, RunResult
+from simulation.ride import BRAKES, COASTS, CRUISES, Ride
+from simulation.ride import together as rides_together
+from simulation.setup import Setup
+from study.record.driving import DrivenHop
+from study.record.figure import rows_in, together
+from study.record.tables import make_table
+from vehicle.train_file import RegenerationReceiver
 
 Ends = tuple[str, str, str]  # train, from, to
 
@@ -23,65 +32,7 @@ class Stock:
     """What the table says of a stock: the law that drives it, and who takes what it gives back."""
 
     law: str
-    regenerated_to: Receiver
-
-
-@dataclass(frozen=True, slots=True)
-class DrivenHop:
-    """One hop as driven. `running_kwh` is traction less what came back, without auxiliaries.
-
-    Shares are of the time in which the train moved and of the way. `late_s` counts from the latest arrival that keeps
-    the plan, negative when early; it and `stop_error_m` are None where nothing was planned or the train did not come.
-    """
-
-    unit: str
-    train: str
-    revenue: bool
-    law: str
-    from_station: str
-    to_station: str
-    begin_s: float
-    run_s: float
-    distance_m: float
-    traction_kwh: float
-    regenerated_kwh: float
-    running_kwh: float
-    power_changes: int
-    brake_changes: int
-    jerk_max_mps3: float
-    jerk_rms_mps3: float
-    jolt_mps2: float
-    coasting_time_percent: float
-    coasting_way_percent: float
-    cruising_time_percent: float
-    cruising_way_percent: float
-    braking_time_percent: float
-    braking_way_percent: float
-    late_s: float | None
-    stop_error_m: float | None
-
-
-@dataclass(frozen=True, slots=True)
-class Driven:
-    """Hops together: sums of energy, means over the hops, shares of all time and way; `early_s` is mean earliness."""
-
-    hops: int
-    traction_kwh: float
-    regenerated_kwh: float
-    running_kwh: float
-    power_changes: float
-    brake_changes: float
-    jerk_max_mps3: float
-    jerk_rms_mps3: float
-    jolt_mps2: float
-    coasting_time_percent: float
-    coasting_way_percent: float
-    cruising_time_percent: float
-    cruising_way_percent: float
-    braking_time_percent: float
-    braking_way_percent: float
-    early_s: float | None
-    late_hops: int
+    regenerated_to: RegenerationReceiver
 
 
 def driven_hops(
@@ -93,7 +44,7 @@ def driven_hops(
     """Every hop that a train moved on, in the order in which they ended."""
     runs: dict[tuple[str, Ends], list[EnergyRecord]] = {}
     for record in records:
-        if record.phase is Phase.RUNNING:
+        if record.phase is EnergyPhase.RUNNING:
             ends = (record.number, record.from_id, record.to_id)
             runs.setdefault((record.stock_id, ends), []).append(record)
     return tuple(
@@ -105,10 +56,10 @@ def driven_hops(
 def _hop(
     run: Sequence[EnergyRecord], stock: Stock, late_s: float | None, stop_error_m: float | None
 ) -> DrivenHop:
-    first, ride = run[0], together(record.ride for record in run)
+    first, ride = run[0], rides_together(record.ride for record in run)
     traction_kwh = sum(record.traction_j for record in run) / J_PER_KWH
     regenerated_kwh = sum(record.regenerated_j for record in run) / J_PER_KWH
-    back_kwh = 0.0 if stock.regenerated_to is Receiver.RESISTORS else regenerated_kwh
+    back_kwh = 0.0 if stock.regenerated_to is RegenerationReceiver.RESISTORS else regenerated_kwh
     return DrivenHop(
         first.stock_id,
         first.number,
@@ -142,34 +93,39 @@ def _shares(ride: Ride) -> dict[str, float]:
     }
 
 
-def driven(hops: Sequence[DrivenHop]) -> Driven | None:
-    """Hops together; None of none. The jerk's mean square is over all their time."""
+def driving_table(
+    result: RunResult, setup: Setup, margins: pl.DataFrame, stops: pl.DataFrame
+) -> pl.DataFrame:
+    """The table `driving`, one row a hop, from the run and its tables of margins and stops."""
+    stocks = {
+        stock_id: Stock(setup.laws.get(stock_id, LAW_NAMES[0]), kind.regenerated_to)
+        for stock_id, kind in setup.trains.items()
+    }
+    left = margins.select("train", "from_station", "to_station", "left_s").iter_rows()
+    late_s = {(train, a, b): None if left_s is None else -left_s for train, a, b, left_s in left}
+    errors = stops.select("train", "station", "stop_error_m").iter_rows()
+    error_m = {(train, station): error for train, station, error in errors}
+    return make_table("driving", driven_hops(result.energy, stocks, late_s, error_m))
+
+
+def driven(hops: Sequence[DrivenHop]) -> dict[str, Any] | None:
+    """Hops together, by figure, with their number, how many were late, and mean earliness; None of none."""
     if not hops:
         return None
-    run_s = sum(hop.run_s for hop in hops)
     late = [hop.late_s for hop in hops if hop.late_s is not None]
+    return {
+        "hops": len(hops),
+        **together(hops),
+        "early_s": -fmean(late) if late else None,
+        "late_hops": sum(time_s > 0.0 for time_s in late),
+    }
 
-    def share(name: str) -> float:
-        weights = [hop.run_s if name.endswith("time_percent") else hop.distance_m for hop in hops]
-        weighed = sum(getattr(hop, name) * weight for hop, weight in zip(hops, weights, strict=True))
-        return weighed / sum(weights) if sum(weights) > 0.0 else 0.0
 
-    return Driven(
-        len(hops),
-        sum(hop.traction_kwh for hop in hops),
-        sum(hop.regenerated_kwh for hop in hops),
-        sum(hop.running_kwh for hop in hops),
-        fmean(hop.power_changes for hop in hops),
-        fmean(hop.brake_changes for hop in hops),
-        max(hop.jerk_max_mps3 for hop in hops),
-        (sum(hop.jerk_rms_mps3**2 * hop.run_s for hop in hops) / run_s) ** 0.5 if run_s > 0.0 else 0.0,
-        max(hop.jolt_mps2 for hop in hops),
-        share("coasting_time_percent"),
-        share("coasting_way_percent"),
-        share("cruising_time_percent"),
-        share("cruising_way_percent"),
-        share("braking_time_percent"),
-        share("braking_way_percent"),
-        -fmean(late) if late else None,
-        sum(time_s > 0.0 for time_s in late),
-    )
+def driving_summary(table: pl.DataFrame) -> dict[str, Any] | None:
+    """For summary.json: all hops together, and by law where there are several; None of a run without any hop."""
+    hops = rows_in(DrivenHop, table)
+    whole = driven(hops)
+    if whole is None:
+        return None
+    laws = sorted({hop.law for hop in hops})
+    return {**whole, "by_law": {law: driven([hop for hop in hops if hop.law == law]) for law in laws}}

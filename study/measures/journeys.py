@@ -13,9 +13,9 @@ from typing import Final
 from vehicle.optimum import Course, TooShort
 from vehicle.optimum.coast import fastest_j
 from vehicle.optimum.journey import (
-    Journey,
     JourneyStop,
     ProvenHop,
+    TimedJourney,
     earliest_times,
     journey_bound_j,
     journey_times,
@@ -75,7 +75,7 @@ class SampledHop:
 class Shared:
     """One way to share the time of a journey: when, and what each hop costs, J."""
 
-    journey: Journey
+    journey: TimedJourney
     hops_j: tuple[float, ...]
 
     @property
@@ -126,7 +126,7 @@ def journey_energies(hops: Sequence[SampledHop], stops: Sequence[JourneyStop]) -
     return JourneyEnergies(tuple(least_s), standard, proportional, best or proportional, bound_j)
 
 
-def _costed(hops: Iterable[SampledHop], journey: Journey) -> Shared:
+def _costed(hops: Iterable[SampledHop], journey: TimedJourney) -> Shared:
     """A journey with what its hops cost in the times that they get; time beyond what saves is stood off."""
     times = zip(hops, journey.running_s, strict=True)
     return Shared(journey, tuple(hop.energy_j(time_s) for hop, time_s in times))

@@ -17,12 +17,12 @@ from network.units import J_PER_KWH
 from onboard.driving.pattern import limit_for_train, lowered_by
 from simulation.result import RunResult
 from simulation.setup import Setup
-from study.measures.driving import DrivenHop
-from study.measures.running_times import Hop, planned_hops
+from study.measures.running_times import TrainHop, planned_hops
+from study.record.driving import DrivenHop
 from vehicle.optimum import Course, least_energy, least_time
 from vehicle.optimum.bound import lower_bound_j
 from vehicle.resistance import climb_m
-from vehicle.train_file import Receiver
+from vehicle.train_file import RegenerationReceiver
 
 JUST_POSSIBLE: Final = (
     1.005  # of the least time: faster trains count as this fast, which only lowers their bound
@@ -120,7 +120,7 @@ def least_of_hops(
     return tuple(found)
 
 
-def course_of(setup: Setup, hop: Hop, load_share: float, allowed: Allowed) -> Course:
+def course_of(setup: Setup, hop: TrainHop, load_share: float, allowed: Allowed) -> Course:
     """The course of one hop, within what is allowed."""
     kind, way = setup.trains[hop.stock_id], hop.way(setup.line)
     train = kind.row.view(np.recarray)[0]
@@ -136,7 +136,7 @@ def course_of(setup: Setup, hop: Hop, load_share: float, allowed: Allowed) -> Co
         way.from_m,
         way.to_m,
         allowed.deceleration_mps2,
-        regeneration=0.0 if kind.regenerated_to is Receiver.RESISTORS else 1.0,
+        regeneration=0.0 if kind.regenerated_to is RegenerationReceiver.RESISTORS else 1.0,
     )
 
 

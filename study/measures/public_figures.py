@@ -7,7 +7,7 @@ from enum import Enum
 from typing import Final
 
 
-class Per(Enum):
+class FigureBasis(Enum):
     """What a figure is per, and so which of ours stands beside it."""
 
     CAR_KM = "kWh per car-km"
@@ -19,7 +19,7 @@ class PublicFigure:
     """One published figure. `train_id`: said of this kind of train alone; empty: of a whole railway."""
 
     name: str
-    per: Per
+    per: FigureBasis
     kwh: float
     source: str
     comparable: str
@@ -30,7 +30,7 @@ class PublicFigure:
 PUBLIC_FIGURES: Final = (
     PublicFigure(
         "all electric trains of JR East",
-        Per.CAR_KM,
+        FigureBasis.CAR_KM,
         1.7,
         "Toyo Keizai online, article 50307",
         "electricity bought, so with the losses of substations and wires and without what trains regenerate for each"
@@ -38,14 +38,14 @@ PUBLIC_FIGURES: Final = (
     ),
     PublicFigure(
         "nine private railways round Tokyo",
-        Per.CAR_KM,
+        FigureBasis.CAR_KM,
         2.0,
         "livedoor news 16541981, after the railway statistics of fiscal 2016 (about 2)",
         "electricity for running trains as bought, dense commuter traffic; ours as above",
     ),
     PublicFigure(
         "the EV-E301 on the flat",
-        Per.TRAIN_KM,
+        FigureBasis.TRAIN_KM,
         190.0 / 50.0,
         'Sankei, 26 October 2015: "about 50 km on 190 kWh"',
         "a bound: nobody empties a battery, so the train takes less; on the flat, where ours climbs and descends;"

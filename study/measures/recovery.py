@@ -17,7 +17,7 @@ from network.timetable import Timetable
 from simulation.result import RunResult, StopRecord
 from simulation.setup import latest_end_s
 
-LATE_S: Final = 60.0  # a departure that much after plan is late, as `study.run.scores` has it
+LATE_S: Final = 60.0  # a departure that much after plan is late, as `study.drilling.scores` has it
 
 
 @dataclass(frozen=True, slots=True)

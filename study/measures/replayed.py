@@ -17,7 +17,7 @@ from network.model import Direction, Line
 from network.path import path_of
 from network.profile import profile_of
 from simulation.result import RunResult, TraceSpan
-from study.run.spans import rows_by_span
+from study.record.spans import rows_by_span
 from vehicle.train_file import TrainType
 from vehicle.wire import wire_power_w
 

@@ -25,7 +25,7 @@ STEP_S: Final = 0.1
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class RunWay:
     """A run from a stand to a stand: the line, a path on it, and path coordinates of the front, m."""
 
     line: Line
@@ -35,7 +35,7 @@ class Way:
 
 
 def least_running_time_s(
-    kind: TrainType, way: Way, load_share: float, deceleration_mps2: float, below_limit_mps: float = 0.0
+    kind: TrainType, way: RunWay, load_share: float, deceleration_mps2: float, below_limit_mps: float = 0.0
 ) -> float:
     """Shortest time, s, in which a train of a kind runs from one stand to the next; see `least_times_s`."""
     return least_times_s(kind, way, (), load_share, deceleration_mps2, below_limit_mps)[-1]
@@ -43,7 +43,7 @@ def least_running_time_s(
 
 def least_times_s(
     kind: TrainType,
-    way: Way,
+    way: RunWay,
     passing_m: Sequence[float],
     load_share: float,
     deceleration_mps2: float,
@@ -83,7 +83,7 @@ def least_times_s(
 
 
 @dataclass(frozen=True, slots=True)
-class Hop:
+class TrainHop:
     """From one stop of a train at a station to the next, with a time at both ends, s; stations between are passed."""
 
     stock_id: str
@@ -93,12 +93,12 @@ class Hop:
     leaves_s: float
     due_s: float  # latest arrival
 
-    def way(self, line: Line) -> Way:
+    def way(self, line: Line) -> RunWay:
         """The run that it is, on a line."""
-        return Way(line, self.mission.path, self.here.mark_m, self.there.mark_m)
+        return RunWay(line, self.mission.path, self.here.mark_m, self.there.mark_m)
 
 
-def planned_hops(setup: Setup) -> Iterator[Hop]:
+def planned_hops(setup: Setup) -> Iterator[TrainHop]:
     """Every hop of the timetable, by stock and in order of travel."""
     for stock_id, duties in drawn_up(setup, setup.line).items():
         for duty in duties:
@@ -106,7 +106,7 @@ def planned_hops(setup: Setup) -> Iterator[Hop]:
             for here, there in pairwise(at_stations):
                 due_s = there.latest_arrival_s(setup.timetable.dwell_min_s)
                 if here.departure_s is not None and due_s is not None:
-                    yield Hop(stock_id, duty.mission, here, there, here.departure_s, due_s)
+                    yield TrainHop(stock_id, duty.mission, here, there, here.departure_s, due_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +139,7 @@ def planned_legs(setup: Setup) -> tuple[PlannedLeg, ...]:
 
 
 def _leg_of(
-    setup: Setup, hop: Hop, known: dict[tuple[str, tuple[str, ...], float, float], tuple[float, float]]
+    setup: Setup, hop: TrainHop, known: dict[tuple[str, tuple[str, ...], float, float], tuple[float, float]]
 ) -> PlannedLeg:
     """The leg of a hop; a kind of train needs the same time for the same way again."""
     kind, way = setup.trains[hop.stock_id], hop.way(setup.line)

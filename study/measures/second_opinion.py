@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 import polars as pl
@@ -11,7 +10,7 @@ import polars as pl
 from network.units import J_PER_KWH
 from simulation.result import RunResult
 from simulation.setup import Setup
-from study.measures.public_figures import PUBLIC_FIGURES, Per
+from study.measures.public_figures import PUBLIC_FIGURES, FigureBasis
 from study.measures.replayed import (
     KMH_PER_MPS,
     Resistance,
@@ -20,7 +19,8 @@ from study.measures.replayed import (
     own_resistance_n,
     traction_j,
 )
-from study.run.tables import make_table
+from study.record.tables import make_table
+from study.record.told import ComparedFigure
 from vehicle.train_file import TrainType
 
 JR_SOURCE = (
@@ -29,16 +29,10 @@ JR_SOURCE = (
 SPEEDS_KMH = (20.0, 40.0)
 
 
-@dataclass(frozen=True, slots=True)
-class Comparison:
-    """One figure of ours beside another's."""
-
-    figure: str
-    unit: str
-    ours: float
-    theirs: float
-    source: str
-    comparable: str
+def _beside(
+    figure: str, unit: str, ours: float, theirs: float, source: str, comparable: str
+) -> ComparedFigure:
+    return ComparedFigure(figure, ours, theirs, unit, 100.0 * (ours / theirs - 1.0), source, comparable)
 
 
 def comparisons_of(
@@ -56,27 +50,16 @@ def comparisons_of(
         *result.empty_arrived,
     }:  # stuck trains stand, and use energy for no km
         rows += _public(setup, energy, layovers)
-    return make_table(
-        "comparisons",
-        {
-            "figure": [row.figure for row in rows],
-            "unit": [row.unit for row in rows],
-            "ours": [row.ours for row in rows],
-            "theirs": [row.theirs for row in rows],
-            "difference_percent": [100.0 * (row.ours / row.theirs - 1.0) for row in rows],
-            "source": [row.source for row in rows],
-            "comparable": [row.comparable for row in rows],
-        },
-    )
+    return make_table("comparisons", rows)
 
 
-def _forces(kind: TrainType, setup: Setup) -> Iterator[Comparison]:
+def _forces(kind: TrainType, setup: Setup) -> Iterator[ComparedFigure]:
     """Running resistance with the mean load, to the greatest speed that the line and the train allow."""
     mass = mass_kg(kind, setup.load.load_share_mean)
     top_kmh = min(setup.line.max_speed_mps, float(kind.row[0]["speed_max_mps"])) * KMH_PER_MPS
     for speed_kmh in sorted({*(speed for speed in SPEEDS_KMH if speed < top_kmh), round(top_kmh, 3)}):
         at_mps = np.array([speed_kmh / KMH_PER_MPS])
-        yield Comparison(
+        yield _beside(
             f"running resistance of {kind.id} at {speed_kmh:g} km/h",
             "N",
             float(own_resistance_n(kind, mass, at_mps)[0]),
@@ -86,7 +69,7 @@ def _forces(kind: TrainType, setup: Setup) -> Iterator[Comparison]:
         )
 
 
-def _replays(result: RunResult, setup: Setup, booked_kwh: float) -> Iterator[Comparison]:
+def _replays(result: RunResult, setup: Setup, booked_kwh: float) -> Iterator[ComparedFigure]:
     """The day's traction from the trace: with our resistance, as a check of the method, and with the other."""
 
     def kwh(resistance: Resistance) -> float:
@@ -95,7 +78,7 @@ def _replays(result: RunResult, setup: Setup, booked_kwh: float) -> Iterator[Com
     own_kwh, jr_kwh = kwh(own_resistance_n), kwh(jr_resistance_n)
     if min(own_kwh, jr_kwh) <= 0.0:
         return
-    yield Comparison(
+    yield _beside(
         "traction of the day as booked",
         "kWh",
         booked_kwh,
@@ -103,7 +86,7 @@ def _replays(result: RunResult, setup: Setup, booked_kwh: float) -> Iterator[Com
         "worked out again from the trace of a second with our own resistance",
         "the same day; what differs is the method: powering and coasting within one second, starting resistance",
     )
-    yield Comparison(
+    yield _beside(
         "traction of the day on the same speeds",
         "kWh",
         own_kwh,
@@ -113,18 +96,19 @@ def _replays(result: RunResult, setup: Setup, booked_kwh: float) -> Iterator[Com
     )
 
 
-def _public(setup: Setup, energy: pl.DataFrame, layovers: pl.DataFrame) -> Iterator[Comparison]:
+def _public(setup: Setup, energy: pl.DataFrame, layovers: pl.DataFrame) -> Iterator[ComparedFigure]:
     train_km = float(energy["distance_km"].sum())
     if train_km <= 0.0:
         return
     car_km = float((energy["distance_km"] * energy["cars"]).sum())
     trains_kwh, stays_kwh = float(energy["net_kwh"].sum()), float(layovers["net_kwh"].sum())
-    ours = {Per.CAR_KM: (trains_kwh + stays_kwh) / car_km, Per.TRAIN_KM: trains_kwh / train_km}
+    ours = {
+        FigureBasis.CAR_KM: (trains_kwh + stays_kwh) / car_km,
+        FigureBasis.TRAIN_KM: trains_kwh / train_km,
+    }
     run = {setup.trains[stock_id].id for stock_id in energy["unit"]}
     for figure in PUBLIC_FIGURES:
         if figure.train_id and run != {figure.train_id}:
             continue
         name = f"{figure.name}, less than" if figure.bound else figure.name
-        yield Comparison(
-            name, figure.per.value, ours[figure.per], figure.kwh, figure.source, figure.comparable
-        )
+        yield _beside(name, figure.per.value, ours[figure.per], figure.kwh, figure.source, figure.comparable)

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final
 
-from network.exchange.running import Leg, Running
+from exchange.running import Running, StationRun
 from network.model import Direction, Line
 from network.timetable import Call, CallKind, Stabled, Timetable, TimetableTrain
 from onboard.duty.mission import Mission, NoWay, Target, plan_mission
 from simulation.setup import Setup
 from simulation.world.roster import first_section
-from study.measures.running_times import Hop, Way, least_times_s, planned_hops
+from study.measures.running_times import RunWay, TrainHop, least_times_s, planned_hops
 from vehicle.running_time import laid_down_s
 from vehicle.train_file import TrainType
 
@@ -134,7 +134,7 @@ def least_by_leg(line: Line, kind: TrainType) -> Running:
     times = standard_times(Setup("", line, Timetable("", "", line.id, 0.0, {}, ()), {"": kind}))
     onward = {(time.from_id, time.direction): time for time in times}
 
-    def least(leg: Leg) -> float | None:
+    def least(leg: StationRun) -> float | None:
         here, total_s = leg.from_id, 0.0
         step_m = line.stations[leg.to_id].position_m - line.stations[leg.from_id].position_m
         direction = Direction.DOWN if step_m > 0 else Direction.UP
@@ -162,7 +162,7 @@ def _along(setup: Setup, kind: TrainType, direction: Direction) -> Iterator[Stan
 
     def times_s(start: int, end: int) -> tuple[float, ...]:
         """From a stand at one place to each place up to a stand at another."""
-        way = Way(setup.line, path, marks_m[start], marks_m[end])
+        way = RunWay(setup.line, path, marks_m[start], marks_m[end])
         driving = setup.driving
         return least_times_s(
             kind, way, marks_m[start + 1 : end], setup.load.load_share_mean, driving.stop_deceleration_mps2
@@ -223,7 +223,7 @@ def planned_runs(setup: Setup) -> tuple[PlannedRun, ...]:
 
 
 def _runs_of(
-    setup: Setup, hop: Hop, known: dict[tuple[object, ...], tuple[float, ...]]
+    setup: Setup, hop: TrainHop, known: dict[tuple[object, ...], tuple[float, ...]]
 ) -> Iterator[PlannedRun]:
     """The parts of a hop, from each of its times to the next."""
     kind, way, passings = setup.trains[hop.stock_id], hop.way(setup.line), hop.there.passings

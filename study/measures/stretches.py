@@ -4,28 +4,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from simulation.result import EnergyRecord, Phase, RunResult
+from simulation.result import EnergyPhase, EnergyRecord, RunResult
 from simulation.setup import STEPS_PER_S
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class DayStretch:
     """A part of a stock's day in which it is off the line, moves, or stands, by the truth; `phase` None: off it."""
 
     unit: str
     train: str
-    phase: Phase | None
+    phase: EnergyPhase | None
     from_id: str
     to_id: str
     from_s: float
     to_s: float
 
 
-def stretches(result: RunResult, unit: str) -> tuple[Stretch, ...]:
+def stretches(result: RunResult, unit: str) -> tuple[DayStretch, ...]:
     """A stock's day by the truth, from the beginning of the run to its end, without gap or overlap."""
     begin_s, end_s = result.begin_step / STEPS_PER_S, result.end_step / STEPS_PER_S
     records = sorted((r for r in result.energy if r.stock_id == unit), key=lambda r: r.begin_s)
-    found: list[Stretch] = []
+    found: list[DayStretch] = []
     at_s = begin_s
     for record in records:
         if record.end_s <= record.begin_s:
@@ -39,10 +39,10 @@ def stretches(result: RunResult, unit: str) -> tuple[Stretch, ...]:
     return tuple(found)
 
 
-def _off(unit: str, from_s: float, to_s: float) -> Stretch:
-    return Stretch(unit, "", None, "", "", from_s, to_s)
+def _off(unit: str, from_s: float, to_s: float) -> DayStretch:
+    return DayStretch(unit, "", None, "", "", from_s, to_s)
 
 
-def _on(record: EnergyRecord, from_s: float) -> Stretch:
+def _on(record: EnergyRecord, from_s: float) -> DayStretch:
     ends = record.from_id, record.to_id
-    return Stretch(record.stock_id, record.number, record.phase, *ends, from_s, record.end_s)
+    return DayStretch(record.stock_id, record.number, record.phase, *ends, from_s, record.end_s)

@@ -14,7 +14,7 @@ from typing import Final
 
 from onboard.notes import MissionBegun
 from simulation import events
-from simulation.events import MANAGER, Entry
+from simulation.events import MANAGER, JournalEntry
 from simulation.world.roster import Duty
 from wayside import said
 
@@ -55,10 +55,10 @@ MOVING: Final = "moving"
 ON_LINE: Final = "on the line"
 
 
-class History:
+class RegisterHistory:
     """The register of sections, the points and the power of devices, as the journal of one run has them."""
 
-    def __init__(self, entries: Iterable[Entry]) -> None:
+    def __init__(self, entries: Iterable[JournalEntry]) -> None:
         self._tenures: dict[str, list[Tenure]] = defaultdict(list)
         self._points: dict[str, Changes] = defaultdict(Changes)
         self._ails: dict[str, Changes] = defaultdict(Changes)
@@ -69,7 +69,7 @@ class History:
         for entry in entries:
             self._take(entry)
 
-    def _take(self, entry: Entry) -> None:
+    def _take(self, entry: JournalEntry) -> None:
         t_s = entry.t_s
         match entry.event:
             case events.PointsMoving(points_id=points):
@@ -93,7 +93,7 @@ class History:
             case _:
                 self._register(entry)
 
-    def _register(self, entry: Entry) -> None:
+    def _register(self, entry: JournalEntry) -> None:
         t_s = entry.t_s
         match entry.event:
             case said.Granted(unit_id=unit, section_ids=sections):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from network.clock import clock
-from study.measures.wait import Asked, Cause, Wait
+from study.record.wait import Asked, Cause, Wait
 from study.wording.phrase import Language, Names, Phrase
 from study.wording.reasons import reason
 from wayside.config import MANAGER_ID

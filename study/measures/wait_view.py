@@ -14,10 +14,10 @@ from typing import Any, Final
 from onboard import notes
 from radio.noted import Lost, LostWhere, Noted, Sent, TookEffect
 from simulation import events
-from simulation.events import MANAGER, Entry
-from simulation.world.clock import Clock
+from simulation.clock import Clock
+from simulation.events import MANAGER, JournalEntry
 from simulation.world.roster import Duty
-from study.measures.wait import Asked
+from study.record.wait import Asked
 from wayside import said
 
 
@@ -44,7 +44,7 @@ _ASKS: Final[Mapping[str, Asked]] = {
 
 
 @dataclass(slots=True)
-class Request:
+class WaitingRequest:
     """A request that is open: when it was first sent, s, its correlation, and why it was refused (empty: not yet)."""
 
     since_s: float
@@ -68,7 +68,7 @@ class View:
     departed: bool = False
     signed_on: bool = False
     signed_on_s: float = 0.0
-    requests: dict[Asked, Request] = field(default_factory=dict[Asked, Request])
+    requests: dict[Asked, WaitingRequest] = field(default_factory=dict[Asked, WaitingRequest])
     limit_before: str | None = None
     limit_why: str = "no mission"
     limit_at: tuple[str, float] | None = None  # piece, kilometrage in m
@@ -105,7 +105,7 @@ class View:
             clock = clock.wrong(wrong.get("offset_s", 0.0), wrong.get("drift_ppm", 0.0) * 1e-6, since_s)
         return clock.true_s(planned_s)
 
-    def take(self, entry: Entry) -> None:
+    def take(self, entry: JournalEntry) -> None:
         """A line of the journal that the unit wrote, or that names it."""
         reader = _READERS.get(type(entry.event))
         if reader is not None:
@@ -205,7 +205,7 @@ def _sent(view: View, t_s: float, event: Sent) -> None:
     if asked is not None:
         known = view.requests.get(asked)
         if known is None or (asked is Asked.REPORT and known.correlation != event.correlation):
-            view.requests[asked] = Request(t_s, event.correlation)
+            view.requests[asked] = WaitingRequest(t_s, event.correlation)
         else:  # what was refused is asked again as a new request: it is open all the same
             known.correlation = event.correlation
         if asked is Asked.ROUTE:
@@ -243,7 +243,7 @@ def _refused(asked: Asked) -> Callable[[View, float, Any], None]:
     def refused(
         view: View, t_s: float, event: notes.SignOnDenied | notes.SignOffDenied | notes.RouteDenied
     ) -> None:
-        request = view.requests.setdefault(asked, Request(t_s, None))
+        request = view.requests.setdefault(asked, WaitingRequest(t_s, None))
         request.refusal = event.why
 
     return refused
@@ -334,7 +334,7 @@ _READERS: Final[Mapping[type[Noted], Callable[[View, float, Any], None]]] = {
 }
 
 
-def subject_of(entry: Entry) -> str:
+def subject_of(entry: JournalEntry) -> str:
     """The unit whose view an entry may change: the party that it names, or its author."""
     match entry.event:
         case events.PowerOff(device_id=device) | events.PowerOn(device_id=device):

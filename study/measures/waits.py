@@ -20,25 +20,25 @@ import numpy as np
 from typing_extensions import Unpack
 
 from onboard.authority.stop_limit import NOT_PROVEN
-from onboard.vehicle import Vehicle
-from simulation.events import MANAGER, Entry
-from simulation.result import Phase, RunResult
+from onboard.vehicle import VehicleInputs
+from simulation.events import MANAGER, JournalEntry
+from simulation.result import EnergyPhase, RunResult
 from simulation.setup import STEPS_PER_S, Setup
 from simulation.world.roster import Duty, drawn_up
-from study.measures.stretches import Stretch, stretches
-from study.measures.wait import Asked, Cause, Wait
-from study.measures.wait_history import History
-from study.measures.wait_view import Doing, Request, View, subject_of
+from study.measures.stretches import DayStretch, stretches
+from study.measures.wait_history import RegisterHistory
+from study.measures.wait_view import Doing, View, WaitingRequest, subject_of
 from study.measures.where import Whereabouts
+from study.record.wait import Asked, Cause, Wait
 
-AT_ITS_STOP: Final = (Phase.AT_STOP, Phase.LAYOVER)
+AT_ITS_STOP: Final = (EnergyPhase.AT_STOP, EnergyPhase.LAYOVER)
 SLOWED_SHARE: Final = 0.8  # of the braking to a stop: a train that must brake so hard and does is held back
 BRAKES_MPS2: Final = -0.05  # less than this is to hold its speed
 ASKS_AGAIN: Final = "asks again"
 WRONG_CLOCK: Final = "clock"
 NO_PASSENGERS: Final = "operational"
 SAMPLES_S: Final = 2.0  # between two samples of the trace passes a second
-DOORS_OPEN: Final = Vehicle(doors_closed=False).unfit
+DOORS_OPEN: Final = VehicleInputs(doors_closed=False).unfit
 CABLE_CUT: Final = "cable cut"
 NOT_NOW: Final[Mapping[str, Cause]] = {"no way on": Cause.NO_WAY_ON, "not its turn": Cause.NOT_ITS_TURN}
 HELD_REASON: Final = "held"  # how a refusal begins that names another holder
@@ -47,8 +47,8 @@ HELD_REASON: Final = "held"  # how a refusal begins that names another holder
 def waits_of(result: RunResult, setup: Setup) -> tuple[Wait, ...]:
     """All waits of a run, by stock and time; those of one stock cover the run without gap or overlap."""
     drawn = drawn_up(setup, setup.line)
-    entries: dict[str, list[Entry]] = defaultdict(list)
-    history = History(_by_unit(result.journal.entries, entries))
+    entries: dict[str, list[JournalEntry]] = defaultdict(list)
+    history = RegisterHistory(_by_unit(result.journal.entries, entries))
     where = Whereabouts(result)
     found: list[Wait] = []
     for unit in result.stock_ids:
@@ -59,14 +59,14 @@ def waits_of(result: RunResult, setup: Setup) -> tuple[Wait, ...]:
     return tuple(found)
 
 
-def _by_unit(entries: Iterable[Entry], into: dict[str, list[Entry]]) -> Iterator[Entry]:
+def _by_unit(entries: Iterable[JournalEntry], into: dict[str, list[JournalEntry]]) -> Iterator[JournalEntry]:
     """Passes entries on, and sorts them by the unit whose view they may change."""
     for entry in entries:
         into[subject_of(entry)].append(entry)
         yield entry
 
 
-class Known(TypedDict, total=False):
+class WaitParts(TypedDict, total=False):
     """What a wait has besides its stock, its times and its cause; see `Wait`."""
 
     train: str
@@ -88,7 +88,7 @@ class _Finder:
         self,
         setup: Setup,
         view: View,
-        history: History,
+        history: RegisterHistory,
         where: Whereabouts,
         drawn: Mapping[str, tuple[Duty, ...]],
     ) -> None:
@@ -97,17 +97,17 @@ class _Finder:
         self._history = history
         self._where = where
         self._drawn = drawn
-        self._stretch = Stretch("", "", None, "", "", 0.0, 0.0)
+        self._stretch = DayStretch("", "", None, "", "", 0.0, 0.0)
         self._held_back_by: tuple[str, float] | None = None  # the stop limit that slows the train down
 
-    def day(self, days: Sequence[Stretch], entries: Sequence[Entry]) -> list[Wait]:
+    def day(self, days: Sequence[DayStretch], entries: Sequence[JournalEntry]) -> list[Wait]:
         """The waits of the stock's day."""
         found: list[Wait] = []
         taken = 0
         for stretch in days:
             self._stretch = stretch
             self._held_back_by = None
-            if stretch.phase is Phase.RUNNING:
+            if stretch.phase is EnergyPhase.RUNNING:
                 self._view.departed = True
             times_s = {e.t_s for e in entries if stretch.from_s < e.t_s < stretch.to_s}
             for from_s, to_s in pairwise([stretch.from_s, *sorted(times_s), stretch.to_s]):
@@ -119,7 +119,7 @@ class _Finder:
 
     def _between(self, from_s: float, to_s: float) -> Iterator[Wait]:
         """Waits between two lines of the unit's journal: only time and what others do can change them."""
-        if self._stretch.phase is Phase.RUNNING:
+        if self._stretch.phase is EnergyPhase.RUNNING:
             yield from self._runs(from_s, to_s)
             return
         at_s = from_s
@@ -129,11 +129,11 @@ class _Finder:
             yield replace(wait, from_s=at_s, to_s=next_s)
             at_s = next_s
 
-    def _make(self, cause: Cause, **known: Unpack[Known]) -> Wait:
+    def _make(self, cause: Cause, **known: Unpack[WaitParts]) -> Wait:
         stretch, view = self._stretch, self._view
         at = None if stretch.phase is None else self._here(stretch.from_s)
         at_m = None if at is None else at[1]
-        place = stretch.from_id if stretch.phase in (*AT_ITS_STOP, Phase.STABLED) else ""
+        place = stretch.from_id if stretch.phase in (*AT_ITS_STOP, EnergyPhase.STABLED) else ""
         following = view.next_duty
         train = stretch.train or view.train or ("" if following is None else following.train.number)
         blank = Wait(view.unit, train, 0.0, 0.0, cause, place, at_m)
@@ -151,7 +151,7 @@ class _Finder:
         phase = self._stretch.phase
         if phase is None:
             return self._off_line(t_s)
-        if phase is Phase.STABLED:
+        if phase is EnergyPhase.STABLED:
             return self._make(Cause.STABLED), math.inf
         return self._boarding(t_s) or self._out_of_order() or self._by_duty(t_s)
 
@@ -181,7 +181,7 @@ class _Finder:
 
     def _before_its_number(self, following: Duty, t_s: float) -> tuple[Wait, float]:
         """At its portal: behind others, or its crew is yet to enter the train number."""
-        known: Known = {"train": following.train.number, "section": following.mission.spans[0].section_id}
+        known: WaitParts = {"train": following.train.number, "section": following.mission.spans[0].section_id}
         ahead = list(self._history.ahead(following, self._drawn))
         queues_until_s = max((s for comes_s, s in ahead if comes_s <= t_s < s), default=t_s)
         if queues_until_s > t_s:
@@ -342,7 +342,7 @@ class _Finder:
         changes_s = self._history.next_change_s(sections, t_s)
         ails, ails_until_s = self._history.ails(MANAGER, t_s)
         until_s = min(changes_s, ails_until_s)
-        known: Known = {"asked": asked, "party": MANAGER}
+        known: WaitParts = {"asked": asked, "party": MANAGER}
         if request is None or not self._covered(t_s):
             cause = Cause.ANSWER if self._covered(t_s) else Cause.COVERAGE
             return self._make(cause, **known), until_s
@@ -364,7 +364,7 @@ class _Finder:
             known["since_s"], known["reason"] = None, ASKS_AGAIN
         return self._make(Cause.ANSWER, **known), until_s
 
-    def _behind(self, cause: Cause, asked: Asked, request: Request) -> Wait:
+    def _behind(self, cause: Cause, asked: Asked, request: WaitingRequest) -> Wait:
         """Its way is free, but another is to come first: that, and where to, the refusal names last."""
         _, _, named = request.refusal.partition(": section ")
         section, _, unit = named.partition(" of ")
@@ -394,7 +394,7 @@ class _Finder:
         moves, since_s, until_s = self._history.points_move(points, t_s)
         ails, ails_until_s = self._history.ails(item.terminal_id, t_s)
         until_s = min(until_s, ails_until_s)
-        known: Known = {
+        known: WaitParts = {
             "points": points,
             "section": view.limit_before or "",
             "party": item.terminal_id,

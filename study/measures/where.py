@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
 from simulation.world.records import TRACE
-from study.run.spans import rows_by_span
+from study.record.spans import rows_by_span
 
 HALF_STEP_S: Final = 0.5 / STEPS_PER_S
 

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
-from study.plot.choice import Seen
+from study.plot.choice import ChosenRun
 from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, RULE, UNIT_COLOURS, WIDTH_IN, clock
 
 PANEL_IN: Final = 1.75
@@ -27,12 +27,12 @@ LABEL_S: Final = 2400.0  # names nearer than this touch
 NARROW_S: Final = 720.0  # a name above a charge has no room in less
 
 
-def battery_table(run: Seen) -> pl.DataFrame:
+def battery_table(run: ChosenRun) -> pl.DataFrame:
     """The batteries at every moment written down, of the time chosen."""
     return run.within(run.tables.battery, "t_s")
 
 
-def draw_battery(run: Seen) -> Figure | None:
+def draw_battery(run: ChosenRun) -> Figure | None:
     """A panel a set: percent of charge over the time of the day. None: no set ran on a battery."""
     table = battery_table(run)
     if table.is_empty():
@@ -66,7 +66,7 @@ def _clock(time_s: float, _place: int | None) -> str:
     return clock(time_s)
 
 
-def _panel(axes: Axes, run: Seen, unit: str, rows: pl.DataFrame, colour: str) -> None:
+def _panel(axes: Axes, run: ChosenRun, unit: str, rows: pl.DataFrame, colour: str) -> None:
     times_s, soc = rows["t_s"].to_numpy(), 100.0 * rows["soc"].to_numpy()
     for low_s, high_s in _off_line(rows):
         axes.axvspan(low_s, high_s, color=OFF_LINE, lw=0, zorder=0.2)
@@ -109,7 +109,7 @@ def _off_line(rows: pl.DataFrame) -> list[tuple[float, float]]:
     ]
 
 
-def _charges(axes: Axes, run: Seen, unit: str) -> None:
+def _charges(axes: Axes, run: ChosenRun, unit: str) -> None:
     """Each charge, with its station where there is room: higher up, where it would touch the one before."""
     last_s, at_percent = -np.inf, LABEL_PERCENT
     for charge in run.tables.charges.filter(pl.col("unit") == unit).iter_rows(named=True):
@@ -125,7 +125,7 @@ def _charges(axes: Axes, run: Seen, unit: str) -> None:
         axes.annotate(text, (middle_s, at_percent), ha="center", va="bottom", fontsize=NUMBER_PT, color=PALE)
 
 
-def _numbers(axes: Axes, run: Seen, unit: str) -> None:
+def _numbers(axes: Axes, run: ChosenRun, unit: str) -> None:
     """Train numbers above the time in which the set was that train."""
     for (of, train), course in run.courses.items():
         if of != unit:

@@ -13,8 +13,8 @@ from network.files.toml_input import one_of
 from network.model import Station
 from network.timetable import seconds_of
 from study.measures.wait_text import at_time
-from study.report.data import Run
-from study.run.read_back import RunRead
+from study.record.read_back import RunRead
+from study.report.data import ReportedRun
 from study.wording.phrase import Language, Names, names_of
 
 
@@ -31,7 +31,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Seen(Run):
+class ChosenRun(ReportedRun):
     """A run as a kind shows it: its figures and tables, seen through a choice."""
 
     read: RunRead
@@ -77,7 +77,7 @@ class Seen(Run):
         return None if self.choice.station is None else self.line.stations[self.choice.station]
 
 
-def seen(read: RunRead, choice: Choice) -> Seen:
+def seen(read: RunRead, choice: Choice) -> ChosenRun:
     """A run through a choice. InputError for a train, station or time that the run does not have."""
     ran = {str(train) for train in read.tables.stops["train"].unique()}
     planned = [number for number in read.timetable.trains if number in ran]
@@ -86,8 +86,8 @@ def seen(read: RunRead, choice: Choice) -> Seen:
     for other in choice.beside:
         if other.line.id != read.line.id:
             raise InputError("command line", "--with", other.line.id, f"a run of the line {read.line.id}")
-    window_s = _window_s(Run(read.line, read.timetable, read.tables).window_s, choice)
-    return Seen(read.line, read.timetable, read.tables, read, choice, window_s)
+    window_s = _window_s(ReportedRun(read.line, read.timetable, read.tables).window_s, choice)
+    return ChosenRun(read.line, read.timetable, read.tables, read, choice, window_s)
 
 
 def _window_s(run_s: tuple[float, float], choice: Choice) -> tuple[float, float]:

@@ -12,10 +12,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from study.measures.duties import SetDuty, duties_of
-from study.measures.wait import Cause
 from study.measures.wait_text import text_of
-from study.plot.choice import Seen
+from study.plot.choice import ChosenRun
 from study.plot.words import cause_name
+from study.record.as_run import trains_as_run
+from study.record.figure import rows_in
+from study.record.wait import Cause, Wait
 from study.report.duty_graph import draw_duties as draw_duty_graph
 from study.report.duty_graph import duty_rows
 from study.report.style import (
@@ -26,8 +28,6 @@ from study.report.style import (
     draw_clock_axis,
     time_bands,
 )
-from study.run.as_run import trains_as_run
-from study.run.waits_table import read_waits
 
 ROW_IN: Final = 0.34
 NUMBER_PT: Final = 6.0
@@ -67,7 +67,7 @@ CAUSE_COLOURS: Final[Mapping[Cause, str]] = {
 }
 
 
-def waits_table(run: Seen) -> pl.DataFrame:
+def waits_table(run: ChosenRun) -> pl.DataFrame:
     """The table of waits of the choice, with the sentence of each in the language chosen; running is left out."""
     rows = run.within(run.shown(run.tables.waits), "from_s", "to_s").filter(
         pl.col("cause") != Cause.RUNS.value
@@ -75,11 +75,11 @@ def waits_table(run: Seen) -> pl.DataFrame:
     if run.choice.station is not None:
         rows = rows.filter(pl.col("place") == run.choice.station)
     language = run.choice.language
-    sentences = [text_of(wait, language, run.names) for wait in read_waits(rows)]
+    sentences = [text_of(wait, language, run.names) for wait in rows_in(Wait, rows)]
     return rows.with_columns(pl.Series("sentence", sentences, dtype=pl.String))
 
 
-def draw_waits(run: Seen) -> Figure | None:
+def draw_waits(run: ChosenRun) -> Figure | None:
     """A row a stock, coloured by what it waited for; blank where it ran or was off the line. None: no row."""
     table = waits_table(run).filter(pl.col("cause").is_in([cause.value for cause in CAUSE_COLOURS]))
     units = sorted(table["unit"].unique())
@@ -115,7 +115,7 @@ def _rows(axes: Axes, units: list[str]) -> None:
         axes.axhline(row + 0.5, color=RULE, lw=0.4, zorder=0.4)
 
 
-def _numbers(axes: Axes, run: Seen, units: list[str], band: TimeBand) -> None:
+def _numbers(axes: Axes, run: ChosenRun, units: list[str], band: TimeBand) -> None:
     """Train numbers above the part of the row in which the stock was that train, where they have room."""
     s_per_in = (band.to_s - band.from_s) / AXES_IN
     for (unit, train), course in run.courses.items():
@@ -130,16 +130,16 @@ def _numbers(axes: Axes, run: Seen, units: list[str], band: TimeBand) -> None:
             )  # fmt: skip
 
 
-def _duties(run: Seen) -> tuple[SetDuty, ...]:
+def _duties(run: ChosenRun) -> tuple[SetDuty, ...]:
     return duties_of(run.line, run.timetable, trains_as_run(run.timetable, run.tables.stops))
 
 
-def duties_table(run: Seen) -> pl.DataFrame:
+def duties_table(run: ChosenRun) -> pl.DataFrame:
     """One row a train of each set as it ran, with what the set did before it."""
     return pl.DataFrame(duty_rows(_duties(run)), infer_schema_length=None)
 
 
-def draw_duties(run: Seen) -> Figure | None:
+def draw_duties(run: ChosenRun) -> Figure | None:
     """The duty graph of the day as it was, with stations in the language chosen."""
     stations = {s.id: replace(s, name=run.name(s.id)) for s in run.line.stations.values()}
     return draw_duty_graph(replace(run.line, stations=stations), _duties(run))

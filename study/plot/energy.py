@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from network.model import Direction
-from simulation.result import Phase
-from study.plot.choice import Seen
+from simulation.result import EnergyPhase
+from study.collect.energy_hours import HOUR_S
+from study.plot.choice import ChosenRun
 from study.report.style import (
     AUXILIARY,
     DIRECTION_COLOUR,
@@ -23,12 +24,16 @@ from study.report.style import (
     TRACTION,
     WIDTH_IN,
 )
-from study.run.energy_hours import HOUR_S
 
-_STANDS: Final = (Phase.AT_STOP.value, Phase.HELD.value, Phase.LAYOVER.value, Phase.STABLED.value)
+_STANDS: Final = (
+    EnergyPhase.AT_STOP.value,
+    EnergyPhase.HELD.value,
+    EnergyPhase.LAYOVER.value,
+    EnergyPhase.STABLED.value,
+)
 
 
-def energy_hours_table(run: Seen) -> pl.DataFrame:
+def energy_hours_table(run: ChosenRun) -> pl.DataFrame:
     """Energy by hour, stock and phase, of the hours chosen."""
     from_s, to_s = run.window_s
     hours = run.tables.energy_hours
@@ -37,7 +42,7 @@ def energy_hours_table(run: Seen) -> pl.DataFrame:
     return hours.filter((pl.col("hour_s") + HOUR_S > from_s) & (pl.col("hour_s") < to_s))
 
 
-def draw_energy_hours(run: Seen) -> Figure | None:
+def draw_energy_hours(run: ChosenRun) -> Figure | None:
     """A column an hour: traction, and auxiliaries running and standing, up; regenerated down; net as a dot."""
     table = energy_hours_table(run)
     if table.is_empty():
@@ -82,7 +87,7 @@ def draw_energy_hours(run: Seen) -> Figure | None:
     return figure
 
 
-def draw_energy_legs(run: Seen) -> Figure | None:
+def draw_energy_legs(run: ChosenRun) -> Figure | None:
     """Net energy of each leg, a panel a direction: a dot a train, a bar at the mean."""
     legs = run.shown(run.tables.energy_legs)
     panels: list[tuple[Direction, list[tuple[str, str]], pl.DataFrame]] = []
@@ -110,7 +115,7 @@ def draw_energy_legs(run: Seen) -> Figure | None:
 
 
 def _draw_legs(
-    axes: Axes, run: Seen, direction: Direction, ends: list[tuple[str, str]], legs: pl.DataFrame
+    axes: Axes, run: ChosenRun, direction: Direction, ends: list[tuple[str, str]], legs: pl.DataFrame
 ) -> None:
     for column, (from_id, to_id) in enumerate(ends):
         values = (

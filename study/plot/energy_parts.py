@@ -10,21 +10,23 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from network.model import Direction
-from study.plot.choice import Seen
+from study.plot.choice import ChosenRun
+from study.record.energy import LegEnergy
+from study.record.figure import figures_of
 from study.report.style import AUXILIARY, INK, PALE, REGENERATED, RULE, TRACTION, WIDTH_IN
 
-_PARTS: Final = (
-    ("resistance_kwh", "running resistance", TRACTION),
-    ("curve_kwh", "curves", "#86a9cf"),
-    ("gradient_kwh", "gradients", "#8c6d1f"),
-    ("friction_kwh", "air brake", "#b3261e"),
-    ("traction_loss_kwh", "losses pulling", "#a0568a"),
-    ("regeneration_loss_kwh", "losses braking", REGENERATED),
-    ("auxiliary_kwh", "auxiliary", AUXILIARY),
-)
+_COLOURS: Final = {
+    "resistance_kwh": TRACTION,
+    "curve_kwh": "#86a9cf",
+    "gradient_kwh": "#8c6d1f",
+    "friction_kwh": "#b3261e",
+    "traction_loss_kwh": "#a0568a",
+    "regeneration_loss_kwh": REGENERATED,
+    "auxiliary_kwh": AUXILIARY,
+}
 
 
-def draw_energy_parts(run: Seen) -> Figure | None:
+def draw_energy_parts(run: ChosenRun) -> Figure | None:
     """The parts of each leg's net energy, the mean of its trains, stacked; a panel a direction, the net as a dot."""
     directions = pl.Series(
         "direction", [int(run.directions[train]) for train in run.tables.energy_legs["train"]]
@@ -36,7 +38,7 @@ def draw_energy_parts(run: Seen) -> Figure | None:
         means = (
             legs.filter(pl.col("direction") == int(direction))
             .group_by("from_station", "to_station")
-            .agg(pl.col("net_kwh", *(name for name, _, _ in _PARTS)).mean())
+            .agg(pl.col("net_kwh", *_COLOURS).mean())
         )
 
         def along(row: dict[str, float | str], direction: Direction = direction) -> float:
@@ -55,13 +57,15 @@ def draw_energy_parts(run: Seen) -> Figure | None:
     return figure
 
 
-def _draw_stack(axes: Axes, run: Seen, direction: Direction, means: list[dict[str, float | str]]) -> None:
+def _draw_stack(
+    axes: Axes, run: ChosenRun, direction: Direction, means: list[dict[str, float | str]]
+) -> None:
     at = np.arange(len(means))
     above, below = np.zeros(len(means)), np.zeros(len(means))
-    for name, label, colour in _PARTS:
+    for name, colour in _COLOURS.items():
         kwh = np.array([float(row[name]) for row in means])
         bottom = np.where(kwh >= 0.0, above, below)
-        axes.bar(at, kwh, 0.7, bottom=bottom, color=colour, label=label)
+        axes.bar(at, kwh, 0.7, bottom=bottom, color=colour, label=figures_of(LegEnergy)[name].name.en)
         above, below = above + np.maximum(kwh, 0.0), below + np.minimum(kwh, 0.0)
     net = [float(row["net_kwh"]) for row in means]
     axes.plot(at, net, ls="", marker="o", ms=4, color=INK, label="net")

@@ -15,20 +15,20 @@ from network.errors import InputError
 from network.files.toml_input import one_of
 from study.measures.standard_times import planned_runs, standard_times
 from study.plot import battery, days, energy, fullness, laws, position, stations
-from study.plot.choice import Seen
+from study.plot.choice import ChosenRun
 from study.plot.energy_parts import draw_energy_parts
 from study.plot.margins import draw_margins
 from study.plot.stairway import draw_stairway_of, stairway_table
+from study.record.marks import Mark
+from study.record.setup_back import setup_of
 from study.report.charts import draw_delays, draw_energy, draw_stop_errors
 from study.report.curve import draw_run_curve
-from study.report.drill import Mark
 from study.report.graph import draw_train_graph
 from study.report.occupancy import draw_occupancy
 from study.report.running_times import draw_running_times
-from study.run.setup_back import setup_of
 
 
-class Chosen(Enum):
+class PlotOption(Enum):
     """What may be chosen of a kind; its option on the command line."""
 
     TRAIN = "--train"
@@ -38,63 +38,63 @@ class Chosen(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class PlotKind:
     """A kind of plot. `needs` must be chosen for its picture; its table does without."""
 
     name: str
     title: str
     title_ja: str
-    table: Callable[[Seen], pl.DataFrame]
-    draw: Callable[[Seen], Figure | None]
-    takes: frozenset[Chosen] = frozenset()
-    needs: frozenset[Chosen] = frozenset()
+    table: Callable[[ChosenRun], pl.DataFrame]
+    draw: Callable[[ChosenRun], Figure | None]
+    takes: frozenset[PlotOption] = frozenset()
+    needs: frozenset[PlotOption] = frozenset()
 
 
-def _marks(run: Seen) -> tuple[Mark, ...]:
+def _marks(run: ChosenRun) -> tuple[Mark, ...]:
     """The marks of a drill, in the language chosen."""
     drill, language = run.read.shown.drill, run.choice.language
     return () if drill is None else tuple(replace(m, text=m.said.in_(language)) for m in drill.marks)
 
 
-def _times_of_stops(run: Seen) -> pl.DataFrame:
+def _times_of_stops(run: ChosenRun) -> pl.DataFrame:
     stops = run.shown(run.tables.stops)
     return run.within(stops, "planned_arrival_s", "planned_departure_s", "arrival_s", "departure_s")
 
 
-def _run_curve_table(run: Seen) -> pl.DataFrame:
+def _run_curve_table(run: ChosenRun) -> pl.DataFrame:
     return run.shown(run.tables.trajectory)
 
 
-def _run_curve(run: Seen) -> Figure | None:
+def _run_curve(run: ChosenRun) -> Figure | None:
     found = next((key for key in run.courses if key[1] == run.choice.train), None)
     return None if found is None else draw_run_curve(run, *found)
 
 
-def _blocks_table(run: Seen) -> pl.DataFrame:
+def _blocks_table(run: ChosenRun) -> pl.DataFrame:
     return run.within(run.shown(run.tables.blocks), "granted_s", "released_s", "entered_s", "cleared_s")
 
 
-def _running_times_table(run: Seen) -> pl.DataFrame:
+def _running_times_table(run: ChosenRun) -> pl.DataFrame:
     return pl.DataFrame(
         [time.as_dict() for time in standard_times(setup_of(run.read))], infer_schema_length=None
     )
 
 
-def _running_times(run: Seen) -> Figure | None:
+def _running_times(run: ChosenRun) -> Figure | None:
     setup = setup_of(run.read)
     return draw_running_times(run.line, standard_times(setup), planned_runs(setup))
 
 
-def _stop_errors(run: Seen) -> Figure | None:
+def _stop_errors(run: ChosenRun) -> Figure | None:
     return draw_stop_errors(run, run.read.summary)
 
 
-_ALL: Final = frozenset({Chosen.TRAIN, Chosen.STATION, Chosen.TIME})
-_TIME: Final = frozenset({Chosen.TIME})
-_TRAIN: Final = frozenset({Chosen.TRAIN})
-_STATION: Final = frozenset({Chosen.STATION})
+_ALL: Final = frozenset({PlotOption.TRAIN, PlotOption.STATION, PlotOption.TIME})
+_TIME: Final = frozenset({PlotOption.TIME})
+_TRAIN: Final = frozenset({PlotOption.TRAIN})
+_STATION: Final = frozenset({PlotOption.STATION})
 _KINDS: Final = (
-    Kind(
+    PlotKind(
         "train-graph",
         "Train graph, plan thin and run thick",
         "列車ダイヤ（細線：計画、太線：実績）",
@@ -102,8 +102,8 @@ _KINDS: Final = (
         lambda run: draw_train_graph(run, _marks(run))[0],
         _TIME,
     ),
-    Kind("run-curve", "Run curve", "運転曲線", _run_curve_table, _run_curve, _TRAIN, _TRAIN),
-    Kind(
+    PlotKind("run-curve", "Run curve", "運転曲線", _run_curve_table, _run_curve, _TRAIN, _TRAIN),
+    PlotKind(
         "track-occupation",
         "Track occupation",
         "番線使用",
@@ -111,7 +111,7 @@ _KINDS: Final = (
         stations.draw_occupation,
         _ALL,
     ),
-    Kind(
+    PlotKind(
         "station-timetable",
         "Station timetable",
         "駅時刻表",
@@ -120,7 +120,7 @@ _KINDS: Final = (
         _STATION | _TIME,
         _STATION,
     ),
-    Kind(
+    PlotKind(
         "punctuality",
         "Punctuality by station",
         "駅別定時性",
@@ -128,8 +128,8 @@ _KINDS: Final = (
         stations.draw_punctuality,
         _STATION | _TIME,
     ),
-    Kind("delays", "Lateness of every call, s", "列車別・駅別の遅れ [s]", _times_of_stops, draw_delays),
-    Kind(
+    PlotKind("delays", "Lateness of every call, s", "列車別・駅別の遅れ [s]", _times_of_stops, draw_delays),
+    PlotKind(
         "waits",
         "Why each stock waited",
         "待ちの理由",
@@ -137,15 +137,15 @@ _KINDS: Final = (
         days.draw_waits,
         _ALL,
     ),
-    Kind("duties", "Duties", "運用", days.duties_table, days.draw_duties),
-    Kind(
+    PlotKind("duties", "Duties", "運用", days.duties_table, days.draw_duties),
+    PlotKind(
         "energy-train",
         "Energy by train; above, net kWh a train-km",
         "列車別電力量（数値は正味kWh/列車キロ）",
         lambda run: run.tables.energy,
         draw_energy,
     ),
-    Kind(
+    PlotKind(
         "energy-leg",
         "Net energy by leg",
         "区間別電力量（正味）",
@@ -153,7 +153,7 @@ _KINDS: Final = (
         energy.draw_energy_legs,
         _TRAIN,
     ),
-    Kind(
+    PlotKind(
         "energy-parts",
         "Where the energy of each leg went",
         "区間別電力量の内訳",
@@ -161,7 +161,7 @@ _KINDS: Final = (
         draw_energy_parts,
         _TRAIN,
     ),
-    Kind(
+    PlotKind(
         "energy-hour",
         "Energy by hour",
         "時間帯別電力量",
@@ -169,7 +169,7 @@ _KINDS: Final = (
         energy.draw_energy_hours,
         _TIME,
     ),
-    Kind(
+    PlotKind(
         "battery",
         "State of charge of each set",
         "編成別の充電状態",
@@ -177,16 +177,16 @@ _KINDS: Final = (
         battery.draw_battery,
         _TIME,
     ),
-    Kind(
+    PlotKind(
         "laws",
         "One hop as driven: speed, gradient, notches",
         "一駅間の運転：速度・勾配・ノッチ",
         laws.hops_table,
         laws.draw_laws,
-        _TRAIN | _STATION | {Chosen.RUNS},
+        _TRAIN | _STATION | {PlotOption.RUNS},
         _TRAIN,
     ),
-    Kind(
+    PlotKind(
         "position",
         "Where it believed to be: error and bounds",
         "位置の誤差と範囲",
@@ -195,7 +195,7 @@ _KINDS: Final = (
         _TRAIN,
         _TRAIN,
     ),
-    Kind(
+    PlotKind(
         "margins",
         "Margins by hop",
         "区間別余裕時分",
@@ -203,7 +203,7 @@ _KINDS: Final = (
         draw_margins,
         _TRAIN,
     ),
-    Kind(
+    PlotKind(
         "section-occupancy",
         "Sections, held pale and occupied solid",
         "閉そく区間の確保（淡）と在線（濃）",
@@ -211,7 +211,7 @@ _KINDS: Final = (
         draw_occupancy,
         _TIME,
     ),
-    Kind(
+    PlotKind(
         "stairway",
         "Blocking-time stairway",
         "閉そく占有時分",
@@ -219,7 +219,7 @@ _KINDS: Final = (
         draw_stairway_of,
         _TIME | _TRAIN,
     ),
-    Kind(
+    PlotKind(
         "headway",
         "Least headways by station",
         "駅別の運転時隔",
@@ -227,7 +227,7 @@ _KINDS: Final = (
         fullness.draw_headways,
         _STATION,
     ),
-    Kind(
+    PlotKind(
         "occupation",
         "Occupancy by part of the line (UIC 406)",
         "線路容量の利用率（UIC 406）",
@@ -235,14 +235,14 @@ _KINDS: Final = (
         fullness.draw_occupations,
         _TIME,
     ),
-    Kind(
+    PlotKind(
         "stop-errors",
         "Stop errors",
         "停止誤差",
         lambda run: run.shown(run.tables.stops).filter(pl.col("stop_error_m").is_not_null()),
         _stop_errors,
     ),
-    Kind(
+    PlotKind(
         "running-times",
         "Minimum running times",
         "基準運転時分",
@@ -250,10 +250,10 @@ _KINDS: Final = (
         _running_times,
     ),
 )
-KINDS: Final[Mapping[str, Kind]] = MappingProxyType({kind.name: kind for kind in _KINDS})
+KINDS: Final[Mapping[str, PlotKind]] = MappingProxyType({kind.name: kind for kind in _KINDS})
 
 
-def kind_of(name: str) -> Kind:
+def kind_of(name: str) -> PlotKind:
     """The kind of that name; InputError otherwise."""
     if name not in KINDS:
         raise InputError("command line", "KIND", name, one_of(KINDS, name))

@@ -7,17 +7,17 @@ from collections import Counter
 import polars as pl
 from matplotlib.figure import Figure
 
-from study.plot.choice import Seen
-from study.report.data import Run
+from study.plot.choice import ChosenRun
+from study.record.read_back import RunRead
+from study.report.data import ReportedRun
 from study.report.hop import draw_hop, driving_of
-from study.run.read_back import RunRead
 
 
-def _shown(run: Seen) -> list[tuple[str, RunRead]]:
+def _shown(run: ChosenRun) -> list[tuple[str, RunRead]]:
     return [(str(read.settings.id), read) for read in (run.read, *run.choice.beside)]
 
 
-def hops_table(run: Seen) -> pl.DataFrame:
+def hops_table(run: ChosenRun) -> pl.DataFrame:
     """The table `driving` of all runs shown, of the train and the station where the hop begins, with the run's name."""
     choice = run.choice
     tables = [read.tables.driving.select(pl.lit(name).alias("run"), pl.all()) for name, read in _shown(run)]
@@ -27,7 +27,7 @@ def hops_table(run: Seen) -> pl.DataFrame:
     return table if choice.station is None else table.filter(pl.col("from_station") == choice.station)
 
 
-def draw_laws(run: Seen) -> Figure | None:
+def draw_laws(run: ChosenRun) -> Figure | None:
     """The hop that begins at the station chosen, else the train's first; None where no run has it.
 
     A run goes by its law, by its own name where several were driven by the same.
@@ -36,7 +36,7 @@ def draw_laws(run: Seen) -> Figure | None:
     if train is None:
         return None
     found = [
-        (name, driving_of(Run(read.line, read.timetable, read.tables), train, run.choice.station))
+        (name, driving_of(ReportedRun(read.line, read.timetable, read.tables), train, run.choice.station))
         for name, read in _shown(run)
     ]
     known = [(name, one) for name, one in found if one is not None]

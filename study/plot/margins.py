@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from network.model import Direction
-from study.plot.choice import Seen
+from study.plot.choice import ChosenRun
 from study.report.style import DIRECTION_COLOUR, PALE, RED, RULE, WIDTH_IN
 
 
-def draw_margins(run: Seen) -> Figure | None:
+def draw_margins(run: ChosenRun) -> Figure | None:
     """A panel a direction, a column a hop: the margin of every train as planned, and what was left on its arrival."""
     table = run.shown(run.tables.margins)
     at_m = {station.id: station.position_m for station in run.stations}
@@ -38,7 +38,7 @@ def draw_margins(run: Seen) -> Figure | None:
 
 
 def _draw_hops(
-    axes: Axes, run: Seen, direction: Direction, hops: list[tuple[str, str]], table: pl.DataFrame
+    axes: Axes, run: ChosenRun, direction: Direction, hops: list[tuple[str, str]], table: pl.DataFrame
 ) -> None:
     for column, (from_id, to_id) in enumerate(hops):
         hop = table.filter(pl.col("from_station") == from_id, pl.col("to_station") == to_id)

@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from network.model import Direction
-from study.plot.choice import Seen
+from study.measures.localisation import FIX_KINDS, FOUND, HALF_M, LOST, lost_between
+from study.plot.choice import ChosenRun
 from study.report.curve import alignment_of, in_km, mark_stations
 from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, REGENERATED, RULE, WIDTH_IN
-from study.run.localisation import FIX_KINDS, FOUND, HALF_M, LOST, lost_between
 
 BAND: Final = "#c9d6e4"
 UNKNOWN: Final = "#f3d9d6"
@@ -28,13 +28,13 @@ MARKS: Final = {  # kind of event: marker, colour, its words
 }
 
 
-def position_table(run: Seen) -> pl.DataFrame:
+def position_table(run: ChosenRun) -> pl.DataFrame:
     """The trajectory with the half-width of the bounds, of the train chosen."""
     columns = ("t_s", "unit", "train", "kilometrage_m", "piece", "speed_mps", "estimate_error_m")
     return run.shown(run.tables.trajectory).select(*columns, "bound_ahead_m", "bound_behind_m", HALF_M)
 
 
-def draw_position(run: Seen) -> Figure | None:
+def draw_position(run: ChosenRun) -> Figure | None:
     """Error in its bounds over distance, in two scales: the whole, and about the largest error. None: no run."""
     train = run.choice.train
     found = next((key for key in run.courses if key[1] == train), None)
@@ -81,7 +81,7 @@ def draw_position(run: Seen) -> Figure | None:
     return figure
 
 
-def _known(run: Seen, unit: str, course: pl.DataFrame) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def _known(run: ChosenRun, unit: str, course: pl.DataFrame) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
     time_s = course["t_s"].to_numpy()
     known = np.ones(time_s.size, dtype=bool)
     for from_s, to_s in lost_between(run.tables.events, unit):
@@ -89,7 +89,7 @@ def _known(run: Seen, unit: str, course: pl.DataFrame) -> np.ndarray[tuple[int],
     return known
 
 
-def _mark_events(run: Seen, axes: Axes, unit: str, course: pl.DataFrame) -> None:
+def _mark_events(run: ChosenRun, axes: Axes, unit: str, course: pl.DataFrame) -> None:
     """What the unit said of its sensors, where it was when it said so."""
     time_s, at_m = course["t_s"].to_numpy(), course["kilometrage_m"].to_numpy()
     own = run.tables.events.filter(

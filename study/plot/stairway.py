@@ -5,26 +5,26 @@ from __future__ import annotations
 import polars as pl
 from matplotlib.figure import Figure
 
+from study.capacity.blocking_table import read_blocking
 from study.capacity.occupation import Occupation, conflicts_of
 from study.capacity.table import blocking_times
 from study.capacity.theory import occupations
-from study.plot.choice import Seen
+from study.plot.choice import ChosenRun
+from study.record.setup_back import setup_of
 from study.report.stairway import draw_stairway
-from study.run.blocking_table import read_blocking
-from study.run.setup_back import setup_of
 
 
-def _shown(run: Seen) -> tuple[Occupation, ...]:
+def _shown(run: ChosenRun) -> tuple[Occupation, ...]:
     found = read_blocking(run.tables.blocking)
     return tuple(one for one in found if run.choice.train in (None, one.number))
 
 
-def stairway_table(run: Seen) -> pl.DataFrame:
+def stairway_table(run: ChosenRun) -> pl.DataFrame:
     """A row an occupation, a column a part."""
     return run.within(blocking_times(_shown(run)), "begin_s", "end_s")
 
 
-def draw_stairway_of(run: Seen) -> Figure | None:
+def draw_stairway_of(run: ChosenRun) -> Figure | None:
     """The stairway of the choice."""
     conflicts = conflicts_of(occupations(setup_of(run.read)))
     number = run.choice.train

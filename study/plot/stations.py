@@ -15,7 +15,7 @@ from network.model import Direction, Station
 from study.measures.missing import planned_times
 from study.measures.punctuality import ALL_STATIONS, punctuality
 from study.measures.station_papers import station_timetable, track_occupation
-from study.plot.choice import Seen
+from study.plot.choice import ChosenRun
 from study.report.style import (
     DIRECTION_COLOUR,
     INK,
@@ -38,7 +38,7 @@ LEAST_COLUMNS: Final = 6
 WHOLE_MINUTES: Final = "The plan is in whole minutes: less than one minute says little."
 
 
-def occupation_table(run: Seen) -> pl.DataFrame:
+def occupation_table(run: ChosenRun) -> pl.DataFrame:
     """Track occupation of the choice, with the names of stations."""
     rows = track_occupation(run.tables.stops, run.line, run.timetable, run.tables.waits)
     if run.choice.train is not None:
@@ -48,7 +48,7 @@ def occupation_table(run: Seen) -> pl.DataFrame:
     return run.within(rows, "planned_from_s", "planned_to_s", "from_s", "to_s")
 
 
-def draw_occupation(run: Seen) -> Figure | None:
+def draw_occupation(run: ChosenRun) -> Figure | None:
     """A row a track: planned as outlines, as run filled in the colour of the stock, with numbers. None: no row."""
     table = occupation_table(run)
     rows = [
@@ -81,7 +81,7 @@ def draw_occupation(run: Seen) -> Figure | None:
     return figure
 
 
-def _track_name(run: Seen, station: Station, track: str) -> str:
+def _track_name(run: ChosenRun, station: Station, track: str) -> str:
     name = run.name(station.id)
     return f"{name} {track}番線" if run.choice.language == "ja" else f"{name}, track {track}"
 
@@ -148,13 +148,13 @@ def _number(
     )
 
 
-def timetable_table(run: Seen) -> pl.DataFrame:
+def timetable_table(run: ChosenRun) -> pl.DataFrame:
     """Station timetable of the choice."""
     rows = run.shown(station_timetable(run.tables.stops, run.line, run.timetable))
     return run.within(rows, "planned_departure_s", "planned_arrival_s", "departure_s", "arrival_s")
 
 
-def draw_timetable(run: Seen) -> Figure | None:
+def draw_timetable(run: ChosenRun) -> Figure | None:
     """The timetable of one station, a panel a direction: a row an hour, in it minutes, train, where to and lateness."""
     table = timetable_table(run)
     panels = [
@@ -188,7 +188,11 @@ def _by_hour(table: pl.DataFrame) -> dict[int, list[dict[str, Any]]]:
 
 
 def _draw_hours(
-    axes: Axes, run: Seen, direction: Direction, hours: dict[int, list[dict[str, Any]]], room: tuple[int, int]
+    axes: Axes,
+    run: ChosenRun,
+    direction: Direction,
+    hours: dict[int, list[dict[str, Any]]],
+    room: tuple[int, int],
 ) -> None:
     axes.set_xlim(-0.9, room[0])
     axes.set_ylim(room[1] - 0.5, -0.5)
@@ -204,7 +208,7 @@ def _draw_hours(
             _draw_call(axes, run, column + 0.5, row, call)
 
 
-def _draw_call(axes: Axes, run: Seen, x: float, y: float, call: dict[str, Any]) -> None:
+def _draw_call(axes: Axes, run: ChosenRun, x: float, y: float, call: dict[str, Any]) -> None:
     minute, second = int(call["due_s"] // 60 % 60), int(call["due_s"] % 60)
     ends = call["planned_departure_s"] is None
     goes = (
@@ -230,7 +234,7 @@ def _short(name: str) -> str:
     return name if len(name) <= 9 else f"{name[:8]}."
 
 
-def punctuality_table(run: Seen) -> pl.DataFrame:
+def punctuality_table(run: ChosenRun) -> pl.DataFrame:
     """Punctuality by station, of the choice."""
     times = run.within(planned_times(run.tables.stops, run.timetable), "planned_s")
     if run.choice.train is not None:
@@ -239,7 +243,7 @@ def punctuality_table(run: Seen) -> pl.DataFrame:
     return found if run.choice.station is None else found.filter(pl.col("station") == run.choice.station)
 
 
-def draw_punctuality(run: Seen) -> Figure | None:
+def draw_punctuality(run: ChosenRun) -> Figure | None:
     """Share on time by station, and lateness: mean, sigma, 95th percentile and worst with its train. None: no times."""
     table = punctuality_table(run)
     stations = [s.id for s in run.stations if s.id in set(table["station"])]

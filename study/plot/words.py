@@ -9,10 +9,15 @@ from typing import Final
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from study.measures.wait import Cause
+from study.record.energy import SpentByTrain
+from study.record.figure import figures_of
+from study.record.wait import Cause
+from study.report.stairway import SHOWN_AS
 from study.wording.phrase import Language
 
 JAPANESE: Final[Mapping[str, str]] = {
+    **{said.name.en: said.name.ja for said in figures_of(SpentByTrain).values()},
+    **{part.value: japanese for part, (_, japanese) in SHOWN_AS.items()},
     # headways and occupation
     "occupancy time rate, %; the thin line is the limit recommended by UIC 406": "占有率 [%]（細線：推奨上限）",
     "cut: whole": "区切り方：全線",
@@ -36,14 +41,11 @@ JAPANESE: Final[Mapping[str, str]] = {
     "curve\nradius m": "曲線半径\nm",
     "notch": "ノッチ",
     "energy, kWh": "電力量 [kWh]",
-    "traction": "力行",
-    "regenerated": "回生",
-    "auxiliary": "補機",
     "auxiliary, running": "補機（走行中）",
     "auxiliary, standing": "補機（停車中）",
     "stops": "停車回数",
     "front beyond the mark, m": "停止位置の誤差（停止目標から） [m]",
-    "held": "確保",
+    "held": "確保",  # on the graph of sections, and not before a stop limit
     "occupied": "在線",
     "down trains": "下り列車",
     "up trains": "上り列車",
@@ -74,7 +76,6 @@ JAPANESE: Final[Mapping[str, str]] = {
     "95th percentile": "95パーセンタイル",
     "worst": "最大",
     "hour": "時",
-    "net": "正味",
     "state of charge": "充電状態",
     "reserve to be kept": "留保分",
     "nothing to use below": "使用下限",
@@ -83,37 +84,14 @@ JAPANESE: Final[Mapping[str, str]] = {
     "time": "時刻",
     "net energy, kWh": "正味電力量 [kWh]",
     "per train, kWh": "1列車あたり [kWh]",
-    "running resistance": "走行抵抗",
-    "curves": "曲線抵抗",
-    "gradients": "勾配",
-    "air brake": "空気ブレーキ",
-    "losses pulling": "力行損失",
-    "losses braking": "回生損失",
     "margin, s": "余裕時分 [s]",
     "left on arrival, as run": "到着時の残り（実績）",
     "running": "走行",
     "at a stop": "停車",
-    "layover": "折返し",
     "stabled": "留置",
     "passes": "通過",
     "trains": "列車",
     "empty": "回送",
-    # what a blocking time goes into
-    "request": "要求",
-    "air": "伝送",
-    "grant": "確保",
-    "throw": "転換",
-    "proof": "照査",
-    "approach": "接近",
-    "ready": "待機",
-    "run": "走行",
-    "dwell": "停車",
-    "change of ends": "エンド交換",
-    "charging": "充電",
-    "start": "起動",
-    "length": "列車長",
-    "bound": "位置の幅",
-    "release": "解放",
     "conflict": "競合",
     "The plan is in whole minutes: less than one minute says little.": (
         "計画は分単位のため、1分未満の値はあまり意味を持ちません。"

@@ -15,11 +15,11 @@ from network.errors import InputError
 from network.files.json_input import write_bytes_aside
 from network.files.toml_input import one_of
 from study.measures.wait_text import at_time
-from study.plot.choice import Choice, Seen, seen
-from study.plot.kinds import Chosen, Kind
+from study.plot.choice import Choice, ChosenRun, seen
+from study.plot.kinds import PlotKind, PlotOption
 from study.plot.words import translate
+from study.record.read_back import RunRead
 from study.report.style import drawing
-from study.run.read_back import RunRead
 
 DPI: Final = 150
 
@@ -43,7 +43,7 @@ def format_of(name: str | None, out: Path | None) -> Format:
         raise InputError("command line", key, wanted, one_of([f.value for f in Format])) from None
 
 
-def write_plot(read: RunRead, kind: Kind, choice: Choice, form: Format, out: Path) -> None:
+def write_plot(read: RunRead, kind: PlotKind, choice: Choice, form: Format, out: Path) -> None:
     """Write a plot; nothing stays if that fails.
 
     InputError for a choice that the kind does not take or lacks, for one that shows nothing, for a path that cannot
@@ -61,35 +61,35 @@ def csv_of(table: pl.DataFrame) -> bytes:
     return b"\xef\xbb\xbf" + table.write_csv().encode("utf-8")
 
 
-def default_name(kind: Kind, choice: Choice, form: Format) -> str:
+def default_name(kind: PlotKind, choice: Choice, form: Format) -> str:
     """The file's name where nobody gives one: the kind, and the train or station chosen."""
     return "-".join(filter(None, (kind.name, choice.train, choice.station))) + f".{form.value}"
 
 
-def _chosen(choice: Choice) -> dict[Chosen, float | str | None]:
+def _chosen(choice: Choice) -> dict[PlotOption, float | str | None]:
     return {
-        Chosen.TRAIN: choice.train,
-        Chosen.STATION: choice.station,
-        Chosen.TIME: choice.from_s if choice.from_s is not None else choice.to_s,
-        Chosen.RUNS: ", ".join(read.name for read in choice.beside) or None,
+        PlotOption.TRAIN: choice.train,
+        PlotOption.STATION: choice.station,
+        PlotOption.TIME: choice.from_s if choice.from_s is not None else choice.to_s,
+        PlotOption.RUNS: ", ".join(read.name for read in choice.beside) or None,
     }
 
 
-def _check_taken(kind: Kind, choice: Choice) -> None:
+def _check_taken(kind: PlotKind, choice: Choice) -> None:
     for option, value in _chosen(choice).items():
         if value is not None and option not in kind.takes:
             takes = ", ".join(sorted(o.value for o in kind.takes)) or "no choice"
             raise InputError("command line", option.value, value, f"{kind.name} takes {takes}")
 
 
-def _check_needed(run: Seen, kind: Kind, choice: Choice, form: Format) -> None:
+def _check_needed(run: ChosenRun, kind: PlotKind, choice: Choice, form: Format) -> None:
     for option, value in _chosen(choice).items():
         if value is None and option in kind.needs and form is not Format.CSV:
-            known = list(run.trains) if option is Chosen.TRAIN else list(run.line.stations)
+            known = list(run.trains) if option is PlotOption.TRAIN else list(run.line.stations)
             raise InputError("command line", option.value, None, f"{one_of(known)}: a picture is of one")
 
 
-def _picture(run: Seen, kind: Kind, form: Format) -> bytes:
+def _picture(run: ChosenRun, kind: PlotKind, form: Format) -> bytes:
     with drawing(), mpl.rc_context({"svg.hashsalt": kind.name}):
         figure = figure_of(run, kind)
         buffer = BytesIO()
@@ -100,7 +100,7 @@ def _picture(run: Seen, kind: Kind, form: Format) -> bytes:
         return buffer.getvalue()
 
 
-def figure_of(run: Seen, kind: Kind) -> Figure:
+def figure_of(run: ChosenRun, kind: PlotKind) -> Figure:
     """The picture, with its title, in the language chosen; call within `drawing()`. InputError where there is none."""
     figure = kind.draw(run)
     if figure is None:
@@ -110,7 +110,7 @@ def figure_of(run: Seen, kind: Kind) -> Figure:
     return figure
 
 
-def title_of(run: Seen, kind: Kind) -> str:
+def title_of(run: ChosenRun, kind: PlotKind) -> str:
     """What stands above a picture: the kind, of what of the run, and the run's name."""
     choice = run.choice
     parts = [kind.title_ja if choice.language == "ja" else kind.title]

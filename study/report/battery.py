@@ -3,65 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import replace
+from typing import Any, Final
 
-from study.report.data import Run
-from study.report.tabular import Kind, Table, table_of
+from study.record.battery import BatteryMoment, ChargeTaken
+from study.record.columns import TRAIN, UNIT
+from study.record.figure import Figure, Kind, ShownIn, figures_of, seen_in
+from study.report.data import ReportedRun
+from study.report.tabular import Table, table_of
+from study.wording.phrase import Phrase
+
+_OF_A_SET: Final = {
+    "unit": UNIT,
+    "soc_first": Figure(Phrase("charge at first", "始め"), "%", 1),
+    "soc_lowest": Figure(Phrase("lowest", "最低"), "%", 1),
+    "lowest_at_s": Figure(Phrase("when", "時刻"), kind=Kind.CLOCK),
+    "lowest_train": replace(TRAIN, name=Phrase("train then", "その列車")),
+    "margin_kwh": figures_of(ChargeTaken)["margin_kwh"],
+    "soc_last": Figure(Phrase("at last", "終り"), "%", 1),
+    **seen_in(BatteryMoment, ShownIn.REPORT),
+    "unbalanced_percent": Figure(Phrase("unbalanced", "収支の差"), "%", 4),
+}
 
 
-def battery_tables(run: Run, facts: Mapping[str, Any]) -> tuple[Table, ...]:
+def battery_tables(run: ReportedRun, facts: Mapping[str, Any]) -> tuple[Table, ...]:
     """A row a set, from the summary, and a row a charge."""
     sets: Mapping[str, Mapping[str, Any]] = facts.get("battery") or {}
     if not sets or run.tables.battery.is_empty():
         return ()
-    rows: list[dict[str, Any]] = [
-        {
-            "unit": unit,
-            **figures,
-            "soc_first": 100.0 * figures["soc_first"],
-            "soc_last": 100.0 * figures["soc_last"],
-            "soc_lowest": 100.0 * figures["soc_lowest"],
-        }
+    shares = ("soc_first", "soc_last", "soc_lowest")
+    rows = [
+        {"unit": unit, **figures, **{name: 100.0 * figures[name] for name in shares}}
         for unit, figures in sets.items()
     ]
-    kwh = (Kind.NUMBER, 1)
+    charges = [{**row, "station": row["station"] or None} for row in run.tables.charges.iter_rows(named=True)]
     return (
-        table_of(
-            "battery_sets",
-            rows,
-            {
-                "unit": (Kind.TEXT, 0),
-                "soc_first": (Kind.NUMBER, 1),
-                "soc_lowest": (Kind.NUMBER, 1),
-                "lowest_at_s": (Kind.CLOCK, 0),
-                "lowest_train": (Kind.TRAIN, 0),
-                "margin_kwh": (Kind.SIGNED, 1),
-                "soc_last": (Kind.NUMBER, 1),
-                "given_kwh": kwh,
-                "taken_kwh": kwh,
-                "lost_kwh": kwh,
-                "supplied_kwh": kwh,
-                "missing_kwh": kwh,
-                "unbalanced_percent": (Kind.NUMBER, 4),
-            },
-        ),
-        table_of(
-            "charges",
-            [
-                {**row, "station": row["station"] or None, "charged_min": row["minutes"]}
-                for row in run.tables.charges.iter_rows(named=True)
-            ],
-            {
-                "unit": (Kind.TEXT, 0),
-                "train": (Kind.TRAIN, 0),
-                "station": (Kind.PLACE, 0),
-                "from_s": (Kind.CLOCK, 0),
-                "to_s": (Kind.CLOCK, 0),
-                "charged_min": (Kind.NUMBER, 1),
-                "minutes_suffice": (Kind.NUMBER, 1),
-                "gained_kwh": (Kind.SIGNED, 1),
-                "next_way_kwh": kwh,
-                "margin_kwh": (Kind.SIGNED, 1),
-            },
-        ),
+        table_of("battery_sets", rows, _OF_A_SET),
+        table_of("charges", charges, seen_in(ChargeTaken, ShownIn.REPORT)),
     )

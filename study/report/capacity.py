@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from study.capacity.equipment import BLOCKS, Measured, Worth
+from study.capacity.equipment import BLOCKS, LeverWorth, Measured
 from study.capacity.line_capacity import Rate
 from study.report.headways import COST_COLOURS, save
 from study.report.style import INK, PALE, RED, WIDTH_IN, drawing
@@ -66,7 +66,7 @@ def _draw_cut(axes: Axes, rates: Sequence[Rate]) -> None:
     axes.grid(axis="x")
 
 
-def draw_tornado(worth: Sequence[Worth]) -> Figure | None:
+def draw_tornado(worth: Sequence[LeverWorth]) -> Figure | None:
     """A panel a figure: how far each parameter moves headways and occupancy, from its one end to the other."""
     panels: tuple[tuple[str, Callable[[Measured], float]], ...] = (
         ("headway of a follower on the way down, s", lambda one: one.headway_s),
@@ -91,7 +91,7 @@ def draw_tornado(worth: Sequence[Worth]) -> Figure | None:
     return figure
 
 
-def _draw_swings(axes: Axes, worth: Sequence[Worth], of: Callable[[Measured], float]) -> None:
+def _draw_swings(axes: Axes, worth: Sequence[LeverWorth], of: Callable[[Measured], float]) -> None:
     """A bar a parameter, the widest on top, about the line of what is."""
     finite = [one for one in worth if math.isfinite(of(one.low_end)) and math.isfinite(of(one.high_end))]
     ordered = sorted(finite, key=lambda one: abs(of(one.high_end) - of(one.low_end)))
@@ -125,7 +125,7 @@ def _draw_swings(axes: Axes, worth: Sequence[Worth], of: Callable[[Measured], fl
 
 
 def write_occupation(
-    folder: Path, by_cut: Mapping[str, Sequence[Rate]], worth: Sequence[Worth] | None = None
+    folder: Path, by_cut: Mapping[str, Sequence[Rate]], worth: Sequence[LeverWorth] | None = None
 ) -> None:
     """Make a folder with occupation.csv and the picture, equipment.csv and the tornado; OSError when it cannot be."""
     folder.mkdir()

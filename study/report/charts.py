@@ -14,7 +14,7 @@ from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm
 from matplotlib.figure import Figure
 
 from network.model import Direction
-from study.report.data import Run
+from study.report.data import ReportedRun
 from study.report.graph import station_label
 from study.report.style import AUXILIARY, INK, PALE, RED, REGENERATED, RULE, STANDING, TRACTION, WIDTH_IN
 
@@ -30,7 +30,7 @@ _DELAY_COLOURS: Final = LinearSegmentedColormap.from_list(
 )
 
 
-def draw_energy(run: Run) -> Figure | None:
+def draw_energy(run: ReportedRun) -> Figure | None:
     """Energy by train, kWh: traction and auxiliary up, regenerated down, in rows of equal length. None: no rows."""
     order = {train: i for i, train in enumerate(run.trains)}
     rows = sorted(
@@ -81,7 +81,7 @@ def _draw_bars(axes: Axes, rows: list[dict[str, Any]], room: int) -> None:
     axes.spines[:].set_color(RULE)
 
 
-def draw_stop_errors(run: Run, summary: Mapping[str, Any]) -> Figure | None:
+def draw_stop_errors(run: ReportedRun, summary: Mapping[str, Any]) -> Figure | None:
     """Histogram of the stop errors (停止誤差, m), and the errors by station. None: no stops."""
     stops = run.tables.stops.filter(pl.col("stop_error_m").is_not_null())
     if not len(stops):
@@ -104,7 +104,7 @@ def draw_stop_errors(run: Run, summary: Mapping[str, Any]) -> Figure | None:
     return figure
 
 
-def _draw_strips(axes: Axes, run: Run, stops: pl.DataFrame) -> None:
+def _draw_strips(axes: Axes, run: ReportedRun, stops: pl.DataFrame) -> None:
     """A dot a stop, moved aside by its rank so that equal ones stay apart; a bar at the mean."""
     for column, station in enumerate(run.stations):
         errors_m = stops.filter(pl.col("station") == station.id)["stop_error_m"].to_numpy()
@@ -124,7 +124,7 @@ def _draw_strips(axes: Axes, run: Run, stops: pl.DataFrame) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class Lateness:
+class CallLateness:
     """Lateness at one call, s: on arrival and on departure; None where it had no plan or did not come."""
 
     arrival_s: float | None
@@ -142,7 +142,7 @@ class Lateness:
         return f"{_in_words(self.arrival_s)}/{_in_words(self.departure_s)}"
 
 
-def draw_delays(run: Run) -> Figure | None:
+def draw_delays(run: ReportedRun) -> Figure | None:
     """Lateness in s, a row a train and a column a station: arrival/departure, in the colour of the worse of both."""
     groups = [
         (direction, [t for t in run.trains if run.directions[t] == direction]) for direction in Direction
@@ -151,7 +151,7 @@ def draw_delays(run: Run) -> Figure | None:
     if not groups:
         return None
     late = {
-        (train, station): Lateness(arrival_s, departure_s)
+        (train, station): CallLateness(arrival_s, departure_s)
         for train, station, arrival_s, departure_s in run.tables.stops.select(
             "train", "station", "late_arrival_s", "late_departure_s"
         ).iter_rows()
@@ -168,13 +168,13 @@ def draw_delays(run: Run) -> Figure | None:
 
 def _draw_heat_map(
     axes: Axes,
-    run: Run,
+    run: ReportedRun,
     direction: Direction,
     trains: list[str],
-    late: Mapping[tuple[str, str], Lateness],
+    late: Mapping[tuple[str, str], CallLateness],
 ) -> None:
     stations = list(run.stations) if direction is Direction.DOWN else list(reversed(run.stations))
-    never = Lateness(None, None)
+    never = CallLateness(None, None)
     cells = [[late.get((train, station.id), never) for station in stations] for train in trains]
     values_s = np.array(
         [[np.nan if cell.worse_s is None else cell.worse_s for cell in row] for row in cells]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from network.model import Alignment, Direction, Line
 from network.timetable import AtPortal, BecomesTrain, FromTrain, Stabled
-from study.report.data import Run, limits_mps, sections_in_order
+from study.report.data import ReportedRun, limits_mps, sections_in_order
 from study.report.packing import packed, places_in
 from study.report.thinning import kept, strands
 
@@ -49,7 +49,7 @@ FINEST_FIRST: Final = (
 )
 
 
-def courses_shown(run: Run, fineness: Fineness) -> list[dict[str, Any]]:
+def courses_shown(run: ReportedRun, fineness: Fineness) -> list[dict[str, Any]]:
     """Every run of a train, in the order of `Run.courses`: time, place, speed; permitted and target speed; notch."""
     alignments = {alignment_id: i for i, alignment_id in enumerate(run.line.alignments)}
     of_piece = {piece.id: alignments[piece.alignment_id] for piece in run.line.pieces.values()}
@@ -58,7 +58,7 @@ def courses_shown(run: Run, fineness: Fineness) -> list[dict[str, Any]]:
     ]
 
 
-def bare_courses_shown(run: Run, fineness: Fineness, trains: Collection[str]) -> list[dict[str, Any]]:
+def bare_courses_shown(run: ReportedRun, fineness: Fineness, trains: Collection[str]) -> list[dict[str, Any]]:
     """Time and place alone of the runs of some trains."""
     tolerance = np.array([fineness.place_m - 0.5 / _PLACE_PER_M])
     found: list[dict[str, Any]] = []
@@ -73,7 +73,12 @@ def bare_courses_shown(run: Run, fineness: Fineness, trains: Collection[str]) ->
 
 
 def _course(
-    run: Run, unit: str, train: str, course: pl.DataFrame, of_piece: Mapping[str, int], fineness: Fineness
+    run: ReportedRun,
+    unit: str,
+    train: str,
+    course: pl.DataFrame,
+    of_piece: Mapping[str, int],
+    fineness: Fineness,
 ) -> dict[str, Any]:
     t_s = course["t_s"].to_numpy()
     at_m = course["kilometrage_m"].to_numpy()
@@ -123,7 +128,7 @@ def _curve(t_s: Floats, values: Floats, tolerance: float, per_unit: int) -> dict
     return {"t": packed(times, _TIME_PER_S), "v": packed(found, per_unit)}
 
 
-def trains_shown(run: Run) -> list[dict[str, Any]]:
+def trains_shown(run: ReportedRun) -> list[dict[str, Any]]:
     """Every train planned or run, by the time at which it begins; calls as planned and as they went.
 
     A call is (station, track, kind, planned arrival and departure, arrival, departure, error at the mark); what ran
@@ -137,7 +142,7 @@ def trains_shown(run: Run) -> list[dict[str, Any]]:
     return [_train(run, number, ran.get(number, []), units.get(number)) for number in run.trains]
 
 
-def _train(run: Run, number: str, went: list[dict[str, Any]], unit: str | None) -> dict[str, Any]:
+def _train(run: ReportedRun, number: str, went: list[dict[str, Any]], unit: str | None) -> dict[str, Any]:
     planned = run.timetable.trains.get(number)
     rows: list[tuple[Any, ...]] = []
     ahead = list(went)
@@ -179,7 +184,7 @@ def _as_run(row: Mapping[str, Any]) -> tuple[float | None, float | None, float |
     return row.get("arrival_s"), row.get("departure_s"), row.get("stop_error_m")
 
 
-def sections_shown(run: Run) -> list[dict[str, Any]]:
+def sections_shown(run: ReportedRun) -> list[dict[str, Any]]:
     """Sections by place: name, kind, kilometrage from and to."""
     found: list[dict[str, Any]] = []
     for section in sections_in_order(run):
@@ -197,7 +202,7 @@ def sections_shown(run: Run) -> list[dict[str, Any]]:
     return found
 
 
-def blocks_shown(run: Run) -> dict[str, Any]:
+def blocks_shown(run: ReportedRun) -> dict[str, Any]:
     """What was held and what was occupied, by the time of the grant; the other times from there, whole seconds."""
     known = run.tables.blocks.filter(pl.col("section").is_in(list(run.line.sections)))
     blocks = known.sort("granted_s", maintain_order=True)

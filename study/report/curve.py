@@ -12,7 +12,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from network.model import Alignment, Direction, Line
-from study.report.data import Run, limits_mps
+from study.report.data import ReportedRun, limits_mps
 from study.report.graph import station_label
 from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, RULE, TRACTION, WIDTH_IN, spread
 
@@ -23,7 +23,7 @@ _LEFT_OUT_SHARE: Final = 0.035  # least distance of station names, share of the 
 _LABEL_WIDTH_SHARE: Final = 0.022  # a gradient or curve narrower than this carries no figure
 
 
-def chosen_trains(run: Run) -> tuple[tuple[str, str], ...]:
+def chosen_trains(run: ReportedRun) -> tuple[tuple[str, str], ...]:
     """(unit, train) of each direction worth a curve: most calls made, then latest, then first."""
     made = run.tables.stops.group_by("train").agg(
         pl.col("arrival_s").count().alias("calls"), pl.col("late_arrival_s").max().alias("late_s")
@@ -43,7 +43,7 @@ def in_km(at_m: float, _place: int | None) -> str:
     return f"{at_m / 1000:g}"
 
 
-def draw_run_curve(run: Run, unit: str, train: str) -> Figure:
+def draw_run_curve(run: ReportedRun, unit: str, train: str) -> Figure:
     """Speed, permitted and target speed over distance; below gradient, curvature and notch. Km and km/h."""
     alignment = alignment_of(run.line, run.courses[unit, train])
     course = run.courses[unit, train].filter(
@@ -173,7 +173,7 @@ def _draw_notches(axes: Axes, course: pl.DataFrame) -> None:
     axes.set_ylabel("notch")
 
 
-def mark_stations(run: Run, panels: tuple[Axes, ...], low_m: float, high_m: float) -> None:
+def mark_stations(run: ReportedRun, panels: tuple[Axes, ...], low_m: float, high_m: float) -> None:
     """A line through all panels at each station in between, with its name above the first."""
     shown = [station for station in run.stations if low_m <= station.position_m <= high_m]
     for axes in panels:

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from network.model import Alignment, Direction, Line, Section, Station
 from network.timetable import Timetable
-from study.run.tables import RunTables
+from study.record.tables import RunTables
 from study.wording.phrase import Phrase
 
 
 @dataclass(frozen=True)
-class Run:
+class ReportedRun:
     """A run to report on. The answers below are computed once, when first asked for."""
 
     line: Line
@@ -89,7 +89,7 @@ class Run:
         return (min(times), max(times)) if times else (0.0, 60.0)
 
 
-def sections_in_order(run: Run) -> tuple[Section, ...]:
+def sections_in_order(run: ReportedRun) -> tuple[Section, ...]:
     """Sections by the kilometrage of their middle, then by name; the order in which figures have them."""
     pieces = run.line.pieces
 
@@ -117,7 +117,7 @@ def limits_mps(
     return breaks_m, speed_mps
 
 
-def section_name(run: Run, section_id: str, *, japanese: bool = False) -> str:
+def section_name(run: ReportedRun, section_id: str, *, japanese: bool = False) -> str:
     """A section's id with the names of stations for their ids: NII.1 is Niiya 1, YSH-NII is Yoshii–Niiya."""
     ends = [
         " ".join(place_name(run, part, japanese=japanese) for part in end.split("."))
@@ -127,7 +127,7 @@ def section_name(run: Run, section_id: str, *, japanese: bool = False) -> str:
     return "–".join(ends) if named else section_id
 
 
-def place_name(run: Run, place: str, *, japanese: bool = False) -> str:
+def place_name(run: ReportedRun, place: str, *, japanese: bool = False) -> str:
     """A station's name; a portal section's id."""
     station = run.line.stations.get(place)
     if station is None:
@@ -135,6 +135,6 @@ def place_name(run: Run, place: str, *, japanese: bool = False) -> str:
     return (station.name_ja or station.name) if japanese else station.name
 
 
-def place_said(run: Run, place: str) -> Phrase:
+def place_said(run: ReportedRun, place: str) -> Phrase:
     """The same in both languages."""
     return Phrase(place_name(run, place), place_name(run, place, japanese=True))

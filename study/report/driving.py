@@ -4,35 +4,21 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from study.measures.driving import DrivenHop, driven
-from study.report.data import Run
-from study.report.tabular import Kind, Table, table_of
-from study.run.driving import read_hops
+from study.measures.driving import driven
+from study.record.columns import FROM, TO, TRAINS
+from study.record.driving import EARLY, LAW, DrivenHop
+from study.record.figure import Adds, Figure, ShownIn, rows_in, seen_in
+from study.report.data import ReportedRun
+from study.report.tabular import Table, table_of
 
-COLUMNS: Final = {
-    "from_station": (Kind.PLACE, 0),
-    "to_station": (Kind.PLACE, 0),
-    "law": (Kind.TEXT, 0),
-    "trains": (Kind.NUMBER, 0),
-    "running_kwh": (Kind.NUMBER, 2),
-    "traction_kwh": (Kind.NUMBER, 2),
-    "regenerated_kwh": (Kind.NUMBER, 2),
-    "power_changes": (Kind.NUMBER, 1),
-    "brake_changes": (Kind.NUMBER, 1),
-    "jerk_max_mps3": (Kind.NUMBER, 2),
-    "jerk_rms_mps3": (Kind.NUMBER, 3),
-    "coasting_way_percent": (Kind.NUMBER, 0),
-    "cruising_way_percent": (Kind.NUMBER, 0),
-    "braking_way_percent": (Kind.NUMBER, 0),
-    "early_s": (Kind.SIGNED, 1),
-}
-_EACH: Final = ("running_kwh", "traction_kwh", "regenerated_kwh")
+FIGURES: Final[dict[str, Figure]] = {**seen_in(DrivenHop, ShownIn.SUMS), "early_s": EARLY}
+COLUMNS: Final = {"from_station": FROM, "to_station": TO, "law": LAW, "trains": TRAINS, **FIGURES}
 
 
-def driving_tables(run: Run) -> tuple[Table, ...]:
+def driving_tables(run: ReportedRun) -> tuple[Table, ...]:
     """Means over the trains of each hop and law, in order along the line; none for a run without any hop."""
     together: dict[tuple[str, str, str], list[DrivenHop]] = {}
-    for hop in read_hops(run.tables.driving):
+    for hop in rows_in(DrivenHop, run.tables.driving):
         together.setdefault((hop.from_station, hop.to_station, hop.law), []).append(hop)
     if not together:
         return ()
@@ -48,11 +34,12 @@ def driving_tables(run: Run) -> tuple[Table, ...]:
 
 def _row(hops: list[DrivenHop]) -> dict[str, Any]:
     """One row: energy of the mean train, the rest as `study.measures.driving.driven` has it."""
-    first, whole = hops[0], driven(hops)
-    figures = {name: getattr(whole, name) for name in COLUMNS if hasattr(whole, name)}
+    first, whole = hops[0], driven(hops) or {}
     return {
-        **figures,
-        **{name: figures[name] / len(hops) for name in _EACH},
+        **{
+            name: whole[name] / len(hops) if said.adds is Adds.SUM else whole[name]
+            for name, said in FIGURES.items()
+        },
         "from_station": first.from_station,
         "to_station": first.to_station,
         "law": first.law,

@@ -3,30 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Final
 
 import polars as pl
 
-from study.report.data import Run
-from study.report.tabular import Column, Kind, Table, table_of
-from study.run.tables import PARTS_KWH
+from study.record.columns import FROM, TO, TRAIN, TRAINS
+from study.record.energy import PARTS, TAKEN, LayoverEnergy, LegEnergy, Taken, TrainEnergy
+from study.record.figure import Figure, Kind, ShownIn, figures_of, seen_in
+from study.record.told import ComparedFigure
+from study.report.data import ReportedRun
+from study.report.tabular import Column, Table, table_of
 from study.wording import opinions as words
 from study.wording.phrase import Phrase
-from vehicle.train_file import Receiver
+from vehicle.train_file import RegenerationReceiver
 
 RECEIVER_WORDS: Final[Mapping[str, str]] = {
-    Receiver.BATTERY.value: "to_battery",
-    Receiver.OTHER_TRAINS.value: "to_other_trains",
-    Receiver.SUBSTATION.value: "to_substation",
-    Receiver.RESISTORS.value: "to_resistors",
+    RegenerationReceiver.BATTERY.value: "to_battery",
+    RegenerationReceiver.OTHER_TRAINS.value: "to_other_trains",
+    RegenerationReceiver.SUBSTATION.value: "to_substation",
+    RegenerationReceiver.RESISTORS.value: "to_resistors",
 }
-KINDS: Final = ("traction", "auxiliary", "regenerated", "net")
-PARTS: Final = tuple(PARTS_KWH)  # auxiliaries apart
-COLUMNS: Final = tuple(f"{kind}_kwh" for kind in KINDS)
-_KWH: Final = dict.fromkeys(COLUMNS, (Kind.NUMBER, 2))
+NET_PER_KM: Final = Figure(Phrase("net per train-km", "正味/列車キロ"), digits=2)
+_KWH: Final = Figure(Phrase("kWh"), digits=1)
+_ENDS: Final = {"from_station": FROM, "to_station": TO, "trains": TRAINS}
 
 
-def energy_tables(run: Run, facts: Mapping[str, Any]) -> tuple[Table, ...]:
+def energy_tables(run: ReportedRun, facts: Mapping[str, Any]) -> tuple[Table, ...]:
     """Energy by train, by phase, by leg and layover, and beside others' figures; none for a run without any."""
     if run.tables.energy.is_empty():
         return ()
@@ -37,46 +40,30 @@ def energy_tables(run: Run, facts: Mapping[str, Any]) -> tuple[Table, ...]:
         *_by_hour(run),
         _by_leg(run),
         _parts_by_leg(run),
-        _legs(run),
-        table_of(
-            "layovers",
-            run.tables.layovers.to_dicts(),
-            {
-                "unit": (Kind.TEXT, 0),
-                "station": (Kind.PLACE, 0),
-                "after_train": (Kind.TRAIN, 0),
-                "before_train": (Kind.TRAIN, 0),
-                "from_s": (Kind.CLOCK, 0),
-                "to_s": (Kind.CLOCK, 0),
-                **_KWH,
-            },
-        ),
+        table_of("energy_legs", run.tables.energy_legs.to_dicts(), seen_in(LegEnergy, ShownIn.REPORT)),
+        table_of("layovers", run.tables.layovers.to_dicts(), seen_in(LayoverEnergy, ShownIn.REPORT)),
         *_opinion(facts),
     )
 
 
-def _by_train(run: Run) -> Table:
+def _by_train(run: ReportedRun) -> Table:
     order = {train: i for i, train in enumerate(run.trains)}
-    rows = sorted(
-        run.tables.energy.iter_rows(named=True), key=lambda row: order.get(row["train"], len(order))
-    )
-    per_km = [row["net_kwh"] / row["distance_km"] if row["distance_km"] > 0 else None for row in rows]
-    table = table_of(
-        "energy_trains",
-        rows,
-        {
-            "train": (Kind.TRAIN, 0),
-            "unit": (Kind.TEXT, 0),
-            "distance_km": (Kind.NUMBER, 1),
-            "running_s": (Kind.NUMBER, 0),
-            "standing_s": (Kind.NUMBER, 0),
-            **_KWH,
-            "standing_kwh": (Kind.NUMBER, 2),
-        },
-    )
-    carries = ["yes" if row["revenue"] else "no" for row in rows]
-    more = (Column("net_per_km", Kind.NUMBER, per_km, 2), Column("revenue", Kind.WORD, carries))
-    return Table(table.id, (*table.columns, *more))
+    rows = [
+        row
+        | {
+            "net_per_km": row["net_kwh"] / row["distance_km"] if row["distance_km"] > 0 else None,
+            "revenue": "yes" if row["revenue"] else "no",
+        }
+        for row in run.tables.energy.iter_rows(named=True)
+    ]
+    revenue = figures_of(TrainEnergy)["revenue"]
+    shown = {
+        "train": TRAIN,
+        **seen_in(TrainEnergy, ShownIn.REPORT),
+        "net_per_km": NET_PER_KM,
+        "revenue": revenue,
+    }
+    return table_of("energy_trains", sorted(rows, key=lambda row: order.get(row["train"], len(order))), shown)
 
 
 def _sums(facts: Mapping[str, Any]) -> tuple[Table, ...]:
@@ -85,10 +72,14 @@ def _sums(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     sums = Table(
         "energy_sums",
         (
-            Column("phase", Kind.WORD, [f"phase_{name}" for name in phases]),
+            Column("phase", _word("phase", "区分"), [f"phase_{name}" for name in phases]),
             *(
-                Column(f"{kind}_kwh", Kind.NUMBER, [energy[name][kind] for name in phases], 1)
-                for kind in KINDS
+                Column(
+                    name,
+                    replace(figure, digits=1),
+                    [energy[phase][name.removesuffix("_kwh")] for phase in phases],
+                )
+                for name, figure in figures_of(Taken).items()
             ),
         ),
     )
@@ -100,90 +91,89 @@ def _sums(facts: Mapping[str, Any]) -> tuple[Table, ...]:
         )
         if energy[key]["all"] is not None
     ]
+    headings = (
+        ("per", _word("per", "当たり")),
+        ("km", Figure(Phrase("km"), digits=1)),
+        ("net_trains", Figure(Phrase("net kWh, trains", "正味 kWh（列車）"), digits=2)),
+        ("net_all", Figure(Phrase("with layovers", "折返し含む"), digits=2)),
+    )
     per_km = Table(
         "energy_per_km",
-        (
-            Column("per", Kind.WORD, [row[0] for row in per]),
-            Column("km", Kind.NUMBER, [row[1] for row in per], 1),
-            Column("net_trains", Kind.NUMBER, [row[2] for row in per], 2),
-            Column("net_all", Kind.NUMBER, [row[3] for row in per], 2),
-        ),
+        tuple(Column(name, figure, [row[i] for row in per]) for i, (name, figure) in enumerate(headings)),
     )
     taken = energy["regenerated_to"]
     takes = Table(
         "energy_taken",
         (
-            Column("taken_by", Kind.WORD, [RECEIVER_WORDS[receiver] for receiver in taken]),
-            Column("kwh", Kind.NUMBER, list(taken.values()), 1),
+            Column("taken_by", _word("taken by", "行先"), [RECEIVER_WORDS[receiver] for receiver in taken]),
+            Column("kwh", _KWH, list(taken.values())),
         ),
     )
     return sums, per_km, takes
 
 
+def _word(en: str, ja: str) -> Figure:
+    return Figure(Phrase(en, ja), kind=Kind.WORD)
+
+
 def _parts(facts: Mapping[str, Any]) -> Table:
     """Where the net energy of the day went, with what of it."""
-    energy = facts["energy"]
+    energy, figures = facts["energy"], figures_of(TrainEnergy)
     whole = energy["all"]
     rows = {"auxiliary_kwh": whole["auxiliary"]} | {
         name: energy["parts"][name.removesuffix("_kwh")] for name in PARTS
     }
     share = [100.0 * kwh / whole["net"] if whole["net"] > 0.0 else None for kwh in rows.values()]
+    said = Figure(Phrase("part", "内訳"), kind=Kind.SAID)
     return Table(
         "energy_parts",
         (
-            Column("part", Kind.WORD, list(rows)),
-            Column("kwh", Kind.NUMBER, list(rows.values()), 1),
-            Column("percent_of_net", Kind.SIGNED, share, 1),
+            Column("part", said, [figures[name].heading.both for name in rows]),
+            Column("kwh", _KWH, list(rows.values())),
+            Column(
+                "percent_of_net",
+                Figure(Phrase("% of net", "正味比 %"), digits=1, kind=Kind.SIGNED),
+                share,
+            ),
         ),
     )
 
 
-def _by_hour(run: Run) -> tuple[Table, ...]:
+def _by_hour(run: ReportedRun) -> tuple[Table, ...]:
     """The day's energy by the hour in which it was taken, of all stock and phases."""
     hours = (
         run.tables.energy_hours.group_by("hour_s")
-        .agg(pl.col(*COLUMNS).sum())
+        .agg(pl.col(*TAKEN).sum())
         .sort("hour_s")
         .with_columns((pl.col("hour_s") // 3600).alias("hour"))
     )
     if hours.is_empty():
         return ()
-    return (table_of("energy_hours", hours.to_dicts(), {"hour": (Kind.NUMBER, 0), **_KWH}),)
+    shown = {"hour": Figure(Phrase("h", "時")), **figures_of(Taken)}
+    return (table_of("energy_hours", hours.to_dicts(), shown),)
 
 
-def _by_leg(run: Run) -> Table:
+def _by_leg(run: ReportedRun) -> Table:
     """A row a leg, DOWN before UP, along the line."""
-    return table_of(
-        "energy_by_leg",
-        _summed_by_leg(run),
-        {
-            "from_station": (Kind.PLACE, 0),
-            "to_station": (Kind.PLACE, 0),
-            "trains": (Kind.NUMBER, 0),
-            "distance_km": (Kind.NUMBER, 1),
-            **_KWH,
-            "standing_kwh": (Kind.NUMBER, 2),
-            "net_per_km": (Kind.NUMBER, 2),
-        },
-    )
+    shown = {**_ENDS, **seen_in(LegEnergy, ShownIn.SUMS), "net_per_km": NET_PER_KM}
+    return table_of("energy_by_leg", _summed_by_leg(run), shown)
 
 
-def _parts_by_leg(run: Run) -> Table:
+def _parts_by_leg(run: ReportedRun) -> Table:
     """Where the energy of each leg went, a train on average: what driving and timetable can change stands out."""
-    kwh = ("auxiliary_kwh", *PARTS, "net_kwh")
+    kwh = {**seen_in(LegEnergy, ShownIn.PARTS), "net_kwh": figures_of(LegEnergy)["net_kwh"]}
     rows = [{**row, **{name: row[name] / row["trains"] for name in kwh}} for row in _summed_by_leg(run)]
-    ends = {"from_station": (Kind.PLACE, 0), "to_station": (Kind.PLACE, 0), "trains": (Kind.NUMBER, 0)}
-    return table_of("energy_parts_by_leg", rows, {**ends, **dict.fromkeys(kwh, (Kind.NUMBER, 2))})
+    return table_of("energy_parts_by_leg", rows, {**_ENDS, **kwh})
 
 
-def _summed_by_leg(run: Run) -> list[dict[str, Any]]:
+def _summed_by_leg(run: ReportedRun) -> list[dict[str, Any]]:
     """The sums of all trains of each leg, with one of the trains; DOWN before UP, along the line."""
     sums = (
         run.tables.energy_legs.group_by("from_station", "to_station", maintain_order=True)
         .agg(
             pl.len().alias("trains"),
             pl.col("train").first(),
-            pl.col("distance_km", "running_s", "standing_s", "standing_kwh", *COLUMNS, *PARTS).sum(),
+            pl.col(*seen_in(LegEnergy, ShownIn.SUMS | ShownIn.PARTS)).sum(),
         )
         .with_columns((pl.col("net_kwh") / pl.col("distance_km")).alias("net_per_km"))
         .iter_rows(named=True)
@@ -198,43 +188,18 @@ def _summed_by_leg(run: Run) -> list[dict[str, Any]]:
     return sorted(sums, key=place)
 
 
-def _legs(run: Run) -> Table:
-    """Every leg of every train."""
-    return table_of(
-        "energy_legs",
-        run.tables.energy_legs.to_dicts(),
-        {
-            "train": (Kind.TRAIN, 0),
-            "from_station": (Kind.PLACE, 0),
-            "to_station": (Kind.PLACE, 0),
-            "distance_km": (Kind.NUMBER, 2),
-            "running_s": (Kind.NUMBER, 0),
-            **_KWH,
-        },
-    )
-
-
-_SAID: Final = ("figure", "unit", "source", "comparable")
-
-
 def _opinion(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     """Our figures beside others'; nothing where there are none."""
     compared = facts["comparisons"]
     if not compared:
         return ()
+    figures = seen_in(ComparedFigure, ShownIn.REPORT)
+    said = [name for name, figure in figures.items() if figure.kind is Kind.SAID]
     return (
         table_of(
             "opinion",
-            [row | {name: words.opinion(row[name]).both for name in _SAID} for row in compared],
-            {
-                "figure": (Kind.SAID, 0),
-                "ours": (Kind.NUMBER, 2),
-                "theirs": (Kind.NUMBER, 2),
-                "unit": (Kind.SAID, 0),
-                "difference_percent": (Kind.SIGNED, 1),
-                "source": (Kind.SAID, 0),
-                "comparable": (Kind.SAID, 0),
-            },
+            [row | {name: words.opinion(row[name]).both for name in said} for row in compared],
+            figures,
             tuple((said.en, said.in_("ja")) for said in meanings(compared)),
         ),
     )

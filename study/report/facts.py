@@ -8,29 +8,28 @@ from typing import Any, Final
 import polars as pl
 
 from network.files.raw import is_table
-from study.report.data import Run, place_name
-from study.report.drill import DrillShown
-from study.report.parts import Fact, signed
+from study.measures.summary import NEVER_CAME, OFF_MARK_M
+from study.record.energy import PARTS, TrainEnergy
+from study.record.figure import figures_of
+from study.record.marks import DrillShown
+from study.record.parts import Fact, signed
+from study.record.told import TelegramsOfWay
+from study.report.data import ReportedRun, place_name
 from study.report.style import clock
-from study.run.summary import NEVER_CAME, OFF_MARK_M, TELEGRAM_COUNTS
 from study.wording.outcome import EXPECTED, OUTSIDE_LINE, ending_text
 from study.wording.phrase import Phrase
-from vehicle.train_file import Receiver
+from vehicle.train_file import RegenerationReceiver
 
 _WHAT_JA: Final[Mapping[str, str]] = {"arrival": "着", "departure": "発", NEVER_CAME: "未着"}
-_COUNTS_JA: Final[Mapping[str, str]] = {
-    "sent": "送信",
-    "delivered": "到達",
-    "lost": "消失",
-    "dropped": "棄却",
-}
 
 
-def headline(run: Run, facts: Mapping[str, Any], drill: DrillShown | None = None) -> tuple[Fact, ...]:
+def headline(run: ReportedRun, facts: Mapping[str, Any], drill: DrillShown | None = None) -> tuple[Fact, ...]:
     """The figures of the run, each with its name, in both languages."""
     planned, arrived = facts["trains_planned"], facts["trains_arrived"]
     telegrams = facts["telegrams"]
-    counts_ja = "、".join(f"{_COUNTS_JA[name]} {telegrams[name]:,}" for name in TELEGRAM_COUNTS)
+    counts = [
+        (said.name, telegrams[name]) for name, said in figures_of(TelegramsOfWay).items() if name in telegrams
+    ]
     parties = ", ".join(str(party) for party in facts.get("parties", ()))
     return (
         *_drill_fact(drill),
@@ -50,10 +49,10 @@ def headline(run: Run, facts: Mapping[str, Any], drill: DrillShown | None = None
         parts_fact(facts),
         Fact(
             "Telegrams",
-            ", ".join(f"{telegrams[name]:,} {name}" for name in TELEGRAM_COUNTS),
+            ", ".join(f"{count:,} {said.en}" for said, count in counts),
             False,
             "電文",
-            counts_ja,
+            "、".join(f"{said.ja} {count:,}" for said, count in counts),
         ),
         Fact("Parties", parties or "not recorded", False, "装置", parties or "記録なし"),
         *(
@@ -74,7 +73,7 @@ def _drill_fact(drill: DrillShown | None) -> tuple[Fact, ...]:
     return (Fact("Drill", verdict.en, not drill.passed, "訓練", verdict.in_("ja")),)
 
 
-def _lateness(run: Run, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
+def _lateness(run: ReportedRun, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
     """The latest arrival or departure and the earliest departure, each with its place in the table of delays."""
 
     def where(at: Mapping[str, Any] | None) -> str:
@@ -124,7 +123,7 @@ def _ending(facts: Mapping[str, Any]) -> tuple[Fact, ...]:
     return (Fact("Ended because", why.en, bool(facts.get("unfinished")), "終了理由", why.in_("ja")),)
 
 
-def _margin(run: Run, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
+def _margin(run: ReportedRun, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
     """The smallest margins in one line, red where the plan cannot be kept; nothing where no hop has times."""
     margins = facts["margins"]
     if not margins:
@@ -142,7 +141,7 @@ def _hop(row: Mapping[str, Any]) -> tuple[str, str, str]:
     return row["train"], row["from_station"], row["to_station"]
 
 
-def _hop_named(run: Run, row: Mapping[str, Any], *, japanese: bool = False) -> str:
+def _hop_named(run: ReportedRun, row: Mapping[str, Any], *, japanese: bool = False) -> str:
     percent = row["margin_percent"]
     share = "" if percent is None else f" ({signed(percent, 0, '%')})"
     here, there = (place_name(run, row[f"{end}_station"], japanese=japanese) for end in ("from", "to"))
@@ -150,7 +149,7 @@ def _hop_named(run: Run, row: Mapping[str, Any], *, japanese: bool = False) -> s
     return f"{seconds}{share}, {row['train']} {here} – {there}"
 
 
-def _stops(run: Run, facts: Mapping[str, Any]) -> Fact:
+def _stops(run: ReportedRun, facts: Mapping[str, Any]) -> Fact:
     mean_m, sigma_m, worst_m = (facts[f"stop_error_m_{name}"] for name in ("mean", "sigma", "max_abs"))
     if mean_m is None:
         return Fact("Stops", "none measured", False, "停止位置", "測定なし")
@@ -194,25 +193,20 @@ def energy_fact(facts: Mapping[str, Any], energy_table: pl.DataFrame) -> Fact:
     return Fact("Energy", text, False, "電力量", text_ja)
 
 
-_PARTS: Final = (
-    ("resistance", "running resistance", "走行抵抗"),
-    ("curve", "curves", "曲線抵抗"),
-    ("gradient", "gradients", "勾配"),
-    ("friction", "air brake", "空気ブレーキ"),
-    ("traction_loss", "losses pulling", "力行損失"),
-    ("regeneration_loss", "losses braking", "回生損失"),
-    ("kinetic", "still in motion", "運動エネルギー"),
-)
+# Parts that say what of the others is lost, or that nothing is.
+_NO_PARTS: Final = ("rejected_kwh", "residual_kwh")
 
 
 def parts_fact(facts: Mapping[str, Any]) -> Fact:
     """Where the day's net energy went, in one line; what is nothing is not named."""
     energy = facts["energy"]
     parts, auxiliary = energy["parts"], energy["all"]["auxiliary"]
-    told = [(name, name_ja, parts[part]) for part, name, name_ja in _PARTS if abs(parts[part]) >= 0.05]
-    told = sorted(told, key=lambda row: -row[2])
-    text = ", ".join([f"auxiliary {auxiliary:,.1f}", *(f"{name} {kwh:,.1f}" for name, _, kwh in told)])
-    text_ja = "、".join([f"補機 {auxiliary:,.1f}", *(f"{name} {kwh:,.1f}" for _, name, kwh in told)])
+    of = figures_of(TrainEnergy)
+    told = [(of[name].name, parts[name.removesuffix("_kwh")]) for name in PARTS if name not in _NO_PARTS]
+    told = [(said, kwh) for said, kwh in sorted(told, key=lambda row: -row[1]) if abs(kwh) >= 0.05]
+    told.insert(0, (of["auxiliary_kwh"].name, auxiliary))
+    text = ", ".join(f"{said.en} {kwh:,.1f}" for said, kwh in told)
+    text_ja = "、".join(f"{said.ja} {kwh:,.1f}" for said, kwh in told)
     if parts["rejected"] >= 0.05:
         text += f"; {parts['rejected']:,.1f} could have come back and was not taken"
         text_ja += f"；回生失効 {parts['rejected']:,.1f}"
@@ -233,9 +227,9 @@ def net_by_distance(energy: Mapping[str, Any]) -> str:
 def drawn_at(energy: pl.DataFrame) -> tuple[str, str]:
     """Where energy is counted, in both languages: at the wire, or at the battery of trains that charge their own."""
     receivers = set(energy["regenerated_to"])
-    if receivers == {Receiver.BATTERY.value}:
+    if receivers == {RegenerationReceiver.BATTERY.value}:
         return "at the battery", "蓄電池端"
-    if Receiver.BATTERY.value in receivers:
+    if RegenerationReceiver.BATTERY.value in receivers:
         return "at the wire or battery", "架線または蓄電池端"
     return "at the wire", "架線端"
 

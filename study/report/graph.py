@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from network.model import Station
 from network.timetable import TimetableTrain
-from study.report.data import Run
-from study.report.drill import Mark, draw_strip, mark_graph, mark_legend, strip_height_in
+from study.record.marks import Mark
+from study.report.data import ReportedRun
+from study.report.drill import draw_strip, mark_graph, mark_legend, shows, strip_height_in
 from study.report.labels import Box, Number, place_numbers
 from study.report.style import (
     DIRECTION_COLOUR,
@@ -43,13 +44,13 @@ _NUMBER_PT: Final = 6.5
 _LABEL_GAP_MIN: Final = 0.055  # least distance of station labels, share of the panel's height
 
 
-def draw_train_graph(run: Run, marks: Sequence[Mark] = ()) -> tuple[Figure, dict[str, str]]:
+def draw_train_graph(run: ReportedRun, marks: Sequence[Mark] = ()) -> tuple[Figure, dict[str, str]]:
     """The train graph in panels of at most 6.5 h, and a tip for the line of each train (see `svg_of`).
 
     The marks of a drill stand on the panels, and in a strip of rows under each.
     """
     bands, grid = time_bands(*run.window_s)
-    shown = [[mark for mark in marks if mark.shows(band)] for band in bands]
+    shown = [[mark for mark in marks if shows(mark, band)] for band in bands]
     heights_in = [h for part in shown for h in (_PANEL_IN, strip_height_in(part)) if h]
     figure = Figure(figsize=(WIDTH_IN, sum(heights_in) + 0.2), layout="constrained")
     panels = iter(figure.subplots(len(heights_in), 1, squeeze=False, height_ratios=heights_in)[:, 0])
@@ -76,7 +77,7 @@ def draw_train_graph(run: Run, marks: Sequence[Mark] = ()) -> tuple[Figure, dict
     return figure, tips
 
 
-def draw_frame(axes: Axes, run: Run, band: TimeBand, grid: TimeGrid) -> None:
+def draw_frame(axes: Axes, run: ReportedRun, band: TimeBand, grid: TimeGrid) -> None:
     """Axes with a line for every station; DOWN trains run downwards, as the Japanese graph is drawn."""
     draw_clock_axis(axes, band, grid)
     low_m, high_m = run.extent_m
@@ -107,7 +108,7 @@ def station_label(station: Station) -> str:
     return f"{station.name}{japanese}"
 
 
-def _draw_plan(axes: Axes, run: Run, train: TimetableTrain, band: TimeBand) -> None:
+def _draw_plan(axes: Axes, run: ReportedRun, train: TimetableTrain, band: TimeBand) -> None:
     if not band.meets(train.calls[0].first_s, train.calls[-1].last_s):
         return
     t_s, at_m = _planned_course(run, train)
@@ -121,7 +122,9 @@ def _draw_plan(axes: Axes, run: Run, train: TimetableTrain, band: TimeBand) -> N
     )
 
 
-def _draw_run(axes: Axes, run: Run, number: str, course: pl.DataFrame, band: TimeBand, gid: str) -> bool:
+def _draw_run(
+    axes: Axes, run: ReportedRun, number: str, course: pl.DataFrame, band: TimeBand, gid: str
+) -> bool:
     """Draw what of the run falls in the panel; whether there was anything."""
     t_s, at_m = course["t_s"].to_numpy(), course["kilometrage_m"].to_numpy()
     if not band.meets(t_s[0], t_s[-1]):
@@ -134,7 +137,7 @@ def _draw_run(axes: Axes, run: Run, number: str, course: pl.DataFrame, band: Tim
     return True
 
 
-def _draw_turns(axes: Axes, run: Run, band: TimeBand) -> None:
+def _draw_turns(axes: Axes, run: ReportedRun, band: TimeBand) -> None:
     """Thin dotted links from a unit's train to its next one at the same place (折返し)."""
     last: dict[str, tuple[float, float]] = {}
     for (unit, _), course in run.courses.items():
@@ -146,7 +149,7 @@ def _draw_turns(axes: Axes, run: Run, band: TimeBand) -> None:
         last[unit] = float(course["t_s"][-1]), float(course["kilometrage_m"][-1])
 
 
-def numbers_of(run: Run, band: TimeBand) -> list[Number]:
+def numbers_of(run: ReportedRun, band: TimeBand) -> list[Number]:
     """Each train's number beside its plan, or its run where it has no plan; none for what is hardly seen here."""
     numbers: list[Number] = []
     for number in run.trains:
@@ -186,13 +189,13 @@ def _screen_box(text: Text) -> Box:
     return Box(x, y, extent.width / 2, extent.height / 2, 0.0)
 
 
-def _planned_course(run: Run, train: TimetableTrain) -> tuple[Floats, Floats]:
+def _planned_course(run: ReportedRun, train: TimetableTrain) -> tuple[Floats, Floats]:
     """Times (s) and kilometrages (m) of a train's calls as planned, two corners a call."""
     t_s = np.array([t for call in train.calls for t in (call.first_s, call.last_s)], dtype=np.float64)
     return t_s, np.repeat([run.line.stations[call.station_id].position_m for call in train.calls], 2)
 
 
-def _run_course(run: Run, number: str) -> tuple[Floats, Floats]:
+def _run_course(run: ReportedRun, number: str) -> tuple[Floats, Floats]:
     """The same of a train without a plan, as it ran: its ends and where it stood."""
     course = next(course for (_, train), course in run.courses.items() if train == number)
     t_s, at_m = course["t_s"].to_numpy(), course["kilometrage_m"].to_numpy()

@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from network.model import Line
-from study.capacity.headway import Case
-from study.capacity.occupation import Cost
+from study.capacity.headway import HeadwayCase
+from study.capacity.occupation import OccupationCost
 from study.report.style import INK, PALE, WIDTH_IN, can_write_japanese, drawing
 
 PICTURES: Final = ("headway_matrix", "headway_parts")
@@ -22,26 +22,26 @@ FILES: Final = frozenset(
 )
 COLUMNS: Final = (
     *("station", "kind", "kind_ja", "between", "first", "second", "least_s", "section"),
-    *("first_train_s", "second_train_s", *(f"{cost.value}_s" for cost in Cost)),
+    *("first_train_s", "second_train_s", *(f"{cost.value}_s" for cost in OccupationCost)),
     *("of", "pairs", "closest", "closest_s", "buffer_s"),
 )
 COST_COLOURS: Final = {
-    Cost.RADIO: "#0072b2",
-    Cost.POINTS: "#d55e00",
-    Cost.LOCALISATION: "#009e73",
-    Cost.DRIVING: "#c9d6e4",
-    Cost.PEOPLE: "#e3c66b",
-    Cost.CHARGING: "#a0568a",
+    OccupationCost.RADIO: "#0072b2",
+    OccupationCost.POINTS: "#d55e00",
+    OccupationCost.LOCALISATION: "#009e73",
+    OccupationCost.DRIVING: "#c9d6e4",
+    OccupationCost.PEOPLE: "#e3c66b",
+    OccupationCost.CHARGING: "#a0568a",
 }
 
 
-def kind_name(case: Case) -> str:
+def kind_name(case: HeadwayCase) -> str:
     """The headway's name, in Japanese too where there is a font for it."""
     kind = case.headway.kind
     return f"{kind.value} {kind.english}" if can_write_japanese() else kind.english
 
 
-def draw_matrix(line: Line, cases: Sequence[Case]) -> Figure | None:
+def draw_matrix(line: Line, cases: Sequence[HeadwayCase]) -> Figure | None:
     """A panel a station: rows are first trains, columns second ones, a cell tells each headway between them, s."""
     stations = list(dict.fromkeys(case.station_id for case in cases))
     if not stations:
@@ -61,7 +61,7 @@ def draw_matrix(line: Line, cases: Sequence[Case]) -> Figure | None:
     return figure
 
 
-def _draw_station(axes: Axes, kinds: list[str], cases: Sequence[Case], longest_s: float) -> None:
+def _draw_station(axes: Axes, kinds: list[str], cases: Sequence[HeadwayCase], longest_s: float) -> None:
     count = len(kinds)
     shade = np.full((count, count), np.nan)
     texts: dict[tuple[int, int], list[str]] = {}
@@ -81,7 +81,7 @@ def _draw_station(axes: Axes, kinds: list[str], cases: Sequence[Case], longest_s
     axes.tick_params(which="minor", length=0)
 
 
-def draw_parts(line: Line, cases: Sequence[Case]) -> Figure | None:
+def draw_parts(line: Line, cases: Sequence[HeadwayCase]) -> Figure | None:
     """A bar a headway: what of it radio, points, localisation, driving, people and charging cost, s."""
     if not cases:
         return None
@@ -110,7 +110,7 @@ def draw_parts(line: Line, cases: Sequence[Case]) -> Figure | None:
     return figure
 
 
-def headway_table(cases: Sequence[Case]) -> pl.DataFrame:
+def headway_table(cases: Sequence[HeadwayCase]) -> pl.DataFrame:
     """A row a headway; without any the names of columns alone."""
     return table_of([case.as_dict() for case in cases])
 
@@ -120,7 +120,7 @@ def table_of(rows: Sequence[dict[str, Any]]) -> pl.DataFrame:
     return pl.DataFrame(rows, infer_schema_length=None) if rows else pl.DataFrame(schema=list(COLUMNS))
 
 
-def write_headways(folder: Path, line: Line, cases: Sequence[Case]) -> None:
+def write_headways(folder: Path, line: Line, cases: Sequence[HeadwayCase]) -> None:
     """Make a folder with headways.csv and the pictures; OSError when it cannot be written."""
     folder.mkdir()
     headway_table(cases).write_csv(folder / "headways.csv")

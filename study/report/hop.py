@@ -14,11 +14,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from network.model import Direction
-from study.measures.driving import DrivenHop
+from study.record.driving import DrivenHop
+from study.record.figure import rows_in
 from study.report.curve import KMH_PER_MPS, alignment_of, draw_gradients, in_km, mark_stations
-from study.report.data import Run, limits_mps
+from study.report.data import ReportedRun, limits_mps
 from study.report.style import INK, PALE, RULE, UNIT_COLOURS, WIDTH_IN, drawing
-from study.run.driving import read_hops
 
 PICTURE: Final = "laws"
 SPEED_IN: Final = 3.4
@@ -27,7 +27,7 @@ _DASHES: Final = ("-", (0, (6, 1.5)), (0, (3, 1)), (0, (6, 1.5, 1, 1.5)))
 
 
 @dataclass(frozen=True, slots=True)
-class Driving:
+class DrivenHopShown:
     """A hop as it was driven once: what to call it, its figures, and its samples of the trajectory."""
 
     label: str
@@ -41,14 +41,14 @@ class Driving:
         kwh = f"{hop.running_kwh:.2f}".replace("-", "−")
         return f"{self.label}: {kwh} kWh, {hop.run_s:.0f} s"
 
-    def called(self, label: str) -> Driving:
+    def called(self, label: str) -> DrivenHopShown:
         """The same under another name."""
         return replace(self, label=label)
 
 
-def driving_of(run: Run, train: str, from_station: str | None) -> Driving | None:
+def driving_of(run: ReportedRun, train: str, from_station: str | None) -> DrivenHopShown | None:
     """The hop of a train that begins at a station, its first one if none is named; None where it did not run it."""
-    hops = [hop for hop in read_hops(run.tables.driving) if hop.train == train]
+    hops = [hop for hop in rows_in(DrivenHop, run.tables.driving) if hop.train == train]
     known = [hop for hop in hops if hop.from_station in run.line.stations]
     hop = next((hop for hop in known if from_station in (None, hop.from_station)), None)
     if hop is None or (hop.unit, train) not in run.courses:
@@ -58,10 +58,10 @@ def driving_of(run: Run, train: str, from_station: str | None) -> Driving | None
     end_s = hop.begin_s + hop.run_s if arrival_s is None else float(arrival_s)
     course = run.courses[hop.unit, train]
     samples = course.filter(pl.col("t_s").is_between(hop.begin_s - 1.0, end_s + 0.05))
-    return Driving(hop.law, hop, samples)
+    return DrivenHopShown(hop.law, hop, samples)
 
 
-def draw_hop(run: Run, driven: Sequence[Driving]) -> Figure:
+def draw_hop(run: ReportedRun, driven: Sequence[DrivenHopShown]) -> Figure:
     """All of them over one axis of distance, in the direction of travel: speed, gradient, notches. Km and km/h."""
     first = driven[0]
     alignment = alignment_of(run.line, first.samples)
@@ -98,7 +98,7 @@ def draw_hop(run: Run, driven: Sequence[Driving]) -> Figure:
     return figure
 
 
-def _extent_m(driven: Sequence[Driving]) -> tuple[float, float]:
+def _extent_m(driven: Sequence[DrivenHopShown]) -> tuple[float, float]:
     """Lowest and highest kilometrage, with a little room at both ends."""
     ends_m = np.concatenate([one.samples["kilometrage_m"].to_numpy() for one in driven])
     low_m, high_m = float(ends_m.min()), float(ends_m.max())
@@ -106,7 +106,7 @@ def _extent_m(driven: Sequence[Driving]) -> tuple[float, float]:
     return low_m - room_m, high_m + room_m
 
 
-def _draw_notches(axes: Axes, one: Driving, colour: str) -> None:
+def _draw_notches(axes: Axes, one: DrivenHopShown, colour: str) -> None:
     """Power up, brake down, with the name of the law at the left and how often each changed at the right."""
     at_m = one.samples["kilometrage_m"].to_numpy()
     notch = np.nan_to_num(one.samples["notch"].to_numpy())
@@ -136,7 +136,7 @@ def _draw_notches(axes: Axes, one: Driving, colour: str) -> None:
         )
 
 
-def write_hop(runs: Sequence[Run], which: tuple[str, str], folder: Path) -> tuple[Path, ...]:
+def write_hop(runs: Sequence[ReportedRun], which: tuple[str, str], folder: Path) -> tuple[Path, ...]:
     """Write the picture of one hop (train, station where it begins) below `folder`, which is made; the files written.
 
     Runs in which the train did not run the hop are left out; nothing is written where it did in none.

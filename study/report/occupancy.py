@@ -9,13 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from study.report.data import Run, sections_in_order
+from study.report.data import ReportedRun, sections_in_order
 from study.report.style import RULE, WIDTH_IN, draw_clock_axis, time_bands, unit_colours
 
 _ROW_IN: Final = 0.17
 
 
-def draw_occupancy(run: Run) -> Figure:
+def draw_occupancy(run: ReportedRun) -> Figure:
     """A row a section, in the panels of the train graph: held (保有) pale, truly occupied solid."""
     bands, grid = time_bands(*run.window_s)
     rows = {section.id: row for row, section in enumerate(sections_in_order(run))}
@@ -41,7 +41,7 @@ def draw_occupancy(run: Run) -> Figure:
     return figure
 
 
-def _draw_unit(axes: Axes, run: Run, unit: str, colour: str, rows: dict[str, int]) -> None:
+def _draw_unit(axes: Axes, run: ReportedRun, unit: str, colour: str, rows: dict[str, int]) -> None:
     """Bars of one unit that fall in the panel; what is not freed lasts to the end of the run."""
     from_s, to_s = axes.get_xlim()
     ours = run.tables.blocks.filter(pl.col("unit") == unit, pl.col("section").is_in(list(rows)))

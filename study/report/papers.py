@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import polars as pl
@@ -12,15 +13,22 @@ import polars as pl
 from study.measures.missing import planned_times
 from study.measures.punctuality import punctuality
 from study.measures.station_papers import track_occupation
+from study.record.calls import CALL, TRACK, CallAsRun
+from study.record.columns import FROM, STATION, TO, TRAIN, TRAINS, UNIT, clock, said, seconds
+from study.record.figure import Adds, Figure, Kind, ShownIn, figures_of, seen_in
+from study.record.margins import HopMargin
+from study.record.marks import DrillShown, Mark, MarkKind
+from study.record.sections import SectionHeld
+from study.record.shown import LearnedTrain
+from study.record.told import EventTold, TelegramsOfWay
 from study.report.battery import battery_tables
-from study.report.data import Run, place_name
-from study.report.drill import DrillShown, Mark, MarkKind
+from study.report.data import ReportedRun, place_name
 from study.report.driving import driving_tables
 from study.report.energy import energy_tables
-from study.report.tabular import Column, Kind, Table, table_of
-from study.report.tasc import KMHPS_PER_MPS2, Tuned
-from study.run.summary import TELEGRAM_COUNTS
+from study.report.tabular import Column, Table, table_of
+from study.report.tasc import KMHPS_PER_MPS2
 from study.wording.parties import party
+from study.wording.phrase import NOTHING, Phrase
 from study.wording.telegrams import telegram
 
 CHANGES_SHOWN: Final = 200
@@ -31,7 +39,7 @@ _LESSER_KINDS: Final = ("telegram", "refusal", "train", "reversal")
 
 
 def tables_shown(
-    run: Run, facts: Mapping[str, Any], tuned: Mapping[str, Tuned], drill: DrillShown | None
+    run: ReportedRun, facts: Mapping[str, Any], tuned: Mapping[str, LearnedTrain], drill: DrillShown | None
 ) -> tuple[Table, ...]:
     """Every table of the page that is made here and not from what is drawn."""
     return (
@@ -49,51 +57,49 @@ def tables_shown(
     )
 
 
-def _occupation(run: Run) -> Table:
+_OCCUPATION: Final = {
+    "station": STATION,
+    "track": TRACK,
+    "train": TRAIN,
+    "next_train": replace(TRAIN, name=Phrase("goes on as", "次列車")),
+    "unit": UNIT,
+    "kind": CALL,
+    "planned_from_s": clock("planned from", "計画 着", 1),
+    "planned_to_s": clock("planned to", "計画 発", 1),
+    "from_s": clock("from", "開始", 1),
+    "to_s": clock("to", "終了", 1),
+}
+
+
+def _occupation(run: ReportedRun) -> Table:
     """Stays at the tracks of the stations, planned and as run."""
     stays = track_occupation(run.tables.stops, run.line, run.timetable)
-    return table_of(
-        "occupation",
-        stays.to_dicts(),
-        {
-            "station": (Kind.PLACE, 0),
-            "track": (Kind.TEXT, 0),
-            "train": (Kind.TRAIN, 0),
-            "next_train": (Kind.TRAIN, 0),
-            "unit": (Kind.TEXT, 0),
-            "kind": (Kind.CALL, 0),
-            "planned_from_s": (Kind.CLOCK, 1),
-            "planned_to_s": (Kind.CLOCK, 1),
-            "from_s": (Kind.CLOCK, 1),
-            "to_s": (Kind.CLOCK, 1),
-        },
-    )
+    return table_of("occupation", stays.to_dicts(), _OCCUPATION)
 
 
-def _punctuality(run: Run) -> Table:
+_PUNCTUALITY: Final = {
+    "station": STATION,
+    "what": Figure(Phrase("what", "着発・内容"), kind=Kind.WORD),
+    "planned": Figure(Phrase("planned", "計画本数")),
+    "came": Figure(Phrase("came", "実績本数")),
+    "on_time_percent": Figure(Phrase("less than 1 min late", "遅れ1分未満"), "%", 1),
+    "mean_s": Figure(Phrase("mean, s after plan", "平均遅れ 秒"), digits=1, kind=Kind.SIGNED),
+    "sigma_s": seconds("σ", "標準偏差", 1),
+    "p95_s": seconds("95 %", "95%", 1, Kind.SIGNED),
+    "worst_s": seconds("worst", "最大", 1, Kind.SIGNED),
+    "worst_train": replace(TRAIN, name=Phrase("of train", "列車")),
+    "plan_in": Figure(Phrase("plan in", "計画の単位"), kind=Kind.WORD),
+}
+
+
+def _punctuality(run: ReportedRun) -> Table:
     """Arrivals and departures of each station against the plan."""
     rows = punctuality(planned_times(run.tables.stops, run.timetable), run.line).with_columns(
         (100.0 * pl.col("on_time_share")).alias("on_time_percent"),
         ("what_" + pl.col("what")).alias("what"),
         pl.when("whole_minutes").then(pl.lit("minutes")).otherwise(pl.lit("seconds_too")).alias("plan_in"),
     )
-    return table_of(
-        "punctuality",
-        rows.to_dicts(),
-        {
-            "station": (Kind.PLACE, 0),
-            "what": (Kind.WORD, 0),
-            "planned": (Kind.NUMBER, 0),
-            "came": (Kind.NUMBER, 0),
-            "on_time_percent": (Kind.NUMBER, 1),
-            "mean_s": (Kind.SIGNED, 1),
-            "sigma_s": (Kind.NUMBER, 1),
-            "p95_s": (Kind.SIGNED, 1),
-            "worst_s": (Kind.SIGNED, 1),
-            "worst_train": (Kind.TRAIN, 0),
-            "plan_in": (Kind.WORD, 0),
-        },
-    )
+    return table_of("punctuality", rows.to_dicts(), _PUNCTUALITY)
 
 
 def _drill(drill: DrillShown) -> tuple[Table, ...]:
@@ -102,13 +108,14 @@ def _drill(drill: DrillShown) -> tuple[Table, ...]:
 
     def named(marks: Sequence[Mark]) -> tuple[Column, Column]:
         return (
-            Column("mark", Kind.TEXT, [mark.label for mark in marks]),
-            Column("what", Kind.SAID, [mark.said.both for mark in marks]),
+            Column("mark", Figure(NOTHING, kind=Kind.TEXT), [mark.label for mark in marks]),
+            Column("what", said("what", "着発・内容"), [mark.said.both for mark in marks]),
         )
 
     over = [["–", "–"] if mark.kind is MarkKind.ACT else mark.became.both for mark in items]
-    verdicts = Column("verdict", Kind.WORD, ["met" if mark.passed else "not_met" for mark in judged])
-    happened = Column("happened", Kind.SAID, [mark.became.both for mark in judged])
+    verdict = Figure(Phrase("verdict", "判定"), kind=Kind.WORD)
+    verdicts = Column("verdict", verdict, ["met" if mark.passed else "not_met" for mark in judged])
+    happened = Column("happened", said("what happened", "経過"), [mark.became.both for mark in judged])
     found = [
         Table(
             "expectations",
@@ -117,9 +124,17 @@ def _drill(drill: DrillShown) -> tuple[Table, ...]:
         )
     ]
     if items:
-        begun = Column("begun", Kind.CLOCK, [mark.from_s for mark in items])
-        found.insert(0, Table("drill_items", (*named(items), begun, Column("over", Kind.SAID, over))))
+        begun = Column("begun", clock("begun", "開始"), [mark.from_s for mark in items])
+        found.insert(
+            0, Table("drill_items", (*named(items), begun, Column("over", said("over", "終了"), over)))
+        )
     return tuple(found)
+
+
+_CHANGE: Final = {
+    key: Figure(Phrase(key, ja), kind=Kind.TEXT)
+    for key, ja in (("file", "ファイル"), ("key", "キー"), ("old", "旧"), ("new", "新"))
+}
 
 
 def _changes(changes: Sequence[Mapping[str, Any]]) -> tuple[Table, ...]:
@@ -129,11 +144,14 @@ def _changes(changes: Sequence[Mapping[str, Any]]) -> tuple[Table, ...]:
     shown = changes[:CHANGES_SHOWN]
     rest = len(changes) - len(shown)
     notes = ((f"and {rest:,} more in summary.json", f"ほか {rest:,} 件は summary.json にある"),)
-    columns = (
-        *(Column(key, Kind.TEXT, [str(change[key]) for change in shown]) for key in ("file", "key")),
-        *(Column(key, Kind.TEXT, [_value(change[key]) for change in shown]) for key in ("old", "new")),
-    )
-    return (Table("changes", columns, notes if rest else ()),)
+    written = [
+        {
+            **{key: str(change[key]) for key in ("file", "key")},
+            **{key: _value(change[key]) for key in ("old", "new")},
+        }
+        for change in shown
+    ]
+    return (table_of("changes", written, _CHANGE, notes if rest else ()),)
 
 
 def _value(value: object) -> str:
@@ -141,7 +159,30 @@ def _value(value: object) -> str:
     return "–" if value is None else json.dumps(value, ensure_ascii=False)
 
 
-def _margins(run: Run) -> tuple[Table, ...]:
+def _between(name: str, which: str, which_ja: str) -> Figure:
+    """The least or the most of a time of several trains."""
+    figure = _MARGIN[name]
+    return Figure(Phrase(f"{figure.heading.en}, {which}", f"{figure.name.ja} {which_ja} 秒"))
+
+
+_MARGIN: Final = figures_of(HopMargin)
+_OF_A_HOP: Final = {
+    "from_station": FROM,
+    "to_station": TO,
+    "trains": TRAINS,
+    "planned_least_s": _between("planned_s", "least", "最短"),
+    "planned_most_s": _between("planned_s", "most", "最長"),
+    **{
+        name: replace(_MARGIN[name], digits=0)
+        for name in ("least_s", "attainable_s", "margin_s", "margin_percent", "train")
+    },
+    "run_from_s": _between("run_s", "least", "最短"),
+    "run_to_s": _between("run_s", "most", "最長"),
+    "left_s": replace(_MARGIN["left_s"], digits=0),
+}
+
+
+def _margins(run: ReportedRun) -> tuple[Table, ...]:
     """Margins by hop and direction with the train of the smallest, and those of every train; none without times."""
     margins = run.tables.margins
     if margins.is_empty():
@@ -163,45 +204,14 @@ def _margins(run: Run) -> tuple[Table, ...]:
             "left_s": hop["left_s"].min(),
         }
         rows.append(((-int(direction), direction * order[str(from_id)]), cells))
-    by_hop = table_of(
-        "margins",
-        [cells for _, cells in sorted(rows, key=lambda row: row[0])],
-        {
-            "from_station": (Kind.PLACE, 0),
-            "to_station": (Kind.PLACE, 0),
-            "trains": (Kind.NUMBER, 0),
-            "planned_least_s": (Kind.NUMBER, 0),
-            "planned_most_s": (Kind.NUMBER, 0),
-            "least_s": (Kind.NUMBER, 0),
-            "attainable_s": (Kind.NUMBER, 0),
-            "margin_s": (Kind.SIGNED, 0),
-            "margin_percent": (Kind.SIGNED, 0),
-            "train": (Kind.TRAIN, 0),
-            "run_from_s": (Kind.NUMBER, 0),
-            "run_to_s": (Kind.NUMBER, 0),
-            "left_s": (Kind.SIGNED, 0),
-        },
-        _cannot_be_kept(run, margins),
+    by_hop = [cells for _, cells in sorted(rows, key=lambda row: row[0])]
+    return (
+        table_of("margins", by_hop, _OF_A_HOP, _cannot_be_kept(run, margins)),
+        table_of("legs", margins.to_dicts(), seen_in(HopMargin, ShownIn.REPORT)),
     )
-    each = table_of(
-        "legs",
-        margins.to_dicts(),
-        {
-            "train": (Kind.TRAIN, 0),
-            "from_station": (Kind.PLACE, 0),
-            "to_station": (Kind.PLACE, 0),
-            "planned_s": (Kind.NUMBER, 0),
-            "least_s": (Kind.NUMBER, 1),
-            "attainable_s": (Kind.NUMBER, 1),
-            "margin_s": (Kind.SIGNED, 1),
-            "run_s": (Kind.NUMBER, 1),
-            "left_s": (Kind.SIGNED, 1),
-        },
-    )
-    return by_hop, each
 
 
-def _cannot_be_kept(run: Run, margins: pl.DataFrame) -> tuple[tuple[str, str], ...]:
+def _cannot_be_kept(run: ReportedRun, margins: pl.DataFrame) -> tuple[tuple[str, str], ...]:
     """A sentence for each hop that is planned faster than a train can run it."""
     found: list[tuple[str, str]] = []
     for row in margins.filter(pl.col("margin_s") < 0.0).iter_rows(named=True):
@@ -219,45 +229,43 @@ def _cannot_be_kept(run: Run, margins: pl.DataFrame) -> tuple[tuple[str, str], .
     return tuple(found)
 
 
-def _learned(tuned: Mapping[str, Tuned]) -> tuple[Table, ...]:
+def _learned(tuned: Mapping[str, LearnedTrain]) -> tuple[Table, ...]:
     """What the trains have learned of their brakes; nothing where none learned."""
     if not tuned:
         return ()
-    rows = [(unit, one.learned) for unit, one in sorted(tuned.items())]
-    return (
-        Table(
-            "learned",
-            (
-                Column("unit", Kind.TEXT, [unit for unit, _ in rows]),
-                Column("stops_counted", Kind.NUMBER, [one.stops for _, one in rows]),
-                Column("left_out", Kind.NUMBER, [one.left_out for _, one in rows]),
-                Column("dead_time_designed", Kind.NUMBER, [one.design_dead_time_s for _, one in rows], 1),
-                Column("dead_time_learned", Kind.NUMBER, [one.dead_time_s for _, one in rows], 1),
-                Column(
-                    "offset_learned", Kind.SIGNED, [one.offset_mps2 * KMHPS_PER_MPS2 for _, one in rows], 1
-                ),
-            ),
-        ),
-    )
+    rows = [
+        {
+            "unit": unit,
+            "stops_counted": one.learned.stops,
+            "left_out": one.learned.left_out,
+            "dead_time_designed": one.learned.design_dead_time_s,
+            "dead_time_learned": one.learned.dead_time_s,
+            "offset_learned": one.learned.offset_mps2 * KMHPS_PER_MPS2,
+        }
+        for unit, one in sorted(tuned.items())
+    ]
+    return (table_of("learned", rows, _LEARNED),)
 
 
+_LEARNED: Final = {
+    "unit": UNIT,
+    "stops_counted": Figure(Phrase("stops counted", "採用した停止")),
+    "left_out": Figure(Phrase("left out", "除外")),
+    "dead_time_designed": seconds("dead time designed", "設計むだ時間", 1),
+    "dead_time_learned": seconds("learned", "学習値", 1),
+    "offset_learned": Figure(Phrase("offset learned", "学習補正"), "km/h/s", 1, kind=Kind.SIGNED),
+}
 _TELEGRAM_NAMES: Final = {"kind": telegram, "source": party, "destination": party}
 
 
 def _telegrams(telegrams: pl.DataFrame) -> tuple[Table, ...]:
-    counts = [*TELEGRAM_COUNTS, "bytes"]
+    figures = figures_of(TelegramsOfWay)
+    counts = {name: figure for name, figure in figures.items() if figure.adds is Adds.SUM}
     found: list[Table] = []
-    for key, label in (("kind", "telegram_kind"), ("source", "sent_by"), ("destination", "sent_to")):
-        sums = telegrams.group_by(key).agg(pl.col(counts).sum()).sort(key)
-        found.append(
-            Table(
-                f"telegrams_{key}",
-                (
-                    Column(label, Kind.SAID, [_TELEGRAM_NAMES[key](name).both for name in sums[key]]),
-                    *(Column(name, Kind.NUMBER, sums[name].to_list()) for name in counts),
-                ),
-            )
-        )
+    for key, named in _TELEGRAM_NAMES.items():
+        sums = telegrams.group_by(key).agg(pl.col(*counts).sum()).sort(key)
+        rows = [row | {key: named(row[key]).both} for row in sums.iter_rows(named=True)]
+        found.append(table_of(f"telegrams_{key}", rows, {key: figures[key], **counts}))
     return tuple(found)
 
 
@@ -290,13 +298,47 @@ def _events(events: pl.DataFrame) -> Table:
         shown = known.filter(keep).head(EVENTS_SHOWN_MAX)
     rest = len(known) - len(shown)
     notes = ((f"and {rest:,} more in events.parquet", f"ほか {rest:,} 件は events.parquet にある"),)
-    return Table(
-        "events",
-        (
-            Column("time", Kind.CLOCK, shown["t_s"].to_list(), 1),
-            Column("source", Kind.SAID, [party(name).both for name in shown["source"]]),
-            Column("event_kind", Kind.WORD, [f"event_{kind}" for kind in shown["kind"]]),
-            Column("text", Kind.SAID, [[en, ja or en] for en, ja in shown["text", "text_ja"].iter_rows()]),
-        ),
-        notes if rest else (),
-    )
+    rows = [
+        {
+            "t_s": row["t_s"],
+            "source": party(row["source"]).both,
+            "kind": f"event_{row['kind']}",
+            "text": [row["text"], row["text_ja"] or row["text"]],
+        }
+        for row in shown.iter_rows(named=True)
+    ]
+    return table_of("events", rows, seen_in(EventTold, ShownIn.REPORT), notes if rest else ())
+
+
+_CALLS: Final = figures_of(CallAsRun)
+_OF_A_CALL: Final = ("planned_arrival_s", "arrival_s", "planned_departure_s", "departure_s", "stop_error_m")
+# Tables whose rows the page has already, of what it draws.
+ROWS_OF_THE_PAGE: Final[Mapping[str, Mapping[str, Figure]]] = {
+    "trains": {
+        "train": TRAIN,
+        "unit": UNIT,
+        "direction": Figure(Phrase("direction", "方向"), kind=Kind.WORD),
+        "revenue": _CALLS["revenue"],
+        "from": replace(STATION, name=Phrase("from", "始発")),
+        "to": replace(STATION, name=Phrase("to", "終着")),
+        **{
+            name: _CALLS[name]
+            for name in ("planned_departure_s", "departure_s", "planned_arrival_s", "arrival_s")
+        },
+        "late_s": seconds("late", "遅れ", 0, Kind.SIGNED),
+        "run": Figure(Phrase("Run", "走行"), kind=Kind.WORD),
+    },
+    "calls": {"train": TRAIN, **{name: _CALLS[name] for name in ("station", "track", "kind", *_OF_A_CALL)}},
+    "errors": {
+        "train": TRAIN,
+        "unit": UNIT,
+        **{name: _CALLS[name] for name in ("station", "arrival_s", "stop_error_m")},
+    },
+    "blocks": seen_in(SectionHeld, ShownIn.REPORT),
+    "waits": {
+        "unit": UNIT,
+        "from_s": clock("from", "開始"),
+        "until": clock("until", "まで"),
+        "why": Figure(Phrase("why", "理由"), kind=Kind.SAID),
+    },
+}

@@ -9,8 +9,12 @@ from typing import Any, Final
 
 from network.files.raw import is_table
 from onboard.driving.tuning import OFFSET_STEP_MPS2, OFFSET_ZERO, STEP_S
-from study.measures.wait import Cause
 from study.measures.wait_text import text_of
+from study.record.figure import rows_in
+from study.record.marks import DrillShown, Mark
+from study.record.parts import PagePart
+from study.record.shown import LearnedTrain
+from study.record.wait import Cause, Wait
 from study.report.beside import Beside
 from study.report.courses import (
     Fineness,
@@ -22,14 +26,12 @@ from study.report.courses import (
     sections_shown,
     trains_shown,
 )
-from study.report.data import Run
-from study.report.drill import DrillShown, Mark
+from study.report.data import ReportedRun
 from study.report.packing import packed, places_in
-from study.report.papers import tables_shown
-from study.report.parts import Part
+from study.report.papers import ROWS_OF_THE_PAGE, tables_shown
 from study.report.stairway import stairway_shown
-from study.report.tasc import KMHPS_PER_MPS2, Tuned, most_telling, response_surface, waves_shown
-from study.run.waits_table import read_waits
+from study.report.tabular import headed
+from study.report.tasc import KMHPS_PER_MPS2, most_telling, response_surface, waves_shown
 from study.wording.outcome import checker_name
 from study.wording.phrase import names_of
 
@@ -38,16 +40,16 @@ _UNSAID: Final = (Cause.RUNS, Cause.OUTSIDE, Cause.LEFT)  # nothing is waited fo
 
 
 @dataclass(frozen=True, slots=True)
-class Shows:
+class PageContents:
     """What a page shows besides a run and its figures; see `study.report.report.write_report`."""
 
-    tuned: Mapping[str, Tuned] = field(default_factory=dict[str, Tuned])
+    tuned: Mapping[str, LearnedTrain] = field(default_factory=dict[str, LearnedTrain])
     drill: DrillShown | None = None
-    first: tuple[Part, ...] = ()
+    first: tuple[PagePart, ...] = ()
     beside: Beside | None = None
 
 
-def payload_of(run: Run, facts: Mapping[str, Any], shows: Shows) -> dict[str, Any]:
+def payload_of(run: ReportedRun, facts: Mapping[str, Any], shows: PageContents) -> dict[str, Any]:
     """Everything but the courses of trains; those come with `courses_of`, by their fineness."""
     begin_s, end_s = run.window_s
     tuned, drill = shows.tuned, shows.drill
@@ -64,11 +66,15 @@ def payload_of(run: Run, facts: Mapping[str, Any], shows: Shows) -> dict[str, An
         "broken": _broken_at(facts),
         "waits": waits_shown(run),
         "tuning": _tuning(tuned),
+        "columns": {
+            name: [headed(label, figure) for label, figure in figures.items()]
+            for name, figures in ROWS_OF_THE_PAGE.items()
+        },
         "tables": [table.as_dict() for table in tables_shown(run, facts, tuned, drill)],
     }
 
 
-def courses_of(run: Run, fineness: Fineness, beside: Beside | None = None) -> dict[str, Any]:
+def courses_of(run: ReportedRun, fineness: Fineness, beside: Beside | None = None) -> dict[str, Any]:
     """The courses of trains as fine as asked, and how fine that is; of a run beside it those that moved or are gone."""
     tolerance = {"m": fineness.place_m, "kmh": fineness.speed_kmh, "notch": fineness.notch}
     other = None
@@ -116,10 +122,10 @@ def _broken_at(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
-def waits_shown(run: Run) -> dict[str, Any]:
+def waits_shown(run: ReportedRun) -> dict[str, Any]:
     """Why each stock waited, and when: sentences once each, in both languages; whole seconds."""
     names = names_of(run.line)
-    waits = [wait for wait in read_waits(run.tables.waits) if wait.cause not in _UNSAID]
+    waits = [wait for wait in rows_in(Wait, run.tables.waits) if wait.cause not in _UNSAID]
     pairs = [(text_of(wait, "en", names), text_of(wait, "ja", names)) for wait in waits]
     distinct = list(dict.fromkeys(pairs))
     place = {pair: i for i, pair in enumerate(distinct)}
@@ -135,7 +141,7 @@ def waits_shown(run: Run) -> dict[str, Any]:
     }
 
 
-def _tuning(tuned: Mapping[str, Tuned]) -> dict[str, Any] | None:
+def _tuning(tuned: Mapping[str, LearnedTrain]) -> dict[str, Any] | None:
     """The evaluation function of the stop of the train that differs most from its design, with its waves."""
     unit = most_telling(tuned)
     if unit is None:

@@ -15,21 +15,22 @@ from markupsafe import Markup
 
 from network.model import Line
 from network.timetable import Timetable
+from study.measures.summary import summarise
+from study.record.directory import INCOMPLETE_FILE, REPORT_FILE
+from study.record.marks import DrillShown
+from study.record.parts import PagePart
+from study.record.read_back import RunRead
+from study.record.shown import LearnedTrain
+from study.record.tables import RunTables
 from study.report.beside import Beside
 from study.report.bundle import import_map, modules, style_sheet
 from study.report.courses import FINEST_FIRST
-from study.report.data import Run
-from study.report.drill import DrillShown
+from study.report.data import ReportedRun
 from study.report.face import FACE, japanese_face
 from study.report.facts import broken_lines, headline
 from study.report.packing import deflated
-from study.report.parts import Part
-from study.report.payload import Shows, courses_of, payload_of
-from study.report.tasc import Tuned
+from study.report.payload import PageContents, courses_of, payload_of
 from study.report.template import rendered
-from study.run.directory import REPORT_FILE
-from study.run.summary import summarise
-from study.run.tables import RunTables
 from study.wording.assumptions import assumption
 
 BYTES_AIMED: Final = 1_000_000
@@ -41,9 +42,9 @@ def write_report(
     timetable: Timetable,
     tables: RunTables,
     summary: Mapping[str, Any],
-    tuned: Mapping[str, Tuned] | None = None,
+    tuned: Mapping[str, LearnedTrain] | None = None,
     drill: DrillShown | None = None,
-    first: Sequence[Part] = (),
+    first: Sequence[PagePart] = (),
     beside: Beside | None = None,
 ) -> Path:
     """Write `report.html` into `directory` and return its path; written aside, then renamed.
@@ -53,21 +54,21 @@ def write_report(
     "invariants_broken" (how many, with those that a train has not arrived), "broken" (text: what else makes it a
     failure), "broken_expectations" (text: what a drill expected), "changes" (objects with file, key, old and new),
     "ended_because" (text), "unfinished" (texts: what was missing then) and "outside_design" (texts). Figures of
-    `study.run.summary.summarise` found in it are used as they are.
+    `study.measures.summary.summarise` found in it are used as they are.
     `tuned` is what each train learned of its stops, by unit; `drill` what the run was a drill of; `first` parts that
     come before all others, such as what changed against the run `beside`, which the train graph shows too.
     Raises OSError when the file cannot be written.
     """
-    run = Run(line, timetable, tables)
+    run = ReportedRun(line, timetable, tables)
     facts = {**summarise(tables, timetable), **summary}
-    page = page_of(run, facts, Shows(tuned or {}, drill, tuple(first), beside))
+    page = page_of(run, facts, PageContents(tuned or {}, drill, tuple(first), beside))
     directory.mkdir(parents=True, exist_ok=True)
     aside, path = directory / f".{REPORT_FILE}.part", directory / REPORT_FILE
     aside.write_text(page, encoding="utf-8")
     return aside.replace(path)
 
 
-def page_of(run: Run, facts: Mapping[str, Any], shows: Shows) -> str:
+def page_of(run: ReportedRun, facts: Mapping[str, Any], shows: PageContents) -> str:
     """The page, with curves as fine as its size allows: the finest that keeps it within `BYTES_AIMED`."""
     payload = payload_of(run, facts, shows)
     page = rendered(
@@ -101,3 +102,16 @@ _COURSES: Final = Markup("<!-- courses of trains -->")  # no name can hold it: n
 def _subtitle(timetable: Timetable, facts: Mapping[str, Any]) -> str:
     words = [timetable.name or timetable.id, facts.get("day"), facts.get("scenario")]
     return " · ".join(str(word) for word in dict.fromkeys(words) if word)
+
+
+def report_again(run: RunRead, folder: Path) -> Path:
+    """Write the report of a run that was read back; the same as the first one but for the courses of a run that it was
+    compared with. In the run's own directory it makes that whole. Returns the report's path.
+    """
+    facts = run.shown.facts(run.summary, run.inputs)
+    tuned = run.shown.tuned(run.learned)
+    report = write_report(
+        folder, run.line, run.timetable, run.tables, facts, tuned, run.shown.drill, run.shown.parts
+    )
+    (folder / INCOMPLETE_FILE).unlink(missing_ok=True)
+    return report

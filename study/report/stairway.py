@@ -16,40 +16,40 @@ from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from study.capacity.occupation import Conflict, Occupation, Part
-from study.report.data import Run, section_name, sections_in_order
+from study.capacity.blocking_table import read_blocking
+from study.capacity.occupation import Conflict, Occupation, OccupationPart
+from study.report.data import ReportedRun, section_name, sections_in_order
 from study.report.packing import packed, places_in
 from study.report.style import INK, RED, RULE, WIDTH_IN, TimeBand, draw_clock_axis, time_bands
-from study.run.blocking_table import read_blocking
 
 PANEL_IN: Final = 4.4
 LEAST_SHARE: Final = 0.045  # of the panel's height, that the shortest section has
 SEEN_S: Final = 1.0  # on the page shorter slices are their neighbour's
 
-# One hue a cost, one shade a part of it.
-COLOUR_OF: Final[Mapping[Part, str]] = {
-    Part.REQUEST: "#08306b",
-    Part.AIR: "#2171b5",
-    Part.GRANT: "#4292c6",
-    Part.PROOF: "#6baed6",
-    Part.RELEASE: "#9ecae1",
-    Part.THROW: "#e6550d",
-    Part.APPROACH: "#c7e9c0",
-    Part.RUN: "#41ab5d",
-    Part.HELD: "#00602b",
-    Part.LENGTH: "#84c98a",
-    Part.READY: "#f2e6c2",
-    Part.DWELL: "#d9b95a",
-    Part.LAYOVER: "#e8d28f",
-    Part.CHANGE_ENDS: "#a6801d",
-    Part.CHARGING: "#d36ba6",
-    Part.START: "#238b45",
-    Part.BOUND: "#cbbfe0",
+# One hue a cost, one shade a part of it; what the part is called in Japanese.
+SHOWN_AS: Final[Mapping[OccupationPart, tuple[str, str]]] = {
+    OccupationPart.REQUEST: ("#08306b", "要求"),
+    OccupationPart.AIR: ("#2171b5", "伝送"),
+    OccupationPart.GRANT: ("#4292c6", "確保"),
+    OccupationPart.PROOF: ("#6baed6", "照査"),
+    OccupationPart.RELEASE: ("#9ecae1", "解放"),
+    OccupationPart.THROW: ("#e6550d", "転換"),
+    OccupationPart.APPROACH: ("#c7e9c0", "接近"),
+    OccupationPart.RUN: ("#41ab5d", "走行"),
+    OccupationPart.HELD: ("#00602b", "機外停止"),
+    OccupationPart.LENGTH: ("#84c98a", "列車長"),
+    OccupationPart.READY: ("#f2e6c2", "待機"),
+    OccupationPart.DWELL: ("#d9b95a", "停車"),
+    OccupationPart.LAYOVER: ("#e8d28f", "折返し"),
+    OccupationPart.CHANGE_ENDS: ("#a6801d", "エンド交換"),
+    OccupationPart.CHARGING: ("#d36ba6", "充電"),
+    OccupationPart.START: ("#238b45", "起動"),
+    OccupationPart.BOUND: ("#cbbfe0", "位置の幅"),
 }
 
 
 def draw_stairway(
-    run: Run,
+    run: ReportedRun,
     occupations: Sequence[Occupation],
     conflicts: Sequence[Conflict] = (),
     *,
@@ -73,15 +73,15 @@ def draw_stairway(
         _draw_conflicts(axes, conflicts, rows, band)
         _draw_trains(axes, run, rows, band)
         axes.spines[:].set_color(RULE)
-    parts = [part for part in Part if any(one.of_part(part) > 0.0 for one in occupations)]
-    legend = [Patch(color=COLOUR_OF[part], lw=0, label=part.value) for part in parts]
+    parts = [part for part in OccupationPart if any(one.of_part(part) > 0.0 for one in occupations)]
+    legend = [Patch(color=SHOWN_AS[part][0], lw=0, label=part.value) for part in parts]
     if conflicts:
         legend.append(Patch(fc="none", ec=RED, hatch="////", lw=0.8, label="conflict"))
     figure.legend(handles=legend, loc="outside lower left", ncols=9, handlelength=1.2, fontsize=6.5)
     return figure
 
 
-def _rows(run: Run) -> dict[str, tuple[float, float]]:
+def _rows(run: ReportedRun) -> dict[str, tuple[float, float]]:
     """Where each section stands, as shares of the height from above, in the order of the line."""
     sections = sections_in_order(run)
     lengths_m = [
@@ -107,7 +107,7 @@ def _draw_boxes(
         frames.append(Rectangle((one.begin_s, row[0]), one.length_s, row[1] - row[0]))
         for piece in one.slices:
             boxes.append(Rectangle((piece.begin_s, row[0]), piece.length_s, row[1] - row[0]))
-            colours.append(COLOUR_OF[piece.part])
+            colours.append(SHOWN_AS[piece.part][0])
     axes.add_collection(PatchCollection(boxes, facecolor=colours, edgecolor="none", alpha=0.75, zorder=1.0))
     axes.add_collection(PatchCollection(frames, facecolor="none", edgecolor=INK, lw=0.45, zorder=1.6))
 
@@ -123,7 +123,9 @@ def _draw_conflicts(
             axes.add_patch(box)
 
 
-def _draw_trains(axes: Axes, run: Run, rows: Mapping[str, tuple[float, float]], band: TimeBand) -> None:
+def _draw_trains(
+    axes: Axes, run: ReportedRun, rows: Mapping[str, tuple[float, float]], band: TimeBand
+) -> None:
     """Each train's front through the rows of the sections that it is in, with its number where it begins."""
     pieces = run.line.pieces
     for (_, number), course in run.courses.items():
@@ -155,7 +157,7 @@ def _draw_trains(axes: Axes, run: Run, rows: Mapping[str, tuple[float, float]], 
         )
 
 
-def stairway_shown(run: Run) -> dict[str, Any]:
+def stairway_shown(run: ReportedRun) -> dict[str, Any]:
     """The stairway as the page has it: whole seconds, and no slice too short to be seen."""
     found = [one for one in read_blocking(run.tables.blocking) if one.section_id in run.line.sections]
     slices = [(one, part, begin_s, end_s) for one in found for part, begin_s, end_s in _coarse(one)]
@@ -165,8 +167,8 @@ def stairway_shown(run: Run) -> dict[str, Any]:
     return {
         "sections": sections,
         "trains": trains,
-        "parts": parts,
-        "colours": [COLOUR_OF[Part(part)] for part in parts],
+        "parts": [[part, SHOWN_AS[OccupationPart(part)][1]] for part in parts],
+        "colours": [SHOWN_AS[OccupationPart(part)][0] for part in parts],
         "section": at,
         "train": of,
         "part": what,
@@ -175,9 +177,9 @@ def stairway_shown(run: Run) -> dict[str, Any]:
     }
 
 
-def _coarse(one: Occupation) -> list[tuple[Part, float, float]]:
+def _coarse(one: Occupation) -> list[tuple[OccupationPart, float, float]]:
     """The slices of an occupation, what is shorter than a second added to the one before it, or after it."""
-    found: list[tuple[Part, float, float]] = []
+    found: list[tuple[OccupationPart, float, float]] = []
     begin_s = one.begin_s
     for piece in one.slices:
         if piece.length_s < SEEN_S and found:

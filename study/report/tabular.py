@@ -1,47 +1,42 @@
-"""Tables of the page as columns of values, each of a kind: the page sets them in either language and sorts them."""
+"""Tables of the page as columns of values, each of a figure: the page sets them in either language and sorts them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from enum import Enum
 from typing import Any, Final
 
-
-class Kind(Enum):
-    """What a column holds, so that the page knows how to write and to sort it."""
-
-    TEXT = "text"
-    SAID = "said"  # a text in English and in Japanese
-    TRAIN = "train"  # a number: leads to the train on the graph
-    PLACE = "place"  # id of a station, or of a portal's section
-    CLOCK = "clock"  # s since midnight
-    WORD = "word"  # a key of the page's words
-    CALL = "call"  # network.timetable.CallKind
-    NUMBER = "number"
-    SIGNED = "signed"
-    BAD = "bad"  # text that stands out
+from study.record.figure import Figure, Kind
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One column: the key of its heading among the page's words, its kind, digits after the point, and its values."""
+    """One column: its name among the page's columns, what it shows, and its values."""
 
     label: str
-    kind: Kind
+    figure: Figure
     values: Sequence[Any]
-    digits: int = 0
 
     def as_dict(self) -> dict[str, Any]:
         """For the page; a number is rounded to its digits, what is not finite is left out."""
         values = list(self.values)
-        if self.kind in _NUMBERS:
-            values = [_rounded(value, self.digits) for value in values]
-        return {"label": self.label, "kind": self.kind.value, "digits": self.digits, "values": values}
+        if self.figure.kind in _NUMBERS:
+            values = [_rounded(value, self.figure.digits) for value in values]
+        return {**headed(self.label, self.figure), "values": values}
 
 
 _NUMBERS: Final = (Kind.NUMBER, Kind.SIGNED, Kind.CLOCK)
+
+
+def headed(label: str, figure: Figure) -> dict[str, Any]:
+    """A column without values, for the page: heading in both languages, kind, digits."""
+    return {
+        "label": label,
+        "heading": figure.heading.both,
+        "kind": figure.kind.value,
+        "digits": figure.digits,
+    }
 
 
 def _rounded(value: float | None, digits: int) -> float | int | None:
@@ -71,11 +66,9 @@ class Table:
 def table_of(
     table_id: str,
     rows: Sequence[Mapping[str, Any]],
-    columns: Mapping[str, tuple[Kind, int]],
+    figures: Mapping[str, Figure],
     notes: tuple[tuple[str, str], ...] = (),
 ) -> Table:
-    """A table from rows: of each row the values named in `columns`, which are headings too."""
-    made = tuple(
-        Column(key, kind, [row[key] for row in rows], digits) for key, (kind, digits) in columns.items()
-    )
+    """A table from rows: of each row the values named in `figures`, which head them."""
+    made = tuple(Column(key, figure, [row[key] for row in rows]) for key, figure in figures.items())
     return Table(table_id, made, notes)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Final
 
@@ -24,15 +23,15 @@ from onboard.driving.tuning import (
     REACH_Y,
     SIX_POINTS,
     STEP_S,
-    Learned,
-    StopRecord,
+    StopDecelerations,
     approximate,
     misfit,
     search,
     waves,
     window,
 )
-from study.report.data import Run
+from study.record.shown import LearnedTrain
+from study.report.data import ReportedRun
 from study.report.style import INK, PALE, RED, TRACTION, WIDTH_IN
 
 Floats = NDArray[np.float64]
@@ -45,15 +44,7 @@ UNITS_IN_A_ROW: Final = 4
 TARGET_COLOUR: Final = "#d55e00"
 
 
-@dataclass(frozen=True, slots=True)
-class Tuned:
-    """What a train has learned, and the waves of the last stop that it counted."""
-
-    learned: Learned
-    stop: StopRecord
-
-
-def draw_approaches(run: Run) -> Figure | None:
+def draw_approaches(run: ReportedRun) -> Figure | None:
     """Target and actual speed over the last 400 m before the mark, every stop of every unit. None: no stops."""
     stops = run.tables.stops.filter(pl.col("stop_error_m").is_not_null() & pl.col("arrival_s").is_not_null())
     units = sorted(stops["unit"].unique())
@@ -91,7 +82,7 @@ def draw_approaches(run: Run) -> Figure | None:
     return figure
 
 
-def _approaches(run: Run, stops: pl.DataFrame) -> Iterator[tuple[Floats, Floats, Floats]]:
+def _approaches(run: ReportedRun, stops: pl.DataFrame) -> Iterator[tuple[Floats, Floats, Floats]]:
     """Distance before the mark (m), speed and target speed (m/s) of each stop's last 400 m."""
     for row in stops.iter_rows(named=True):
         course = run.courses.get((row["unit"], row["train"]))
@@ -110,7 +101,7 @@ def _approaches(run: Run, stops: pl.DataFrame) -> Iterator[tuple[Floats, Floats,
         yield distance_m[shown], near["speed_mps"].to_numpy()[shown], target_mps[shown]
 
 
-def response_surface(stop: StopRecord) -> Floats | None:
+def response_surface(stop: StopDecelerations) -> Floats | None:
     """J, (m/s^2)^2, at every dead time (column) and offset (row) of the grid; None for a stop without a window."""
     span = window(stop)
     if span is None:
@@ -124,7 +115,7 @@ def response_surface(stop: StopRecord) -> Floats | None:
     )
 
 
-def draw_response(tuned: Tuned, unit: str) -> Figure | None:
+def draw_response(tuned: LearnedTrain, unit: str) -> Figure | None:
     """The evaluation function of one stop (評価関数の応答曲面) with its search, and the waves it comes from."""
     surface = response_surface(tuned.stop)
     if surface is None:
@@ -146,7 +137,7 @@ def draw_response(tuned: Tuned, unit: str) -> Figure | None:
     return figure
 
 
-def _draw_surface(axes: Axes, figure: Figure, surface: Floats, tuned: Tuned) -> None:
+def _draw_surface(axes: Axes, figure: Figure, surface: Floats, tuned: LearnedTrain) -> None:
     """Heat map over dead time (s) and offset (km/h/s), the least J by search and by the six points."""
     step_kmhps = OFFSET_STEP_MPS2 * KMHPS_PER_MPS2
     half_s, half_kmhps = STEP_S / 2.0, step_kmhps / 2.0
@@ -187,7 +178,7 @@ def _draw_surface(axes: Axes, figure: Figure, surface: Floats, tuned: Tuned) -> 
     axes.legend(loc="upper right", facecolor="white", framealpha=0.8, frameon=True)
 
 
-def most_telling(tuned: Mapping[str, Tuned]) -> str | None:
+def most_telling(tuned: Mapping[str, LearnedTrain]) -> str | None:
     """The train that differs most from its design: the one to show. None where none has learned."""
     away = {
         unit: abs(one.learned.offset_mps2) / OFFSET_STEP_MPS2
@@ -197,6 +188,6 @@ def most_telling(tuned: Mapping[str, Tuned]) -> str | None:
     return max(away, key=lambda unit: away[unit]) if away else None
 
 
-def waves_shown(stop: StopRecord) -> tuple[Floats, Floats, Floats]:
+def waves_shown(stop: StopDecelerations) -> tuple[Floats, Floats, Floats]:
     """Designed, measured and smoothed deceleration of a stop, m/s^2, a step apart and up to rest."""
     return stop.designed_mps2, stop.actual_mps2, waves(stop)[1]

@@ -20,7 +20,7 @@ import msgspec
 from network.errors import InputError
 from study.sweep.local import GivenUpError, failed_by, filed
 from study.sweep.store import check_shared, day_name
-from study.sweep.worker import RETRIES, Done, Task, crashed, task_done
+from study.sweep.worker import RETRIES, FiledDay, Task, crashed, task_done
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -52,7 +52,7 @@ class ClusterPump:
         self._ended: queue.SimpleQueue[Future] = queue.SimpleQueue()
         self._workers: frozenset[str] = frozenset()
 
-    def run(self, tasks: Iterator[Task]) -> Generator[Done]:
+    def run(self, tasks: Iterator[Task]) -> Generator[FiledDay]:
         """See `study.sweep.local.Pump`. Workers that join on the way have days from the next look on."""
         with ExitStack() as stack:
             client = _client(self._address)
@@ -95,13 +95,13 @@ class ClusterPump:
             raise self._gone()
         return None
 
-    def _done(self, future: Future, task: Task) -> Done:
+    def _done(self, future: Future, task: Task) -> FiledDay:
         """What came of a day; one that has failed as often as it may is filed as crashed."""
         error = future.exception() if future.status == "error" else None
         if isinstance(error, NoMoreError):
             raise GivenUpError(str(error))
         if error is None:
-            return msgspec.msgpack.decode(self._result(future), type=Done)
+            return msgspec.msgpack.decode(self._result(future), type=FiledDay)
         begun = msgspec.structs.replace(task, tries=RETRIES + 1)
         return filed(crashed(begun, " ".join(f"{type(error).__name__}: {error}".split())), self._out)
 

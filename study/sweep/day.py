@@ -19,6 +19,7 @@ from host.scratch import scratch
 from network.clock import clock
 from network.errors import InputError
 from network.model import Line
+from scenario.scenario import Scenario, load_scenario, with_seed
 from simulation.carriers.carrier import Carrier
 from simulation.events import EventType, Unsafe
 from simulation.journal import Journal
@@ -27,10 +28,9 @@ from simulation.result import Ending, RunResult
 from simulation.setup import Setup
 from study.measures.day_figures import EVENTS, DayFigures, day_figures
 from study.outcome import Outcome, outcome_of
-from study.run.crash import named
-from study.run.outcome import broken_rules, unfinished, waiting_said
-from study.run.run import TEMPORARY, CarrierKind, Course, carrier_factory, through
-from study.scenario.scenario import Scenario, load_scenario, with_seed
+from study.runner.crash import named
+from study.runner.outcome import broken_rules, unfinished, waiting_said
+from study.runner.run import TEMPORARY, CarrierKind, RunOptions, carrier_factory, through
 from study.sweep.records import DayOutcome, DayRecord, DaySpec
 from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import NetMap, read_net
@@ -62,7 +62,7 @@ def replay_of(spec: DaySpec) -> str:
     return f"branchline run {shlex.quote(spec.scenario)} --seed {spec.seed} --carrier {shlex.quote(spec.carrier)}"
 
 
-class Warm:
+class ProcessCache:
     """What a process keeps from one day to the next: scenarios as loaded, nets as built and read.
 
     `scenario_of` gives the scenario of a day with its point applied; its seed does not matter. `replay_of` gives the
@@ -118,7 +118,7 @@ class Warm:
         return held[1].file, held[1].map
 
 
-def run_day(spec: DaySpec, index: int, warm: Warm) -> DayRecord:
+def run_day(spec: DaySpec, index: int, warm: ProcessCache) -> DayRecord:
     """Run a day. A bug ends in a record of a crashed day; what the machine lacks, and bad input, are raised."""
     made: list[Carrier] = []
     try:
@@ -133,7 +133,7 @@ def run_day(spec: DaySpec, index: int, warm: Warm) -> DayRecord:
             carrier.close()
 
 
-def _run(spec: DaySpec, index: int, warm: Warm, made: list[Carrier]) -> DayRecord:
+def _run(spec: DaySpec, index: int, warm: ProcessCache, made: list[Carrier]) -> DayRecord:
     scenario = warm.scenario(spec)
     net, seen = warm.net(scenario.setup.line)
     make = carrier_factory(CarrierKind(spec.carrier), scenario.setup.line, net)
@@ -143,7 +143,7 @@ def _run(spec: DaySpec, index: int, warm: Warm, made: list[Carrier]) -> DayRecor
         return made[-1]
 
     with scratch(TEMPORARY) as folder:
-        course = Course(noted, seen, folder, journal=lambda: Journal(kept=KEPT_EVENTS))
+        course = RunOptions(noted, seen, folder, journal=lambda: Journal(kept=KEPT_EVENTS))
         setup, result = through(scenario, course)
     return record_of(spec, index, result, setup)
 

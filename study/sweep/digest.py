@@ -30,9 +30,11 @@ CODE: Final = (
     "wayside",
     "host",
     "simulation",
-    "study/scenario",
+    "scenario",
     "study/measures",
-    "study/run",
+    "study/record",
+    "study/collect",
+    "study/runner",
     "study/sweep/day.py",
     "study/sweep/point.py",
 )

@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from study.report.style import INK, PALE, RED, RULE, UNIT_COLOURS, WIDTH_IN
-from study.sweep.figures import Figure
-from study.sweep.statistics import Estimate
+from study.sweep.figures import DayFigure
+from study.sweep.statistics import FigureEstimate
 from study.sweep.table import Effect, PointRow
 
 ROW_IN: Final = 0.26
@@ -27,7 +27,7 @@ WORSE: Final = "#d55e00"
 BETTER: Final = "#009e73"
 
 
-def draw_spread(rows: Sequence[PointRow], figure: Figure, confidence: float) -> Picture | None:
+def draw_spread(rows: Sequence[PointRow], figure: DayFigure, confidence: float) -> Picture | None:
     """A row a point: quantiles of its days as a box, mean with its interval as a mark. None where no day has it."""
     shown = [row for row in rows if row.figures[figure.name].mean.value is not None][:ROWS_MAX]
     if not shown:
@@ -52,7 +52,7 @@ def draw_spread(rows: Sequence[PointRow], figure: Figure, confidence: float) -> 
 
 
 def draw_days(
-    rows: Sequence[PointRow], values: Sequence[Sequence[float]], figure: Figure, confidence: float
+    rows: Sequence[PointRow], values: Sequence[Sequence[float]], figure: DayFigure, confidence: float
 ) -> Picture | None:
     """Share of days with at most so much, a curve a point; one point alone as a histogram. None: too many, or none."""
     shown = [(row, days) for row, days in zip(rows, values, strict=True) if days]
@@ -76,7 +76,7 @@ def draw_days(
     return picture
 
 
-def draw_tornado(found: Sequence[Effect], figure: Figure, confidence: float) -> Picture | None:
+def draw_tornado(found: Sequence[Effect], figure: DayFigure, confidence: float) -> Picture | None:
     """What each place of each axis does, the greatest first; the line across a bar's end is its interval."""
     known = [effect for effect in found if effect.less_first.value is not None]
     if not known:
@@ -106,7 +106,7 @@ def draw_tornado(found: Sequence[Effect], figure: Figure, confidence: float) -> 
     return picture
 
 
-def _box(axes: Axes, place: int, row: PointRow, figure: Figure) -> None:
+def _box(axes: Axes, place: int, row: PointRow, figure: DayFigure) -> None:
     found = row.figures[figure.name]
     low, quarter, middle, three, high = (
         found.quantiles[share].value or 0.0 for share in sorted(found.quantiles)
@@ -118,12 +118,14 @@ def _box(axes: Axes, place: int, row: PointRow, figure: Figure) -> None:
     axes.plot([found.mean.value or 0.0], [place], "D", color=RED, ms=4, zorder=5)
 
 
-def _interval(axes: Axes, place: int, found: Estimate, colour: str, width: float) -> None:
+def _interval(axes: Axes, place: int, found: FigureEstimate, colour: str, width: float) -> None:
     if found.low is not None and found.high is not None:
         axes.plot([found.low, found.high], [place, place], color=colour, lw=width, zorder=4)
 
 
-def _histogram(axes: Axes, row: PointRow, days: Sequence[float], figure: Figure, confidence: float) -> None:
+def _histogram(
+    axes: Axes, row: PointRow, days: Sequence[float], figure: DayFigure, confidence: float
+) -> None:
     found = row.figures[figure.name]
     axes.hist(days, bins=min(BINS, max(5, int(len(days) ** 0.5) * 2)), color=BOX, edgecolor="white", lw=0.5)
     if found.mean.low is not None and found.mean.high is not None:

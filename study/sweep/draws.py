@@ -14,7 +14,7 @@ from scipy import stats
 
 from network.errors import InputError
 from radio.chance import generator
-from study.sweep.sweep_file import DrawTable
+from scenario.sweep_file import DrawTable
 
 SOURCE: Final = "sweep"
 SIGNIFICANT: Final = 6

@@ -12,7 +12,7 @@ from study.measures.day_figures import LIMITS_S, DayFigures
 
 
 @dataclass(frozen=True, slots=True)
-class Figure:
+class DayFigure:
     """One figure. `of` gives None where the day has none, as the lateness of a day on which nothing arrived."""
 
     name: str
@@ -32,18 +32,18 @@ def _within(index: int) -> Callable[[DayFigures], float | None]:
 
 
 _ALL: Final = (
-    Figure("mean_late_s", "mean lateness of arrivals", "s", lambda day: day.mean_late_s),
-    Figure("median_late_s", "median lateness of arrivals", "s", lambda day: day.median_late_s),
-    Figure("p95_late_s", "lateness that 5 % of arrivals exceed", "s", lambda day: day.p95_late_s),
-    Figure("worst_late_s", "latest arrival", "s", lambda day: day.worst_late_s),
-    Figure("lost_train_minutes", "train-minutes lost", "min", lambda day: day.lost_train_minutes),
-    Figure("primary_s", "lateness from what was drawn or failed", "s", lambda day: day.primary_s),
-    Figure("secondary_s", "lateness from waiting for other trains", "s", lambda day: day.secondary_s),
-    Figure("recovery_mean_s", "mean time until no train is late", "s", lambda day: day.recovery_mean_s),
-    Figure("recovery_s", "longest time with a late train", "s", lambda day: day.recovery_s),
-    Figure("late_time_s", "time with a late train", "s", lambda day: day.late_time_s),
+    DayFigure("mean_late_s", "mean lateness of arrivals", "s", lambda day: day.mean_late_s),
+    DayFigure("median_late_s", "median lateness of arrivals", "s", lambda day: day.median_late_s),
+    DayFigure("p95_late_s", "lateness that 5 % of arrivals exceed", "s", lambda day: day.p95_late_s),
+    DayFigure("worst_late_s", "latest arrival", "s", lambda day: day.worst_late_s),
+    DayFigure("lost_train_minutes", "train-minutes lost", "min", lambda day: day.lost_train_minutes),
+    DayFigure("primary_s", "lateness from what was drawn or failed", "s", lambda day: day.primary_s),
+    DayFigure("secondary_s", "lateness from waiting for other trains", "s", lambda day: day.secondary_s),
+    DayFigure("recovery_mean_s", "mean time until no train is late", "s", lambda day: day.recovery_mean_s),
+    DayFigure("recovery_s", "longest time with a late train", "s", lambda day: day.recovery_s),
+    DayFigure("late_time_s", "time with a late train", "s", lambda day: day.late_time_s),
     *(
-        Figure(
+        DayFigure(
             f"within_{limit_s:.0f}_s",
             f"arrivals less than {limit_s:.0f} s late",
             "share",
@@ -52,15 +52,15 @@ _ALL: Final = (
         )
         for index, limit_s in enumerate(LIMITS_S)
     ),
-    Figure(
+    DayFigure(
         "arrived_trains", "trains that arrive", "", lambda day: float(day.arrived_trains), more_is_better=True
     ),
-    Figure("missing_trains", "trains that never arrive", "", lambda day: float(len(day.missing))),
+    DayFigure("missing_trains", "trains that never arrive", "", lambda day: float(len(day.missing))),
 )
-FIGURES: Final[Mapping[str, Figure]] = {figure.name: figure for figure in _ALL}
+FIGURES: Final[Mapping[str, DayFigure]] = {figure.name: figure for figure in _ALL}
 
 
-def figure_of(name: str, file: str, key: str) -> Figure:
+def figure_of(name: str, file: str, key: str) -> DayFigure:
     """The figure of that name; InputError otherwise."""
     if name not in FIGURES:
         raise InputError(file, key, name, one_of(FIGURES, name))

@@ -15,11 +15,11 @@ from network.errors import InputError
 from study.sweep.digest import code_digest
 from study.sweep.figures import FIGURES
 from study.sweep.local import Pump
-from study.sweep.plan import Plan, Point
+from study.sweep.plan import GridPoint, SweepPlan
 from study.sweep.records import DayOutcome, DayRecord
-from study.sweep.statistics import Estimate, Running
-from study.sweep.store import Found, Refused, Store, day_name
-from study.sweep.worker import RUNNER, Done, Task
+from study.sweep.statistics import FigureEstimate, Running
+from study.sweep.store import FiledDays, SweepDirectory, UnusableFile, day_name
+from study.sweep.worker import RUNNER, FiledDay, Task
 
 CODE_SHOWN: Final = 8
 BAD: Final = (DayOutcome.BROKEN, DayOutcome.CRASHED)  # the others are what a sweep is to find out
@@ -28,7 +28,7 @@ BAD: Final = (DayOutcome.BROKEN, DayOutcome.CRASHED)  # the others are what a sw
 class _Course:
     """One point: its days as they come, and how far they are complete from the first one on."""
 
-    def __init__(self, plan: Plan, point: Point) -> None:
+    def __init__(self, plan: SweepPlan, point: GridPoint) -> None:
         self.point: Final = point
         self.names: Final = tuple(day_name(plan.spec(point, index), index) for index in range(plan.days))
         self.days = plan.days  # that count; the stop rule makes it fewer
@@ -67,7 +67,7 @@ class _Course:
                 self.days = self._complete
                 self._ahead.clear()
 
-    def estimate(self, name: str) -> Estimate:
+    def estimate(self, name: str) -> FigureEstimate:
         """Of a watched figure, so far."""
         return self._running[name].estimate(self._plan.confidence)
 
@@ -85,20 +85,20 @@ class _Course:
 
 
 @dataclass(slots=True)
-class State:
+class SweepProgress:
     """How far a sweep is. `before`: days that were there as it began; `last`: the day that came last."""
 
-    plan: Plan
+    plan: SweepPlan
     courses: tuple[_Course, ...]
     records: dict[str, DayRecord]
     before: int
-    refused: tuple[Refused, ...] = ()
+    refused: tuple[UnusableFile, ...] = ()
     others: int = 0
     run: int = 0
     wall_s: float = 0.0
     cpu_s: float = 0.0
     peak_bytes: int = 0
-    last: Done | None = None
+    last: FiledDay | None = None
 
     @property
     def total(self) -> int:
@@ -110,12 +110,12 @@ class State:
         """Days of those that are there."""
         return sum(course.there for course in self.courses)
 
-    def counted(self, point: Point) -> tuple[DayRecord, ...]:
+    def counted(self, point: GridPoint) -> tuple[DayRecord, ...]:
         """The days of a point that count and are there, by seed."""
         course = self.courses[point.number]
         return tuple(self.records[name] for name in course.names[: course.days] if name in self.records)
 
-    def estimate(self, name: str, point: int = 0) -> Estimate:
+    def estimate(self, name: str, point: int = 0) -> FigureEstimate:
         """Of a watched figure at a point, over the days that are complete."""
         return self.courses[point].estimate(name)
 
@@ -126,7 +126,7 @@ class State:
         widest = max(found, key=lambda one: one.width or 0.0)
         return f"{FIGURES[name].title} {widest.text} {FIGURES[name].unit}".rstrip()
 
-    def stopped_early(self, point: Point) -> bool:
+    def stopped_early(self, point: GridPoint) -> bool:
         """Whether the stop rule has spared days of a point."""
         return self.courses[point.number].days < self.plan.days
 
@@ -159,13 +159,13 @@ class State:
                 yield point.label, record
 
 
-Show = Callable[[State], None]
+Show = Callable[[SweepProgress], None]
 
 
-def begun(plan: Plan, store: Store, *, anyway: bool) -> State:
+def begun(plan: SweepPlan, store: SweepDirectory, *, anyway: bool) -> SweepProgress:
     """What there is already. InputError for days that other code has run, unless they are to count `anyway`."""
     courses = tuple(_Course(plan, point) for point in plan.points)
-    found: Found = store.found({name for course in courses for name in course.names})
+    found: FiledDays = store.found({name for course in courses for name in course.names})
     codes = {record.code for record in found.records.values()} - {code_digest()}
     if codes and not anyway:
         shown = ", ".join(sorted(code[:CODE_SHOWN] for code in codes))
@@ -174,14 +174,16 @@ def begun(plan: Plan, store: Store, *, anyway: bool) -> State:
             f" days of {shown}"
         )
         raise InputError("command line", "--out", store.out, expected)
-    state = State(plan, courses, found.records, 0, found.refused, found.others)
+    state = SweepProgress(plan, courses, found.records, 0, found.refused, found.others)
     for course in courses:
         course.find(state.records)
     state.before = state.there
     return state
 
 
-def go(state: State, store: Store, pump: Pump, show: Show | None = None, runner: str = RUNNER) -> None:
+def go(
+    state: SweepProgress, store: SweepDirectory, pump: Pump, show: Show | None = None, runner: str = RUNNER
+) -> None:
     """Run what is missing. Raises GivenUpError; whatever ends it, the days that are filed stay."""
     with closing(pump.run(_tasks(state, store, runner))) as days:
         for done in days:
@@ -201,7 +203,7 @@ def go(state: State, store: Store, pump: Pump, show: Show | None = None, runner:
                 return
 
 
-def _tasks(state: State, store: Store, runner: str) -> Iterator[Task]:
+def _tasks(state: SweepProgress, store: SweepDirectory, runner: str) -> Iterator[Task]:
     """The days that are missing, seed by seed at all points; a point that has enough is left out from then on."""
     plan = state.plan
     given: set[str] = set()
@@ -222,6 +224,6 @@ def _tasks(state: State, store: Store, runner: str) -> Iterator[Task]:
             )
 
 
-def _watched(plan: Plan) -> tuple[str, ...]:
+def _watched(plan: SweepPlan) -> tuple[str, ...]:
     stop = () if plan.stop is None else (plan.stop.figure,)
     return tuple(dict.fromkeys((*plan.table.watch, *stop)))

@@ -21,10 +21,10 @@ import msgspec
 
 from network.errors import wanting
 from study.outcome import StoppedError, text_of
-from study.run.crash import named
+from study.runner.crash import named
 from study.sweep.records import DayRecord
 from study.sweep.store import NotSharedError, write_day
-from study.sweep.worker import RETRIES, Done, Task, crashed, task_done
+from study.sweep.worker import RETRIES, FiledDay, Task, crashed, task_done
 
 RECYCLE_DAYS: Final = 200  # assumed: what a library may leak in so many days is little
 MEMORY_MAX_BYTES: Final = 490_000_000  # a process that has grown to this is replaced
@@ -38,7 +38,7 @@ class Failed(msgspec.Struct, frozen=True, tag=True):
     given_up: bool
 
 
-class Ready(msgspec.Struct, frozen=True, tag=True):
+class WorkerReady(msgspec.Struct, frozen=True, tag=True):
     """A process has all that it needs."""
 
 
@@ -49,12 +49,12 @@ class GivenUpError(Exception):
 class Pump(Protocol):
     """Whatever runs days: takes them from an iterator as there is room for them, in any order back."""
 
-    def run(self, tasks: Iterator[Task]) -> Generator[Done]:
+    def run(self, tasks: Iterator[Task]) -> Generator[FiledDay]:
         """Every day given is filed when it comes back. Raises GivenUpError."""
         ...
 
 
-Said = Done | Failed | Ready
+Said = FiledDay | Failed | WorkerReady
 
 
 class _Worker:
@@ -111,7 +111,7 @@ class LocalPump:
         """The processes that there are now."""
         return tuple(worker.process.pid or 0 for worker in self._workers)
 
-    def run(self, tasks: Iterator[Task]) -> Generator[Done]:
+    def run(self, tasks: Iterator[Task]) -> Generator[FiledDay]:
         """See `Pump`. What is at hand when the generator is closed is lost."""
         try:
             while True:
@@ -143,13 +143,13 @@ class LocalPump:
                 self.spawned += 1
             self._workers[-1 if not idle else place].give(task)
 
-    def _hear(self, worker: _Worker) -> Done | None:
+    def _hear(self, worker: _Worker) -> FiledDay | None:
         said = worker.heard()
         match said:
-            case Ready():
+            case WorkerReady():
                 worker.ready, self._stillborn = True, 0
                 return None
-            case Done():
+            case FiledDay():
                 worker.task = None
                 if worker.left <= 0 or said.rss_bytes > MEMORY_MAX_BYTES:
                     self._end(worker)
@@ -162,7 +162,7 @@ class LocalPump:
             case None:
                 return self._dead(worker)
 
-    def _dead(self, worker: _Worker) -> Done | None:
+    def _dead(self, worker: _Worker) -> FiledDay | None:
         """Its day is run again; a process that dies before it is ready says nothing of the day."""
         task, ready = worker.task, worker.ready
         why = self._end(worker)
@@ -175,7 +175,7 @@ class LocalPump:
             return None
         return None if task is None else self._again(task, why)
 
-    def _again(self, task: Task, why: str) -> Done | None:
+    def _again(self, task: Task, why: str) -> FiledDay | None:
         """Once more, or filed as crashed."""
         begun = msgspec.structs.replace(task, tries=task.tries + 1)
         if begun.tries <= RETRIES:
@@ -188,17 +188,17 @@ class LocalPump:
         return worker.end()
 
 
-def filed(record: DayRecord, out: Path) -> Done:
+def filed(record: DayRecord, out: Path) -> FiledDay:
     """A day filed by the client, which no process came to the end of."""
     write_day(out, record)
-    return Done(record, 0.0, 0.0, 0, 0, "client")
+    return FiledDay(record, 0.0, 0.0, 0, 0, "client")
 
 
 def serve(pipe: Connection) -> None:
     """What a process of ours does until nobody has a day for it: the client has closed the pipe, or is dead."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the client ends it
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # stdout has the client's one object and nothing else
-    pipe.send_bytes(msgspec.msgpack.encode(Ready()))
+    pipe.send_bytes(msgspec.msgpack.encode(WorkerReady()))
     while True:
         try:
             task = msgspec.msgpack.decode(pipe.recv_bytes(), type=Task)

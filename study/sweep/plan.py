@@ -18,15 +18,15 @@ from network.files.shipped import find_file
 from network.files.text_input import existing_file
 from network.files.toml_input import parse_toml, read_text
 from network.files.toml_text import steps_of, value_text
-from study.run.run import TEMPORARY, CarrierKind
-from study.scenario.scenario import find_scenario
+from scenario.scenario import find_scenario
+from scenario.sweep_file import AxisTable, StopTable, SweepFile
+from study.runner.run import TEMPORARY, CarrierKind
 from study.sweep.digest import inputs_digest
 from study.sweep.draws import chance_of, check_draw, drawn_value, value_at
 from study.sweep.figures import figure_of
 from study.sweep.point import scenario_of
 from study.sweep.records import DaySpec, Said
 from study.sweep.statistics import looks, of_each_look
-from study.sweep.sweep_file import AxisTable, StopTable, SweepFile
 
 FOLDER: Final = "sweeps"
 POINTS_MAX: Final = 2000  # assumed: more nobody reads, and each is loaded before the first day runs
@@ -35,7 +35,7 @@ _OWN: Final = frozenset({"id", "name", "seed"})  # a day's scenario has its own
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class AxisPlace:
     """One place of an axis: what people call it and what it says."""
 
     label: str
@@ -47,11 +47,11 @@ class Axis:
     """An axis of the grid; the first place is what others are compared with."""
 
     name: str
-    places: tuple[Place, ...]
+    places: tuple[AxisPlace, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class GridPoint:
     """A point of the grid: by axis the number of its place, what it says, and the digest of what it is made of."""
 
     number: int
@@ -62,14 +62,14 @@ class Point:
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class SweepPlan:
     """A sweep as it is to be run. `scenario` is found from anywhere: a shipped name, or a file's whole path."""
 
     file: str
     table: SweepFile
     scenario: str
     axes: tuple[Axis, ...]
-    points: tuple[Point, ...]
+    points: tuple[GridPoint, ...]
     days: int
     carrier: CarrierKind
 
@@ -89,7 +89,7 @@ class Plan:
         """Of each interval: so much that, with a stop rule, what is said holds for all looks together."""
         return of_each_look(self.table.confidence, len(self.looks))
 
-    def spec(self, point: Point, index: int) -> DaySpec:
+    def spec(self, point: GridPoint, index: int) -> DaySpec:
         """Day `index` of a point."""
         seed = self.table.seeds.first + index
         drawn = tuple((draw.key, drawn_value(draw, seed)) for draw in self.table.draw)
@@ -100,7 +100,7 @@ class Plan:
         return self.carrier is CarrierKind.PLAIN and index % AGAIN_EVERY == 0
 
 
-def load_plan(name: str, days: int | None = None, carrier: str | None = None) -> Plan:
+def load_plan(name: str, days: int | None = None, carrier: str | None = None) -> SweepPlan:
     """Read a sweep file, shipped or given; every point is loaded once, so nothing is found wrong later. InputError."""
     path = find_file(Path(str(files("study"))) / FOLDER, "sweep", name)
     name = str(path)
@@ -120,7 +120,7 @@ def load_plan(name: str, days: int | None = None, carrier: str | None = None) ->
     except InputError as error:
         raise InputError(name, "scenario", table.scenario, error.expected) from error
     axes = _axes(name, folder, table)
-    plan = Plan(
+    plan = SweepPlan(
         name, table, scenario, axes, (), count, CarrierKind(table.carrier if carrier is None else carrier)
     )
     return replace(plan, points=_points(plan))
@@ -186,13 +186,13 @@ def _axes(file: str, folder: Path, table: SweepFile) -> tuple[Axis, ...]:
     for i, axis in enumerate(table.axis):
         if axis.key is None:
             places = [
-                Place(p.label, tuple((key, _found(folder, value)) for key, value in p.says.items()))
+                AxisPlace(p.label, tuple((key, _found(folder, value)) for key, value in p.says.items()))
                 for p in axis.point
             ]
         else:
             labels = axis.labels or [v if isinstance(v, str) else value_text(v) for v in axis.values]
             places = [
-                Place(label, ((axis.key, _found(folder, value)),))
+                AxisPlace(label, ((axis.key, _found(folder, value)),))
                 for label, value in zip(labels, axis.values, strict=True)
             ]
         labels = [place.label for place in places]
@@ -203,13 +203,13 @@ def _axes(file: str, folder: Path, table: SweepFile) -> tuple[Axis, ...]:
     return tuple(axes)
 
 
-def _points(plan: Plan) -> tuple[Point, ...]:
+def _points(plan: SweepPlan) -> tuple[GridPoint, ...]:
     """All points, the last axis going through its places first; each is loaded, with the ends of what is drawn."""
     shape = [range(len(axis.places)) for axis in plan.axes]
     count = math.prod(map(len, shape))
     if count > POINTS_MAX:
         raise InputError(plan.file, "axis", f"{count} points", f"a grid of at most {POINTS_MAX} points")
-    points: list[Point] = []
+    points: list[GridPoint] = []
     with scratch(TEMPORARY) as folder:
         for number, chosen in enumerate(product(*shape)):
             places = tuple(chosen)
@@ -218,7 +218,7 @@ def _points(plan: Plan) -> tuple[Point, ...]:
             label = ", ".join(
                 f"{axis.name} {place.label}" for axis, place in zip(plan.axes, taken, strict=True)
             )
-            point = Point(number, places, label or "as it is", said, "")
+            point = GridPoint(number, places, label or "as it is", said, "")
             found = _loaded(plan, point, (), folder)
             for drawn in _extremes(plan):
                 _loaded(plan, point, (drawn,), folder)
@@ -226,7 +226,7 @@ def _points(plan: Plan) -> tuple[Point, ...]:
     return tuple(points)
 
 
-def _extremes(plan: Plan) -> Iterator[tuple[str, Any]]:
+def _extremes(plan: SweepPlan) -> Iterator[tuple[str, Any]]:
     """The least and greatest value that each draw takes on any day, and each choice."""
     seeds = range(plan.table.seeds.first, plan.table.seeds.first + plan.days)
     for draw in plan.table.draw:
@@ -238,7 +238,7 @@ def _extremes(plan: Plan) -> Iterator[tuple[str, Any]]:
         yield from ((draw.key, value) for value in dict.fromkeys(ends))
 
 
-def _loaded(plan: Plan, point: Point, drawn: Said, folder: Path) -> str:
+def _loaded(plan: SweepPlan, point: GridPoint, drawn: Said, folder: Path) -> str:
     """The digest of what a point is made of. InputError is put down to the sweep file."""
     spec = DaySpec(plan.scenario, "", point.said, plan.table.seeds.first, plan.carrier.value, drawn)
     try:

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from network.files.names import IDENTIFIER_LENGTH_MAX, title_of
 from network.files.toml_text import put, steps_of, toml_of
-from study.scenario.scenario import Scenario, load_scenario
+from scenario.scenario import Scenario, load_scenario
 from study.sweep.records import DaySpec
 
 SHORT: Final = 8  # characters of a digest that tell points apart

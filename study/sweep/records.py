@@ -33,7 +33,7 @@ class DaySpec(msgspec.Struct, frozen=True):
 
     `inputs`: digest of all the tables that the day is made of, drawn values and seed apart.
     `point`: what a point of the grid says over the scenario, `drawn`: what was drawn for this day, laid over both.
-    `carrier`: study.run.run.CarrierKind.
+    `carrier`: study.runner.run.CarrierKind.
     """
 
     scenario: str

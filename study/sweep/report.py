@@ -12,16 +12,16 @@ from matplotlib.figure import Figure as Picture
 
 from network.errors import InputError
 from network.model import Line
+from scenario.scenario import load_scenario
+from study.record.parts import PagePart, TextTable
 from study.report.face import FACE, japanese_face
-from study.report.parts import Grid, Part
 from study.report.style import drawing, svg_of
 from study.report.template import rendered
-from study.scenario.scenario import load_scenario
 from study.sweep.draw import draw_days, draw_spread, draw_tornado
-from study.sweep.figures import FIGURES, Figure
-from study.sweep.go import State
+from study.sweep.figures import FIGURES, DayFigure
+from study.sweep.go import SweepProgress
 from study.sweep.records import DayOutcome, DayRecord
-from study.sweep.statistics import Estimate
+from study.sweep.statistics import FigureEstimate
 from study.sweep.store import write_whole
 from study.sweep.table import (
     Effect,
@@ -33,7 +33,7 @@ from study.sweep.table import (
     summary_of,
     value_of,
 )
-from study.sweep.worth import Worth, worth_looking_at, write_replays
+from study.sweep.worth import NotableDay, worth_looking_at, write_replays
 
 PAGE_FILE: Final = "report.html"
 POINTS_FILE: Final = "points.csv"
@@ -47,7 +47,7 @@ _HOW: Final = (
 )
 
 
-def write_sweep_report(state: State, out: Path) -> Path:
+def write_sweep_report(state: SweepProgress, out: Path) -> Path:
     """Write page, pictures, tables and replays into the sweep's directory; returns the page."""
     rows = point_rows(state)
     worth = worth_looking_at(state, out)
@@ -57,7 +57,7 @@ def write_sweep_report(state: State, out: Path) -> Path:
     summary = summary_of(state, out)
     _write(out / SUMMARY_FILE, json.dumps(summary, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     with drawing():
-        parts: list[Part | None] = [
+        parts: list[PagePart | None] = [
             _headline(state),
             *_figure_parts(state, rows, out),
             _points_part(state, rows),
@@ -67,7 +67,7 @@ def write_sweep_report(state: State, out: Path) -> Path:
     return out / PAGE_FILE
 
 
-def _page(state: State, parts: Sequence[Part]) -> str:
+def _page(state: SweepProgress, parts: Sequence[PagePart]) -> str:
     table = state.plan.table
     days = f"{state.there} days at {len(state.plan.points)} points of the grid"
     if len(state.plan.points) == 1:
@@ -81,7 +81,7 @@ def _page(state: State, parts: Sequence[Part]) -> str:
     return page.replace(FACE, japanese_face(page), 1)
 
 
-def _headline(state: State) -> Part:
+def _headline(state: SweepProgress) -> PagePart:
     """What became of the days, and whether the sweep holds."""
     counts = {
         outcome: sum(r.outcome is outcome for p in state.plan.points for r in state.counted(p))
@@ -94,12 +94,14 @@ def _headline(state: State) -> Part:
         rows.append(("days of other points or seeds that lie in the directory", str(state.others)))
     holds = "SUMO carried every day that it ran again alike." if again else ""
     caption = "; ".join(state.failures) or f"Nothing is broken. {holds}".strip()
-    return Part("What became of the days", caption, grids=(Grid(("outcome", "days"), tuple(rows), 1),))
+    return PagePart(
+        "What became of the days", caption, grids=(TextTable(("outcome", "days"), tuple(rows), 1),)
+    )
 
 
-def _figure_parts(state: State, rows: Sequence[PointRow], out: Path) -> list[Part]:
+def _figure_parts(state: SweepProgress, rows: Sequence[PointRow], out: Path) -> list[PagePart]:
     """A part for each figure watched: spread by point, curves of days, tornado."""
-    parts: list[Part] = []
+    parts: list[PagePart] = []
     confidence = state.plan.table.confidence
     for name in state.plan.table.watch:
         figure = FIGURES[name]
@@ -122,7 +124,7 @@ def _figure_parts(state: State, rows: Sequence[PointRow], out: Path) -> list[Par
         if found:
             grids.append(_effects_grid(found, figure))
         caption = "" if parts else _HOW
-        parts.append(Part(_title(figure), caption, tuple(svgs), tuple(grids)))
+        parts.append(PagePart(_title(figure), caption, tuple(svgs), tuple(grids)))
     return parts
 
 
@@ -134,7 +136,7 @@ def _picture(picture: Picture, name: str, out: Path) -> str:
     return svg_of(picture, name)
 
 
-def _quantiles_grid(rows: Sequence[PointRow], figure: Figure, confidence: float) -> Grid:
+def _quantiles_grid(rows: Sequence[PointRow], figure: DayFigure, confidence: float) -> TextTable:
     level = f"{confidence * 100:g} % interval"
     head = (
         *("point", "days", "mean", level, "5 %", "median", "interval", "95 %", "interval"),
@@ -152,19 +154,19 @@ def _quantiles_grid(rows: Sequence[PointRow], figure: Figure, confidence: float)
                 *less,
             )
         )
-    return Grid(head, tuple(cells), 1)
+    return TextTable(head, tuple(cells), 1)
 
 
-def _effects_grid(found: Sequence[Effect], figure: Figure) -> Grid:
+def _effects_grid(found: Sequence[Effect], figure: DayFigure) -> TextTable:
     head = ("axis", "place", "pairs of days", f"{figure.title} less the first place", "interval")
     cells = tuple(
         (e.axis, e.place, str(e.less_first.days), _text(e.less_first.value), _between(e.less_first))
         for e in found
     )
-    return Grid(head, cells, 2)
+    return TextTable(head, cells, 2)
 
 
-def _points_part(state: State, rows: Sequence[PointRow]) -> Part:
+def _points_part(state: SweepProgress, rows: Sequence[PointRow]) -> PagePart:
     """Outcomes by point, with the share of days of each."""
     head = ["point", "days", "ended early"]
     for outcome in DayOutcome:
@@ -183,10 +185,10 @@ def _points_part(state: State, rows: Sequence[PointRow]) -> Part:
             f" {stop.narrower_than:g}, looked at after {', '.join(map(str, state.plan.looks))} days; intervals are so"
             " wide that they hold at all these looks together."
         )
-    return Part("Outcomes by point", caption, grids=(Grid(tuple(head), tuple(cells), 1),))
+    return PagePart("Outcomes by point", caption, grids=(TextTable(tuple(head), tuple(cells), 1),))
 
 
-def _worth_part(state: State, worth: Sequence[Worth]) -> Part:
+def _worth_part(state: SweepProgress, worth: Sequence[NotableDay]) -> PagePart:
     names = _station_names(state)
     first = FIGURES[state.plan.table.watch[0]]
     head = ("why", "point", "seed", first.label, "latest arrival", "what happened", "run it again")
@@ -198,14 +200,14 @@ def _worth_part(state: State, worth: Sequence[Worth]) -> Part:
         for day in worth
     )
     caption = "Each command runs the same day again and writes its whole run directory with report.html."
-    return Part("Days worth looking at", caption, grids=(Grid(head, cells, 2, 4),))
+    return PagePart("Days worth looking at", caption, grids=(TextTable(head, cells, 2, 4),))
 
 
-def _assumed_part(state: State) -> Part | None:
+def _assumed_part(state: SweepProgress) -> PagePart | None:
     rows = tuple((text,) for text in state.plan.table.assumed)
     if not rows:
         return None
-    return Part("Assumed", "What nobody has published.", grids=(Grid(("assumption",), rows),))
+    return PagePart("Assumed", "What nobody has published.", grids=(TextTable(("assumption",), rows),))
 
 
 def _worst(record: DayRecord, names: dict[str, str]) -> str:
@@ -216,7 +218,7 @@ def _worst(record: DayRecord, names: dict[str, str]) -> str:
     return f"{figures.worst_late_s:+.0f} s, {figures.worst_train} at {at}"
 
 
-def _station_names(state: State) -> dict[str, str]:
+def _station_names(state: SweepProgress) -> dict[str, str]:
     """What people call each station: in the scenario that is varied, and where that is no longer there, its id."""
     try:
         line: Line = load_scenario(state.plan.scenario).setup.line
@@ -232,7 +234,7 @@ def _text(value: float | None) -> str:
     return f"{value:,.{digits}f}".replace("-", "−")
 
 
-def _between(found: Estimate, digits: int | None = None) -> str:
+def _between(found: FigureEstimate, digits: int | None = None) -> str:
     if found.low is None or found.high is None:
         return "–"
     if digits is None:
@@ -240,7 +242,7 @@ def _between(found: Estimate, digits: int | None = None) -> str:
     return f"{found.low:.{digits}f} to {found.high:.{digits}f}"
 
 
-def _title(figure: Figure) -> str:
+def _title(figure: DayFigure) -> str:
     return figure.label[:1].upper() + figure.label[1:]
 
 

@@ -25,7 +25,7 @@ LATER: Final = 1.5  # assumed: so many times as many days at the next look
 
 
 @dataclass(frozen=True, slots=True)
-class Estimate:
+class FigureEstimate:
     """A figure with its confidence interval; of `days` days. None where there are too few."""
 
     days: int
@@ -75,18 +75,18 @@ class Running:
         self._cubes += square * part * (self.count - 2) - 3.0 * part * self._squares
         self._squares += square
 
-    def estimate(self, confidence: float) -> Estimate:
+    def estimate(self, confidence: float) -> FigureEstimate:
         """The mean so far."""
         if not self.count:
-            return Estimate(0, None)
+            return FigureEstimate(0, None)
         value = _rounded(self.mean)
         if self.count < 2:
-            return Estimate(self.count, value)
+            return FigureEstimate(self.count, value)
         error = math.sqrt(self._squares / (self.count - 1) / self.count)
         reach = float(stats.t.ppf(0.5 + confidence / 2.0, self.count - 1))
         above, below = (_uncorrected(t, self._skewness / math.sqrt(self.count)) for t in (-reach, reach))
         low, high = self.mean - below * error, self.mean - above * error
-        return Estimate(self.count, value, _rounded(low), _rounded(high))
+        return FigureEstimate(self.count, value, _rounded(low), _rounded(high))
 
     @property
     def _skewness(self) -> float:
@@ -98,7 +98,7 @@ class Running:
         return biased * math.sqrt(count * (count - 1)) / (count - 2)
 
 
-def mean_of(values: Sequence[float], confidence: float) -> Estimate:
+def mean_of(values: Sequence[float], confidence: float) -> FigureEstimate:
     """The mean, by Student's t corrected for skewness."""
     running = Running()
     for value in values:
@@ -106,7 +106,7 @@ def mean_of(values: Sequence[float], confidence: float) -> Estimate:
     return running.estimate(confidence)
 
 
-def quantile_of(values: Sequence[float], share: float, confidence: float) -> Estimate:
+def quantile_of(values: Sequence[float], share: float, confidence: float) -> FigureEstimate:
     """A quantile between order statistics, and the two between which the true one lies; none of few days.
 
     The number of values below the true quantile is binomial: Conover, Practical Nonparametric Statistics, 3.2.
@@ -114,7 +114,7 @@ def quantile_of(values: Sequence[float], share: float, confidence: float) -> Est
     ordered: NDArray[np.float64] = np.sort(np.asarray(values, dtype=np.float64))
     count = len(ordered)
     if not count:
-        return Estimate(0, None)
+        return FigureEstimate(0, None)
     value = _rounded(float(np.quantile(ordered, share)))
     tail = (1.0 - confidence) / 2.0
     below = int(stats.binom.ppf(tail, count, share))
@@ -123,21 +123,23 @@ def quantile_of(values: Sequence[float], share: float, confidence: float) -> Est
     if below and stats.binom.cdf(below - 1, count, share) > tail:
         below -= 1
     if below < 1 or above > count:
-        return Estimate(count, value)
-    return Estimate(count, value, _rounded(float(ordered[below - 1])), _rounded(float(ordered[above - 1])))
+        return FigureEstimate(count, value)
+    return FigureEstimate(
+        count, value, _rounded(float(ordered[below - 1])), _rounded(float(ordered[above - 1]))
+    )
 
 
-def share_of(hits: int, days: int, confidence: float) -> Estimate:
+def share_of(hits: int, days: int, confidence: float) -> FigureEstimate:
     """A share of days, by Wilson."""
     if not days:
-        return Estimate(0, None)
+        return FigureEstimate(0, None)
     interval = stats.binomtest(hits, days).proportion_ci(confidence, method="wilson")
-    return Estimate(
+    return FigureEstimate(
         days, _rounded(hits / days), _rounded(float(interval.low)), _rounded(float(interval.high))
     )
 
 
-def difference_of(pairs: Sequence[tuple[float, float]], confidence: float) -> Estimate:
+def difference_of(pairs: Sequence[tuple[float, float]], confidence: float) -> FigureEstimate:
     """The mean of second less first, pair by pair."""
     return mean_of([second - first for first, second in pairs], confidence)
 

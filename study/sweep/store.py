@@ -30,7 +30,7 @@ import msgspec
 
 from network.errors import InputError
 from study.sweep.digest import code_digest
-from study.sweep.plan import Plan
+from study.sweep.plan import SweepPlan
 from study.sweep.records import HASH_BYTES, DayRecord, DaySpec
 
 FORMAT: Final = 1
@@ -66,18 +66,18 @@ class Header(msgspec.Struct, frozen=True):
     points: tuple[PointSaid, ...]
 
 
-class Refused(msgspec.Struct, frozen=True):
+class UnusableFile(msgspec.Struct, frozen=True):
     """A file of `days/` that does not count, and why."""
 
     name: str
     why: str
 
 
-class Found(msgspec.Struct, frozen=True):
+class FiledDays(msgspec.Struct, frozen=True):
     """What there is of a plan's days, by the names of their files; `others` are days of other points or seeds."""
 
     records: dict[str, DayRecord]
-    refused: tuple[Refused, ...]
+    refused: tuple[UnusableFile, ...]
     others: int
 
 
@@ -92,23 +92,23 @@ class NotSharedError(Exception):
     NEEDED: Final = "the client's directory must be under the same path on every machine"
 
 
-class Store:
+class SweepDirectory:
     """The directory of a sweep that is open: see the module."""
 
     def __init__(self, out: Path, token: str) -> None:
         self.out: Final = out
         self.token: Final = token
 
-    def found(self, wanted: Collection[str]) -> Found:
+    def found(self, wanted: Collection[str]) -> FiledDays:
         """Every day that there is, of those wanted by name."""
         records: dict[str, DayRecord] = {}
-        refused: list[Refused] = []
+        refused: list[UnusableFile] = []
         others = 0
         for name in sorted(entry.name for entry in os.scandir(self.out / DAYS)):
             if name.startswith("."):
                 continue
             if _DAY.fullmatch(name) is None:
-                refused.append(Refused(name, "no name of a day"))
+                refused.append(UnusableFile(name, "no name of a day"))
             elif name not in wanted:
                 others += 1
             else:
@@ -116,12 +116,12 @@ class Store:
                 if isinstance(read, DayRecord):
                     records[name] = read
                 else:
-                    refused.append(Refused(name, read))
-        return Found(records, tuple(refused), others)
+                    refused.append(UnusableFile(name, read))
+        return FiledDays(records, tuple(refused), others)
 
 
 @contextmanager
-def opened(plan: Plan, out: Path) -> Generator[Store]:
+def opened(plan: SweepPlan, out: Path) -> Generator[SweepDirectory]:
     """The directory of a plan, made or found, while no other client has it. InputError for any other directory."""
     before = _header(out, plan.table.id)
     try:
@@ -137,7 +137,7 @@ def opened(plan: Plan, out: Path) -> Generator[Store]:
         write_whole(out / HEADER_FILE, msgspec.json.format(msgspec.json.encode(header), indent=1) + b"\n")
         for left in (out / DAYS).glob(".*"):
             left.unlink(missing_ok=True)
-        yield Store(out, token)
+        yield SweepDirectory(out, token)
     finally:
         os.close(lock)
 
@@ -230,7 +230,7 @@ def _header(out: Path, sweep: str) -> Header | None:
     return header
 
 
-def _header_of(plan: Plan, token: str) -> Header:
+def _header_of(plan: SweepPlan, token: str) -> Header:
     made_with = {"python": python_version()} | {name: version(name) for name in _WITH}
     points = tuple(PointSaid(point.label, dict(point.said), point.inputs) for point in plan.points)
     table = plan.table.model_dump(mode="json", by_alias=True)

@@ -10,13 +10,13 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from study.sweep.figures import FIGURES, Figure
-from study.sweep.go import State
-from study.sweep.plan import Point
+from study.sweep.figures import FIGURES, DayFigure
+from study.sweep.go import SweepProgress
+from study.sweep.plan import GridPoint
 from study.sweep.records import DayOutcome, DayRecord
 from study.sweep.statistics import (
     QUANTILES,
-    Estimate,
+    FigureEstimate,
     difference_of,
     mean_of,
     quantile_of,
@@ -29,10 +29,10 @@ from study.sweep.worker import replay_command
 class FigureRow:
     """One figure at one point: its mean, its quantiles by share, and by how much it differs from the first point."""
 
-    figure: Figure
-    mean: Estimate
-    quantiles: Mapping[float, Estimate]
-    less_first: Estimate
+    figure: DayFigure
+    mean: FigureEstimate
+    quantiles: Mapping[float, FigureEstimate]
+    less_first: FigureEstimate
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -47,10 +47,10 @@ class FigureRow:
 class PointRow:
     """A point of the grid: its days by outcome, and its figures."""
 
-    point: Point
+    point: GridPoint
     days: int
     stopped_early: bool
-    outcomes: Mapping[DayOutcome, Estimate]
+    outcomes: Mapping[DayOutcome, FigureEstimate]
     counts: Mapping[DayOutcome, int]
     figures: Mapping[str, FigureRow]
 
@@ -78,8 +78,8 @@ class Effect:
 
     axis: str
     place: str
-    figure: Figure
-    less_first: Estimate
+    figure: DayFigure
+    less_first: FigureEstimate
 
 
 def value_of(record: DayRecord, name: str) -> float | None:
@@ -87,7 +87,7 @@ def value_of(record: DayRecord, name: str) -> float | None:
     return None if record.figures is None else FIGURES[name].of(record.figures)
 
 
-def point_rows(state: State) -> tuple[PointRow, ...]:
+def point_rows(state: SweepProgress) -> tuple[PointRow, ...]:
     """All points, in the order of the grid."""
     if not state.plan.points:
         return ()
@@ -95,7 +95,7 @@ def point_rows(state: State) -> tuple[PointRow, ...]:
     return tuple(_point_row(state, point, first) for point in state.plan.points)
 
 
-def _point_row(state: State, point: Point, first: Mapping[int, DayRecord]) -> PointRow:
+def _point_row(state: SweepProgress, point: GridPoint, first: Mapping[int, DayRecord]) -> PointRow:
     confidence = state.plan.confidence
     records = state.counted(point)
     counts = Counter(record.outcome for record in records)
@@ -123,7 +123,7 @@ def _point_row(state: State, point: Point, first: Mapping[int, DayRecord]) -> Po
     )
 
 
-def effects(state: State, name: str) -> tuple[Effect, ...]:
+def effects(state: SweepProgress, name: str) -> tuple[Effect, ...]:
     """What each place of each axis does to a figure; the first place of an axis is what it is compared with."""
     by_point = [
         {
@@ -152,7 +152,7 @@ def _mean_on(side: Sequence[Mapping[int, float]], index: int) -> float:
     return sum(days[index] for days in side) / len(side)
 
 
-def summary_of(state: State, out: Path) -> dict[str, Any]:
+def summary_of(state: SweepProgress, out: Path) -> dict[str, Any]:
     """All of a sweep for JSON; `cpu_s` and `wall_s` are of the days run now, all processes together."""
     plan = state.plan
     return {
@@ -180,7 +180,7 @@ def summary_of(state: State, out: Path) -> dict[str, Any]:
     }
 
 
-def days_csv(state: State) -> str:
+def days_csv(state: SweepProgress) -> str:
     """A row a day that counts, by point and seed: the same text wherever the days were run."""
     axes = [axis.name for axis in state.plan.axes]
     head = ("point", *axes, "index", "seed", "outcome", *FIGURES, "digest", "again", "why", "replay")

@@ -21,9 +21,9 @@ import msgspec
 import psutil
 
 from host.scratch import scratch
-from study.run.run import TEMPORARY, CarrierKind
-from study.scenario.scenario import Scenario
-from study.sweep.day import Warm, run_day
+from scenario.scenario import Scenario
+from study.runner.run import TEMPORARY, CarrierKind
+from study.sweep.day import ProcessCache, run_day
 from study.sweep.digest import code_digest
 from study.sweep.kept import kept_day
 from study.sweep.point import point_id, scenario_of
@@ -48,7 +48,7 @@ class Task(msgspec.Struct, frozen=True):
     runner: str = RUNNER
 
 
-class Done(msgspec.Struct, frozen=True, tag=True):
+class FiledDay(msgspec.Struct, frozen=True, tag=True):
     """A day that is filed; how long it took, and what the process has taken of the machine at most."""
 
     record: DayRecord
@@ -59,7 +59,7 @@ class Done(msgspec.Struct, frozen=True, tag=True):
     where: str
 
 
-def run_task(task: Task) -> Done:
+def run_task(task: Task) -> FiledDay:
     """Run a day and file it. Raises InputError where this process does not see the client's directory."""
     check_shared(Path(task.out), task.token)
     began_s, began_cpu_s = time.perf_counter(), time.process_time()
@@ -67,7 +67,7 @@ def run_task(task: Task) -> Done:
     record = msgspec.structs.replace(record, tries=task.tries + record.tries, code=code_digest())
     write_day(Path(task.out), record)
     _tidy()
-    return Done(
+    return FiledDay(
         record,
         round(time.perf_counter() - began_s, 4),
         round(time.process_time() - began_cpu_s, 4),
@@ -77,14 +77,14 @@ def run_task(task: Task) -> Done:
     )
 
 
-def task_done(task: Task) -> Done:
+def task_done(task: Task) -> FiledDay:
     """Run a day and file it, or take it as it is if this code has filed it: who did was lost before it could say so."""
     out = Path(task.out)
     check_shared(out, task.token)
     record = filed_day(out, day_name(task.spec, task.index))
     if record is None or record.code != code_digest():
         return run_task(task)
-    return Done(record, 0.0, 0.0, 0, 0, f"pid {psutil.Process().pid}")
+    return FiledDay(record, 0.0, 0.0, 0, 0, f"pid {psutil.Process().pid}")
 
 
 def real_day(task: Task) -> DayRecord:
@@ -93,7 +93,8 @@ def real_day(task: Task) -> DayRecord:
     tries = 0
     while True:
         tries += 1
-        record = kept_day(task, warm) if task.keep else run_day(task.spec, task.index, warm)
+        day = task.spec, task.index
+        record = kept_day(*day, Path(task.out), task.keep, warm) if task.keep else run_day(*day, warm)
         if record.outcome is not DayOutcome.CRASHED or task.tries + tries > RETRIES:
             break
     record = msgspec.structs.replace(record, tries=tries)
@@ -136,7 +137,7 @@ def _keep_what_is_there() -> None:
 
 
 @cache
-def _warm() -> Warm:
+def _warm() -> ProcessCache:
     """What this process keeps from day to day; its folder is gone when the process ends."""
     stack = ExitStack()
     atexit.register(stack.close)
@@ -145,7 +146,7 @@ def _warm() -> Warm:
     def of(spec: DaySpec) -> Scenario:
         return scenario_of(spec, folder)
 
-    return stack.enter_context(Warm(of, replay_command))
+    return stack.enter_context(ProcessCache(of, replay_command))
 
 
 @cache

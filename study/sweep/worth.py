@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Final
 
 from study.sweep.figures import FIGURES
-from study.sweep.go import State
-from study.sweep.plan import Point
+from study.sweep.go import SweepProgress
+from study.sweep.plan import GridPoint
 from study.sweep.point import scenario_text
 from study.sweep.records import DayOutcome, DayRecord
 from study.sweep.store import write_whole
@@ -22,24 +22,24 @@ _WRONG: Final = (DayOutcome.CRASHED, DayOutcome.BROKEN, DayOutcome.DEADLOCK, Day
 
 
 @dataclass(frozen=True, slots=True)
-class Worth:
+class NotableDay:
     """A day, why it is shown, and the command that runs it again with its report."""
 
     why: str
-    point: Point
+    point: GridPoint
     record: DayRecord
     command: str
 
 
-def worth_looking_at(state: State, out: Path) -> tuple[Worth, ...]:
+def worth_looking_at(state: SweepProgress, out: Path) -> tuple[NotableDay, ...]:
     """The days, the gravest kind first; no day twice."""
-    found: list[Worth] = []
+    found: list[NotableDay] = []
     seen: set[tuple[int, int]] = set()
     for why, point, record in _all(state):
         if (point.number, record.index) in seen or len(found) >= DAYS_MAX:
             continue
         seen.add((point.number, record.index))
-        found.append(Worth(why, point, record, command_of(record, out)))
+        found.append(NotableDay(why, point, record, command_of(record, out)))
     return tuple(found)
 
 
@@ -49,7 +49,7 @@ def command_of(record: DayRecord, out: Path) -> str:
     return command if record.outcome is DayOutcome.GOOD else f"{command} --anyway"
 
 
-def write_replays(days: tuple[Worth, ...], out: Path) -> None:
+def write_replays(days: tuple[NotableDay, ...], out: Path) -> None:
     """The scenario files that the commands name."""
     (out / "replays").mkdir(exist_ok=True)
     for day in days:
@@ -58,7 +58,7 @@ def write_replays(days: tuple[Worth, ...], out: Path) -> None:
         write_whole(out / replay_name(spec), text.encode("utf-8"))
 
 
-def _all(state: State) -> Iterator[tuple[str, Point, DayRecord]]:
+def _all(state: SweepProgress) -> Iterator[tuple[str, GridPoint, DayRecord]]:
     points = state.plan.points
     days = {point.number: state.counted(point) for point in points}
     for point in points:

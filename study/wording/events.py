@@ -23,7 +23,7 @@ from wayside import said
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class EventWording:
     """How the report tells a type of event: under which kind, in which words, with which clauses where it has them."""
 
     kind: str
@@ -44,21 +44,23 @@ _AT_POINTS: Final = {
     "token": Phrase(", token {}", "、トークン {}"),
     **_WHY,
 }
-TOLD: Final[Mapping[EventType, Told]] = {
-    notes.Intervention: Told("intervention", Phrase("{level}", "{level}")),
-    notes.EmergencyReleased: Told(
+TOLD: Final[Mapping[EventType, EventWording]] = {
+    notes.Intervention: EventWording("intervention", Phrase("{level}", "{level}")),
+    notes.EmergencyReleased: EventWording(
         "intervention", Phrase("the driver has acknowledged the emergency stop", "非常停止を運転士が確認")
     ),
-    notes.RouteDenied: Told(
+    notes.RouteDenied: EventWording(
         "refusal", Phrase("route {route_id} refused{why}", "進路 {route_id} の要求を拒否された{why}"), _WHY
     ),
-    notes.ThrowDenied: Told(
+    notes.ThrowDenied: EventWording(
         "refusal",
         Phrase("points {points_id} refused{why}", "転てつ機 {points_id} の制御を拒否された{why}"),
         _WHY,
     ),
-    notes.SignOnDenied: Told("refusal", Phrase("sign-on refused{why}", "在線登録を拒否された{why}"), _WHY),
-    said.Refused: Told(
+    notes.SignOnDenied: EventWording(
+        "refusal", Phrase("sign-on refused{why}", "在線登録を拒否された{why}"), _WHY
+    ),
+    said.Refused: EventWording(
         "refusal",
         Phrase(
             "refused{unit_id}{section_ids}{token}{other_id}{why}",
@@ -66,7 +68,7 @@ TOLD: Final[Mapping[EventType, Told]] = {
         ),
         _OF_UNIT,
     ),
-    said.ThrowRefused: Told(
+    said.ThrowRefused: EventWording(
         "refusal",
         Phrase(
             "points {points_id} refused to {unit_id}{section_id}{token}{why}",
@@ -74,7 +76,7 @@ TOLD: Final[Mapping[EventType, Told]] = {
         ),
         _AT_POINTS,
     ),
-    said.Contradicted: Told(
+    said.Contradicted: EventWording(
         "contradiction",
         Phrase(
             "contradiction{unit_id}{section_ids}{token}{other_id}{why}",
@@ -82,17 +84,17 @@ TOLD: Final[Mapping[EventType, Told]] = {
         ),
         _OF_UNIT | {"unit_id": Phrase(" of {}", "{}の")},
     ),
-    events.FaultBegan: Told("fault", Phrase("{fault}", "{fault}")),
-    events.FaultOver: Told("fault over", Phrase("{fault}", "{fault}")),
-    events.Acted: Told("act", Phrase("{acted}", "{acted}")),
-    events.CameLate: Told(
+    events.FaultBegan: EventWording("fault", Phrase("{fault}", "{fault}")),
+    events.FaultOver: EventWording("fault over", Phrase("{fault}", "{fault}")),
+    events.Acted: EventWording("act", Phrase("{acted}", "{acted}")),
+    events.CameLate: EventWording(
         "late",
         Phrase(
             "{train} ({unit_id}) comes {late_s:.0f} s late to its portal",
             "{train}（{unit_id}）が線区端に {late_s:.0f} 秒遅れて到着",
         ),
     ),
-    events.DoorsHeld: Told(
+    events.DoorsHeld: EventWording(
         "doors",
         Phrase(
             "doors of {train} ({unit_id}) at {station} closed at {until}:"
@@ -100,63 +102,65 @@ TOLD: Final[Mapping[EventType, Told]] = {
             "{train}（{unit_id}）{station} の戸閉が {until}（客扱い {people_s:.0f} 秒、戸閉不良 {doors_s:.0f} 秒）",
         ),
     ),
-    notes.PositionFault: Told("fault", Phrase("position fault{why}", "位置検知異常{why}"), _WHY),
-    notes.PositionFound: Told("position found", Phrase("the position is known again", "位置が確定")),
-    notes.FoundElsewhere: Told(
+    notes.PositionFault: EventWording("fault", Phrase("position fault{why}", "位置検知異常{why}"), _WHY),
+    notes.PositionFound: EventWording("position found", Phrase("the position is known again", "位置が確定")),
+    notes.FoundElsewhere: EventWording(
         "fix refused",
         Phrase(
             "{reader} finds the train where it does not hold all sections",
             "{reader}の示す位置が確保区間の外のため棄却",
         ),
     ),
-    notes.FixTaken: Told(
+    notes.FixTaken: EventWording(
         "fix",
         Phrase(
             "{reader} taken after {after}: the position moved by {correction_m:+.2f} m",
             "{reader}による位置補正 {correction_m:+.2f} m（直前：{after}）",
         ),
     ),
-    notes.FixRefused: Told(
+    notes.FixRefused: EventWording(
         "fix refused", Phrase("{reader} misses the bounds", "{reader}の示す位置が誤差範囲の外のため棄却")
     ),
-    notes.FixMissed: Told(
+    notes.FixMissed: EventWording(
         "fix missed", Phrase("{reader} shows nothing where it should", "{reader}が検知すべき所で検知なし")
     ),
-    notes.ForeignTrack: Told(
+    notes.ForeignTrack: EventWording(
         "foreign track",
         Phrase(
             "{reader} sees a track that is not the map's", "{reader}の測定が地図と一致しない（異曲率区間）"
         ),
     ),
-    notes.StoppedShort: Told(
+    notes.StoppedShort: EventWording(
         "stop",
         Phrase("stands {short_m:.1f} m before its target{why}", "停止位置の {short_m:.1f} m 手前で停止{why}"),
         _WHY,
     ),
-    notes.StopImpossible: Told(
+    notes.StopImpossible: EventWording(
         "stop",
         Phrase("the stop at {station} cannot be made{why}", "{station} の停止位置に停止できない{why}"),
         _WHY,
     ),
-    notes.UnableToLeave: Told(
+    notes.UnableToLeave: EventWording(
         "unable to leave", Phrase("unable to leave {station}{why}", "{station} を出発できない{why}"), _WHY
     ),
-    notes.AbleToLeave: Told("able to leave", Phrase("able to leave {station}", "{station} を出発できる")),
-    notes.Overran: Told(
+    notes.AbleToLeave: EventWording(
+        "able to leave", Phrase("able to leave {station}", "{station} を出発できる")
+    ),
+    notes.Overran: EventWording(
         "stop",
         Phrase("stands {beyond_m:.2f} m beyond the mark", "停止目標を {beyond_m:.2f} m 行き過ぎて停止"),
     ),
-    events.Unsafe: Told("unsafe", Phrase("{unit_id} {how}", "{unit_id}{how}")),
-    events.Collision: Told("unsafe", Phrase("{text}", CHECKERS[Checker.SUMO_COLLISION])),
-    events.PointsForced: Told(
+    events.Unsafe: EventWording("unsafe", Phrase("{unit_id} {how}", "{unit_id}{how}")),
+    events.Collision: EventWording("unsafe", Phrase("{text}", CHECKERS[Checker.SUMO_COLLISION])),
+    events.PointsForced: EventWording(
         "unsafe", Phrase("points {points_id} were run through", "転てつ機 {points_id} の割出し")
     ),
-    TelegramDropped: Told(
+    TelegramDropped: EventWording(
         "telegram",
         Phrase("dropped by {receiver}{kind}{source}{why}", "{receiver}が電文を棄却{kind}{source}{why}"),
         {"kind": Phrase(": {}", "（{}）"), "source": Phrase(" of {}", "、送信元 {}"), **_WHY},
     ),
-    said.PointsUnproven: Told(
+    said.PointsUnproven: EventWording(
         "points",
         Phrase(
             "points {points_id} of {unit_id} not proven{section_id}{token}{why}",
@@ -164,11 +168,13 @@ TOLD: Final[Mapping[EventType, Told]] = {
         ),
         _AT_POINTS,
     ),
-    events.Reversed: Told("reversal", Phrase("{unit_id} changes ends", "{unit_id} が折返し（エンド交換）")),
-    events.Entered: Told(
+    events.Reversed: EventWording(
+        "reversal", Phrase("{unit_id} changes ends", "{unit_id} が折返し（エンド交換）")
+    ),
+    events.Entered: EventWording(
         "train", Phrase("{train} ({unit_id}) comes onto the line", "{train}（{unit_id}）が線区に進入")
     ),
-    events.Left: Told("train", Phrase("{unit_id} has left the line", "{unit_id} が線区から進出")),
+    events.Left: EventWording("train", Phrase("{unit_id} has left the line", "{unit_id} が線区から進出")),
 }
 
 
@@ -178,7 +184,7 @@ def event_text(event: Noted, names: Names) -> Phrase:
     return told.words.of(**{name: _part(told, name, value) for name, value in _values(event, names).items()})
 
 
-def _part(told: Told, name: str, value: object) -> object:
+def _part(told: EventWording, name: str, value: object) -> object:
     clause = told.clauses.get(name)
     if clause is None:
         return value

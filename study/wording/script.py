@@ -10,8 +10,8 @@ from network.clock import clock
 from network.files.raw import is_row
 from network.model import Position, TagPurpose
 from simulation.events import WORLD
-from simulation.faults.links import BOTH_WAYS, Link
-from simulation.faults.script import Act, ActKind, Expectation, Failure, Matcher, Property
+from simulation.faults.links import BOTH_WAYS, FaultyLink
+from simulation.faults.script import Act, ActKind, Expectation, Matcher, Property, ScriptedFault
 from study.wording.event_names import EVENT_NAMES
 from study.wording.parties import party
 from study.wording.phrase import NOTHING, Phrase, joined
@@ -156,7 +156,7 @@ def act_text(
     return Phrase(" ".join(filter(None, english)), f"{by}{name}" + (f"（{about}）" if about else ""))
 
 
-def item_text(item: Failure | Act) -> Phrase:
+def item_text(item: ScriptedFault | Act) -> Phrase:
     """A fault or an act of a script."""
     if isinstance(item, Act):
         return act_text(item.kind.value, item.person, item.target, item.sections, item.position)
@@ -215,13 +215,13 @@ def value_text(field: str, value: object) -> Phrase:
 
 
 def _target(target: object) -> str:
-    if isinstance(target, Link):
+    if isinstance(target, FaultyLink):
         arrow = "と" if target.both_ways else "から"
         last = "の間" if target.both_ways else "へ"
         return party(target.source).in_("ja") + arrow + party(target.destination).in_("ja") + last
     text = str(target)
     if BOTH_WAYS in text or "->" in text:
-        return _target(Link.parse(text))
+        return _target(FaultyLink.parse(text))
     return party(text).in_("ja")
 
 

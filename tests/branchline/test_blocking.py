@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from study.run.run import CarrierKind, Link, execute, write_run
-from study.scenario.scenario import load_scenario
+from scenario.scenario import load_scenario
+from study.runner.run import CarrierKind, PartyLink, execute, write_run
 
 
 def test_theory_needs_no_run(main: Callable[..., Any], tmp_path: Path) -> None:
@@ -29,7 +29,7 @@ def test_theory_needs_no_run(main: Callable[..., Any], tmp_path: Path) -> None:
 
 
 def test_a_run_directory_is_read_back_and_compared(main: Callable[..., Any], tmp_path: Path) -> None:
-    run = execute(load_scenario("rtri_test_line"), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    run = execute(load_scenario("rtri_test_line"), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
     write_run(run, tmp_path / "run")
     alone = main("blocking", str(tmp_path / "run"), "--json").figures()
     assert alone["of"] == "run"

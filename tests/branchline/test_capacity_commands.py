@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
+from scenario.scenario import load_scenario
 from study.report.headways import COLUMNS
-from study.run.run import CarrierKind, Link, execute, write_run
-from study.scenario.scenario import load_scenario
+from study.runner.run import CarrierKind, PartyLink, execute, write_run
 
 VALLEY = Path(__file__).parents[1] / "examples/line/valley_day.toml"
 COSTS = ("radio", "points", "localisation", "driving", "people", "charging")
@@ -46,7 +46,7 @@ def test_one_train_has_no_headway(main: Callable[..., Any], tmp_path: Path) -> N
 
 
 def test_a_run_directory_is_read_back(main: Callable[..., Any], tmp_path: Path) -> None:
-    run = execute(load_scenario(str(VALLEY)), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    run = execute(load_scenario(str(VALLEY)), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
     write_run(run, tmp_path / "run")
     told = main("headway", "run", "--json")
     assert told.code == 0, told.err

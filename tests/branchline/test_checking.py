@@ -12,8 +12,8 @@ import pytest
 
 from branchline.checking import _print_found  # pyright: ignore[reportPrivateUsage]
 from branchline.drilling import tell_of_plan
-from study.feasibility.finding import Feasibility, Finding, Kind, Severity
-from study.scenario.scenario import load_scenario
+from scenario.scenario import load_scenario
+from study.feasibility.finding import Feasibility, Finding, FindingKind, Severity
 
 LINE = Path(__file__).parents[1] / "examples/line"
 
@@ -64,14 +64,16 @@ def test_one_cause_is_told_once_and_other_causes_are_not_left_out(capfd: pytest.
     """30 trains on one leg that is too fast; a set that stays, and another at the same station; two tags that lack."""
 
     def finding(
-        kind: Kind, trains: tuple[str, ...], place: str, remedy: str, short_s: float | None
+        kind: FindingKind, trains: tuple[str, ...], place: str, remedy: str, short_s: float | None
     ) -> Finding:
         text = f"{' '.join(trains)} {place}"
         return Finding(kind, Severity.IMPOSSIBLE, trains, place, 36_000.0, text, remedy, short_s)
 
-    legs = [finding(Kind.LEG, (str(n),), "A-B", f"at {n}", 90.0) for n in range(30)]
-    stays = [finding(Kind.TERMINAL, (who, str(n)), "B", "another", None) for who in "XY" for n in range(3)]
-    tags = [finding(Kind.TAG, ("0", "1"), "B", f"a tag at km {km}", None) for km in (1, 2)]
+    legs = [finding(FindingKind.LEG, (str(n),), "A-B", f"at {n}", 90.0) for n in range(30)]
+    stays = [
+        finding(FindingKind.TERMINAL, (who, str(n)), "B", "another", None) for who in "XY" for n in range(3)
+    ]
+    tags = [finding(FindingKind.TAG, ("0", "1"), "B", f"a tag at km {km}", None) for km in (1, 2)]
     _print_found(Feasibility((), (*legs, *stays, *tags)), load_scenario("rtri_test_line").setup.line)
     lines = capfd.readouterr().out.splitlines()
     assert lines == [

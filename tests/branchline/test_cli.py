@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-import study.run.run
+import study.runner.run
 from host.parties import PartyError
 from study.outcome import Outcome
 
@@ -186,7 +186,7 @@ def test_a_signal_ends_it_with_a_word_and_nothing_half_written(
 
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "summary.json").write_text("the run before", "utf-8")
-    monkeypatch.setattr(study.run.run, moment, stopped)
+    monkeypatch.setattr(study.runner.run, moment, stopped)
     ended = main("run", "rtri_test_line", "--carrier", "plain", "--out", "run")
     assert (ended.code, ended.out) == (code, "")
     assert ended.err.splitlines()[-1] == "interrupted"
@@ -199,7 +199,7 @@ def test_a_failing_device_is_one_line(main: Callable[..., Any], monkeypatch: pyt
     def fail(*_: object, **__: object) -> None:
         raise PartyError("party OGN-W died")
 
-    monkeypatch.setattr(study.run.run, "execute", fail)
+    monkeypatch.setattr(study.runner.run, "execute", fail)
     ended = main("run", "rtri_test_line")
     assert (ended.code, ended.out, ended.err) == (3, "", "error: party OGN-W died\n")
 

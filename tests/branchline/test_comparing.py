@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
+from scenario.scenario import load_scenario
 from study.outcome import Outcome
-from study.run.run import CarrierKind, Link, execute, write_run
-from study.scenario.scenario import load_scenario
+from study.runner.run import CarrierKind, PartyLink, execute, write_run
 
 pytestmark = pytest.mark.system
 
@@ -22,7 +22,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Run directories one (seed 1), two (seed 2)."""
     folder = tmp_path_factory.mktemp("runs")
     for name, seed in (("one", 1), ("two", 2)):
-        run = execute(load_scenario("rtri_test_line", seed), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+        run = execute(load_scenario("rtri_test_line", seed), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
         write_run(run, folder / name)
     return folder
 

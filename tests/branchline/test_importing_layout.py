@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import Ended
-from tests.network.exchange.layouts import OSM, RAILML_2, RAILML_3
+from tests.exchange.layouts import OSM, RAILML_2, RAILML_3
 
 
 @pytest.mark.parametrize("text", [RAILML_2, RAILML_3], ids=["2.4", "3.2"])

@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from study.papers.reproduction import REPRODUCTIONS
-from study.run.drill import shipped_drills
-from study.scenario.schemas import KINDS
+from papers.reproduction import REPRODUCTIONS
+from scenario.schemas import KINDS
+from study.drilling.drill import shipped_drills
 
 
 @pytest.mark.parametrize(

@@ -9,14 +9,14 @@ from typing import Any
 
 import pytest
 
-from study.run.run import CarrierKind, Link, execute, write_run
-from study.scenario.scenario import load_scenario
+from scenario.scenario import load_scenario
+from study.runner.run import CarrierKind, PartyLink, execute, write_run
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("plotted") / "run"
-    write_run(execute(load_scenario("rtri_test_line"), Link.SIMULATED, carrier=CarrierKind.PLAIN), out)
+    write_run(execute(load_scenario("rtri_test_line"), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN), out)
     return out
 
 

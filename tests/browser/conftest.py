@@ -13,7 +13,7 @@ import pytest
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.timetable import load_timetable
-from study.report.data import Run
+from study.report.data import ReportedRun
 from study.report.report import write_report
 from tests.study.conftest import make_run
 from tests.study.report.many_trains import busy_day
@@ -45,7 +45,7 @@ def browser() -> Iterator[Any]:
         opened.close()
 
 
-def report_of(run: Run, folder: Path) -> Path:
+def report_of(run: ReportedRun, folder: Path) -> Path:
     """A report as a run writes it."""
     facts = {
         "scenario": "A day",
@@ -60,7 +60,7 @@ def weekday_report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """27 trains of a real line."""
     line = load_line(shipped_line("karasuyama"))
     timetable = load_timetable(shipped_timetable("karasuyama_weekday"), line)
-    run = Run(line, timetable, make_run(line, timetable))
+    run = ReportedRun(line, timetable, make_run(line, timetable))
     return report_of(run, tmp_path_factory.mktemp("weekday"))
 
 

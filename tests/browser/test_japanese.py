@@ -13,11 +13,11 @@ import pytest
 from study.compare.comparison import compare
 from study.compare.parts import parts_against
 from study.compare.side import of_run
+from study.drilling.drill import Drill, run_drill, shown
+from study.record.shown import shown_of
 from study.report.report import write_report
 from study.report.style import drawing
-from study.run.drill import Drill, run_drill, shown
-from study.run.run import Link
-from study.run.shown import shown_of
+from study.runner.run import PartyLink
 from tests.browser.test_report_in_chromium import PAPERS as EVERY_PAPER
 from tests.browser.test_report_in_chromium import opened, picture
 from tests.study.wording.test_wording import english_in
@@ -50,7 +50,7 @@ NAMES = re.compile(
 def drills() -> tuple[Drill, Drill]:
     """Two drills of one line with faults, acts, refusals and interventions."""
     found = [
-        run_drill(f"rtri/{name}", Link.SIMULATED)
+        run_drill(f"rtri/{name}", PartyLink.SIMULATED)
         for name in ("06_unit_manager_link", "09b_manager_power_by_hand")
     ]
     return found[0], found[1]

@@ -1,4 +1,4 @@
-"""docs/files.md is what the schemas say, and the schemas say something of every key."""
+"""The pages of files are what the schemas say, and the schemas say something of every key."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from typing import Any
 
 import pytest
 
-from documents.files import FILE, KINDS, UNIT_OF, document, tables_of
+from documents.files import UNIT_OF, pages, tables_of
 from network.errors import InputError
 from network.files.line_schema import LineFile
 from network.files.schema_walk import resolved
 from network.files.shipped import shipped_line
-from study.scenario import schemas
-from study.scenario.scenario import shipped_scenarios
-from study.scenario.scenario_file import ScenarioFile
-from study.scenario.schemas import other_keys, schema_of
+from scenario import schemas
+from scenario.scenario import shipped_scenarios
+from scenario.scenario_file import ScenarioFile
+from scenario.schemas import FILES, other_keys, schema_of
 from vehicle.train_file import TRAINS_FOLDER, _table_in_si
 
 # Faults, acts and expectations are types of their own: what their keys mean is said with each.
@@ -26,14 +26,17 @@ SCRIPT = ("[[fault]]", "[[act]]", "[[expect]]")
 
 
 def rows() -> Iterator[tuple[str, tuple[str, ...]]]:
-    for _, model, _ in KINDS:
-        for heading, _, found in tables_of(model):
+    for kind in FILES:
+        for heading, _, found in tables_of(kind.model.model_json_schema()):
             if not any(name in heading for name in SCRIPT):
-                yield from ((f"{model.__name__} {heading}", row) for row in found)
+                yield from ((f"{kind.model.__name__} {heading}", row) for row in found)
 
 
-def test_the_page_is_what_the_schemas_say() -> None:
-    assert FILE.read_text("utf-8") == document(), "make docs"
+def test_there_is_a_page_for_each_kind_of_file_and_it_is_what_the_schema_says() -> None:
+    made = dict(pages())
+    assert {file.stem for file in made} == {"files", "ranges", *(kind.name for kind in FILES)}
+    for file, text in made.items():
+        assert file.read_text("utf-8") == text, "make docs"
 
 
 def test_every_key_has_a_meaning() -> None:
@@ -110,7 +113,7 @@ def test_the_schemas_name_the_keys_of_the_shipped_files() -> None:
 
 
 def test_the_examples_of_the_readme_load(tmp_path: Path) -> None:
-    from study.scenario.scenario import load_scenario
+    from scenario.scenario import load_scenario
 
     readme = (Path(__file__).resolve().parents[2] / "README.md").read_text("utf-8")
     blocks = [part.partition("```")[0] for part in readme.split("```toml\n")[1:]]

@@ -10,16 +10,16 @@ from typing import get_args
 
 import pytest
 
-from documents.interlocking import Line, document, invariant_of, merged, table
-from documents.interlocking_defects import CAUGHT, Caught
+from documents.interlocking import TableLine, document, invariant_of, merged, table
+from documents.interlocking_defects import CAUGHT, GuardedRule
 from documents.interlocking_hazards import HAZARDS
 from onboard.authority import machine as authority
 from onboard.authority.records import Event as AuthorityEvent
 from onboard.duty import machine as duty
 from onboard.duty.records import Event as DutyEvent
-from radio.table import Row
+from radio.table import TableCell
 from simulation.judge.checkers import Checker
-from study.run.drill import shipped_drills
+from study.drilling.drill import shipped_drills
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -47,7 +47,9 @@ def test_the_document_names_no_place_of_a_machine() -> None:
 
 
 @pytest.mark.parametrize("table_rows", [duty.table_rows, authority.table_rows])
-def test_every_row_of_the_units_tables_says_what_happens(table_rows: Callable[[], tuple[Row, ...]]) -> None:
+def test_every_row_of_the_units_tables_says_what_happens(
+    table_rows: Callable[[], tuple[TableCell, ...]],
+) -> None:
     """And every event that a party can put to the machine is named by one."""
     rows = table_rows()
     assert all(re.fullmatch(r"[A-Z].*[.]", row.outcome, re.DOTALL) for row in rows)
@@ -56,8 +58,12 @@ def test_every_row_of_the_units_tables_says_what_happens(table_rows: Callable[[]
 
 
 def test_rows_with_the_same_outcome_are_one_line() -> None:
-    rows = (Row("free", "Go", "f", "x"), Row("busy", "Go", "g", "y"), Row("held", "Go", "f", "x"))
-    assert merged(rows) == (Line(("free", "held"), "Go", "x"), Line(("busy",), "Go", "y"))
+    rows = (
+        TableCell("free", "Go", "f", "x"),
+        TableCell("busy", "Go", "g", "y"),
+        TableCell("held", "Go", "f", "x"),
+    )
+    assert merged(rows) == (TableLine(("free", "held"), "Go", "x"), TableLine(("busy",), "Go", "y"))
 
 
 def test_a_cell_may_have_a_bar() -> None:
@@ -78,7 +84,7 @@ def test_hazards_name_what_exists(defects: ModuleType) -> None:
 
 
 @pytest.mark.parametrize("caught", CAUGHT, ids=[caught.rule for caught in CAUGHT])
-def test_a_rule_taken_away_names_its_module_and_a_test_that_exists(caught: Caught) -> None:
+def test_a_rule_taken_away_names_its_module_and_a_test_that_exists(caught: GuardedRule) -> None:
     importlib.import_module(caught.module)
     file, _, function = caught.test.partition("::")
     assert f"def {function}(" in (ROOT / "tests" / file).read_text()

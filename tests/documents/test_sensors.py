@@ -5,27 +5,25 @@ from __future__ import annotations
 import pytest
 
 from documents import sensors
-from documents.sensors import PAGES, document
-from onboard.localisation.table import READERS
+from documents.sensors import document
 from simulation.faults.table import KINDS
 from simulation.sensors.table import SENSORS
-from simulation.settings import Carried, Sensors
+from simulation.settings import PositionSensor, Sensors
 
 
 def test_every_sensor_reader_and_word_of_a_file_has_its_place() -> None:
     text = document()
-    assert set(PAGES) == {sensor.name for sensor in SENSORS}
-    assert {page.reader for page in PAGES.values()} == {"", *(reader.name for reader in READERS)}
-    assert {page.carried for page in PAGES.values()} - {None} == set(Carried)
-    assert all(f"## {page.title}" in text for page in PAGES.values())
-    modules = {sensor.function.__module__ for sensor in SENSORS}
-    assert all(f"`{kind.kind}`" in text for kind in KINDS if kind.__module__ in modules)
+    assert {sensor.carried for sensor in SENSORS} - {None} == set(PositionSensor)
+    assert all(f"## {sensor.title}" in text for sensor in SENSORS)
+    files = {sensor.function.__module__.rpartition(".")[2] for sensor in SENSORS}
+    of_sensors = [kind for kind in KINDS if kind.__module__.rpartition(".")[2] in files]
+    assert of_sensors and all(f"`{kind.kind}`" in text for kind in of_sensors)
     assert f"A default train carries: `{Sensors().carries[0]}`." in text
 
 
-def test_a_sensor_without_a_page_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sensors, "SENSORS", SENSORS[1:])
-    with pytest.raises(ValueError, match=SENSORS[0].name):
+def test_a_reader_that_no_sensor_names_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sensors, "SENSORS", SENSORS[:-1])
+    with pytest.raises(ValueError, match=SENSORS[-1].meant_by):
         document()
 
 

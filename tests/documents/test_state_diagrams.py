@@ -9,13 +9,13 @@ from documents.explored_unit import event_name, following, phase_name, steps
 from documents.state_diagrams import DIAGRAMS, diagram, drawn
 from onboard.authority import machine as authority
 from onboard.duty import machine as duty
-from onboard.duty.records import AtMark, Phase
-from radio.table import Row
+from onboard.duty.records import AtMark, DutyPhase
+from radio.table import TableCell
 from simulation.world import point_machine
 from wayside import block_manager, point_terminal
-from wayside.register import Standing
+from wayside.register import UnitStanding
 
-TABLES: dict[str, tuple[Row, ...]] = {
+TABLES: dict[str, tuple[TableCell, ...]] = {
     "Block manager": block_manager.table_rows(),
     "Point terminal": point_terminal.table_rows(),
     "Point machine": point_machine.table_rows(),
@@ -42,8 +42,8 @@ def test_every_arrow_of_the_duty_is_a_row_of_its_table() -> None:
 
 
 def test_every_phase_and_every_standing_is_drawn() -> None:
-    assert {phase.value for phase in Phase} <= names("On-board unit: duty")
-    assert {standing.value for standing in Standing} == names("Block manager")
+    assert {phase.value for phase in DutyPhase} <= names("On-board unit: duty")
+    assert {standing.value for standing in UnitStanding} == names("Block manager")
 
 
 def names(machine: str) -> set[str]:
@@ -52,7 +52,7 @@ def names(machine: str) -> set[str]:
 
 def test_a_row_switched_off_is_an_arrow_less(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "on_sight --> finished: AtMark" in drawn("On-board unit: duty")
-    table = {key: handler for key, handler in duty.TABLE.items() if key != (Phase.ON_SIGHT, AtMark)}
+    table = {key: handler for key, handler in duty.TABLE.items() if key != (DutyPhase.ON_SIGHT, AtMark)}
     monkeypatch.setattr(duty, "TABLE", table)
     assert "AtMark" not in drawn("On-board unit: duty")
 

@@ -9,10 +9,10 @@ import pytest
 
 from documents import second_loop, studies
 from network.clock import clock
+from scenario.scenario import load_scenario
 from simulation.settings import Interlocking
-from study.run.drill import find_drill
-from study.run.run import Link, execute
-from study.scenario.scenario import load_scenario
+from study.drilling.drill import find_drill
+from study.runner.run import PartyLink, execute
 from vehicle.train_file import load_train, shipped_train
 
 FILES = sorted(studies.FOLDER.glob("*/*.toml"))
@@ -80,7 +80,7 @@ def test_a_cut_cable_stops_a_centre_and_nothing_on_board() -> None:
     found: dict[Interlocking, tuple[int, float]] = {}
     for name in ("80_cable_cut_central", "80b_cable_cut_on_board"):
         scenario = load_scenario(find_drill(f"rtri/{name}"))
-        stops = execute(scenario, Link.SIMULATED).tables.stops
+        stops = execute(scenario, PartyLink.SIMULATED).tables.stops
         arrived = studies.arrived_within(stops, 36_001.0, 36_301.0)
         found[scenario.setup.operation.interlocking] = (
             arrived,
@@ -95,7 +95,7 @@ def test_a_cut_cable_stops_a_centre_and_nothing_on_board() -> None:
 @pytest.mark.system
 @pytest.mark.timeout(3600)
 def test_all_figures_are_those_of_the_pages(tmp_path: Path) -> None:
-    runs = studies.Runs(tmp_path)
+    runs = studies.StudyRuns(tmp_path)
     made = {name: studies.block_text(rows()) for name, rows in studies.THEORY.items()}
     made |= {name: studies.block_text(rows(runs)) for name, rows in studies.OF_RUNS.items()}
     for name, text in made.items():

@@ -1,7 +1,8 @@
-"""A clone of the project in which an example is made: its own files laid in, and rows written into tables."""
+"""A clone of the project in which an example is made as its recipe in docs/make-a.md says, and then checked."""
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 import re
@@ -11,23 +12,21 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from textwrap import indent
 from typing import Any
 
 import pytest
 
+from documents.structure import PACKAGES
+
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGES = (
-    "network",
-    "vehicle",
-    "radio",
-    "onboard",
-    "wayside",
-    "host",
-    "simulation",
-    "study",
-    "sumo_cfg",
-    "branchline",
-)
+COPIED = (*PACKAGES, "docs", "typings", "pyproject.toml", "Makefile", "README.md", "CHANGELOG.md")
+CODE = [package for package in PACKAGES if package != "tests"]
+# What a recipe says in a form that can be followed: a file that is laid in, and an entry of a table or class.
+FILE = re.compile(r"\[`([\w./]+)`\]\(\.\./(tests/examples/[\w./]+)\)")
+ENTRY = re.compile(r"```python\n# ([\w./]+), (in|before|at the end) ?(\w*)\n(.*?)```", re.DOTALL)
+# Pages that follow from what an example adds, as `make docs` writes them.
+PAGES = ("files", "faults", "sensors", "tables")
 
 
 def recipe(name: str) -> str:
@@ -58,6 +57,76 @@ class Clone:
         (self.root / place).write_text(text, "utf-8")
         self.touched.add(place)
 
+    def entry(self, place: str, where: str, name: str, text: str) -> None:
+        """Put text at the end of a table, class, file or returned call, or before a class; what it imports above."""
+        new = ast.parse(text).body
+        imports = [node for node in new if isinstance(node, ast.ImportFrom)]
+        rows = text.split("\n", imports[-1].end_lineno or 0)[-1].strip("\n") if imports else text.strip("\n")
+        lines = (self.root / place).read_text("utf-8").splitlines()
+        body = ast.parse("\n".join(lines)).body
+        if where == "at the end":
+            lines += ["", "", rows]
+        else:
+            into = next(node for node in body if _named(node) == name)
+            assert into.end_lineno is not None
+            if where == "before":
+                first = min([into.lineno, *(d.lineno for d in getattr(into, "decorator_list", ()))])
+                lines.insert(first - 1, f"{rows}\n\n")
+            elif isinstance(into, ast.ClassDef):
+                lines.insert(into.end_lineno, indent(rows, "    "))
+            else:
+                lines.insert(into.end_lineno - 1, f"{rows},")
+        top = next(
+            node.lineno for node in body if isinstance(node, ast.ImportFrom) and node.module != "__future__"
+        )
+        lines.insert(top - 1, "\n".join(ast.unparse(node) for node in imports))
+        (self.root / place).write_text("\n".join(lines) + "\n", "utf-8")
+        self.touched.add(place)
+
+    def follow(self, name: str) -> None:
+        """Do what a recipe says, to the word, and `make format` and `make docs` after it."""
+        text = recipe(name)
+        for place, file in FILE.findall(text):
+            self.add(ROOT / file, place)
+        for place, where, name_there, entry in ENTRY.findall(text):
+            self.entry(place, where, name_there, entry)
+        assert self.touched
+        self.tool("ruff", "format", *self.touched)
+        self.tool("ruff", "check", "--fix", "--no-cache", *self.touched)
+        for page in PAGES:
+            done = self.python("-m", f"documents.{page}")
+            assert done.returncode == 0, done.stderr
+
+    def tool(self, name: str, *arguments: str) -> None:
+        """Run a tool of `make check` there; it must have nothing to object to."""
+        done = subprocess.run(
+            [str(Path(sys.executable).with_name(name)), *arguments],
+            cwd=self.root,
+            env={**os.environ, "PYTHONPATH": str(self.root)},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+
+    def holds(self, *tests: str) -> None:
+        """What takes seconds of `make check`, and the tests of a part."""
+        self.tool("ruff", "format", "--check", "--no-cache", *PACKAGES)
+        self.tool("ruff", "check", "--no-cache", *PACKAGES)
+        for command in (
+            ("documents.structure",),
+            ("pytest", "-p", "no:cacheprovider", "-m", "not system", *tests),
+        ):
+            done = self.python("-m", *command)
+            assert done.returncode == 0, done.stdout + done.stderr
+
+    def checked(self) -> None:
+        """The rest of `make check`, which takes minutes."""
+        for name, arguments in (("mypy", ()), ("basedpyright", CODE)):
+            self.tool(name, *arguments)
+        done = self.python("-m", "documents.generated")
+        assert done.returncode == 0, done.stdout + done.stderr
+
     def python(self, *arguments: str) -> subprocess.CompletedProcess[str]:
         """Run Python there."""
         environment = {**os.environ, "PYTHONPATH": str(self.root), "NUMBA_DISABLE_JIT": "1"}
@@ -79,22 +148,25 @@ class Clone:
 
     def is_what_is_told(self, name: str) -> bool:
         """Whether the recipe names what was touched and no other file of the code."""
-        folders = "|".join(PACKAGES)
-        named = set(re.findall(rf"`((?:{folders})/[\w./<>]+\.py)`", recipe(name)))
-        return {_as_named(place, named) for place in self.touched} == named
+        code, text = rf"(?:{'|'.join(CODE)})/[\w./]+\.py", recipe(name)
+        return self.touched == {*re.findall(rf"`({code})`", text), *re.findall(rf"# ({code}), ", text)}
 
 
-def _as_named(place: str, named: set[str]) -> str:
-    """A file by the pattern `folder/<name>.py` where the recipe says it like that."""
-    pattern = f"{Path(place).parent}/<name>.py"
-    return pattern if place not in named and pattern in named else place
+def _named(node: ast.stmt) -> str:
+    """The name of a class or function, or of what is assigned."""
+    if isinstance(node, ast.ClassDef | ast.FunctionDef):
+        return node.name
+    return node.target.id if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) else ""
 
 
 @pytest.fixture
 def clone(tmp_path: Path) -> Callable[[], Clone]:
     def make() -> Clone:
-        for package in PACKAGES:
-            shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+        for name in COPIED:
+            if (ROOT / name).is_dir():
+                shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+            else:
+                shutil.copy(ROOT / name, tmp_path / name)
         return Clone(tmp_path)
 
     return make

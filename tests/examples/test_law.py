@@ -13,7 +13,6 @@ from onboard.driving.laws.hold_speed import HOLD_BAND_MPS
 
 HERE = Path(__file__).parent / "law"
 LINE_SPEED_MPS = 45.0 / 3.6
-TABLE = "onboard/driving/laws/table.py"
 
 
 def fastest_mps(out: Path) -> float:
@@ -23,16 +22,9 @@ def fastest_mps(out: Path) -> float:
 @pytest.mark.system
 def test_a_law_that_holds_half_the_limit(clone: Callable[[], Any]) -> None:
     made = clone()
-    made.add(HERE / "half_limit.py", "onboard/driving/laws/half_limit.py")
-    made.write(
-        TABLE,
-        (
-            "from onboard.driving.laws.follow_plan import FollowPlan, FollowPlanRow, follow_plan\n",
-            "from onboard.driving.laws.half_limit import HalfLimitRow, half_limit\n",
-        ),
-        ("Law(hold_speed, HoldSpeedRow)", ", Law(half_limit, HalfLimitRow)"),
-    )
+    made.follow("driving law")
     assert made.is_what_is_told("driving law")
+    made.holds("tests/documents/test_files.py")
     figures = made.run(HERE / "slow_day.toml")
     assert figures["trains_arrived"] == 1
     assert figures["invariants_broken"] == 0

@@ -16,30 +16,28 @@ import msgspec
 
 from host.device import DeviceHost
 from host.store import MemoryStore
-from onboard.authority.records import Ask
-from onboard.duty.records import (
-    Accepted as MayEnter,
-)
+from onboard.authority.records import RequestKind
 from onboard.duty.records import (
     AtMark,
     Begin,
     ChangeEnds,
+    DrivingOrder,
+    DutyPhase,
+    EntryAllowed,
     Finished,
-    How,
     Leave,
     LeftLine,
     Looked,
+    MarkRelation,
     NotAtMark,
     OffTheLine,
-    Order,
     Person,
-    Phase,
     PositionLost,
     Sensed,
     SetBack,
     Stopped,
     SwitchedOn,
-    TagPassed,
+    TagBelieved,
 )
 from onboard.unit import Report
 from radio.envelope import AGE_MAX_S
@@ -51,7 +49,7 @@ from wayside.config import (
     ReentryMode,
     TerminalConfig,
 )
-from wayside.register import Stage
+from wayside.register import ReentryStage
 from wayside.said import (
     Accepted,
     AcceptPicture,
@@ -120,7 +118,7 @@ class World:
                 self.known: set[str] = set()
                 self.restoring = note.epoch > 1
             if isinstance(note, PictureChanged):
-                self.restoring = note.stage != Stage.DEFINED.value
+                self.restoring = note.stage != ReentryStage.DEFINED.value
             if isinstance(note, Accepted | Outside | ConfirmedByHand):
                 self.known.add(note.unit_id)
             if isinstance(note, Granted):
@@ -138,23 +136,23 @@ class World:
         train.command, train.wake_at_s = answer.command, answer.wake_at_s
         train.notes += answer.notes
         orders = answer.command.orders
-        if Order.RELEASE in orders:
+        if DrivingOrder.RELEASE in orders:
             train.emergency = False
-        if Order.STOP in orders or Order.LOSE in orders:
+        if DrivingOrder.STOP in orders or DrivingOrder.LOSE in orders:
             train.emergency = True
-        train.known = train.known and Order.LOSE not in orders
+        train.known = train.known and DrivingOrder.LOSE not in orders
         if train.unit_id not in self.silent:
             self.flying += [(t.destination, t.data, self.now_s) for t in answer.telegrams]
         for told in answer.told:
             match told:
-                case MayEnter():
+                case EntryAllowed():
                     self.enter(train)
                 case Finished():
                     train.finished = True
                 case LeftLine():
                     train.may_leave = True
-        if (Order.STOP in orders or Order.LOSE in orders) and not stands:
-            self.tell(train, Stopped(How.SHORT, -1.0))  # brought to a stand where it is
+        if (DrivingOrder.STOP in orders or DrivingOrder.LOSE in orders) and not stands:
+            self.tell(train, Stopped(MarkRelation.SHORT, -1.0))  # brought to a stand where it is
 
     def enter(self, train: Train) -> None:
         """Through the portal, if the unit was accepted and nothing truly stands there."""
@@ -176,7 +174,7 @@ class World:
             train.where, train.plan, train.front, train.rear = Where.WAITING, PLANS[to], 0, 0
             train.known, train.finished, train.emergency = True, False, False
             self.tell(train, Begin(train.plan, signs_on=True))
-        elif train.finished and train.where is Where.ON_LINE and train.unit.state.phase is Phase.FINISHED:
+        elif train.finished and train.where is Where.ON_LINE and train.unit.state.phase is DutyPhase.FINISHED:
             train.finished = False
             if train.plan.spans[-1].section_id == "P9":
                 train.where = Where.LEAVING
@@ -203,13 +201,13 @@ class World:
             train.rear += 1
             target = train.command.target
             arrived = target is not None and train.plan.stops[target].span == train.front
-            then = Stopped(How.AT, 0.0) if arrived else Looked()
-            self.tell(train, TagPassed(train.tag, found=False), then, stands=arrived)
+            then = Stopped(MarkRelation.AT, 0.0) if arrived else Looked()
+            self.tell(train, TagBelieved(train.tag, found=False), then, stands=arrived)
         elif not train.command.on_sight and train.front + 1 < train.command.limit.joint:
             train.front += 1
             self.tell(train, Looked(), stands=False)
         elif not train.command.on_sight:  # at the end of what it holds, its mark yet to come
-            self.tell(train, Stopped(How.SHORT, -10.0))
+            self.tell(train, Stopped(MarkRelation.SHORT, -10.0))
 
     def look(self, train: Train) -> None:
         """Asked whether the whole train is at its mark, the driver says what is so."""
@@ -232,9 +230,9 @@ class World:
     def locate(self, unit_id: str) -> None:
         """A train that does not know where it is reads a tag."""
         train = self.units[unit_id]
-        if train.where is Where.ON_LINE and not train.known and train.unit.state.phase is not Phase.OFF:
+        if train.where is Where.ON_LINE and not train.known and train.unit.state.phase is not DutyPhase.OFF:
             train.known = True
-            self.tell(train, TagPassed(train.tag, found=True))
+            self.tell(train, TagBelieved(train.tag, found=True))
 
     def lose_position(self, unit_id: str) -> None:
         """A position fault: the emergency brake brings the train to a stand."""
@@ -244,7 +242,7 @@ class World:
             moves = train.command.drive
             self.tell(train, PositionLost(), stands=not moves)
             if moves:
-                self.tell(train, Stopped(How.AT, 0.0))
+                self.tell(train, Stopped(MarkRelation.AT, 0.0))
 
     def set_back(self, unit_id: str) -> None:
         """The crew sets back the route ahead."""
@@ -393,8 +391,8 @@ class World:
             self.flush()
         for unit_id, train in self.units.items():
             waits_for = train.command.waits_for
-            request = train.unit.state.authority.open(Ask.ROUTE) or train.unit.state.authority.open(
-                Ask.SIGN_ON
+            request = train.unit.state.authority.open(RequestKind.ROUTE) or train.unit.state.authority.open(
+                RequestKind.SIGN_ON
             )
             if request is None:
                 continue

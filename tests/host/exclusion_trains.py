@@ -8,15 +8,16 @@ from typing import Final
 
 from host.unit import UnitConfig, unit_of
 from network.model import SectionKind, TagPurpose
-from onboard.authority.records import Ask
-from onboard.duty.plan import Leg, Plan, Span, Stop, Tag
+from onboard.authority.records import RequestKind
+from onboard.duty.duty_step import DutyParameters
+from onboard.duty.plan import DutyPlan, PlanLeg, PlanStop, PlanTag, Span
 from onboard.duty.records import (
-    Command,
-    Place,
+    DrivingCommand,
+    PlaceInJoints,
 )
-from onboard.duty.turn import DutyParameters
 from onboard.notes import Note as UnitNote
-from onboard.unit import Unit
+from onboard.unit import OnboardUnit
+from radio.envelope import Endpoint
 from radio.keys import key_ring
 from wayside.config import (
     MANAGER_ID,
@@ -63,19 +64,19 @@ KINDS: Final = {
 }
 
 
-def plan(number: str, section_ids: tuple[str, ...], routes: tuple[str, ...]) -> Plan:
+def plan(number: str, section_ids: tuple[str, ...], routes: tuple[str, ...]) -> DutyPlan:
     """A way over the made-up line: it stops in its first section and at the end of each route.
 
     Each section has two tags: one is read when the front has come in, one when the whole train is in it.
     """
-    legs = tuple(Leg(r, ROUTES[r].from_section, ROUTES[r].section_ids) for r in routes)
+    legs = tuple(PlanLeg(r, ROUTES[r].from_section, ROUTES[r].section_ids) for r in routes)
     stops = [0, *(section_ids.index(leg.section_ids[-1]) for leg in legs)]
-    return Plan(
+    return DutyPlan(
         number=number,
         direction="down" if section_ids[0] == "P0" else "up",
         spans=tuple(Span(s, KINDS.get(s, SectionKind.TRACK), (), s, 0.0) for s in section_ids),
         legs=legs,
-        stops=tuple(Stop(section_ids[i], True, i, i, None, None) for i in stops),
+        stops=tuple(PlanStop(section_ids[i], True, i, i, None, None) for i in stops),
         tags=tuple(tag for i, s in enumerate(section_ids) for tag in _tags_of(i, s)),
         end_piece=section_ids[-1],
         end_kilometrage_m=100.0,
@@ -83,11 +84,11 @@ def plan(number: str, section_ids: tuple[str, ...], routes: tuple[str, ...]) -> 
     )
 
 
-def _tags_of(span: int, section_id: str) -> tuple[Tag, Tag]:
+def _tags_of(span: int, section_id: str) -> tuple[PlanTag, PlanTag]:
     arrives = KINDS.get(section_id, SectionKind.TRACK) in (SectionKind.TRACK, SectionKind.PORTAL)
     within = TagPurpose.ARRIVAL if arrives else TagPurpose.POSITION
-    first = Tag(2 * span, TagPurpose.POSITION, span + 1, max(span - 1, 0))
-    return first, Tag(2 * span + 1, within, span + 1, span)
+    first = PlanTag(2 * span, TagPurpose.POSITION, span + 1, max(span - 1, 0))
+    return first, PlanTag(2 * span + 1, within, span + 1, span)
 
 
 PLANS: Final = MappingProxyType(
@@ -122,7 +123,7 @@ class Train:
         self.emergency = False
         self.finished = False
         self.may_leave = False
-        self.command = Command()
+        self.command = DrivingCommand()
         self.wake_at_s: float | None = None
         self.notes: list[UnitNote] = []
         self.boot()
@@ -130,8 +131,9 @@ class Train:
     def boot(self) -> None:
         self.epoch += 1
         config = UnitConfig("line", self.unit_id, MANAGER_ID, TIMES)
-        self.unit: Unit = unit_of(config, key_ring(MASTER, self.unit_id, [MANAGER_ID]), self.epoch)
-        self.command, self.wake_at_s = Command(), None
+        keys = key_ring(MASTER, self.unit_id, [MANAGER_ID])
+        self.unit: OnboardUnit = unit_of(config, Endpoint(keys, self.epoch))
+        self.command, self.wake_at_s = DrivingCommand(), None
         self.may_leave = False
 
     @property
@@ -150,7 +152,7 @@ class Train:
     def knows(self) -> bool:
         """Whether it knows what it holds: a unit that was switched on again does not before it is told."""
         authority = self.unit.state.authority
-        sign_on = authority.open(Ask.SIGN_ON)
+        sign_on = authority.open(RequestKind.SIGN_ON)
         return (
             authority.on_line
             or authority.leaving
@@ -163,14 +165,14 @@ class Train:
             return self.physical
         return frozenset(self.unit.state.authority.held)
 
-    def place(self, *, stands: bool = True) -> Place:
+    def place(self, *, stands: bool = True) -> PlaceInJoints:
         """By its localisation, which is exact where it knows anything."""
         if not self.known:
-            return Place(stands=stands, emergency=self.emergency)
+            return PlaceInJoints(stands=stands, emergency=self.emergency)
         within = self.rear == self.front
         stops = [stop.span for stop in self.plan.stops]
         passed = [i for i, at in enumerate(stops) if at < self.front + within]
-        return Place(
+        return PlaceInJoints(
             known=True,
             stands=stands,
             emergency=self.emergency,

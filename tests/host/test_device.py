@@ -10,7 +10,7 @@ import pytest
 
 from host.device import DeviceHost
 from host.devices import DeviceAdvance
-from host.store import Durable, FileStore, MemoryStore, Store
+from host.store import Durable, FileStore, MemoryStore, PartyStore
 from network.errors import InputError
 from network.model import Position
 from radio.envelope import Endpoint, Received
@@ -40,7 +40,7 @@ from wayside.config import (
     decode_config,
     encode_config,
 )
-from wayside.point_terminal import Commitment, Memory
+from wayside.point_terminal import Commitment, TerminalMemory
 from wayside.said import (
     BoundaryPassed,
     ConfirmHolding,
@@ -65,11 +65,11 @@ MANAGER = ManagerConfig(
 TERMINAL = TerminalConfig("line", "t", (PointsEntry("p", "S", 8.0),))
 
 
-def manager(store: Store | None = None) -> DeviceHost:
+def manager(store: PartyStore | None = None) -> DeviceHost:
     return DeviceHost(MANAGER, key_ring(MASTER, MANAGER_ID, ["u1"], ["t"]), store or MemoryStore())
 
 
-def terminal(store: Store | None = None) -> DeviceHost:
+def terminal(store: PartyStore | None = None) -> DeviceHost:
     return DeviceHost(TERMINAL, key_ring(MASTER, "t", ["u1"], ["t"]), store or MemoryStore())
 
 
@@ -143,8 +143,8 @@ def test_a_terminal_remembers_its_tokens_over_a_power_cut() -> None:
     train, store = unit(), MemoryStore()
     grant = granted(train)
     terminal(store).advance(1.0, [train.seal("t", command(grant), 1.0)])
-    expected = Memory({"S": grant.token}, {"p": Commitment("u1", Position.REVERSE, grant.token)})
-    assert msgspec.msgpack.decode(store.load().vital, type=Memory) == expected
+    expected = TerminalMemory({"S": grant.token}, {"p": Commitment("u1", Position.REVERSE, grant.token)})
+    assert msgspec.msgpack.decode(store.load().vital, type=TerminalMemory) == expected
     again = terminal(store)
     found = again.advance(2.0, [], [PointsDetected("p", Position.REVERSE, True)])
     assert isinstance(heard(train, found, 2.0)[0], PointsProof)
@@ -231,16 +231,16 @@ def test_a_ledger_that_cannot_be_read_is_a_lost_one_and_a_memory_is_no_start() -
         terminal(store)
 
 
-def remembered(store: Store) -> tuple[tuple[str, ...], tuple[str, ...], dict[str, int]]:
+def remembered(store: PartyStore) -> tuple[tuple[str, ...], tuple[str, ...], dict[str, int]]:
     kept = tuple[tuple[str, ...], tuple[str, ...], dict[str, int]]
     return msgspec.msgpack.decode(store.load().spare or b"\xc0", type=kept)
 
 
-def ledger(store: Store) -> tuple[str, ...]:
+def ledger(store: PartyStore) -> tuple[str, ...]:
     return remembered(store)[0]
 
 
-def unswept(store: Store) -> tuple[str, ...]:
+def unswept(store: PartyStore) -> tuple[str, ...]:
     return remembered(store)[1]
 
 

@@ -21,8 +21,8 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 from onboard.authority.letters import _READERS, Letters
 from onboard.authority.records import Authority, Event
 from onboard.authority.stop_limit import cleared_sections
-from onboard.duty import turn as duty_turn
-from onboard.duty.plan import Plan
+from onboard.duty import duty_step
+from onboard.duty.plan import DutyPlan
 from onboard.notes import Agreed, GaveBack, Mismatch, Resumed, RouteHeld, UnitRestarted
 from onboard.notes import SignedOff as UnitSignedOff
 from radio.envelope import Received
@@ -289,10 +289,10 @@ def enters_on_any_acceptance(patch: pytest.MonkeyPatch) -> None:
 def releases_where_it_stands(patch: pytest.MonkeyPatch) -> None:
     """Gives back one section too many behind the rear."""
 
-    def too_many(way: Plan, state: Authority, clear: int) -> tuple[str, ...]:
+    def too_many(way: DutyPlan, state: Authority, clear: int) -> tuple[str, ...]:
         return cleared_sections(way, state, clear + 1)
 
-    patch.setattr(duty_turn, "cleared_sections", too_many)
+    patch.setattr(duty_step, "cleared_sections", too_many)
 
 
 @pytest.mark.parametrize(

@@ -149,9 +149,11 @@ def reversed_question(
 
 def renumbered(heard: Sequence[Tagged]) -> tuple[Tagged, ...]:
     """Their tags with the number of the round after; the codes stay."""
-    tags = [msgspec.msgpack.decode(telegram.tag, type=host.lockstep.Tag) for telegram in heard]
+    tags = [msgspec.msgpack.decode(telegram.tag, type=host.lockstep.RoundTag) for telegram in heard]
     return tuple(
-        msgspec.structs.replace(telegram, tag=msgspec.msgpack.encode(host.lockstep.Tag(2, t.place, t.code)))
+        msgspec.structs.replace(
+            telegram, tag=msgspec.msgpack.encode(host.lockstep.RoundTag(2, t.place, t.code))
+        )
         for telegram, t in zip(heard, tags, strict=True)
     )
 

@@ -8,16 +8,16 @@ import pytest
 
 from host.store import MemoryStore, commission
 from host.unit import HostedUnit, UnitConfig
-from onboard.authority.records import Ask, Authority, Request
-from onboard.duty.records import DutyState, Place
-from onboard.duty.turn import DutyParameters
+from onboard.authority.records import Authority, OpenRequest, RequestKind
+from onboard.duty.duty_step import DutyParameters
+from onboard.duty.records import DutyState, PlaceInJoints
 from onboard.unit import Report
 from radio.envelope import Endpoint, Received
 from radio.keys import key_ring
 from radio.messages import AnyMessage, Claim, ClaimQuery
 
 CONFIG: Final = UnitConfig("line", "u1", "block-manager", DutyParameters(20.0, 45.0, 30.0))
-SANE, MAD = Report(Place()), Report(Place(), claims_besides=("X",))
+SANE, MAD = Report(PlaceInJoints()), Report(PlaceInJoints(), claims_besides=("X",))
 STANDING: Final = Authority(held=("C",), on_line=True)
 
 
@@ -51,7 +51,10 @@ def test_it_claims_unasked_as_that_begins_then_when_asked_until_it_is_over(
 
 @pytest.mark.parametrize(
     "authority",
-    [Authority(unsure=True), Authority(requests=(Request(Ask.SIGN_ON, section_ids=None, sent=True),))],
+    [
+        Authority(unsure=True),
+        Authority(requests=(OpenRequest(RequestKind.SIGN_ON, section_ids=None, sent=True),)),
+    ],
 )
 def test_where_it_does_not_know_what_it_holds_it_tells_no_lie_of_where_its_train_stands(
     authority: Authority,
@@ -63,4 +66,4 @@ def test_where_it_does_not_know_what_it_holds_it_tells_no_lie_of_where_its_train
 
 def test_what_it_holds_anyway_it_claims_once() -> None:
     cab = Cab(STANDING)
-    assert cab.says(Report(Place(), claims_besides=("C",))) == [Claim(("C",), 0)]
+    assert cab.says(Report(PlaceInJoints(), claims_besides=("C",))) == [Claim(("C",), 0)]

@@ -14,7 +14,7 @@ from host.store import (
     FileStore,
     MemoryStore,
     NotCommissioned,
-    Store,
+    PartyStore,
     commission,
     commissioned,
     raise_epoch,
@@ -54,7 +54,7 @@ def test_it_is_on_the_disk_before_it_takes_the_place_of_the_old_one(
 
 @pytest.mark.parametrize("on_disk", [False, True])
 def test_every_boot_is_kept_before_anything_is_said_under_it(tmp_path: Path, on_disk: bool) -> None:
-    store: Store = FileStore(tmp_path / "durable") if on_disk else MemoryStore()
+    store: PartyStore = FileStore(tmp_path / "durable") if on_disk else MemoryStore()
     for epoch in (1, 2, 3):
         assert raise_epoch(store).epoch == epoch
         assert store.load().epoch == epoch
@@ -96,7 +96,7 @@ def test_a_damaged_spare_is_a_lost_one(tmp_path: Path, damage: Callable[[bytes],
 
 @pytest.mark.parametrize("on_disk", [False, True])
 def test_a_store_is_blank_until_people_commission_it(tmp_path: Path, on_disk: bool) -> None:
-    store: Store = FileStore(tmp_path / "durable") if on_disk else MemoryStore()
+    store: PartyStore = FileStore(tmp_path / "durable") if on_disk else MemoryStore()
     with pytest.raises(NotCommissioned, match="people must commission it"):
         commissioned(store, "point terminal t")
     commission(store)

@@ -9,10 +9,10 @@ import pytest
 from host.store import Durable, MemoryStore, commission
 from host.unit import HostedUnit, UnitConfig
 from onboard.authority import machine, sign_on
-from onboard.authority.records import Ask, Authority, Queried, Request
-from onboard.authority.tables import Standing
-from onboard.duty.records import DutyState, Place
-from onboard.duty.turn import DutyParameters
+from onboard.authority.records import Authority, OpenRequest, QueryHeard, RequestKind
+from onboard.authority.tables import SignOnStanding
+from onboard.duty.duty_step import DutyParameters
+from onboard.duty.records import DutyState, PlaceInJoints
 from onboard.unit import Report
 from radio.envelope import Endpoint, Received
 from radio.keys import key_ring
@@ -20,7 +20,7 @@ from radio.messages import AnyMessage, Claim, ClaimQuery
 
 MASTER: Final = b"m" * 32
 CONFIG: Final = UnitConfig("line", "u1", "block-manager", DutyParameters(20.0, 45.0, 30.0))
-NOWHERE: Final = Report(Place())
+NOWHERE: Final = Report(PlaceInJoints())
 
 
 class Cab:
@@ -54,10 +54,10 @@ class Cab:
     ("authority", "on_line"),
     [
         (Authority(held=("C",), on_line=True), True),
-        (Authority(held=("C",), requests=(Request(Ask.SIGN_ON, section_ids=("C",)),)), True),
-        (Authority(requests=(Request(Ask.SIGN_ON, section_ids=None),)), True),
-        (Authority(held=("P",), on_line=True, requests=(Request(Ask.SIGN_OFF),)), True),
-        (Authority(entering=True, requests=(Request(Ask.SIGN_ON, section_ids=("P",)),)), False),
+        (Authority(held=("C",), requests=(OpenRequest(RequestKind.SIGN_ON, section_ids=("C",)),)), True),
+        (Authority(requests=(OpenRequest(RequestKind.SIGN_ON, section_ids=None),)), True),
+        (Authority(held=("P",), on_line=True, requests=(OpenRequest(RequestKind.SIGN_OFF),)), True),
+        (Authority(entering=True, requests=(OpenRequest(RequestKind.SIGN_ON, section_ids=("P",)),)), False),
         (Authority(), False),
     ],
 )
@@ -108,7 +108,7 @@ def test_commissioned_again_it_may_be_on_the_line() -> None:
 
 
 def test_without_that_answer_it_would_say_that_it_holds_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    table = {**machine.TABLE, (Standing.OFF_LINE, Queried): sign_on.queried}
+    table = {**machine.TABLE, (SignOnStanding.OFF_LINE, QueryHeard): sign_on.queried}
     monkeypatch.setattr(machine, "TABLE", table)
     cab = Cab()
     cab.becomes(Authority(held=("C",), on_line=True))

@@ -10,7 +10,16 @@ from dataclasses import dataclass, field
 
 from onboard.authority import machine as authority
 from onboard.authority.letters import Letters
-from onboard.authority.records import Authority, BeginOnLine, Commit, Event, Renew, Send, SendClaim, Take
+from onboard.authority.records import (
+    Authority,
+    BeginOnLine,
+    Commit,
+    Event,
+    Renew,
+    SendClaim,
+    SendRequest,
+    Take,
+)
 from radio.envelope import Received
 from radio.messages import (
     AnyMessage,
@@ -22,7 +31,7 @@ from radio.messages import (
 )
 from wayside import actions, block_manager
 from wayside.config import ManagerConfig, RouteEntry, SectionEntry
-from wayside.register import Register, Standing, start
+from wayside.register import Register, UnitStanding, start
 
 CONFIG = ManagerConfig(
     "line",
@@ -49,7 +58,7 @@ class Radio:
         for action in done:
             if isinstance(action, Renew | Commit | Take):
                 self.letters.keep(action)
-            elif isinstance(action, Send | SendClaim):
+            elif isinstance(action, SendRequest | SendClaim):
                 letter = self.letters.write(action)
                 self.said.append(letter.message)
                 for answer in self.tell_manager("u3", letter.message, letter.correlation):
@@ -69,7 +78,7 @@ class Radio:
     def ask_all(self) -> None:
         """The manager asks whoever blocks the line."""
         self.now_s += 10.0
-        self.register, done = block_manager.step(self.register, block_manager.Ask(), self.now_s)
+        self.register, done = block_manager.step(self.register, block_manager.AskUnits(), self.now_s)
         for action in done:
             if isinstance(action, actions.Send) and action.destination == "u3":
                 heard = Received(
@@ -93,7 +102,7 @@ def test_who_waits_to_enter_holds_nothing() -> None:
     assert not any(isinstance(message, Claim) and message.section_ids for message in radio.said)
     assert radio.state.held == ()
     assert radio.register.holders == {}
-    assert radio.register.unit("u3").standing is Standing.OUTSIDE
+    assert radio.register.unit("u3").standing is UnitStanding.OUTSIDE
 
 
 def test_the_train_that_stands_there_is_then_accepted() -> None:
@@ -103,7 +112,7 @@ def test_the_train_that_stands_there_is_then_accepted() -> None:
     assert isinstance(answer.message, SignOnAccepted)
     assert answer.message.section_ids == ("P0",)
     assert radio.register.holders == {"P0": "u1"}
-    assert radio.register.unit("u1").standing is Standing.REPORTED
+    assert radio.register.unit("u1").standing is UnitStanding.REPORTED
 
 
 def test_a_wish_told_as_a_fact_shuts_it_out() -> None:
@@ -113,4 +122,4 @@ def test_a_wish_told_as_a_fact_shuts_it_out() -> None:
     assert Claim(("P0",), 0) in radio.said
     (answer,) = radio.tell_manager("u1", Claim(("P0",), 0), 9)
     assert answer.message == SignOnRefused(RefusalReason.HELD, "P0", "u3")
-    assert radio.register.unit("u1").standing is Standing.DISPUTED
+    assert radio.register.unit("u1").standing is UnitStanding.DISPUTED

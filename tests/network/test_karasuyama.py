@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from network.alignment import positions
-from network.exchange.geometry import (
+from exchange.geometry import (
     curve_speed_kmh,
     equilibrium_cant_mm,
 )
+from network.alignment import positions
 from network.files.line_file import load_line, validate_train_fits
 from network.files.shipped import shipped_line, shipped_timetable
 from network.graph import find_route

@@ -19,7 +19,7 @@ from onboard.driving.stopping import WAVE
 from onboard.driving.tasc import DESIGN, TASC
 from onboard.driving.tuning import Learned
 from onboard.duty.mission import Mission, plan_mission
-from onboard.duty.records import Phase
+from onboard.duty.records import DutyPhase
 from onboard.records import BEHAVIOUR, EVENT_MOVING, MODE_DRIVE, UNIT, BehaviourRow, UnitRow
 from radio.messages import (
     HoldingConfirmed,
@@ -174,9 +174,9 @@ def bench(switched_off: Bench) -> Bench:
     bench = switched_off
     bench.begin()
     assert bench.said == [SignOn(UNIT_ID, ("3",))]
-    assert bench.phase is Phase.SIGNING_ON
+    assert bench.phase is DutyPhase.SIGNING_ON
     bench.hear(MANAGER, SignOnAccepted(("3",), 10, None, ()))
-    assert bench.phase is Phase.STANDING
+    assert bench.phase is DutyPhase.STANDING
     return bench
 
 
@@ -199,7 +199,7 @@ def running(granted: Bench) -> Bench:
     assert granted.wake_at_s == DEPARTURE_S
     granted.at(DEPARTURE_S)
     assert "departs" in granted.notes
-    assert granted.phase is Phase.RUNNING
+    assert granted.phase is DutyPhase.RUNNING
     granted.row.speed_mps = 10.0
     granted.ticked(EVENT_MOVING)
     assert granted.notes == ["moving"]

@@ -12,10 +12,10 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from onboard import ability
-from onboard.ability import Ability, Means, Way, too_steep, why_not
+from onboard.ability import Ability, Means, WayAhead, too_steep, why_not
 from onboard.charge import ChargeWatch
 from onboard.duty.mission import Mission
-from onboard.duty.records import Command, Looked, VehicleChecked
+from onboard.duty.records import DrivingCommand, Looked, VehicleChecked
 from onboard.duty.unable import TooSteep
 from onboard.records import MODE_DRIVE, MODE_HOLD, BehaviourRow
 from onboard.vehicle import IN_ORDER
@@ -26,14 +26,14 @@ STEEP = 35.0
 
 
 @pytest.fixture
-def way(mission: Mission) -> Way:
+def way(mission: Mission) -> WayAhead:
     return up(mission, STEEP)
 
 
-def up(mission: Mission, permille: float) -> Way:
+def up(mission: Mission, permille: float) -> WayAhead:
     metres = math.ceil(mission.path.length_m) + 2
     climb_m: NDArray[np.float64] = np.arange(metres) * permille * 1e-3
-    return Way(mission, 0, mission.targets[0].mark_m, climb_m, np.full(metres, 18.0))
+    return WayAhead(mission, 0, mission.targets[0].mark_m, climb_m, np.full(metres, 18.0))
 
 
 @pytest.fixture
@@ -46,13 +46,13 @@ def with_(means: Means, motors_share: float = 1.0, adhesion_factor: float = 1.0)
     return Means(means.train, means.behaviour, means.load_share, vehicle, adhesion_factor)
 
 
-def test_with_all_its_motors_on_a_dry_rail_it_gets_there(way: Way, means: Means) -> None:
+def test_with_all_its_motors_on_a_dry_rail_it_gets_there(way: WayAhead, means: Means) -> None:
     assert why_not(way, means) is None
 
 
 @pytest.mark.parametrize(("motors_share", "adhesion_factor"), [(0.5, 1.0), (1.0, 0.2)])
 def test_it_says_where_it_would_stall_and_what_is_missing(
-    way: Way, means: Means, motors_share: float, adhesion_factor: float
+    way: WayAhead, means: Means, motors_share: float, adhesion_factor: float
 ) -> None:
     why = too_steep(way, with_(means, motors_share, adhesion_factor))
     assert isinstance(why, TooSteep)
@@ -66,18 +66,18 @@ def test_it_says_where_it_would_stall_and_what_is_missing(
     assert ("of the dry rail's adhesion" in why.words) is (adhesion_factor < 1.0)
 
 
-def test_at_its_last_stop_nothing_is_ahead(way: Way, means: Means) -> None:
+def test_at_its_last_stop_nothing_is_ahead(way: WayAhead, means: Means) -> None:
     end = len(way.mission.targets) - 1
-    last = Way(way.mission, end, way.mission.targets[end].mark_m, way.climb_m, way.limit_mps)
+    last = WayAhead(way.mission, end, way.mission.targets[end].mark_m, way.climb_m, way.limit_mps)
     assert why_not(last, with_(means, 0.0)) is None
 
 
 def test_it_looks_again_only_where_something_has_changed(
-    mission: Mission, way: Way, means: Means, monkeypatch: pytest.MonkeyPatch
+    mission: Mission, way: WayAhead, means: Means, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    looks: list[Way] = []
+    looks: list[WayAhead] = []
 
-    def counted(there: Way, has: Means) -> TooSteep | None:
+    def counted(there: WayAhead, has: Means) -> TooSteep | None:
         looks.append(there)
         return too_steep(there, has)
 
@@ -139,7 +139,7 @@ class Pantograph:
 def test_on_sight_at_a_stop_it_is_held_while_its_pantograph_is_up(granted: Bench) -> None:
     motion, watch = granted.motion, Pantograph(connected=True)
     motion.charge = cast("ChargeWatch", watch)
-    command = Command(drive=True, on_sight=True, stands_at=0)
+    command = DrivingCommand(drive=True, on_sight=True, stands_at=0)
     motion.obey(command, granted.now_s)
     assert granted.row.mode == MODE_HOLD and watch.asked == [0]
     watch.connected = False

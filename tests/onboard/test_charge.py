@@ -13,7 +13,7 @@ from network.timetable import load_timetable
 from onboard.charge import ChargeRules, ChargeWatch
 from onboard.duty.mission import Mission
 from onboard.duty.unable import NoCharge
-from onboard.reach import Hop, Reach, SetWays, charger_at, to_next_charge
+from onboard.reach import BatteryHop, Reach, SetWays, charger_at, to_next_charge
 from simulation.world.roster import draw_up
 
 KWH = 3.6e6
@@ -55,13 +55,13 @@ def missions() -> tuple[Mission, Mission]:
 
 def ways() -> SetWays:
     """Every hop takes 5 kWh, every stand 1 kWh."""
-    hops: list[Hop] = []
+    hops: list[BatteryHop] = []
     first: dict[str, int] = {}
     for mission in missions():
         first[mission.number] = len(hops)
         for here, there in zip(mission.targets, mission.targets[1:], strict=False):
             hops.append(
-                Hop(
+                BatteryHop(
                     mission.number,
                     here.place_id,
                     there.place_id,

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from onboard.duty.records import (
-    Phase,
+    DutyPhase,
     SwitchedOn,
 )
 from onboard.records import (
@@ -115,10 +115,10 @@ def test_a_train_that_disagrees_does_not_leave(granted: Bench) -> None:
     granted.hear("A-E", proof("P5"))
     granted.hear(MANAGER, Contested(("7",)))
     granted.at(DEPARTURE_S + 1.0)
-    assert granted.phase is Phase.STANDING
+    assert granted.phase is DutyPhase.STANDING
     assert granted.waits_for == "agreement with the block manager: contested: 7"
     granted.hear(MANAGER, HoldingConfirmed(granted.held, TOKEN))
-    assert granted.phase is Phase.RUNNING
+    assert granted.phase is DutyPhase.RUNNING
     granted.at(granted.now_s + UnitParameters().emergency_release_s)
     assert granted.row.mode == MODE_DRIVE
 
@@ -132,7 +132,7 @@ def test_what_must_be_swept_it_passes_on_sight_and_says_so(bench: Bench) -> None
     bench.hear("A-E", proof("P5"))
     assert bench.row.restricted_mps == pytest.approx(15.0 / 3.6)  # it stands, and begins on sight
     bench.at(DEPARTURE_S)
-    assert bench.phase is Phase.RUNNING
+    assert bench.phase is DutyPhase.RUNNING
     assert bench.row.stop_limit_m == pytest.approx(520.0)
     bench.row.speed_mps = 4.0
     bench.ticked(EVENT_MOVING)

@@ -16,8 +16,19 @@ from numpy.typing import NDArray
 from network.model import Line
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.duty.mission import Mission
-from onboard.duty.records import Command, How, Limit, Looked, Order, PositionLost, Started, Stopped, TagPassed
-from onboard.motion import ARRIVED_WITHIN_M, Motion
+from onboard.duty.records import (
+    AtMark,
+    DrivingCommand,
+    DrivingOrder,
+    Looked,
+    MarkRelation,
+    PositionLost,
+    StopLimit,
+    Stopped,
+    TagBelieved,
+    WheelsTurning,
+)
+from onboard.motion import ARRIVED_WITHIN_M, UnitMotion
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_MOVING,
@@ -40,7 +51,7 @@ Rows = NDArray[np.void]
 STARTS_M: Final = (0.0, 110.0, 170.0, 520.0, 580.0)
 ENDS_M: Final = (*STARTS_M[1:], 690.0)
 MARK_A_M, MARK_B_M, LENGTH_M = 80.0, 660.0, 40.0
-RUN: Final = Command(drive=True, target=1, limit=Limit(5, None, "end of the path"), rear=0)
+RUN: Final = DrivingCommand(drive=True, target=1, limit=StopLimit(5, None, "end of the path"), rear=0)
 
 
 @pytest.fixture
@@ -52,15 +63,15 @@ def motion(
     behaviour: BehaviourRow,
     keeper: Callable[[], StopKeeper],
     track: Callable[..., Rows],
-) -> Motion:
+) -> UnitMotion:
     """At the mark of section 3."""
-    motion = Motion(rtri, UnitParameters(), unit, train, behaviour, keeper())
+    motion = UnitMotion(rtri, UnitParameters(), unit, train, behaviour, keeper())
     path = PathData(track(np.zeros(math.ceil(mission.path.length_m) + 1)), 0)
     motion.stand_at_start(mission, path, 0.0)
     return motion
 
 
-def test_at_the_start_it_knows_where_it_stands(motion: Motion) -> None:
+def test_at_the_start_it_knows_where_it_stands(motion: UnitMotion) -> None:
     place = motion.place()
     assert (place.known, place.covered, place.stands, place.emergency) == (True, True, True, False)
     assert (place.here, place.sure, place.perhaps, place.clear, place.reach) == (0, 1, 1, 0, 2)
@@ -75,7 +86,7 @@ def test_at_the_start_it_knows_where_it_stands(motion: Motion) -> None:
     true_share=st.floats(0.0, 1.0),
 )
 def test_joints_are_counted_surely_wherever_the_front_is_within_its_bounds(
-    motion: Motion, position_m: float, ahead_m: float, behind_m: float, true_share: float
+    motion: UnitMotion, position_m: float, ahead_m: float, behind_m: float, true_share: float
 ) -> None:
     row = motion.row
     row.position_m, row.bound_ahead_m, row.bound_behind_m = position_m, ahead_m, behind_m
@@ -88,7 +99,7 @@ def test_joints_are_counted_surely_wherever_the_front_is_within_its_bounds(
     assert place.sure <= place.here + 1 <= place.perhaps
 
 
-def test_a_rear_not_known_to_be_clear_would_be_counted_without_the_bound(motion: Motion) -> None:
+def test_a_rear_not_known_to_be_clear_would_be_counted_without_the_bound(motion: UnitMotion) -> None:
     """The switch of the property above: with a bound of nothing, a front half a metre back is counted wrongly."""
     row = motion.row
     row.position_m, row.bound_behind_m = 150.2, 0.0
@@ -108,13 +119,13 @@ def test_a_rear_not_known_to_be_clear_would_be_counted_without_the_bound(motion:
     ],
 )
 def test_marks_near_and_passed(
-    motion: Motion, position_m: float, speed_mps: float, near: int, passed: int
+    motion: UnitMotion, position_m: float, speed_mps: float, near: int, passed: int
 ) -> None:
     motion.row.position_m, motion.row.speed_mps = position_m, speed_mps
     assert (motion.place().near, motion.place().passed) == (near, passed)
 
 
-def test_a_start_needs_room(motion: Motion) -> None:
+def test_a_start_needs_room(motion: UnitMotion) -> None:
     """To leave for less than twice the stand-off makes no sense: the joint at 110 m is 30 m off."""
     motion.row.position_m = 110.0 - 2.0 * UnitParameters().standoff_m - 0.1
     assert motion.place().reach == 1
@@ -122,7 +133,7 @@ def test_a_start_needs_room(motion: Motion) -> None:
     assert motion.place().reach == 2
 
 
-def test_who_does_not_know_where_it_is_says_nothing_of_joints(motion: Motion) -> None:
+def test_who_does_not_know_where_it_is_says_nothing_of_joints(motion: UnitMotion) -> None:
     motion.row.position_known = 0
     motion.row.intervention = EMERGENCY_INTERVENTION
     place = motion.place()
@@ -133,25 +144,25 @@ def test_who_does_not_know_where_it_is_says_nothing_of_joints(motion: Motion) ->
 # what happened --------------------------------------------------------------------------------------------------
 
 
-def test_a_tag_is_passed_by_its_index(motion: Motion, mission: Mission) -> None:
+def test_a_tag_is_passed_by_its_index(motion: UnitMotion, mission: Mission) -> None:
     tag = mission.tags[2]  # 303, 2 m before the mark
     motion.row.position_m = tag.position_m + 0.3
     motion.row.odometer_m = 0.0
-    assert motion.tag_read(tag.tag_id, 0.0) == [TagPassed(2, found=False)]
+    assert motion.tag_read(tag.tag_id, 0.0) == [TagBelieved(2, found=False)]
     row = motion.row
     assert row.position_m < tag.position_m + 0.3  # drawn towards the tag, which lies within what may be
     assert row.position_m - row.bound_behind_m <= tag.position_m <= row.position_m + row.bound_ahead_m
 
 
-def test_a_tag_tells_who_does_not_know(motion: Motion, mission: Mission) -> None:
+def test_a_tag_tells_who_does_not_know(motion: UnitMotion, mission: Mission) -> None:
     motion.row.position_known = 0
-    assert motion.tag_read(602, 0.0) == [TagPassed(4, found=True)]
+    assert motion.tag_read(602, 0.0) == [TagBelieved(4, found=True)]
     assert motion.row.position_known == 1
     assert motion.row.position_m == pytest.approx(310.0)
 
 
 @pytest.mark.parametrize("tag_id", [9999, 803])
-def test_a_tag_where_none_can_be_is_a_position_fault(motion: Motion, tag_id: int) -> None:
+def test_a_tag_where_none_can_be_is_a_position_fault(motion: UnitMotion, tag_id: int) -> None:
     assert motion.tag_read(tag_id, 0.0) == [PositionLost()]
     row = motion.row
     assert (row.position_known, row.intervention) == (0, EMERGENCY_INTERVENTION)
@@ -161,7 +172,7 @@ def test_a_tag_where_none_can_be_is_a_position_fault(motion: Motion, tag_id: int
 
 @pytest.mark.parametrize("further_m", [0.0, 0.005])
 def test_a_tag_passed_while_the_tachometer_shows_a_stand_is_a_fault_of_the_tachometer(
-    motion: Motion, further_m: float
+    motion: UnitMotion, further_m: float
 ) -> None:
     """No train that stands passes a tag ahead: it moves and does not know, though its bounds would hold the place."""
     motion.row.odometer_m, motion.row.position_m = 500.0, 309.0
@@ -173,29 +184,31 @@ def test_a_tag_passed_while_the_tachometer_shows_a_stand_is_a_fault_of_the_tacho
 
 
 @pytest.mark.parametrize("away_m", [-0.4, 0.0, 0.4])
-def test_a_tag_under_a_train_that_stands_is_no_fault(motion: Motion, away_m: float) -> None:
+def test_a_tag_under_a_train_that_stands_is_no_fault(motion: UnitMotion, away_m: float) -> None:
     """Where stations are as far apart as a tag from its mark, one lies under the mark of the other.
 
     It is read in the last or the first centimetre, where the tachometer shows a stand.
     """
     motion.row.odometer_m, motion.row.position_m = 500.0, 310.0 + away_m
     motion.events(EVENT_STOPPED)
-    assert motion.tag_read(602, 500.0) == [TagPassed(4, found=False)]
+    assert motion.tag_read(602, 500.0) == [TagBelieved(4, found=False)]
     assert (motion.row.position_known, motion.row.intervention) == (1, NO_INTERVENTION)
 
 
-def test_a_tag_passed_after_a_start_is_a_tag(motion: Motion) -> None:
+def test_a_tag_passed_after_a_start_is_a_tag(motion: UnitMotion) -> None:
     motion.row.odometer_m, motion.row.position_m = 500.0, 309.9
     motion.events(EVENT_STOPPED)
     motion.row.position_m, motion.row.odometer_m = 310.0, 500.1
-    assert motion.tag_read(602, 500.1) == [TagPassed(4, found=False)]  # the tick has yet to report the start
+    assert motion.tag_read(602, 500.1) == [
+        TagBelieved(4, found=False)
+    ]  # the tick has yet to report the start
     motion.events(EVENT_STOPPED)
     motion.events(EVENT_MOVING)
-    assert motion.tag_read(602, 500.1) == [TagPassed(4, found=False)]
+    assert motion.tag_read(602, 500.1) == [TagBelieved(4, found=False)]
 
 
-def test_what_the_tick_reports(motion: Motion) -> None:
-    assert motion.events(EVENT_MOVING) == [Started()]
+def test_what_the_tick_reports(motion: UnitMotion) -> None:
+    assert motion.events(EVENT_MOVING) == [WheelsTurning()]
     assert motion.events(EVENT_POSITION) == motion.events(EVENT_SAFE_REAR) == [Looked()]
     assert motion.events(EVENT_POSITION | EVENT_SAFE_REAR) == [Looked()]
     assert motion.events(EVENT_TAG_OVERDUE) == [PositionLost()]
@@ -203,9 +216,16 @@ def test_what_the_tick_reports(motion: Motion) -> None:
 
 @pytest.mark.parametrize(
     ("away_m", "how"),
-    [(-200.0, How.SHORT), (-5.1, How.SHORT), (-4.9, How.AT), (0.0, How.AT), (4.9, How.AT), (5.1, How.BEYOND)],
+    [
+        (-200.0, MarkRelation.SHORT),
+        (-5.1, MarkRelation.SHORT),
+        (-4.9, MarkRelation.AT),
+        (0.0, MarkRelation.AT),
+        (4.9, MarkRelation.AT),
+        (5.1, MarkRelation.BEYOND),
+    ],
 )
-def test_a_stop_is_judged_by_the_next_mark(motion: Motion, away_m: float, how: How) -> None:
+def test_a_stop_is_judged_by_the_next_mark(motion: UnitMotion, away_m: float, how: MarkRelation) -> None:
     assert ARRIVED_WITHIN_M == 5.0
     motion.obey(RUN, 0.0)
     motion.row.position_m, motion.row.speed_mps = MARK_B_M + away_m, 0.0
@@ -215,18 +235,33 @@ def test_a_stop_is_judged_by_the_next_mark(motion: Motion, away_m: float, how: H
     assert stopped.away_m == pytest.approx(away_m)
 
 
-def test_a_mark_beyond_the_limit_of_its_own_track_cannot_be_reached(motion: Motion) -> None:
+def test_a_mark_beyond_the_limit_of_its_own_track_cannot_be_reached(motion: UnitMotion) -> None:
     """It went as far as it may on the track where it calls: it has arrived there, 10 m short."""
     motion.obey(RUN, 0.0)
     row = motion.row
     row.position_m, row.speed_mps, row.stop_limit_m = MARK_B_M - 10.0, 0.0, MARK_B_M
-    assert motion.events(EVENT_STOPPED) == [Stopped(How.AT, pytest.approx(-10.0))]
+    assert motion.events(EVENT_STOPPED) == [Stopped(MarkRelation.AT, pytest.approx(-10.0))]
     assert [type(note).__name__ for note in motion.taken_notes()] == ["StopImpossible"]
+    assert not motion.place().unsure
+
+
+def test_held_short_of_it_by_its_own_bounds_it_is_unsure_until_the_driver_has_looked(
+    motion: UnitMotion,
+) -> None:
+    """The mark lies well within what it may go to: where the train stands, only a look from its cab can tell."""
+    motion.obey(RUN, 0.0)
+    row = motion.row
+    row.position_m, row.bound_ahead_m, row.speed_mps = MARK_B_M - 10.0, 40.0, 0.0
+    row.stop_limit_m = MARK_B_M + 30.0
+    assert motion.events(EVENT_STOPPED) == [Stopped(MarkRelation.AT, pytest.approx(-10.0))]
+    assert motion.place().unsure
+    motion.at_mark(AtMark(1))
+    assert not motion.place().unsure
 
 
 @pytest.mark.parametrize(("away_m", "bound"), [(-200.0, "bound_ahead_m"), (655.0, "bound_behind_m")])
 def test_bounds_too_wide_towards_the_mark_are_a_position_fault(
-    motion: Motion, away_m: float, bound: str
+    motion: UnitMotion, away_m: float, bound: str
 ) -> None:
     """Short of it they leave no room to go on; beyond it, by wheels that lied, the train may as well stand at it."""
     motion.obey(RUN, 0.0)
@@ -236,7 +271,7 @@ def test_bounds_too_wide_towards_the_mark_are_a_position_fault(
     assert motion.events(EVENT_STOPPED) == [PositionLost()]
 
 
-def test_a_tag_that_may_lie_behind_already_is_not_expected(motion: Motion, mission: Mission) -> None:
+def test_a_tag_that_may_lie_behind_already_is_not_expected(motion: UnitMotion, mission: Mission) -> None:
     """Tag 303 lies at 78 m of the path: with half a metre of bound it is due from 77.3 m, not from 77.6 m."""
     path = PathData(np.zeros(1, dtype=[("climb_m", float), ("driving_mps", float)]), 0)
     for position_m, expected_m in ((77.3, 78.0), (77.6, 175.0)):
@@ -246,7 +281,9 @@ def test_a_tag_that_may_lie_behind_already_is_not_expected(motion: Motion, missi
         assert motion.row.expected_tag_m == pytest.approx(expected_m)
 
 
-def test_ends_changed_what_was_the_rear_is_the_front(motion: Motion, mission: Mission, back: Mission) -> None:
+def test_ends_changed_what_was_the_rear_is_the_front(
+    motion: UnitMotion, mission: Mission, back: Mission
+) -> None:
     """At the mark of section 8 (km 1.02), 40 m long: going up, the front is at km 0.98."""
     path = PathData(np.zeros(1, dtype=[("climb_m", float), ("driving_mps", float)]), 0)
     row = motion.row
@@ -260,44 +297,44 @@ def test_ends_changed_what_was_the_rear_is_the_front(motion: Motion, mission: Mi
 
 
 @pytest.mark.parametrize("joint", range(6))
-def test_the_stop_limit_in_metres(motion: Motion, joint: int) -> None:
+def test_the_stop_limit_in_metres(motion: UnitMotion, joint: int) -> None:
     limit_m = (*STARTS_M, 690.0)[joint]
-    motion.obey(msgspec.structs.replace(RUN, limit=Limit(joint, None, "")), 0.0)
+    motion.obey(msgspec.structs.replace(RUN, limit=StopLimit(joint, None, "")), 0.0)
     assert motion.row.stop_limit_m == pytest.approx(limit_m)
     aim_m = MARK_B_M if limit_m > MARK_B_M else limit_m - UnitParameters().standoff_m
     assert motion.row.target_stop_m == pytest.approx(aim_m)
 
 
-def test_it_drives_only_when_told(motion: Motion) -> None:
+def test_it_drives_only_when_told(motion: UnitMotion) -> None:
     motion.obey(RUN, 0.0)
     assert motion.row.mode == MODE_DRIVE
     motion.obey(msgspec.structs.replace(RUN, drive=False), 0.0)
     assert motion.row.mode == MODE_HOLD
 
 
-def test_an_emergency_ends_only_by_the_drivers_word(motion: Motion) -> None:
+def test_an_emergency_ends_only_by_the_drivers_word(motion: UnitMotion) -> None:
     motion.row.intervention = EMERGENCY_INTERVENTION
     motion.obey(RUN, 0.0)
     assert motion.row.intervention == EMERGENCY_INTERVENTION
-    motion.obey(msgspec.structs.replace(RUN, orders=(Order.RELEASE,)), 0.0)
+    motion.obey(msgspec.structs.replace(RUN, orders=(DrivingOrder.RELEASE,)), 0.0)
     assert motion.row.intervention == NO_INTERVENTION
 
 
-def test_told_to_stop_it_applies_the_emergency_brake(motion: Motion) -> None:
-    motion.obey(msgspec.structs.replace(RUN, orders=(Order.STOP,)), 0.0)
+def test_told_to_stop_it_applies_the_emergency_brake(motion: UnitMotion) -> None:
+    motion.obey(msgspec.structs.replace(RUN, orders=(DrivingOrder.STOP,)), 0.0)
     assert motion.row.intervention == EMERGENCY_INTERVENTION
     assert motion.row.position_known == 1
 
 
-def test_told_that_its_position_is_of_no_use_it_loses_it_and_stops(motion: Motion) -> None:
-    motion.obey(msgspec.structs.replace(RUN, on_sight=True, orders=(Order.LOSE,)), 0.0)
+def test_told_that_its_position_is_of_no_use_it_loses_it_and_stops(motion: UnitMotion) -> None:
+    motion.obey(msgspec.structs.replace(RUN, on_sight=True, orders=(DrivingOrder.LOSE,)), 0.0)
     row = motion.row
     assert (row.position_known, row.intervention) == (0, EMERGENCY_INTERVENTION)
     assert (row.mode, row.restricted_mps) == (MODE_HOLD, pytest.approx(15.0 / 3.6))
     assert [type(note).__name__ for note in motion.taken_notes()] == ["PositionFault"]
 
 
-def test_sweeping_it_knows_where_it_is_and_is_slow(motion: Motion) -> None:
+def test_sweeping_it_knows_where_it_is_and_is_slow(motion: UnitMotion) -> None:
     motion.obey(msgspec.structs.replace(RUN, sweeps=True), 0.0)
     assert motion.row.restricted_mps == pytest.approx(15.0 / 3.6)
     assert motion.row.stop_limit_m == pytest.approx(690.0)
@@ -305,27 +342,27 @@ def test_sweeping_it_knows_where_it_is_and_is_slow(motion: Motion) -> None:
     assert motion.row.restricted_mps == math.inf
 
 
-def test_on_sight_it_is_slow_and_stays_within_its_section(motion: Motion) -> None:
+def test_on_sight_it_is_slow_and_stays_within_its_section(motion: UnitMotion) -> None:
     row = motion.row
     row.position_m = 300.0
-    motion.obey(Command(drive=True, on_sight=True), 0.0)
+    motion.obey(DrivingCommand(drive=True, on_sight=True), 0.0)
     assert row.stop_limit_m == pytest.approx(520.0)
     assert row.target_stop_m == pytest.approx(MARK_B_M)
     assert row.restricted_mps == pytest.approx(15.0 / 3.6)
     assert row.mode == MODE_DRIVE
     row.intervention = EMERGENCY_INTERVENTION
-    motion.obey(Command(drive=True, on_sight=True), 0.0)
+    motion.obey(DrivingCommand(drive=True, on_sight=True), 0.0)
     assert row.mode == MODE_HOLD
 
 
-def test_without_a_position_the_crew_alone_says_how_far(motion: Motion) -> None:
+def test_without_a_position_the_crew_alone_says_how_far(motion: UnitMotion) -> None:
     motion.row.position_known = 0
-    motion.obey(Command(drive=True, on_sight=True), 0.0)
+    motion.obey(DrivingCommand(drive=True, on_sight=True), 0.0)
     assert motion.row.stop_limit_m == math.inf
     assert motion.row.restricted_mps == pytest.approx(15.0 / 3.6)
 
 
-def test_the_rear_is_watched_where_it_frees_a_section(motion: Motion) -> None:
+def test_the_rear_is_watched_where_it_frees_a_section(motion: UnitMotion) -> None:
     motion.obey(RUN, 0.0)
     share = UnitParameters().doubt_error_share
     beyond_m = 110.0 + LENGTH_M + motion.row.bound_behind_m - MARK_A_M

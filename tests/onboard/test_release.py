@@ -14,10 +14,10 @@ import pytest
 from onboard.authority.records import Cleared
 from onboard.authority.stop_limit import cleared_sections
 from onboard.duty import machine
+from onboard.duty.duty_step import DutyStep
 from onboard.duty.mission import Mission
 from onboard.duty.plan import plan_of
-from onboard.duty.records import AtMark, Finished, NotAtMark, Phase
-from onboard.duty.turn import Turn
+from onboard.duty.records import AtMark, DutyPhase, Finished, NotAtMark
 from onboard.records import EMERGENCY_INTERVENTION, EVENT_SAFE_REAR
 from onboard.unit_records import UnitParameters
 from radio.messages import HoldingConfirmed, HoldingReport
@@ -46,7 +46,7 @@ def over_reading(cleared_to_b: Bench) -> Callable[[float], Bench]:
     return truly_at
 
 
-def clears_by_the_odometer(turn: Turn) -> None:
+def clears_by_the_odometer(turn: DutyStep) -> None:
     """Release as it was: whatever the safe rear has left."""
     state = turn.state
     cleared = cleared_sections(turn.plan, state.authority, state.place.clear)
@@ -130,7 +130,7 @@ def test_the_driver_sees_that_it_has_not_and_it_goes_on_on_sight(stands: Bench) 
     stands.now_s += 0.2
     data = stands.devices[MANAGER].seal(UNIT, confirmed, stands.now_s, stands.correlation[MANAGER])
     stands.tell([NotAtMark()], [data])  # a telegram at the same moment finds no position any more
-    assert stands.phase is Phase.ON_SIGHT
+    assert stands.phase is DutyPhase.ON_SIGHT
     assert (stands.row.position_known, stands.row.intervention) == (0, EMERGENCY_INTERVENTION)
     assert stands.held == ("6", "7", "8")
     stands.at(stands.now_s + UnitParameters().emergency_release_s)
@@ -139,7 +139,7 @@ def test_the_driver_sees_that_it_has_not_and_it_goes_on_on_sight(stands: Bench) 
         stands.read(tag_id)
     assert stands.held == ("6", "7", "8")
     stands.stop(MARK_B_M)
-    assert stands.phase is Phase.STANDING
+    assert stands.phase is DutyPhase.STANDING
     assert stands.held == ("8",)
 
 

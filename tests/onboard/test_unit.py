@@ -14,15 +14,15 @@ from onboard import motion as driving
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.duty.mission import Mission
 from onboard.duty.records import (
+    DutyPhase,
     Event,
     Finished,
     Leave,
     LeftLine,
     OffTheLine,
-    Phase,
     SwitchedOn,
 )
-from onboard.motion import Motion
+from onboard.motion import UnitMotion
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_POSITION,
@@ -36,9 +36,9 @@ from onboard.records import (
     BehaviourRow,
     UnitRow,
 )
-from onboard.unit import Unit
+from onboard.unit import OnboardUnit
 from onboard.unit_records import UnitParameters
-from onboard.vehicle import Vehicle
+from onboard.vehicle import VehicleInputs
 from radio.messages import (
     HoldingConfirmed,
     HoldingReport,
@@ -82,18 +82,18 @@ def test_before_the_proof_it_aims_short_of_the_points(running: Bench) -> None:
 def test_it_does_not_leave_towards_points_that_are_not_proven(granted: Bench) -> None:
     assert granted.row.stop_limit_m == pytest.approx(110.0)
     granted.at(DEPARTURE_S + 1.0)
-    assert granted.phase is Phase.STANDING
+    assert granted.phase is DutyPhase.STANDING
     assert granted.row.mode == MODE_HOLD
     assert granted.waits_for == "points P5: not proven"
     granted.hear("A-E", proof("P5"))
-    assert granted.phase is Phase.RUNNING
+    assert granted.phase is DutyPhase.RUNNING
     assert granted.row.mode == MODE_DRIVE
 
 
 def test_it_does_not_leave_before_its_time(granted: Bench) -> None:
     granted.hear("A-E", proof("P5"))
     granted.at(DEPARTURE_S - 1.0)
-    assert granted.phase is Phase.STANDING
+    assert granted.phase is DutyPhase.STANDING
     assert granted.waits_for == "departure time"
 
 
@@ -102,9 +102,9 @@ def test_a_late_clock_departs_late(granted: Bench) -> None:
     granted.at(DEPARTURE_S - 600.0)  # set back by ten minutes
     assert granted.wake_at_s == DEPARTURE_S
     granted.at(DEPARTURE_S - 1.0)
-    assert granted.phase is Phase.STANDING
+    assert granted.phase is DutyPhase.STANDING
     granted.at(DEPARTURE_S)
-    assert granted.phase is Phase.RUNNING
+    assert granted.phase is DutyPhase.RUNNING
 
 
 def test_a_clock_that_is_set_back_leaves_no_request_waiting(granted: Bench) -> None:
@@ -122,7 +122,7 @@ def test_a_refused_train_says_what_it_waits_for(bench: Bench) -> None:
     bench.hear(MANAGER, RouteRefused("3>8", RefusalReason.HELD, "6", "K2"))
     assert bench.waits_for == "route 3>8: held: section 6 of K2"
     bench.at(DEPARTURE_S + 100.0)
-    assert bench.phase is Phase.STANDING
+    assert bench.phase is DutyPhase.STANDING
 
 
 def test_arrival_report_and_end_of_the_mission(cleared_to_b: Bench) -> None:
@@ -135,10 +135,10 @@ def test_arrival_report_and_end_of_the_mission(cleared_to_b: Bench) -> None:
         cleared_to_b.read(tag_id)
     cleared_to_b.stop(MARK_B_M + 0.1)
     assert "arrived" in cleared_to_b.notes
-    assert cleared_to_b.phase is Phase.STANDING  # until the release is confirmed
+    assert cleared_to_b.phase is DutyPhase.STANDING  # until the release is confirmed
     cleared_to_b.hear(MANAGER, HoldingConfirmed(("8",), TOKEN))
     assert cleared_to_b.told == (Finished("T1"),)
-    assert cleared_to_b.phase is Phase.FINISHED
+    assert cleared_to_b.phase is DutyPhase.FINISHED
     assert cleared_to_b.row.mode == MODE_HOLD
 
 
@@ -149,7 +149,7 @@ def test_arrival_report_and_end_of_the_mission(cleared_to_b: Bench) -> None:
 def test_stopping_off_the_mark(cleared_to_b: Bench, beyond_m: float, what: str, arrived: bool) -> None:
     cleared_to_b.stop(MARK_B_M + beyond_m)
     assert what in cleared_to_b.notes
-    assert (cleared_to_b.phase is Phase.STANDING) is arrived
+    assert (cleared_to_b.phase is DutyPhase.STANDING) is arrived
     assert ("arrived" in cleared_to_b.notes) is arrived
 
 
@@ -157,13 +157,13 @@ def test_signing_off(at_b: Bench) -> None:
     assert at_b.told == (Finished("T1"),)
     at_b.tell([Leave()])
     assert at_b.said == [SignOff(UNIT, TOKEN)]
-    assert at_b.phase is Phase.SIGNING_OFF
+    assert at_b.phase is DutyPhase.SIGNING_OFF
     at_b.hear(MANAGER, SignOffAccepted())
     assert at_b.told == (LeftLine("T1"),)
-    assert at_b.phase is Phase.LEAVING
+    assert at_b.phase is DutyPhase.LEAVING
     assert at_b.held == ("8",), "its train stands there"
     at_b.tell([OffTheLine()])
-    assert at_b.phase is Phase.GONE
+    assert at_b.phase is DutyPhase.GONE
     assert at_b.held == ()
 
 
@@ -216,15 +216,15 @@ def test_without_either_it_would_give_back_too_early(
     tag_passed: Bench, off: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if off == "the bound behind":
-        place = Motion.place
+        place = UnitMotion.place
 
-        def bold(motion: Motion) -> driving.Place:
+        def bold(motion: UnitMotion) -> driving.PlaceInJoints:
             bound_m, motion.row.bound_behind_m = motion.row.bound_behind_m, 0.0
             found = place(motion)
             motion.row.bound_behind_m = bound_m
             return found
 
-        monkeypatch.setattr(Motion, "place", bold)
+        monkeypatch.setattr(UnitMotion, "place", bold)
     else:
         monkeypatch.setattr("onboard.localisation.tags.TagDoubt.release_margin_m", lambda *_, **__: 0.0)
     with pytest.raises(AssertionError):
@@ -278,7 +278,7 @@ def lost(running: Bench) -> Bench:
 
 def test_a_missed_tag_stops_the_train_and_it_goes_on_on_sight(lost: Bench) -> None:
     row = lost.row
-    assert lost.phase is Phase.ON_SIGHT
+    assert lost.phase is DutyPhase.ON_SIGHT
     assert (row.position_known, row.intervention) == (0, EMERGENCY_INTERVENTION)
     assert row.restricted_mps == pytest.approx(15.0 / 3.6)
     assert row.mode == MODE_HOLD  # the emergency brake is applied
@@ -302,7 +302,7 @@ def test_the_next_tag_ends_it_and_the_block_picture_is_unchanged(lost: Bench) ->
     assert lost.row.restricted_mps == math.inf
     assert lost.held == ("3", *SECTIONS)  # nothing is given back before the arrival tag
     assert lost.row.stop_limit_m == pytest.approx(520.0)
-    assert lost.phase is Phase.RUNNING
+    assert lost.phase is DutyPhase.RUNNING
     assert lost.row.intervention == EMERGENCY_INTERVENTION  # until it stands and the driver releases it
 
 
@@ -329,7 +329,7 @@ def test_a_tag_where_none_can_be_stops_the_train(running: Bench, tag_id: int) ->
 def test_a_tachometer_that_shows_what_cannot_be_stops_the_train(running: Bench) -> None:
     running.ticked(EVENT_TACHOMETER)
     assert running.notes[:2] == ["tachometer_fault", "position_fault"]
-    assert running.phase is Phase.ON_SIGHT
+    assert running.phase is DutyPhase.ON_SIGHT
     assert running.row.intervention == EMERGENCY_INTERVENTION
 
 
@@ -345,28 +345,28 @@ def test_an_emergency_is_released_only_at_a_stand(running: Bench) -> None:
 def test_a_brake_that_is_not_in_order_stops_the_train_until_it_is_and_the_driver_acknowledges(
     cleared_to_b: Bench,
 ) -> None:
-    cleared_to_b.tell(cleared_to_b.motion.vehicle_shows(Vehicle(brake_good=False)))
+    cleared_to_b.tell(cleared_to_b.motion.vehicle_shows(VehicleInputs(brake_good=False)))
     assert cleared_to_b.notes == ["vehicle_unfit"]
     assert cleared_to_b.row.intervention == EMERGENCY_INTERVENTION
     cleared_to_b.stop(200.0)
     cleared_to_b.at(cleared_to_b.now_s + UnitParameters().emergency_release_s)
     assert cleared_to_b.row.intervention == EMERGENCY_INTERVENTION
     assert cleared_to_b.waits_for == "vehicle: brake not in order"
-    cleared_to_b.tell(cleared_to_b.motion.vehicle_shows(Vehicle()))
+    cleared_to_b.tell(cleared_to_b.motion.vehicle_shows(VehicleInputs()))
     assert cleared_to_b.row.intervention == EMERGENCY_INTERVENTION
     cleared_to_b.at(cleared_to_b.wake_at_s or 0.0)
     assert (cleared_to_b.row.intervention, cleared_to_b.row.mode) == (NO_INTERVENTION, MODE_DRIVE)
 
 
 def test_nothing_is_reported_that_has_not_changed(running: Bench) -> None:
-    assert running.motion.vehicle_shows(Vehicle()) == []
+    assert running.motion.vehicle_shows(VehicleInputs()) == []
 
 
 def test_bounds_that_leave_no_room_to_go_on_are_a_position_fault(running: Bench) -> None:
     running.row.bound_ahead_m = UnitParameters().doubt_bound_max_m + 1.0
     running.stop(400.0)
     assert "position_fault" in running.notes
-    assert running.phase is Phase.ON_SIGHT
+    assert running.phase is DutyPhase.ON_SIGHT
 
 
 def test_switched_on_again_it_knows_nothing_and_stands_braked(running: Bench) -> None:
@@ -380,9 +380,9 @@ def test_switched_on_again_it_knows_nothing_and_stands_braked(running: Bench) ->
     assert (running.row.intervention, running.row.mode) == (EMERGENCY_INTERVENTION, MODE_HOLD)
     assert running.row.restricted_mps == pytest.approx(15.0 / 3.6)
     running.hear(MANAGER, SignOnAccepted(("6", "7", "8"), TOKEN, None, capabilities()[1:]))
-    assert running.phase is Phase.ON_SIGHT
+    assert running.phase is DutyPhase.ON_SIGHT
     running.read(602)
-    assert running.phase is Phase.RUNNING
+    assert running.phase is DutyPhase.RUNNING
     assert running.row.restricted_mps == math.inf
     assert running.held == ("6", "7", "8")
     assert running.commanded == [PointsCommand("P7", Position.NORMAL, "7", TOKEN, b"seven")]
@@ -426,12 +426,12 @@ def test_what_happened_comes_before_telegrams_and_telegrams_before_timers(
 ) -> None:
     taken: list[str] = []
 
-    def noted(self: Unit, event: Event, *rest: object) -> None:
+    def noted(self: OnboardUnit, event: Event, *rest: object) -> None:
         taken.append(type(event).__name__)
 
-    monkeypatch.setattr(Unit, "_take", noted)
+    monkeypatch.setattr(OnboardUnit, "_take", noted)
     granted.now_s = DEPARTURE_S
     data = granted.devices["A-E"].seal(UNIT, proof("P5"), granted.now_s, granted.correlation["A-E"])
     granted.tell(granted.motion.events(EVENT_POSITION), [data])
-    assert taken[:2] == ["Looked", "Heard"]
+    assert taken[:2] == ["Looked", "TelegramHeard"]
     assert set(taken[2:]) == {"TimerDue"}

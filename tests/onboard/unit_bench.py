@@ -14,19 +14,19 @@ from onboard.duty.mission import Mission
 from onboard.duty.plan import plan_of
 from onboard.duty.records import (
     Begin,
+    DutyPhase,
     Person,
-    Phase,
     Sensed,
     Told,
 )
-from onboard.motion import Motion
+from onboard.motion import UnitMotion
 from onboard.records import (
     EVENT_STOPPED,
     BehaviourRow,
     PathData,
     UnitRow,
 )
-from onboard.unit import Report, Unit
+from onboard.unit import OnboardUnit, Report
 from onboard.unit_records import UnitParameters
 from radio.envelope import Endpoint, Received
 from radio.keys import key_ring
@@ -65,7 +65,7 @@ class Bench:
         self.now_s = DEPARTURE_S - 300.0
         self.row, self.mission, self.path = row, mission, PathData(path, 0)
         self.plan = plan_of(mission, float(train.length_m))
-        self.motion = Motion(line, UnitParameters(), row, train, behaviour, keeper)
+        self.motion = UnitMotion(line, UnitParameters(), row, train, behaviour, keeper)
         self.unit = self.boot(1)
         self.devices = {d: Endpoint(key_ring(MASTER, d, (UNIT,)), epoch=1) for d in (MANAGER, *TERMINALS)}
         self.correlation: dict[str, int] = {}
@@ -74,9 +74,9 @@ class Bench:
         self.told: tuple[Told, ...] = ()
         self.wake_at_s: float | None = None
 
-    def boot(self, epoch: int) -> Unit:
+    def boot(self, epoch: int) -> OnboardUnit:
         ring = key_ring(MASTER, UNIT, (MANAGER, *TERMINALS))
-        return Unit(UNIT, MANAGER, UnitParameters().duty, Endpoint(ring, epoch))
+        return OnboardUnit(UNIT, MANAGER, UnitParameters().duty, Endpoint(ring, epoch))
 
     def tell(self, happened: Sequence[Person | Sensed] = (), telegrams: Sequence[bytes] = ()) -> None:
         """As the world does it: the place as it is, the unit's answer obeyed."""
@@ -97,7 +97,7 @@ class Bench:
         return [message for message in self.said if isinstance(message, PointsCommand)]
 
     @property
-    def phase(self) -> Phase:
+    def phase(self) -> DutyPhase:
         return self.unit.state.phase
 
     @property

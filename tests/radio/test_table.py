@@ -6,7 +6,7 @@ from enum import Enum
 
 import pytest
 
-from radio.table import Row, rows
+from radio.table import TableCell, rows
 from simulation.world import point_machine
 from wayside import acts, block_manager, point_terminal
 
@@ -30,7 +30,7 @@ def _switch() -> None:
 
 
 def test_a_row_says_state_event_and_outcome() -> None:
-    assert rows({(State.ON, Push): _switch}) == (Row("on", "Push", "switch", "Goes off at once."),)
+    assert rows({(State.ON, Push): _switch}) == (TableCell("on", "Push", "switch", "Goes off at once."),)
 
 
 def test_a_handler_must_say_what_it_does() -> None:

@@ -3,11 +3,11 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulation.agenda import Agenda, Due
+from simulation.agenda import Agenda, AgendaKind
 
 
-@given(st.lists(st.tuples(st.integers(0, 20), st.sampled_from(Due)), max_size=40))
-def test_items_come_by_step_then_kind_then_as_they_were_put_in(items: list[tuple[int, Due]]) -> None:
+@given(st.lists(st.tuples(st.integers(0, 20), st.sampled_from(AgendaKind)), max_size=40))
+def test_items_come_by_step_then_kind_then_as_they_were_put_in(items: list[tuple[int, AgendaKind]]) -> None:
     agenda = Agenda()
     for order, (step, kind) in enumerate(items):
         agenda.put(step, kind, str(order))
@@ -20,7 +20,7 @@ def test_items_come_by_step_then_kind_then_as_they_were_put_in(items: list[tuple
 def test_nothing_comes_before_its_step() -> None:
     agenda = Agenda()
     assert agenda.next_step() is None
-    agenda.put(7, Due.DUTY, "V1")
+    agenda.put(7, AgendaKind.DUTY, "V1")
     assert agenda.pop_due(6) is None
     assert agenda.next_step() == 7
     item = agenda.pop_due(9)  # late is still due
@@ -31,13 +31,13 @@ def test_nothing_comes_before_its_step() -> None:
 
 def test_all_telegrams_of_a_device_can_be_taken_at_once() -> None:
     agenda = Agenda()
-    agenda.put(3, Due.TO_DEVICE, "BM", b"one")
-    agenda.put(3, Due.TO_DEVICE, "A-E", b"other")
-    agenda.put(3, Due.TO_UNIT, "BM", b"unit")
-    agenda.put(3, Due.TO_DEVICE, "BM", b"two")
-    agenda.put(4, Due.TO_DEVICE, "BM", b"later")
-    assert [item.data for item in agenda.pop_all(3, Due.TO_DEVICE, "BM")] == [b"one", b"two"]
-    assert agenda.pop_all(3, Due.TO_DEVICE, "BM") == []
+    agenda.put(3, AgendaKind.TO_DEVICE, "BM", b"one")
+    agenda.put(3, AgendaKind.TO_DEVICE, "A-E", b"other")
+    agenda.put(3, AgendaKind.TO_UNIT, "BM", b"unit")
+    agenda.put(3, AgendaKind.TO_DEVICE, "BM", b"two")
+    agenda.put(4, AgendaKind.TO_DEVICE, "BM", b"later")
+    assert [item.data for item in agenda.pop_all(3, AgendaKind.TO_DEVICE, "BM")] == [b"one", b"two"]
+    assert agenda.pop_all(3, AgendaKind.TO_DEVICE, "BM") == []
     rest = []
     while (item := agenda.pop_due(9)) is not None:
         rest.append(item.data)
@@ -47,11 +47,11 @@ def test_all_telegrams_of_a_device_can_be_taken_at_once() -> None:
 def test_what_is_put_in_first_comes_before_all_of_its_kind_in_its_own_order() -> None:
     """As what a script has from the beginning does, however late it is told."""
     agenda = Agenda()
-    agenda.put(3, Due.SCRIPT, "crew K1")
-    agenda.put(3, Due.TO_UNIT, "K1")
-    agenda.put_first(3, Due.SCRIPT, "begin 0")
-    agenda.put_first(3, Due.SCRIPT, "begin 1")
-    agenda.put_first(2, Due.SCRIPT, "begin 2")
+    agenda.put(3, AgendaKind.SCRIPT, "crew K1")
+    agenda.put(3, AgendaKind.TO_UNIT, "K1")
+    agenda.put_first(3, AgendaKind.SCRIPT, "begin 0")
+    agenda.put_first(3, AgendaKind.SCRIPT, "begin 1")
+    agenda.put_first(2, AgendaKind.SCRIPT, "begin 2")
     came = []
     while (item := agenda.pop_due(3)) is not None:
         came.append(item.subject)

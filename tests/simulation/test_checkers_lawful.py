@@ -12,11 +12,11 @@ from simulation.events import (
     MANAGER,
     WORLD,
     Accepted,
-    Entry,
     Event,
     Freed,
     Granted,
     Holds,
+    JournalEntry,
     Outside,
     PointsLocked,
     PointsMoving,
@@ -88,7 +88,7 @@ class Lawful:
 
     def entry(self, who: str, event: Event) -> None:
         self.t_s += 1.0
-        self.checkers.journal(Entry(self.t_s, who, event))
+        self.checkers.journal(JournalEntry(self.t_s, who, event))
 
     def accept(self, unit: str, sections: list[str]) -> None:
         accepted = Accepted(unit_id=unit, section_ids=tuple(sections), token=self.token, was="unknown")

@@ -11,11 +11,11 @@ import pytest
 from host.units import LocalUnits
 from network.model import Direction
 from network.timetable import AtPortal, Call, Diagram, Stabled, Timetable, TimetableTrain
-from onboard.duty.records import Accepted, Finished, LeftLine, Phase, Started, SwitchedOn
-from simulation.agenda import Agenda, Due
+from onboard.duty.records import DutyPhase, EntryAllowed, Finished, LeftLine, SwitchedOn, WheelsTurning
+from simulation.agenda import Agenda, AgendaKind
 from simulation.cabs import Cabs
 from simulation.carriers.plain_track import PlainTrack
-from simulation.duties import PORTAL_RETRY_S, Duties, Stage
+from simulation.duties import PORTAL_RETRY_S, Duties, StockStage
 from simulation.events import Entered, Left, PowerOff, PowerOn
 from simulation.journal import Journal
 from simulation.people import Pause, People
@@ -23,6 +23,7 @@ from simulation.setup import STEP_S, STEPS_PER_S, Setup, unit_configs
 from simulation.world.books import Books
 from simulation.world.on_board import OnBoard
 from simulation.world.roster import draw_up
+from simulation.world.signs import Signs
 from simulation.world.trains import Trains
 from wayside.said import BoundaryPassed
 
@@ -67,39 +68,39 @@ class Yard:
             entered=lambda *_: None, left=lambda *_: None, observe=lambda *_: None, reversed=lambda *_: None
         )
         self.books = Books(self.trains)
-        self.cabs = Cabs(self.trains, self.on_board, wayside, self.books, self.agenda, self.journal)
         lengths = dict.fromkeys(self.trains.stock_ids, 40.0)
-        drawn = draw_up(setup.line, setup.timetable, lengths, LEAD_S)
-        self.duties: Duties = Duties(
-            setup,
-            drawn,
-            self.trains,
-            self.on_board,
-            self.cabs,
-            self.books,
-            checkers,
-            wayside,
-            self.agenda,
-            self.journal,
+        world: Any = SimpleNamespace(
+            setup=setup,
+            drawn=draw_up(setup.line, setup.timetable, lengths, LEAD_S),
+            journal=self.journal,
+            agenda=self.agenda,
+            trains=self.trains,
+            wayside=wayside,
+            books=self.books,
+            charging=None,
+            on_board=self.on_board,
+            signs=Signs(self.trains, self.books.next_target),
         )
+        self.cabs = Cabs(world)
+        self.duties: Duties = Duties(world, self.cabs, checkers)
         self.duties.open(AT - 10)
 
-    def stage(self, slot: int) -> Stage:
+    def stage(self, slot: int) -> StockStage:
         return self.duties._stage[slot]
 
     def next_duty(self) -> int:
         """Step at which the next stock takes up its duty."""
         while (item := self.agenda.pop_due(10**9)) is not None:
-            if item.kind is Due.DUTY:
+            if item.kind is AgendaKind.DUTY:
                 return item.step
         raise AssertionError("no duty is due")
 
     def accept(self, slot: int, step: int) -> None:
-        self.duties.told(slot, Accepted("T1"), step)
+        self.duties.told(slot, EntryAllowed("T1"), step)
 
     def crews_to(self, step: int) -> None:
         """Have crews do what is due by a step; nothing else goes on."""
-        due = sorted(item for item in self.agenda._heap if item.kind is Due.CREW and item.step <= step)
+        due = sorted(item for item in self.agenda._heap if item.kind is AgendaKind.CREW and item.step <= step)
         self.agenda._heap = [item for item in self.agenda._heap if item not in due]
         heapify(self.agenda._heap)
         for item in due:
@@ -122,11 +123,11 @@ def test_stock_outside_is_confirmed_and_comes_when_it_is_time(yard: Yard) -> Non
 
 def test_a_stock_waits_outside_until_it_is_accepted(yard: Yard) -> None:
     yard.duties.take_up(0, AT)
-    assert yard.stage(0) is Stage.WAITING
+    assert yard.stage(0) is StockStage.WAITING
     assert yard.trains.active() == []
     assert ("K1", "block-manager") in yard.sent  # its unit signs on all the same
     yard.accept(0, AT + 5)
-    assert yard.stage(0) is Stage.ON_LINE
+    assert yard.stage(0) is StockStage.ON_LINE
     assert yard.trains.active() == [0]
     assert any(isinstance(entry.event, Entered) for entry in yard.journal.entries)
 
@@ -137,9 +138,9 @@ def test_a_stock_that_is_accepted_waits_until_nothing_truly_stands_there(yard: Y
     yard.duties.take_up(1, AT)
     yard.accept(1, AT)
     assert yard.trains.active() == [0]
-    assert yard.stage(1) is Stage.WAITING
+    assert yard.stage(1) is StockStage.WAITING
     again = AT + round(PORTAL_RETRY_S / STEP_S)
-    assert again in [item.step for item in yard.agenda._heap if item.kind is Due.DUTY]
+    assert again in [item.step for item in yard.agenda._heap if item.kind is AgendaKind.DUTY]
     yard.duties.take_up(1, again)
     assert yard.trains.active() == [0]
     yard.trains.remove(0)
@@ -152,11 +153,11 @@ def test_stock_queues_before_its_portal(yard: Yard) -> None:
     yard.duties.take_up(0, AT)
     sent = len(yard.sent)
     yard.duties.take_up(1, AT + 1)
-    assert yard.stage(1) is Stage.OUTSIDE
+    assert yard.stage(1) is StockStage.OUTSIDE
     assert len(yard.sent) == sent
     yard.accept(0, AT + 2)
     yard.duties.take_up(1, AT + 3)
-    assert yard.stage(1) is Stage.WAITING
+    assert yard.stage(1) is StockStage.WAITING
 
 
 def test_what_a_unit_believes_opens_no_portal(yard: Yard) -> None:
@@ -176,12 +177,12 @@ def test_a_unit_that_dies_while_waiting_signs_on_again(yard: Yard) -> None:
     yard.cabs.timer(0, AT + 20)
     assert len(yard.sent) == sent
     assert yard.cabs.power_on(0, AT + 30)
-    assert yard.units._running["K1"].state.phase is Phase.OFF  # nobody has entered its number yet
+    assert yard.units._running["K1"].state.phase is DutyPhase.OFF  # nobody has entered its number yet
     yard.duties.powered_on(0, AT + 30)
-    assert yard.units._running["K1"].state.phase is Phase.SIGNING_ON
+    assert yard.units._running["K1"].state.phase is DutyPhase.SIGNING_ON
     assert len(yard.sent) > sent
     yard.accept(0, AT + 40)
-    assert yard.stage(0) is Stage.ON_LINE
+    assert yard.stage(0) is StockStage.ON_LINE
 
 
 def test_who_waits_at_a_portal_is_overdue_from_its_time_on(yard: Yard) -> None:
@@ -205,11 +206,11 @@ def test_an_acceptance_moves_nobody_who_is_on_the_line(yard: Yard) -> None:
 def test_who_is_told_that_the_line_is_left_is_taken_off_it(yard: Yard) -> None:
     yard.duties.take_up(0, AT)
     yard.duties.told(0, LeftLine("T1"), AT)  # not on the line: nothing to leave
-    assert yard.stage(0) is Stage.WAITING
+    assert yard.stage(0) is StockStage.WAITING
     yard.accept(0, AT)
     yard.duties.told(0, LeftLine("T1"), AT + 100)
     assert yard.trains.active() == []
-    assert yard.stage(0) is Stage.DONE
+    assert yard.stage(0) is StockStage.DONE
     assert any(isinstance(entry.event, Left) for entry in yard.journal.entries)
     assert not yard.duties.all_done()  # K2 is still to come
 
@@ -271,12 +272,12 @@ def test_after_a_boot_the_brake_stays_on_until_the_number_is_entered(slow: Yard)
     slow.duties.powered_on(0, AT + 400)
     assert slow.trains.truths[0].powered == 0
     assert slow.on_board.tag_read(0, 1, 0.0) == []
-    assert slow.units._running["K1"].state.phase is Phase.OFF
+    assert slow.units._running["K1"].state.phase is DutyPhase.OFF
     slow.crews_to(AT + 499)
-    assert slow.units._running["K1"].state.phase is Phase.OFF
+    assert slow.units._running["K1"].state.phase is DutyPhase.OFF
     slow.crews_to(AT + 500)
     assert slow.trains.truths[0].powered == 1
-    assert slow.units._running["K1"].state.phase is not Phase.OFF
+    assert slow.units._running["K1"].state.phase is not DutyPhase.OFF
 
 
 def test_power_lost_again_begins_the_wait_again(slow: Yard) -> None:
@@ -335,7 +336,7 @@ def test_a_cab_without_power_is_told_nothing(yard: Yard) -> None:
     yard.cabs.power_off(0, AT + 10)
     yard.cabs.power_off(0, AT + 11)  # it is off already
     written, sent = len(yard.journal.entries), len(yard.sent)
-    yard.cabs.tell(0, AT + 20, (Started(),))
+    yard.cabs.tell(0, AT + 20, (WheelsTurning(),))
     yard.cabs.set_back(0, AT + 20, 60.0)
     assert (len(yard.journal.entries), len(yard.sent)) == (written, sent)
     kinds = [type(entry.event) for entry in yard.journal.entries]
@@ -347,7 +348,9 @@ def test_a_cab_without_power_is_told_nothing(yard: Yard) -> None:
 
 def test_a_timer_wakes_a_unit_at_its_step_and_never_before(yard: Yard) -> None:
     yard.duties.take_up(0, AT)
-    wakes = [item for item in yard.agenda._heap if item.kind is Due.UNIT_TIMER and item.subject == "K1"]
+    wakes = [
+        item for item in yard.agenda._heap if item.kind is AgendaKind.UNIT_TIMER and item.subject == "K1"
+    ]
     (wake,) = wakes
     assert wake.step == AT + 20  # a sign-on is repeated after 2 s
     sent = len(yard.sent)
@@ -391,7 +394,7 @@ def test_a_train_without_power_is_hauled_out_of_its_portal(yard: Yard) -> None:
     yard.sent.clear()
     yard.duties.haul_away(0, AT + 20)
     assert yard.trains.active() == []
-    assert yard.stage(0) is Stage.DONE
+    assert yard.stage(0) is StockStage.DONE
     assert yard.inputs[2:] == [BoundaryPassed("PW")]
     assert yard.sent == []
     yard.duties.haul_away(0, AT + 30)
@@ -410,4 +413,4 @@ def test_nobody_hauls_a_train_away_when(yard: Yard, why: str) -> None:
         yard.trains.truths[0].position_m += yard.trains.kinds[0].length_m
     yard.duties.haul_away(0, AT + 20)
     assert yard.trains.active() == [0]
-    assert yard.stage(0) is Stage.ON_LINE
+    assert yard.stage(0) is StockStage.ON_LINE

@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 from network.errors import InputError
 from network.model import Position
 from onboard.notes import Arrived, Departs, Holds, Moving, Proven
-from simulation.events import EVENTS, WORLD, Collision, Entry, authors_of, unit_of, word_of
+from simulation.events import EVENTS, WORLD, Collision, JournalEntry, authors_of, unit_of, word_of
 from simulation.journal import SPILL_BYTES, Journal, decode_entry, encode_entry, last_time_s, read_journal
 from wayside.said import Granted, Refused
 
@@ -78,7 +78,7 @@ def test_one_flat_json_object_a_line() -> None:
 
 def test_an_id_goes_by_the_word_for_the_thing_and_a_default_is_left_out() -> None:
     granted = Granted(unit_id="V1", section_ids=("3", "5"), token=9, route_id="r")
-    assert json.loads(encode_entry(Entry(1.0, "block-manager", granted))) == {
+    assert json.loads(encode_entry(JournalEntry(1.0, "block-manager", granted))) == {
         "t": 1.0,
         "who": "block-manager",
         "what": "granted",
@@ -87,16 +87,19 @@ def test_an_id_goes_by_the_word_for_the_thing_and_a_default_is_left_out() -> Non
         "token": 9,
         "route": "r",
     }
-    line = encode_entry(Entry(1.0, "block-manager", Refused(why="HELD")))
+    line = encode_entry(JournalEntry(1.0, "block-manager", Refused(why="HELD")))
     assert json.loads(line) == {"t": 1.0, "who": "block-manager", "what": "refused", "why": "HELD"}
-    assert json.loads(encode_entry(Entry(1.0, "V1", Arrived(station="B", error_m=None))))["error_m"] is None
+    assert (
+        json.loads(encode_entry(JournalEntry(1.0, "V1", Arrived(station="B", error_m=None))))["error_m"]
+        is None
+    )
 
 
 @pytest.mark.parametrize("word", EVENTS)
 @given(data=st.data())
 def test_every_event_comes_back_from_its_line(word: str, data: st.DataObject) -> None:
     event = data.draw(made(EVENTS[word]))
-    entry = Entry(data.draw(LEAVES[float]), data.draw(LEAVES[str]), event)
+    entry = JournalEntry(data.draw(LEAVES[float]), data.draw(LEAVES[str]), event)
     line = encode_entry(entry)
     again = decode_entry(line)
     assert again == entry
@@ -125,8 +128,8 @@ def test_an_event_is_frozen_and_no_two_types_are_equal() -> None:
 
 def test_the_unit_of_an_entry_is_the_one_it_names_or_its_author() -> None:
     granted = Granted(unit_id="V1", section_ids=("3",), token=9, route_id="r")
-    assert unit_of(Entry(1.0, "block-manager", granted)) == "V1"
-    assert unit_of(Entry(1.0, "V2", Moving())) == "V2"
+    assert unit_of(JournalEntry(1.0, "block-manager", granted)) == "V1"
+    assert unit_of(JournalEntry(1.0, "V2", Moving())) == "V2"
 
 
 def test_a_file_is_read_back_and_a_line_that_is_none_is_named(tmp_path: Path) -> None:
@@ -152,7 +155,7 @@ def test_the_digest_is_that_of_the_file() -> None:
 def test_watchers_see_every_further_entry_in_order() -> None:
     journal = Journal()
     journal.write(0.0, "V1", Moving())
-    seen: list[Entry] = []
+    seen: list[JournalEntry] = []
     journal.watch(seen.append)
     departs, proven = Departs(station="B"), Proven(points_id="P7", position=Position.NORMAL, token=1)
     journal.write(0.1, "V1", departs)
@@ -164,14 +167,15 @@ def test_watchers_see_every_further_entry_in_order() -> None:
 # in a file ------------------------------------------------------------------------------------------------------
 
 
-def course(length: int) -> list[Entry]:
+def course(length: int) -> list[JournalEntry]:
     """Entries of many lengths."""
     return [
-        Entry(0.1 * n, f"V{n % 7}", Holds(section_ids=("駅",) * (n % 23), token=n)) for n in range(length)
+        JournalEntry(0.1 * n, f"V{n % 7}", Holds(section_ids=("駅",) * (n % 23), token=n))
+        for n in range(length)
     ]
 
 
-def grown(journal: Journal, entries: Iterable[Entry]) -> Journal:
+def grown(journal: Journal, entries: Iterable[JournalEntry]) -> Journal:
     for entry in entries:
         journal.write(entry.t_s, entry.who, entry.event)
     return journal

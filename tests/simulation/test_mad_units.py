@@ -6,7 +6,7 @@ from typing import Final
 
 import pytest
 
-from simulation.events import WORLD, Entry, Event, FaultBegan, FaultOver
+from simulation.events import WORLD, Commissioned, Event, FaultBegan, FaultOver, JournalEntry
 from simulation.faults.script import ActKind
 from simulation.mad_units import MadUnits
 from wayside.config import MANAGER_ID
@@ -26,7 +26,9 @@ def after(*events: Event, who: str = MANAGER_ID) -> MadUnits:
     """What people know whom these entries have shown, a second each; K1 stands in 3 and holds no more."""
     units = MadUnits({"K1": 0, "K2": 1}, lambda _slot: ("3",))
     for t_s, event in enumerate(events):
-        units.see(Entry(float(t_s), WORLD if isinstance(event, FaultBegan | FaultOver) else who, event))
+        units.see(
+            JournalEntry(float(t_s), WORLD if isinstance(event, FaultBegan | FaultOver) else who, event)
+        )
     return units
 
 
@@ -57,14 +59,14 @@ def test_also_when_its_fault_is_over_and_the_register_still_has_it() -> None:
 
 def test_unbarred_when_its_fault_has_been_over_for_a_time_and_wherever_it_is_barred() -> None:
     units = after(BEGAN, AGAINST, Barred(unit_id="K1", by="Mori"))
-    units.see(Entry(3.0, "B-W", Barred(unit_id="K1", by="Mori")))
+    units.see(JournalEntry(3.0, "B-W", Barred(unit_id="K1", by="Mori")))
     assert due(units, 60.0) == []
-    units.see(Entry(60.0, WORLD, OVER))
+    units.see(JournalEntry(60.0, WORLD, OVER))
     assert due(units, 61.0) == []
     assert due(units, 61.5 + PATIENCE_S) == [UNBAR]
-    units.see(Entry(80.0, MANAGER_ID, Unbarred(unit_id="K1", by="Mori")))
+    units.see(JournalEntry(80.0, MANAGER_ID, Unbarred(unit_id="K1", by="Mori")))
     assert due(units, 81.0) == [UNBAR], "a terminal that was off has not heard it"
-    units.see(Entry(90.0, "B-W", Unbarred(unit_id="K1", by="Mori")))
+    units.see(JournalEntry(90.0, "B-W", Unbarred(unit_id="K1", by="Mori")))
     assert due(units, 91.0) == []
 
 
@@ -72,3 +74,13 @@ def test_a_unit_in_order_that_somebody_had_barred_is_unbarred() -> None:
     units = after(Barred(unit_id="K1", by="Mori"), who="B-W")
     assert due(units, 0.0) == []
     assert due(units, 0.5 + PATIENCE_S) == [UNBAR]
+
+
+def test_a_device_that_is_commissioned_anew_has_forgotten_whom_it_had_barred() -> None:
+    units = after(Barred(unit_id="K1", by="Mori"))
+    units.see(JournalEntry(1.0, "B-W", Barred(unit_id="K1", by="Mori")))
+    units.see(JournalEntry(2.0, WORLD, Commissioned(device_id=MANAGER_ID, number=2)))
+    assert [units.is_barred("K1", device) for device in (MANAGER_ID, "B-W")] == [False, True]
+    assert not units.is_barred("K2")
+    units.see(JournalEntry(3.0, WORLD, Commissioned(device_id="B-W", number=2)))
+    assert due(units, 60.0) == due(units, 120.0) == [], "nobody is left to unbar it"

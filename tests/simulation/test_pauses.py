@@ -10,10 +10,10 @@ import pytest
 
 from network.errors import InputError
 from network.files.toml_input import validate
+from scenario.scenario import Scenario, load_scenario
 from simulation.pauses import Pauses
 from simulation.people import LID_TIMES, Pause, People
 from simulation.setup import STEPS_PER_S, Setup
-from study.scenario.scenario import Scenario, load_scenario
 
 ALL = tuple(Pause)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulation.late.day import Stay
+from simulation.late_day import DrawnStay
 from simulation.platforms import held_until
 
 TIMES = st.floats(0.0, 600.0)
@@ -17,7 +17,7 @@ def test_doors_are_shut_last_and_never_before_the_train_could_leave(
 ) -> None:
     stood_s = 1000.0
     ready_s, boarded_s, until_s = held_until(
-        Stay(people_s, doors_s), stood_s, stood_s + early_s, dwell_s, begins=begins
+        DrawnStay(people_s, doors_s), stood_s, stood_s + early_s, dwell_s, begins=begins
     )
     assert stood_s <= ready_s <= boarded_s <= until_s == boarded_s + doors_s
     assert boarded_s - ready_s <= (0.0 if begins else people_s + 1e-9)
@@ -26,11 +26,11 @@ def test_doors_are_shut_last_and_never_before_the_train_could_leave(
 
 
 def test_spare_time_takes_up_what_passengers_need_and_not_the_doors() -> None:
-    early = held_until(Stay(30.0, 10.0), 1000.0, 1060.0, 20.0, begins=False)
-    late = held_until(Stay(30.0, 10.0), 1050.0, 1060.0, 20.0, begins=False)
+    early = held_until(DrawnStay(30.0, 10.0), 1000.0, 1060.0, 20.0, begins=False)
+    late = held_until(DrawnStay(30.0, 10.0), 1050.0, 1060.0, 20.0, begins=False)
     assert early == (1060.0, 1060.0, 1070.0)
     assert late == (1070.0, 1100.0, 1110.0)
 
 
 def test_who_begins_there_has_had_its_passengers_on_before() -> None:
-    assert held_until(Stay(30.0, 10.0), 1000.0, 1060.0, 20.0, begins=True) == (1060.0, 1060.0, 1070.0)
+    assert held_until(DrawnStay(30.0, 10.0), 1000.0, 1060.0, 20.0, begins=True) == (1060.0, 1060.0, 1070.0)

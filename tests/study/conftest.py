@@ -16,8 +16,9 @@ from network.files.shipped import shipped_line, shipped_timetable
 from network.graph import find_route
 from network.model import Line
 from network.timetable import Timetable, TimetableTrain, load_timetable, platform_of
-from study.report.data import Run
-from study.run.tables import SCHEMAS, RunTables, make_table
+from study.record.figure import schema_of
+from study.record.tables import ROWS, RunTables, make_table
+from study.report.data import ReportedRun
 
 STEP_S = 1.0
 POWER_MPS2, BRAKE_MPS2 = 0.6, 0.7
@@ -28,17 +29,17 @@ PERMITTED_MARGIN_MPS = 2.5
 class Rows:
     """Rows under construction, a list of each table."""
 
-    tables: dict[str, list[tuple[Any, ...]]] = field(default_factory=lambda: {name: [] for name in SCHEMAS})
+    tables: dict[str, list[tuple[Any, ...]]] = field(default_factory=lambda: {name: [] for name in ROWS})
 
     def add(self, name: str, *row: object) -> None:
-        assert len(row) == len(SCHEMAS[name])
+        assert len(row) == len(schema_of(ROWS[name]))
         self.tables[name].append(row)
 
     def finish(self) -> RunTables:
         frames = {}
         for name, rows in self.tables.items():
-            columns = zip(*rows, strict=True) if rows else [()] * len(SCHEMAS[name])
-            frames[name] = make_table(name, dict(zip(SCHEMAS[name], map(list, columns), strict=True)))
+            columns = zip(*rows, strict=True) if rows else [()] * len(schema_of(ROWS[name]))
+            frames[name] = make_table(name, dict(zip(schema_of(ROWS[name]), map(list, columns), strict=True)))
         return RunTables(**frames)
 
 
@@ -141,14 +142,25 @@ def _run_train(
             rows.add("blocks", section, unit, number, token, left_s[i] - 20, clears_s + 3, enters_s, clears_s)
     km = abs(tracks[-1].marks_m[direction] - tracks[0].marks_m[direction]) / 1000
     traction, regenerated, auxiliary = 2.1 * km + 2, 0.6 * km, 0.4 * km
-    figures = (traction, regenerated, auxiliary, 0.1 * km, traction + auxiliary - regenerated)
+    figures = (traction, auxiliary, regenerated, traction + auxiliary - regenerated)
     motors = traction - regenerated
-    figures += (0.0, 0.4 * motors, 0.0, 0.0, 0.2 * motors, 0.3 * motors, 0.1 * motors, 0.05 * motors, 0.0)
-    rows.add("energy", unit, number, train.revenue, 2, "battery", km, 120.0 * km, 20.0 * km, *figures)
+    figures += (
+        0.0,
+        0.4 * motors,
+        0.0,
+        0.0,
+        0.2 * motors,
+        0.3 * motors,
+        0.1 * motors,
+        0.05 * motors,
+        0.0,
+        0.1 * km,
+    )
+    rows.add("energy", unit, number, train.revenue, 2, km, 120.0 * km, 20.0 * km, *figures, "battery")
     ends = (train.calls[0].station_id, train.calls[-1].station_id)
     rows.add("energy_legs", unit, number, train.revenue, *ends, 2, km, 120.0 * km, 20.0 * km, *figures)
     end_s = came_s[len(train.calls) - 1]
-    rows.add("layovers", unit, ends[1], number, None, end_s, end_s + 600.0, 0.0, 0.0, 5.0, 5.0, *[0.0] * 9)
+    rows.add("layovers", unit, ends[1], number, None, end_s, end_s + 600.0, 0.0, 5.0, 0.0, 5.0, *[0.0] * 9)
     rows.add("margins", unit, number, train.revenue, *ends, 200.0, 160.0, 165.0, 40.0, 25.0, 190.0, 10.0)
 
 
@@ -175,17 +187,17 @@ def make_run(line: Line, timetable: Timetable, seed: int = 1) -> RunTables:
 
 
 @pytest.fixture(scope="session")
-def make_day() -> Callable[[str, str], Run]:
+def make_day() -> Callable[[str, str], ReportedRun]:
     """A made-up run of a shipped line and timetable."""
 
-    def make(line_name: str, timetable_name: str) -> Run:
+    def make(line_name: str, timetable_name: str) -> ReportedRun:
         line = load_line(shipped_line(line_name))
         timetable = load_timetable(shipped_timetable(timetable_name), line)
-        return Run(line, timetable, make_run(line, timetable))
+        return ReportedRun(line, timetable, make_run(line, timetable))
 
     return make
 
 
 @pytest.fixture(scope="session")
-def weekday(make_day: Callable[[str, str], Run]) -> Run:
+def weekday(make_day: Callable[[str, str], ReportedRun]) -> ReportedRun:
     return make_day("karasuyama", "karasuyama_weekday")

@@ -13,9 +13,9 @@ import pytest
 
 from onboard.notes import Intervention, SignSeen, StopImpossible
 from radio.noted import Noted
-from study.run.directory import LEARNED_FILE
-from study.run.run import CarrierKind, Link, Run, execute, write_run
-from study.scenario.scenario import load_scenario
+from scenario.scenario import load_scenario
+from study.record.directory import LEARNED_FILE
+from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute, write_run
 from tests.study.report.page import payload_of, table_in
 
 HEAD = 'extends = "rtri_test_line"\nid = "x"\nname = "x"\n'
@@ -29,16 +29,16 @@ set = { "stations.B.tracks.1.platform_to_km" = 1.05, "stations.B.tracks.1.mark_d
 """
 
 
-def run_of(tmp_path: Path, text: str) -> Run:
+def run_of(tmp_path: Path, text: str) -> FinishedRun:
     file = tmp_path / "x.toml"
     file.write_text(HEAD + text, encoding="utf-8")
-    return execute(load_scenario(str(file)), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    return execute(load_scenario(str(file)), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
 
 
 T = TypeVar("T", bound=Noted)
 
 
-def noted(run: Run, kind: type[T]) -> list[T]:
+def noted(run: FinishedRun, kind: type[T]) -> list[T]:
     return [entry.event for entry in run.result.journal.entries if isinstance(entry.event, kind)]
 
 

@@ -7,18 +7,18 @@ from dataclasses import replace
 import pytest
 
 from onboard.notes import PositionFault, TagRead
+from scenario.scenario import load_scenario
 from simulation.events import TagPassed
-from study.run.drill import run_drill
-from study.run.run import CarrierKind, Link, Run, execute
-from study.scenario.scenario import load_scenario
+from study.drilling.drill import run_drill
+from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 
 pytestmark = pytest.mark.system
 
 
-def _run(**sensors: object) -> Run:
+def _run(**sensors: object) -> FinishedRun:
     scenario = load_scenario("rtri_test_line", 1)
     setup = replace(scenario.setup, sensors=scenario.setup.sensors.model_copy(update=sensors))
-    return execute(replace(scenario, setup=setup), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    return execute(replace(scenario, setup=setup), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
 
 
 def test_a_run_that_reads_bits_goes_as_one_that_reads_ids() -> None:
@@ -36,7 +36,7 @@ def test_a_run_whose_tags_cannot_be_read_stops_its_trains_and_breaks_nothing() -
 
 @pytest.mark.parametrize("line", ["rtri", "karasuyama"])
 def test_in_noise_tags_are_missed_and_none_is_read_as_another(line: str) -> None:
-    drill = run_drill(f"{line}/45_tags_by_bits", Link.SIMULATED)
+    drill = run_drill(f"{line}/45_tags_by_bits", PartyLink.SIMULATED)
     passed = [
         (e.t_s, e.event.unit_id, e.event.tag_id)
         for e in drill.run.result.journal.entries

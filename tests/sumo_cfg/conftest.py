@@ -13,10 +13,10 @@ from network.model import (
     Alignment,
     Direction,
     Gradient,
-    Leg,
     Line,
     Piece,
     Points,
+    PointsLeg,
     Position,
     Section,
     SectionKind,
@@ -49,14 +49,14 @@ def passing_loop() -> Line:
     alignment = Alignment("a", 0.0, 1000.123456, 0.0, 0.0, 90.0, 50.0, GRADIENTS, (), (), ())
     pieces = (
         Piece("west", "west", "a", 0.0, 300.0, "w", "j1"),
-        Piece("stem1", "p1", "a", 300.0, 310.0, "j1", "t1", points_id="1", leg=Leg.STEM),
-        Piece("normal1", "p1", "a", 310.0, 340.0, "t1", "n1", points_id="1", leg=Leg.NORMAL),
-        Piece("reverse1", "p1", "a", 310.0, 340.0, "t1", "r1", LOOP_OFFSET_M, "1", Leg.REVERSE),
+        Piece("stem1", "p1", "a", 300.0, 310.0, "j1", "t1", points_id="1", leg=PointsLeg.STEM),
+        Piece("normal1", "p1", "a", 310.0, 340.0, "t1", "n1", points_id="1", leg=PointsLeg.NORMAL),
+        Piece("reverse1", "p1", "a", 310.0, 340.0, "t1", "r1", LOOP_OFFSET_M, "1", PointsLeg.REVERSE),
         Piece("track1", "track1", "a", 340.0, 600.0, "n1", "n2"),
         Piece("track2", "track2", "a", 340.0, 600.0, "r1", "r2", LOOP_OFFSET_M),
-        Piece("normal2", "p2", "a", 600.0, 630.0, "n2", "t2", points_id="2", leg=Leg.NORMAL),
-        Piece("reverse2", "p2", "a", 600.0, 630.0, "r2", "t2", LOOP_OFFSET_M, "2", Leg.REVERSE),
-        Piece("stem2", "p2", "a", 630.0, 640.0, "t2", "j2", points_id="2", leg=Leg.STEM),
+        Piece("normal2", "p2", "a", 600.0, 630.0, "n2", "t2", points_id="2", leg=PointsLeg.NORMAL),
+        Piece("reverse2", "p2", "a", 600.0, 630.0, "r2", "t2", LOOP_OFFSET_M, "2", PointsLeg.REVERSE),
+        Piece("stem2", "p2", "a", 630.0, 640.0, "t2", "j2", points_id="2", leg=PointsLeg.STEM),
         Piece("east", "east", "a", 640.0, 1000.123456, "j2", "e"),
     )
     points = (

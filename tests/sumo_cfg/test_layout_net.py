@@ -9,25 +9,25 @@ from pathlib import Path
 
 import pytest
 
+from exchange.layout import ForeignLayout
+from exchange.osm import read_osm
+from exchange.railml import read_railml
+from exchange.sumo_net import read_sumo_net
 from network.errors import InputError
-from network.exchange.layout import Layout
-from network.exchange.osm import read_osm
-from network.exchange.railml import read_railml
-from network.exchange.sumo_net import read_sumo_net
 from sumo_cfg.layout_net import plain_of, write_layout_net
-from tests.network.exchange.layouts import OSM, RAILML_2
+from tests.exchange.layouts import OSM, RAILML_2
 
 sumo = pytest.importorskip("sumo", reason="the extra net is not installed")
 SHARED = Path(__file__).resolve().parents[2] / "../shared/data/osm/bad_hersfeld_rail.osm.xml"
 
 
-def small(tmp_path: Path) -> Layout:
+def small(tmp_path: Path) -> ForeignLayout:
     path = tmp_path / "small.osm"
     path.write_text(OSM, "utf-8")
     return read_osm(path)
 
 
-def shape_of(layout: Layout) -> tuple[object, object]:
+def shape_of(layout: ForeignLayout) -> tuple[object, object]:
     tracks = {t.id: (t.low_node, t.high_node, round(t.length_m, 2)) for t in layout.tracks}
     points = {p.node_id: (p.stem, p.normal, p.reverse, p.side) for p in layout.points}
     return tracks, points

@@ -10,10 +10,10 @@ from collections.abc import Callable
 
 import pytest
 
-from study.run.drill import find_drill, shipped_drills
-from study.run.run import CarrierKind, Link, Run, execute
-from study.run.verdict import judge
-from study.scenario.scenario import load_scenario
+from scenario.scenario import load_scenario
+from study.drilling.drill import find_drill, shipped_drills
+from study.drilling.verdict import judge
+from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from tests.system import switches_on_board, switches_radio, switches_wayside  # noqa: F401 - they enter themselves
 from tests.system.switchboard import FOLDER, SWITCHES, Switch
 
@@ -24,12 +24,12 @@ def switch_names() -> frozenset[str]:
 
 
 @pytest.fixture
-def run_with(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[Run, set[str]]]:
+def run_with(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[FinishedRun, set[str]]]:
     """Run a scenario or drill with switches thrown; the run, and who objects: checkers, unmet expectations."""
 
     def run(
         scenario: str, *switches: str | Switch, carrier: CarrierKind = CarrierKind.SUMO
-    ) -> tuple[Run, set[str]]:
+    ) -> tuple[FinishedRun, set[str]]:
         for given in switches:
             if given:
                 throw = SWITCHES[given] if isinstance(given, str) else given
@@ -37,7 +37,7 @@ def run_with(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[Run, set[st
         file = FOLDER / f"{scenario}.toml"
         name = str(file) if file.is_file() else scenario
         loaded = load_scenario(find_drill(name) if name in shipped_drills() else name)
-        done = execute(loaded, Link.SIMULATED, carrier=carrier)
+        done = execute(loaded, PartyLink.SIMULATED, carrier=carrier)
         verdicts = judge(loaded.setup.script.expectations, done.result, done.tables)
         return done, {v.checker for v in done.result.violations} | {v.text for v in verdicts if not v.passed}
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.model import Alignment, Curve, Line
-from simulation.result import EnergyRecord, Phase, RunResult, TraceSpan
+from simulation.result import EnergyPhase, EnergyRecord, RunResult, TraceSpan
 
 Floats: TypeAlias = NDArray[np.float64]
 Numbers: TypeAlias = Mapping[str, float]
@@ -58,7 +58,10 @@ def balances(result: RunResult, line: Line, train: Numbers) -> Iterator[Balance]
     """Of every train and leg, from a stand to the next where it was to stop. `train`: what its file says, in SI."""
     legs: dict[tuple[str, str, str], list[EnergyRecord]] = {}
     for record in result.energy:
-        if record.phase in (Phase.RUNNING, Phase.HELD) and record.distance_m + record.traction_j > 0.0:
+        if (
+            record.phase in (EnergyPhase.RUNNING, EnergyPhase.HELD)
+            and record.distance_m + record.traction_j > 0.0
+        ):
             legs.setdefault((record.number, record.from_id, record.to_id), []).append(record)
     for (number, *_), records in legs.items():
         balance = Balance(number, sum(r.traction_j + r.auxiliary_j for r in records))

@@ -19,24 +19,24 @@ from onboard.authority.stop_limit import stop_limit
 from onboard.authority.tables import Handler, Result
 from onboard.duty import arrival, shown
 from onboard.duty import machine as duty_machine
+from onboard.duty.duty_step import DutyStep
 from onboard.duty.mission import Mission
-from onboard.duty.plan import Plan, PointsNeeded
+from onboard.duty.plan import DutyPlan, PointsNeeded
 from onboard.duty.records import (
-    Command,
-    Limit,
+    DrivingCommand,
     Person,
-    Place,
+    PlaceInJoints,
     PointsSeen,
     PointsWrong,
+    StopLimit,
 )
-from onboard.duty.turn import Turn
 from onboard.localisation import tags
-from onboard.localisation.fix import Fix, Refused, Taken, take
+from onboard.localisation.fix import Fix, RefusedFix, TakenFix, take
 from onboard.localisation.wheel_scale import WheelScale
-from onboard.motion import Motion
+from onboard.motion import UnitMotion
 from onboard.notes import Claimed
 from onboard.records import EMERGENCY_INTERVENTION, UnitRow
-from onboard.unit import Answer, Report, Telegram, Unit
+from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
 from radio.messages import (
     PointsCommand,
 )
@@ -59,21 +59,21 @@ def never_asks_again(patch: pytest.MonkeyPatch) -> None:
 
         return heard
 
-    with_handlers(patch, {sym.Refused: once})
+    with_handlers(patch, {sym.RefusalHeard: once})
 
 
 @switch
 def drops_its_timers(patch: pytest.MonkeyPatch) -> None:
-    advance = Unit.advance
+    advance = OnboardUnit.advance
 
-    def forgetful(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+    def forgetful(self: OnboardUnit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> UnitAnswer:
         answer = advance(self, now_s, telegrams, sensed)
         if self.state.authority.on_line:
             self._timers.clear()
             answer = msgspec.structs.replace(answer, wake_at_s=None)
         return answer
 
-    patch.setattr(Unit, "advance", forgetful)
+    patch.setattr(OnboardUnit, "advance", forgetful)
 
 
 # on-board unit ------------------------------------------------------------------------------------------------
@@ -82,14 +82,14 @@ def drops_its_timers(patch: pytest.MonkeyPatch) -> None:
 @switch
 def releases_at_the_front(patch: pytest.MonkeyPatch) -> None:
     """What the front has surely passed counts as left by the rear, whatever tags say."""
-    place = Motion.place
+    place = UnitMotion.place
 
-    def at_front(self: Motion) -> Place:
+    def at_front(self: UnitMotion) -> PlaceInJoints:
         here = place(self)
         passed = max(here.sure - 1, 0)
         return msgspec.structs.replace(here, clear=passed, clear_at_mark=passed)
 
-    patch.setattr(Motion, "place", at_front)
+    patch.setattr(UnitMotion, "place", at_front)
     patch.setattr(arrival, "arrived", lambda turn: turn.set(freed=len(turn.plan.spans)))
 
 
@@ -98,6 +98,19 @@ def releases_by_the_odometer(patch: pytest.MonkeyPatch) -> None:
     """As soon as the safe rear has left them, whatever tags say."""
     patch.setattr(arrival, "arrived", lambda turn: turn.set(freed=len(turn.plan.spans)))
     believes_any_tag(patch)
+
+
+@switch
+def keeps_what_is_of_no_use(patch: pytest.MonkeyPatch) -> None:
+    """What the register gives it besides what it claims it holds until it comes there."""
+    patch.setattr(arrival, "useless_ahead", lambda _turn: ())
+
+
+@switch
+def departs_before_the_driver_has_looked(patch: pytest.MonkeyPatch) -> None:
+    """A train that its own bounds keep short of its mark takes that for its stop."""
+    place = UnitMotion.place
+    patch.setattr(UnitMotion, "place", lambda self: msgspec.structs.replace(place(self), unsure=False))
 
 
 @switch
@@ -121,7 +134,7 @@ def keeps_the_emergency_latch(patch: pytest.MonkeyPatch) -> None:
         self._trains.units[slot].intervention = EMERGENCY_INTERVENTION
 
     patch.setattr(OnBoard, "power_on", latched)
-    patch.setattr(Turn, "await_release", lambda turn: turn.set(released=False))
+    patch.setattr(DutyStep, "await_release", lambda turn: turn.set(released=False))
 
 
 @switch
@@ -132,7 +145,9 @@ def runs_on_in_a_contradiction(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def does_not_wait_for_proof(patch: pytest.MonkeyPatch) -> None:
-    def held_alone(plan: Plan, state: Authority, _entered: Collection[str] = (), **how: bool) -> Limit:
+    def held_alone(
+        plan: DutyPlan, state: Authority, _entered: Collection[str] = (), **how: bool
+    ) -> StopLimit:
         bare = tuple(msgspec.structs.replace(span, points=()) for span in plan.spans)
         return stop_limit(msgspec.structs.replace(plan, spans=bare), state, **how)
 
@@ -141,8 +156,10 @@ def does_not_wait_for_proof(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def runs_beyond_what_it_holds(patch: pytest.MonkeyPatch) -> None:
-    def end_of_path(plan: Plan, _state: Authority, _entered: Collection[str] = (), **_how: bool) -> Limit:
-        return Limit(len(plan.spans), None, "end of the path")
+    def end_of_path(
+        plan: DutyPlan, _state: Authority, _entered: Collection[str] = (), **_how: bool
+    ) -> StopLimit:
+        return StopLimit(len(plan.spans), None, "end of the path")
 
     patch.setattr(duty_machine, "stop_limit", end_of_path)
 
@@ -155,18 +172,18 @@ def ignores_a_withdrawn_proof(patch: pytest.MonkeyPatch) -> None:
 @switch
 def claims_only_where_it_stands(patch: pytest.MonkeyPatch) -> None:
     def claim(_queried: Handler) -> Handler:
-        def first(state: Authority, _event: sym.Queried) -> Result:
+        def first(state: Authority, _event: sym.QueryHeard) -> Result:
             here = state.held[:1]
             return state, (sym.SendClaim(here), sym.Write(Claimed(section_ids=here, token=0)))
 
         return first
 
-    with_handlers(patch, {sym.Queried: claim})
+    with_handlers(patch, {sym.QueryHeard: claim})
 
 
 @switch
 def believes_any_tag(patch: pytest.MonkeyPatch) -> None:
-    def take_any(row: UnitRow, fix: Fix, _span_m: tuple[float, float]) -> Taken | Refused:
+    def take_any(row: UnitRow, fix: Fix, _span_m: tuple[float, float]) -> TakenFix | RefusedFix:
         row.position_known = 0  # so that nothing is compared
         return take(row, fix)
 
@@ -177,17 +194,17 @@ def believes_any_tag(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def expects_no_tag(patch: pytest.MonkeyPatch) -> None:
-    def expect(self: Motion, _after_m: float | None = None) -> None:
+    def expect(self: UnitMotion, _after_m: float | None = None) -> None:
         self.row.expected_tag_m = math.inf
 
-    patch.setattr(Motion, "_expect_tag", expect)
+    patch.setattr(UnitMotion, "_expect_tag", expect)
 
 
 @switch
 def bounds_do_not_grow(patch: pytest.MonkeyPatch) -> None:
-    take_up, apply = Motion._take_up, WheelScale.apply
+    take_up, apply = UnitMotion._take_up, WheelScale.apply
 
-    def certain(self: Motion, *taken_up: Any) -> None:  # noqa: ANN401 - handed on
+    def certain(self: UnitMotion, *taken_up: Any) -> None:  # noqa: ANN401 - handed on
         take_up(self, *taken_up)
         self.row.bound_growth = 0.0
 
@@ -195,7 +212,7 @@ def bounds_do_not_grow(patch: pytest.MonkeyPatch) -> None:
         apply(self, scale)
         self._row.bound_growth = 0.0
 
-    patch.setattr(Motion, "_take_up", certain)
+    patch.setattr(UnitMotion, "_take_up", certain)
     patch.setattr(WheelScale, "apply", measured)
 
 
@@ -214,18 +231,18 @@ def compares_no_axles(patch: pytest.MonkeyPatch) -> None:
 @switch
 def stands_for_no_reason(patch: pytest.MonkeyPatch) -> None:
     """Nobody looks again at a train that may drive on and stands (decision 055)."""
-    patch.setattr(Motion, "_stands_idle", lambda _self: [])
+    patch.setattr(UnitMotion, "_stands_idle", lambda _self: [])
 
 
 @switch
 def restarts_at_full_speed(patch: pytest.MonkeyPatch) -> None:
-    obey = Motion.obey
+    obey = UnitMotion.obey
 
-    def at_once(self: Motion, command: Command, now_s: float) -> None:
+    def at_once(self: UnitMotion, command: DrivingCommand, now_s: float) -> None:
         obey(self, command, now_s)
         self.row.restricted_mps = math.inf
 
-    patch.setattr(Motion, "obey", at_once)
+    patch.setattr(UnitMotion, "obey", at_once)
 
 
 @switch
@@ -268,7 +285,7 @@ def crew_does_not_lock(patch: pytest.MonkeyPatch) -> None:
     """The crew only looks: what it has seen may change before its train has passed."""
 
     def looks(self: Crew, _slot: int, _mission: Mission, needed: PointsNeeded, _now_s: float) -> bool:
-        machine = self._machine_of(needed.points_id)
+        machine = self._wayside.machines[needed.points_id]
         return machine.locked and machine.position is needed.position
 
     patch.setattr(Crew, "_locks", looks)
@@ -277,9 +294,9 @@ def crew_does_not_lock(patch: pytest.MonkeyPatch) -> None:
 @switch
 def commands_after_the_look(patch: pytest.MonkeyPatch) -> None:
     """Given: a unit commands P7 the other way, by its own token, when its train is on its way over it on sight."""
-    advance, due_s = Unit.advance, list[float]()
+    advance, due_s = OnboardUnit.advance, list[float]()
 
-    def rogue(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+    def rogue(self: OnboardUnit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> UnitAnswer:
         answer = advance(self, now_s, telegrams, sensed)
         if any(isinstance(event, PointsSeen) for event in sensed.happened):
             due_s.append(now_s + ON_THE_POINTS_AFTER_S)
@@ -293,7 +310,7 @@ def commands_after_the_look(patch: pytest.MonkeyPatch) -> None:
         data = self._endpoint.seal("B-W", order, now_s)
         return msgspec.structs.replace(answer, telegrams=(*answer.telegrams, Telegram("B-W", data)))
 
-    patch.setattr(Unit, "advance", rogue)
+    patch.setattr(OnboardUnit, "advance", rogue)
 
 
 # durable state -------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from itertools import repeat
 import msgspec
 import pytest
 
-from onboard.unit import Answer, Report, Telegram, Unit
+from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
 from radio import envelope as env
 from radio.envelope import DropReason, Envelope, Peer, header_of, kind_of
 from radio.keys import MAC_BYTES
@@ -74,9 +74,9 @@ def kind_of_data(data: bytes) -> str | None:
 @switch
 def forges_a_report(patch: pytest.MonkeyPatch) -> None:
     """Given: with each request of K2 goes a report in the name of K1, code and all made up: 'I hold 3 alone'."""
-    advance, token, sent = Unit.advance, [0], [1000]
+    advance, token, sent = OnboardUnit.advance, [0], [1000]
 
-    def forging(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+    def forging(self: OnboardUnit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> UnitAnswer:
         answer = advance(self, now_s, telegrams, sensed)
         if self.unit_id == "K1":
             token[0] = self._letters.token
@@ -95,7 +95,7 @@ def forges_a_report(patch: pytest.MonkeyPatch) -> None:
         data = msgspec.msgpack.encode(false) + bytes(MAC_BYTES)
         return Telegram(request.destination, data)
 
-    patch.setattr(Unit, "advance", forging)
+    patch.setattr(OnboardUnit, "advance", forging)
 
 
 @switch

@@ -9,12 +9,12 @@ import msgspec
 import pytest
 
 from host import device, store
-from host.store import Store
+from host.store import PartyStore
 from network.model import Position
 from onboard.authority import letters
 from onboard.authority import records as sym
 from onboard.authority.letters import Letters
-from onboard.unit import Answer, Report, Telegram, Unit
+from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
 from radio.keys import MAC_BYTES
 from radio.messages import (
     PointsCommand,
@@ -28,7 +28,7 @@ from tests.system.switchboard import K1_ON_P7_S, K2_ON_P7_S, switch
 from wayside import acts, barring, block_manager, leaving, point_terminal, reentry, register
 from wayside.actions import Action, Send, Show
 from wayside.config import ManagerConfig
-from wayside.register import Register, Standing
+from wayside.register import Register, UnitStanding
 from wayside.said import Freed
 
 # block manager ----------------------------------------------------------------------------------------------
@@ -54,7 +54,7 @@ def starts_with_every_section_free(patch: pytest.MonkeyPatch) -> None:
         return replace(start(config, epoch, keys, ()), restoring=False)
 
     patch.setattr(device, "start_register", afresh)
-    patch.setattr(register, "UNKNOWN_UNIT", register.Unit(Standing.OUTSIDE))
+    patch.setattr(register, "UNKNOWN_UNIT", register.RegisteredUnit(UnitStanding.OUTSIDE))
 
 
 @switch
@@ -118,12 +118,12 @@ def frees_a_portal_at_the_sign_off(patch: pytest.MonkeyPatch) -> None:
 
     def signed_off(state: Register, heard: block_manager.Heard[SignOff]) -> reentry.Step:
         state, said = leaving.sign_off(state, heard)
-        if state.unit(heard.unit_id).standing is not Standing.LEAVING:
+        if state.unit(heard.unit_id).standing is not UnitStanding.LEAVING:
             return state, said
         state, freed = leaving.left(state, heard.unit_id)
         return state, (*said, *freed)
 
-    table = {**block_manager.TELEGRAMS, (Standing.REPORTED, SignOff): signed_off}
+    table = {**block_manager.TELEGRAMS, (UnitStanding.REPORTED, SignOff): signed_off}
     patch.setattr(block_manager, "TELEGRAMS", table)
 
 
@@ -156,15 +156,21 @@ def refuses_everything(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(block_manager, "_against", lambda *_: (RefusalReason.HELD, None, None))
 
 
+@switch
+def takes_the_end_of_a_claim_for_a_release(patch: pytest.MonkeyPatch) -> None:
+    """Persons may not say of a train on open line that it is not where its unit falsely claims to be."""
+    patch.setattr(acts, "_given_back", acts._freed)
+
+
 # point terminal -----------------------------------------------------------------------------------------------
 
 
 @switch
 def commands_what_it_does_not_hold(patch: pytest.MonkeyPatch) -> None:
     """Given: K2, refused because K1 is on its way over P7, commands P7 with a capability that it made up."""
-    advance = Unit.advance
+    advance = OnboardUnit.advance
 
-    def rogue(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+    def rogue(self: OnboardUnit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> UnitAnswer:
         answer = advance(self, now_s, telegrams, sensed)
         refused = any(isinstance(n, TookEffect) and n.kind == "RouteRefused" for n in answer.notes)
         if self.unit_id != "K2" or now_s < K1_ON_P7_S or not refused:
@@ -174,7 +180,7 @@ def commands_what_it_does_not_hold(patch: pytest.MonkeyPatch) -> None:
         made_up = Telegram("B-W", data)
         return msgspec.structs.replace(answer, telegrams=(*answer.telegrams, made_up))
 
-    patch.setattr(Unit, "advance", rogue)
+    patch.setattr(OnboardUnit, "advance", rogue)
 
 
 @switch
@@ -185,17 +191,17 @@ def throws_for_anyone(patch: pytest.MonkeyPatch) -> None:
 @switch
 def repeats_an_old_command(patch: pytest.MonkeyPatch) -> None:
     """Given: K1 keeps its command of P7, and repeats it long after it gave the section back."""
-    advance, kept = Unit.advance, list[tuple[str, PointsCommand]]()
+    advance, kept = OnboardUnit.advance, list[tuple[str, PointsCommand]]()
     write = Letters.write
 
-    def writing(self: Letters, action: sym.Send | sym.SendClaim | sym.SendCommand) -> letters.Letter:
+    def writing(self: Letters, action: sym.SendRequest | sym.SendClaim | sym.SendCommand) -> letters.Letter:
         letter = write(self, action)
         message = letter.message
         if self._unit_id == "K1" and isinstance(message, PointsCommand) and message.points_id == "P7":
             kept[:] = [(letter.destination, message)]
         return letter
 
-    def repeating(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+    def repeating(self: OnboardUnit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> UnitAnswer:
         answer = advance(self, now_s, telegrams, sensed)
         if self.unit_id != "K1" or now_s < K2_ON_P7_S or not kept:
             return answer
@@ -204,7 +210,7 @@ def repeats_an_old_command(patch: pytest.MonkeyPatch) -> None:
         return msgspec.structs.replace(answer, telegrams=(*answer.telegrams, again))
 
     patch.setattr(Letters, "write", writing)
-    patch.setattr(Unit, "advance", repeating)
+    patch.setattr(OnboardUnit, "advance", repeating)
 
 
 @switch
@@ -239,7 +245,7 @@ def proves_what_it_has_not_detected(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def takes_a_lost_store_for_a_first_start(patch: pytest.MonkeyPatch) -> None:
-    def anew(kept: Store, _called: str) -> Store:
+    def anew(kept: PartyStore, _called: str) -> PartyStore:
         if kept.load().commissioned == 0:
             store.commission(kept)
         return kept

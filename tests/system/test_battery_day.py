@@ -16,18 +16,18 @@ import pytest
 from network.clock import clock
 from onboard.charge import ChargeWatch
 from onboard.notes import AbleToLeave, UnableToLeave
+from papers.battery_day import UNBALANCED_PERCENT_MAX, _home
+from papers.reproduction import UnjudgedFigure
+from scenario.scenario import Scenario, load_scenario
 from simulation.battery_settings import Departure
 from simulation.judge.log import Checker
 from simulation.result import Ending
 from simulation.setup import Setup
+from study.collect.battery import windows_of
+from study.drilling.drill import find_drill
 from study.feasibility.check import feasibility
-from study.feasibility.finding import Kind
-from study.papers.battery_day import UNBALANCED_PERCENT_MAX, _home
-from study.papers.reproduction import Figure
-from study.run.battery import windows_of
-from study.run.drill import find_drill
-from study.run.run import CarrierKind, Link, Run, execute
-from study.scenario.scenario import Scenario, load_scenario
+from study.feasibility.finding import FindingKind
+from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 
 pytestmark = pytest.mark.system
 
@@ -41,11 +41,11 @@ def scenario(name: str) -> Scenario:
 
 
 @cache
-def run(name: str) -> Run:
-    return execute(scenario(name), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+def run(name: str) -> FinishedRun:
+    return execute(scenario(name), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
 
 
-def day() -> Run:
+def day() -> FinishedRun:
     return run("karasuyama_battery")
 
 
@@ -122,10 +122,10 @@ def test_the_battery_neither_slows_nor_delays_the_day() -> None:
 
 def test_the_plan_is_checked_before() -> None:
     setup = scenario("karasuyama_battery").setup
-    assert not [f for f in feasibility(setup).findings if f.kind is Kind.CHARGE]
+    assert not [f for f in feasibility(setup).findings if f.kind is FindingKind.CHARGE]
     assert setup.battery is not None
     weak = replace(setup, line=replace(setup.line, chargers={}))
-    found = [f for f in feasibility(weak).impossible if f.kind is Kind.CHARGE]
+    found = [f for f in feasibility(weak).impossible if f.kind is FindingKind.CHARGE]
     assert {"321M", "323M"} <= {number for f in found for number in f.trains}
 
 
@@ -180,7 +180,7 @@ def test_with_the_charger_mended_it_goes_on(tmp_path: Path) -> None:
     fault = '[[fault]]\nkind = "charger_dead"\ntarget = "KRS"\nstart = "14:00:00"\nduration_s = 4500.0\n'
     path = tmp_path / "mended.toml"
     path.write_text(f'extends = "karasuyama_battery"\nid = "mended"\nname = "mended"\n{fault}', "utf-8")
-    mended = execute(load_scenario(str(path)), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    mended = execute(load_scenario(str(path)), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
     able = [entry for entry in mended.result.journal.entries if isinstance(entry.event, AbleToLeave)]
     left = mended.tables.stops.filter(pl.col("train") == "333M", pl.col("station") == "HSK")["departure_s"][0]
     mended_s = 14 * 3600 + 4500.0
@@ -195,7 +195,7 @@ def test_ten_minutes_are_told_alone_and_not_judged() -> None:
     figure = _home(day())
     charge = day().tables.charges.filter(pl.col("station") == "KRS", pl.col("minutes") > 10.0).sort("from_s")
     most_kwh = 400.0 * 10.0 / 60.0
-    assert isinstance(figure, Figure) and charge.height > 0
+    assert isinstance(figure, UnjudgedFigure) and charge.height > 0
     told_kwh = float(str(figure.value).split(" kWh")[0])
     assert 0.0 < told_kwh <= most_kwh + 0.5
     assert "no independent check" in figure.meaning
@@ -205,7 +205,7 @@ def test_ten_minutes_are_told_alone_and_not_judged() -> None:
 def test_without_its_reckoning_v4_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
     """What the drill guards, switched off by name: then 333M departs, and the drill would fail."""
     monkeypatch.setattr(ChargeWatch, "why_not", lambda _self, _mission, _at: None)
-    loose = execute(scenario("karasuyama/60_charger_dead"), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    loose = execute(scenario("karasuyama/60_charger_dead"), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
     stops = loose.tables.stops.filter(pl.col("train") == "333M", pl.col("station") == "HSK")
     assert stops["departure_s"][0] is not None
 

@@ -10,7 +10,6 @@ from typing import Any, Final
 
 import pytest
 
-from simulation.loop import Simulation
 from tests.system.chaos import run_one
 from tests.system.chaos.case import Case
 from tests.system.chaos.families import Family, ground_of
@@ -103,7 +102,7 @@ def test_all_stores_are_lost_at_once(nets: Path) -> None:
 def test_without_commissioning_the_summary_says_what_everybody_waits_for(
     party: str, nets: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Simulation, "_unit_commission", lambda *_: None)
+    monkeypatch.setattr("simulation.duties.Duties.commission", lambda *_: None)
     monkeypatch.setattr("simulation.world.points.WaysideWorld.commission", lambda *_: None)
     outcome = two_trains(
         nets, {"kind": "lost_store", "target": party, **LEAVES, "after_s": 20.0, "duration_s": 20.0}

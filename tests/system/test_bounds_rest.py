@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from onboard.notes import TagRead
+from scenario.scenario import load_scenario
 from simulation.judge.checkers import Checkers
-from simulation.world.premises import Premises
-from study.run.run import CarrierKind, Link, Run, execute
-from study.scenario.scenario import load_scenario
+from simulation.world.premises import FalsePositions
+from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from tests.system.switchboard import SWITCHES
 
 pytestmark = pytest.mark.system
@@ -42,13 +42,13 @@ def judged_s(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     return times
 
 
-def run(tmp_path: Path, factor: float) -> Run:
+def run(tmp_path: Path, factor: float) -> FinishedRun:
     file = tmp_path / "scale.toml"
     file.write_text(
         'extends = "rtri_test_line"\nid = "scale"\n'
         f'[[fault]]\nkind = "scale"\ntarget = "K1"\nfactor = {factor}\nstart = "10:00:05"\nduration_s = {LASTS_S}\n'
     )
-    return execute(load_scenario(str(file)), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    return execute(load_scenario(str(file)), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
 
 
 def test_they_rest_from_the_fault_to_the_first_tag_after_it(judged_s: list[float], tmp_path: Path) -> None:
@@ -74,5 +74,5 @@ def test_they_do_not_rest_for_a_fault_that_they_promise_to_cover(
 def test_judged_without_a_rest_the_false_position_is_a_breach(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Premises, "broken", lambda _self, _slot: False)
+    monkeypatch.setattr(FalsePositions, "broken", lambda _self, _slot: False)
     assert {v.checker for v in run(tmp_path, 0.9).result.violations} == {"within-bounds"}

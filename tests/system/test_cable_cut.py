@@ -15,20 +15,20 @@ from hypothesis import strategies as st
 
 from onboard.notes import Holds
 from radio.noted import Lost, LostWhere
+from scenario.scenario import load_scenario
 from simulation.events import FaultBegan, FaultOver, PointsMoving
-from simulation.faults.cable import CutCable
-from simulation.faults.script import Failure, Script, Trigger
+from simulation.faults.cable import WHOLE, CutCable
+from simulation.faults.script import Script, ScriptedFault, Trigger
 from simulation.result import RunResult
 from simulation.settings import Interlocking
 from simulation.setup import Setup
-from simulation.world.cable import WHOLE, Cable
-from study.measures.wait import Cause
+from simulation.world.cable import Cable
+from study.drilling.drill import find_drill
 from study.measures.wait_text import text_of
 from study.measures.waits import CABLE_CUT, waits_of
-from study.run.drill import find_drill
-from study.run.outcome import broken_rules, unfinished
-from study.run.run import simulated
-from study.scenario.scenario import load_scenario
+from study.record.wait import Cause
+from study.runner.outcome import broken_rules, unfinished
+from study.runner.run import simulated
 from wayside.said import Granted
 
 pytestmark = pytest.mark.system
@@ -48,7 +48,7 @@ def two_trains(interlocking: Interlocking) -> Setup:
 def run(interlocking: Interlocking, *cuts: tuple[str, float, float, float]) -> RunResult:
     """With the cable cut: where, how far along, s after ten, for how long."""
     failures = tuple(
-        Failure(CutCable(target=stretch, along_share=along), Trigger(at_s=TEN_S + at_s), for_s)
+        ScriptedFault(CutCable(target=stretch, along_share=along), Trigger(at_s=TEN_S + at_s), for_s)
         for stretch, along, at_s, for_s in cuts
     )
     with simulated(replace(two_trains(interlocking), script=Script(failures))) as simulation:

@@ -10,9 +10,9 @@ import polars as pl
 import pytest
 
 from network.model import Direction, Line
+from scenario.scenario import load_scenario
 from simulation.carriers.carrier import Carrier, Truth
-from study.run.run import CarrierKind, Link, Run, carrier_factory, execute
-from study.scenario.scenario import load_scenario
+from study.runner.run import CarrierKind, FinishedRun, PartyLink, carrier_factory, execute
 from sumo_cfg.build import net_for
 
 pytestmark = pytest.mark.system
@@ -74,7 +74,7 @@ class Watched:
         self.inner.close()
 
 
-def run_on(kind: CarrierKind, scenario: str) -> tuple[Run, Watched]:
+def run_on(kind: CarrierKind, scenario: str) -> tuple[FinishedRun, Watched]:
     watched: list[Watched] = []
     loaded = load_scenario(scenario)
 
@@ -82,7 +82,7 @@ def run_on(kind: CarrierKind, scenario: str) -> tuple[Run, Watched]:
         watched.append(Watched(carrier, loaded.setup.line))
         return watched[0]
 
-    return execute(loaded, Link.SIMULATED, carrier=kind, wrap=wrap), watched[0]
+    return execute(loaded, PartyLink.SIMULATED, carrier=kind, wrap=wrap), watched[0]
 
 
 def check_agreement(scenario: str, moving_s_min: float) -> None:
@@ -118,7 +118,7 @@ def test_a_set_that_changes_ends_on_the_karasuyama_line(turn_back: str) -> None:
 
 def test_the_same_seed_is_the_same_run_and_another_is_not(turn_back: str) -> None:
     digests = [
-        execute(load_scenario(turn_back, seed), Link.SIMULATED, carrier=CarrierKind.PLAIN).result.digest
+        execute(load_scenario(turn_back, seed), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN).result.digest
         for seed in (1, 1, 7)
     ]
     assert digests[0] == digests[1] != digests[2]

@@ -11,12 +11,12 @@ from typing import Final
 
 import pytest
 
+from scenario.scenario import Scenario, load_scenario
 from simulation.result import Ending
-from study.run.drill import find_drill, shipped_drills
-from study.run.outcome import unfinished
-from study.run.run import CarrierKind, Link, Run, execute
-from study.run.verdict import judge
-from study.scenario.scenario import Scenario, load_scenario
+from study.drilling.drill import find_drill, shipped_drills
+from study.drilling.verdict import judge
+from study.runner.outcome import unfinished
+from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from tests.system.test_sidings import certified
 from wayside.said import Certified, HeldBack, NoOrderKnown
 
@@ -45,12 +45,12 @@ FAILURES: Final = {
 }
 
 
-def day(scenario: Scenario) -> Run:
+def day(scenario: Scenario) -> FinishedRun:
     """The day on plain track."""
-    return execute(scenario, Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    return execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
 
 
-def unmet(run: Run) -> list[str]:
+def unmet(run: FinishedRun) -> list[str]:
     """What the drill expected and did not come about."""
     verdicts = judge(run.scenario.setup.script.expectations, run.result, run.tables)
     return [f"{verdict.text}: {verdict.happened}" for verdict in verdicts if not verdict.passed]
@@ -80,7 +80,7 @@ def test_every_drill_of_the_paper_s_line_goes_as_without(name: str) -> None:
     check(name)
 
 
-def failing_meanwhile(tmp_path: Path, name: str, failure: str, start: str) -> Run:
+def failing_meanwhile(tmp_path: Path, name: str, failure: str, start: str) -> FinishedRun:
     """A day of the sidings on which something fails besides what makes it late."""
     late = Path(find_drill(f"sidings/{DELAYS[name]}")).read_text(encoding="utf-8")
     delay = late[late.index("[[fault]]") : late.index("[[expect]]")]
@@ -90,7 +90,7 @@ def failing_meanwhile(tmp_path: Path, name: str, failure: str, start: str) -> Ru
     return day(load_scenario(str(file)))
 
 
-def all_arrive(run: Run) -> None:
+def all_arrive(run: FinishedRun) -> None:
     assert run.result.ended_because is Ending.FINISHED
     assert (unmet(run), run.broken, unfinished(run.result)) == ([], (), ())
     assert any(isinstance(entry.event, HeldBack) for entry in run.result.journal.entries)

@@ -15,11 +15,11 @@ from typing import Final
 import pytest
 
 from simulation.judge.checkers import Checker
-from study.run.run import CarrierKind, Run
+from study.runner.run import CarrierKind, FinishedRun
 
 pytestmark = pytest.mark.system
 
-RunWith = Callable[..., tuple[Run, set[str]]]
+RunWith = Callable[..., tuple[FinishedRun, set[str]]]
 
 
 @dataclass(frozen=True)
@@ -258,7 +258,7 @@ def test_a_defect_is_caught(defect: Defect, run_with: RunWith) -> None:
 COLLIDING: Final = tuple(defect for defect in DEFECTS if Checker.SUMO_COLLISION in defect.caught_by)
 
 
-def check_same_on_plain_track(defect: Defect, run_with: RunWith, patch: pytest.MonkeyPatch) -> Run:
+def check_same_on_plain_track(defect: Defect, run_with: RunWith, patch: pytest.MonkeyPatch) -> FinishedRun:
     on_sumo, objections = run_with(defect.scenario, defect.given, defect.off)
     patch.undo()  # some switches count what they did
     on_plain, others = run_with(defect.scenario, defect.given, defect.off, carrier=CarrierKind.PLAIN)

@@ -17,24 +17,24 @@ import pytest
 from onboard.authority import machine as authority
 from onboard.authority import records as sym
 from onboard.authority.records import Authority
-from onboard.authority.tables import Result, Standing
+from onboard.authority.tables import Result, SignOnStanding
 from onboard.duty import fitness
 from onboard.duty.mission import Mission
-from onboard.duty.records import Command, Sensed
+from onboard.duty.records import DrivingCommand, Sensed
 from onboard.fixes import Fixes
-from onboard.localisation.fix import Fix, Refused, Taken, take
+from onboard.localisation.fix import Fix, RefusedFix, TakenFix, take
 from onboard.localisation.places import Places
 from onboard.localisation.tags import TagDoubt
-from onboard.motion import Motion
+from onboard.motion import UnitMotion
 from onboard.records import PathData, UnitRow
-from onboard.unit import Answer, Report, Unit
-from onboard.vehicle import Vehicle
+from onboard.unit import OnboardUnit, Report, UnitAnswer
+from onboard.vehicle import VehicleInputs
 from radio.envelope import header_of
 from simulation.world.cable import Cable
 from simulation.world.crew import Crew
 from simulation.world.points import WaysideWorld
-from study.run.drill import shipped_drills
-from study.run.run import Run
+from study.drilling.drill import shipped_drills
+from study.runner.run import FinishedRun
 from wayside.config import MANAGER_ID, TerminalConfig, terminal_configs
 
 pytestmark = pytest.mark.system
@@ -47,13 +47,13 @@ TRAIN_M: Final = 40.0
 
 def turns_without_its_position(patch: pytest.MonkeyPatch) -> None:
     """Changes ends, and takes the place of the old front for that of the new one."""
-    turn = Motion.turn
+    turn = UnitMotion.turn
 
-    def turned(self: Motion, mission: Mission, path: PathData) -> None:
+    def turned(self: UnitMotion, mission: Mission, path: PathData) -> None:
         turn(self, mission, path)
         self.row.position_m -= TRAIN_M
 
-    patch.setattr(Motion, "turn", turned)
+    patch.setattr(UnitMotion, "turn", turned)
 
 
 def reports_once(patch: pytest.MonkeyPatch) -> None:
@@ -62,8 +62,10 @@ def reports_once(patch: pytest.MonkeyPatch) -> None:
 
     def once(state: Authority) -> Result:
         after, actions = say(state)
-        said = any(isinstance(a, sym.Send) and a.request.ask is sym.Ask.REPORT for a in actions)
-        left = tuple(r for r in after.requests if r.ask is not sym.Ask.REPORT)
+        said = any(
+            isinstance(a, sym.SendRequest) and a.request.ask is sym.RequestKind.REPORT for a in actions
+        )
+        left = tuple(r for r in after.requests if r.ask is not sym.RequestKind.REPORT)
         return (msgspec.structs.replace(after, requests=left) if said else after), actions
 
     patch.setattr(authority, "say", once)
@@ -71,25 +73,25 @@ def reports_once(patch: pytest.MonkeyPatch) -> None:
 
 def obeys_only_while_it_hears_the_manager(patch: pytest.MonkeyPatch) -> None:
     """Authority with a lease: 20 s after the manager's last word the train may not go on."""
-    advance, obey, heard_s = Unit.advance, Motion.obey, [math.inf]
+    advance, obey, heard_s = OnboardUnit.advance, UnitMotion.obey, [math.inf]
 
-    def heard(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+    def heard(self: OnboardUnit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> UnitAnswer:
         sources = [header.source for data in telegrams if (header := header_of(data)) is not None]
         heard_s[0] = now_s if MANAGER_ID in sources else heard_s[0]
         return advance(self, now_s, telegrams, sensed)
 
-    def obeyed(self: Motion, command: Command, now_s: float) -> None:
+    def obeyed(self: UnitMotion, command: DrivingCommand, now_s: float) -> None:
         obey(self, command, now_s)
         if command.target is not None and now_s - heard_s[0] > 20.0:
             self.row.stop_limit_m = self.row.position_m
 
-    patch.setattr(Unit, "advance", heard)
-    patch.setattr(Motion, "obey", obeyed)
+    patch.setattr(OnboardUnit, "advance", heard)
+    patch.setattr(UnitMotion, "obey", obeyed)
 
 
 def keeps_a_route_set_back(patch: pytest.MonkeyPatch) -> None:
     table = dict(authority.TABLE)
-    table[Standing.ON_LINE, sym.GiveBack] = lambda state, _event: (state, ())
+    table[SignOnStanding.ON_LINE, sym.GiveBack] = lambda state, _event: (state, ())
     patch.setattr(authority, "TABLE", MappingProxyType(table))
 
 
@@ -98,16 +100,16 @@ def crew_does_not_stop_before_points(patch: pytest.MonkeyPatch) -> None:
 
 
 def ignores_position_faults(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(Motion, "_lose", lambda *_, **_why: [])
+    patch.setattr(UnitMotion, "_lose", lambda *_, **_why: [])
 
 
 def reads_no_tag_after_a_restart(patch: pytest.MonkeyPatch) -> None:
-    read = Motion.tag_read
+    read = UnitMotion.tag_read
 
-    def blind(self: Motion, tag_id: int, odometer_m: float) -> list[Sensed]:
+    def blind(self: UnitMotion, tag_id: int, odometer_m: float) -> list[Sensed]:
         return [] if self.command.on_sight else read(self, tag_id, odometer_m)
 
-    patch.setattr(Motion, "tag_read", blind)
+    patch.setattr(UnitMotion, "tag_read", blind)
 
 
 def points_unlock_without_power(patch: pytest.MonkeyPatch) -> None:
@@ -130,7 +132,7 @@ def terminal_allows_no_slower_throw(patch: pytest.MonkeyPatch) -> None:
             configs.append(msgspec.structs.replace(config, points=tuple(points)))
         return tuple(configs)
 
-    patch.setattr("study.run.run.terminal_configs", strict)
+    patch.setattr("study.runner.run.terminal_configs", strict)
 
 
 def keeps_the_key_for_ever(patch: pytest.MonkeyPatch) -> None:
@@ -138,7 +140,7 @@ def keeps_the_key_for_ever(patch: pytest.MonkeyPatch) -> None:
 
 
 def sees_no_vehicle(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(Vehicle, "unfit", "")
+    patch.setattr(VehicleInputs, "unfit", "")
 
 
 def acknowledges_whatever_is_wrong(patch: pytest.MonkeyPatch) -> None:
@@ -156,7 +158,7 @@ def judges_no_time(patch: pytest.MonkeyPatch) -> None:
 def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:
     """And the bounds are those of the newest alone, whatever they were."""
 
-    def take_any(row: UnitRow, fix: Fix, _span_m: tuple[float, float]) -> Taken | Refused:
+    def take_any(row: UnitRow, fix: Fix, _span_m: tuple[float, float]) -> TakenFix | RefusedFix:
         row.position_known = 0  # so that nothing is compared
         return take(row, fix)
 
@@ -308,7 +310,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
 
 @pytest.mark.parametrize("drill", WITHOUT)
 def test_a_drill_fails_without_the_behaviour_that_it_checks(
-    drill: str, run_with: Callable[..., tuple[Run, set[str]]]
+    drill: str, run_with: Callable[..., tuple[FinishedRun, set[str]]]
 ) -> None:
     switched_off, objector = WITHOUT[drill]
     _, objections = run_with(FOLDER + drill, switched_off)

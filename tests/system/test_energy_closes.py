@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from simulation.result import PARTS, Phase, RunResult
-from study.run.energy import Make, energy_tables
-from study.run.run import simulated
-from study.scenario.scenario import load_scenario
+from scenario.scenario import load_scenario
+from simulation.result import PARTS, EnergyPhase, RunResult
+from study.collect.energy import StockMake, energy_tables
+from study.runner.run import simulated
 from tests.system.energy_apart import Balance, Part, balances, figures_of
 
 pytestmark = pytest.mark.system
@@ -43,7 +43,7 @@ def test_a_part_left_out_is_found_out(legs: tuple[Balance, ...], part: Part) -> 
 def test_the_records_close_by_themselves(day: RunResult) -> None:
     for record in day.energy:
         assert abs(record.residual_j) <= 1e-6 * (record.traction_j + record.auxiliary_j), record
-        if record.phase is not Phase.RUNNING:
+        if record.phase is not EnergyPhase.RUNNING:
             assert record.parts.sum_j() == record.rejected_j == 0.0
     for part in PARTS:
         assert sum(abs(getattr(record.parts, part)) for record in day.energy) > 0.0, part
@@ -51,7 +51,7 @@ def test_the_records_close_by_themselves(day: RunResult) -> None:
 
 def test_the_tables_carry_what_the_records_have(day: RunResult) -> None:
     setup = load_scenario("karasuyama_weekday").setup
-    made = energy_tables(day.energy, {stock: Make.of(kind) for stock, kind in setup.trains.items()})
+    made = energy_tables(day.energy, {stock: StockMake.of(kind) for stock, kind in setup.trains.items()})
     names = [part.removesuffix("_j") for part in PARTS]
     for table in ("energy", "energy_legs"):
         for row in made[table].iter_rows(named=True):

@@ -13,11 +13,11 @@ from typing import Final
 
 import pytest
 
+from scenario.scenario import load_scenario
 from simulation.journal import read_journal
 from study.outcome import Outcome
-from study.run.run import Link, execute
-from study.run.tables import SCHEMAS
-from study.scenario.scenario import load_scenario
+from study.record.tables import ROWS
+from study.runner.run import PartyLink, execute
 
 pytestmark = pytest.mark.system
 
@@ -40,7 +40,7 @@ def limited(
 @pytest.fixture(scope="module")
 def journal() -> bytes:
     """That of the day without a limit."""
-    return execute(load_scenario(DAY), Link.SIMULATED).result.journal.to_bytes()
+    return execute(load_scenario(DAY), PartyLink.SIMULATED).result.journal.to_bytes()
 
 
 @pytest.mark.parametrize("room_bytes", [100_000, 1_000_000, 2_000_000])
@@ -58,7 +58,7 @@ def test_no_room_is_told_before_a_day_is_simulated(
 UNHELD: Final = """
 import sys
 from branchline.cli import main
-from study.run.directory import Reserved
+from study.record.directory import Reserved
 Reserved.hold_room = lambda place, size_bytes: None
 main()
 """
@@ -88,7 +88,7 @@ def test_a_disk_that_is_full_costs_no_day(tmp_path: Path, journal: bytes, room_b
         assert "writing the report" in done.stderr
     assert "cut short" in (kept / "incomplete.txt").read_text("utf-8")
     others = {path.name for path in kept.iterdir()} - {"journal.jsonl", "incomplete.txt"}
-    assert others in (set(), {f"{name}.parquet" for name in SCHEMAS})  # all tables, or none
+    assert others in (set(), {f"{name}.parquet" for name in ROWS})  # all tables, or none
 
 
 @pytest.fixture(params=["700k"])
@@ -113,7 +113,7 @@ def test_a_disk_that_others_fill_during_the_run_costs_no_report(tmp_path: Path, 
 import sys
 from pathlib import Path
 from branchline.cli import main
-from study.run import run
+from study.runner import run
 execute = run.execute
 def filling(*given, **named):
     done = execute(*given, **named)

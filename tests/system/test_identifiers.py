@@ -8,9 +8,10 @@ from typing import Any
 
 import pytest
 
-from documents.files import KINDS, tables_of
+from documents.files import tables_of
 from network.files import names
 from network.files.shipped import shipped_line, shipped_timetable
+from scenario.schemas import FILES
 from vehicle.train_file import shipped_train
 
 LINE = shipped_line("rtri_test_line").read_text("utf-8")
@@ -63,15 +64,15 @@ def test_a_path_is_no_id(main: Callable[..., Any], tmp_path: Path, whose: str, t
 def test_every_key_that_names_a_thing_is_an_identifier() -> None:
     """Read off the schemas, so that a new table's id has the type too; ids of tags, beacons and markers are numbers."""
     found = {
-        (f"{model.__name__} {heading}", row[0].strip("`")): row[1]
-        for _, model, _ in KINDS
-        for heading, _, rows in tables_of(model)
+        (f"{kind.model.__name__} {heading}", row[0].strip("`")): row[1]
+        for kind in FILES
+        for heading, _, rows in tables_of(kind.model.model_json_schema())
         for row in rows
         if row[0].strip("`") in ("id", "number", "stock", "terminal") and row[1] != "table"
     }
     assert len(found) >= len(PLACES)
     numbered = {(f"LineFile `[[{table}]]`", "id") for table in ("tags", "beacons", "markers")}
-    assert {key for key, kind in found.items() if kind != "identifier"} == numbered
+    assert {key for key, written in found.items() if written != "identifier"} == numbered
 
 
 def test_without_the_rule_a_run_would_be_written_elsewhere(

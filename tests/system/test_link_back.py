@@ -12,12 +12,12 @@ from typing import Final
 import pytest
 
 from onboard.notes import Mismatch
+from scenario.scenario import load_scenario
 from simulation.faults.script import ActKind, Script
 from simulation.result import Ending, RunResult
-from study.run.drill import find_drill
-from study.run.outcome import broken_rules, unfinished
-from study.run.run import simulated
-from study.scenario.scenario import load_scenario
+from study.drilling.drill import find_drill
+from study.runner.outcome import broken_rules, unfinished
+from study.runner.run import simulated
 
 pytestmark = pytest.mark.system
 

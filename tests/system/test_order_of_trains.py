@@ -12,9 +12,9 @@ from typing import Final
 
 import pytest
 
-from study.run.outcome import unfinished
-from study.run.run import CarrierKind, Link, Run, execute
-from study.scenario.scenario import load_scenario
+from scenario.scenario import load_scenario
+from study.runner.outcome import unfinished
+from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from wayside.said import HeldBack, OrderChanged
 
 pytestmark = pytest.mark.system
@@ -54,7 +54,7 @@ SILENT_FROM_S: Final = 35_700.0
 class Day:
     """A run: when trains left, and what the journal has of their order."""
 
-    run: Run
+    run: FinishedRun
 
     def left_s(self, number: str) -> float | None:
         return next(s.departure_s for s in self.run.result.stops if s.number == number)
@@ -94,7 +94,7 @@ def day(folder: Path, dispatch: str, faults: str, trains: str = A + B) -> Day:
     head = 'extends = "busy_line"\nid = "day"\nname = "A meet"\ntimetable = "meet.toml"\n'
     limits = "[limits]\nstall_limit_s = 3600.0\n"
     file.write_text(head + limits + f"[dispatch]\n{dispatch}\n" + faults, encoding="utf-8")
-    return Day(execute(load_scenario(str(file)), Link.SIMULATED, carrier=CarrierKind.PLAIN))
+    return Day(execute(load_scenario(str(file)), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN))
 
 
 def late(minutes: float) -> str:

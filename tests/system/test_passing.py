@@ -7,13 +7,13 @@ from pathlib import Path
 import polars as pl
 import pytest
 
+from exchange.new_line import NewLineOptions, write_line
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
-from network.making.new_line import Asked, write_line
+from scenario.scenario import load_scenario
 from study.feasibility.check import feasibility
-from study.feasibility.finding import Kind, Severity
-from study.run.run import Link, Run, execute
-from study.scenario.scenario import load_scenario
+from study.feasibility.finding import FindingKind, Severity
+from study.runner.run import FinishedRun, PartyLink, execute
 
 # 1D passes Ogane, where 2U stands for it; 2U arrives there only shortly before where it does so `late`.
 TIMETABLE = """
@@ -60,7 +60,7 @@ default = "ev_e301"
 
 def run_of(
     folder: Path, *, leaves: str, arrives: str, passes: str = "07:17:30", platforms: bool = True
-) -> Run:
+) -> FinishedRun:
     text = shipped_line("karasuyama").read_text("utf-8")
     if not platforms:
         for ends in ("platform_from_km = 12.5600, platform_to_km = 12.6400, ",):
@@ -71,15 +71,15 @@ def run_of(
         TIMETABLE.format(leaves=leaves, arrives=arrives, passes=passes), "utf-8"
     )
     (folder / "scenario.toml").write_text(SCENARIO, "utf-8")
-    return execute(load_scenario(str(folder / "scenario.toml")), Link.SIMULATED)
+    return execute(load_scenario(str(folder / "scenario.toml")), PartyLink.SIMULATED)
 
 
-def rows(run: Run, train: str) -> dict[str, dict[str, float | None]]:
+def rows(run: FinishedRun, train: str) -> dict[str, dict[str, float | None]]:
     found = run.tables.stops.filter(pl.col("train") == train)
     return {row["station"]: row for row in found.iter_rows(named=True)}
 
 
-def slowest_mps(run: Run, train: str, from_m: float, to_m: float) -> float:
+def slowest_mps(run: FinishedRun, train: str, from_m: float, to_m: float) -> float:
     there = run.tables.trajectory.filter(
         (pl.col("train") == train) & pl.col("kilometrage_m").is_between(from_m, to_m)
     )
@@ -129,7 +129,7 @@ def test_who_serves_nobody_needs_no_dwell(tmp_path: Path) -> None:
             text.format(leaves="07:07:10", arrives="07:18", passes="07:17:30"), "utf-8"
         )
         (folder / "scenario.toml").write_text(SCENARIO.replace("line.toml", "karasuyama"), "utf-8")
-        run = execute(load_scenario(str(folder / "scenario.toml")), Link.SIMULATED)
+        run = execute(load_scenario(str(folder / "scenario.toml")), PartyLink.SIMULATED)
         assert run.broken == ()
         stood = rows(run, "2U")["OGN"]
         stays_s[name] = stood["departure_s"] - stood["arrival_s"]  # type: ignore[operator]
@@ -169,7 +169,7 @@ def through(
 ) -> Path:
     """A scenario with a train that runs through a station without points, with or without an approach tag before it."""
     (folder / "list.csv").write_text(STATIONS, "utf-8")
-    write_line(folder / "list.csv", folder / "through.toml", Asked(line_id="through"))
+    write_line(folder / "list.csv", folder / "through.toml", NewLineOptions(line_id="through"))
     text = (folder / "through.toml").read_text("utf-8")
     assert 'purpose = "approach"' in text
     if not approach:
@@ -187,7 +187,7 @@ def through(
 def test_a_train_runs_through_a_station_without_points_and_keeps_an_even_speed(
     tmp_path: Path, approach: bool
 ) -> None:
-    run = execute(load_scenario(str(through(tmp_path, approach=approach))), Link.SIMULATED)
+    run = execute(load_scenario(str(through(tmp_path, approach=approach))), PartyLink.SIMULATED)
     assert run.broken == ()
     assert slowest_mps(run, "1D", 1_000.0, 12_000.0) > 10.0
     passed = run.tables.stops.filter(pl.col("kind") == "pass")
@@ -201,7 +201,7 @@ def test_a_train_runs_through_a_station_without_points_and_keeps_an_even_speed(
 def test_a_time_of_passing_that_is_too_early_is_told(tmp_path: Path) -> None:
     setup = load_scenario(str(through(tmp_path, hara_at="07:05:30"))).setup
     (found,) = feasibility(setup).findings
-    assert (found.kind, found.trains, found.severity) == (Kind.LEG, ("1D",), Severity.TIGHT)
+    assert (found.kind, found.trains, found.severity) == (FindingKind.LEG, ("1D",), Severity.TIGHT)
     assert "to pass Hara" in found.text
     (tmp_path / "far").mkdir()
     setup = load_scenario(str(through(tmp_path / "far", mori_at="07:02:00", hara_at="07:02:50"))).setup

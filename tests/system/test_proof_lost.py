@@ -10,8 +10,8 @@ import pytest
 from onboard.notes import ProofDropped
 from simulation.judge.checkers import Checker
 from simulation.judge.locking import RouteLocking
-from simulation.judge.points import Proof
-from study.run.run import Run
+from simulation.judge.points import ProvenPoints
+from study.runner.run import FinishedRun
 
 pytestmark = pytest.mark.system
 
@@ -22,9 +22,9 @@ def excused(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
     seen: list[bool] = []
     enters = RouteLocking.enters
 
-    def watched(self: RouteLocking, *entry: object) -> str | Proof:
+    def watched(self: RouteLocking, *entry: object) -> str | ProvenPoints:
         found = enters(self, *entry)  # type: ignore[arg-type]
-        seen.append(isinstance(found, Proof))
+        seen.append(isinstance(found, ProvenPoints))
         return found
 
     monkeypatch.setattr(RouteLocking, "enters", watched)
@@ -51,7 +51,7 @@ def test_it_stops_before_the_points_or_could_not_any_more(
     too_late: bool,
     delay_s: float,
     tmp_path: Path,
-    run_with: Callable[..., tuple[Run, set[str]]],
+    run_with: Callable[..., tuple[FinishedRun, set[str]]],
     excused: list[bool],
 ) -> None:
     done, objections = run_with(script(tmp_path, after_s - delay_s, delay_s))
@@ -63,7 +63,7 @@ def test_it_stops_before_the_points_or_could_not_any_more(
 
 @pytest.mark.parametrize("after_s", [8.0, 20.5])
 def test_a_unit_that_does_not_brake_for_it_is_found(
-    after_s: float, tmp_path: Path, run_with: Callable[..., tuple[Run, set[str]]]
+    after_s: float, tmp_path: Path, run_with: Callable[..., tuple[FinishedRun, set[str]]]
 ) -> None:
     _, objections = run_with(script(tmp_path, after_s, 0.0), "does_not_wait_for_proof")
     assert Checker.PROVEN_BEFORE_ENTRY.value in objections

@@ -11,13 +11,13 @@ from typing import Final
 
 import pytest
 
+from scenario.scenario import Scenario, load_scenario
 from simulation.result import Ending
-from study.measures.wait import Cause
+from study.drilling.drill import find_drill, run_drill, shipped_drills
 from study.measures.wait_text import text_of
 from study.measures.waits import waits_of
-from study.run.drill import find_drill, run_drill, shipped_drills
-from study.run.run import CarrierKind, Link, Run, execute
-from study.scenario.scenario import Scenario, load_scenario
+from study.record.wait import Cause
+from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from wayside.said import Certified, HeldBack, NoOrderKnown
 
 pytestmark = pytest.mark.system
@@ -37,7 +37,7 @@ def test_the_drills_come_in_pairs() -> None:
 
 @pytest.mark.parametrize("name", WITHOUT)
 def test_without_the_certificate_nobody_gets_on(name: str) -> None:
-    drill = run_drill(f"sidings/{name}", Link.SIMULATED)
+    drill = run_drill(f"sidings/{name}", PartyLink.SIMULATED)
     assert drill.passed
     assert drill.run.result.ended_because is Ending.STALLED
     assert not any(isinstance(e.event, Certified | HeldBack) for e in drill.run.result.journal.entries)
@@ -45,7 +45,7 @@ def test_without_the_certificate_nobody_gets_on(name: str) -> None:
 
 @pytest.mark.parametrize(("name", "waits"), WITH.items())
 def test_with_it_all_arrive_and_it_is_told_why_each_waited(name: str, waits: str) -> None:
-    drill = run_drill(f"sidings/{name}", Link.SIMULATED)
+    drill = run_drill(f"sidings/{name}", PartyLink.SIMULATED)
     assert [f"{v.text}: {v.happened}" for v in drill.verdicts if not v.passed] == []
     assert drill.run.broken == ()
     held = [e.event for e in drill.run.result.journal.entries if isinstance(e.event, HeldBack)]
@@ -60,12 +60,17 @@ def test_with_it_all_arrive_and_it_is_told_why_each_waited(name: str, waits: str
 @pytest.mark.parametrize("name", WITH)
 def test_each_drill_fails_with_the_certificate_switched_off(name: str) -> None:
     scenario = certified(load_scenario(find_drill(f"sidings/{name}")), on=False)
-    assert execute(scenario, Link.SIMULATED, carrier=CarrierKind.PLAIN).result.ended_because is Ending.STALLED
+    assert (
+        execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN).result.ended_because
+        is Ending.STALLED
+    )
 
 
 def test_the_manager_as_a_process_decides_alike() -> None:
     name = f"sidings/{next(iter(WITH))}"
-    alone, process = (run_drill(name, link).run.result.digest for link in (Link.SIMULATED, Link.ZENOH))
+    alone, process = (
+        run_drill(name, link).run.result.digest for link in (PartyLink.SIMULATED, PartyLink.ZENOH)
+    )
     assert alone == process
 
 
@@ -75,17 +80,17 @@ def certified(scenario: Scenario, *, on: bool) -> Scenario:
     return replace(scenario, setup=replace(scenario.setup, dispatch=dispatch))
 
 
-def kept_to_plan(name: str) -> tuple[Run, Run]:
+def kept_to_plan(name: str) -> tuple[FinishedRun, FinishedRun]:
     """A day without and with the certificate."""
     scenario = load_scenario(name)
 
-    def day(on: bool) -> Run:
-        return execute(certified(scenario, on=on), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    def day(on: bool) -> FinishedRun:
+        return execute(certified(scenario, on=on), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
 
     return day(on=False), day(on=True)
 
 
-def changes_nothing(without: Run, with_it: Run) -> None:
+def changes_nothing(without: FinishedRun, with_it: FinishedRun) -> None:
     """The same motion; the journal has a certificate more for each grant, and nobody was held."""
     assert with_it.result.motion_digest == without.result.motion_digest
     notes = [entry.event for entry in with_it.result.journal.entries]

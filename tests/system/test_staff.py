@@ -10,8 +10,8 @@ import pytest
 
 from simulation.faults.script import Act, ActKind
 from simulation.people import People
-from study.run.drill import find_drill, run_drill
-from study.run.run import Link, Run
+from study.drilling.drill import find_drill, run_drill
+from study.runner.run import FinishedRun, PartyLink
 
 pytestmark = pytest.mark.system
 
@@ -53,20 +53,20 @@ FAILS: Final[dict[str, tuple[str, frozenset[ActKind]]]] = {
     ),
 }
 
-Fails = Callable[[str, str], Run]
+Fails = Callable[[str, str], FinishedRun]
 
 
 @pytest.fixture
 def fails(tmp_path: Path) -> Fails:
-    def run(what: str, people: str) -> Run:
+    def run(what: str, people: str) -> FinishedRun:
         file = tmp_path / "staff.toml"
         file.write_text(f"{HEAD}people = {{ {people} }}\n{FAILS[what][0]}", "utf-8")
-        return run_drill(str(file), Link.SIMULATED).run
+        return run_drill(str(file), PartyLink.SIMULATED).run
 
     return run
 
 
-def _acts(run: Run) -> list[Act]:
+def _acts(run: FinishedRun) -> list[Act]:
     return [course.item for course in run.result.courses if isinstance(course.item, Act)]
 
 
@@ -122,7 +122,7 @@ def test_a_bar_that_one_device_did_not_hear_of_is_said_again(tmp_path: Path) -> 
             '[[patch.act.add]]\nkind = "reenter_assisted"\nstart = "10:21:30"\n',
             "utf-8",
         )
-        run = run_drill(str(file), Link.SIMULATED).run
+        run = run_drill(str(file), PartyLink.SIMULATED).run
         arrives[react] = not run.result.unfinished
         said = [act.person for act in _acts(run) if act.kind is ActKind.UNBAR_UNIT]
         assert sorted(set(said)) == ["controller", "station staff"]
@@ -141,7 +141,7 @@ def test_what_a_mad_unit_outside_has_been_given_is_had_back(tmp_path: Path) -> N
             '[[fault]]\nkind = "false_claims"\ntarget = "K1"\nsection = "7"\nstart = "10:04:30"\nduration_s = 30.0\n',
             "utf-8",
         )
-        run = run_drill(str(file), Link.SIMULATED).run
+        run = run_drill(str(file), PartyLink.SIMULATED).run
         arrives[react] = not run.result.unfinished
         assert run.result.collisions == ()
         kinds = {act.kind for act in _acts(run)}

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from scenario.scenario import load_scenario
 from simulation.sensors.camera import LINE_CAMERA
 from simulation.sensors.open_air import CHIP
-from study.scenario.scenario import load_scenario
 from tests.system.switches_compiled import Stops, run_with
 
 pytestmark = pytest.mark.system

@@ -10,12 +10,12 @@ import pytest
 
 from onboard.notes import TachometerFault
 from simulation.judge.checkers import Checker
-from simulation.world.premises import Premises
-from study.run.run import CarrierKind, Run
+from simulation.world.premises import FalsePositions
+from study.runner.run import CarrierKind, FinishedRun
 
 pytestmark = pytest.mark.system
 
-RunWith = Callable[..., tuple[Run, set[str]]]
+RunWith = Callable[..., tuple[FinishedRun, set[str]]]
 
 DEPARTS_S: Final = 36_000.0
 SHOWS_A_FIFTH: Final = """
@@ -32,7 +32,7 @@ start = "09:59:00"
 @pytest.fixture(autouse=True)
 def judged_throughout(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bounds are judged whatever the tachometer does."""
-    monkeypatch.setattr(Premises, "broken", lambda _self, _slot: False)
+    monkeypatch.setattr(FalsePositions, "broken", lambda _self, _slot: False)
 
 
 def test_a_fifth_of_the_speed_is_doubted_in_the_first_seconds_and_the_front_stays_inside(

@@ -12,16 +12,15 @@ from itertools import pairwise
 
 import pytest
 
+from scenario.scenario import load_scenario
 from simulation.events import MANAGER
 from simulation.result import Waiting
 from simulation.setup import STEPS_PER_S, Setup
-from study.measures.wait import Asked, Cause, Wait
+from study.drilling.drill import find_drill
 from study.measures.wait_text import text_of
 from study.measures.waits import waits_of
-from study.run.drill import find_drill
-from study.run.run import simulated
-from study.run.waits_table import wait_at
-from study.scenario.scenario import load_scenario
+from study.record.wait import Asked, Cause, Wait
+from study.runner.run import simulated
 from study.wording.phrase import names_of
 
 ON_LINE_UNIT = (Cause.RUNS, Cause.STOP_LIMIT, Cause.STARTING)
@@ -58,7 +57,12 @@ AGREES: Mapping[str, tuple[Cause, ...]] = {
     r"vehicle: ": (Cause.VEHICLE,),
     r"what takes it to ": (Cause.UNABLE,),
     r"release of the emergency brake": (Cause.EMERGENCY, Cause.VEHICLE),
-    r"the driver's confirmation": (Cause.ARRIVAL_BY_EYE, Cause.DEPARTURE_TIME, Cause.DWELL),
+    r"the driver's (confirmation|word)": (
+        Cause.ARRIVAL_BY_EYE,
+        Cause.ANSWER,  # to the report by which it gives back what is behind
+        Cause.DEPARTURE_TIME,
+        Cause.DWELL,
+    ),
     r"the block manager's confirmation": (Cause.ANSWER, *BEFORE_ITS_TIME),
     r"the end of the hold on its route": (Cause.SET_BACK, Cause.RUNS),
     r"its run to ": (*ON_LINE_UNIT, Cause.EMERGENCY),
@@ -257,13 +261,3 @@ def test_an_emergency_stop_is_over_when_its_driver_has_acknowledged_it() -> None
     assert stands
     assert all(wait.length_s <= release_s + 1.0 for wait in stands)
     assert max(wait.length_s for wait in stands) > release_s / 3.0
-
-
-@pytest.mark.system
-def test_what_a_stock_waits_for_at_a_moment_is_found_by_time() -> None:
-    run = observed("rtri/03_block_held")
-    held = the(run, "K2", Cause.ROUTE_HELD, place="A")
-    assert wait_at(run.waits, "K2", held.from_s) == held
-    assert wait_at(run.waits, "K2", held.to_s - 0.1) == held
-    assert wait_at(run.waits, "K2", held.to_s) != held
-    assert wait_at(run.waits, "K2", run.end_s) is None

@@ -18,10 +18,10 @@ import pytest
 
 from host.parties import PartyError
 from host.planes import ANSWER_LIMIT_S
+from scenario.scenario import load_scenario
 from simulation.journal import read_journal
 from study.outcome import Outcome
-from study.run.run import Link, execute
-from study.scenario.scenario import load_scenario
+from study.runner.run import PartyLink, execute
 
 pytestmark = pytest.mark.system
 
@@ -154,7 +154,7 @@ def test_a_stopped_run_leaves_nothing_behind(
     assert list(running.temporary.iterdir()) == []
 
 
-@pytest.mark.parametrize("link", [link.value for link in Link])
+@pytest.mark.parametrize("link", [link.value for link in PartyLink])
 def test_a_terminal_that_is_closed_ends_it_like_any_hang_up(
     command: tuple[str, ...], tmp_path: Path, hang_up_is: None, link: str
 ) -> None:
@@ -200,7 +200,7 @@ def test_a_simulator_that_was_stopped_blames_no_device(running: Running) -> None
     device.resume()
     assert running.end() == "writing the report"
     assert (running.program.returncode, running.said["outcome"]) == (0, "good")
-    day = execute(load_scenario("karasuyama_weekday"), Link.SIMULATED)
+    day = execute(load_scenario("karasuyama_weekday"), PartyLink.SIMULATED)
     assert running.said["digest"] == day.result.digest
 
 
@@ -249,13 +249,13 @@ def test_an_error_inside_the_run_leaves_no_process() -> None:
         raise PartyError("made up")
 
     with pytest.raises(PartyError, match="made up"):
-        execute(load_scenario("rtri_test_line"), Link.ZENOH, progress=fail)
+        execute(load_scenario("rtri_test_line"), PartyLink.ZENOH, progress=fail)
     assert len(seen) == 5  # the block manager and four terminals
     assert alive(seen) == []
 
 
 def test_a_short_run_is_the_same_with_and_without_processes() -> None:
-    runs = [execute(load_scenario("rtri_test_line"), link) for link in Link]
+    runs = [execute(load_scenario("rtri_test_line"), link) for link in PartyLink]
     assert runs[0].result.digest == runs[1].result.digest
     assert runs[0].result.journal.to_bytes() == runs[1].result.journal.to_bytes()
 

@@ -17,13 +17,13 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Line
 from network.timetable import AtPortal, Timetable, load_timetable
+from scenario.scenario import load_scenario
 from simulation.journal import encode_entry, read_journal
+from study.capacity.blocking_table import read_blocking
 from study.capacity.compared import compared
-from study.capacity.occupation import Part, conflicts_of
+from study.capacity.occupation import OccupationPart, conflicts_of
 from study.capacity.theory import occupations
-from study.run.blocking_table import read_blocking
-from study.run.tables import RunTables
-from study.scenario.scenario import load_scenario
+from study.record.tables import RunTables
 
 pytestmark = pytest.mark.system
 
@@ -236,10 +236,10 @@ def test_theory_says_when_each_section_is_whose(branchline: Callable[..., Any], 
     assert abs(worst_s) < 10.0
     by_part = {one.part: one for one in both.differences()}
     # At a portal the crew's way in hides a part of the throw that goes by how long the air took.
-    assert by_part[Part.THROW].mean_s == pytest.approx(0.0, abs=0.01)
-    assert abs(by_part[Part.THROW].worst_s) < 0.5
-    assert by_part[Part.CHANGE_ENDS].worst_s == pytest.approx(0.0, abs=0.01)
-    assert abs(by_part[Part.AIR].mean_s) < 0.1
+    assert by_part[OccupationPart.THROW].mean_s == pytest.approx(0.0, abs=0.01)
+    assert abs(by_part[OccupationPart.THROW].worst_s) < 0.5
+    assert by_part[OccupationPart.CHANGE_ENDS].worst_s == pytest.approx(0.0, abs=0.01)
+    assert abs(by_part[OccupationPart.AIR].mean_s) < 0.1
 
 
 def test_devices_as_processes_change_nothing(simulated: Day, zenoh: Day) -> None:

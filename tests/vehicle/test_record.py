@@ -9,10 +9,13 @@ import numpy as np
 import pytest
 from mypy import api
 
+from network.files.kinds import about
+from network.files.quantities import Gain
+from network.files.toml_input import Record
 from onboard.records import UnitRow
 from simulation.world.records import STOCK
 from vehicle.compiled import compiled, sources_digest
-from vehicle.record import cells_of, dtype_of, fields_of, unit_of
+from vehicle.record import cells_of, dtype_of, fields_of, put_settings, unit_of
 
 STEPS: Final = 3
 
@@ -149,3 +152,26 @@ def test_cells_keep_the_memory_that_they_look_at() -> None:
     gc.collect()
     cells.position_m = 7.0
     assert cells.position_m == 7.0
+
+
+class Habits(Record):
+    """Numbers, a switch, and a word that no record holds."""
+
+    gain_per_s: Annotated[Gain, about("what it does")] = 1.5
+    times: int = 2
+    on: bool = True
+    word: str = "some"
+
+
+class HabitsRow(Protocol):
+    settings: Habits
+    error_mps: float
+
+
+def test_a_table_of_a_file_is_a_record_of_its_numbers_and_switches() -> None:
+    row = np.zeros(1, dtype=dtype_of(HabitsRow)).view(np.recarray)[0]
+    assert row.dtype["settings"].names == ("gain_per_s", "times", "on")
+    assert fields_of(Habits)[0].meaning == "what it does"
+    put_settings(row.settings, Habits(gain_per_s=0.5, on=False))
+    assert row.settings.tolist() == (0.5, 2, 0)
+    assert row.error_mps == 0.0

@@ -14,7 +14,15 @@ from dataclasses import dataclass, field
 from radio.messages import Claim, HoldingReport, RouteGranted, RouteRefused, RouteRequest, SignOff, SignOn
 from wayside.actions import Send, Show
 from wayside.block_manager import Heard, step
-from wayside.config import DispatchEntry, Journey, JourneyMove, ManagerConfig, Order, RouteEntry, SectionEntry
+from wayside.config import (
+    DispatchEntry,
+    JourneyMove,
+    ManagerConfig,
+    OrderRule,
+    RouteEntry,
+    SectionEntry,
+    StockMoves,
+)
 from wayside.register import Register, start
 from wayside.said import BoundaryPassed, Note
 
@@ -44,7 +52,7 @@ def config_of(tracks: Sequence[int], ways: Sequence[Sequence[str]], **dispatch: 
     Planned by turns: the k-th move of every stock is due at 100 k and its number, s.
     """
     routes: dict[str, RouteEntry] = {}
-    journeys: list[Journey] = []
+    journeys: list[StockMoves] = []
     for number, way in enumerate(ways):
         moves: list[JourneyMove] = []
         if way and way[0] in "PQ":
@@ -56,7 +64,7 @@ def config_of(tracks: Sequence[int], ways: Sequence[Sequence[str]], **dispatch: 
             moves.append(
                 JourneyMove(f"{number}", route.route_id, there, there in "PQ", due_s, due_s + 60.0, 20.0)
             )
-        journeys.append(Journey(f"u{number}", tuple(moves)))
+        journeys.append(StockMoves(f"u{number}", tuple(moves)))
     entry = DispatchEntry(journeys=tuple(journeys), **dispatch)  # type: ignore[arg-type]
     unit_ids = tuple(journey.unit_id for journey in journeys)
     return ManagerConfig("line", "m", unit_ids, line_of(tracks), tuple(routes.values()), dispatch=entry)
@@ -180,4 +188,4 @@ class Play:
 
 def planned(**dispatch: object) -> dict[str, object]:
     """Settings of the planned order."""
-    return {"order": Order.PLANNED, **dispatch}
+    return {"order": OrderRule.PLANNED, **dispatch}

@@ -14,9 +14,9 @@ from radio.messages import (
 from radio.noted import Noted
 from wayside.actions import Send, Show
 from wayside.acts import Act
-from wayside.block_manager import Ask, Heard, step
+from wayside.block_manager import AskUnits, Heard, step
 from wayside.config import ManagerConfig, RouteEntry, SectionEntry
-from wayside.register import Register, Standing, start
+from wayside.register import Register, UnitStanding, start
 from wayside.said import (
     ConfirmOutside,
 )
@@ -70,14 +70,14 @@ class Desk:
     def ask(self, now_s: float) -> list[tuple[str, AnyMessage]]:
         """Time passes; what is said to whom."""
         self.now_s = now_s
-        self.register, actions = step(self.register, Ask(), now_s)
+        self.register, actions = step(self.register, AskUnits(), now_s)
         return [(action.destination, action.message) for action in actions if isinstance(action, Send)]
 
     def act(self, act: Act) -> list[type[Noted]]:
         self.register, actions = step(self.register, act, self.now_s)
         return [type(action.note) for action in actions if isinstance(action, Show)]
 
-    def standing(self, unit_id: str) -> Standing:
+    def standing(self, unit_id: str) -> UnitStanding:
         return self.register.unit(unit_id).standing
 
     def enter(self, unit_id: str, *sections: str) -> int:

@@ -20,7 +20,7 @@ from radio.messages import (
 from radio.noted import Noted
 from wayside.actions import Send, Show
 from wayside.acts import Act
-from wayside.block_manager import Ask, Heard, step
+from wayside.block_manager import AskUnits, Heard, step
 from wayside.config import ManagerConfig, ReentryMode, RouteEntry, SectionEntry
 from wayside.register import Register, start
 from wayside.said import (
@@ -73,7 +73,7 @@ class Desk:
         self.notes: list[Note] = []
         self.contested: list[tuple[str, tuple[str, ...]]] = []
         self.now_s = 60.0
-        self.register, _ = step(self.register, Ask(), 0.0)
+        self.register, _ = step(self.register, AskUnits(), 0.0)
 
     def act(self, act: Act) -> list[type[Noted]]:
         self.register, actions = step(self.register, act, self.now_s)

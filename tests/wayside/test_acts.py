@@ -20,10 +20,10 @@ from radio.messages import (
 )
 from radio.noted import Noted
 from wayside.actions import Action, Send, Show
-from wayside.acts import ASKED_IN_VAIN, LINE_ACTS, UNIT_ACTS, Act, Phase, person_key
-from wayside.block_manager import Ask, Heard, step, wake_at_s
+from wayside.acts import ASKED_IN_VAIN, LINE_ACTS, UNIT_ACTS, Act, LineState, person_key
+from wayside.block_manager import AskUnits, Heard, step, wake_at_s
 from wayside.config import ManagerConfig, SectionEntry
-from wayside.register import Register, Standing, start
+from wayside.register import Register, UnitStanding, start
 from wayside.said import (
     AcceptPicture,
     ConfirmedByHand,
@@ -59,29 +59,29 @@ CONFIG = ManagerConfig(
 class Desk:
     """A manager at its first start of the day, or after a restart; u2 holds E."""
 
-    def __init__(self, standing: Standing = Standing.UNKNOWN, epoch: int = 1) -> None:
+    def __init__(self, standing: UnitStanding = UnitStanding.UNKNOWN, epoch: int = 1) -> None:
         self.register: Register = start(CONFIG, epoch, {}, ("u2",))
         self.why = ""
         self.now_s = 0.0
         self.noted: list[type[Noted]] = []
         self.claim("u2", "E")
         match standing:
-            case Standing.OUTSIDE if epoch == 1:
+            case UnitStanding.OUTSIDE if epoch == 1:
                 self.act(ConfirmOutside("u1", "Sato"))
-            case Standing.OUTSIDE:
+            case UnitStanding.OUTSIDE:
                 self.claim("u1")
-            case Standing.BY_HAND:
+            case UnitStanding.BY_HAND:
                 self.act(ConfirmHolding("u1", ("A", "B"), "Sato"))
-            case Standing.REPORTED:
+            case UnitStanding.REPORTED:
                 self.claim("u1", "A", "B")
-            case Standing.DISPUTED:
+            case UnitStanding.DISPUTED:
                 self.claim("u1", "A", "B", "E")
-            case Standing.UNKNOWN:
+            case UnitStanding.UNKNOWN:
                 pass
         assert self.standing is standing
 
     @property
-    def standing(self) -> Standing:
+    def standing(self) -> UnitStanding:
         return self.register.unit("u1").standing
 
     def claim(self, unit_id: str, *sections: str) -> None:
@@ -112,7 +112,7 @@ class Desk:
         for _ in range(times):
             due_s = wake_at_s(self.register)
             self.now_s = max(self.now_s, 0.0 if due_s is None else due_s)
-            self.register, actions = step(self.register, Ask(), self.now_s)
+            self.register, actions = step(self.register, AskUnits(), self.now_s)
             asked += [a.destination for a in actions if isinstance(a, Send) and a.message == ClaimQuery()]
         return asked
 
@@ -123,12 +123,12 @@ class Desk:
 
 
 def test_the_tables_are_complete() -> None:
-    assert set(UNIT_ACTS) == set(product(Phase, Standing, (ConfirmOutside, ConfirmHolding, TakeBack)))
-    assert set(LINE_ACTS) == set(product(Phase, (EnterSection, AcceptPicture)))
+    assert set(UNIT_ACTS) == set(product(LineState, UnitStanding, (ConfirmOutside, ConfirmHolding, TakeBack)))
+    assert set(LINE_ACTS) == set(product(LineState, (EnterSection, AcceptPicture)))
 
 
-UNKNOWN, OUTSIDE, BY_HAND = Standing.UNKNOWN, Standing.OUTSIDE, Standing.BY_HAND
-REPORTED, DISPUTED = Standing.REPORTED, Standing.DISPUTED
+UNKNOWN, OUTSIDE, BY_HAND = UnitStanding.UNKNOWN, UnitStanding.OUTSIDE, UnitStanding.BY_HAND
+REPORTED, DISPUTED = UnitStanding.REPORTED, UnitStanding.DISPUTED
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ REPORTED, DISPUTED = Standing.REPORTED, Standing.DISPUTED
     ],
 )
 def test_a_running_line_takes_one_word_only_where_it_adds(
-    standing: Standing, outside: Standing, holding: Standing
+    standing: UnitStanding, outside: UnitStanding, holding: UnitStanding
 ) -> None:
     desk = Desk(standing)
     before = desk.register.held_by("u1")
@@ -160,7 +160,9 @@ def test_a_running_line_takes_one_word_only_where_it_adds(
     "standing", [UNKNOWN, OUTSIDE, REPORTED, DISPUTED]
 )  # by hand comes when it is defined
 @pytest.mark.parametrize("act", [ConfirmOutside("u1", "Sato"), ConfirmHolding("u1", ("A",), "Sato")])
-def test_a_line_being_restored_takes_words_down_and_puts_none_in_force(standing: Standing, act: Act) -> None:
+def test_a_line_being_restored_takes_words_down_and_puts_none_in_force(
+    standing: UnitStanding, act: Act
+) -> None:
     desk = Desk(standing, epoch=2)
     before = (desk.register.holders, desk.register.units)
     kinds = desk.act(act)
@@ -178,7 +180,7 @@ def test_a_running_line_has_nothing_to_restore(act: Act) -> None:
 
 
 def test_what_was_entered_by_hand_is_freed_by_two_persons_only() -> None:
-    desk = Desk(Standing.BY_HAND)
+    desk = Desk(UnitStanding.BY_HAND)
     for person in ("Sato", " sato"):
         assert desk.act(ConfirmHolding("u1", ("A",), person)) == [Refused]
     assert "a second person" in desk.why
@@ -196,7 +198,7 @@ def test_what_was_entered_by_hand_is_freed_by_two_persons_only() -> None:
 
 @pytest.mark.parametrize("place", ["", "A", "C", "nowhere"])
 def test_of_a_unit_on_the_line_persons_must_say_by_which_portal_it_left(place: str) -> None:
-    desk = Desk(Standing.BY_HAND)
+    desk = Desk(UnitStanding.BY_HAND)
     before = desk.register
     for person in ("Sato", "Mori"):
         assert desk.act(ConfirmOutside("u1", person, place)) == [Refused]
@@ -205,7 +207,7 @@ def test_of_a_unit_on_the_line_persons_must_say_by_which_portal_it_left(place: s
 
 
 def test_two_persons_with_different_portals_do_not_agree() -> None:
-    desk = Desk(Standing.BY_HAND)
+    desk = Desk(UnitStanding.BY_HAND)
     for person, place in (("Sato", "P"), ("Mori", "Q"), ("Abe", "Q ")):
         assert desk.act(ConfirmOutside("u1", person, place)) == [Refused]
     assert desk.register.held_by("u1") == ("A", "B")
@@ -220,7 +222,7 @@ def test_of_a_unit_never_on_the_line_no_place_is_asked() -> None:
 
 def test_a_silent_unit_is_never_freed_of_what_it_holds_into_open_line() -> None:
     """All trains in stations first (4.4 (4)): persons may add open line, but free nothing by it."""
-    desk = Desk(Standing.BY_HAND)
+    desk = Desk(UnitStanding.BY_HAND)
     assert desk.act(ConfirmHolding("u1", ("A", "B", "C"), "Sato")) == [ConfirmedByHand]
     assert desk.agree(lambda person: ConfirmHolding("u1", ("C",), person)) == [Refused]
     assert desk.why == "Mori: a silent unit must stand in a station"
@@ -249,7 +251,7 @@ def outside(person: str) -> Act:
 
 
 def test_a_unit_that_reported_is_asked_before_two_words_count() -> None:
-    desk = Desk(Standing.REPORTED)
+    desk = Desk(UnitStanding.REPORTED)
     assert wake_at_s(desk.register) is None
     assert desk.act(outside("Sato")) == [Refused]
     assert "a second person" in desk.why
@@ -264,7 +266,7 @@ def test_a_unit_that_reported_is_asked_before_two_words_count() -> None:
 
 @pytest.mark.parametrize("times", range(ASKED_IN_VAIN))
 def test_two_words_do_not_count_while_it_is_still_being_asked(times: int) -> None:
-    desk = Desk(Standing.REPORTED)
+    desk = Desk(UnitStanding.REPORTED)
     desk.agree(outside)
     desk.ask(times)
     assert desk.agree(outside) == [Refused]
@@ -284,7 +286,7 @@ def test_two_words_do_not_count_while_it_is_still_being_asked(times: int) -> Non
     ],
 )
 def test_a_unit_that_answers_voids_the_words(message: AnyMessage) -> None:
-    desk = Desk(Standing.REPORTED)
+    desk = Desk(UnitStanding.REPORTED)
     desk.agree(outside)
     desk.ask(ASKED_IN_VAIN)
     desk.hear(message)
@@ -296,7 +298,7 @@ def test_a_unit_that_answers_voids_the_words(message: AnyMessage) -> None:
 
 
 def test_where_it_stands_in_a_station_counts_too() -> None:
-    desk = Desk(Standing.REPORTED)
+    desk = Desk(UnitStanding.REPORTED)
     desk.agree(lambda person: ConfirmHolding("u1", ("A",), person))
     desk.ask(ASKED_IN_VAIN)
     freed = desk.act(ConfirmHolding("u1", ("A",), "Sato"))
@@ -317,7 +319,7 @@ def test_where_it_stands_in_a_station_counts_too() -> None:
     ],
 )
 def test_words_of_a_unit_that_reported_that_make_no_sense(act: Act, why: str) -> None:
-    desk = Desk(Standing.REPORTED)
+    desk = Desk(UnitStanding.REPORTED)
     before = desk.register
     assert desk.act(act) == [Refused]
     assert desk.why == f"Sato: {why}"
@@ -326,11 +328,11 @@ def test_words_of_a_unit_that_reported_that_make_no_sense(act: Act, why: str) ->
 
 def spoken_for() -> Desk:
     """u1 reported, fell silent, and two persons say that it left by P; its telegrams may still be on the air."""
-    desk = Desk(Standing.REPORTED)
+    desk = Desk(UnitStanding.REPORTED)
     desk.agree(outside)
     desk.ask(ASKED_IN_VAIN)
     desk.act(outside("Sato"))
-    assert desk.standing is Standing.OUTSIDE
+    assert desk.standing is UnitStanding.OUTSIDE
     return desk
 
 
@@ -354,11 +356,11 @@ def test_what_a_boot_says_that_persons_spoke_for_is_challenged(message: AnyMessa
 def test_its_claim_counts_only_if_it_is_fresh() -> None:
     desk = spoken_for()
     assert desk.hear(Claim(("A", "B"), 1), fresh=False) == [ClaimQuery()]
-    assert desk.standing is Standing.OUTSIDE
+    assert desk.standing is UnitStanding.OUTSIDE
     (accepted,) = desk.hear(Claim(("A", "B"), 1))
     assert isinstance(accepted, SignOnAccepted)
     assert accepted.section_ids == ("A", "B")
-    assert desk.standing is Standing.REPORTED
+    assert desk.standing is UnitStanding.REPORTED
     assert isinstance(desk.hear(HoldingReport(("A", "B"), accepted.token))[0], HoldingConfirmed)
 
 
@@ -366,20 +368,20 @@ def test_its_next_boot_speaks_for_itself() -> None:
     desk = spoken_for()
     (accepted,) = desk.hear(SignOn("u1", ("P",)), epoch=2)
     assert isinstance(accepted, SignOnAccepted)
-    assert desk.standing is Standing.REPORTED
+    assert desk.standing is UnitStanding.REPORTED
 
 
 # taking back ----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("standing", [OUTSIDE, BY_HAND])
-def test_what_persons_said_is_taken_back_by_any_one_of_them(standing: Standing) -> None:
+def test_what_persons_said_is_taken_back_by_any_one_of_them(standing: UnitStanding) -> None:
     """It is unknown again, so nothing is granted, and it is asked; a word on it needs a second person from then on."""
     desk = Desk(standing)
     held = desk.register.held_by("u1")
     assert desk.register.defined
     assert desk.act(TakeBack("u1", "Abe")) == [TakenBack]
-    assert desk.standing is Standing.UNKNOWN
+    assert desk.standing is UnitStanding.UNKNOWN
     assert not desk.register.defined
     assert desk.register.held_by("u1") == held
     assert desk.register.ledger == {"u1", "u2"}
@@ -391,10 +393,10 @@ def test_what_persons_said_is_taken_back_by_any_one_of_them(standing: Standing) 
 
 
 def test_taken_back_its_own_word_counts_again() -> None:
-    desk = Desk(Standing.OUTSIDE)
+    desk = Desk(UnitStanding.OUTSIDE)
     desk.act(TakeBack("u1", "Abe"))
     desk.claim("u1", "A", "B")
-    assert desk.standing is Standing.REPORTED
+    assert desk.standing is UnitStanding.REPORTED
     assert desk.register.defined
 
 
@@ -403,13 +405,13 @@ def test_taken_back_a_boot_that_persons_spoke_for_still_needs_its_claim() -> Non
     desk.act(TakeBack("u1", "Abe"))
     assert desk.hear(SignOn("u1", ("P",))) == [ClaimQuery()]
     assert desk.hear(Claim(("A", "B"), 1), fresh=False) == [ClaimQuery()]
-    assert desk.standing is Standing.UNKNOWN
+    assert desk.standing is UnitStanding.UNKNOWN
 
 
 def test_what_a_unit_said_itself_no_person_takes_back() -> None:
     desk = Desk()
     desk.claim("u1")
-    assert desk.standing is Standing.OUTSIDE
+    assert desk.standing is UnitStanding.OUTSIDE
     before = desk.register
     assert desk.act(TakeBack("u1", "Abe")) == [Refused]
     assert desk.why == "Abe: it has said so itself"
@@ -417,7 +419,7 @@ def test_what_a_unit_said_itself_no_person_takes_back() -> None:
 
 
 @pytest.mark.parametrize("standing", [UNKNOWN, REPORTED, DISPUTED])
-def test_where_no_word_counts_there_is_nothing_to_take_back(standing: Standing) -> None:
+def test_where_no_word_counts_there_is_nothing_to_take_back(standing: UnitStanding) -> None:
     desk = Desk(standing)
     holders, units = desk.register.holders, desk.register.units
     assert desk.act(TakeBack("u1", "Abe")) == [Refused]
@@ -426,7 +428,7 @@ def test_where_no_word_counts_there_is_nothing_to_take_back(standing: Standing) 
 
 
 def test_a_first_word_that_waits_is_taken_back_by_who_said_it() -> None:
-    desk = Desk(Standing.REPORTED)
+    desk = Desk(UnitStanding.REPORTED)
     desk.act(outside("Sato"))
     desk.ask(ASKED_IN_VAIN)
     desk.act(TakeBack("u1", "Sato"))
@@ -436,7 +438,7 @@ def test_a_first_word_that_waits_is_taken_back_by_who_said_it() -> None:
 
 
 @pytest.mark.parametrize("standing", [UNKNOWN, OUTSIDE, REPORTED, DISPUTED])
-def test_of_a_line_being_restored_a_person_takes_back_their_own_words(standing: Standing) -> None:
+def test_of_a_line_being_restored_a_person_takes_back_their_own_words(standing: UnitStanding) -> None:
     desk = Desk(standing, epoch=2)
     for person in ("Sato", "Mori"):
         desk.act(EnterSection("C", "u1", person))
@@ -446,15 +448,15 @@ def test_of_a_line_being_restored_a_person_takes_back_their_own_words(standing: 
 
 
 def test_a_unit_entered_by_hand_that_says_it_is_outside_is_for_two_persons_to_free() -> None:
-    desk = Desk(Standing.BY_HAND)
+    desk = Desk(UnitStanding.BY_HAND)
     desk.claim("u1")
-    assert desk.standing is Standing.BY_HAND
+    assert desk.standing is UnitStanding.BY_HAND
     assert desk.register.held_by("u1") == ("A", "B")
     assert desk.agree(outside) == [Freed, ToBeSwept, Outside]
 
 
 def test_a_word_that_waited_is_forgotten_when_the_unit_speaks() -> None:
-    desk = Desk(Standing.BY_HAND)
+    desk = Desk(UnitStanding.BY_HAND)
     desk.act(outside("Sato"))
     assert desk.register.reentry.complete
     desk.claim("u1", "A", "B")

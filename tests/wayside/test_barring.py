@@ -18,21 +18,25 @@ from radio.messages import (
     HoldingReport,
     PointsCommand,
     PointsRefusalReason,
+    RefusalReason,
     RouteGranted,
     RouteRefused,
     RouteRequest,
     SignOn,
+    SignOnAccepted,
+    SignOnRefused,
 )
 from tests.wayside.manager_desk import CONFIG, Desk, defined
-from wayside import acts, barring, block_manager, point_terminal
+from wayside import acts, barring, block_manager, point_terminal, reentry
 from wayside.barring import NO_BARS, Bars, said
 from wayside.config import PointsEntry, TerminalConfig
-from wayside.point_terminal import Commanded, Memory
-from wayside.register import Register, Standing
+from wayside.point_terminal import Commanded, TerminalMemory
+from wayside.register import Register, UnitStanding
 from wayside.said import (
     Barred,
     BarUnit,
     BoundaryPassed,
+    ConfirmedByHand,
     ConfirmHolding,
     ConfirmOutside,
     Freed,
@@ -56,7 +60,7 @@ def in_dispute() -> Desk:
     desk = defined(u1=("B",))
     assert isinstance(desk.hear("u1", OVER), RouteGranted)
     desk.hear("u2", Claim(("C",), 0))
-    assert desk.standing("u2") is Standing.DISPUTED
+    assert desk.standing("u2") is UnitStanding.DISPUTED
     return desk
 
 
@@ -77,7 +81,7 @@ def test_a_false_claim_stops_the_line_until_its_unit_is_barred_and_two_persons_s
     desk = in_dispute()
     assert desk.act(ConfirmOutside("u2", "Sato", "P9")) == [Refused]
     bar(desk, "u2")
-    assert desk.standing("u2") is Standing.UNKNOWN
+    assert desk.standing("u2") is UnitStanding.UNKNOWN
     assert desk.register.contested("u1") == ("C",), "nobody has said yet that it is not there"
     assert not desk.register.defined
     assert ("u1", Contested(("C",))) in desk.ask(desk.now_s + 10.0), "and u1 is told again"
@@ -103,12 +107,55 @@ def test_where_it_stands_needs_two_persons_as_well() -> None:
     assert desk.register.held_by("u2") == ("P0",)
 
 
+def test_two_persons_end_a_false_claim_of_a_train_on_open_line_if_it_keeps_what_it_holds() -> None:
+    """Nothing is freed by that, so it need not stand in a station (drill test_3467: it had forgotten its route)."""
+    desk = defined(u1=("B",), u2=("P0",))
+    assert isinstance(desk.hear("u1", OVER), RouteGranted)
+    held = desk.register.held_by("u1")
+    desk.hear("u1", Claim((*held, "P0"), desk.register.unit("u1").token))
+    bar(desk, "u1")
+    assert desk.register.contested("u2") == ("P0",)
+    for person in ("Sato", "Mori"):
+        assert desk.act(ConfirmHolding("u1", ("C", "D", "E"), person)) == [Refused], "B would be freed"
+    assert desk.act(ConfirmHolding("u1", held, "Sato")) == [Refused]
+    assert not desk.register.defined
+    assert desk.act(ConfirmHolding("u1", held, "Mori")) == [ConfirmedByHand]
+    assert (desk.register.held_by("u1"), desk.register.contested("u2")) == (held, ())
+    assert desk.register.defined
+
+
+def test_one_in_dispute_that_has_started_again_and_does_not_know_is_spoken_for_without_a_bar() -> None:
+    desk = in_dispute()
+    assert desk.hear("u2", Claim(None, 0), epoch=2) == SignOnRefused(RefusalReason.CLAIM_NEEDED)
+    assert desk.standing("u2") is UnitStanding.UNKNOWN
+    assert desk.register.contested("u1") == ("C",), "nobody has said yet that it is not there"
+    assert not desk.register.defined
+    assert desk.act(ConfirmHolding("u2", ("P0",), "Sato")) == [Refused]
+    assert desk.act(ConfirmHolding("u2", ("P0",), "Mori")) == [ToBeSwept, ConfirmedByHand]
+    assert desk.register.defined
+    accepted = desk.hear("u2", SignOn("u2", None), epoch=2)
+    assert isinstance(accepted, SignOnAccepted)
+    assert accepted.section_ids == ("P0",)
+
+
+def test_and_while_the_line_is_restored_nothing_is_left_of_what_it_said() -> None:
+    desk = Desk(epoch=2)
+    desk.now_s = 60.0
+    desk.hear("u1", Claim(("C",), 0))
+    desk.hear("u2", Claim(("B", "C"), 0))
+    assert (desk.standing("u2"), desk.register.held_by("u2")) == (UnitStanding.DISPUTED, ("B",))
+    desk.hear("u2", SignOn("u2", None), epoch=2)
+    assert (desk.standing("u2"), desk.register.held_by("u2")) == (UnitStanding.UNKNOWN, ())
+    assert "u2" in desk.register.ledger
+    assert not reentry.contradictions(desk.register)
+
+
 def test_what_a_barred_unit_holds_stays_its_own_in_silence() -> None:
     desk = defined(u1=("B",), u2=("P0",))
     desk.hear("u1", OVER)
     bar(desk, "u1")
     before = desk.register.holders
-    assert desk.standing("u1") is Standing.BY_HAND
+    assert desk.standing("u1") is UnitStanding.BY_HAND
     assert desk.register.defined
     for epoch in (1, 2):
         for message in (Claim((), 0), SignOn("u1", None), HoldingReport(("E",), 1), Claim(("P9",), 1 << 40)):
@@ -139,7 +186,7 @@ def test_unbarred_it_is_asked_and_counts_again() -> None:
     assert ("u1", ClaimQuery()) in desk.ask(desk.now_s + 20.0)
     assert desk.hear("u1", HoldingReport(("B",), 1)) == ClaimQuery(), "of its old boot only a fresh claim"
     desk.hear("u1", Claim(("B",), 0))
-    assert desk.standing("u1") is Standing.REPORTED
+    assert desk.standing("u1") is UnitStanding.REPORTED
     assert isinstance(desk.hear("u1", OVER, correlation=9), RouteGranted)
 
 
@@ -149,7 +196,7 @@ def test_while_the_line_is_restored_its_words_are_forgotten_too() -> None:
     desk.hear("u1", Claim(("C",), 0))
     bar(desk, "u1")
     assert desk.register.held_by("u1") == ()
-    assert (desk.standing("u1"), "u1" in desk.register.ledger) == (Standing.UNKNOWN, True)
+    assert (desk.standing("u1"), "u1" in desk.register.ledger) == (UnitStanding.UNKNOWN, True)
 
 
 def test_no_restart_forgets_a_bar() -> None:
@@ -168,7 +215,7 @@ def test_no_restart_forgets_a_bar() -> None:
 def test_a_terminal_obeys_a_barred_unit_no_more() -> None:
     key = b"k" * 32
     config = TerminalConfig("line", "tA", (PointsEntry("p", "A", 6.0),))
-    terminal = point_terminal.start(config, key, Memory())
+    terminal = point_terminal.start(config, key, TerminalMemory())
     order = PointsCommand("p", Position.NORMAL, "A", 7, capability_mac(key, "tA", "A", "u1", 7))
     assert point_terminal.refusal(terminal, "u1", order) is None
     for person in ("Sato", "Mori"):
@@ -189,9 +236,13 @@ SWITCHES = {
         lambda register, event: register.with_held(event.unit_id, ()),
     ),
     "what it claims stays contested": (acts, "_may_be_in", Register.held_by),
+    "an end of a claim is no release": (acts, "_given_back", acts._freed),
+    "one in dispute may forget": (reentry, "unheard", lambda register, _unit_id: register),
 }
 CHECKS = (
     test_a_false_claim_stops_the_line_until_its_unit_is_barred_and_two_persons_say_where_it_is,
+    test_two_persons_end_a_false_claim_of_a_train_on_open_line_if_it_keeps_what_it_holds,
+    test_one_in_dispute_that_has_started_again_and_does_not_know_is_spoken_for_without_a_bar,
     test_where_it_stands_needs_two_persons_as_well,
     test_what_a_barred_unit_holds_stays_its_own_in_silence,
 )

@@ -30,8 +30,8 @@ from radio.messages import (
 )
 from tests.wayside.manager_desk import CONFIG, KEYS, Desk, defined
 from wayside.actions import Send, Show
-from wayside.block_manager import TELEGRAMS, Ask, Heard, step, wake_at_s
-from wayside.register import Standing
+from wayside.block_manager import TELEGRAMS, AskUnits, Heard, step, wake_at_s
+from wayside.register import UnitStanding
 from wayside.said import (
     Accepted,
     AcceptPicture,
@@ -155,24 +155,24 @@ def test_silence_frees_nothing() -> None:
     desk = defined(u1=("P0",))
     holders = desk.register.holders
     for day in range(1, 8):
-        desk.register, _ = step(desk.register, Ask(), day * 86_400.0)
+        desk.register, _ = step(desk.register, AskUnits(), day * 86_400.0)
     assert desk.register.holders == holders
 
 
 def test_a_restarted_manager_asks_until_everyone_is_known() -> None:
     desk = Desk(epoch=2)
     assert wake_at_s(desk.register) == 0.0
-    desk.register, actions = step(desk.register, Ask(), 100.0)
+    desk.register, actions = step(desk.register, AskUnits(), 100.0)
     assert actions == tuple(Send(unit_id, ClaimQuery()) for unit_id in CONFIG.unit_ids)
     assert wake_at_s(desk.register) == 105.0
-    assert step(desk.register, Ask(), 104.9) == (desk.register, ())
+    assert step(desk.register, AskUnits(), 104.9) == (desk.register, ())
     for unit_id, sections in [("u1", ("A", "B")), ("u2", ()), ("u3", ("E",))]:
         desk.hear(unit_id, Claim(sections, 7))
     assert desk.register.undefined_because_of() == ()
     assert wake_at_s(desk.register) is None
-    assert step(desk.register, Ask(), 1000.0) == (desk.register, ())
+    assert step(desk.register, AskUnits(), 1000.0) == (desk.register, ())
     assert desk.register.holders == {"A": "u1", "B": "u1", "E": "u3"}
-    assert desk.standing("u2") is Standing.OUTSIDE
+    assert desk.standing("u2") is UnitStanding.OUTSIDE
     # Nothing is granted before a person has accepted what the claims show.
     request = RouteRequest("u1", "over", ("C", "D", "E"))
     assert desk.hear("u1", request) == RouteRefused("over", RefusalReason.UNDEFINED)
@@ -206,7 +206,7 @@ def test_a_token_that_this_manager_never_gave_is_replaced() -> None:
 def test_a_claim_that_may_date_from_before_the_restart_is_asked_again(message: AnyMessage) -> None:
     desk = Desk(epoch=2)
     assert desk.hear("u1", message, fresh=False) == ClaimQuery()
-    assert desk.standing("u1") is Standing.UNKNOWN
+    assert desk.standing("u1") is UnitStanding.UNKNOWN
 
 
 def test_a_unit_that_started_again_learns_what_it_holds() -> None:
@@ -236,7 +236,7 @@ def test_a_request_of_a_new_boot_is_no_repetition_of_the_old_ones() -> None:
 def test_a_person_cannot_contradict_another_holder() -> None:
     desk = defined(u1=("A", "B"))
     assert desk.act(ConfirmHolding("u2", ("B",), "Sato")) == [Contradicted]
-    assert desk.standing("u2") is Standing.OUTSIDE
+    assert desk.standing("u2") is UnitStanding.OUTSIDE
 
 
 @pytest.mark.parametrize("sections", [(), ("nowhere",)])
@@ -254,7 +254,7 @@ def test_a_unit_confirmed_outside_that_claims_the_line_is_believed_and_held() ->
 def test_entering_needs_a_free_portal() -> None:
     desk = defined(u2=("P0",))
     assert desk.hear("u1", SignOn("u1", ("P0",))) == SignOnRefused(RefusalReason.HELD, "P0", "u2")
-    assert desk.standing("u1") is Standing.OUTSIDE
+    assert desk.standing("u1") is UnitStanding.OUTSIDE
 
 
 def test_a_wish_to_enter_is_no_claim() -> None:
@@ -263,7 +263,7 @@ def test_a_wish_to_enter_is_no_claim() -> None:
     desk.hear("u3", Claim((), 0))
     desk.hear("u1", Claim((), 0))
     assert desk.hear("u1", SignOn("u1", ("P0",))) == SignOnRefused(RefusalReason.UNDEFINED, None, "u2")
-    assert desk.standing("u1") is Standing.OUTSIDE
+    assert desk.standing("u1") is UnitStanding.OUTSIDE
     desk.hear("u2", Claim((), 0))
     desk.now_s = 10.0
     desk.act(AcceptPicture("Sato"))
@@ -307,11 +307,11 @@ def test_signing_off_from_the_portal_and_again() -> None:
     off = SignOff("u1", desk.register.unit("u1").token)
     assert desk.hear("u1", off) == SignOffAccepted()
     assert desk.hear("u1", off) == SignOffAccepted()
-    assert desk.standing("u1") is Standing.LEAVING
+    assert desk.standing("u1") is UnitStanding.LEAVING
     assert desk.register.holders == {"P9": "u1"}, "its train stands there, and may not have heard"
     assert desk.act(BoundaryPassed("P9")) == [Freed, Outside]
     assert desk.register.holders == {}
-    assert desk.standing("u1") is Standing.OUTSIDE
+    assert desk.standing("u1") is UnitStanding.OUTSIDE
     assert desk.hear("u1", off) == SignOffAccepted()
 
 
@@ -349,23 +349,23 @@ def test_the_register_cannot_hold_two_holders() -> None:
         register.with_held("u2", ("B",))
 
 
-def in_standing(standing: Standing) -> Desk:
+def in_standing(standing: UnitStanding) -> Desk:
     """A desk on which u1 has the standing asked for."""
     desk = Desk()
     desk.enter("u2", "E")
     match standing:
-        case Standing.OUTSIDE:
+        case UnitStanding.OUTSIDE:
             desk.act(ConfirmOutside("u1", "Sato"))
-        case Standing.BY_HAND:
+        case UnitStanding.BY_HAND:
             desk.act(ConfirmHolding("u1", ("B",), "Sato"))
-        case Standing.REPORTED:
+        case UnitStanding.REPORTED:
             desk.enter("u1", "B")
-        case Standing.LEAVING:
+        case UnitStanding.LEAVING:
             desk.enter("u1", "P9")
             desk.hear("u1", SignOff("u1", desk.register.unit("u1").token))
-        case Standing.DISPUTED:
+        case UnitStanding.DISPUTED:
             desk.hear("u1", Claim(("B", "E"), 0))
-        case Standing.UNKNOWN:
+        case UnitStanding.UNKNOWN:
             pass
     assert desk.standing("u1") is standing
     return desk
@@ -379,15 +379,15 @@ MESSAGES: tuple[AnyMessage, ...] = (
     Claim(("B",), 1),
 )
 EXPECTED = {
-    (RouteRequest, Standing.UNKNOWN): ClaimQuery,
-    (RouteRequest, Standing.OUTSIDE): RouteRefused,
-    (RouteRequest, Standing.BY_HAND): RouteRefused,
-    (RouteRequest, Standing.REPORTED): RouteRefused,  # u3 is unknown on this desk
-    (RouteRequest, Standing.LEAVING): RouteRefused,
-    (RouteRequest, Standing.DISPUTED): ClaimQuery,
-    (HoldingReport, Standing.REPORTED): HoldingConfirmed,
-    (HoldingReport, Standing.LEAVING): HoldingConfirmed,
-    (SignOff, Standing.OUTSIDE): SignOffAccepted,
+    (RouteRequest, UnitStanding.UNKNOWN): ClaimQuery,
+    (RouteRequest, UnitStanding.OUTSIDE): RouteRefused,
+    (RouteRequest, UnitStanding.BY_HAND): RouteRefused,
+    (RouteRequest, UnitStanding.REPORTED): RouteRefused,  # u3 is unknown on this desk
+    (RouteRequest, UnitStanding.LEAVING): RouteRefused,
+    (RouteRequest, UnitStanding.DISPUTED): ClaimQuery,
+    (HoldingReport, UnitStanding.REPORTED): HoldingConfirmed,
+    (HoldingReport, UnitStanding.LEAVING): HoldingConfirmed,
+    (SignOff, UnitStanding.OUTSIDE): SignOffAccepted,
 }
 OTHERWISE = {
     HoldingReport: ClaimQuery,
@@ -397,8 +397,8 @@ OTHERWISE = {
 }
 
 
-@pytest.mark.parametrize(("standing", "message"), list(product(Standing, MESSAGES)))
-def test_the_table_of_telegrams(standing: Standing, message: AnyMessage) -> None:
+@pytest.mark.parametrize(("standing", "message"), list(product(UnitStanding, MESSAGES)))
+def test_the_table_of_telegrams(standing: UnitStanding, message: AnyMessage) -> None:
     assert (standing, type(message)) in TELEGRAMS
     desk = in_standing(standing)
     before = desk.register.holders
@@ -409,8 +409,8 @@ def test_the_table_of_telegrams(standing: Standing, message: AnyMessage) -> None
     assert before.items() <= desk.register.holders.items()
 
 
-@pytest.mark.parametrize("standing", Standing)
-def test_messages_for_others_are_refused_in_every_standing(standing: Standing) -> None:
+@pytest.mark.parametrize("standing", UnitStanding)
+def test_messages_for_others_are_refused_in_every_standing(standing: UnitStanding) -> None:
     desk = in_standing(standing)
     event: Heard[AnyMessage] = Heard("u1", 1, True, 1, PointsProof("p", None, False, False, 1))
     register, (action,) = step(desk.register, event, 0.0)
@@ -420,4 +420,4 @@ def test_messages_for_others_are_refused_in_every_standing(standing: Standing) -
 
 
 def test_the_table_is_complete() -> None:
-    assert set(TELEGRAMS) == {(standing, type(message)) for standing in Standing for message in MESSAGES}
+    assert set(TELEGRAMS) == {(standing, type(message)) for standing in UnitStanding for message in MESSAGES}

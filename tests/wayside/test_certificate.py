@@ -11,7 +11,8 @@ from msgspec.structs import replace
 
 from radio.messages import RefusalReason, RouteGranted, RouteRefused, SignOnRefused
 from tests.wayside.loop_line import Play, can_finish, config_of, random_case
-from wayside.certificate import Move, Proof, Train, finish, follows
+from wayside.certificate import CertificateProof, finish, follows
+from wayside.moves import Move, Train
 from wayside.said import Certified, Granted, HeldBack, NoOrderKnown
 
 # One siding, S: two from the west are to use either track of it, one from the east the second (SUMO, report 17834).
@@ -82,9 +83,9 @@ def test_the_search_finds_an_order_exactly_where_there_is_one(data: st.DataObjec
     moves = st.builds(move, ends, st.booleans(), st.floats(0, 9))
     trains = [Train(1 << bit, tuple(data.draw(st.lists(moves, max_size=4)))) for bit in starts]
     found = finish(trains)
-    assert found.proof is not Proof.UNKNOWN
-    assert (found.proof is Proof.ORDER) is _exists(trains, (0,) * len(trains), {})
-    if found.proof is Proof.ORDER:
+    assert found.proof is not CertificateProof.UNKNOWN
+    assert (found.proof is CertificateProof.ORDER) is _exists(trains, (0,) * len(trains), {})
+    if found.proof is CertificateProof.ORDER:
         assert follows(trains, found.order)
         assert [found.order.count(k) for k in range(len(trains))] == [len(train.ahead) for train in trains]
     else:
@@ -197,7 +198,7 @@ def test_two_trains_that_cannot_finish_are_found_among_many_that_could_go_on_for
         for k in range(10)
     ]
     found = finish([*lost, *others])
-    assert (found.proof, found.circle) == (Proof.NONE, (0, 1))
+    assert (found.proof, found.circle) == (CertificateProof.NONE, (0, 1))
     assert found.steps < 2 * sum(
         len(train.ahead) for train in others
     )  # the others are not tried in all their orders
@@ -209,5 +210,5 @@ def test_a_train_that_ends_where_another_must_pass_goes_last(held: int) -> None:
     stays = Train(held << 1, (Move(4, 4, 0.0),))
     passes = Train(1, (Move(4, 4, 5.0), Move(8, 8, 6.0)))
     found = finish([stays, passes])
-    assert found.proof is Proof.ORDER
+    assert found.proof is CertificateProof.ORDER
     assert found.order[-1] == 0

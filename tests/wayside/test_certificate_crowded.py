@@ -15,7 +15,7 @@ from radio.messages import RefusalReason, RouteRefused, SignOnRefused
 from tests.wayside.crowded_line import AllStates, crowded_play, places, planned_before
 from tests.wayside.loop_line import Play
 from wayside import dispatch
-from wayside.certificate import Found, Proof
+from wayside.certificate import CertificateAnswer, CertificateProof
 from wayside.said import NoOrderKnown
 
 LINES = 1000
@@ -111,9 +111,9 @@ def test_people_are_told_when_it_is_looked_for_no_more(monkeypatch: pytest.Monke
     """A search that never ends in a proof: it has twice the steps each time, to the last; then nothing is tried."""
     steps: list[int] = []
 
-    def runs_out(_trains: object, steps_max: int) -> Found:
+    def runs_out(_trains: object, steps_max: int) -> CertificateAnswer:
         steps.append(steps_max)
-        return Found(Proof.UNKNOWN, (), (0, 1), steps_max)
+        return CertificateAnswer(CertificateProof.UNKNOWN, (), (0, 1), steps_max)
 
     monkeypatch.setattr(dispatch, "finish", runs_out)
     case = crowded_play(next(number for number, can, _ in lines_with_order() if can))

@@ -24,7 +24,7 @@ from tests.wayside.manager_desk import CONFIG, KEYS, Desk, defined
 from wayside.actions import Send
 from wayside.acts import ASKED_IN_VAIN
 from wayside.block_manager import step
-from wayside.register import Standing, start
+from wayside.register import UnitStanding, start
 from wayside.said import (
     ConfirmOutside,
     Contradicted,
@@ -41,7 +41,7 @@ def disputed() -> Desk:
     """u1 holds B and C, u2 claims C and D."""
     desk = defined(u1=("B", "C"))
     assert desk.hear("u2", Claim(("C", "D"), 0)) == SignOnRefused(RefusalReason.HELD, "C", "u1")
-    assert desk.standing("u2") is Standing.DISPUTED
+    assert desk.standing("u2") is UnitStanding.DISPUTED
     return desk
 
 
@@ -109,7 +109,7 @@ def swept_line() -> Desk:
             desk.act(ConfirmOutside("u2", person, "P9"))
         for _ in range(ASKED_IN_VAIN * (1 - times)):
             desk.ask(desk.now_s + 10.0)
-    assert desk.standing("u2") is Standing.OUTSIDE
+    assert desk.standing("u2") is UnitStanding.OUTSIDE
     assert desk.register.unswept == {"C", "D", "E"}
     return desk
 

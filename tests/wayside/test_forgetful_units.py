@@ -19,7 +19,7 @@ from radio.messages import (
 from tests.wayside import manager_desk
 from tests.wayside.reentry_desk import HELD, Desk
 from wayside import reentry
-from wayside.register import Register, Standing
+from wayside.register import Register, UnitStanding
 from wayside.said import ConfirmOutside, Contradicted, Freed, TakeBack, ToBeSwept
 
 BACK = RouteRequest("u2", "back", ("D", "C", "B"))
@@ -98,7 +98,7 @@ def test_two_persons_speak_for_one_that_does_not_know() -> None:
             desk.register, manager_desk.Heard("u1", 2, True, 0, Claim(None, 0)), desk.now_s
         )
     assert Freed in desk.act(ConfirmOutside("u1", "Sato", "P0"))
-    assert desk.standing("u1") is Standing.OUTSIDE
+    assert desk.standing("u1") is UnitStanding.OUTSIDE
     assert desk.register.unswept == {"B", "C"}
 
 
@@ -123,7 +123,7 @@ def test_it_stops_every_train_on_the_line() -> None:
     desk = on_the_line_after_all()
     assert desk.kinds[:2] == [Contradicted, ToBeSwept]
     assert desk.unasked == [("u2", Contested(("B", "C")))]
-    assert desk.standing("u1") is Standing.UNKNOWN
+    assert desk.standing("u1") is UnitStanding.UNKNOWN
     assert not desk.register.defined
     assert "u1" in desk.register.ledger
 
@@ -150,7 +150,7 @@ def test_two_persons_end_it() -> None:
     desk = on_the_line_after_all()
     for person in ("Sato", "Mori"):
         desk.act(ConfirmOutside("u1", person, "P0"))
-    assert desk.standing("u1") is Standing.OUTSIDE
+    assert desk.standing("u1") is UnitStanding.OUTSIDE
     assert desk.register.defined
 
 
@@ -166,7 +166,7 @@ def test_taken_back_and_outside_by_its_own_word_the_line_is_swept() -> None:
     desk = manager_desk.defined(u2=("B", "C"))
     desk.act(ConfirmOutside("u1", "Sato"))
     desk.act(TakeBack("u1", "Sato"))
-    assert desk.standing("u1") is Standing.UNKNOWN
+    assert desk.standing("u1") is UnitStanding.UNKNOWN
     desk.hear("u1", Claim((), 0))
     assert ToBeSwept in desk.kinds
     register: Register = desk.register

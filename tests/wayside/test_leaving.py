@@ -24,7 +24,7 @@ from wayside import block_manager, leaving
 from wayside.actions import Send
 from wayside.block_manager import Heard
 from wayside.reentry import Step
-from wayside.register import Register, Standing
+from wayside.register import Register, UnitStanding
 from wayside.said import (
     Accepted,
     BoundaryPassed,
@@ -93,12 +93,12 @@ def test_who_holds_more_than_the_portal_is_elsewhere() -> None:
 def test_its_own_word_frees_it_in_the_boot_that_signed_off() -> None:
     desk = signed_off()
     claims(desk, "P9")
-    assert desk.standing("u1") is Standing.LEAVING, "it still stands there"
+    assert desk.standing("u1") is UnitStanding.LEAVING, "it still stands there"
     claims(desk, fresh=False)
     claims(desk, epoch=2)
     assert desk.register.held_by("u1") == ("P9",), "who has started again does not know"
     claims(desk)
-    assert desk.standing("u1") is Standing.OUTSIDE
+    assert desk.standing("u1") is UnitStanding.OUTSIDE
 
 
 @pytest.mark.parametrize("message", [SignOn("u1", None), SignOn("u1", ("P9",))])
@@ -107,7 +107,7 @@ def test_started_again_in_its_portal_it_is_on_the_line_as_before(message: SignOn
     accepted = desk.hear("u1", message, epoch=2)
     assert isinstance(accepted, SignOnAccepted)
     assert accepted.section_ids == ("P9",)
-    assert desk.standing("u1") is Standing.REPORTED
+    assert desk.standing("u1") is UnitStanding.REPORTED
     off = SignOff("u1", accepted.token)
     assert desk.hear("u1", off, epoch=2) == SignOffAccepted()
     assert desk.register.held_by("u1") == ("P9",)
@@ -158,7 +158,7 @@ def test_the_manager_started_again_learns_it_from_the_unit() -> None:
 
 def _frees(register: Register, heard: Heard[SignOff]) -> Step:
     register, actions = leaving.sign_off(register, heard)
-    if register.unit(heard.unit_id).standing is Standing.LEAVING:
+    if register.unit(heard.unit_id).standing is UnitStanding.LEAVING:
         register, _ = leaving.left(register, heard.unit_id)
     return register, actions
 
@@ -167,9 +167,9 @@ def _any_boot(register: Register, heard: Heard[Claim]) -> Step:
     return (register, ()) if heard.message.section_ids else leaving.left(register, heard.unit_id)
 
 
-SWITCHES: dict[str, tuple[tuple[Standing, type], Callable[..., Step]]] = {
-    "an accepted sign-off frees nothing": ((Standing.REPORTED, SignOff), _frees),
-    "the boot that signed off": ((Standing.LEAVING, Claim), _any_boot),
+SWITCHES: dict[str, tuple[tuple[UnitStanding, type], Callable[..., Step]]] = {
+    "an accepted sign-off frees nothing": ((UnitStanding.REPORTED, SignOff), _frees),
+    "the boot that signed off": ((UnitStanding.LEAVING, Claim), _any_boot),
 }
 
 
@@ -208,7 +208,7 @@ def test_a_claim_that_crosses_the_contact_at_the_boundary_is_asked_again() -> No
     desk.hear("u1", Claim((), 1), correlation=block_manager.ASKED_AGAIN)
     assert desk.register.defined
     desk.hear("u1", Claim(("P9",), 1), correlation=block_manager.ASKED_AGAIN)
-    assert desk.standing("u1") is Standing.DISPUTED, "asked after the contact, it does stand there"
+    assert desk.standing("u1") is UnitStanding.DISPUTED, "asked after the contact, it does stand there"
 
 
 def test_a_claim_that_crosses_the_contact_while_its_manager_starts_again_is_asked_again() -> None:
@@ -220,7 +220,7 @@ def test_a_claim_that_crosses_the_contact_while_its_manager_starts_again_is_aske
     assert [a.message for a in actions if isinstance(a, Send)] == [ClaimQuery()]
     assert desk.register.holders == {}
     desk.hear("u1", Claim((), 1), correlation=block_manager.ASKED_AGAIN)
-    assert desk.standing("u1") is Standing.OUTSIDE
+    assert desk.standing("u1") is UnitStanding.OUTSIDE
 
 
 def test_without_asking_again_what_crossed_is_believed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -27,11 +27,11 @@ from radio.messages import (
 )
 from wayside import acts, block_manager, reentry
 from wayside.actions import Action, Send
-from wayside.block_manager import Ask, Event, Heard, step
+from wayside.block_manager import AskUnits, Event, Heard, step
 from wayside.config import ManagerConfig, RouteEntry, SectionEntry
 from wayside.leaving import may_have_crossed
 from wayside.reentry import in_station
-from wayside.register import Register, Standing, start
+from wayside.register import Register, UnitStanding, start
 from wayside.said import (
     AcceptPicture,
     BarUnit,
@@ -118,7 +118,7 @@ class Step:
 def steps(register: Register, persons: tuple[str, ...] = PERSONS) -> Iterator[Step]:
     """All that can happen next."""
     now_s = max(60.0, register.ask_at_s)
-    for event in (*_telegrams(register), *_inputs(register, persons), Ask()):
+    for event in (*_telegrams(register), *_inputs(register, persons), AskUnits()):
         after, actions = step(register, event, now_s)
         yield Step(register, event, after, actions)
 
@@ -127,7 +127,12 @@ def _telegrams(register: Register) -> Iterator[Event]:
     for unit_id in UNITS:
         unit, held = register.unit(unit_id), register.held_by(unit_id)
         messages: list[AnyMessage] = [Claim(claim, unit.token) for claim in CLAIMS]
-        messages += [SignOn(unit_id, None), SignOn(unit_id, ("P",)), SignOff(unit_id, unit.token)]
+        messages += [
+            Claim(None, 0),
+            SignOn(unit_id, None),
+            SignOn(unit_id, ("P",)),
+            SignOff(unit_id, unit.token),
+        ]
         messages += [RouteRequest(unit_id, route.route_id, route.section_ids) for route in CONFIG.routes]
         messages += [HoldingReport(held[-1:], unit.token, held[:-1]), HoldingReport(held[:1], unit.token)]
         messages.append(HoldingReport(held, unit.token, ("P", "C", "S")))
@@ -178,11 +183,16 @@ def check_freed(step_: Step) -> None:
                 assert unit_id == holder
             case Heard(unit_id, epoch=epoch, fresh=True, message=Claim(())):
                 unit = step_.before.unit(holder)
-                assert (unit_id, epoch, unit.standing) == (holder, unit.epoch, Standing.LEAVING)
+                assert (unit_id, epoch, unit.standing) == (holder, unit.epoch, UnitStanding.LEAVING)
             case BoundaryPassed(portal):
-                assert section_id == portal or step_.before.unit(holder).standing is Standing.LEAVING
+                assert section_id == portal or step_.before.unit(holder).standing is UnitStanding.LEAVING
             case BarUnit() if step_.before.restoring:
                 pass  # nothing was given yet, and it is on the ledger
+            case Heard(unit_id, fresh=True, message=Claim(None) | SignOn(section_ids=None)):
+                unit = step_.before.unit(holder)
+                assert (unit_id, unit.standing) == (holder, UnitStanding.DISPUTED)
+                assert step_.before.restoring
+                assert holder in step_.after.ledger
             case ConfirmHolding(section_ids=section_ids):
                 assert in_station(step_.after, section_ids)
                 assert _agreed_with_another(step_, holder)
@@ -196,7 +206,8 @@ def check_granted(step_: Step) -> None:
         if isinstance(send.message, RouteGranted):
             assert step_.before.defined
             assert all(
-                step_.before.unit(u).standing not in (Standing.UNKNOWN, Standing.DISPUTED) for u in UNITS
+                step_.before.unit(u).standing not in (UnitStanding.UNKNOWN, UnitStanding.DISPUTED)
+                for u in UNITS
             )
         if isinstance(send.message, RouteGranted | SignOnAccepted):
             of_it = set(send.message.section_ids) & step_.after.unswept
@@ -216,7 +227,7 @@ def check_contradicted(step_: Step) -> None:
         holder = step_.before.holders.get(section_id, unit_id)
         if holder == unit_id or not _weighed(step_, unit_id, section_ids or ()):
             continue
-        assert step_.after.unit(unit_id).standing is Standing.DISPUTED
+        assert step_.after.unit(unit_id).standing is UnitStanding.DISPUTED
         assert section_id in step_.after.contested(holder)
         told = [s.message.section_ids for s in step_.sends if s.destination == holder and _restricts(s)]
         assert told or holder in barred or section_id in step_.before.contested(holder)
@@ -234,7 +245,7 @@ def _restricts(send: Send) -> bool:
 
 def check_told_again(step_: Step) -> None:
     """While it lasts, every unit that holds what is contested is told at each ask, and who is in doubt asked."""
-    if not isinstance(step_.event, Ask):
+    if not isinstance(step_.event, AskUnits):
         return
     said = {(send.destination, type(send.message)) for send in step_.sends}
     for unit_id in UNITS:
@@ -294,7 +305,7 @@ COURSES: Final[dict[int, tuple[tuple[Event, ...], ...]]] = {
 
 def first(epoch: int) -> list[Seen]:
     """Where to look first: a start, and courses on which the line is defined, with what is to be swept and without."""
-    begun, _ = step(start(CONFIG, epoch, {}, None if epoch == 1 else UNITS), Ask(), 0.0)
+    begun, _ = step(start(CONFIG, epoch, {}, None if epoch == 1 else UNITS), AskUnits(), 0.0)
     found = [Seen.of(begun)]
     for course in COURSES[epoch]:
         register = begun
@@ -357,7 +368,7 @@ SWITCHES: Final[dict[str, tuple[object, str, object]]] = {
     "a disputed unit blocks": (
         Register,
         "undefined_because_of",
-        lambda self: tuple(u for u in self.plan.unit_ids if self.unit(u).standing is Standing.UNKNOWN),
+        lambda self: tuple(u for u in self.plan.unit_ids if self.unit(u).standing is UnitStanding.UNKNOWN),
     ),
     "on sight only": (Register, "on_sight", lambda *_: ()),
     "in a station": (reentry, "in_station", lambda *_: True),

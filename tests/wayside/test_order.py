@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from radio.messages import RefusalReason, RouteGranted, RouteRefused
 from tests.wayside.loop_line import Play, config_of
-from wayside.config import Order
+from wayside.config import OrderRule
 from wayside.said import HeldBack, OrderChanged
 
 # The first is planned first over the line between the two stations, from the west; the other comes from the east.
@@ -16,7 +16,7 @@ FIRST_DUE_S, SECOND_DUE_S = 100.0, 101.0
 LATE_S, HOLD_S = 240.0, 900.0
 
 
-def play_of(order: Order, ways: list[list[str]] = WAYS, overtaken_max: int = 2, **more: object) -> Play:
+def play_of(order: OrderRule, ways: list[list[str]] = WAYS, overtaken_max: int = 2, **more: object) -> Play:
     config = config_of(TRACKS, ways, order=order, overtaken_max=overtaken_max, **more)
     return Play(config, ways)
 
@@ -30,13 +30,13 @@ def why_changed(play: Play) -> list[str]:
 
 
 def test_who_asks_first_has_it_unless_an_order_is_asked_for() -> None:
-    play = play_of(Order.FIRST_COME)
+    play = play_of(OrderRule.FIRST_COME)
     assert isinstance(play.asks(1), RouteGranted)
     assert play.register.plan.days is None
 
 
-@pytest.mark.parametrize("order", [Order.PLANNED, Order.LEAST_DELAY])
-def test_the_planned_order_is_kept_below_the_threshold(order: Order) -> None:
+@pytest.mark.parametrize("order", [OrderRule.PLANNED, OrderRule.LEAST_DELAY])
+def test_the_planned_order_is_kept_below_the_threshold(order: OrderRule) -> None:
     play = play_of(order)
     play.now_s = FIRST_DUE_S + LATE_S - 1.0
     refused = play.asks(1)
@@ -49,7 +49,7 @@ def test_the_planned_order_is_kept_below_the_threshold(order: Order) -> None:
 
 
 def test_beyond_the_threshold_who_asks_first_goes() -> None:
-    play = play_of(Order.PLANNED)
+    play = play_of(OrderRule.PLANNED)
     play.now_s = FIRST_DUE_S + LATE_S
     assert isinstance(play.asks(1), RouteGranted)
     assert why_changed(play) == ["order changed: 1 goes before 0, planned first; it is 4 min late"]
@@ -57,7 +57,7 @@ def test_beyond_the_threshold_who_asks_first_goes() -> None:
 
 def test_least_delay_counts_all_trains_and_changes_only_for_a_gain() -> None:
     """A run takes a minute either way: whoever waits, the other is a minute later, and nothing is gained."""
-    play = play_of(Order.LEAST_DELAY)
+    play = play_of(OrderRule.LEAST_DELAY)
     play.now_s = FIRST_DUE_S + LATE_S
     assert isinstance(play.asks(1), RouteRefused)
     (why,) = why_held(play)
@@ -67,7 +67,7 @@ def test_least_delay_counts_all_trains_and_changes_only_for_a_gain() -> None:
 def test_least_delay_lets_a_train_on_when_the_late_one_is_still_far() -> None:
     """The first is ten minutes late and has another run to make before it comes to the line that both want."""
     ways = [["0.1", "1.1", "2.1"], ["2.2", "1.2"]]
-    config = config_of([2, 2, 2], ways, order=Order.LEAST_DELAY)
+    config = config_of([2, 2, 2], ways, order=OrderRule.LEAST_DELAY)
     first, second = config.dispatch.journeys
     moves = tuple(
         replace(m, departs_s=m.departs_s + 150.0, arrives_s=m.arrives_s + 150.0) for m in second.moves
@@ -81,7 +81,7 @@ def test_least_delay_lets_a_train_on_when_the_late_one_is_still_far() -> None:
 
 
 def test_nobody_waits_for_longer_than_it_may() -> None:
-    play = play_of(Order.PLANNED, late_s=10_000.0)
+    play = play_of(OrderRule.PLANNED, late_s=10_000.0)
     play.now_s = FIRST_DUE_S
     assert isinstance(play.asks(1), RouteRefused)
     play.now_s = SECOND_DUE_S + HOLD_S - 1.0
@@ -94,7 +94,7 @@ def test_nobody_waits_for_longer_than_it_may() -> None:
 def test_a_train_that_cannot_come_first_is_not_waited_for() -> None:
     """The first is to go to the track on which the other stands: it must go, whatever the plan says."""
     ways = [["0.1", "1.2"], ["1.2", "0.2"]]
-    play = play_of(Order.PLANNED, ways)
+    play = play_of(OrderRule.PLANNED, ways)
     play.now_s = FIRST_DUE_S
     assert isinstance(play.asks(1), RouteGranted)
     assert why_changed(play) == ["order changed: 0 cannot come before 1 has gone"]
@@ -104,7 +104,7 @@ def test_no_train_is_let_on_before_one_that_was_overtaken_so_often() -> None:
     """Two have gone over its line while it asked: the third waits, though the late one is far beyond the threshold."""
     tracks = [3, 4]
     ways = [["0.1", "1.1"], ["0.2", "1.2"], ["0.3", "1.3"], ["1.4", "0.1"]]
-    play = Play(config_of(tracks, ways, order=Order.PLANNED, overtaken_max=2, late_s=60.0), ways)
+    play = Play(config_of(tracks, ways, order=OrderRule.PLANNED, overtaken_max=2, late_s=60.0), ways)
     play.now_s = 90.0
     assert isinstance(play.asks(3), RouteRefused)  # it is planned last
     for k in (0, 1):
@@ -121,7 +121,7 @@ def test_the_order_never_grants_what_the_certificate_refuses() -> None:
     tracks = [2, 1, 2, 1, 2]
     ways = [["2.1", "3.1", "4.1"], ["0.2", "1.1", "2.2", "3.1", "4.2"], ["3.1", "2.2", "1.1", "0.1"]]
     for certificate in (True, False):
-        play = Play(config_of(tracks, ways, order=Order.PLANNED, certificate=certificate), ways)
+        play = Play(config_of(tracks, ways, order=OrderRule.PLANNED, certificate=certificate), ways)
         play.now_s = 99.0
         assert isinstance(play.asks(1), RouteRefused) is certificate
         assert play.finishes() is certificate

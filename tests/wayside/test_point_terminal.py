@@ -19,10 +19,10 @@ from wayside.point_terminal import (
     TABLE,
     Commanded,
     Expired,
-    Memory,
     PointsState,
     Terminal,
     TerminalEvent,
+    TerminalMemory,
     start,
     step,
     wake_at_s,
@@ -46,8 +46,8 @@ def command(
 class Box:
     """A terminal and what it did last."""
 
-    def __init__(self, memory: Memory | None = None, *, lying: Position | None = N) -> None:
-        self.terminal: Terminal = start(CONFIG, KEY, memory or Memory())
+    def __init__(self, memory: TerminalMemory | None = None, *, lying: Position | None = N) -> None:
+        self.terminal: Terminal = start(CONFIG, KEY, memory or TerminalMemory())
         self.drives: list[StartThrow | StopThrow] = []
         self.now_s = 0.0
         if lying is not None:

@@ -27,8 +27,8 @@ from wayside.acts import Act
 from wayside.block_manager import Heard, step
 from wayside.config import ReentryMode
 from wayside.picture import picture
-from wayside.reentry import Clash
-from wayside.register import Stage, Standing, start
+from wayside.reentry import PictureClash
+from wayside.register import ReentryStage, UnitStanding, start
 from wayside.said import (
     AcceptPicture,
     BoundaryPassed,
@@ -65,7 +65,7 @@ def test_the_picture_may_be_accepted_by_hand_before_the_units_speak() -> None:
     desk = Desk(ReentryMode.BY_HAND)
     desk.enter()
     assert desk.accept() == [PictureChanged]
-    assert reentry.stage(desk.register) is Stage.ACCEPTED
+    assert reentry.stage(desk.register) is ReentryStage.ACCEPTED
     assert desk.register.undefined_because_of() == ("u1", "u2", "u3", "u4")
     for unit_id in HELD:
         assert not desk.register.defined
@@ -140,7 +140,7 @@ def test_left_out_and_the_unit_speaks_its_claim_is_added_and_shown(
     desk.claim("u1")
     if mode is ReentryMode.BY_HAND:
         assert [type(note) for note in desk.notes].count(Contradicted) == len(wrong)
-        assert Clash.ENTERED_FREE.value in desk.why
+        assert PictureClash.ENTERED_FREE.value in desk.why
     desk.claim("u2", "u3")
     desk.accept()
     assert desk.register.defined
@@ -158,7 +158,7 @@ def test_swapped_and_the_units_speak_both_are_disputed_until_the_person_corrects
     assert desk.hear("u2", Claim(("E",), 7)) == SignOnRefused(RefusalReason.HELD, "E", "u1")
     desk.claim("u3")
     assert desk.accept() == [Refused]
-    assert Clash.ENTERED_FOR_ANOTHER.value in desk.why
+    assert PictureClash.ENTERED_FOR_ANOTHER.value in desk.why
     assert desk.check_no_grant_takes_what_a_train_holds() == 0
     # A word against what a unit says is refused; its own word, or the section, is a correction.
     assert desk.act(ConfirmHolding("u1", ("E",), "Sato")) == [Refused]
@@ -210,7 +210,7 @@ def test_two_persons_speak_for_a_silent_unit_which_then_learns_it(mode: ReentryM
     desk.act(ConfirmHolding("u1", ("A", "B"), "Mori"))
     desk.accept()
     assert desk.register.defined
-    assert desk.register.unit("u1").standing is Standing.BY_HAND
+    assert desk.register.unit("u1").standing is UnitStanding.BY_HAND
     accepted = desk.hear("u1", SignOn("u1", None), 2)
     assert isinstance(accepted, SignOnAccepted)
     assert accepted.section_ids == ("A", "B")
@@ -279,7 +279,7 @@ def test_one_persons_entry_for_a_unit_off_the_line_blocks_too() -> None:
     assert desk.accept() == [Refused]
     desk.claim("u4")
     assert desk.accept() == [Refused]
-    assert Clash.ENTERED_BUT_OUTSIDE.value in desk.why
+    assert PictureClash.ENTERED_BUT_OUTSIDE.value in desk.why
     desk.act(ConfirmOutside("u4", "Sato"))
     desk.accept()
     assert desk.register.defined
@@ -313,10 +313,10 @@ def test_what_was_entered_beyond_the_claim_is_held_until_the_unit_reports() -> N
 def test_a_wish_where_the_unit_was_last_on_the_line_is_asked_about() -> None:
     desk = Desk()
     assert desk.hear("u3", SignOn("u3", ("P9",))) == ClaimQuery()
-    assert desk.register.unit("u3").standing is Standing.UNKNOWN
+    assert desk.register.unit("u3").standing is UnitStanding.UNKNOWN
     # u4 never signed on: not even a claim makes a portal its own before the line is defined.
     assert desk.hear("u4", Claim(("P9",), 0)) == SignOnRefused(RefusalReason.UNDEFINED, None, "u1")
-    assert desk.register.unit("u4").standing is Standing.OUTSIDE
+    assert desk.register.unit("u4").standing is UnitStanding.OUTSIDE
 
 
 def test_two_units_that_claim_the_same_block_whatever_persons_say() -> None:
@@ -324,7 +324,7 @@ def test_two_units_that_claim_the_same_block_whatever_persons_say() -> None:
     desk.claim(*HELD)
     desk.hear("u4", Claim(("B", "C"), 7))
     assert desk.accept() == [Refused]
-    assert Clash.CLAIMED_TWICE.value in desk.why
+    assert PictureClash.CLAIMED_TWICE.value in desk.why
     assert desk.act(ConfirmOutside("u4", "Sato")) == [Refused]
     assert not desk.register.defined
 
@@ -359,7 +359,7 @@ def test_a_token_that_no_known_boot_gave_contradicts_its_unit_alone() -> None:
         ]
         assert after == register
     after, _ = step(register, Heard("u4", 1, True, 1, Claim((), 1 << 60)), 3.0)
-    assert (after.restoring, after.unit("u4").standing) == (False, Standing.UNKNOWN)
+    assert (after.restoring, after.unit("u4").standing) == (False, UnitStanding.UNKNOWN)
     after, _ = step(after, ConfirmOutside("u4", "Sato", "P9"), 4.0)
     assert not after.defined, "it spoke, so one person's word does not suffice"
     after, _ = step(after, ConfirmOutside("u4", "Mori", "P9"), 5.0)
@@ -373,7 +373,7 @@ def test_the_picture_shows_claims_silences_and_contradictions_side_by_side() -> 
     desk.act(ConfirmHolding("u1", ("B", "A", "E"), "Sato"))
     seen = picture(desk.register)
     one, two, three, four = seen.units
-    assert (one.standing, one.claim, one.silent_since_s) == (Standing.UNKNOWN, None, 60.0)
+    assert (one.standing, one.claim, one.silent_since_s) == (UnitStanding.UNKNOWN, None, 60.0)
     assert one.words == (("sato", ("A", "B", "E")),)
     assert (two.claim, two.sections, two.silent_since_s, two.vouched) == (("E",), ("E",), None, True)
     assert (three.on_ledger, three.silent_since_s, three.vouched) == (True, 0.0, False)
@@ -382,10 +382,10 @@ def test_the_picture_shows_claims_silences_and_contradictions_side_by_side() -> 
     assert (e.holder, e.defined, e.entered) == ("u2", True, (("sato", "u1"),))
     assert next(s for s in seen.sections if s.section_id == "C").defined is False
     assert [(found.clash, found.section_id) for found in seen.contradictions] == [
-        (Clash.ENTERED_FOR_ANOTHER, "E")
+        (PictureClash.ENTERED_FOR_ANOTHER, "E")
     ]
     assert seen.missing.unit_ids == ("u1", "u3")
-    assert (seen.stage, seen.complete, seen.inputs) == (Stage.INCOMPLETE, False, (("sato", 1),))
+    assert (seen.stage, seen.complete, seen.inputs) == (ReentryStage.INCOMPLETE, False, (("sato", 1),))
 
 
 @pytest.mark.parametrize(

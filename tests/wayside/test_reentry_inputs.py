@@ -12,7 +12,7 @@ from radio.messages import (
     Claim,
 )
 from wayside.acts import Act
-from wayside.block_manager import Ask, Heard, step
+from wayside.block_manager import AskUnits, Heard, step
 from wayside.config import ReentryMode, manager_config
 from wayside.register import start
 from wayside.said import (
@@ -36,7 +36,7 @@ def karasuyama(mode: ReentryMode, silent: frozenset[str]) -> int:
     assert len(config.sections) == 11
     terminals = {terminal_id for section in config.sections for terminal_id in section.terminal_ids}
     keys = {terminal_id: capability_key(b"m" * 32, terminal_id) for terminal_id in terminals}
-    register, _ = step(start(config, 2, keys, FOUR_OUT), Ask(), 0.0)
+    register, _ = step(start(config, 2, keys, FOUR_OUT), AskUnits(), 0.0)
     for unit_id in FOUR_OUT.keys() - silent:
         register, _ = step(register, Heard(unit_id, 1, True, 1, Claim(FOUR_OUT[unit_id], 7)), 1.0)
     acts: list[Act] = []

@@ -14,7 +14,7 @@ from radio.messages import (
 from tests.wayside.reentry_desk import HELD, Desk
 from wayside import reentry
 from wayside.config import ReentryMode
-from wayside.register import Stage, Standing
+from wayside.register import ReentryStage, UnitStanding
 from wayside.said import (
     AcceptPicture,
     ConfirmHolding,
@@ -47,7 +47,7 @@ def test_a_silent_unit_in_a_station_counts_by_two_persons_word_and_the_line_is_s
         desk.act(ConfirmHolding("u1", ("A", "B"), person))
     assert ToBeSwept in desk.accept()
     assert desk.register.defined
-    assert desk.register.unit("u1").standing is Standing.BY_HAND
+    assert desk.register.unit("u1").standing is UnitStanding.BY_HAND
     assert desk.register.held_by("u1") == ("A", "B")
     assert desk.register.unswept == {"A", "B", "C", "D"}
 
@@ -94,7 +94,7 @@ def test_a_silent_unit_has_left_by_the_portal_that_all_name(
     desk.accept()
     assert desk.register.defined is defined
     if defined:
-        assert desk.register.unit("u1").standing is Standing.OUTSIDE
+        assert desk.register.unit("u1").standing is UnitStanding.OUTSIDE
         assert desk.register.unswept == {"A", "B", "C", "D"}
 
 
@@ -129,7 +129,7 @@ def test_taken_back_after_an_acceptance_that_is_over_too() -> None:
     desk = Desk(ReentryMode.BY_HAND)
     desk.enter()
     desk.accept()
-    assert reentry.stage(desk.register) is Stage.ACCEPTED
+    assert reentry.stage(desk.register) is ReentryStage.ACCEPTED
     assert desk.act(TakeBack("u1", "Sato"))[0] is TakenBack
     assert desk.register.reentry.accepted_by == ""
 

@@ -20,10 +20,10 @@ from wayside.config import PointsEntry, TerminalConfig
 from wayside.point_terminal import (
     Commanded,
     Expired,
-    Memory,
     PointsState,
     Terminal,
     TerminalEvent,
+    TerminalMemory,
     start,
     step,
     wake_at_s,
@@ -42,7 +42,7 @@ class Station:
     """The terminal wired to its machines: contacts show every motion at once."""
 
     def __init__(self) -> None:
-        self.terminal: Terminal = start(CONFIG, KEY, Memory())
+        self.terminal: Terminal = start(CONFIG, KEY, TerminalMemory())
         self.machines = {points: PointMachine(points, THROW_S, N) for points in SECTION}
         self.said: list[AnyMessage] = []
         self.now_s = 0.0
@@ -185,7 +185,7 @@ def test_a_token_for_one_section_throws_no_points_of_another(points: str, other:
     station.do(Commanded("u1", 9, PointsCommand(points, R, SECTION[points], 9, code)))
     assert station.said == [PointsRefused(points, PointsRefusalReason.BAD_CAPABILITY, 9)]
     assert station.lies() == before
-    assert station.terminal.memory == Memory()
+    assert station.terminal.memory == TerminalMemory()
 
 
 def test_a_newer_token_in_one_section_leaves_the_other_locked_for_its_own() -> None:

@@ -43,8 +43,8 @@ from vehicle.optimum.cells import Cells, cells_of, corners_mps
 from vehicle.optimum.course import Course, Optimum
 from vehicle.optimum.laws import PULL, RESIST, STEP_MPS
 from vehicle.optimum.local import Mesh, costs_at, local
-from vehicle.optimum.mesh import Laid, laid, mesh_of
-from vehicle.optimum.way import Way
+from vehicle.optimum.mesh import CourseOnMesh, laid, mesh_of
+from vehicle.optimum.way import WayTable
 from vehicle.resistance import KMH_PER_MPS, STARTING_BAND_KMH
 
 Floats = NDArray[np.float64]
@@ -75,7 +75,7 @@ class Prices(NamedTuple):
     second: float
 
 
-class Stretch(NamedTuple):
+class StretchBound(NamedTuple):
     """What holds on a whole stretch."""
 
     top: float  # m/s
@@ -85,7 +85,7 @@ class Stretch(NamedTuple):
     drag_most: float
 
 
-class Costs(NamedTuple):
+class CostsBesideForces(NamedTuple):
     """What else counts: W/kg for the time itself, the friction brake (m/s^2), the share of what comes back."""
 
     auxiliary: float
@@ -93,7 +93,7 @@ class Costs(NamedTuple):
     regeneration: float
 
 
-class Ends(NamedTuple):
+class CellEnds(NamedTuple):
     """A quantity at both ends of a cell."""
 
     low: float
@@ -112,7 +112,14 @@ def spent(over: float, bend: float, curve: float, most: float) -> float:
 
 @compiled
 def capped(
-    width: float, bend: float, over: float, knee: float, curve: float, rest: Ends, most: Ends, bowed: float
+    width: float,
+    bend: float,
+    over: float,
+    knee: float,
+    curve: float,
+    rest: CellEnds,
+    most: CellEnds,
+    bowed: float,
 ) -> float:
     """Least on a cell of `rest` and what a force up to `most` saves; both are given at its ends.
 
@@ -130,16 +137,16 @@ def capped(
 
 @compiled
 def least_pulling(
-    cells: Cells, j: int, stretch: Stretch, mu: float, rest: Ends, bend: float, bend_r: float
+    cells: Cells, j: int, stretch: StretchBound, mu: float, rest: CellEnds, bend: float, bend_r: float
 ) -> float:
     """Least on cell `j` where a force is worth more than it costs; the greatest is that of motors, or a held one."""
     v, w = cells.speed[j], cells.speed[j + 1]
     over, knee, curve = mu - cells.cost[j, 0], cells.cost[j, 2], cells.cost[j, 3]
-    resist = Ends(
+    resist = CellEnds(
         cells.resist[j] + stretch.drag_most * v * v, cells.resist[j + 1] + stretch.drag_most * w * w
     )
-    motors = Ends(cells.pull[j, 0], cells.pull[j, 1])
-    held = Ends(stretch.held_down + resist.low, stretch.held_down + resist.high)
+    motors = CellEnds(cells.pull[j, 0], cells.pull[j, 1])
+    held = CellEnds(stretch.held_down + resist.low, stretch.held_down + resist.high)
     return max(
         capped(w - v, bend, over, knee, curve, rest, motors, 0.0),
         capped(w - v, bend, over, knee, curve, rest, held, -bend_r),
@@ -148,14 +155,21 @@ def least_pulling(
 
 @compiled
 def least_braking(
-    cells: Cells, costs: Costs, j: int, stretch: Stretch, mu: float, rest: Ends, bend: float, bend_r: float
+    cells: Cells,
+    costs: CostsBesideForces,
+    j: int,
+    stretch: StretchBound,
+    mu: float,
+    rest: CellEnds,
+    bend: float,
+    bend_r: float,
 ) -> float:
     """Least on cell `j` where braking gives back more than speed is worth; below mu = 0 also by friction."""
     v, w = cells.speed[j], cells.speed[j + 1]
     gain, knee = costs.regeneration * cells.cost[j, 1], cells.cost[j, 2]
     curve = costs.regeneration * cells.cost[j, 3]
-    motors = Ends(cells.electric[j, 0], cells.electric[j, 1])
-    held = Ends(
+    motors = CellEnds(cells.electric[j, 0], cells.electric[j, 1])
+    held = CellEnds(
         stretch.held_back - cells.resist[j] - stretch.drag_least * v * v,
         stretch.held_back - cells.resist[j + 1] - stretch.drag_least * w * w,
     )
@@ -169,7 +183,7 @@ def least_braking(
         low, high = (
             (held.low, held.high) if whole else (motors.low + costs.friction, motors.high + costs.friction)
         )
-        both = Ends(rest.low + mu * low, rest.high + mu * high)
+        both = CellEnds(rest.low + mu * low, rest.high + mu * high)
         more = bend - mu * bend_r * whole
         best = max(best, capped(w - v, more, gain, knee, curve, both, motors, 0.0))
         best = max(best, capped(w - v, more, gain, knee, curve, both, held, bend_r))
@@ -178,7 +192,7 @@ def least_braking(
 
 @compiled
 def least_integrand(
-    cells: Cells, costs: Costs, stretch: Stretch, mu: float, slope: float, second: float
+    cells: Cells, costs: CostsBesideForces, stretch: StretchBound, mu: float, slope: float, second: float
 ) -> float:
     """H of one end of a stretch: a lower bound of the integrand over all speeds and forces."""
     speed, resist = cells.speed, cells.resist
@@ -191,7 +205,7 @@ def least_integrand(
             break
         v, w = speed[j], speed[j + 1]
         bend = max(mu, 0.0) * bend_r - slope
-        rest = Ends(
+        rest = CellEnds(
             mu * (resist[j] + drag * v * v) - slope * 0.5 * v * v + worth / (v if j > 0 else w),
             mu * (resist[j + 1] + drag * w * w) - slope * 0.5 * w * w + worth / w,
         )
@@ -212,7 +226,7 @@ def least_integrand(
 @compiled
 def dual(
     cells: Cells,
-    costs: Costs,
+    costs: CostsBesideForces,
     at_m: Floats,
     stretches: Floats,
     tops: Floats,
@@ -240,7 +254,7 @@ def dual(
         h = at_m[i + 1] - at_m[i]
         slope = (right[i] - left[i]) / h
         row = stretches[i]
-        stretch = Stretch(row[0], row[1], row[2], row[3], row[4])
+        stretch = StretchBound(row[0], row[1], row[2], row[3], row[4])
         low = least_integrand(cells, costs, stretch, left[i], slope, prices.second)
         high = least_integrand(cells, costs, stretch, right[i], slope, prices.second)
         total += 0.5 * h * (low + high)
@@ -257,7 +271,7 @@ def around(table: Floats, law: int, speed_mps: float) -> tuple[float, float]:
 
 
 @compiled
-def ceilings(way: Way, table: Floats) -> Floats:
+def ceilings(way: WayTable, table: Floats) -> Floats:
     """Upper bounds of v^2/2 at the way's points: no run gets above, by steps with the greatest rate on each."""
     n = len(way.limit)
     most = np.empty(n + 1)
@@ -386,7 +400,7 @@ def joined(prices: Prices, limits: Floats) -> None:
 
 
 @compiled
-def laid_under(way: Way, most: Floats, pull_most: float, at_m: Floats) -> tuple[Floats, Floats, Floats]:
+def laid_under(way: WayTable, most: Floats, pull_most: float, at_m: Floats) -> tuple[Floats, Floats, Floats]:
     """Rows of Stretch, greatest z at the points, and integrals of the gradient (see `dual`)."""
     n = len(at_m) - 1
     stretches, tops, pulled = np.zeros((n, 6)), np.empty(n + 1), np.zeros((n, 2))
@@ -434,7 +448,7 @@ def lower_bound_j(course: Course, optimum: Optimum, time_s: float) -> float:
     return bound_of(found, optimum, time_s)
 
 
-def bound_of(found: Laid, optimum: Optimum, time_s: float, left_out: Term | None = None) -> float:
+def bound_of(found: CourseOnMesh, optimum: Optimum, time_s: float, left_out: Term | None = None) -> float:
     """`lower_bound_j` of a course laid out; `left_out` makes it wrong on purpose."""
     course, way = found.course, found.way
     mesh, _ = mesh_of(found, optimum.position_m, time_s)
@@ -449,7 +463,7 @@ def bound_of(found: Laid, optimum: Optimum, time_s: float, left_out: Term | None
         way, ceilings(way, found.table), float(found.table[:, PULL, 0].max()), fine_m
     )
     joined(prices, stretches[:, 5])
-    costs = Costs(mesh.auxiliary, way.brake_extra, course.regeneration)
+    costs = CostsBesideForces(mesh.auxiliary, way.brake_extra, course.regeneration)
     ends = np.array([way.first, way.last])
     left = NONE_LEFT_OUT if left_out is None else int(left_out)
     bound = dual(cells, costs, fine_m, stretches, tops, pulled, ends, prices, time_s, left)

@@ -18,8 +18,8 @@ from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2
 from vehicle.optimum.course import Course, Profile, TooShort
 from vehicle.optimum.laws import ALL_MOTORS, ELECTRIC, PULL, RESIST, law_value
-from vehicle.optimum.mesh import Laid, laid, mesh_of, places_m
-from vehicle.optimum.way import HALVINGS, Way, times_s
+from vehicle.optimum.mesh import CourseOnMesh, laid, mesh_of, places_m
+from vehicle.optimum.way import HALVINGS, WayTable, times_s
 from vehicle.records import TrainRow
 from vehicle.wire import wire_power_w
 
@@ -63,7 +63,7 @@ def coast_run(course: Course, time_s: float) -> CoastRun:
     return coast_on(laid(course), time_s)
 
 
-def coast_on(found: Laid, time_s: float) -> CoastRun:
+def coast_on(found: CourseOnMesh, time_s: float) -> CoastRun:
     """`coast_run` of a course laid out."""
     _refuse(found, time_s)
     coarse = _coarse(found)
@@ -89,13 +89,13 @@ def cruise_run(course: Course, time_s: float) -> CoastRun:
     return cruise_on(laid(course), time_s)
 
 
-def cruise_on(found: Laid, time_s: float) -> CoastRun:
+def cruise_on(found: CourseOnMesh, time_s: float) -> CoastRun:
     """`cruise_run` of a course laid out."""
     _refuse(found, time_s)
     return _told(found, _slowest_cruise(found, _coarse(found), time_s), len(found.way.limit))
 
 
-def fastest_j(found: Laid) -> float:
+def fastest_j(found: CourseOnMesh) -> float:
     """Energy of the fastest run of a course laid out, J."""
     course, way = found.course, found.way
     spent_j = spent(course.train, found.inertia_kg, course.regeneration, found.table, way, found.fastest)[1]
@@ -103,12 +103,12 @@ def fastest_j(found: Laid) -> float:
     return float(spent_j[-1]) + auxiliary_w * found.least_s
 
 
-def _refuse(found: Laid, time_s: float) -> None:
+def _refuse(found: CourseOnMesh, time_s: float) -> None:
     if time_s < found.least_s:
         raise TooShort(time_s, found.least_s)
 
 
-def _coarse(found: Laid) -> Laid:
+def _coarse(found: CourseOnMesh) -> CourseOnMesh:
     """The course on fewer points, to look for the speed on."""
     at_m = places_m(found, POINTS)
     mesh, fast = mesh_of(found, at_m, found.least_s)
@@ -117,7 +117,7 @@ def _coarse(found: Laid) -> Laid:
     return replace(found, way=way, fastest=fast)
 
 
-def _slowest_cruise(found: Laid, coarse: Laid, time_s: float) -> float:
+def _slowest_cruise(found: CourseOnMesh, coarse: CourseOnMesh, time_s: float) -> float:
     """v^2/2 of the lowest speed that, held to the end, is fast enough: between two near it of the coarse points."""
     top = math.sqrt(2.0 * float(found.fastest.max()))
     low, high = _bisected(coarse, time_s, 0.0, top)
@@ -127,7 +127,7 @@ def _slowest_cruise(found: Laid, coarse: Laid, time_s: float) -> float:
     return 0.5 * _bisected(found, time_s, low, high)[1] ** 2
 
 
-def _bisected(found: Laid, time_s: float, low: float, high: float) -> tuple[float, float]:
+def _bisected(found: CourseOnMesh, time_s: float, low: float, high: float) -> tuple[float, float]:
     """Two speeds next to each other: held to the end, the lower is too slow."""
     while high - low > SPEED_TO_MPS:
         middle = 0.5 * (low + high)
@@ -138,12 +138,12 @@ def _bisected(found: Laid, time_s: float, low: float, high: float) -> tuple[floa
     return low, high
 
 
-def _fast_enough(found: Laid, time_s: float, speed_mps: float) -> bool:
+def _fast_enough(found: CourseOnMesh, time_s: float, speed_mps: float) -> bool:
     z = held(found.table, found.way, found.fastest, 0.5 * speed_mps * speed_mps)
     return bool(z[-2] > 0.0 and times_s(found.way.at_m, z)[-1] <= time_s)
 
 
-def _ways(found: Laid, cruise: float) -> Ways:
+def _ways(found: CourseOnMesh, cruise: float) -> Ways:
     """The course with the run that holds this v^2/2."""
     train, regeneration = found.course.train, found.course.regeneration
     holding = held(found.table, found.way, found.fastest, cruise)
@@ -154,12 +154,12 @@ def _ways(found: Laid, cruise: float) -> Ways:
     return Ways(*laws, found.fastest, fast_s, fast_j, begin, holding, hold_s, hold_j)
 
 
-def _energy_j(found: Laid, cruise: float, time_s: float) -> tuple[float, int]:
+def _energy_j(found: CourseOnMesh, cruise: float, time_s: float) -> tuple[float, int]:
     """Least energy with this v^2/2 as the speed to hold, and the point where it shuts off."""
     return cheapest(_ways(found, cruise), time_s)
 
 
-def _least_between(found: Laid, low: float, high: float, time_s: float) -> float:
+def _least_between(found: CourseOnMesh, low: float, high: float, time_s: float) -> float:
     """Golden section for the square root of v^2/2."""
 
     def energy_j(v: float) -> float:
@@ -179,7 +179,7 @@ def _least_between(found: Laid, low: float, high: float, time_s: float) -> float
     return left if at_left <= at_right else right
 
 
-def _told(found: Laid, cruise: float, shut_off: int) -> CoastRun:
+def _told(found: CourseOnMesh, cruise: float, shut_off: int) -> CoastRun:
     """The run with these two figures."""
     way, course = found.way, found.course
     z = held(found.table, way, found.fastest, cruise)
@@ -199,7 +199,7 @@ def _told(found: Laid, cruise: float, shut_off: int) -> CoastRun:
 
 
 @compiled
-def powered(table: Floats, way: Way, i: int, z: float, share: float) -> float:
+def powered(table: Floats, way: WayTable, i: int, z: float, share: float) -> float:
     """v^2/2 after a stretch with a share of the full pull."""
     h = way.at_m[i + 1] - way.at_m[i]
     grade = (way.lift[i + 1] - way.lift[i]) / h
@@ -213,7 +213,7 @@ def powered(table: Floats, way: Way, i: int, z: float, share: float) -> float:
 
 
 @compiled
-def held(table: Floats, way: Way, fastest: Floats, cruise: float) -> Floats:
+def held(table: Floats, way: WayTable, fastest: Floats, cruise: float) -> Floats:
     """v^2/2 at each point of the run that holds one speed to the end; brakes hold it on descents."""
     z = np.empty(len(fastest))
     z[0] = way.first
@@ -227,7 +227,7 @@ def held(table: Floats, way: Way, fastest: Floats, cruise: float) -> Floats:
 
 
 @compiled
-def coast_down(table: Floats, way: Way, fastest: Floats, z: Floats, first: int) -> None:
+def coast_down(table: Floats, way: WayTable, fastest: Floats, z: Floats, first: int) -> None:
     """Coast from a point on, braking where limits and stop ask for it: v^2/2 at the points beyond, in place."""
     for i in range(first, len(way.limit)):
         z[i + 1] = min(max(powered(table, way, i, z[i], 0.0), 0.0), fastest[i + 1])
@@ -239,7 +239,7 @@ def stretch_cost(
     inertia_kg: float,
     regeneration: float,
     table: Floats,
-    way: Way,
+    way: WayTable,
     i: int,
     z: float,
     after: float,
@@ -259,7 +259,7 @@ def stretch_cost(
 
 @compiled
 def spent(
-    train: TrainRow, inertia_kg: float, regeneration: float, table: Floats, way: Way, z: Floats
+    train: TrainRow, inertia_kg: float, regeneration: float, table: Floats, way: WayTable, z: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """Time, s, and energy at the wire, J, up to each point; what motors and brakes give on each stretch, m/s^2."""
     time, energy, rim = np.zeros(len(z)), np.zeros(len(z)), np.empty(len(way.limit))
@@ -270,7 +270,7 @@ def spent(
 
 
 @compiled
-def brakes_from(table: Floats, way: Way, fastest: Floats) -> int:
+def brakes_from(table: Floats, way: WayTable, fastest: Floats) -> int:
     """The point from which the fastest run brakes to the end: who coasts there brakes with it."""
     i = len(way.limit)
     while i > 0 and powered(table, way, i - 1, fastest[i - 1], 0.0) >= fastest[i]:
@@ -285,7 +285,7 @@ class Ways(NamedTuple):
     inertia_kg: float
     regeneration: float
     table: Floats
-    way: Way
+    way: WayTable
     fastest: Floats
     fast_s: Floats
     fast_j: Floats

@@ -50,7 +50,7 @@ TO_THE_EDGE: Final = 0.99
 SLACK_FIRST: Final = 0.05
 
 
-class Inner(NamedTuple):
+class InteriorPoint(NamedTuple):
     """Slacks and prices; changed in place. `ends` has the time's slack and price, and the weight."""
 
     slack: Floats  # (stretches, LIMITS)
@@ -62,7 +62,7 @@ class Inner(NamedTuple):
 
 
 @compiled
-def begun(mesh: Mesh, table: Floats, z: Floats, weight: float) -> Inner:
+def begun(mesh: Mesh, table: Floats, z: Floats, weight: float) -> InteriorPoint:
     """Slacks at a start, off their edges, with the prices that the weight asks for."""
     n = len(mesh.h_m)
     slack, price = np.ones((n, LIMITS)), np.zeros((n, LIMITS))
@@ -97,10 +97,10 @@ def begun(mesh: Mesh, table: Floats, z: Floats, weight: float) -> Inner:
     ends[0] = max(mesh.time_s - time_s, 0.01 * mesh.time_s)
     ends[1] = 5.0 * weight * length / ends[0]
     ends[2] = weight
-    return Inner(slack, price, top_slack, top_price, ends, np.zeros(n))
+    return InteriorPoint(slack, price, top_slack, top_price, ends, np.zeros(n))
 
 
-class System(NamedTuple):
+class LinearSystem(NamedTuple):
     """The linear system at the inner points, and how far its right side is from none."""
 
     diagonal: Floats
@@ -111,7 +111,7 @@ class System(NamedTuple):
 
 
 @compiled
-def assembled(mesh: Mesh, table: Floats, z: Floats, inner: Inner, tamed: bool) -> System:
+def assembled(mesh: Mesh, table: Floats, z: Floats, inner: InteriorPoint, tamed: bool) -> LinearSystem:
     """The condensed system of one step."""
     n = len(mesh.h_m)
     diagonal, beside = np.zeros(n + 1), np.zeros(n + 1)
@@ -144,7 +144,7 @@ def assembled(mesh: Mesh, table: Floats, z: Floats, inner: Inner, tamed: bool) -
         diagonal[i] += step * k * k * d
         exact[i] += step * k * inner.top_price[i] + worth * by_time[i]
         residual = max(residual, abs(exact[i]) / step * mesh.top[i])
-    return System(diagonal, beside, right, by_time, residual)
+    return LinearSystem(diagonal, beside, right, by_time, residual)
 
 
 @compiled
@@ -168,7 +168,7 @@ def _add_time(
 
 
 @compiled
-def solved_for(found: System, constant: float, curvature: float, out: Floats) -> bool:
+def solved_for(found: LinearSystem, constant: float, curvature: float, out: Floats) -> bool:
     """Step at the inner points into `out`; the time adds `constant` x its gradient to the right side's opposite.
 
     False where the matrix is not positive.
@@ -212,7 +212,14 @@ def edge(share: float, value: float, change: float) -> float:
 
 @compiled
 def moved(
-    mesh: Mesh, table: Floats, z: Floats, inner: Inner, out: Floats, ds: Floats, dy: Floats, shares: Floats
+    mesh: Mesh,
+    table: Floats,
+    z: Floats,
+    inner: InteriorPoint,
+    out: Floats,
+    ds: Floats,
+    dy: Floats,
+    shares: Floats,
 ) -> None:
     """Steps of slacks and prices that go with the step `out` of z, and the shares of both that stay inside."""
     n = len(mesh.h_m)
@@ -259,7 +266,7 @@ def moved(
 
 
 @compiled
-def stepped(mesh: Mesh, table: Floats, z: Floats, inner: Inner) -> tuple[float, float, float]:
+def stepped(mesh: Mesh, table: Floats, z: Floats, inner: InteriorPoint) -> tuple[float, float, float]:
     """One step of everything, in place: the residual before it, the shares taken of primal and dual step."""
     n = len(mesh.h_m)
     length = np.sum(mesh.h_m)
@@ -307,7 +314,7 @@ def stepped(mesh: Mesh, table: Floats, z: Floats, inner: Inner) -> tuple[float, 
 
 
 @compiled
-def complementarity(mesh: Mesh, inner: Inner) -> float:
+def complementarity(mesh: Mesh, inner: InteriorPoint) -> float:
     """Mean of slack times price over all limits in force."""
     total = 0.0
     count = 0.0
@@ -324,7 +331,7 @@ def complementarity(mesh: Mesh, inner: Inner) -> float:
 
 
 @compiled
-def followed(mesh: Mesh, table: Floats, z: Floats, inner: Inner) -> int:
+def followed(mesh: Mesh, table: Floats, z: Floats, inner: InteriorPoint) -> int:
     """Step until weight and residual are at their last, `z` and `inner` in place; steps, 0 if it did not get there."""
     at_last = 0
     for step in range(STEPS_MAX):

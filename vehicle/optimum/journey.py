@@ -24,24 +24,24 @@ from typing import Final
 import numpy as np
 
 from vehicle.optimum.pareto import HopCurve, ParetoPoint
-from vehicle.optimum.price_graph import FOREVER_S, Empty, PriceGraph, free_between
+from vehicle.optimum.price_graph import FOREVER_S, NoTimeLeft, PriceGraph, free_between
 
 TOLERANCE_S: Final = 1e-6  # windows missed by less than this are met
 
 
 @dataclass(frozen=True, slots=True)
-class Window:
+class TimeWindow:
     """From when to when something may happen, s; without bound where nothing is said."""
 
     earliest_s: float = -math.inf
     latest_s: float = math.inf
 
-    def moved(self, by_s: float) -> Window:
+    def moved(self, by_s: float) -> TimeWindow:
         """The window that much later."""
-        return Window(self.earliest_s + by_s, self.latest_s + by_s)
+        return TimeWindow(self.earliest_s + by_s, self.latest_s + by_s)
 
 
-ANY_TIME: Final = Window()
+ANY_TIME: Final = TimeWindow()
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +52,8 @@ class JourneyStop:
     """
 
     name: str
-    arrival: Window = ANY_TIME
-    departure: Window = ANY_TIME
+    arrival: TimeWindow = ANY_TIME
+    departure: TimeWindow = ANY_TIME
     dwell_min_s: float = 0.0
     stands: bool = True
 
@@ -81,7 +81,7 @@ class StopTimes:
 
 
 @dataclass(frozen=True, slots=True)
-class Journey:
+class TimedJourney:
     """Times at all stops, and what one more second on each hop would save, W."""
 
     stops: tuple[StopTimes, ...]
@@ -101,11 +101,11 @@ class _Event:
 
     stop: JourneyStop
     name: str
-    window: Window
+    window: TimeWindow
     since: PriceGraph
 
 
-def journey_times(hops: Sequence[HopCurve], stops: Sequence[JourneyStop]) -> Journey:
+def journey_times(hops: Sequence[HopCurve], stops: Sequence[JourneyStop]) -> TimedJourney:
     """Times of least total energy; of times that cost the same, the earliest.
 
     One stop more than hops. `WindowMissed` names the stop from which on no journey keeps the windows, ValueError a
@@ -124,7 +124,7 @@ def journey_times(hops: Sequence[HopCurve], stops: Sequence[JourneyStop]) -> Jou
             cost = cost.joined(event.since).within(
                 window.earliest_s, min(window.latest_s, FOREVER_S), TOLERANCE_S
             )
-        except Empty as empty:
+        except NoTimeLeft as empty:
             raise WindowMissed(event.stop.name, event.name, empty.late_s) from None
     times_s, prices_w = _read_back(before, events, cost)
     return _journey(stops, times_s, prices_w)
@@ -159,12 +159,12 @@ def _read_back(
     return times_s[::-1], prices_w[::-1]
 
 
-def _journey(stops: Sequence[JourneyStop], times_s: list[float], prices_w: list[float]) -> Journey:
+def _journey(stops: Sequence[JourneyStop], times_s: list[float], prices_w: list[float]) -> TimedJourney:
     """Times in the order departure, arrival, departure, ... put to their stops; the prices of hops are every other."""
     departures: list[float | None] = [*times_s[0::2], None]
     arrivals: list[float | None] = [None, *times_s[1::2]]
     there = zip(stops, arrivals, departures, strict=True)
-    return Journey(
+    return TimedJourney(
         tuple(StopTimes(stop.name, arrival, departure) for stop, arrival, departure in there),
         tuple(prices_w[0::2]),
     )
@@ -172,7 +172,7 @@ def _journey(stops: Sequence[JourneyStop], times_s: list[float], prices_w: list[
 
 def earliest_times(
     running_s: Sequence[float], least_s: Sequence[float], stops: Sequence[JourneyStop]
-) -> Journey:
+) -> TimedJourney:
     """The journey that runs each hop in the time given and stands no longer than it must: reserve is kept to the end.
 
     A hop is faster than that, down to its least time, only where a latest time asks for it; `WindowMissed` where that
@@ -192,7 +192,7 @@ def earliest_times(
         time_s = max(arrival_s + dwell_s, stop.departure.earliest_s)
         _in_time(stop, "departure", time_s, stop.departure)
         times.append(StopTimes(stop.name, arrival_s if stop.stands else time_s, time_s))
-    return Journey(tuple(times), tuple(0.0 for _ in running_s))
+    return TimedJourney(tuple(times), tuple(0.0 for _ in running_s))
 
 
 def _latest_arrivals_s(least_s: Sequence[float], stops: Sequence[JourneyStop]) -> list[float]:
@@ -205,7 +205,7 @@ def _latest_arrivals_s(least_s: Sequence[float], stops: Sequence[JourneyStop]) -
     return found[::-1]
 
 
-def _in_time(stop: JourneyStop, event: str, time_s: float, window: Window) -> None:
+def _in_time(stop: JourneyStop, event: str, time_s: float, window: TimeWindow) -> None:
     if time_s > window.latest_s + TOLERANCE_S:
         raise WindowMissed(stop.name, event, time_s - window.latest_s)
 

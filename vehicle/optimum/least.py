@@ -12,7 +12,7 @@ from vehicle.optimum.bound import ceilings
 from vehicle.optimum.course import Course
 from vehicle.optimum.laws import PULL
 from vehicle.optimum.mesh import laid
-from vehicle.optimum.way import Way
+from vehicle.optimum.way import WayTable
 
 Floats = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ def least_time_bound_s(course: Course) -> float:
 
 
 @compiled
-def time_under_s(way: Way, most: Floats, pull_most: float) -> float:
+def time_under_s(way: WayTable, most: Floats, pull_most: float) -> float:
     """Time of the line that is above every run: up from each point at the greatest rate, down to the next."""
     total = 0.0
     for i in range(len(way.limit)):

@@ -45,7 +45,7 @@ class Mesh(NamedTuple):
     time_s: float
 
 
-class Cost(NamedTuple):
+class CostWithSlopes(NamedTuple):
     """A quantity of the costs with two derivatives by z."""
 
     value: float
@@ -53,14 +53,14 @@ class Cost(NamedTuple):
     by_zz: float
 
 
-class Costs(NamedTuple):
+class ForceCosts(NamedTuple):
     """The costs of forces on a stretch: of traction above what braking gives back, that itself, and the rest."""
 
-    kink: Cost
-    gain: Cost
-    bend: Cost
-    curve: Cost
-    idle: Cost
+    kink: CostWithSlopes
+    gain: CostWithSlopes
+    bend: CostWithSlopes
+    curve: CostWithSlopes
+    idle: CostWithSlopes
 
 
 class Local(NamedTuple):
@@ -90,23 +90,27 @@ def local(mesh: Mesh, table: Floats, i: int, a: float, z: float) -> Local:
 
 
 @compiled
-def cost(table: Floats, law: int, speed: float) -> Cost:
+def cost(table: Floats, law: int, speed: float) -> CostWithSlopes:
     """One quantity at a speed."""
     value, by_z, by_zz = law_slopes(table, law, speed)
-    return Cost(value, by_z, by_zz)
+    return CostWithSlopes(value, by_z, by_zz)
 
 
 @compiled
-def costs_at(mesh: Mesh, table: Floats, z: float) -> Costs:
+def costs_at(mesh: Mesh, table: Floats, z: float) -> ForceCosts:
     """The costs at a mean z."""
     if mesh.plain:
         slope, gain = table[0, SLOPE, 0], table[0, GAIN, 0]
-        none = Cost(0.0, 0.0, 0.0)
-        return Costs(Cost(slope - gain, 0.0, 0.0), Cost(gain, 0.0, 0.0), none, none, none)
+        none = CostWithSlopes(0.0, 0.0, 0.0)
+        return ForceCosts(
+            CostWithSlopes(slope - gain, 0.0, 0.0), CostWithSlopes(gain, 0.0, 0.0), none, none, none
+        )
     speed = math.sqrt(2.0 * z)
     pull, gain_at = cost(table, SLOPE, speed), cost(table, GAIN, speed)
-    kink = Cost(pull.value - gain_at.value, pull.by_z - gain_at.by_z, pull.by_zz - gain_at.by_zz)
-    return Costs(kink, gain_at, cost(table, BEND, speed), cost(table, CURVE, speed), cost(table, IDLE, speed))
+    kink = CostWithSlopes(pull.value - gain_at.value, pull.by_z - gain_at.by_z, pull.by_zz - gain_at.by_zz)
+    return ForceCosts(
+        kink, gain_at, cost(table, BEND, speed), cost(table, CURVE, speed), cost(table, IDLE, speed)
+    )
 
 
 class Reduced(NamedTuple):
@@ -126,7 +130,9 @@ class Reduced(NamedTuple):
 
 
 @compiled
-def traction(x: Local, paid: Costs, s0: float, s1: float, y0: float, y1: float, weight: float) -> Reduced:
+def traction(
+    x: Local, paid: ForceCosts, s0: float, s1: float, y0: float, y1: float, weight: float
+) -> Reduced:
     """kink p + curve max(p - bend, 0)^2 with p = s0 >= 0 and p >= f."""
     k, bend, curve = paid.kink, paid.bend, paid.curve
     w = max(s0 - bend.value, 0.0)
@@ -156,7 +162,7 @@ def traction(x: Local, paid: Costs, s0: float, s1: float, y0: float, y1: float, 
 
 @compiled
 def braking(
-    x: Local, paid: Costs, share: float, s0: float, s1: float, y0: float, y1: float, weight: float
+    x: Local, paid: ForceCosts, share: float, s0: float, s1: float, y0: float, y1: float, weight: float
 ) -> Reduced:
     """gain (f + q) + curve max(-f - q - bend, 0)^2 with q = s0 >= 0 and q >= -f - e.
 
@@ -193,7 +199,7 @@ def braking(
     )
 
 
-class Terms(NamedTuple):
+class LocalSlopes(NamedTuple):
     """Slopes and curvatures of a stretch by a and mean z, by metre; and its slopes at the prices themselves."""
 
     by_a: float
@@ -206,7 +212,7 @@ class Terms(NamedTuple):
 
 
 @compiled
-def own_terms(mesh: Mesh, x: Local, paid: Costs, s: Floats, y: Floats, weight: float) -> Reduced:
+def own_terms(mesh: Mesh, x: Local, paid: ForceCosts, s: Floats, y: Floats, weight: float) -> Reduced:
     """What traction, brakes and idle motors of a stretch leave together."""
     idle = paid.idle
     by_f = by_z = ff = fz = zz = paid_f = paid_z = paid_zz = 0.0
@@ -229,7 +235,9 @@ def pushed(slack: float, price: float, value: float, weight: float) -> tuple[flo
 
 
 @compiled
-def terms(mesh: Mesh, x: Local, paid: Costs, a: float, s: Floats, y: Floats, weight: float) -> Terms:
+def terms(
+    mesh: Mesh, x: Local, paid: ForceCosts, a: float, s: Floats, y: Floats, weight: float
+) -> LocalSlopes:
     """All of a stretch: costs, greatest pull, all brakes, deceleration and acceleration."""
     own = own_terms(mesh, x, paid, s, y, weight)
     t, d = pushed(s[STRONG], y[STRONG], x.pull - x.f, weight)
@@ -252,4 +260,4 @@ def terms(mesh: Mesh, x: Local, paid: Costs, a: float, s: Floats, y: Floats, wei
     if mesh.acceleration < math.inf:
         t, d = pushed(s[SPEEDING], y[SPEEDING], mesh.acceleration - a, weight)
         by_a, aa, paid_a = by_a - t, aa + d, paid_a + y[SPEEDING]
-    return Terms(by_a, by_z + by_f * x.f_z, aa, az, zz, paid_a, paid_z + paid_f * x.f_z)
+    return LocalSlopes(by_a, by_z + by_f * x.f_z, aa, az, zz, paid_a, paid_z + paid_f * x.f_z)

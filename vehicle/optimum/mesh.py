@@ -13,7 +13,7 @@ from vehicle.mass import equivalent_mass_kg
 from vehicle.optimum.course import Course
 from vehicle.optimum.laws import GAIN, SLOPE, law_table
 from vehicle.optimum.local import Mesh
-from vehicle.optimum.way import Way, fastest, mean_lift, times_s
+from vehicle.optimum.way import WayTable, fastest, mean_lift, times_s
 
 Floats = NDArray[np.float64]
 
@@ -23,13 +23,13 @@ TIME_SHARE: Final = 0.2
 
 
 @dataclass(frozen=True, slots=True)
-class Laid:
+class CourseOnMesh:
     """A course laid out: laws, way by the metre, the fastest run over it."""
 
     course: Course
     inertia_kg: float
     table: Floats
-    way: Way
+    way: WayTable
     fastest: Floats  # v^2/2
 
     @property
@@ -38,7 +38,7 @@ class Laid:
         return float(times_s(self.way.at_m, self.fastest)[-1])
 
 
-def laid(course: Course) -> Laid:
+def laid(course: Course) -> CourseOnMesh:
     """Lay a course out; ValueError where the train cannot get to the stop."""
     train = course.train
     inertia = equivalent_mass_kg(train, course.load_share)
@@ -52,7 +52,7 @@ def laid(course: Course) -> Laid:
     drag = np.zeros(len(stretches))
     if course.drag_n_per_mps2 is not None:
         drag = course.drag_n_per_mps2[stretches] / inertia
-    way = Way(
+    way = WayTable(
         at_m,
         mean_lift(train, course.load_share, np.ascontiguousarray(course.climb_m), at_m),
         0.5 * limit_mps * limit_mps,
@@ -66,10 +66,10 @@ def laid(course: Course) -> Laid:
     table = law_table(train, course.load_share, course.regeneration, float(limit_mps.max()))
     best = fastest(table, way)
     _refuse_what_cannot_run(course, way, best)
-    return Laid(course, inertia, table, way, best)
+    return CourseOnMesh(course, inertia, table, way, best)
 
 
-def _refuse_what_cannot_run(course: Course, way: Way, best: Floats) -> None:
+def _refuse_what_cannot_run(course: Course, way: WayTable, best: Floats) -> None:
     """ValueError where the train stalls, or is too fast at the start or too slow at the end for what is asked."""
     stalled = np.flatnonzero(np.isnan(best) | (best <= 0.0))
     inner = stalled[(stalled > 0) & (stalled < len(best) - 1)]
@@ -88,7 +88,7 @@ def shares_of(sums: Floats) -> Floats:
     return sums / sums[-1] if 0.0 < sums[-1] < np.inf else np.linspace(0.0, 1.0, sums.size)
 
 
-def places_m(laid: Laid, points: int) -> Floats:
+def places_m(laid: CourseOnMesh, points: int) -> Floats:
     """The mesh's points: wherever the limit changes, else dense where the fastest run is slow or changes speed."""
     at_m, z = laid.way.at_m, laid.fastest
     speed = np.sqrt(2.0 * z)
@@ -112,7 +112,7 @@ def places_m(laid: Laid, points: int) -> Floats:
     return whole[np.concatenate(([True], np.diff(whole) > 1e-6))]
 
 
-def mesh_of(laid: Laid, at_m: Floats, time_s: float) -> tuple[Mesh, Floats]:
+def mesh_of(laid: CourseOnMesh, at_m: Floats, time_s: float) -> tuple[Mesh, Floats]:
     """The mesh on these points, and v^2/2 of the fastest run there."""
     course, way = laid.course, laid.way
     h = np.diff(at_m)

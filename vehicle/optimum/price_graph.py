@@ -17,7 +17,7 @@ PRICE_MAX_W: Final = 1e12  # no train saves so much: stands for a price without 
 FOREVER_S: Final = 1e7  # later than any plan: stands for a time without bound
 
 
-class Empty(Exception):  # noqa: N818 - a planner's finding, not a program error
+class NoTimeLeft(Exception):  # noqa: N818 - a planner's finding, not a program error
     """No time is left; by how much, s: positive, the earliest is too late; negative, the latest is too early."""
 
     def __init__(self, late_s: float) -> None:
@@ -80,12 +80,12 @@ class PriceGraph:
         return PriceGraph(np.maximum.accumulate(times), np.repeat(prices, 2))
 
     def within(self, earliest_s: float, latest_s: float, tolerance_s: float) -> PriceGraph:
-        """The same cost for times in a window alone. `Empty` where no time is left by more than the tolerance."""
+        """The same cost for times in a window alone. `NoTimeLeft` where no time is left by more than the tolerance."""
         first, last = float(self.time_s[0]), float(self.time_s[-1])
         if first > latest_s + tolerance_s:
-            raise Empty(first - latest_s)
+            raise NoTimeLeft(first - latest_s)
         if last < earliest_s - tolerance_s:
-            raise Empty(last - earliest_s)
+            raise NoTimeLeft(last - earliest_s)
         low = min(max(earliest_s, first), last)
         high = max(min(latest_s, last), low)
         if high <= low:

@@ -36,7 +36,7 @@ EARLY: Final = 2e-5  # share of the time within which the run that is possible h
 
 
 @dataclass(frozen=True, slots=True)
-class Proof:
+class ProvenRun:
     """What a run that is possible costs, and what none can cost less than, J."""
 
     time_s: float
@@ -122,7 +122,7 @@ def consumed_j(
     return total
 
 
-def proven(course: Course, time_s: float, points: int = 300) -> Proof:
+def proven(course: Course, time_s: float, points: int = 300) -> ProvenRun:
     """The optimum of a course as a run that is possible within `time_s`, and its bound.
 
     TooShort where the time is below the least, or so near to it that no such run is found on the mesh; EndsNotKept
@@ -159,4 +159,4 @@ def proven(course: Course, time_s: float, points: int = 300) -> Proof:
     energy_j = consumed_j(train, course.load_share, inertia, course.regeneration, fine, held, z)
     if course.auxiliaries:
         energy_j += float(train["auxiliary_power_w"]) * took_s
-    return Proof(took_s, energy_j, bound_of(found, optimum, time_s), optimum.energy_j, optimum)
+    return ProvenRun(took_s, energy_j, bound_of(found, optimum, time_s), optimum.energy_j, optimum)

@@ -9,7 +9,7 @@ from typing import Final
 
 from vehicle.optimum.coast import coast_on, cruise_on, fastest_j
 from vehicle.optimum.course import Course, TooShort
-from vehicle.optimum.mesh import Laid, laid, places_m
+from vehicle.optimum.mesh import CourseOnMesh, laid, places_m
 from vehicle.optimum.pareto import HopCurve, ParetoPoint, curve_of
 from vehicle.optimum.solve import solved
 
@@ -53,5 +53,5 @@ def cruise_curve(course: Course, stretches: Iterable[float] = FEW) -> HopCurve:
     return curve_of([_fastest(found), *(ParetoPoint(run.time_s, run.energy_j, math.nan) for run in runs)])
 
 
-def _fastest(found: Laid) -> ParetoPoint:
+def _fastest(found: CourseOnMesh) -> ParetoPoint:
     return ParetoPoint(found.least_s, fastest_j(found), math.nan)

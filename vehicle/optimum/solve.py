@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from vehicle.optimum.course import Course, NotFound, Optimum, Profile, TooShort
 from vehicle.optimum.interior import begun, followed, told
-from vehicle.optimum.mesh import Laid, laid, mesh_of, places_m
+from vehicle.optimum.mesh import CourseOnMesh, laid, mesh_of, places_m
 from vehicle.optimum.way import times_s
 
 Floats = NDArray[np.float64]
@@ -35,7 +35,7 @@ def least_energy(course: Course, time_s: float, points: int = 300, warm: Optimum
     return solved(found, time_s, places_m(found, points), warm)
 
 
-def solved(found: Laid, time_s: float, at_m: Floats, warm: Optimum | None = None) -> Optimum:
+def solved(found: CourseOnMesh, time_s: float, at_m: Floats, warm: Optimum | None = None) -> Optimum:
     """The optimum of a course laid out, on these points."""
     if time_s <= found.least_s:
         raise TooShort(time_s, found.least_s)

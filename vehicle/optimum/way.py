@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 HALVINGS: Final = 3
 
 
-class Way(NamedTuple):
+class WayTable(NamedTuple):
     """A course per equivalent mass, for compiled code.
 
     `lift` is the mean height below the train times what lifting it by 1 m takes, m^2/s^2, at `at_m`; `drag` 1/m.
@@ -69,7 +69,7 @@ def mean_lift(train: TrainRow, load_share: float, climb_m: Floats, at_m: Floats)
 
 
 @compiled
-def fastest(table: Floats, way: Way) -> Floats:
+def fastest(table: Floats, way: WayTable) -> Floats:
     """v^2/2 of the fastest run at each of the way's points; nan where the train cannot get any further."""
     n = len(way.limit)
     best = np.empty(n + 1)

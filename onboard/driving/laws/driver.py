@@ -4,7 +4,7 @@ A driver powers up to a little above the speed that the time asks for, lets the 
 shuts off for good some time before the brake, and brakes from afar as softly as he likes it. He looks up every so
 often, and who sees that he will be late gives up coasting and runs as fast as his time then asks for. The last metres
 are TASC's. How much drivers differ is set so that the energy of the same hop in the same time scatters as Oda's first
-chapter says (`study.papers.driver_scatter`); the habits themselves are assumed.
+chapter says (`papers.driver_scatter`); the habits themselves are assumed.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ LEAST_BRAKE_SHARE = 0.4  # assumed: nobody brakes more softly, of the stop patte
 LEAST_LOOK_S = 0.3
 OFF_TIME_S = 5.0  # assumed: who reckons to be later hurries, and who is that early brakes to the speed wanted
 
-SPREAD = "calibrated together: study.papers.driver_scatter"
+SPREAD = "calibrated together: papers.driver_scatter"
 
 
 class Driver(Record):
@@ -66,19 +66,7 @@ class Driver(Record):
 class DriverRow(Protocol):
     """What this law keeps: the settings, what was drawn of each habit for this driver, and what he is doing."""
 
-    power_share: float
-    power_share_sigma: float
-    swing_mps: float
-    swing_sigma_mps: float
-    coast_s: float
-    coast_sigma_s: float
-    look_s: float
-    look_sigma_s: float
-    under_mps: float
-    under_sigma_mps: float
-    brake_share: float
-    brake_share_sigma: float
-    catches_up: int
+    settings: Driver
     power_drawn: float
     swing_drawn: float
     coast_drawn: float
@@ -108,16 +96,16 @@ def driver(
     plan: NDArray[np.void],
 ) -> float:
     """The notch that this driver sets."""
-    swing_mps = max(own.swing_mps + own.swing_sigma_mps * own.swing_drawn, 0.0)
-    under_mps = max(own.under_mps + own.under_sigma_mps * own.under_drawn, 0.0)
+    swing_mps = max(own.settings.swing_mps + own.settings.swing_sigma_mps * own.swing_drawn, 0.0)
+    under_mps = max(own.settings.under_mps + own.settings.under_sigma_mps * own.under_drawn, 0.0)
     limit_mps = max(cue.limit_mps - under_mps, 0.0)
-    brake_share = own.brake_share + own.brake_share_sigma * own.brake_drawn
+    brake_share = own.settings.brake_share + own.settings.brake_share_sigma * own.brake_drawn
     brake_mps2 = behaviour.stop_deceleration_mps2 * min(max(brake_share, LEAST_BRAKE_SHARE), 1.0)
     left_m = unit.target_stop_m - unit.position_m
     wanted_mps = min(limit_mps, unit.cruise_mps)
     own.late_s = late_by_s(cue, wanted_mps, left_m, brake_mps2) if own.ran == 1 else 0.0
     if own.late_s > OFF_TIME_S:
-        own.hurries = own.catches_up
+        own.hurries = own.settings.catches_up
     elif own.late_s <= 0.0:
         own.hurries = 0
     cue.ceiling_mps = unit.cruise_mps + swing_mps if own.late_s < -OFF_TIME_S else np.inf
@@ -132,7 +120,9 @@ def driver(
         own.asked = 0.0  # he sees it come, and shuts off in time
     if cue.now_s < own.looks_s and unit.speed_mps > 0.0:
         return own.asked
-    own.looks_s = cue.now_s + max(own.look_s + own.look_sigma_s * own.look_drawn, LEAST_LOOK_S)
+    own.looks_s = cue.now_s + max(
+        own.settings.look_s + own.settings.look_sigma_s * own.look_drawn, LEAST_LOOK_S
+    )
     own.asked = notch_of(own, cue, unit, train, behaviour, left_m, brake_mps2)
     return own.asked
 
@@ -183,7 +173,7 @@ def decide(
     if speed_mps == 0.0:
         own.powering, own.coasting, own.ran = 1, 0, 0
         return
-    coast_s = max(own.coast_s + own.coast_sigma_s * own.coast_drawn, 0.0)
+    coast_s = max(own.settings.coast_s + own.settings.coast_sigma_s * own.coast_drawn, 0.0)
     brakes_at_m = speed_mps * speed_mps / (2.0 * brake_mps2)
     near = left_m - brakes_at_m < coast_s * speed_mps
     own.coasting = 1 if near and own.hurries == 0 else 0
@@ -210,7 +200,7 @@ def notch_of(
         return service_notch(train, max(demand_mps2, 0.0))
     if own.powering == 0 or own.coasting == 1:
         return 0.0
-    share = min(max(own.power_share + own.power_share_sigma * own.power_drawn, 0.0), 1.0)
+    share = min(max(own.settings.power_share + own.settings.power_share_sigma * own.power_drawn, 0.0), 1.0)
     habit = max(np.floor(share * train.power_notches + 0.5), 1.0)
     climbs_n = (cue.own_mps2 + LEAST_GAIN_MPS2) * equivalent_mass_kg(train, cue.load_share)
     return float(max(habit, power_notch(train, cue.load_share, unit.speed_mps, climbs_n)))

@@ -35,8 +35,7 @@ class FollowPlan(Record):
 class FollowPlanRow(Protocol):
     """What this law keeps."""
 
-    coasts_until_late_s: float
-    coasts_again_late_s: float
+    settings: FollowPlan
     late_s: Annotated[float, "behind the plan; negative: ahead of it"]
     catching_up: Annotated[int, "1: too late to coast"]
 
@@ -60,9 +59,9 @@ def follow_plan(
             speed_mps = here.speed_mps
     own.late_s = cue.now_s + left_s - cue.due_s if mode != PLAN_NONE and np.isfinite(cue.due_s) else 0.0
     cue.late_s = own.late_s
-    if own.late_s > own.coasts_until_late_s:
+    if own.late_s > own.settings.coasts_until_late_s:
         own.catching_up = 1
-    elif own.late_s < own.coasts_again_late_s:
+    elif own.late_s < own.settings.coasts_again_late_s:
         own.catching_up = 0
     if own.catching_up == 1:
         speed_mps = np.inf

@@ -20,15 +20,15 @@ from onboard.driving.laws.fuzzy_choice import (
     weaker,
 )
 from onboard.driving.laws.fuzzy_model import STEP_S, run_on
-from onboard.driving.laws.fuzzy_records import PredictiveFuzzyRow, Premise, Rule
+from onboard.driving.laws.fuzzy_records import FuzzyRule, PredictiveFuzzyRow, Premise
 from onboard.driving.laws.fuzzy_sets import dangerous, runs_exactly, runs_slowly, runs_well, safe, saves
 from onboard.driving.supervision import RESERVE_M, path_index
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.compiled import compiled
 from vehicle.records import TrainRow
 
-C_1, C_2, C_3 = int(Rule.C_1), int(Rule.C_2), int(Rule.C_3)
-C_4, C_5 = int(Rule.C_4), int(Rule.C_5)
+C_1, C_2, C_3 = int(FuzzyRule.C_1), int(FuzzyRule.C_2), int(FuzzyRule.C_3)
+C_4, C_5 = int(FuzzyRule.C_4), int(FuzzyRule.C_5)
 SAFETY, COMFORT = int(Premise.SAFETY), int(Premise.COMFORT)
 ENERGY, SPEED = int(Premise.ENERGY), int(Premise.SPEED)
 LEAST_TARGET_MPS: Final = 0.5  # no margin makes a train stand between stations
@@ -49,7 +49,7 @@ def limit_in_s(
     if speed <= 0.0:
         return np.inf
     furthest_m = unit.position_m + unit.bound_ahead_m + RESERVE_M
-    for metre in range(1, int(speed * own.safe_s) + 2):
+    for metre in range(1, int(speed * own.settings.safe_s) + 2):
         if path[path_index(unit, furthest_m + metre)].permitted_mps < speed:
             return metre / speed
     return np.inf
@@ -70,7 +70,7 @@ def target_mps(
     ahead = pattern_mps(unit, behaviour, path, position_m + max(speed_mps * LOOK_AHEAD_S, 1.0))
     limit = min(here, ahead, cue.limit_mps)
     held = own.hold_mps if own.coasts == 0 else np.inf  # what a descent gives a coasting train costs nothing
-    return max(min(limit - own.target_margin_mps, held), LEAST_TARGET_MPS)
+    return max(min(limit - own.settings.target_margin_mps, held), LEAST_TARGET_MPS)
 
 
 @compiled
@@ -84,7 +84,7 @@ def speed_off(
     notch: float,
 ) -> tuple[float, float]:
     """V_p(N) and its V_t, m/s."""
-    steps = max(int(own.foresight_s / STEP_S + 0.5), 1)
+    steps = max(int(own.settings.foresight_s / STEP_S + 0.5), 1)
     speed, position, _ = run_on(own, cue, unit, train, path, notch, steps, False)
     return speed, target_mps(own, cue, unit, behaviour, path, position, speed)
 
@@ -105,11 +105,11 @@ def energy_grade(
     if own.coasts == 0:
         own.descends = 0
         return 0.0
-    grade = saves(unit.position_m, own.coast_to_m, own.energy_m)
+    grade = saves(unit.position_m, own.coast_to_m, own.settings.energy_m)
     if grade < 0.5:
         own.coasts = 0
     speed, target = speed_off(own, cue, unit, train, behaviour, path, 0.0)
-    own.descends = 1 if speed > target + (0.5 - own.descends) * 2.0 * own.allowed_mps else 0
+    own.descends = 1 if speed > target + (0.5 - own.descends) * 2.0 * own.settings.allowed_mps else 0
     return 0.0 if own.descends == 1 else grade
 
 
@@ -125,10 +125,10 @@ def choose_between(
     """Try C-1 to C-5; what wins is in `best_rule` and `best_notch`."""
     begin_choice(own, unit.notch)
     in_s = limit_in_s(own, unit, behaviour, path)
-    is_safe = safe(in_s, own.safe_s)
-    if own.c_1 == 1:
-        offer(own, C_1, half_way(train, unit.notch), dangerous(in_s, own.safe_s), SAFETY)
-    if own.c_2 == 1:
+    is_safe = safe(in_s, own.settings.safe_s)
+    if own.settings.c_1 == 1:
+        offer(own, C_1, half_way(train, unit.notch), dangerous(in_s, own.settings.safe_s), SAFETY)
+    if own.settings.c_2 == 1:
         grade, premise = weaker(is_safe, SAFETY, comfort(own, train, unit.notch, 0.0), COMFORT)
         saving = energy_grade(own, cue, unit, train, behaviour, path)
         grade, premise = weaker(grade, premise, saving, ENERGY)
@@ -136,17 +136,17 @@ def choose_between(
     if own.best_grade >= SURE:
         return
     full = train.power_notches
-    if own.c_3 == 1:
+    if own.settings.c_3 == 1:
         grade, premise = weaker(is_safe, SAFETY, comfort(own, train, unit.notch, full), COMFORT)
         speed, target = speed_off(own, cue, unit, train, behaviour, path, full)
         grade, premise = weaker(grade, premise, runs_slowly(speed, target), SPEED)
         offer(own, C_3, full, grade, premise)
-    if own.c_4 == 1:
+    if own.settings.c_4 == 1:
         speed, target = speed_off(own, cue, unit, train, behaviour, path, unit.notch)
-        well = runs_well(speed, target, own.allowed_mps)
+        well = runs_well(speed, target, own.settings.allowed_mps)
         grade, premise = weaker(is_safe, SAFETY, well, SPEED)
         offer(own, C_4, unit.notch, grade, premise)
-    if own.c_5 == 0 or own.best_grade >= SURE:
+    if own.settings.c_5 == 0 or own.best_grade >= SURE:
         return
     try_speeds(own, cue, unit, train, behaviour, path, is_safe)
 
@@ -168,7 +168,7 @@ def try_speeds(
         if n == 0 or candidate == unit.notch:
             continue
         speed, target = speed_off(own, cue, unit, train, behaviour, path, candidate)
-        exact = runs_exactly(speed, target, own.allowed_mps)
+        exact = runs_exactly(speed, target, own.settings.allowed_mps)
         grade, premise = weaker(is_safe, SAFETY, comfort(own, train, unit.notch, candidate), COMFORT)
         grade, premise = weaker(grade, premise, exact, SPEED)
         if grade > best_grade or (grade == best_grade and exact > best_exact):

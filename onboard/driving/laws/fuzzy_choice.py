@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from onboard.driving.laws.fuzzy_records import KEPT_CHANGES, RULES, PredictiveFuzzyRow, Rule
+from onboard.driving.laws.fuzzy_records import KEPT_CHANGES, RULES, FuzzyRule, PredictiveFuzzyRow
 from onboard.driving.laws.fuzzy_sets import comfortable
 from vehicle.compiled import compiled
 from vehicle.records import TrainRow
@@ -14,7 +14,7 @@ POWER_STEPS: Final = 7.0  # the paper's train has seven steps of traction and ni
 BRAKE_STEPS: Final = 9.0
 STEPS_AT_ONCE: Final = 3  # n
 SURE: Final = 0.999  # no other rule can win against this
-NONE = int(Rule.NONE)
+NONE = int(FuzzyRule.NONE)
 
 
 @compiled
@@ -63,7 +63,7 @@ def comfort(own: PredictiveFuzzyRow, train: TrainRow, notch: float, candidate: f
     if candidate == notch:
         return 1.0
     change = abs(steps_of(train, candidate) - steps_of(train, notch))
-    return comfortable(own.held_s, max(own.changed, change), own.half_comfort_s)
+    return comfortable(own.held_s, max(own.changed, change), own.settings.half_comfort_s)
 
 
 @compiled

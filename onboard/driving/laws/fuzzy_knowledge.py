@@ -53,7 +53,7 @@ def coast(
     speed, position, _ = run_on(own, cue, unit, train, path, 0.0, steps, False)
     time, added = steps * STEP_S, 0.0
     brake_mps2 = behaviour.stop_deceleration_mps2
-    least = own.coast_least_share * min(own.hold_mps, cue.limit_mps)
+    least = own.settings.coast_least_share * min(own.hold_mps, cue.limit_mps)
     piece_m = max(GRID_M, (mark_m - position) / PIECES)
     while speed > least and speed > 0.0:
         left_m = mark_m - position - speed * cue.reaction_s - speed * speed / (2.0 * brake_mps2)
@@ -61,7 +61,7 @@ def coast(
             return time + cue.reaction_s + speed / brake_mps2, added, position
         way_m = min(piece_m, left_m)
         slowed = own_at_mps2(unit, train, path, cue.load_share, position + way_m / 2.0, speed)
-        limit = pattern_mps(unit, behaviour, path, position + way_m) - own.target_margin_mps
+        limit = pattern_mps(unit, behaviour, path, position + way_m) - own.settings.target_margin_mps
         after = np.sqrt(max(speed * speed - 2.0 * slowed * way_m, 0.0))
         after = min(after, max(limit, least))
         step_s = 2.0 * way_m / (speed + after)
@@ -89,9 +89,9 @@ def hold_mps(
     """
     cruise = unit.cruise_mps
     way_m = mark_m - unit.position_m
-    if own.c_2 == 0 or not np.isfinite(cue.due_s) or not np.isfinite(cruise) or way_m <= 0.0:
+    if own.settings.c_2 == 0 or not np.isfinite(cue.due_s) or not np.isfinite(cruise) or way_m <= 0.0:
         return cruise
-    share = own.coast_share
+    share = own.settings.coast_share
     mass = mass_kg(train, cue.load_share)
     resistance = resistance_n(train, mass, cruise * (1.0 + share) / 2.0)
     slowed = resistance / equivalent_mass_kg(train, cue.load_share)
@@ -110,7 +110,7 @@ def look_ahead(
     mark_m: float,
 ) -> None:
     """Keep `coasts` and X_k (`coast_to_m`) true, as often as needed."""
-    if own.c_2 == 0 or not np.isfinite(cue.due_s) or not np.isfinite(mark_m):
+    if own.settings.c_2 == 0 or not np.isfinite(cue.due_s) or not np.isfinite(mark_m):
         own.coasts = 0
         return
     if cue.now_s < own.look_s:

@@ -81,9 +81,9 @@ def keep_up(own: PredictiveFuzzyRow, cue: CueRow, unit: UnitRow, train: TrainRow
     brake_s = train.brake_dead_time_s + 2.0 * train.brake_lag_s
     power_s = train.traction_dead_time_s + 2.0 * train.traction_lag_s
     steady = own.held_s >= max(brake_s, power_s) and unit.wheel_slide == 0 and unit.emergency == 0
-    if own.estimates == 0 or not steady or unit.train_mps < ESTIMATE_FROM_MPS:
+    if own.settings.estimates == 0 or not steady or unit.train_mps < ESTIMATE_FROM_MPS:
         return
-    share = min(STEP_S / max(own.estimate_s, STEP_S), 1.0)
+    share = min(STEP_S / max(own.settings.estimate_s, STEP_S), 1.0)
     if unit.notch > 0.0:
         off = own.pulling_off_mps2 + share * (beyond - own.pulling_off_mps2)
         own.pulling_off_mps2 = min(max(off, -OFF_MAX_MPS2), OFF_MAX_MPS2)

@@ -10,7 +10,7 @@ from network.files.quantities import Distance, Reaction, Share, ShareAbove0, Spe
 from network.files.toml_input import Record
 
 
-class Rule(IntEnum):
+class FuzzyRule(IntEnum):
     """The rules of the paper's section 5.2, as the journal and the row count them."""
 
     NONE = 0
@@ -37,7 +37,7 @@ class Premise(IntEnum):
     ACCURACY = 6
 
 
-RULES: Final = len(Rule)
+RULES: Final = len(FuzzyRule)
 KEPT_CHANGES: Final = 48  # changes of the winning rule that a hop's note can tell; the first ones stay
 RING: Final = 64  # commands under way, one a step
 
@@ -131,28 +131,7 @@ class PredictiveFuzzy(Record):
 class PredictiveFuzzyRow(Protocol):
     """What this law is set to, its model of the train, and which rules have won since it last stood."""
 
-    safe_s: float
-    half_comfort_s: float
-    energy_m: float
-    allowed_mps: float
-    target_margin_mps: float
-    early_s: float
-    stop_allowed_m: float
-    stop_allowed_share: float
-    foresight_s: float
-    coast_share: float
-    coast_least_share: float
-    estimates: int
-    estimate_s: float
-    c_1: int
-    c_2: int
-    c_3: int
-    c_4: int
-    c_5: int
-    t_1: int
-    t_2_1: int
-    t_2_2: int
-    t_3: int
+    settings: PredictiveFuzzy
     # model of the train: what has been commanded, what that has built up
     awake: Annotated[int, "0: never asked yet"]
     last_s: Annotated[float, "time of the last tick"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from onboard.driving.laws.fuzzy_records import KEPT_CHANGES, PredictiveFuzzyRow, Premise, Rule
+from onboard.driving.laws.fuzzy_records import KEPT_CHANGES, FuzzyRule, PredictiveFuzzyRow, Premise
 from onboard.notes import DrivenByRules, RuleHeld, RuleWon
 
 LAW: Final = "predictive_fuzzy"
@@ -12,8 +12,8 @@ LAW: Final = "predictive_fuzzy"
 
 def word(rule: int) -> str:
     """A rule as the paper writes it: C-1, T-2.1; empty for none."""
-    family, _, number = Rule(rule).name.partition("_")
-    return "" if rule == Rule.NONE else f"{family}-{number.replace('_', '.')}"
+    family, _, number = FuzzyRule(rule).name.partition("_")
+    return "" if rule == FuzzyRule.NONE else f"{family}-{number.replace('_', '.')}"
 
 
 def told(own: PredictiveFuzzyRow) -> DrivenByRules | None:
@@ -25,7 +25,7 @@ def told(own: PredictiveFuzzyRow) -> DrivenByRules | None:
         law=LAW,
         held=tuple(
             RuleHeld(rule=word(rule), held_s=round(float(own.rule_s[rule]), 1))
-            for rule in Rule
+            for rule in FuzzyRule
             if own.rule_s[rule] > 0.0
         ),
         notch_changes=int(own.notch_changes),

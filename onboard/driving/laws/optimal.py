@@ -50,10 +50,7 @@ class Optimal(Record):
 class OptimalRow(Protocol):
     """What this law keeps."""
 
-    replan_after_s: float
-    regeneration_share: float
-    follow_gain_per_s: float
-    force_reserve_share: float
+    settings: Optimal
     off_mps: Annotated[float, "how far above its plan the train will be when its machinery answers"]
 
 
@@ -92,7 +89,7 @@ def optimal(
         slope_mps2 = 0.5 * (after_mps * after_mps - speed_mps * speed_mps)
         at_mps = np.sqrt(max(speed_mps * speed_mps + 2.0 * share * slope_mps2, 0.0))
         own.off_mps = overspeed_mps(unit, min(cue.limit_mps, at_mps), cue.reaction_s)
-        wanted_mps2 = slope_mps2 + cue.own_mps2 - own.follow_gain_per_s * own.off_mps
+        wanted_mps2 = slope_mps2 + cue.own_mps2 - own.settings.follow_gain_per_s * own.off_mps
         if unit.braking_to_stop == 1:
             return 0.0  # the stop is TASC's alone
         if slope_mps2 < 0.0:
@@ -100,7 +97,9 @@ def optimal(
                 speed_mps  # on the plan's way down to a limit, not on the steeper one of the limits
             )
             return service_notch(train, -wanted_mps2) if wanted_mps2 < 0.0 else 0.0
-        force_n = wanted_mps2 * equivalent_mass_kg(train, cue.load_share) * (1.0 - own.force_reserve_share)
+        force_n = (
+            wanted_mps2 * equivalent_mass_kg(train, cue.load_share) * (1.0 - own.settings.force_reserve_share)
+        )
         return power_notch(train, cue.load_share, unit.speed_mps, force_n)
     cue.ceiling_mps = speed_mps
     own.off_mps = overspeed_mps(unit, min(cue.limit_mps, speed_mps), cue.reaction_s)

@@ -32,7 +32,7 @@ from vehicle.mass import equivalent_mass_kg
 from vehicle.records import TrainRow
 from vehicle.traction import full_force_n, notch_share
 
-TUNED = "study.papers.pid_tuning: least ITAE in the nominal case of Yasunobu and others"
+TUNED = "papers.pid_tuning: least ITAE in the nominal case of Yasunobu and others"
 
 
 class Pid(Record):
@@ -66,13 +66,7 @@ class Pid(Record):
 class PidRow(Protocol):
     """What this law keeps."""
 
-    gain_per_s: float
-    integral_gain_per_s2: float
-    derivative_gain: float
-    derivative_lag_s: float
-    brake_above_mps: float
-    dead_band_mps2: float
-    notch_hold_s: float
+    settings: Pid
     stops: Annotated[int, "1: the pattern is that of the stop"]
     error_mps: Annotated[float, "pattern less speed, at the last step"]
     integral_m: Annotated[float, "its sum over time"]
@@ -97,14 +91,14 @@ def pid(
     stops = stop_mps < even_mps
     cue.ceiling_mps = min(stop_mps, unit.cruise_mps)
     feed_back(own, unit, min(stop_mps, even_mps) - unit.train_mps, int(stops), behaviour.step_s)
-    demand_mps2 = own.gain_per_s * own.error_mps + own.derivative_gain * own.change_mps2
-    demand_mps2 += own.integral_gain_per_s2 * own.integral_m
+    demand_mps2 = own.settings.gain_per_s * own.error_mps + own.settings.derivative_gain * own.change_mps2
+    demand_mps2 += own.settings.integral_gain_per_s2 * own.integral_m
     if stops:
         demand_mps2 -= behaviour.stop_deceleration_mps2
     inertia_kg = equivalent_mass_kg(train, cue.load_share)
     most_mps2 = full_force_n(train, cue.load_share, unit.speed_mps) / inertia_kg
     least_mps2 = -service_target_mps2(train, -train.brake_notches)
-    leaves_brake = not stops and demand_mps2 < 0.0 and own.error_mps > -own.brake_above_mps
+    leaves_brake = not stops and demand_mps2 < 0.0 and own.error_mps > -own.settings.brake_above_mps
     # No winding up: nothing is summed while the train cannot, or may not, give what is asked for.
     if least_mps2 < demand_mps2 < most_mps2 and not leaves_brake:
         own.integral_m += own.error_mps * behaviour.step_s
@@ -121,7 +115,7 @@ def feed_back(own: PidRow, unit: UnitRow, error_mps: float, stops: int, step_s: 
         own.stops = stops
         own.integral_m = own.change_mps2 = 0.0
     else:
-        share = step_s / (own.derivative_lag_s + step_s)
+        share = step_s / (own.settings.derivative_lag_s + step_s)
         own.change_mps2 += share * ((error_mps - own.error_mps) / step_s - own.change_mps2)
     own.error_mps = error_mps
 
@@ -134,9 +128,9 @@ def notch_for(own: PidRow, unit: UnitRow, train: TrainRow, most_mps2: float) -> 
     """
     now = unit.notch
     given_mps2 = notch_share(train, now, unit.speed_mps) * most_mps2 - service_target_mps2(train, now)
-    if abs(own.wanted_mps2 - given_mps2) <= own.dead_band_mps2:
+    if abs(own.wanted_mps2 - given_mps2) <= own.settings.dead_band_mps2:
         return now
-    if unit.speed_mps > 0.0 and unit.notch_held_s < own.notch_hold_s:
+    if unit.speed_mps > 0.0 and unit.notch_held_s < own.settings.notch_hold_s:
         return now
     if own.wanted_mps2 * now < 0.0:
         return 0.0

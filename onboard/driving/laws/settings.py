@@ -10,6 +10,7 @@ from pydantic import Field, create_model
 from network.files.kinds import about
 from network.files.toml_input import Record
 from onboard.driving.laws.table import LAW_NAMES, LAWS, LawsRow
+from vehicle.record import put_settings
 
 WITH_SETTINGS: Final[Mapping[str, type[Record]]] = {
     law.name: law.settings for law in LAWS if law.settings is not None
@@ -57,7 +58,7 @@ def fit_law(
     laws.stops = int(LAWS[laws.number].stops)
     for law in LAWS:
         own = getattr(laws, law.name)
-        for key in () if law.settings is None else law.settings.model_fields:
-            setattr(own, key, getattr(getattr(given, law.name), key))
+        if law.settings is not None:
+            put_settings(own.settings, getattr(given, law.name))
         for field in law.drawn:
             setattr(own, field, drawn(law.name, field))

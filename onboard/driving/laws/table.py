@@ -35,7 +35,7 @@ from vehicle.records import TrainRow
 class Law:
     """One law: its compiled function, named as scenarios name it, and the class of its own row.
 
-    `settings`: the table of a scenario with its figures, whose keys are fields of the row too. `drawn`: fields of the
+    `settings`: the table of a scenario with its figures, which the row has under that name. `drawn`: fields of the
     row that are drawn for each stock, standard normal. `plans`: it follows a plan, which the unit makes at each
     departure, and anew when the train is off it by more than the setting `replan_after_s`; the setting
     `regeneration_share` counts in it. `stops`: it brings the train to the mark by itself, without TASC. `told`: what it

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from onboard.driving.planner.windows import made_possible
 from onboard.driving.planner.wish import Margin, Style
 from vehicle.optimum import Course
-from vehicle.optimum.journey import Journey, JourneyStop, earliest_times, journey_times
+from vehicle.optimum.journey import JourneyStop, TimedJourney, earliest_times, journey_times
 from vehicle.optimum.pareto import HopCurve, proportional_curve
 from vehicle.optimum.samples import coast_curve, cruise_curve, optimal_curve
 from vehicle.running_time import laid_down_s
@@ -18,7 +18,7 @@ from vehicle.running_time import laid_down_s
 class Allocated:
     """Times of a journey, and by how much the timetable's windows were missed at most, s: 0, all are kept."""
 
-    journey: Journey
+    journey: TimedJourney
     late_s: float
 
 

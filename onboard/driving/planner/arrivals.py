@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class OnMap:
+class TrainOnMap:
     """The train and its way as the unit knows them: climb and driving speed on the path's 1 m grid."""
 
     train: TrainRow
@@ -50,7 +50,7 @@ class OnMap:
 
 
 @dataclass(frozen=True, slots=True)
-class Times:
+class ArrivalAims:
     """What the unit aims at: its least dwell and its reserve before each arrival."""
 
     dwell_min_s: float
@@ -58,7 +58,7 @@ class Times:
 
 
 def arrivals_s(
-    planning: Planning, on_map: OnMap, mission: Mission, at: int, now_s: float, times: Times
+    planning: Planning, on_map: TrainOnMap, mission: Mission, at: int, now_s: float, times: ArrivalAims
 ) -> tuple[float, ...]:
     """Arrivals meant at the targets after `at`, up to the next whose departure is fixed; infinite where no time is set.
 

@@ -17,8 +17,7 @@ from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_FOLLOW, PLAN_HOLD
 from onboard.driving.planner.wish import PLAIN, Planning, Style
 from vehicle.optimum import Course, Optimum, Profile
 from vehicle.optimum.coast import coast_on, cruise_on
-from vehicle.optimum.mesh import Laid as CourseLaid
-from vehicle.optimum.mesh import laid, places_m
+from vehicle.optimum.mesh import CourseOnMesh, laid, places_m
 from vehicle.optimum.solve import solved
 from vehicle.records import TrainRow
 
@@ -31,7 +30,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Laid:
+class PlanOnPath:
     """A plan as the tick takes it: rows of PLAN on the path's grid, and how long the run takes by it, s.
 
     That begins with what the machinery needs to answer.
@@ -41,7 +40,7 @@ class Laid:
     takes_s: float
 
 
-def lay(profile: Profile | Optimum, rim_mps2: Floats, path_rows: int, idle_s: float = 0.0) -> Laid:
+def lay(profile: Profile | Optimum, rim_mps2: Floats, path_rows: int, idle_s: float = 0.0) -> PlanOnPath:
     """Rows of PLAN, one for each of the path's `path_rows` metres; none outside the profile.
 
     `rim_mps2`: acceleration that motors and brakes give between its points, resistances apart; one fewer than points.
@@ -65,11 +64,11 @@ def lay(profile: Profile | Optimum, rim_mps2: Floats, path_rows: int, idle_s: fl
     rows["speed_mps"][first : last + 1] = there_mps
     rows["time_left_s"][first : last + 1] = left_s[interval] - since_s
     rows["mode"][first : last + 1] = modes[interval]
-    return Laid(rows, idle_s + float(left_s[0]))
+    return PlanOnPath(rows, idle_s + float(left_s[0]))
 
 
 @dataclass(frozen=True, slots=True)
-class Ahead:
+class PlanRequest:
     """What a plan is asked for: the run to the next mark, on the unit's own map, in the time that is left."""
 
     train: TrainRow
@@ -84,7 +83,7 @@ class Ahead:
     regeneration_share: float = 1.0  # of what comes back that counts
 
 
-def planned(ahead: Ahead, planning: Planning = PLAIN) -> Laid | None:
+def planned(ahead: PlanRequest, planning: Planning = PLAIN) -> PlanOnPath | None:
     """The plan for the time that is left, or for little more than the least where that is too short.
 
     None where the train cannot get there, or no run is found.
@@ -112,7 +111,7 @@ def planned(ahead: Ahead, planning: Planning = PLAIN) -> Laid | None:
     return lay(profile, rim_mps2, ahead.climb_m.size, idle_s)
 
 
-def _run(found: CourseLaid, time_s: float, style: Style) -> tuple[Profile | Optimum, Floats]:
+def _run(found: CourseOnMesh, time_s: float, style: Style) -> tuple[Profile | Optimum, Floats]:
     """The run of a style in a time, and what motors and brakes give on each of its stretches."""
     match style:
         case Style.HOLD:

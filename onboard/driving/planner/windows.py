@@ -14,7 +14,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from vehicle.optimum.journey import JourneyStop, Window
+from vehicle.optimum.journey import JourneyStop, TimeWindow
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,14 +37,14 @@ def journey_stops(
     over_s = [_over_s(mission, index, tolerance_s) for index in range(len(mission.targets))]
     here = mission.targets[at]
     leaves_s = now_s if here.departure_s is None else max(now_s, here.departure_s)
-    leaves = Window(leaves_s, max(leaves_s, _latest_departure_s(here, over_s[at])))
+    leaves = TimeWindow(leaves_s, max(leaves_s, _latest_departure_s(here, over_s[at])))
     stops = [JourneyStop(here.place_id, departure=leaves)]
     for target, later_s in zip(mission.targets[at + 1 :], over_s[at + 1 :], strict=True):
         dwell_s = dwell_min_s if target.passengers else 0.0
         latest_s = target.latest_arrival_s(dwell_min_s)
-        arrival = Window(latest_s=math.inf if latest_s is None else latest_s + later_s - time_margin_s)
+        arrival = TimeWindow(latest_s=math.inf if latest_s is None else latest_s + later_s - time_margin_s)
         early_s = -math.inf if target.departure_s is None else target.departure_s
-        departure = Window(early_s, _latest_departure_s(target, later_s))
+        departure = TimeWindow(early_s, _latest_departure_s(target, later_s))
         stops.append(JourneyStop(target.place_id, arrival, departure, dwell_s))
     return tuple(stops)
 
@@ -70,7 +70,7 @@ def made_possible(
     return tuple(made), late_s
 
 
-def _reached(window: Window, time_s: float) -> Window:
+def _reached(window: TimeWindow, time_s: float) -> TimeWindow:
     return replace(window, latest_s=max(window.latest_s, time_s))
 
 

@@ -174,7 +174,7 @@ const idOf = (event) => (Array.isArray(event.source) ? event.source[0] : event.s
 /** Events with their kind bare and their place on the graph; broken invariants among them. Source and text in both languages. */
 function eventsOf(data, table, courses) {
   const told = rowsOf(table).map((row) => ({
-    t: row.time, source: row.source, kind: row.event_kind.slice("event_".length), text: row.text,
+    t: row.t_s, source: row.source, kind: row.kind.slice("event_".length), text: row.text,
   }));
   const broken = data.broken.map((row) => ({ t: row.t, source: row.checker, kind: "broken", text: row.text }));
   return [...told, ...broken].filter((event) => event.t !== null).map((event) => ({

@@ -150,7 +150,7 @@ function legend(doc, day, options, words) {
     return element(doc, "span", {}, sign, `${words.has(`event_${kind}`) ? words.say(`event_${kind}`) : kind} ${count}`);
   });
   const parts = (options.stairway ? partsOf(day) : []).map(([part, colour]) => element(doc, "span", {},
-    element(doc, "span", { class: "part", style: `background:${colour}` }), words.say(`part_${part}`)));
+    element(doc, "span", { class: "part", style: `background:${colour}` }), words.said(part)));
   return element(doc, "p", { class: "legend" }, ...drill, ...items, ...parts);
 }
 

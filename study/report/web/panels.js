@@ -5,7 +5,7 @@ import { makeGantt } from "./gantt.js";
 import { COLOURS, makeLayer, makeMovable, unitColour } from "./layer.js";
 import * as papers from "./papers.js";
 import { boundsOf as curveBounds, drawRunCurve, placesOf, plotOf as curvePlot } from "./runcurve.js";
-import { element, makeTable } from "./tables.js";
+import { element, headingOf, makeTable } from "./tables.js";
 import { clock } from "./view.js";
 
 function heading(doc, host, title, caption) {
@@ -29,7 +29,8 @@ function tables(host, context, ids, open = false) {
   }
 }
 
-const valuesOf = (table, label) => table?.columns.find((col) => col.label === label)?.values ?? [];
+const columnOf = (table, label) => table?.columns.find((col) => col.label === label);
+const valuesOf = (table, label) => columnOf(table, label)?.values ?? [];
 
 /** Run curve of any train. */
 export function curvePaper(host, context) {
@@ -286,7 +287,7 @@ function batteries(host, context) {
   const [units, lowest, margins] = ["unit", "soc_lowest", "margin_kwh"].map((label) => valuesOf(table, label));
   chart(host, context, 220, words.say("battery_label"), (canvas, width, height) => drawBars(canvas, width, height, {
     labels: units, unit: "%", tops: margins.map((kwh) => `${kwh > 0 ? "+" : ""}${kwh.toFixed(0)} kWh`.replace("-", "−")),
-    series: [{ label: words.say("soc_lowest"), colour: COLOURS.traction, values: lowest }],
+    series: [{ label: headingOf(columnOf(table, "soc_lowest"), words), colour: COLOURS.traction, values: lowest }],
   }));
   tables(host, context, ["battery_sets", "charges"], true);
 }
@@ -397,6 +398,7 @@ export function sectionsPaper(host, context) {
   host.append(readout, stage);
   const end = day.window[1];
   const until = (time) => (Number.isNaN(time) ? end : time);
+  const said = (what) => headingOf(day.columns.blocks.find((column) => column.label === `${what}_s`), words);
   const rows = () => ({
     rowPx: 18,
     rows: day.sections.map((section) => ({
@@ -405,8 +407,7 @@ export function sectionsPaper(host, context) {
         const colour = unitColour(day.units, block.unit);
         const title = [
           section.id, block.train, words.say("tip_unit", { unit: block.unit }),
-          `${words.say("granted")} ${clock(block.granted, true)}`, `${words.say("entered")} ${clock(block.entered, true)}`,
-          `${words.say("cleared")} ${clock(block.cleared, true)}`, `${words.say("released")} ${clock(block.released, true)}`,
+          ...["granted", "entered", "cleared", "released"].map((what) => `${said(what)} ${clock(block[what], true)}`),
         ].join(" · ");
         const held = { from: block.granted, to: until(block.released), colour, alpha: 0.28, share: 0.8, title };
         const occupied = { from: block.entered, to: until(block.cleared), colour, share: 0.5, title };
@@ -423,7 +424,7 @@ export function sectionsPaper(host, context) {
 export function trainsPaper(host, context) {
   const { day, words } = context;
   host.append(makeTable(host.ownerDocument, papers.trainsTable(day), context, true));
-  const waits = papers.waitsTable(day, words.lang);
+  const waits = papers.waitsTable(day);
   if (!waits.columns[0].values.length) return;
   heading(host.ownerDocument, host, words.say("waits_title"), words.say("waits_caption"));
   host.append(makeTable(host.ownerDocument, waits, context));

@@ -1,6 +1,5 @@
 // What the papers show, worked out from the day: occupation of tracks, departures, punctuality, stops. Pure functions.
 import { lastBefore, rowsOf, valueAt } from "./data.js";
-import { columnOf } from "./tables.js";
 
 /** Lateness of a call on arrival and departure, s after plan; NaN where there is no plan or it did not come. */
 export const lateness = (call) => ({ arrival: call.a - call.pa, departure: call.d - call.pd });
@@ -91,79 +90,46 @@ export function approaches(day, reach = 400) {
   return found;
 }
 
-/** Tables of trains, calls and waits. */
+/** A table of rows that the page has, with the columns that the run says of it. */
+const tableOf = (day, id, rows) => ({
+  id, columns: day.columns[id].map((column) => ({ ...column, values: rows.map((row) => row[column.label]) })),
+});
+
+/** The columns of a call, as planned and as it went. */
+const callRow = (call) => ({
+  train: call.train, station: call.station.id, track: call.track, kind: call.kind,
+  planned_arrival_s: call.pa, arrival_s: call.a, planned_departure_s: call.pd, departure_s: call.d, stop_error_m: call.error,
+});
+
+/** Every train, with its first and last call. */
 export function trainsTable(day) {
-  const trains = day.trains;
-  const ends = trains.map((train) => [train.calls[0], train.calls[train.calls.length - 1]]);
-  const pick = (i, name) => ends.map((pair) => pair[i]?.[name] ?? NaN);
-  return {
-    id: "trains",
-    columns: [
-      columnOf("train", "train", trains.map((t) => t.number)), columnOf("unit", "text", trains.map((t) => t.unit)),
-      columnOf("direction", "word", trains.map((t) => (t.direction > 0 ? "down" : "up"))),
-      columnOf("revenue", "word", trains.map((t) => (t.revenue ? "yes" : "no"))),
-      columnOf("from", "place", ends.map(([first]) => first?.station.id)), columnOf("to", "place", ends.map(([, last]) => last?.station.id)),
-      columnOf("planned_departure", "clock", pick(0, "pd")), columnOf("departure", "clock", pick(0, "d")),
-      columnOf("planned_arrival", "clock", pick(1, "pa")), columnOf("arrival", "clock", pick(1, "a")),
-      columnOf("late_s", "signed", ends.map(([, last]) => (last ? last.a - last.pa : NaN)), 0),
-      columnOf("run", "word", trains.map((t) => (t.courses.length ? "run" : "did_not_run"))),
-    ],
-  };
+  const none = { pa: NaN, pd: NaN, a: NaN, d: NaN };
+  return tableOf(day, "trains", day.trains.map((train) => {
+    const [first, last] = [train.calls[0] ?? none, train.calls[train.calls.length - 1] ?? none];
+    return {
+      train: train.number, unit: train.unit, direction: train.direction > 0 ? "down" : "up", revenue: train.revenue ? "yes" : "no",
+      from: first.station?.id, to: last.station?.id, planned_departure_s: first.pd, departure_s: first.d,
+      planned_arrival_s: last.pa, arrival_s: last.a, late_s: last.a - last.pa, run: train.courses.length ? "run" : "did_not_run",
+    };
+  }));
 }
 
 /** Every call, as planned and as it went. */
-export function callsTable(day) {
-  const calls = day.trains.flatMap((train) => train.calls);
-  const pick = (name) => calls.map((call) => call[name]);
-  return {
-    id: "calls",
-    columns: [
-      columnOf("train", "train", pick("train")), columnOf("station", "place", calls.map((call) => call.station.id)),
-      columnOf("track", "text", pick("track")), columnOf("kind", "word", calls.map((call) => `call_${call.kind}`)),
-      columnOf("planned_arrival", "clock", pick("pa")), columnOf("arrival", "clock", pick("a")),
-      columnOf("planned_departure", "clock", pick("pd")), columnOf("departure", "clock", pick("d")),
-      columnOf("error_m", "signed", pick("error"), 3),
-    ],
-  };
-}
+export const callsTable = (day) => tableOf(day, "calls", day.trains.flatMap((train) => train.calls.map(callRow)));
 
-/** Every wait, in the page's language. */
-export function waitsTable(day, lang) {
-  const rows = [...day.waits.entries()].flatMap(([unit, spans]) => spans.map((span) => ({ unit, ...span })));
-  return {
-    id: "waits",
-    columns: [
-      columnOf("unit", "text", rows.map((r) => r.unit)), columnOf("from_s", "clock", rows.map((r) => r.from)),
-      columnOf("until", "clock", rows.map((r) => r.to)), columnOf("why", "text", rows.map((r) => r[lang])),
-    ],
-  };
-}
+/** Every wait. */
+export const waitsTable = (day) => tableOf(day, "waits", [...day.waits.entries()].flatMap(([unit, spans]) =>
+  spans.map((span) => ({ unit, from_s: span.from, until: span.to, why: [span.en, span.ja] }))));
 
 /** Every grant of a section. */
-export function blocksTable(day) {
-  const known = day.blocks.filter((block) => block.section);
-  return {
-    id: "blocks",
-    columns: [
-      columnOf("section", "text", known.map((b) => b.section.id)), columnOf("unit", "text", known.map((b) => b.unit)),
-      columnOf("train", "train", known.map((b) => b.train)),
-      ...["granted", "entered", "cleared", "released"].map((name) => columnOf(name, "clock", known.map((b) => b[name]))),
-    ],
-  };
-}
+export const blocksTable = (day) => tableOf(day, "blocks", day.blocks.filter((block) => block.section).map((block) => ({
+  section: block.section.id, unit: block.unit, train: block.train,
+  granted_s: block.granted, released_s: block.released, entered_s: block.entered, cleared_s: block.cleared,
+})));
 
 /** Stops with their errors. */
-export function errorsTable(day) {
-  const calls = day.trains.flatMap((train) => train.calls.map((call) => ({ ...call, unit: train.unit }))).filter((c) => !Number.isNaN(c.error));
-  return {
-    id: "errors",
-    columns: [
-      columnOf("train", "train", calls.map((c) => c.train)), columnOf("unit", "text", calls.map((c) => c.unit)),
-      columnOf("station", "place", calls.map((c) => c.station.id)), columnOf("arrival", "clock", calls.map((c) => c.a)),
-      columnOf("error_m", "signed", calls.map((c) => c.error), 3),
-    ],
-  };
-}
+export const errorsTable = (day) => tableOf(day, "errors", day.trains.flatMap((train) =>
+  train.calls.filter((call) => !Number.isNaN(call.error)).map((call) => ({ ...callRow(call), unit: train.unit }))));
 
 /** Legs of one train: planned, least, as run, s. */
 export function curveLegs(day, number) {

@@ -36,6 +36,9 @@ function fixed(value, digits, lang) {
   return text.replace("-", "−");
 }
 
+/** A column's heading. */
+export const headingOf = (column, words) => words.said(column.heading);
+
 /** Values of a table as CSV: a heading, then a row a line; numbers as they are, times as HH:MM:SS. */
 export function csvOf(table, words) {
   const quoted = (text) => (/[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
@@ -44,7 +47,7 @@ export function csvOf(table, words) {
     return quoted(column.kind === "number" || column.kind === "signed" ? String(value) : written(value, column, words));
   };
   const count = table.columns[0]?.values.length ?? 0;
-  const lines = [table.columns.map((column) => quoted(words.say(column.label))).join(",")];
+  const lines = [table.columns.map((column) => quoted(headingOf(column, words))).join(",")];
   for (let i = 0; i < count; i++) lines.push(table.columns.map((column) => cell(column.values[i], column)).join(","));
   return `${lines.join("\r\n")}\r\n`;
 }
@@ -61,7 +64,7 @@ function compared(column, words) {
 }
 
 /**
- * A table as an element: {id, columns: [{label, kind, digits, values}], notes}. `open` shows it at once, else it is made when it
+ * A table as an element: {id, columns: [{label, heading, kind, digits, values}], notes}. `open` shows it at once, else it is made when it
  * is opened. `context`: words, showTrain(number).
  */
 export function makeTable(doc, table, context, open = false) {
@@ -102,7 +105,7 @@ function fillTable(doc, body, table, context, title) {
         draw();
       };
       return element(doc, "th", { "aria-sort": sort, class: NUMBERS.has(column.kind) ? "number" : null },
-        element(doc, "button", { type: "button", onclick: turn }, words.say(column.label)));
+        element(doc, "button", { type: "button", onclick: turn }, headingOf(column, words)));
     }))));
     const shown = all ? order : order.slice(0, SHOWN);
     grid.append(element(doc, "tbody", {}, ...shown.map((i) => element(doc, "tr", {}, ...table.columns.map((column) => cellOf(doc, column, i, context))))));
@@ -116,7 +119,7 @@ function fillTable(doc, body, table, context, title) {
 function cellOf(doc, column, i, context) {
   const value = column.values[i];
   const text = written(value, column, context.words);
-  const bad = column.kind === "bad" || value === "not_met";
+  const bad = value === "not_met";
   if (column.kind !== "train" || !value) return element(doc, "td", { class: NUMBERS.has(column.kind) ? "number" : bad ? "bad" : text.length > 30 ? "long" : null }, text);
   return element(doc, "td", {}, element(doc, "button", { type: "button", class: "train", onclick: () => context.showTrain(value) }, text));
 }
@@ -127,6 +130,3 @@ function saveText(doc, name, text) {
   link.click();
   setTimeout(() => URL.revokeObjectURL(url), 1000);
 }
-
-/** A column for `makeTable`. */
-export const columnOf = (label, kind, values, digits = 0) => ({ label, kind, values, digits });

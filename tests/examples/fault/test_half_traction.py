@@ -1,9 +1,10 @@
-"""The recipe "a fault" of docs/make-a.md, followed: one class, one row of the table, a drill that uses it."""
+"""The recipe "a fault" of docs/make-a.md, followed: a class, what puts it into the world, a drill that uses it."""
 
 from __future__ import annotations
 
 import importlib.util
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any, cast
@@ -12,8 +13,10 @@ import pytest
 
 from network.errors import InputError
 from simulation.faults.table import FAULTS
-from study.run.drill import Drill, run_drill
-from study.run.run import Link
+from simulation.world import disorder
+from study.drilling.drill import Drill, run_drill
+from study.runner.run import PartyLink
+from tests.examples.conftest import ENTRY, recipe
 
 HERE = Path(__file__).parent
 DRILL = str(HERE / "half_traction.toml")
@@ -21,7 +24,7 @@ DRILL = str(HERE / "half_traction.toml")
 
 @pytest.fixture
 def example(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    spec = importlib.util.spec_from_file_location("traction", HERE / "traction.py")
+    spec = importlib.util.spec_from_file_location("simulation.faults.traction", HERE / "traction.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     monkeypatch.setitem(sys.modules, spec.name, module)
@@ -31,8 +34,10 @@ def example(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
 @pytest.fixture
 def listed(example: ModuleType, monkeypatch: pytest.MonkeyPatch) -> type[Any]:
-    """The fault with its row in the table."""
+    """The fault in the table, and what the recipe puts into the world for it."""
     kind: type[Any] = example.WeakTraction
+    for _, _, _, text in ENTRY.findall(recipe("fault")):
+        exec(text, dict(vars(disorder)))
     monkeypatch.setitem(cast("dict[str, Any]", FAULTS), kind.kind, kind)
     return kind
 
@@ -41,19 +46,27 @@ def arrival_s(drill: Drill) -> float:
     return float(drill.run.tables.stops.filter(train="T1", station="B")["arrival_s"][0])
 
 
-def test_without_its_row_the_table_does_not_know_it() -> None:
+def test_the_recipe_is_two_files_and_all_that_is_checked_holds(clone: Callable[[], Any]) -> None:
+    made = clone()
+    made.follow("fault")
+    assert made.is_what_is_told("fault")
+    made.holds("tests/documents/test_faults.py", "tests/simulation/faults/test_table.py")
+    assert "`weak_traction`" in (made.root / "docs/faults.md").read_text("utf-8")
+
+
+def test_without_its_file_the_table_does_not_know_it() -> None:
     with pytest.raises(InputError, match="weak_traction"):
-        run_drill(DRILL, Link.SIMULATED)
+        run_drill(DRILL, PartyLink.SIMULATED)
 
 
 @pytest.mark.system
 def test_with_half_the_force_a_train_accelerates_half_as_fast_and_arrives_later(
     listed: type[Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    weak = run_drill(DRILL, Link.SIMULATED)
+    weak = run_drill(DRILL, PartyLink.SIMULATED)
     assert weak.passed
     monkeypatch.setattr(listed, "over", lambda _self, share: share)
-    whole = run_drill(DRILL, Link.SIMULATED)
+    whole = run_drill(DRILL, PartyLink.SIMULATED)
     assert arrival_s(weak) > arrival_s(whole) + 1.0
 
     def fastest(drill: Drill) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from simulation.faults.fault import UnitFault, World
+from simulation.faults.fault import UnitFault
 
 
 class WeakTraction(UnitFault[float]):
@@ -14,12 +14,8 @@ class WeakTraction(UnitFault[float]):
     changes = "traction"
     factor: float = Field(default=0.5, ge=0.0, le=1.0, description="force left over that of the train file")
 
-    def base(self, _world: World) -> float:
+    def base(self) -> float:
         return 1.0
 
     def over(self, share: float) -> float:
         return share * self.factor
-
-    def put(self, world: World, share: float) -> None:
-        trains, slot = world.trains, world.slot(self.target)
-        trains.bodies[slot].traction_notch_share[:] = trains.kinds[slot].traction_notch_share * share

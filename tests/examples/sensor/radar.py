@@ -2,32 +2,33 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol
+from typing import Annotated, Any, Protocol
 
 from onboard.board import SensedRow
 from simulation.sensors.noise import source_of, uniform
 from simulation.sensors.scene import SceneRow
+from simulation.settings import PositionSensor
+from simulation.setup import Setup
 from vehicle.compiled import compiled
-
-if TYPE_CHECKING:
-    from simulation.setup import Setup
-
-BIAS_MAX_MPS: Final = 0.05  # assumed: how far it is mounted off its angle
 
 
 class RadarRow(Protocol):
     """One train's radar."""
 
+    fitted: Annotated[int, "1: the train has one"]
     bias_mps: Annotated[float, "shown less real speed"]
+    knocked_mps: Annotated[float, "what a fault adds"]
 
 
 def fit(own: RadarRow, setup: Setup, stock_id: str) -> None:
     """Each train has a bias of its own, within the largest."""
     drawn = uniform(source_of(setup.seed, "radar", stock_id), 0)
-    own.bias_mps = BIAS_MAX_MPS * (2.0 * drawn - 1.0)
+    own.fitted = int(PositionSensor.RADAR in setup.sensors.carried_by(stock_id))
+    own.bias_mps = setup.radar.bias_max_mps * (2.0 * drawn - 1.0)
 
 
 @compiled
 def radar(own: RadarRow, _sensors: Any, scene: SceneRow, sensed: SensedRow) -> None:  # noqa: ANN401
     """Show the train's speed."""
-    sensed.readings.radar_run.speed_mps = scene.speed_mps + own.bias_mps
+    sensed.readings.radar_run.shown = own.fitted
+    sensed.readings.radar_run.speed_mps = scene.speed_mps + own.bias_mps + own.knocked_mps

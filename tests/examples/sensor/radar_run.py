@@ -17,6 +17,7 @@ WRONG_BY_MPS: Final = 0.06  # the largest bias, and what the speed does within a
 class RadarReading(Protocol):
     """What the radar shows."""
 
+    shown: Annotated[int, "1: the train has one"]
     speed_mps: float
 
 
@@ -32,6 +33,8 @@ class RadarRunRow(Protocol):
 @compiled
 def radar_run(own: RadarRunRow, reading: RadarReading, unit: UnitRow, _chart: Chart, step_s: float) -> int:
     """Carry the interval on by what was shown, and cut the position with it."""
+    if reading.shown == 0:
+        return NOTHING
     run_m = 0.5 * (own.speed_mps + reading.speed_mps) * step_s
     own.speed_mps = reading.speed_mps
     path = unit.paths_taken_up

@@ -13,10 +13,10 @@ from host.unit import UnitConfig, unit_of
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.timetable import load_timetable
+from onboard.duty.duty_step import DutyParameters
 from onboard.duty.mission import plan_mission
 from onboard.duty.plan import plan_of
-from onboard.duty.records import Begin, Place
-from onboard.duty.turn import DutyParameters
+from onboard.duty.records import Begin, PlaceInJoints
 from onboard.unit import Report
 from radio.envelope import Endpoint, Received
 from radio.keys import key_ring
@@ -26,7 +26,7 @@ from wayside.config import ManagerConfig, RouteEntry, SectionEntry
 from wayside.register import start
 
 MASTER, MANAGER, UNIT = b"m" * 32, "block-manager", "K1"
-STANDS = Place(known=True, here=0, sure=1, perhaps=1, reach=1, near=0)
+STANDS = PlaceInJoints(known=True, here=0, sure=1, perhaps=1, reach=1, near=0)
 MINUTE_S = 60.0
 
 
@@ -44,8 +44,7 @@ def main() -> None:
     terminals = {points.terminal_id for points in line.points.values()}
     unit = unit_of(
         UnitConfig(line.id, UNIT, MANAGER, DutyParameters(20.0, 45.0, 5.0)),
-        key_ring(MASTER, UNIT, (MANAGER, *terminals)),
-        1,
+        Endpoint(key_ring(MASTER, UNIT, (MANAGER, *terminals)), 1),
     )
     desk = Endpoint(key_ring(MASTER, MANAGER, (UNIT,)), 1)
     register = start(config, 1, {}, ())

@@ -12,7 +12,7 @@ from typing import Final
 from msgspec.structs import replace
 
 from onboard.authority.records import Authority, HeldBack
-from onboard.authority.tables import Result, Standing, Table
+from onboard.authority.tables import Result, SignOnStanding, Table
 
 
 def hold_back(state: Authority, event: HeldBack) -> Result:
@@ -20,4 +20,4 @@ def hold_back(state: Authority, event: HeldBack) -> Result:
     return replace(state, held_back=event.hold), ()
 
 
-TABLE: Final[Table] = MappingProxyType({(standing, HeldBack): hold_back for standing in Standing})
+TABLE: Final[Table] = MappingProxyType({(standing, HeldBack): hold_back for standing in SignOnStanding})

@@ -6,7 +6,7 @@ import pytest
 
 from network.errors import InputError
 from network.files.line_file import load_line, parse_line, usable_length_m, validate_train_fits
-from network.model import Direction, Leg, Position, SectionKind, TagPurpose
+from network.model import Direction, PointsLeg, Position, SectionKind, TagPurpose
 from network.timetable import parse_timetable
 
 SAMPLE = Path(__file__).parent.with_name("sample_line.toml").read_text(encoding="utf-8")
@@ -38,7 +38,7 @@ def test_pieces_of_points_lie_on_both_sides_of_the_toe() -> None:
     assert (pieces["A.11.stem"].from_m, pieces["A.11.stem"].to_m) == (100.0, 110.0)
     assert (pieces["A.11.reverse"].from_m, pieces["A.11.reverse"].to_m) == (110.0, 160.0)
     assert (pieces["A.12.stem"].from_m, pieces["A.12.stem"].to_m) == (410.0, 420.0)
-    assert pieces["A.12.normal"].leg is Leg.NORMAL
+    assert pieces["A.12.normal"].leg is PointsLeg.NORMAL
     assert pieces["A.11.stem"].high_node == pieces["A.11.normal"].low_node == "A.11"
     assert pieces["A.12.stem"].low_node == pieces["A.12.reverse"].high_node == "A.12"
 

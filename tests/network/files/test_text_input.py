@@ -17,7 +17,7 @@ from network.files.json_input import read_json
 from network.files.shipped import shipped_line, shipped_timetable
 from network.files.text_input import NESTING_MAX, TOML_BYTES_MAX, existing_file, read_text
 from network.files.toml_input import parse_table
-from study.run.drill import sentence_of
+from study.drilling.drill import sentence_of
 from vehicle.train_file import read_train, shipped_train
 
 TEXT = 'name = "烏山線、宝積寺から烏山まで"\n# 転てつ器の転換\n'

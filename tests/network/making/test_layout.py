@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from exchange.new_line import NewLine, NewLineOptions, make_line
 from network.errors import InputError
 from network.files.line_file import parse_line, usable_length_m
 from network.graph import all_routes
 from network.making import layout
 from network.making.layout import LayoutRule
-from network.making.new_line import Asked, NewLine, make_line
 from network.making.station_list import TRACKS_MAX
 from network.model import Direction, Line, SectionKind, TagPurpose
 from network.tag_layout import lay_tags
@@ -34,7 +34,7 @@ def made(folder: Path, rows: list[dict[str, object]], **asked: float) -> NewLine
     )
     path = folder / "list.toml"
     path.write_text(table + "\n", "utf-8")
-    return make_line(path, "drawn", Asked(**asked))  # type: ignore[arg-type]
+    return make_line(path, "drawn", NewLineOptions(**asked))  # type: ignore[arg-type]
 
 
 @st.composite

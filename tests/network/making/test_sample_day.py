@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from exchange.new_line import NewLineOptions, make_line
 from network.errors import InputError
-from network.making.new_line import Asked, make_line
 from network.making.sample_day import timetable_toml, write_sample
 from network.model import Line
 from network.timetable import Timetable, parse_timetable
@@ -16,7 +16,7 @@ from network.timetable import Timetable, parse_timetable
 def line_of(tmp_path: Path, text: str) -> Line:
     path = tmp_path / "list.csv"
     path.write_text(text, "utf-8")
-    return make_line(path, "drawn", Asked(max_speed_kmh=60.0)).line
+    return make_line(path, "drawn", NewLineOptions(max_speed_kmh=60.0)).line
 
 
 def shared_stops(timetable: Timetable, down: str, up: str) -> list[str]:

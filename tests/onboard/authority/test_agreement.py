@@ -13,37 +13,39 @@ from onboard.authority import agreement, report
 from onboard.authority.machine import TABLE, step
 from onboard.authority.records import (
     Action,
-    Ask,
     Authority,
     BeginOnLine,
-    Confirmed,
-    Contested,
+    ConfirmationHeard,
+    ContestHeard,
     Event,
     FoundAt,
-    Refused,
+    OpenRequest,
+    RefusalHeard,
     Renew,
-    Request,
-    Send,
+    RequestKind,
+    SendRequest,
     SetTimer,
-    SignedOff,
-    SignedOn,
+    SignOffHeard,
+    SignOnHeard,
     Take,
     Timer,
     Write,
 )
-from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, Result, Standing, Table, standing
+from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, Result, SignOnStanding, Table, standing
 from tests.onboard.authority.test_machine import Course, after_all, begun, courses_with_crew
 
 REPORT: Final = Timer("report")
-OPEN: Final = Request(Ask.REPORT, sent=True)
-LEAVING: Final = Request(Ask.SIGN_OFF, sent=True)
-CLAIMING: Final = Request(Ask.SIGN_ON, section_ids=("3",), sent=True)
+OPEN: Final = OpenRequest(RequestKind.REPORT, sent=True)
+LEAVING: Final = OpenRequest(RequestKind.SIGN_OFF, sent=True)
+CLAIMING: Final = OpenRequest(RequestKind.SIGN_ON, section_ids=("3",), sent=True)
 HOLDING: Final = Authority(held=("3", "5", "6"), commandable=("5",), on_line=True)
 SIGNING_ON: Final = Authority(held=("3",), requests=(CLAIMING,))
 SIGNING_OFF: Final = Authority(held=("PE",), on_line=True, requests=(LEAVING,))
-AT_8: Final = Request(Ask.SIGN_ON, section_ids=("6", "8"), sent=True)
+AT_8: Final = OpenRequest(RequestKind.SIGN_ON, section_ids=("6", "8"), sent=True)
 ELSEWHERE: Final = "found in what it does not hold: 8"
-DENIED: Final = Refused(Ask.SIGN_ON, "", "held: section 5 of V2", lost_sight=False, answers=False)
+DENIED: Final = RefusalHeard(
+    RequestKind.SIGN_ON, "", "held: section 5 of V2", lost_sight=False, answers=False
+)
 LESS, CONTESTED, REFUSED = (
     "the register has less",
     "contested: 5, 6",
@@ -58,9 +60,9 @@ def stopped(state: Authority, why: str) -> Authority:
 
 def said(why: str, *section_ids: str) -> tuple[Action, ...]:
     return (
-        Renew(Ask.REPORT),
+        Renew(RequestKind.REPORT),
         Write(notes.Mismatch(why=why)),
-        Send(Request(Ask.REPORT, section_ids=section_ids)),
+        SendRequest(OpenRequest(RequestKind.REPORT, section_ids=section_ids)),
         SetTimer(REPORT, REPEAT_S),
         Write(notes.Reported(section_ids=section_ids, token=0)),
     )
@@ -69,31 +71,31 @@ def said(why: str, *section_ids: str) -> tuple[Action, ...]:
 CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] = {
     "contested, the train is stopped, and says what it holds": (
         HOLDING,
-        Contested(("5", "6")),
+        ContestHeard(("5", "6")),
         stopped(HOLDING, CONTESTED),
         said(CONTESTED, "3", "5", "6"),
     ),
     "contested again, nothing new is said": (
         stopped(HOLDING, CONTESTED),
-        Contested(("5", "6")),
+        ContestHeard(("5", "6")),
         stopped(HOLDING, CONTESTED),
         (),
     ),
     "contested while it reports, its report stays open": (
         replace(HOLDING, requests=(OPEN,)),
-        Contested(("5", "6")),
+        ContestHeard(("5", "6")),
         stopped(HOLDING, CONTESTED),
         (Write(notes.Mismatch(why=CONTESTED)),),
     ),
     "contested while it signs on, only remembered: its sign-on is open": (
         SIGNING_ON,
-        Contested(("5", "6")),
+        ContestHeard(("5", "6")),
         replace(SIGNING_ON, mismatch=CONTESTED),
         (Write(notes.Mismatch(why=CONTESTED)),),
     ),
     "contested while it signs off": (
         SIGNING_OFF,
-        Contested(("5", "6")),
+        ContestHeard(("5", "6")),
         stopped(SIGNING_OFF, CONTESTED),
         said(CONTESTED, "PE"),
     ),
@@ -140,19 +142,19 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     ),
     "its claim accepted with less than it holds, the train is stopped": (
         HOLDING,
-        SignedOn(("3", "5"), ("5",), answers=False, newer=False),
+        SignOnHeard(("3", "5"), ("5",), answers=False, newer=False),
         stopped(HOLDING, LESS),
         said(LESS, "3", "5", "6"),
     ),
     "accepted with less under a newer token, that is taken": (
         HOLDING,
-        SignedOn(("3", "5"), ("5",), answers=False, newer=True),
+        SignOnHeard(("3", "5"), ("5",), answers=False, newer=True),
         stopped(HOLDING, LESS),
         (Take(()), *said(LESS, "3", "5", "6")),
     ),
     "signing off, its claim accepted with nothing": (
         SIGNING_OFF,
-        SignedOn((), (), answers=False, newer=False),
+        SignOnHeard((), (), answers=False, newer=False),
         stopped(SIGNING_OFF, LESS),
         said(LESS, "PE"),
     ),
@@ -161,16 +163,16 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         FoundAt(("6", "8")),
         Authority(held=("6", "8"), mismatch=ELSEWHERE, requests=(AT_8,)),
         (
-            Renew(Ask.SIGN_ON),
+            Renew(RequestKind.SIGN_ON),
             Write(notes.Holds(section_ids=("6", "8"), token=0)),
             Write(notes.Mismatch(why=ELSEWHERE)),
-            Send(replace(AT_8, sent=False)),
+            SendRequest(replace(AT_8, sent=False)),
             SetTimer(AT_8.timer, REPEAT_S),
         ),
     ),
     "an acceptance with all and more ends nothing: only the answer to its report does": (
         stopped(HOLDING, REFUSED),
-        SignedOn(("3", "5", "6", "7"), (), answers=False, newer=False),
+        SignOnHeard(("3", "5", "6", "7"), (), answers=False, newer=False),
         stopped(HOLDING, REFUSED),
         (),
     ),
@@ -193,11 +195,11 @@ def check_ends_by_agreement_alone(state: Authority, course: Course) -> None:
         if not before.mismatch or after.mismatch:
             continue
         match event:
-            case Confirmed(answers=True, contested=()):
+            case ConfirmationHeard(answers=True, contested=()):
                 assert set(event.section_ids) == set(before.held)
-            case SignedOn(answers=True):
+            case SignOnHeard(answers=True):
                 assert not before.on_line
-            case BeginOnLine() | SignedOff(answers=True):
+            case BeginOnLine() | SignOffHeard(answers=True):
                 pass
             case _:
                 raise AssertionError(event)
@@ -213,21 +215,21 @@ def test_a_unit_on_the_line_that_disagrees_reports_until_it_is_over(state: Autho
     """So that no contradiction lasts for ever for want of a question."""
     for _, _, after, _ in after_all(state, course):
         if after.mismatch and after.on_line:
-            assert after.open(Ask.REPORT) is not None
+            assert after.open(RequestKind.REPORT) is not None
 
 
-def _forgets(state: Authority, event: Confirmed) -> Result:
+def _forgets(state: Authority, event: ConfirmationHeard) -> Result:
     after, actions = report.confirmed(state, event)
     return replace(after, mismatch=""), actions
 
 
 def test_a_unit_that_any_confirmation_satisfies_breaks_that(monkeypatch: pytest.MonkeyPatch) -> None:
     course: Course = [
-        (Contested(("5",)), True),
-        (Confirmed(("3", "5", "6"), answers=True, newer=False, contested=("5",)), True),
+        (ContestHeard(("5",)), True),
+        (ConfirmationHeard(("3", "5", "6"), answers=True, newer=False, contested=("5",)), True),
     ]
     check_ends_by_agreement_alone(HOLDING, course)
-    forgetful: Table = {**TABLE, (Standing.ON_LINE, Confirmed): _forgets}
+    forgetful: Table = {**TABLE, (SignOnStanding.ON_LINE, ConfirmationHeard): _forgets}
     monkeypatch.setattr("onboard.authority.machine.TABLE", forgetful)
     with pytest.raises(AssertionError):
         check_ends_by_agreement_alone(HOLDING, course)

@@ -11,7 +11,16 @@ from network.model import Position
 from onboard import notes
 from onboard.authority import records as sym
 from onboard.authority.letters import Letter, Letters
-from onboard.authority.records import Ask, Commit, Renew, Request, Send, SendClaim, SendCommand, Take
+from onboard.authority.records import (
+    Commit,
+    OpenRequest,
+    Renew,
+    RequestKind,
+    SendClaim,
+    SendCommand,
+    SendRequest,
+    Take,
+)
 from onboard.duty.plan import PointsNeeded
 from radio import messages as radio
 from radio.envelope import Received
@@ -22,8 +31,8 @@ P5: Final = PointsNeeded("P5", Position.NORMAL, "5", TERMINAL)
 P6: Final = PointsNeeded("P6", Position.REVERSE, "5", "A-F")
 FIVE, SEVEN = radio.Capability(TERMINAL, "5", b"five"), radio.Capability("B-W", "7", b"seven")
 OTHER: Final = radio.Capability("A-F", "5", b"other")
-ROUTE: Final = Send(Request(Ask.ROUTE, "3>8", SECTIONS))
-REPORT: Final = Send(Request(Ask.REPORT, section_ids=("7", "8")))
+ROUTE: Final = SendRequest(OpenRequest(RequestKind.ROUTE, "3>8", SECTIONS))
+REPORT: Final = SendRequest(OpenRequest(RequestKind.REPORT, section_ids=("7", "8")))
 
 
 def heard(
@@ -45,7 +54,7 @@ def proof(token: int = 20, **shown: object) -> radio.PointsProof:
 def letters() -> Letters:
     """Signed on with token 10, by its first request."""
     letters = Letters(UNIT, MANAGER)
-    letters.keep(Renew(Ask.SIGN_ON))
+    letters.keep(Renew(RequestKind.SIGN_ON))
     letters.read(heard(radio.SignOnAccepted(("3",), 10, None, ()), correlation=1))
     letters.keep(Take(("3",)))
     return letters
@@ -54,7 +63,7 @@ def letters() -> Letters:
 @pytest.fixture
 def holding(letters: Letters) -> Letters:
     """Granted its route with token 20, by its second request."""
-    letters.keep(Renew(Ask.ROUTE))
+    letters.keep(Renew(RequestKind.ROUTE))
     letters.read(heard(grant(), correlation=2))
     letters.keep(Take(SECTIONS))
     return letters
@@ -64,33 +73,35 @@ def holding(letters: Letters) -> Letters:
 
 
 def test_each_request_goes_out_as_its_telegram(letters: Letters) -> None:
-    for ask in (Ask.ROUTE, Ask.REPORT, Ask.SIGN_OFF):
+    for ask in (RequestKind.ROUTE, RequestKind.REPORT, RequestKind.SIGN_OFF):
         letters.keep(Renew(ask))
     assert letters.write(ROUTE) == Letter(MANAGER, radio.RouteRequest(UNIT, "3>8", SECTIONS), 2)
     assert letters.write(REPORT) == Letter(MANAGER, radio.HoldingReport(("7", "8"), 10), 3)
-    assert letters.write(Send(Request(Ask.SIGN_OFF))) == Letter(MANAGER, radio.SignOff(UNIT, 10), 4)
-    swept = Send(replace(REPORT.request, swept=("5", "6")))
+    assert letters.write(SendRequest(OpenRequest(RequestKind.SIGN_OFF))) == Letter(
+        MANAGER, radio.SignOff(UNIT, 10), 4
+    )
+    swept = SendRequest(replace(REPORT.request, swept=("5", "6")))
     assert letters.write(swept) == Letter(MANAGER, radio.HoldingReport(("7", "8"), 10, ("5", "6")), 3)
 
 
 @pytest.mark.parametrize("section_ids", [("3",), None])
 def test_a_sign_on_says_what_it_claims(section_ids: tuple[str, ...] | None) -> None:
     letters = Letters(UNIT, MANAGER)
-    letters.keep(Renew(Ask.SIGN_ON))
-    request = Request(Ask.SIGN_ON, section_ids=section_ids)
-    assert letters.write(Send(request)) == Letter(MANAGER, radio.SignOn(UNIT, section_ids), 1)
+    letters.keep(Renew(RequestKind.SIGN_ON))
+    request = OpenRequest(RequestKind.SIGN_ON, section_ids=section_ids)
+    assert letters.write(SendRequest(request)) == Letter(MANAGER, radio.SignOn(UNIT, section_ids), 1)
 
 
 def test_a_request_repeated_keeps_its_correlation_and_a_new_one_has_a_greater(letters: Letters) -> None:
-    letters.keep(Renew(Ask.ROUTE))
+    letters.keep(Renew(RequestKind.ROUTE))
     first = letters.write(ROUTE)
     assert letters.write(ROUTE) == first
-    letters.keep(Renew(Ask.ROUTE))
+    letters.keep(Renew(RequestKind.ROUTE))
     assert letters.write(ROUTE).correlation > first.correlation
 
 
 def test_a_query_is_answered_with_its_own_correlation(letters: Letters) -> None:
-    assert letters.read(heard(radio.ClaimQuery(), correlation=77)) == sym.Queried()
+    assert letters.read(heard(radio.ClaimQuery(), correlation=77)) == sym.QueryHeard()
     assert letters.write(SendClaim(("3",))) == Letter(MANAGER, radio.Claim(("3",), 10), 77)
     assert letters.write(SendClaim(None)) == Letter(MANAGER, radio.Claim(None, 0), 77)
 
@@ -145,37 +156,37 @@ def test_the_answer_to_a_claim_renews_only_where_it_brings_a_capability(holding:
 @pytest.mark.parametrize(("correlation", "answers"), [(2, True), (1, False), (0, False), (3, False)])
 def test_a_grant_answers_only_the_request_open(letters: Letters, correlation: int, answers: bool) -> None:
     """Correlation 1 was that of the sign-on."""
-    letters.keep(Renew(Ask.ROUTE))
+    letters.keep(Renew(RequestKind.ROUTE))
     event = letters.read(heard(grant(), correlation))
-    assert event == sym.Granted("3>8", SECTIONS, ("5", "7"), answers=answers, fresh=True, newer=True)
+    assert event == sym.GrantHeard("3>8", SECTIONS, ("5", "7"), answers=answers, fresh=True, newer=True)
 
 
 def test_an_answer_to_an_older_request_of_the_same_kind_is_none(letters: Letters) -> None:
-    letters.keep(Renew(Ask.ROUTE))
-    letters.keep(Renew(Ask.ROUTE))
+    letters.keep(Renew(RequestKind.ROUTE))
+    letters.keep(Renew(RequestKind.ROUTE))
     for correlation, answers in ((2, False), (3, True)):
         event = letters.read(heard(grant(), correlation))
-        assert isinstance(event, sym.Granted)
+        assert isinstance(event, sym.GrantHeard)
         assert event.answers is answers
 
 
 def test_before_the_first_request_nothing_is_an_answer() -> None:
     letters = Letters(UNIT, MANAGER)
     event = letters.read(heard(radio.SignOnAccepted(("3",), 10, None, ()), correlation=0))
-    assert event == sym.SignedOn(("3",), (), answers=False, newer=True)
+    assert event == sym.SignOnHeard(("3",), (), answers=False, newer=True)
 
 
 @pytest.mark.parametrize(("token", "newer"), [(9, False), (10, False), (11, True)])
 def test_a_token_is_newer_only_if_it_is_greater(letters: Letters, token: int, newer: bool) -> None:
-    letters.keep(Renew(Ask.ROUTE))
-    letters.keep(Renew(Ask.REPORT))
-    assert letters.read(heard(grant(token), 2)) == sym.Granted(
+    letters.keep(Renew(RequestKind.ROUTE))
+    letters.keep(Renew(RequestKind.REPORT))
+    assert letters.read(heard(grant(token), 2)) == sym.GrantHeard(
         "3>8", SECTIONS, ("5", "7"), answers=True, fresh=True, newer=newer
     )
     confirmed = radio.HoldingConfirmed(("3",), token)
-    assert letters.read(heard(confirmed, 3)) == sym.Confirmed(("3",), answers=True, newer=newer)
+    assert letters.read(heard(confirmed, 3)) == sym.ConfirmationHeard(("3",), answers=True, newer=newer)
     accepted = radio.SignOnAccepted(("3",), token, None, (FIVE,))
-    assert letters.read(heard(accepted, 9)) == sym.SignedOn(("3",), ("5",), answers=False, newer=newer)
+    assert letters.read(heard(accepted, 9)) == sym.SignOnHeard(("3",), ("5",), answers=False, newer=newer)
 
 
 def test_a_token_that_was_not_taken_changes_nothing(letters: Letters) -> None:
@@ -189,9 +200,9 @@ def test_a_token_that_was_not_taken_changes_nothing(letters: Letters) -> None:
 
 
 def test_a_grant_from_before_this_boot_is_not_fresh(letters: Letters) -> None:
-    letters.keep(Renew(Ask.ROUTE))
+    letters.keep(Renew(RequestKind.ROUTE))
     event = letters.read(heard(grant(), 2, fresh=False))
-    assert isinstance(event, sym.Granted)
+    assert isinstance(event, sym.GrantHeard)
     assert not event.fresh
 
 
@@ -205,32 +216,34 @@ def test_a_grant_from_before_this_boot_is_not_fresh(letters: Letters) -> None:
 def test_a_refusal_says_why_and_whether_the_manager_lost_sight(
     letters: Letters, reason: radio.RefusalReason, lost_sight: bool
 ) -> None:
-    letters.keep(Renew(Ask.ROUTE))
-    letters.keep(Renew(Ask.SIGN_OFF))
+    letters.keep(Renew(RequestKind.ROUTE))
+    letters.keep(Renew(RequestKind.SIGN_OFF))
     why = reason.name.lower().replace("_", " ")
-    assert letters.read(heard(radio.RouteRefused("3>8", reason, "6", "V2"), 2)) == sym.Refused(
-        Ask.ROUTE, "3>8", f"{why}: section 6 of V2", lost_sight, answers=True
+    assert letters.read(heard(radio.RouteRefused("3>8", reason, "6", "V2"), 2)) == sym.RefusalHeard(
+        RequestKind.ROUTE, "3>8", f"{why}: section 6 of V2", lost_sight, answers=True
     )
     refused = letters.read(heard(radio.SignOffRefused(reason), 3))
-    assert isinstance(refused, sym.Refused)
-    assert (refused.ask, refused.lost_sight, refused.answers) == (Ask.SIGN_OFF, lost_sight, True)
-    assert letters.read(heard(radio.SignOnRefused(reason), 4)) == sym.Refused(
-        Ask.SIGN_ON, "", why, lost_sight, answers=False
+    assert isinstance(refused, sym.RefusalHeard)
+    assert (refused.ask, refused.lost_sight, refused.answers) == (RequestKind.SIGN_OFF, lost_sight, True)
+    assert letters.read(heard(radio.SignOnRefused(reason), 4)) == sym.RefusalHeard(
+        RequestKind.SIGN_ON, "", why, lost_sight, answers=False
     )
 
 
 def test_a_sign_off_is_accepted_only_in_answer(letters: Letters) -> None:
-    letters.keep(Renew(Ask.SIGN_OFF))
-    assert letters.read(heard(radio.SignOffAccepted(), 2)) == sym.SignedOff(answers=True)
-    assert letters.read(heard(radio.SignOffAccepted(), 1)) == sym.SignedOff(answers=False)
+    letters.keep(Renew(RequestKind.SIGN_OFF))
+    assert letters.read(heard(radio.SignOffAccepted(), 2)) == sym.SignOffHeard(answers=True)
+    assert letters.read(heard(radio.SignOffAccepted(), 1)) == sym.SignOffHeard(answers=False)
 
 
 @pytest.mark.parametrize(("token", "mine"), [(20, True), (19, False), (21, False)])
 def test_a_proof_is_mine_only_under_the_token_commanded(holding: Letters, token: int, mine: bool) -> None:
     holding.keep(Commit(P5))
-    assert holding.read(heard(proof(token), source=TERMINAL)) == sym.Proof("P5", TERMINAL, "normal", mine)
+    assert holding.read(heard(proof(token), source=TERMINAL)) == sym.ProofHeard(
+        "P5", TERMINAL, "normal", mine
+    )
     refused = radio.PointsRefused("P5", radio.PointsRefusalReason.OLD_TOKEN, token)
-    assert holding.read(heard(refused, source=TERMINAL)) == sym.PointsDenied(
+    assert holding.read(heard(refused, source=TERMINAL)) == sym.PointsDenialHeard(
         "P5", TERMINAL, "old token", mine, stale=True
     )
 
@@ -242,37 +255,39 @@ def test_a_refusal_of_the_grant_is_told_from_one_of_the_points(
     """What another grant could mend is stale; that the points lie under a train or are broken, it could not."""
     holding.keep(Commit(P5))
     event = holding.read(heard(radio.PointsRefused("P5", reason, 20), source=TERMINAL))
-    assert isinstance(event, sym.PointsDenied)
+    assert isinstance(event, sym.PointsDenialHeard)
     grants = (radio.PointsRefusalReason.BAD_CAPABILITY, radio.PointsRefusalReason.OLD_TOKEN)
     assert event.stale is (reason in grants)
 
 
 def test_a_proof_of_points_never_commanded_is_nobodys(holding: Letters) -> None:
-    assert holding.read(heard(proof(), source=TERMINAL)) == sym.Proof("P5", TERMINAL, "normal", mine=False)
+    assert holding.read(heard(proof(), source=TERMINAL)) == sym.ProofHeard(
+        "P5", TERMINAL, "normal", mine=False
+    )
 
 
 @pytest.mark.parametrize("lacking", [{"locked": False}, {"detected": False}, {"position": None}])
 def test_only_what_is_detected_and_locked_is_a_position(holding: Letters, lacking: dict[str, object]) -> None:
     holding.keep(Commit(P5))
     event = holding.read(heard(proof(**lacking), source=TERMINAL))
-    assert event == sym.Proof("P5", TERMINAL, None, mine=True)
+    assert event == sym.ProofHeard("P5", TERMINAL, None, mine=True)
 
 
 def test_what_is_contested_is_heard_with_whatever_says_so(letters: Letters) -> None:
-    letters.keep(Renew(Ask.REPORT))
-    assert letters.read(heard(radio.Contested(("3",)))) == sym.Contested(("3",))
+    letters.keep(Renew(RequestKind.REPORT))
+    assert letters.read(heard(radio.Contested(("3",)))) == sym.ContestHeard(("3",))
     confirmed = radio.HoldingConfirmed(("3",), 10, ("3",))
-    assert letters.read(heard(confirmed, 2)) == sym.Confirmed(
+    assert letters.read(heard(confirmed, 2)) == sym.ConfirmationHeard(
         ("3",), answers=True, newer=False, contested=("3",)
     )
 
 
 def test_what_must_be_swept_is_heard_with_what_is_granted(letters: Letters) -> None:
-    letters.keep(Renew(Ask.ROUTE))
+    letters.keep(Renew(RequestKind.ROUTE))
     granted = letters.read(heard(radio.RouteGranted("3>8", SECTIONS, 20, (FIVE,), ("6",)), 2))
-    assert isinstance(granted, sym.Granted)
+    assert isinstance(granted, sym.GrantHeard)
     accepted = letters.read(heard(radio.SignOnAccepted(("3", "6"), 20, None, (), ("6",)), 9))
-    assert isinstance(accepted, sym.SignedOn)
+    assert isinstance(accepted, sym.SignOnHeard)
     assert granted.on_sight == accepted.on_sight == ("6",)
 
 

@@ -13,33 +13,33 @@ from network.model import Position
 from onboard.authority.machine import TABLE, step
 from onboard.authority.records import (
     Action,
-    Ask,
     AskRoute,
     Authority,
     BeginOnLine,
     CheckedByCrew,
     Cleared,
-    Command,
-    Confirmed,
-    Contested,
-    Due,
+    ConfirmationHeard,
+    ContestHeard,
     EndOnLine,
     Event,
     FoundAt,
     GiveBack,
-    Granted,
+    GrantHeard,
+    OpenCommand,
+    OpenRequest,
     PeerRestarted,
-    PointsDenied,
-    Proof,
-    Queried,
-    Refused,
-    Request,
-    Send,
+    PointsDenialHeard,
+    ProofHeard,
+    QueryHeard,
+    RefusalHeard,
+    RepeatDue,
+    RequestKind,
     SendClaim,
     SendCommand,
+    SendRequest,
     SetTimer,
-    SignedOff,
-    SignedOn,
+    SignOffHeard,
+    SignOnHeard,
     StopTimer,
     TakenOff,
     Throw,
@@ -47,7 +47,7 @@ from onboard.authority.records import (
     TurnedBack,
     Withdrawn,
 )
-from onboard.authority.tables import REPEAT_S, Standing, standing
+from onboard.authority.tables import REPEAT_S, SignOnStanding, standing
 from onboard.duty.plan import PointsNeeded
 
 P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
@@ -56,22 +56,27 @@ SECTIONS: Final = ("5", "6", "7", "8")
 
 OFF: Final = Authority()
 ON_LINE: Final = Authority(held=("3",), on_line=True)
-SIGNING_ON: Final = Authority(held=("3",), requests=(Request(Ask.SIGN_ON, section_ids=("3",), sent=True),))
-SIGNING_OFF: Final = replace(ON_LINE, requests=(Request(Ask.SIGN_OFF, sent=True),))
+SIGNING_ON: Final = Authority(
+    held=("3",), requests=(OpenRequest(RequestKind.SIGN_ON, section_ids=("3",), sent=True),)
+)
+SIGNING_OFF: Final = replace(ON_LINE, requests=(OpenRequest(RequestKind.SIGN_OFF, sent=True),))
 LEAVING: Final = Authority(held=("3",), leaving=True)
 OPEN: Final = Authority(
     held=("3", *SECTIONS),
     commandable=("5", "7"),
     on_line=True,
-    requests=(Request(Ask.ROUTE, "8>PE", ("10",), sent=True), Request(Ask.REPORT, sent=True)),
-    commands=(Command(P5, sent=True), Command(P7, sent=True)),
+    requests=(
+        OpenRequest(RequestKind.ROUTE, "8>PE", ("10",), sent=True),
+        OpenRequest(RequestKind.REPORT, sent=True),
+    ),
+    commands=(OpenCommand(P5, sent=True), OpenCommand(P7, sent=True)),
 )
 STANDINGS: Final = {
-    Standing.OFF_LINE: OFF,
-    Standing.SIGNING_ON: SIGNING_ON,
-    Standing.ON_LINE: OPEN,
-    Standing.SIGNING_OFF: SIGNING_OFF,
-    Standing.LEAVING: LEAVING,
+    SignOnStanding.OFF_LINE: OFF,
+    SignOnStanding.SIGNING_ON: SIGNING_ON,
+    SignOnStanding.ON_LINE: OPEN,
+    SignOnStanding.SIGNING_OFF: SIGNING_OFF,
+    SignOnStanding.LEAVING: LEAVING,
 }
 EXAMPLES: Final[dict[type[Event], Event]] = {
     BeginOnLine: BeginOnLine(("3",)),
@@ -85,19 +90,19 @@ EXAMPLES: Final[dict[type[Event], Event]] = {
     Cleared: Cleared(("3",)),
     GiveBack: GiveBack(("7", "8")),
     TurnedBack: TurnedBack(),
-    Due: Due(None),
-    SignedOn: SignedOn(("3",), (), answers=True, newer=True),
-    Refused: Refused(Ask.ROUTE, "8>PE", "held", lost_sight=True, answers=True),
-    SignedOff: SignedOff(answers=True),
-    Granted: Granted("8>PE", ("10",), ("10",), answers=True, fresh=True, newer=True),
-    Confirmed: Confirmed(("3",), answers=True, newer=True),
-    Contested: Contested(("6",)),
-    Queried: Queried(),
-    Proof: Proof("P5", "A-E", "normal", mine=True),
-    PointsDenied: PointsDenied("P5", "A-E", "old token", mine=True),
+    RepeatDue: RepeatDue(None),
+    SignOnHeard: SignOnHeard(("3",), (), answers=True, newer=True),
+    RefusalHeard: RefusalHeard(RequestKind.ROUTE, "8>PE", "held", lost_sight=True, answers=True),
+    SignOffHeard: SignOffHeard(answers=True),
+    GrantHeard: GrantHeard("8>PE", ("10",), ("10",), answers=True, fresh=True, newer=True),
+    ConfirmationHeard: ConfirmationHeard(("3",), answers=True, newer=True),
+    ContestHeard: ContestHeard(("6",)),
+    QueryHeard: QueryHeard(),
+    ProofHeard: ProofHeard("P5", "A-E", "normal", mine=True),
+    PointsDenialHeard: PointsDenialHeard("P5", "A-E", "old token", mine=True),
     PeerRestarted: PeerRestarted(),
 }
-REFUSED: Final = [(at, kind) for at in Standing for kind in get_args(Event) if (at, kind) not in TABLE]
+REFUSED: Final = [(at, kind) for at in SignOnStanding for kind in get_args(Event) if (at, kind) not in TABLE]
 
 
 def test_the_examples_are_what_they_say() -> None:
@@ -106,18 +111,18 @@ def test_the_examples_are_what_they_say() -> None:
 
 
 @pytest.mark.parametrize(("at", "kind"), REFUSED, ids=[f"{at.value}-{kind.__name__}" for at, kind in REFUSED])
-def test_what_no_table_names_is_refused(at: Standing, kind: type[Event]) -> None:
+def test_what_no_table_names_is_refused(at: SignOnStanding, kind: type[Event]) -> None:
     state = STANDINGS[at]
     assert step(state, EXAMPLES[kind], covered=True) == (state, ())
 
 
 @pytest.mark.parametrize(("at", "kind"), REFUSED, ids=[f"{at.value}-{kind.__name__}" for at, kind in REFUSED])
-def test_a_refused_event_sends_only_what_was_due(at: Standing, kind: type[Event]) -> None:
+def test_a_refused_event_sends_only_what_was_due(at: SignOnStanding, kind: type[Event]) -> None:
     state = STANDINGS[at]
-    due, _ = step(state, Due(None), covered=False)
+    due, _ = step(state, RepeatDue(None), covered=False)
     after, actions = step(due, EXAMPLES[kind], covered=True)
     assert after == state
-    assert actions == step(due, Queried(), covered=True)[1][-len(actions) :] if actions else due == state
+    assert actions == step(due, QueryHeard(), covered=True)[1][-len(actions) :] if actions else due == state
 
 
 # time and radio -------------------------------------------------------------------------------------------------
@@ -126,22 +131,22 @@ def test_a_refused_event_sends_only_what_was_due(at: Standing, kind: type[Event]
 @pytest.mark.parametrize(
     ("timer", "sent"),
     [
-        (Timer("route"), Send(replace(OPEN.requests[0], sent=False))),
+        (Timer("route"), SendRequest(replace(OPEN.requests[0], sent=False))),
         (Timer("points", "P5"), SendCommand(P5)),
         (Timer("points", "P7"), SendCommand(P7)),
-        (Timer("report"), Send(Request(Ask.REPORT, section_ids=OPEN.held))),
+        (Timer("report"), SendRequest(OpenRequest(RequestKind.REPORT, section_ids=OPEN.held))),
     ],
 )
 def test_what_a_timer_belongs_to_is_repeated_and_nothing_else(timer: Timer, sent: Action) -> None:
-    after, actions = step(OPEN, Due(timer), covered=True)
+    after, actions = step(OPEN, RepeatDue(timer), covered=True)
     assert after == OPEN
     assert actions[:2] == (sent, SetTimer(timer, REPEAT_S))
-    assert all(not isinstance(action, Send | SendCommand) for action in actions[2:])
+    assert all(not isinstance(action, SendRequest | SendCommand) for action in actions[2:])
 
 
 @pytest.mark.parametrize("timer", [Timer("sign on"), Timer("points", "P9"), Timer("ask")])
 def test_a_timer_of_nothing_open_repeats_nothing(timer: Timer) -> None:
-    assert step(OPEN, Due(timer), covered=True) == (OPEN, ())
+    assert step(OPEN, RepeatDue(timer), covered=True) == (OPEN, ())
 
 
 def timers_of(state: Authority) -> set[Timer]:
@@ -162,7 +167,7 @@ def timers_after(running: set[Timer], actions: tuple[Action, ...]) -> set[Timer]
 def test_a_restarted_peer_gets_all_that_is_open_again_at_once(state: Authority) -> None:
     after, actions = step(state, PeerRestarted(), covered=True)
     assert after == state
-    sent = [action for action in actions if isinstance(action, Send | SendCommand)]
+    sent = [action for action in actions if isinstance(action, SendRequest | SendCommand)]
     assert len(sent) == len(state.requests) + len(state.commands)
 
 
@@ -171,11 +176,11 @@ def test_out_of_reach_no_timer_runs_and_what_is_open_goes_out_where_the_radio_be
     state: Authority,
 ) -> None:
     timers = (*(r.timer for r in state.requests), *(c.timer for c in state.commands))
-    away, stopped = step(state, Due(None), covered=False)
+    away, stopped = step(state, RepeatDue(None), covered=False)
     assert stopped == tuple(StopTimer(timer) for timer in timers)
     assert away.waits_for_radio
-    assert step(away, Due(None), covered=False) == (away, ())
-    back, actions = step(away, Due(None), covered=True)
+    assert step(away, RepeatDue(None), covered=False) == (away, ())
+    back, actions = step(away, RepeatDue(None), covered=True)
     assert back == state
     assert {action.timer for action in actions if isinstance(action, SetTimer)} == set(timers)
 
@@ -185,20 +190,20 @@ def test_out_of_reach_no_timer_runs_and_what_is_open_goes_out_where_the_radio_be
 def test_nothing_is_sent_where_the_radio_does_not_reach(state: Authority, kind: type[Event]) -> None:
     """But the answer to a query: whoever hears one is reached."""
     _, actions = step(state, EXAMPLES[kind], covered=False)
-    assert not [action for action in actions if isinstance(action, Send | SendCommand)]
+    assert not [action for action in actions if isinstance(action, SendRequest | SendCommand)]
     assert not timers_after(set(), actions)
-    assert kind is Queried or not [action for action in actions if isinstance(action, SendClaim)]
+    assert kind is QueryHeard or not [action for action in actions if isinstance(action, SendClaim)]
 
 
 def test_sign_off_goes_first_and_the_report_last() -> None:
     """Who asks for a route and drops sections says the request first: the report has the newest word."""
     _, actions = step(OPEN, PeerRestarted(), covered=True)
     sent = [
-        a.request.ask if isinstance(a, Send) else a.needed
+        a.request.ask if isinstance(a, SendRequest) else a.needed
         for a in actions
-        if isinstance(a, Send | SendCommand)
+        if isinstance(a, SendRequest | SendCommand)
     ]
-    assert sent == [Ask.ROUTE, P5, P7, Ask.REPORT]
+    assert sent == [RequestKind.ROUTE, P5, P7, RequestKind.REPORT]
 
 
 # what always holds ----------------------------------------------------------------------------------------------
@@ -213,22 +218,24 @@ EVENTS: Final = st.one_of(
     st.builds(Withdrawn, sections),
     st.builds(Cleared, sections),
     st.builds(GiveBack, sections),
-    st.builds(Due, st.sampled_from((None, *(r.timer for r in OPEN.requests), Timer("points", "P5")))),
-    st.builds(SignedOn, sections, sections, yes, yes, sections),
-    st.builds(Refused, st.sampled_from(Ask), st.just("3>8"), st.sampled_from(("a", "b")), yes, yes),
-    st.builds(SignedOff, yes),
-    st.builds(Granted, st.just("3>8"), st.just(SECTIONS), sections, yes, yes, yes, sections),
-    st.builds(Confirmed, sections, yes, yes, st.just(()) | sections),
-    st.builds(Contested, sections),
+    st.builds(RepeatDue, st.sampled_from((None, *(r.timer for r in OPEN.requests), Timer("points", "P5")))),
+    st.builds(SignOnHeard, sections, sections, yes, yes, sections),
     st.builds(
-        Proof,
+        RefusalHeard, st.sampled_from(RequestKind), st.just("3>8"), st.sampled_from(("a", "b")), yes, yes
+    ),
+    st.builds(SignOffHeard, yes),
+    st.builds(GrantHeard, st.just("3>8"), st.just(SECTIONS), sections, yes, yes, yes, sections),
+    st.builds(ConfirmationHeard, sections, yes, yes, st.just(()) | sections),
+    st.builds(ContestHeard, sections),
+    st.builds(
+        ProofHeard,
         st.sampled_from(("P5", "P7")),
         st.sampled_from(("A-E", "B-W")),
         st.sampled_from((None, "normal", "reverse")),
         yes,
     ),
-    st.builds(PointsDenied, st.just("P5"), st.just("A-E"), st.sampled_from(("a", "b")), yes, yes),
-    st.sampled_from((EndOnLine(), TurnedBack(), Queried(), PeerRestarted())),
+    st.builds(PointsDenialHeard, st.just("P5"), st.just("A-E"), st.sampled_from(("a", "b")), yes, yes),
+    st.sampled_from((EndOnLine(), TurnedBack(), QueryHeard(), PeerRestarted())),
 )
 SEEN: Final = st.builds(CheckedByCrew, points_)
 
@@ -255,7 +262,7 @@ def check_held_only_by_the_managers_word(state: Authority, course: Course) -> No
     for before, event, after, _ in after_all(state, course):
         gained = set(after.held) - set(before.held)
         match event:
-            case Granted(answers=True, fresh=True, newer=True) | SignedOn(answers=True):
+            case GrantHeard(answers=True, fresh=True, newer=True) | SignOnHeard(answers=True):
                 assert gained <= set(event.section_ids)
             case BeginOnLine(enters=False):  # where it stands, as its crew can see
                 assert gained <= set(event.section_ids or ())
@@ -271,12 +278,14 @@ def test_nothing_is_held_but_by_the_managers_word_or_where_it_stands(
 
 
 def test_a_unit_that_obeys_any_grant_breaks_that(monkeypatch: pytest.MonkeyPatch) -> None:
-    def obeys(state: Authority, event: Granted) -> tuple[Authority, tuple[Action, ...]]:
+    def obeys(state: Authority, event: GrantHeard) -> tuple[Authority, tuple[Action, ...]]:
         return replace(state, held=(*state.held, *event.section_ids)), ()
 
-    late = Granted("3>8", SECTIONS, (), answers=True, fresh=True, newer=False)
+    late = GrantHeard("3>8", SECTIONS, (), answers=True, fresh=True, newer=False)
     check_held_only_by_the_managers_word(ON_LINE, [(late, True)])
-    monkeypatch.setattr("onboard.authority.machine.TABLE", {**TABLE, (Standing.ON_LINE, Granted): obeys})
+    monkeypatch.setattr(
+        "onboard.authority.machine.TABLE", {**TABLE, (SignOnStanding.ON_LINE, GrantHeard): obeys}
+    )
     with pytest.raises(AssertionError):
         check_held_only_by_the_managers_word(ON_LINE, [(late, True)])
 
@@ -289,7 +298,7 @@ def test_proven_and_commanded_is_only_what_is_held(state: Authority, course: Cou
         assert all(command.needed.section_id in after.held for command in after.commands)
         assert not {command.needed for command in after.commands} & set(after.proven)
         for action in actions:
-            if isinstance(action, Send) and action.request.ask is Ask.REPORT:
+            if isinstance(action, SendRequest) and action.request.ask is RequestKind.REPORT:
                 assert action.request.section_ids == after.held
             if isinstance(action, SendCommand):
                 assert action.needed.section_id in after.held
@@ -311,6 +320,6 @@ def test_a_timer_runs_for_all_that_is_sent_and_for_nothing_that_is_over(
 ) -> None:
     running = timers_of(state)
     for _, event, after, actions in after_all(state, course):
-        running = timers_after(running - {event.timer} if isinstance(event, Due) else running, actions)
+        running = timers_after(running - {event.timer} if isinstance(event, RepeatDue) else running, actions)
         open_ = {one.timer for one in (*after.requests, *after.commands)}
         assert timers_of(after) <= running <= open_

@@ -13,18 +13,18 @@ from onboard.authority import points
 from onboard.authority.machine import step
 from onboard.authority.records import (
     Action,
-    Ask,
     Authority,
     CheckedByCrew,
-    Command,
     Commit,
     Event,
-    PointsDenied,
-    Proof,
+    OpenCommand,
+    OpenRequest,
+    PointsDenialHeard,
+    ProofHeard,
     Renew,
-    Request,
-    Send,
+    RequestKind,
     SendCommand,
+    SendRequest,
     SetTimer,
     StopTimer,
     Throw,
@@ -39,25 +39,25 @@ P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
 P7: Final = PointsNeeded("P7", Position.NORMAL, "7", "B-W")
 TIMER: Final = Timer("points", "P5")
 HOLDING: Final = Authority(held=("3", "5", "6", "7", "8"), commandable=("5", "7"), on_line=True)
-OPEN: Final = Command(P5, sent=True)
+OPEN: Final = OpenCommand(P5, sent=True)
 THROWING: Final = replace(HOLDING, commands=(OPEN,))
 PROVEN: Final = replace(HOLDING, proven=(P5,))
 WITHDRAWN: Final = replace(HOLDING, unsaid=(P5,))
-SIGNING_ON: Final = Authority(requests=(Request(Ask.SIGN_ON, section_ids=None, sent=True),))
-SHOWN: Final = Proof("P5", "A-E", "normal", mine=True)
-DENIED: Final = PointsDenied("P5", "A-E", "not detected", mine=True)
+SIGNING_ON: Final = Authority(requests=(OpenRequest(RequestKind.SIGN_ON, section_ids=None, sent=True),))
+SHOWN: Final = ProofHeard("P5", "A-E", "normal", mine=True)
+DENIED: Final = PointsDenialHeard("P5", "A-E", "not detected", mine=True)
 
 
 def proven(by_crew: bool = False) -> Write:
     return Write(notes.Proven(points_id="P5", position=Position.NORMAL, token=0, by_crew=by_crew))
 
 
-def other(shown: Proof, **changes: object) -> Proof:
+def other(shown: ProofHeard, **changes: object) -> ProofHeard:
     return replace(shown, **changes)
 
 
 REPORTED: Final = (
-    Send(Request(Ask.REPORT, section_ids=HOLDING.held)),
+    SendRequest(OpenRequest(RequestKind.REPORT, section_ids=HOLDING.held)),
     SetTimer(Timer("report"), REPEAT_S),
     Write(notes.Reported(section_ids=HOLDING.held, token=0)),
 )
@@ -159,12 +159,12 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         replace(
             HOLDING,
             commands=(replace(OPEN, refusal="old token"),),
-            requests=(Request(Ask.REPORT, sent=True),),
+            requests=(OpenRequest(RequestKind.REPORT, sent=True),),
         ),
         (
             Write(notes.ThrowDenied(points_id="P5", why="old token")),
             SetTimer(TIMER, REFUSED_REPEAT_S),
-            Renew(Ask.REPORT),
+            Renew(RequestKind.REPORT),
             *REPORTED,
         ),
     ),
@@ -172,13 +172,13 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         replace(
             HOLDING,
             commands=(replace(OPEN, refusal="old token"),),
-            requests=(Request(Ask.REPORT, sent=True),),
+            requests=(OpenRequest(RequestKind.REPORT, sent=True),),
         ),
         replace(DENIED, why="old token", stale=True),
         replace(
             HOLDING,
             commands=(replace(OPEN, refusal="old token"),),
-            requests=(Request(Ask.REPORT, sent=True),),
+            requests=(OpenRequest(RequestKind.REPORT, sent=True),),
         ),
         (SetTimer(TIMER, REFUSED_REPEAT_S),),
     ),

@@ -13,16 +13,16 @@ from onboard.authority import report
 from onboard.authority.machine import step
 from onboard.authority.records import (
     Action,
-    Ask,
     Authority,
     Cleared,
-    Command,
-    Confirmed,
-    Due,
+    ConfirmationHeard,
     Event,
+    OpenCommand,
+    OpenRequest,
     Renew,
-    Request,
-    Send,
+    RepeatDue,
+    RequestKind,
+    SendRequest,
     SetTimer,
     StopTimer,
     Take,
@@ -35,9 +35,9 @@ from onboard.duty.plan import PointsNeeded
 P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
 P7: Final = PointsNeeded("P7", Position.NORMAL, "7", "B-W")
 REPORT: Final = Timer("report")
-OPEN: Final = Request(Ask.REPORT, sent=True)
-ASKED: Final = Request(Ask.ROUTE, "8>PE", ("10", "11", "PE"), sent=True)
-LEAVING: Final = Request(Ask.SIGN_OFF, sent=True)
+OPEN: Final = OpenRequest(RequestKind.REPORT, sent=True)
+ASKED: Final = OpenRequest(RequestKind.ROUTE, "8>PE", ("10", "11", "PE"), sent=True)
+LEAVING: Final = OpenRequest(RequestKind.SIGN_OFF, sent=True)
 
 HOLDING: Final = Authority(held=("3", "5", "6", "7", "8"), commandable=("5", "7"), on_line=True)
 REPORTING: Final = Authority(
@@ -48,7 +48,7 @@ SIGNING_OFF: Final = Authority(held=("PE",), on_line=True, requests=(LEAVING, OP
 
 def reported(*section_ids: str) -> tuple[Action, ...]:
     return (
-        Send(Request(Ask.REPORT, section_ids=section_ids)),
+        SendRequest(OpenRequest(RequestKind.REPORT, section_ids=section_ids)),
         SetTimer(REPORT, REPEAT_S),
         Write(notes.Reported(section_ids=section_ids, token=0)),
     )
@@ -58,12 +58,12 @@ LESS, CONTESTED = "the register has less", "contested: 6, 7"
 
 CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] = {
     "dropped here, with proofs and commands, before it is said": (
-        replace(HOLDING, commands=(Command(P5, sent=True),), proven=(P7,), unsaid=(P5,)),
+        replace(HOLDING, commands=(OpenCommand(P5, sent=True),), proven=(P7,), unsaid=(P5,)),
         Cleared(("3", "5")),
         replace(HOLDING, held=("6", "7", "8"), commandable=("7",), proven=(P7,), requests=(OPEN,)),
         (
             StopTimer(Timer("points", "P5")),
-            Renew(Ask.REPORT),
+            Renew(RequestKind.REPORT),
             Write(notes.Holds(section_ids=("6", "7", "8"), token=0)),
             *reported("6", "7", "8"),
         ),
@@ -73,41 +73,41 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         REPORTING,
         Cleared(("6",)),
         replace(REPORTING, held=("7", "8")),
-        (Renew(Ask.REPORT), Write(notes.Holds(section_ids=("7", "8"), token=0)), *reported("7", "8")),
+        (Renew(RequestKind.REPORT), Write(notes.Holds(section_ids=("7", "8"), token=0)), *reported("7", "8")),
     ),
     "done when the register has the same, in whatever order": (
         REPORTING,
-        Confirmed(("8", "7", "6"), answers=True, newer=False),
+        ConfirmationHeard(("8", "7", "6"), answers=True, newer=False),
         replace(REPORTING, requests=(ASKED,)),
         (StopTimer(REPORT),),
     ),
     "while the register has more, the report stays open": (
         REPORTING,
-        Confirmed(("5", "6", "7", "8"), answers=True, newer=False),
+        ConfirmationHeard(("5", "6", "7", "8"), answers=True, newer=False),
         REPORTING,
         (),
     ),
     "refused for its token, it is said again under the newer one, and no section is added": (
         REPORTING,
-        Confirmed(("5", "6", "7", "8"), answers=True, newer=True),
+        ConfirmationHeard(("5", "6", "7", "8"), answers=True, newer=True),
         REPORTING,
         (
             Take(()),
-            Renew(Ask.ROUTE),
-            Send(replace(ASKED, sent=False)),
+            Renew(RequestKind.ROUTE),
+            SendRequest(replace(ASKED, sent=False)),
             SetTimer(Timer("route"), REPEAT_S),
             *reported("6", "7", "8"),
         ),
     ),
     "confirmed under a newer token, that is taken": (
         REPORTING,
-        Confirmed(("6", "7", "8"), answers=True, newer=True),
+        ConfirmationHeard(("6", "7", "8"), answers=True, newer=True),
         replace(REPORTING, requests=(ASKED,)),
         (
             StopTimer(REPORT),
             Take(()),
-            Renew(Ask.ROUTE),
-            Send(replace(ASKED, sent=False)),
+            Renew(RequestKind.ROUTE),
+            SendRequest(replace(ASKED, sent=False)),
             SetTimer(Timer("route"), REPEAT_S),
         ),
     ),
@@ -123,9 +123,9 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
             swept=("3",),
         ),
         (
-            Renew(Ask.REPORT),
+            Renew(RequestKind.REPORT),
             Write(notes.Holds(section_ids=("6", "7", "8"), token=0)),
-            Send(Request(Ask.REPORT, section_ids=("6", "7", "8"), swept=("3",))),
+            SendRequest(OpenRequest(RequestKind.REPORT, section_ids=("6", "7", "8"), swept=("3",))),
             *reported("6", "7", "8")[1:],
         ),
     ),
@@ -137,62 +137,62 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     ),
     "confirmed, what was swept is said no more": (
         replace(REPORTING, swept=("5",)),
-        Confirmed(("6", "7", "8"), answers=True, newer=False),
+        ConfirmationHeard(("6", "7", "8"), answers=True, newer=False),
         replace(REPORTING, requests=(ASKED,)),
         (StopTimer(REPORT),),
     ),
     "confirmed with more, what was swept stays to be said": (
         replace(REPORTING, swept=("5",)),
-        Confirmed(("5", "6", "7", "8"), answers=True, newer=False),
+        ConfirmationHeard(("5", "6", "7", "8"), answers=True, newer=False),
         replace(REPORTING, swept=("5",)),
         (),
     ),
     "confirmed with less, the train is stopped, and it is reported again": (
         REPORTING,
-        Confirmed(("6", "7"), answers=True, newer=False),
+        ConfirmationHeard(("6", "7"), answers=True, newer=False),
         replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=LESS)), mismatch=LESS),
         (Write(notes.Mismatch(why=LESS)), SetTimer(REPORT, REFUSED_REPEAT_S)),
     ),
     "confirmed with less for the second time, nothing new is written": (
         replace(REPORTING, mismatch=LESS),
-        Confirmed(("6", "7"), answers=True, newer=False),
+        ConfirmationHeard(("6", "7"), answers=True, newer=False),
         replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=LESS)), mismatch=LESS),
         (SetTimer(REPORT, REFUSED_REPEAT_S),),
     ),
     "confirmed and contested, the train is stopped, and it is reported again": (
         REPORTING,
-        Confirmed(("6", "7", "8"), answers=True, newer=False, contested=("6", "7")),
+        ConfirmationHeard(("6", "7", "8"), answers=True, newer=False, contested=("6", "7")),
         replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=CONTESTED)), mismatch=CONTESTED),
         (Write(notes.Mismatch(why=CONTESTED)), SetTimer(REPORT, REFUSED_REPEAT_S)),
     ),
     "contested under a newer token, that is taken all the same": (
         REPORTING,
-        Confirmed(("6", "7", "8"), answers=True, newer=True, contested=("6", "7")),
+        ConfirmationHeard(("6", "7", "8"), answers=True, newer=True, contested=("6", "7")),
         replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=CONTESTED)), mismatch=CONTESTED),
         (
             Write(notes.Mismatch(why=CONTESTED)),
             SetTimer(REPORT, REFUSED_REPEAT_S),
             Take(()),
-            Renew(Ask.ROUTE),
-            Send(replace(ASKED, sent=False)),
+            Renew(RequestKind.ROUTE),
+            SendRequest(replace(ASKED, sent=False)),
             SetTimer(Timer("route"), REPEAT_S),
         ),
     ),
     "agreement restored: the same is held, with nothing contested": (
         replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=CONTESTED)), mismatch=CONTESTED),
-        Confirmed(("6", "7", "8"), answers=True, newer=False),
+        ConfirmationHeard(("6", "7", "8"), answers=True, newer=False),
         replace(REPORTING, requests=(ASKED,)),
         (StopTimer(REPORT), Write(notes.Agreed())),
     ),
     "more in the register restores no agreement: it is reported until that has the same": (
         replace(REPORTING, mismatch=CONTESTED),
-        Confirmed(("5", "6", "7", "8"), answers=True, newer=False),
+        ConfirmationHeard(("5", "6", "7", "8"), answers=True, newer=False),
         replace(REPORTING, mismatch=CONTESTED),
         (),
     ),
     "signing off, too, it is stopped while its portal is contested": (
         SIGNING_OFF,
-        Confirmed(("PE",), answers=True, newer=False, contested=("PE",)),
+        ConfirmationHeard(("PE",), answers=True, newer=False, contested=("PE",)),
         replace(
             SIGNING_OFF,
             requests=(LEAVING, replace(OPEN, refusal="contested: PE")),
@@ -202,19 +202,19 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     ),
     "a confirmation of an older report is none": (
         REPORTING,
-        Confirmed(("6", "7", "8"), answers=False, newer=True),
+        ConfirmationHeard(("6", "7", "8"), answers=False, newer=True),
         REPORTING,
         (),
     ),
     "a confirmation without a report is none": (
         HOLDING,
-        Confirmed(("3",), answers=True, newer=True),
+        ConfirmationHeard(("3",), answers=True, newer=True),
         HOLDING,
         (),
     ),
     "signing off, too, a report is confirmed": (
         SIGNING_OFF,
-        Confirmed(("PE",), answers=True, newer=False),
+        ConfirmationHeard(("PE",), answers=True, newer=False),
         replace(SIGNING_OFF, requests=(LEAVING,)),
         (StopTimer(REPORT),),
     ),
@@ -233,5 +233,5 @@ def test_every_row_has_a_case() -> None:
 
 def test_a_lost_report_heals_with_the_next_one_which_says_what_is_held_then() -> None:
     more, _ = step(REPORTING, Cleared(("6",)), covered=False)  # lost: the radio does not reach
-    _, actions = step(more, Due(None), covered=True)
+    _, actions = step(more, RepeatDue(None), covered=True)
     assert actions[-3:] == reported("7", "8")

@@ -13,23 +13,23 @@ from onboard.authority import route
 from onboard.authority.machine import step
 from onboard.authority.records import (
     Action,
-    Ask,
     AskRoute,
     Authority,
     Event,
     GiveBack,
-    Granted,
-    Refused,
+    GrantHeard,
+    OpenRequest,
+    RefusalHeard,
     Renew,
-    Request,
-    Send,
+    RequestKind,
+    SendRequest,
     SetTimer,
     StopTimer,
     Take,
     Timer,
     Write,
 )
-from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, Standing, standing
+from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, SignOnStanding, standing
 from onboard.duty.plan import PointsNeeded
 
 P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
@@ -37,11 +37,13 @@ SECTIONS: Final = ("5", "6", "7", "8")
 ROUTE, REPORT = Timer("route"), Timer("report")
 
 ON_LINE: Final = Authority(held=("3",), on_line=True)
-OPEN: Final = Request(Ask.ROUTE, "3>8", SECTIONS, sent=True)
+OPEN: Final = OpenRequest(RequestKind.ROUTE, "3>8", SECTIONS, sent=True)
 ASKING: Final = replace(ON_LINE, requests=(OPEN,))
 HOLDING: Final = replace(ON_LINE, held=("3", *SECTIONS), commandable=("5", "7"))
-GRANT: Final = Granted("3>8", SECTIONS, ("5", "7"), answers=True, fresh=True, newer=True)
-REFUSAL: Final = Refused(Ask.ROUTE, "3>8", "held: section 6 of V2", lost_sight=False, answers=True)
+GRANT: Final = GrantHeard("3>8", SECTIONS, ("5", "7"), answers=True, fresh=True, newer=True)
+REFUSAL: Final = RefusalHeard(
+    RequestKind.ROUTE, "3>8", "held: section 6 of V2", lost_sight=False, answers=True
+)
 TAKEN: Final = (StopTimer(ROUTE), Take(SECTIONS), Write(notes.RouteHeld(route_id="3>8", token=0)))
 
 
@@ -51,13 +53,13 @@ def holds(*section_ids: str) -> Write:
 
 def reported(*section_ids: str) -> tuple[Action, ...]:
     return (
-        Send(Request(Ask.REPORT, section_ids=section_ids)),
+        SendRequest(OpenRequest(RequestKind.REPORT, section_ids=section_ids)),
         SetTimer(REPORT, REPEAT_S),
         Write(notes.Reported(section_ids=section_ids, token=0)),
     )
 
 
-def other(grant: Granted, **changes: object) -> Granted:
+def other(grant: GrantHeard, **changes: object) -> GrantHeard:
     return replace(grant, **changes)
 
 
@@ -66,7 +68,7 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         ON_LINE,
         AskRoute("3>8", SECTIONS),
         ASKING,
-        (Renew(Ask.ROUTE), Send(replace(OPEN, sent=False)), SetTimer(ROUTE, REPEAT_S)),
+        (Renew(RequestKind.ROUTE), SendRequest(replace(OPEN, sent=False)), SetTimer(ROUTE, REPEAT_S)),
     ),
     "one at a time": (ASKING, AskRoute("3>9", ("5", "6", "7", "9")), ASKING, ()),
     "granted, it is held whole": (ASKING, GRANT, HOLDING, (*TAKEN, holds("3", *SECTIONS))),
@@ -93,7 +95,7 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         REFUSAL,
         replace(ASKING, requests=(replace(OPEN, refusal=REFUSAL.why),)),
         (
-            Renew(Ask.ROUTE),
+            Renew(RequestKind.ROUTE),
             SetTimer(ROUTE, REFUSED_REPEAT_S),
             Write(notes.RouteDenied(route_id="3>8", why=REFUSAL.why)),
         ),
@@ -102,17 +104,20 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         replace(ASKING, requests=(replace(OPEN, refusal=REFUSAL.why),)),
         REFUSAL,
         replace(ASKING, requests=(replace(OPEN, refusal=REFUSAL.why),)),
-        (Renew(Ask.ROUTE), SetTimer(ROUTE, REFUSED_REPEAT_S)),
+        (Renew(RequestKind.ROUTE), SetTimer(ROUTE, REFUSED_REPEAT_S)),
     ),
     "a manager that lost sight of the unit gets a report": (
         ASKING,
         replace(REFUSAL, why="stale token", lost_sight=True),
-        replace(ASKING, requests=(replace(OPEN, refusal="stale token"), Request(Ask.REPORT, sent=True))),
+        replace(
+            ASKING,
+            requests=(replace(OPEN, refusal="stale token"), OpenRequest(RequestKind.REPORT, sent=True)),
+        ),
         (
-            Renew(Ask.ROUTE),
+            Renew(RequestKind.ROUTE),
             SetTimer(ROUTE, REFUSED_REPEAT_S),
             Write(notes.RouteDenied(route_id="3>8", why="stale token")),
-            Renew(Ask.REPORT),
+            Renew(RequestKind.REPORT),
             *reported("3"),
         ),
     ),
@@ -143,14 +148,14 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     "given back, what is left is reported": (
         replace(HOLDING, proven=(P5,)),
         GiveBack(SECTIONS),
-        replace(ON_LINE, requests=(Request(Ask.REPORT, sent=True),)),
-        (Renew(Ask.REPORT), holds("3"), *reported("3")),
+        replace(ON_LINE, requests=(OpenRequest(RequestKind.REPORT, sent=True),)),
+        (Renew(RequestKind.REPORT), holds("3"), *reported("3")),
     ),
     "given back while its grant may be on its way: that fits nothing, and the report frees it": (
         ASKING,
         GiveBack(SECTIONS),
-        replace(ON_LINE, requests=(Request(Ask.REPORT, sent=True),)),
-        (StopTimer(ROUTE), Renew(Ask.REPORT), *reported("3")),
+        replace(ON_LINE, requests=(OpenRequest(RequestKind.REPORT, sent=True),)),
+        (StopTimer(ROUTE), Renew(RequestKind.REPORT), *reported("3")),
     ),
     "nothing to give back": (ON_LINE, GiveBack(SECTIONS), ON_LINE, ()),
 }
@@ -165,4 +170,4 @@ def test_row(name: str) -> None:
 def test_every_row_has_a_case() -> None:
     """With the refusal of a route, whose row also takes that of a claim (`agreement`)."""
     cases = {(standing(state), type(event)) for state, event, _, _ in CASES.values()}
-    assert cases == {*route.TABLE, (Standing.ON_LINE, Refused)}
+    assert cases == {*route.TABLE, (SignOnStanding.ON_LINE, RefusalHeard)}

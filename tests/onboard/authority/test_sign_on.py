@@ -13,21 +13,21 @@ from onboard.authority import sign_on
 from onboard.authority.machine import step
 from onboard.authority.records import (
     Action,
-    Ask,
     Authority,
     BeginOnLine,
-    Command,
     EndOnLine,
     Event,
-    Queried,
-    Refused,
+    OpenCommand,
+    OpenRequest,
+    QueryHeard,
+    RefusalHeard,
     Renew,
-    Request,
-    Send,
+    RequestKind,
     SendClaim,
+    SendRequest,
     SetTimer,
-    SignedOff,
-    SignedOn,
+    SignOffHeard,
+    SignOnHeard,
     StopTimer,
     Take,
     TakenOff,
@@ -35,7 +35,7 @@ from onboard.authority.records import (
     TurnedBack,
     Write,
 )
-from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, Standing, standing
+from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, SignOnStanding, standing
 from onboard.duty.plan import PointsNeeded
 
 P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
@@ -45,12 +45,12 @@ OFF: Final = Authority()
 BOOTED: Final = Authority(unsure=True)
 ON_LINE: Final = Authority(held=("PE",), on_line=True)
 HOLDING: Final = Authority(held=("3", "5", "6"), commandable=("5",), on_line=True)
-ASKED: Final = Request(Ask.ROUTE, "3>8", ("5", "6"), sent=True)
-CLAIMING: Final = Request(Ask.SIGN_ON, section_ids=("3",), sent=True)
+ASKED: Final = OpenRequest(RequestKind.ROUTE, "3>8", ("5", "6"), sent=True)
+CLAIMING: Final = OpenRequest(RequestKind.SIGN_ON, section_ids=("3",), sent=True)
 SIGNING_ON: Final = Authority(held=("3",), requests=(CLAIMING,))
 WISHING: Final = Authority(entering=True, requests=(replace(CLAIMING, section_ids=("PW",)),))
 IGNORANT: Final = Authority(requests=(replace(CLAIMING, section_ids=None),))
-LEAVING: Final = Request(Ask.SIGN_OFF, sent=True)
+LEAVING: Final = OpenRequest(RequestKind.SIGN_OFF, sent=True)
 SIGNED_OFF: Final = Authority(held=("PE",), leaving=True)
 SIGNING_OFF: Final = replace(ON_LINE, requests=(LEAVING,))
 
@@ -63,8 +63,8 @@ def claimed(*section_ids: str) -> Write:
     return Write(notes.Claimed(section_ids=section_ids, token=0))
 
 
-def said(request: Request) -> tuple[Action, ...]:
-    return Send(replace(request, sent=False)), SetTimer(request.timer, REPEAT_S)
+def said(request: OpenRequest) -> tuple[Action, ...]:
+    return SendRequest(replace(request, sent=False)), SetTimer(request.timer, REPEAT_S)
 
 
 CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] = {
@@ -72,29 +72,29 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         OFF,
         BeginOnLine(("3",)),
         SIGNING_ON,
-        (Renew(Ask.SIGN_ON), holds("3"), *said(CLAIMING)),
+        (Renew(RequestKind.SIGN_ON), holds("3"), *said(CLAIMING)),
     ),
     "who waits to enter wishes, and holds nothing": (
         OFF,
         BeginOnLine(("PW",), enters=True),
         WISHING,
-        (Renew(Ask.SIGN_ON), holds(), *said(WISHING.requests[0])),
+        (Renew(RequestKind.SIGN_ON), holds(), *said(WISHING.requests[0])),
     ),
     "who was switched on does not know": (
         OFF,
         BeginOnLine(None),
         IGNORANT,
-        (Renew(Ask.SIGN_ON), *said(IGNORANT.requests[0])),
+        (Renew(RequestKind.SIGN_ON), *said(IGNORANT.requests[0])),
     ),
     "a sign-on begun anew takes the place of the one open": (
         WISHING,
         BeginOnLine(("3",)),
         SIGNING_ON,
-        (Renew(Ask.SIGN_ON), holds("3"), *said(CLAIMING)),
+        (Renew(RequestKind.SIGN_ON), holds("3"), *said(CLAIMING)),
     ),
     "accepted, it holds what the manager says": (
         IGNORANT,
-        SignedOn(("3", "5", "6"), ("5",), answers=True, newer=True),
+        SignOnHeard(("3", "5", "6"), ("5",), answers=True, newer=True),
         HOLDING,
         (
             StopTimer(SIGN_ON),
@@ -105,37 +105,37 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     ),
     "accepted, the wish is a fact": (
         WISHING,
-        SignedOn(("PW",), (), answers=True, newer=True),
+        SignOnHeard(("PW",), (), answers=True, newer=True),
         Authority(held=("PW",), on_line=True),
         (StopTimer(SIGN_ON), Take(("PW",)), Write(notes.SignedOn(section_ids=("PW",))), holds("PW")),
     ),
     "an acceptance of another sign-on is none": (
         SIGNING_ON,
-        SignedOn(("3", "5"), ("5",), answers=False, newer=True),
+        SignOnHeard(("3", "5"), ("5",), answers=False, newer=True),
         SIGNING_ON,
         (),
     ),
     "an answer to a claim brings a newer token and capabilities, never sections": (
         replace(HOLDING, commandable=()),
-        SignedOn(("3", "5", "6", "7"), ("5", "7"), answers=False, newer=True),
+        SignOnHeard(("3", "5", "6", "7"), ("5", "7"), answers=False, newer=True),
         HOLDING,
         (Take(()),),
     ),
     "with a newer token what is open is asked anew": (
         replace(HOLDING, requests=(ASKED,)),
-        SignedOn(("3", "5", "6"), (), answers=False, newer=True),
+        SignOnHeard(("3", "5", "6"), (), answers=False, newer=True),
         replace(HOLDING, requests=(ASKED,)),
-        (Take(()), Renew(Ask.ROUTE), *said(ASKED)),
+        (Take(()), Renew(RequestKind.ROUTE), *said(ASKED)),
     ),
     "an answer to a claim that is not newer says nothing": (
         HOLDING,
-        SignedOn(("3", "5", "6"), (), answers=False, newer=False),
+        SignOnHeard(("3", "5", "6"), (), answers=False, newer=False),
         HOLDING,
         (),
     ),
     "accepted, it learns what must be swept": (
         IGNORANT,
-        SignedOn(("3", "5", "6"), ("5",), answers=True, newer=True, on_sight=("5", "6")),
+        SignOnHeard(("3", "5", "6"), ("5",), answers=True, newer=True, on_sight=("5", "6")),
         replace(HOLDING, unswept=("5", "6")),
         (
             StopTimer(SIGN_ON),
@@ -146,13 +146,13 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     ),
     "an answer to a claim says what of it must be swept, and no more": (
         replace(HOLDING, unswept=("3",)),
-        SignedOn(("3", "5", "6", "7"), (), answers=False, newer=False, on_sight=("6", "7")),
+        SignOnHeard(("3", "5", "6", "7"), (), answers=False, newer=False, on_sight=("6", "7")),
         replace(HOLDING, unswept=("6",)),
         (),
     ),
     "accepted, an older contradiction is over": (
         replace(SIGNING_ON, mismatch="contested: 3"),
-        SignedOn(("3",), (), answers=True, newer=True),
+        SignOnHeard(("3",), (), answers=True, newer=True),
         Authority(held=("3",), on_line=True),
         (
             StopTimer(SIGN_ON),
@@ -166,29 +166,29 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         Authority(requests=(CLAIMING,), mismatch="contested: 3", unswept=("3",), swept=("5",)),
         BeginOnLine(("3",)),
         SIGNING_ON,
-        (Renew(Ask.SIGN_ON), holds("3"), *said(CLAIMING)),
+        (Renew(RequestKind.SIGN_ON), holds("3"), *said(CLAIMING)),
     ),
     "signing off, too, a newer token is taken": (
         SIGNING_OFF,
-        SignedOn(("PE",), (), answers=False, newer=True),
+        SignOnHeard(("PE",), (), answers=False, newer=True),
         SIGNING_OFF,
-        (Take(()), Renew(Ask.SIGN_OFF), *said(LEAVING)),
+        (Take(()), Renew(RequestKind.SIGN_OFF), *said(LEAVING)),
     ),
     "refused, it asks again later": (
         WISHING,
-        Refused(Ask.SIGN_ON, "", "held: section PW of V2", lost_sight=False, answers=True),
+        RefusalHeard(RequestKind.SIGN_ON, "", "held: section PW of V2", lost_sight=False, answers=True),
         replace(WISHING, requests=(replace(WISHING.requests[0], refusal="held: section PW of V2"),)),
         (SetTimer(SIGN_ON, REFUSED_REPEAT_S), Write(notes.SignOnDenied(why="held: section PW of V2"))),
     ),
     "a refusal of an older sign-on is none": (
         WISHING,
-        Refused(Ask.SIGN_ON, "", "held", lost_sight=False, answers=False),
+        RefusalHeard(RequestKind.SIGN_ON, "", "held", lost_sight=False, answers=False),
         WISHING,
         (),
     ),
     "signing on, a refusal of a route is none": (
         SIGNING_ON,
-        Refused(Ask.ROUTE, "3>8", "held", lost_sight=False, answers=True),
+        RefusalHeard(RequestKind.ROUTE, "3>8", "held", lost_sight=False, answers=True),
         SIGNING_ON,
         (),
     ),
@@ -196,52 +196,53 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         ON_LINE,
         EndOnLine(),
         SIGNING_OFF,
-        (Renew(Ask.SIGN_OFF), *said(LEAVING)),
+        (Renew(RequestKind.SIGN_OFF), *said(LEAVING)),
     ),
     "it does not sign off with more": (HOLDING, EndOnLine(), HOLDING, ()),
     "a sign-off refused is said again later": (
         SIGNING_OFF,
-        Refused(Ask.SIGN_OFF, "", "UNDEFINED", lost_sight=False, answers=True),
+        RefusalHeard(RequestKind.SIGN_OFF, "", "UNDEFINED", lost_sight=False, answers=True),
         replace(SIGNING_OFF, requests=(replace(LEAVING, refusal="UNDEFINED"),)),
         (SetTimer(SIGN_OFF, REFUSED_REPEAT_S), Write(notes.SignOffDenied(why="UNDEFINED"))),
     ),
     "a manager that lost sight of who signs off gets a report first": (
         SIGNING_OFF,
-        Refused(Ask.SIGN_OFF, "", "STALE_TOKEN", lost_sight=True, answers=True),
+        RefusalHeard(RequestKind.SIGN_OFF, "", "STALE_TOKEN", lost_sight=True, answers=True),
         replace(
-            SIGNING_OFF, requests=(replace(LEAVING, refusal="STALE_TOKEN"), Request(Ask.REPORT, sent=True))
+            SIGNING_OFF,
+            requests=(replace(LEAVING, refusal="STALE_TOKEN"), OpenRequest(RequestKind.REPORT, sent=True)),
         ),
         (
             SetTimer(SIGN_OFF, REFUSED_REPEAT_S),
-            Renew(Ask.REPORT),
+            Renew(RequestKind.REPORT),
             Write(notes.SignOffDenied(why="STALE_TOKEN")),
-            Send(Request(Ask.REPORT, section_ids=("PE",))),
+            SendRequest(OpenRequest(RequestKind.REPORT, section_ids=("PE",))),
             SetTimer(REPORT, REPEAT_S),
             Write(notes.Reported(section_ids=("PE",), token=0)),
         ),
     ),
     "a refusal of another sign-off is none": (
         SIGNING_OFF,
-        Refused(Ask.SIGN_OFF, "", "STALE_TOKEN", lost_sight=True, answers=False),
+        RefusalHeard(RequestKind.SIGN_OFF, "", "STALE_TOKEN", lost_sight=True, answers=False),
         SIGNING_OFF,
         (),
     ),
     "signed off it holds its portal": (
         SIGNING_OFF,
-        SignedOff(answers=True),
+        SignOffHeard(answers=True),
         SIGNED_OFF,
         (StopTimer(SIGN_OFF), Write(notes.SignedOff())),
     ),
     "asked while its train may still stand there, it claims it": (
         SIGNED_OFF,
-        Queried(),
+        QueryHeard(),
         SIGNED_OFF,
         (SendClaim(("PE",)), claimed("PE")),
     ),
     "off the line it holds nothing": (SIGNED_OFF, TakenOff(), OFF, (holds(),)),
     "signed off it asks for nothing any more": (
-        replace(SIGNING_OFF, requests=(ASKED, LEAVING), commands=(Command(P5, sent=True),), proven=(P5,)),
-        SignedOff(answers=True),
+        replace(SIGNING_OFF, requests=(ASKED, LEAVING), commands=(OpenCommand(P5, sent=True),), proven=(P5,)),
+        SignOffHeard(answers=True),
         SIGNED_OFF,
         (
             StopTimer(Timer("route")),
@@ -250,43 +251,43 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
             Write(notes.SignedOff()),
         ),
     ),
-    "an acceptance of another sign-off is none": (SIGNING_OFF, SignedOff(answers=False), SIGNING_OFF, ()),
-    "asked off the line, it claims nothing": (OFF, Queried(), OFF, (SendClaim(()), claimed())),
+    "an acceptance of another sign-off is none": (SIGNING_OFF, SignOffHeard(answers=False), SIGNING_OFF, ()),
+    "asked off the line, it claims nothing": (OFF, QueryHeard(), OFF, (SendClaim(()), claimed())),
     "asked after a boot, before its crew has entered a train number, it does not know": (
         BOOTED,
-        Queried(),
+        QueryHeard(),
         BOOTED,
         (SendClaim(None),),
     ),
     "asked while it waits to enter, it claims nothing": (
         WISHING,
-        Queried(),
+        QueryHeard(),
         WISHING,
         (SendClaim(()), claimed()),
     ),
     "asked while it signs on, it claims where it stands": (
         SIGNING_ON,
-        Queried(),
+        QueryHeard(),
         SIGNING_ON,
         (SendClaim(("3",)), claimed("3")),
     ),
-    "asked when it does not know, it says so": (IGNORANT, Queried(), IGNORANT, (SendClaim(None),)),
+    "asked when it does not know, it says so": (IGNORANT, QueryHeard(), IGNORANT, (SendClaim(None),)),
     "asked on the line, it claims all that it holds": (
         HOLDING,
-        Queried(),
+        QueryHeard(),
         HOLDING,
         (SendClaim(("3", "5", "6")), claimed("3", "5", "6")),
     ),
     "asked while it signs off, it claims its portal": (
         SIGNING_OFF,
-        Queried(),
+        QueryHeard(),
         SIGNING_OFF,
         (SendClaim(("PE",)), claimed("PE")),
     ),
     "turned back off the line": (OFF, TurnedBack(), OFF, ()),
     "turned back while signing on": (SIGNING_ON, TurnedBack(), SIGNING_ON, ()),
     "turned back, the last is first and proofs are forgotten": (
-        replace(HOLDING, commands=(Command(P5, sent=True),), proven=(P5,), unsaid=(P5,)),
+        replace(HOLDING, commands=(OpenCommand(P5, sent=True),), proven=(P5,), unsaid=(P5,)),
         TurnedBack(),
         replace(HOLDING, held=("6", "5", "3")),
         (StopTimer(Timer("points", "P5")), holds("6", "5", "3")),
@@ -306,9 +307,9 @@ def test_every_row_has_a_case() -> None:
     """With the rows that it shares with `agreement`: answers to a claim, and refusals of a sign-on and a sign-off."""
     cases = {(standing(state), type(event)) for state, event, _, _ in CASES.values()}
     shared = {
-        (Standing.ON_LINE, SignedOn),
-        (Standing.SIGNING_OFF, SignedOn),
-        (Standing.SIGNING_ON, Refused),
-        (Standing.SIGNING_OFF, Refused),
+        (SignOnStanding.ON_LINE, SignOnHeard),
+        (SignOnStanding.SIGNING_OFF, SignOnHeard),
+        (SignOnStanding.SIGNING_ON, RefusalHeard),
+        (SignOnStanding.SIGNING_OFF, RefusalHeard),
     }
     assert cases == {*sign_on.TABLE, *shared}

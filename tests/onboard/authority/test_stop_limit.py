@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from network.model import Position
-from onboard.authority.records import Authority, Command
+from onboard.authority.records import Authority, OpenCommand
 from onboard.authority.stop_limit import (
     cleared_sections,
     entered_on_proof,
@@ -19,7 +19,7 @@ from onboard.authority.stop_limit import (
     stop_limit,
 )
 from onboard.duty.mission import Mission
-from onboard.duty.plan import Plan, PointsNeeded, plan_of
+from onboard.duty.plan import DutyPlan, PointsNeeded, plan_of
 
 P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
 P7: Final = PointsNeeded("P7", Position.NORMAL, "7", "B-W")
@@ -27,7 +27,7 @@ ALL: Final = ("3", "5", "6", "7", "8")  # joints 0 to 4; the end of the path is 
 
 
 @pytest.fixture(scope="module")
-def plan(mission: Mission) -> Plan:
+def plan(mission: Mission) -> DutyPlan:
     return plan_of(mission, 40.0)
 
 
@@ -52,7 +52,7 @@ def authority(*section_ids: str, proven: tuple[PointsNeeded, ...] = ()) -> Autho
     ],
 )
 def test_stop_limit(
-    plan: Plan,
+    plan: DutyPlan,
     held: tuple[str, ...],
     proven: tuple[PointsNeeded, ...],
     joint: int,
@@ -63,12 +63,12 @@ def test_stop_limit(
     assert (limit.joint, limit.before, limit.why) == (joint, before, why)
 
 
-def test_a_proof_for_the_other_position_does_not_count(plan: Plan) -> None:
+def test_a_proof_for_the_other_position_does_not_count(plan: DutyPlan) -> None:
     other = replace(P5, position=Position.REVERSE)
     assert stop_limit(plan, authority(*ALL, proven=(other, P7))).before == "5"
 
 
-def test_points_entered_on_their_proof_hold_the_train_back_no_more(plan: Plan) -> None:
+def test_points_entered_on_their_proof_hold_the_train_back_no_more(plan: DutyPlan) -> None:
     held = authority(*ALL)
     assert stop_limit(plan, held, frozenset({"5"})).before == "7"
     assert stop_limit(plan, authority("3"), frozenset({"5"})).before == "5"  # held they must be all the same
@@ -76,7 +76,7 @@ def test_points_entered_on_their_proof_hold_the_train_back_no_more(plan: Plan) -
 
 @given(held=st.sets(st.sampled_from(ALL)), proven=st.sets(st.sampled_from((P5, P7))))
 def test_everything_before_the_limit_is_held_and_proven(
-    plan: Plan, held: set[str], proven: set[PointsNeeded]
+    plan: DutyPlan, held: set[str], proven: set[PointsNeeded]
 ) -> None:
     """From the first section held on; and one more section or proof never draws the limit nearer."""
     state = authority(*(s for s in ALL if s in held), proven=tuple(sorted(proven)))
@@ -90,7 +90,7 @@ def test_everything_before_the_limit_is_held_and_proven(
         assert stop_limit(plan, replace(state, held=ALL)).joint >= limit.joint
 
 
-def test_sections_that_the_safe_rear_has_left(plan: Plan) -> None:
+def test_sections_that_the_safe_rear_has_left(plan: DutyPlan) -> None:
     state = authority("3", "6", "7", "8")
     assert [cleared_sections(plan, state, clear) for clear in range(6)] == [
         (),
@@ -102,7 +102,7 @@ def test_sections_that_the_safe_rear_has_left(plan: Plan) -> None:
     ]
 
 
-def test_the_span_that_the_rear_leaves_next(plan: Plan) -> None:
+def test_the_span_that_the_rear_leaves_next(plan: DutyPlan) -> None:
     assert next_rear_span(plan, authority(*ALL), 5) == 0
     assert next_rear_span(plan, authority("6", "7", "8"), 5) == 2
     assert next_rear_span(plan, authority("8"), 5) is None  # the last one is kept
@@ -111,12 +111,12 @@ def test_the_span_that_the_rear_leaves_next(plan: Plan) -> None:
 
 @pytest.mark.parametrize(("freed", "rear"), [(0, None), (2, None), (3, 2), (4, 2)])
 def test_no_rear_is_watched_before_a_tag_proves_its_section_to_be_behind(
-    plan: Plan, freed: int, rear: int | None
+    plan: DutyPlan, freed: int, rear: int | None
 ) -> None:
     assert next_rear_span(plan, authority("6", "7", "8"), freed) == rear
 
 
-def test_before_a_section_not_swept_it_stops_and_then_passes_it_on_sight(plan: Plan) -> None:
+def test_before_a_section_not_swept_it_stops_and_then_passes_it_on_sight(plan: DutyPlan) -> None:
     state = replace(authority(*ALL, proven=(P5, P7)), unswept=("6", "7"))
     limit = stop_limit(plan, state)
     assert (limit.joint, limit.before, limit.why) == (2, "6", "to be passed on sight")
@@ -137,13 +137,15 @@ def test_before_a_section_not_swept_it_stops_and_then_passes_it_on_sight(plan: P
     ],
 )
 def test_points_that_the_front_surely_came_onto_by_their_proof(
-    plan: Plan, sure: int, proven: tuple[PointsNeeded, ...], entered: set[str]
+    plan: DutyPlan, sure: int, proven: tuple[PointsNeeded, ...], entered: set[str]
 ) -> None:
     assert entered_on_proof(plan, authority(*ALL, proven=proven), sure) == entered
 
 
 @pytest.mark.parametrize(("perhaps", "under"), [(1, ()), (2, ("5",)), (3, ("5",)), (4, ("5", "7"))])
-def test_points_under_way_that_the_front_may_be_on(plan: Plan, perhaps: int, under: tuple[str, ...]) -> None:
-    throwing = replace(authority(*ALL), commands=(Command(P5, sent=True), Command(P7)))
+def test_points_under_way_that_the_front_may_be_on(
+    plan: DutyPlan, perhaps: int, under: tuple[str, ...]
+) -> None:
+    throwing = replace(authority(*ALL), commands=(OpenCommand(P5, sent=True), OpenCommand(P7)))
     assert points_perhaps_under(plan, throwing, perhaps) == under
     assert points_perhaps_under(plan, authority(*ALL), perhaps) == ()

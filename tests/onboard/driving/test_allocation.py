@@ -11,14 +11,14 @@ from network.model import Direction
 from network.profile import profile_of
 from onboard.driving.pattern import limit_for_train, lowered_by
 from onboard.driving.planner.allocation import allocated
-from onboard.driving.planner.arrivals import OnMap, Times, arrivals_s, up_to_fixed
+from onboard.driving.planner.arrivals import ArrivalAims, TrainOnMap, arrivals_s, up_to_fixed
 from onboard.driving.planner.windows import journey_stops, made_possible
 from onboard.driving.planner.wish import Margin, Planning
 from onboard.duty.mission import Mission, Target
+from scenario.scenario import load_scenario
 from simulation.world.roster import drawn_up
-from study.scenario.scenario import load_scenario
 from vehicle.optimum import least_time
-from vehicle.optimum.journey import JourneyStop, Window, WindowMissed, journey_times
+from vehicle.optimum.journey import JourneyStop, TimeWindow, WindowMissed, journey_times
 from vehicle.optimum.pareto import HopCurve, ParetoPoint, curve_of
 from vehicle.resistance import climb_m
 from vehicle.running_time import laid_down_s
@@ -33,10 +33,10 @@ def hop(least_s: float, scale_j: float) -> HopCurve:
 
 HOPS = [hop(97.0, 1e6), hop(198.0, 2e7), hop(101.0, 2e6)]
 FREE = (
-    JourneyStop("a", departure=Window(0.0, 0.0)),
+    JourneyStop("a", departure=TimeWindow(0.0, 0.0)),
     JourneyStop("b", dwell_min_s=20.0),
     JourneyStop("c", dwell_min_s=20.0),
-    JourneyStop("d", Window(latest_s=500.0)),
+    JourneyStop("d", TimeWindow(latest_s=500.0)),
 )
 
 
@@ -65,7 +65,7 @@ def test_margin_where_it_saves_costs_least() -> None:
 
 @pytest.mark.parametrize("margin", list(Margin))
 def test_a_late_train_is_no_later_than_its_least_times_make_it(margin: Margin) -> None:
-    stops = (*FREE[:2], JourneyStop("c", Window(latest_s=300.0), Window(330.0, 330.0), 20.0), FREE[3])
+    stops = (*FREE[:2], JourneyStop("c", TimeWindow(latest_s=300.0), TimeWindow(330.0, 330.0), 20.0), FREE[3])
     with pytest.raises(WindowMissed):
         journey_times(HOPS, stops)
     found = allocated(HOPS, stops, margin)
@@ -105,7 +105,7 @@ def test_a_train_held_back_departs_when_it_can() -> None:
     departure_s = mission.targets[at].departure_s
     assert departure_s is not None
     held = journey_stops(mission, at, departure_s + 90.0, dwell_s, 10.0)
-    assert held[0].departure == Window(departure_s + 90.0, departure_s + 90.0)
+    assert held[0].departure == TimeWindow(departure_s + 90.0, departure_s + 90.0)
     _, late_s = made_possible(held, [250.0] * (len(held) - 1))
     assert late_s > 0.0
 
@@ -130,20 +130,20 @@ def test_directions_do_not_matter_to_where_trains_can_meet() -> None:
     assert math.isfinite(mission.targets[-1].mark_m)
 
 
-def on_map_of(mission: Mission) -> OnMap:
+def on_map_of(mission: Mission) -> TrainOnMap:
     setup = load_scenario("karasuyama_weekday").setup
     kind = next(iter(setup.trains.values()))
     train = kind.row.view(np.recarray)[0]
     profile = profile_of(setup.line, mission.path)
     driving_mps = lowered_by(limit_for_train(profile["limit_mps"], train), setup.driving.driving_margin_mps)
     climbs_m = np.ascontiguousarray(climb_m(train, profile["elevation_m"], profile["turn_rad"]))
-    return OnMap(kind.row[0], 0.2, climbs_m, driving_mps, setup.driving.stop_deceleration_mps2)
+    return TrainOnMap(kind.row[0], 0.2, climbs_m, driving_mps, setup.driving.stop_deceleration_mps2)
 
 
 @pytest.mark.parametrize("margin", [Margin.SPREAD, Margin.SAVING])
 def test_with_fixed_departures_every_arrival_is_the_latest(margin: Margin) -> None:
     mission, dwell_s = mission_of("321M")
-    on_map, times = on_map_of(mission), Times(dwell_s, 10.0)
+    on_map, times = on_map_of(mission), ArrivalAims(dwell_s, 10.0)
     for at, target in enumerate(mission.targets[1:-1], 1):
         latest_s = mission.targets[at + 1].latest_arrival_s(dwell_s)
         if target.departure_s is not None and latest_s is not None:
@@ -153,7 +153,7 @@ def test_with_fixed_departures_every_arrival_is_the_latest(margin: Margin) -> No
 
 def test_a_tolerance_gives_time_to_the_hop_that_has_too_little_up_to_where_trains_meet() -> None:
     mission, dwell_s = mission_of("321M")
-    on_map, times = on_map_of(mission), Times(dwell_s, 10.0)
+    on_map, times = on_map_of(mission), ArrivalAims(dwell_s, 10.0)
     names = [target.station_id for target in mission.targets]
     at, meets = names.index("SHN"), names.index("OGN")
     planning = Planning(plan_tolerance_s=40.0)
@@ -166,7 +166,7 @@ def test_a_tolerance_gives_time_to_the_hop_that_has_too_little_up_to_where_train
 
 def test_margin_at_the_end_arrives_after_the_standard_time() -> None:
     mission, dwell_s = mission_of("321M")
-    on_map, times = on_map_of(mission), Times(dwell_s, 10.0)
+    on_map, times = on_map_of(mission), ArrivalAims(dwell_s, 10.0)
     at = [target.station_id for target in mission.targets].index("NIT")
     departure_s = mission.targets[at].departure_s
     assert departure_s is not None
@@ -179,15 +179,15 @@ def test_where_there_is_no_time_there_is_no_arrival_to_mean() -> None:
     mission, dwell_s = mission_of("322M")
     at = len(mission.targets) - 2
     assert mission.targets[at + 1].station_id is None
-    due_s = arrivals_s(Planning(), on_map_of(mission), mission, at, 0.0, Times(dwell_s, 10.0))
+    due_s = arrivals_s(Planning(), on_map_of(mission), mission, at, 0.0, ArrivalAims(dwell_s, 10.0))
     assert due_s == (math.inf,)
 
 
 def test_a_stop_without_a_time_takes_none_from_the_stop_before_it() -> None:
     """A train that goes on from its last station to a portal, which has no time, is due at the station all the same."""
-    here = JourneyStop("A", departure=Window(0.0, 0.0))
-    station = JourneyStop("B", Window(latest_s=300.0), Window(), 20.0)
-    portal = JourneyStop("portal", Window(), Window())
+    here = JourneyStop("A", departure=TimeWindow(0.0, 0.0))
+    station = JourneyStop("B", TimeWindow(latest_s=300.0), TimeWindow(), 20.0)
+    portal = JourneyStop("portal", TimeWindow(), TimeWindow())
     found = up_to_fixed((here, station, portal))
     assert [stop.name for stop in found] == ["A", "B"]
     assert found[-1].arrival.latest_s == 300.0

@@ -16,15 +16,15 @@ from onboard.driving.laws.settings import fit_law
 from onboard.driving.laws.table import LAWS_ROW
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.duty.mission import Mission
-from onboard.duty.records import Command, Limit, Looked, Order
-from onboard.motion import Motion
+from onboard.duty.records import DrivingCommand, DrivingOrder, Looked, StopLimit
+from onboard.motion import UnitMotion
 from onboard.records import EVENT_OFF_PLAN, EVENT_TAG_OVERDUE, MODE_DRIVE, BehaviourRow, PathData, UnitRow
 from onboard.unit_records import UnitParameters
 from vehicle.records import TrainRow
 
 Rows = NDArray[np.void]
-DEPART = Command(
-    drive=True, target=1, limit=Limit(5, None, "end of the path"), rear=0, orders=(Order.DEPART,)
+DEPART = DrivingCommand(
+    drive=True, target=1, limit=StopLimit(5, None, "end of the path"), rear=0, orders=(DrivingOrder.DEPART,)
 )
 ON = msgspec.structs.replace(DEPART, orders=())
 
@@ -38,11 +38,11 @@ def made(
     behaviour: BehaviourRow,
     keeper: Callable[[], StopKeeper],
     track: Callable[..., Rows],
-) -> Callable[[str], Motion]:
-    def make(law: str) -> Motion:
+) -> Callable[[str], UnitMotion]:
+    def make(law: str) -> UnitMotion:
         laws = np.zeros(1, dtype=LAWS_ROW).view(np.recarray)[0]
         fit_law(laws, law)
-        motion = Motion(rtri, UnitParameters(), unit, train, behaviour, keeper(), laws=laws)
+        motion = UnitMotion(rtri, UnitParameters(), unit, train, behaviour, keeper(), laws=laws)
         path = PathData(track(np.zeros(math.ceil(mission.path.length_m) + 1)), 0)
         motion.stand_at_start(mission, path, 0.0)
         return motion
@@ -50,7 +50,7 @@ def made(
     return make
 
 
-def departed(motion: Motion, mission: Mission) -> float:
+def departed(motion: UnitMotion, mission: Mission) -> float:
     """It leaves as long before it is due as by the timetable; when that is."""
     due_s = mission.targets[1].arrival_s
     assert due_s is not None
@@ -60,7 +60,7 @@ def departed(motion: Motion, mission: Mission) -> float:
 
 
 def test_a_law_that_follows_a_plan_has_one_from_its_departure(
-    made: Callable[[str], Motion], mission: Mission
+    made: Callable[[str], UnitMotion], mission: Mission
 ) -> None:
     motion = made("optimal")
     now_s = departed(motion, mission)
@@ -73,7 +73,7 @@ def test_a_law_that_follows_a_plan_has_one_from_its_departure(
 
 
 def test_off_its_plan_it_plans_anew_for_the_time_that_is_left(
-    made: Callable[[str], Motion], mission: Mission
+    made: Callable[[str], UnitMotion], mission: Mission
 ) -> None:
     motion = made("optimal")
     now_s = departed(motion, mission)
@@ -91,7 +91,7 @@ def test_off_its_plan_it_plans_anew_for_the_time_that_is_left(
 
 
 def test_too_late_it_plans_for_little_more_than_the_least_time(
-    made: Callable[[str], Motion], mission: Mission
+    made: Callable[[str], UnitMotion], mission: Mission
 ) -> None:
     motion = made("optimal")
     due_s = mission.targets[1].arrival_s
@@ -105,7 +105,7 @@ def test_too_late_it_plans_for_little_more_than_the_least_time(
     assert fast.takes_s == pytest.approx(faster.takes_s)
 
 
-def test_a_law_without_plans_has_none(made: Callable[[str], Motion], mission: Mission) -> None:
+def test_a_law_without_plans_has_none(made: Callable[[str], UnitMotion], mission: Mission) -> None:
     motion = made("hold_speed")
     departed(motion, mission)
     assert motion.taken_plan() is None
@@ -114,7 +114,7 @@ def test_a_law_without_plans_has_none(made: Callable[[str], Motion], mission: Mi
 
 
 def test_a_train_that_would_stall_has_no_plan_and_tries_all_the_same(
-    made: Callable[[str], Motion], mission: Mission
+    made: Callable[[str], UnitMotion], mission: Mission
 ) -> None:
     """The way is steeper than its motors are strong: there is no profile to its stop."""
     motion = made("optimal")
@@ -126,7 +126,7 @@ def test_a_train_that_would_stall_has_no_plan_and_tries_all_the_same(
 
 
 def test_on_sight_and_without_a_position_there_is_no_plan(
-    made: Callable[[str], Motion], mission: Mission
+    made: Callable[[str], UnitMotion], mission: Mission
 ) -> None:
     """The plan was for a train that knows where it is; standing on a coast of it, it would never leave."""
     motion = made("optimal")
@@ -138,13 +138,15 @@ def test_on_sight_and_without_a_position_there_is_no_plan(
     motion.events(EVENT_TAG_OVERDUE)
     assert motion.row.plan_rows == 0
     motion.follow(0, laid.rows.size)
-    motion.obey(Command(drive=True, on_sight=True, orders=(Order.RELEASE,)), now_s + 60.0)
+    motion.obey(DrivingCommand(drive=True, on_sight=True, orders=(DrivingOrder.RELEASE,)), now_s + 60.0)
     assert motion.row.plan_rows == 0
     assert motion.row.replan_s == math.inf
     assert motion.taken_plan() is None
 
 
-def test_under_a_restricted_speed_it_holds_a_speed(made: Callable[[str], Motion], mission: Mission) -> None:
+def test_under_a_restricted_speed_it_holds_a_speed(
+    made: Callable[[str], UnitMotion], mission: Mission
+) -> None:
     motion = made("optimal")
     due_s = mission.targets[1].arrival_s
     assert due_s is not None

@@ -18,7 +18,7 @@ from onboard.driving.stopping import (
     ride_over_slide,
     stop_command_mps2,
 )
-from onboard.driving.tasc import Verdict, judge
+from onboard.driving.tasc import StopVerdict, judge
 from onboard.driving.tuning import OFFSET_STEP_MPS2, Learned
 from onboard.records import EMERGENCY_INTERVENTION, EVENT_VERDICT, BehaviourRow, UnitRow
 from vehicle.records import TrainRow
@@ -94,10 +94,10 @@ def test_the_model_takes_up_the_emergency_brake(
 
 def test_a_verdict_is_told_once(unit: UnitRow, train: TrainRow, keeper: Callable[[], StopKeeper]) -> None:
     kept = keeper()
-    judge(kept.tasc, int(Verdict.BRAKE_TOO_WEAK))
+    judge(kept.tasc, int(StopVerdict.BRAKE_TOO_WEAK))
     events = [issued(unit, train, kept.tasc, kept.design, kept.wave, 0.0) for _ in range(3)]
     assert events == [EVENT_VERDICT, 0, 0]
-    assert Verdict(int(unit.stop_verdict)) is Verdict.BRAKE_TOO_WEAK
+    assert StopVerdict(int(unit.stop_verdict)) is StopVerdict.BRAKE_TOO_WEAK
 
 
 def test_a_mark_behind_the_limit_is_not_aimed_at(unit: UnitRow, keeper: Callable[[], StopKeeper]) -> None:
@@ -118,11 +118,11 @@ def test_a_new_target_frees_the_brake_and_the_verdict(
 ) -> None:
     kept = keeper()
     kept.tasc.braking = 1
-    judge(kept.tasc, int(Verdict.TARGET_NOT_SEEN))
+    judge(kept.tasc, int(StopVerdict.TARGET_NOT_SEEN))
     unit.braking_to_stop = 0
     unit.train_mps, unit.position_m, unit.target_stop_m, unit.stop_limit_m = 10.0, 0.0, 2000.0, np.inf
     assert stop_command_mps2(unit, kept.tasc, kept.design, 0.0) == 0.0
-    assert (kept.tasc.braking, kept.verdict()) == (0, Verdict.POSSIBLE)
+    assert (kept.tasc.braking, kept.verdict()) == (0, StopVerdict.POSSIBLE)
 
 
 def test_standing_forgets_the_stop(keeper: Callable[[], StopKeeper]) -> None:

@@ -16,9 +16,9 @@ from onboard.driving.tasc import (
     TASC,
     WHOLE_LAW,
     DesignRow,
-    Part,
+    StopLawPart,
+    StopVerdict,
     TascRow,
-    Verdict,
     aim_m,
     command_mps2,
     corrected_command_mps2,
@@ -215,21 +215,21 @@ def test_integral_and_derivative_add_to_the_demand() -> None:
     assert demands[2] == pytest.approx(demands[0] + 0.1 * 0.05 / 0.1)
 
 
-def without(part: Part, **changes: float) -> DesignRow:
+def without(part: StopLawPart, **changes: float) -> DesignRow:
     return design(parts=int(WHOLE_LAW & ~part), **changes)
 
 
 def test_the_whole_law_has_every_part() -> None:
-    assert Part(sum(Part)) == WHOLE_LAW
+    assert StopLawPart(sum(StopLawPart)) == WHOLE_LAW
 
 
 def test_without_prediction_it_decides_on_the_present_state() -> None:
-    assert predicted(fresh()[0], without(Part.PREDICTION), 10.0, 0.1) == (10.0, 0.0)
+    assert predicted(fresh()[0], without(StopLawPart.PREDICTION), 10.0, 0.1) == (10.0, 0.0)
     assert predicted(fresh()[0], design(), 10.0, 0.1)[0] < 10.0
 
 
 def test_without_redrawing_a_fix_leaves_the_pattern_to_the_gain() -> None:
-    row = without(Part.REDRAWING)
+    row = without(StopLawPart.REDRAWING)
     tasc = fresh()[0]
     tasc["braking"] = 1
     tasc["pattern_mps2"] = 0.8
@@ -240,7 +240,7 @@ def test_without_redrawing_a_fix_leaves_the_pattern_to_the_gain() -> None:
 
 
 def test_without_feed_forward_only_what_is_off_the_pattern_is_braked() -> None:
-    row, tasc = without(Part.FEED_FORWARD), fresh()[0]
+    row, tasc = without(StopLawPart.FEED_FORWARD), fresh()[0]
     tasc["braking"] = 1
     tasc["pattern_mps2"] = 0.8
     speed, _ = pattern(row, 0.8, 50.0)
@@ -249,7 +249,7 @@ def test_without_feed_forward_only_what_is_off_the_pattern_is_braked() -> None:
 
 def test_without_resistance_the_demand_is_all_of_the_pattern() -> None:
     demands = []
-    for row in (design(), without(Part.RESISTANCE)):
+    for row in (design(), without(StopLawPart.RESISTANCE)):
         tasc = fresh()[0]
         tasc["braking"] = 1
         tasc["pattern_mps2"] = 0.8
@@ -258,7 +258,7 @@ def test_without_resistance_the_demand_is_all_of_the_pattern() -> None:
 
 
 def test_without_the_soft_end_the_pattern_keeps_its_deceleration() -> None:
-    row = without(Part.SOFT_END)
+    row = without(StopLawPart.SOFT_END)
     assert pattern(row, 0.8, 1e-9)[1] == 0.8
     assert pattern(row, 0.8, 100.0)[0] == pytest.approx(math.sqrt(160.0))
 
@@ -267,17 +267,17 @@ def test_the_first_impossibility_stands() -> None:
     tasc = fresh()[0]
     judge(tasc, TARGET_NOT_SEEN)
     judge(tasc, BRAKE_TOO_WEAK)
-    assert Verdict(int(tasc["verdict"])) is Verdict.TARGET_NOT_SEEN
+    assert StopVerdict(int(tasc["verdict"])) is StopVerdict.TARGET_NOT_SEEN
 
 
 def test_a_mark_too_near_is_told_at_once() -> None:
     tasc = fresh()[0]
     # 10 m/s over 1 s and 0.93 m/s^2 after it: 10 + 53.8 m
     tasc_step(tasc, design(), 10.0, 60.0, 0.0, 0.0)
-    assert Verdict(int(tasc["verdict"])) is Verdict.BRAKE_TOO_WEAK
+    assert StopVerdict(int(tasc["verdict"])) is StopVerdict.BRAKE_TOO_WEAK
     reset(tasc)
     tasc_step(tasc, design(), 10.0, 65.0, 0.0, 0.0)
-    assert Verdict(int(tasc["verdict"])) is Verdict.POSSIBLE
+    assert StopVerdict(int(tasc["verdict"])) is StopVerdict.POSSIBLE
 
 
 def test_reset_leaves_nothing_of_the_last_stop() -> None:

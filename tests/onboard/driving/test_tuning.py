@@ -14,10 +14,10 @@ from onboard.driving.tuning import (
     OFFSET_ZERO,
     OFFSETS,
     SIX_POINTS,
-    Fit,
+    CharacteristicFit,
     Learned,
     Quadratic,
-    StopRecord,
+    StopDecelerations,
     approximate,
     disturbance,
     learn,
@@ -33,14 +33,16 @@ STEPS = 300
 coefficients = st.floats(-5.0, 5.0)
 
 
-def record(delay_steps: int, offset_steps: int, slid: bool = False, load_share: float = 0.5) -> StopRecord:
+def record(
+    delay_steps: int, offset_steps: int, slid: bool = False, load_share: float = 0.5
+) -> StopDecelerations:
     """A stop of 30 s: a brake that grows within 1 s from second 8 on, answered late and with an offset."""
     designed = 0.7 * np.clip((np.arange(STEPS) - 80) / 10.0, 0.0, 1.0)
     asked = designed > 0.0
     actual = np.zeros(STEPS)
     late = designed + asked * offset_steps * OFFSET_STEP_MPS2
     actual[delay_steps:] = late[: STEPS - delay_steps]
-    return StopRecord(designed, actual, slid, load_share)
+    return StopDecelerations(designed, actual, slid, load_share)
 
 
 @settings(deadline=None)  # the first call compiles
@@ -74,10 +76,10 @@ def test_a_saddle_or_a_hill_has_no_minimum(z: Quadratic) -> None:
 
 def test_the_grid_is_the_papers() -> None:
     assert DEAD_TIMES * OFFSETS == 441
-    last = Fit(DEAD_TIMES - 1, OFFSETS - 1, 0.0, 441)
+    last = CharacteristicFit(DEAD_TIMES - 1, OFFSETS - 1, 0.0, 441)
     assert last.dead_time_s == pytest.approx(2.0)
     assert last.offset_mps2 * 3.6 == pytest.approx(1.0)
-    assert Fit(0, 0, 0.0, 441).offset_mps2 * 3.6 == pytest.approx(-1.0)
+    assert CharacteristicFit(0, 0, 0.0, 441).offset_mps2 * 3.6 == pytest.approx(-1.0)
 
 
 @settings(deadline=None)  # the first call compiles
@@ -114,8 +116,8 @@ def test_smoothing_keeps_a_level_and_a_length() -> None:
 
 
 def test_a_stop_without_brake_or_too_short_says_nothing() -> None:
-    idle = StopRecord(np.zeros(STEPS), np.zeros(STEPS))
-    short = StopRecord(np.ones(30), np.ones(30))
+    idle = StopDecelerations(np.zeros(STEPS), np.zeros(STEPS))
+    short = StopDecelerations(np.ones(30), np.ones(30))
     for stop in (idle, short):
         assert window(stop) is None
         assert search(stop) is None
@@ -129,10 +131,10 @@ def test_a_stop_without_brake_or_too_short_says_nothing() -> None:
         (record(10, 0), None),
         (record(10, 0, slid=True), "slide"),
         (record(10, 0, load_share=1.0), "load"),
-        (StopRecord(record(10, 0).designed_mps2, record(10, 0).designed_mps2[::-1].copy()), "misfit"),
+        (StopDecelerations(record(10, 0).designed_mps2, record(10, 0).designed_mps2[::-1].copy()), "misfit"),
     ],
 )
-def test_disturbed_stops_are_left_out_and_counted(stop: StopRecord, why: str | None) -> None:
+def test_disturbed_stops_are_left_out_and_counted(stop: StopDecelerations, why: str | None) -> None:
     fit = search(stop)
     assert disturbance(stop, fit) == why
     learned = learn(Learned("A", 1.0), stop, fit)
@@ -142,7 +144,7 @@ def test_disturbed_stops_are_left_out_and_counted(stop: StopRecord, why: str | N
 def test_the_mode_counts_not_the_mean() -> None:
     learned = Learned("A", 1.0)
     for delay in (8, 8, 8, 20, 20):
-        learned = learn(learned, record(10, 0), Fit(delay, OFFSET_ZERO, 0.0, 441))
+        learned = learn(learned, record(10, 0), CharacteristicFit(delay, OFFSET_ZERO, 0.0, 441))
     assert learned.dead_time_s == pytest.approx(0.8)
 
 

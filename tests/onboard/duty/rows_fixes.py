@@ -7,8 +7,16 @@ from typing import Final
 from msgspec.structs import replace
 
 from onboard import notes
-from onboard.authority.records import Ask, Authority, Command, Commit, Renew, Write
-from onboard.duty.records import AtMark, Found, Limit, Looked, Order, Phase, TagReached
+from onboard.authority.records import Authority, Commit, OpenCommand, Renew, RequestKind, Write
+from onboard.duty.records import (
+    AtMark,
+    DrivingOrder,
+    DutyPhase,
+    FoundByOtherSensor,
+    Looked,
+    StopLimit,
+    TagReached,
+)
 from tests.onboard.duty.stage import (
     APPROACH,
     AT_A,
@@ -36,14 +44,14 @@ from tests.onboard.duty.stage import (
 
 ARRIVAL: Final = 7
 THROWING: Final = replace(
-    RUNNING, authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),)), wanted=(P7,)
+    RUNNING, authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)), wanted=(P7,)
 )
 UNTOLD: Final = moved(ON_6, untold=True)
 ELSEWHERE: Final = replace(ON_SIGHT, authority=Authority(held=("3", "5"), commandable=("5",), on_line=True))
 UPON_5: Final = replace(
     STANDING,
     authority=HOLDS_ALL,
-    limit=Limit(1, "5", "points not proven"),
+    limit=StopLimit(1, "5", "points not proven"),
     may_ask=True,
     may_leave=True,
 )
@@ -76,27 +84,27 @@ FIXES: Final[dict[str, Case]] = {
             (),
         )
         for at in ON_THE_LINE
-        if at is not Phase.FINISHED
+        if at is not DutyPhase.FINISHED
     },
     "a fix ends running on sight where the register has the train as well": (
         ON_SIGHT,
-        Found(),
+        FoundByOtherSensor(),
         UNTOLD,
         replace(THROWING, place=UNTOLD, entered=frozenset({"3", "5", "6"})),
         (
             Write(notes.PositionFound()),
             Write(notes.Resumed(next_target=1)),
-            Order.RESUME,
+            DrivingOrder.RESUME,
             Commit(P7),
             *commanded(P7),
         ),
     ),
     "found where the register has it not: the position is given up, on sight": (
         ELSEWHERE,
-        Found(),
+        FoundByOtherSensor(),
         UNTOLD,
         replace(ELSEWHERE, place=moved(UNTOLD, known=False, emergency=True)),
-        (Write(notes.PositionFound()), Order.LOSE),
+        (Write(notes.PositionFound()), DrivingOrder.LOSE),
     ),
     "at a stop, its bounds reaching onto points not proven: the position is given up, its crew looks at them": (
         UPON_5,
@@ -104,40 +112,40 @@ FIXES: Final[dict[str, Case]] = {
         moved(AT_A, perhaps=2),
         replace(
             UPON_5,
-            phase=Phase.ON_SIGHT,
+            phase=DutyPhase.ON_SIGHT,
             stands_at=0,
             released=False,
             place=moved(AT_A, perhaps=2, known=False, emergency=True),
         ),
-        (Order.LOSE, RELEASE_LATER),
+        (DrivingOrder.LOSE, RELEASE_LATER),
     ),
     "at its mark, unsure where it stands, it waits for the driver's word": (
-        replace(FINISHED, phase=Phase.STANDING, may_leave=False),
-        Found(),
+        replace(FINISHED, phase=DutyPhase.STANDING, may_leave=False),
+        FoundByOtherSensor(),
         moved(AT_B, unsure=True),
-        replace(FINISHED, phase=Phase.STANDING, may_leave=False, place=moved(AT_B, unsure=True)),
+        replace(FINISHED, phase=DutyPhase.STANDING, may_leave=False, place=moved(AT_B, unsure=True)),
         (Write(notes.PositionFound()),),
     ),
     "and with it has arrived": (
-        replace(FINISHED, phase=Phase.STANDING, place=moved(AT_B, unsure=True), authority=BEHIND),
+        replace(FINISHED, phase=DutyPhase.STANDING, place=moved(AT_B, unsure=True), authority=BEHIND),
         AtMark(1, beyond_m=10.0),
         AT_B,
         replace(
             FINISHED,
-            phase=Phase.STANDING,
+            phase=DutyPhase.STANDING,
             authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
         ),
-        (Renew(Ask.REPORT), holds("8"), *reported("8")),
+        (Renew(RequestKind.REPORT), holds("8"), *reported("8")),
     ),
     **{
         f"found: {at.value}": (
             STATES[at],
-            Found(),
+            FoundByOtherSensor(),
             STATES[at].place,
             STATES[at],
             (Write(notes.PositionFound()),),
         )
         for at in ON_THE_LINE
-        if at not in (Phase.STANDING, Phase.ON_SIGHT)
+        if at not in (DutyPhase.STANDING, DutyPhase.ON_SIGHT)
     },
 }

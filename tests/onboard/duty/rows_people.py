@@ -9,11 +9,11 @@ from msgspec.structs import replace
 from network.model import Position
 from onboard import notes
 from onboard.authority.records import (
-    Ask,
     Authority,
-    Command,
     Commit,
+    OpenCommand,
     Renew,
+    RequestKind,
     SetTimer,
     StopTimer,
     Timer,
@@ -25,19 +25,19 @@ from onboard.duty.records import (
     AtMark,
     Begin,
     ChangeEnds,
+    DrivingOrder,
+    DutyPhase,
     DutyState,
     EndOfHeld,
     Finished,
     Leave,
-    Limit,
     NotAtMark,
     OffTheLine,
-    Order,
-    Phase,
-    Place,
+    PlaceInJoints,
     PointsSeen,
     PointsWrong,
     SetBack,
+    StopLimit,
     SwitchedOn,
 )
 from tests.onboard.duty.stage import (
@@ -86,7 +86,7 @@ from tests.onboard.duty.stage import (
 )
 
 BOTH: Final = frozenset({"5", "7"})
-P7_OPEN: Final = Command(P7, sent=True)
+P7_OPEN: Final = OpenCommand(P7, sent=True)
 HALT: Final = moved(ON_6, stands=True)
 HOLDS_ON_6: Final = Authority(held=("5", "6", "7", "8"), commandable=("5", "7"), on_line=True)
 PAST_P7: Final = replace(HOLDS_ON_6, proven=(P7,))
@@ -98,7 +98,7 @@ PEOPLE: Final[dict[str, Case]] = {
         EndOfHeld(0),
         LOST,
         replace(ON_SIGHT, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)), limit=BEFORE_5),
-        (Renew(Ask.ROUTE), *sent(ROUTE_OPEN)),
+        (Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
     ),
     "stock that comes onto the line signs on": (
         OFF,
@@ -108,7 +108,7 @@ PEOPLE: Final[dict[str, Case]] = {
         (
             BEGUN,
             *UNTIL_DEPARTURE,
-            Renew(Ask.SIGN_ON),
+            Renew(RequestKind.SIGN_ON),
             holds("3"),
             *sent(SIGN_ON_OPEN),
             limit(1, "5", "not held"),
@@ -124,9 +124,9 @@ PEOPLE: Final[dict[str, Case]] = {
     "the next train number without a position: on sight": (
         replace(FINISHED, authority=HOLDS_3),
         Begin(PLAN, signs_on=False),
-        Place(),
-        DutyState(Phase.ON_SIGHT, Place(), replace(HOLDS_3, requests=(ROUTE_OPEN,)), stands_at=0),
-        (BEGUN, *UNTIL_DEPARTURE, Renew(Ask.ROUTE), *sent(ROUTE_OPEN)),
+        PlaceInJoints(),
+        DutyState(DutyPhase.ON_SIGHT, PlaceInJoints(), replace(HOLDS_3, requests=(ROUTE_OPEN,)), stands_at=0),
+        (BEGUN, *UNTIL_DEPARTURE, Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
     ),
     "stock that has left comes again, its emergency brake to be released": (
         GONE,
@@ -137,7 +137,7 @@ PEOPLE: Final[dict[str, Case]] = {
             BEGUN,
             *UNTIL_DEPARTURE,
             RELEASE_LATER,
-            Renew(Ask.SIGN_ON),
+            Renew(RequestKind.SIGN_ON),
             holds("3"),
             *sent(SIGN_ON_OPEN),
             limit(1, "5", "not held"),
@@ -146,10 +146,10 @@ PEOPLE: Final[dict[str, Case]] = {
     "switched on at open line: it knows nothing, and may run on sight when the brake is released": (
         DutyState(),
         SwitchedOn(PLAN, None, epoch=2),
-        Place(),
+        PlaceInJoints(),
         DutyState(
-            Phase.ON_SIGHT,
-            Place(),
+            DutyPhase.ON_SIGHT,
+            PlaceInJoints(),
             Authority(requests=(replace(SIGN_ON_OPEN, section_ids=None),)),
             may_ask=True,
             may_leave=True,
@@ -159,17 +159,17 @@ PEOPLE: Final[dict[str, Case]] = {
             BEGUN,
             Write(notes.UnitRestarted(epoch=2)),
             RELEASE_LATER,
-            Renew(Ask.SIGN_ON),
+            Renew(RequestKind.SIGN_ON),
             *sent(replace(SIGN_ON_OPEN, section_ids=None)),
         ),
     ),
     "switched on at a stop: it leaves when its time has come": (
         DutyState(),
         SwitchedOn(PLAN, 0, epoch=2),
-        Place(),
+        PlaceInJoints(),
         DutyState(
-            Phase.ON_SIGHT,
-            Place(),
+            DutyPhase.ON_SIGHT,
+            PlaceInJoints(),
             Authority(requests=(replace(SIGN_ON_OPEN, section_ids=None),)),
             stands_at=0,
             released=False,
@@ -179,7 +179,7 @@ PEOPLE: Final[dict[str, Case]] = {
             Write(notes.UnitRestarted(epoch=2)),
             *UNTIL_DEPARTURE,
             RELEASE_LATER,
-            Renew(Ask.SIGN_ON),
+            Renew(RequestKind.SIGN_ON),
             *sent(replace(SIGN_ON_OPEN, section_ids=None)),
         ),
     ),
@@ -190,7 +190,13 @@ PEOPLE: Final[dict[str, Case]] = {
         FINISHED,
         (holds("8"), Write(notes.ChangedEnds())),
     ),
-    "it signs off": (FINISHED, Leave(), AT_B, SIGNING_OFF, (Renew(Ask.SIGN_OFF), *sent(SIGN_OFF_OPEN))),
+    "it signs off": (
+        FINISHED,
+        Leave(),
+        AT_B,
+        SIGNING_OFF,
+        (Renew(RequestKind.SIGN_OFF), *sent(SIGN_OFF_OPEN)),
+    ),
     "a route is set back, and asked for again after the hold": (
         replace(STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), wanted=(P5,), limit=BEFORE_7),
         SetBack(60.0),
@@ -202,21 +208,21 @@ PEOPLE: Final[dict[str, Case]] = {
                 for timer, late_s in zip(UNTIL_DEPARTURE, (0.0, 45.0), strict=True)
             ),
             Write(notes.GaveBack(section_ids=SECTIONS)),
-            Renew(Ask.REPORT),
+            Renew(RequestKind.REPORT),
             holds("3"),
             *reported("3"),
             limit(1, "5", "not held"),
         ),
     ),
     "no route is set back that the front may have entered": (
-        replace(STANDING, authority=HOLDS_ALL, limit=Limit(1, "5", "points not proven")),
+        replace(STANDING, authority=HOLDS_ALL, limit=StopLimit(1, "5", "points not proven")),
         SetBack(60.0),
         moved(AT_A, perhaps=2),
         replace(
             STANDING,
             place=moved(AT_A, perhaps=2),
             authority=HOLDS_ALL,
-            limit=Limit(1, "5", "points not proven"),
+            limit=StopLimit(1, "5", "points not proven"),
         ),
         (ENTERED,),
     ),
@@ -230,8 +236,8 @@ PEOPLE: Final[dict[str, Case]] = {
     "none without a position": (
         STANDING,
         SetBack(60.0),
-        Place(),
-        replace(STANDING, place=Place()),
+        PlaceInJoints(),
+        replace(STANDING, place=PlaceInJoints()),
         (DENIED,),
     ),
     "set back at a halt on open line: the route beyond it, and asked for again after the hold": (
@@ -242,14 +248,14 @@ PEOPLE: Final[dict[str, Case]] = {
             RUNNING,
             place=HALT,
             authority=replace(HOLDS_ON_6, held=("5", "6"), commandable=("5",), requests=(REPORT_OPEN,)),
-            limit=Limit(3, "7", "not held"),
+            limit=StopLimit(3, "7", "not held"),
             may_ask=False,
         ),
         (
             SetTimer(ASK, 60.0),
             Write(notes.GaveBack(section_ids=("7", "8"))),
             StopTimer(Timer("points", "P7")),
-            Renew(Ask.REPORT),
+            Renew(RequestKind.REPORT),
             holds("5", "6"),
             *reported("5", "6"),
             limit(3, "7", "not held"),
@@ -263,14 +269,14 @@ PEOPLE: Final[dict[str, Case]] = {
             RUNNING,
             place=moved(HALT, perhaps=4),
             authority=replace(PAST_P7, held=("5", "6", "7"), requests=(REPORT_OPEN,)),
-            limit=Limit(4, "8", "not held"),
+            limit=StopLimit(4, "8", "not held"),
             entered=BOTH,
             may_ask=False,
         ),
         (
             SetTimer(ASK, 60.0),
             Write(notes.GaveBack(section_ids=("8",))),
-            Renew(Ask.REPORT),
+            Renew(RequestKind.REPORT),
             holds("5", "6", "7"),
             *reported("5", "6", "7"),
             limit(4, "8", "not held"),
@@ -285,7 +291,7 @@ PEOPLE: Final[dict[str, Case]] = {
             (DENIED,),
         )
         for at in ON_THE_LINE
-        if at is not Phase.STANDING
+        if at is not DutyPhase.STANDING
     },
     **{
         f"asked, the driver sees the whole train at its mark: {at.value}": (
@@ -307,13 +313,13 @@ PEOPLE: Final[dict[str, Case]] = {
                 entered=BOTH,
             ),
             (
-                Renew(Ask.REPORT),
+                Renew(RequestKind.REPORT),
                 holds("8"),
                 *reported("8"),
-                *([] if at is not Phase.STANDING else [limit(5, None, "end of the path")]),
+                *([] if at is not DutyPhase.STANDING else [limit(5, None, "end of the path")]),
             ),
         )
-        for at in (Phase.STANDING, Phase.FINISHED)
+        for at in (DutyPhase.STANDING, DutyPhase.FINISHED)
     },
     "of another mark than that where it stands his word frees nothing": (
         replace(FINISHED, authority=HOLDS_7_8, entered=BOTH),
@@ -328,10 +334,10 @@ PEOPLE: Final[dict[str, Case]] = {
         AT_B,
         replace(SIGNING_OFF, authority=replace(HOLDS_8, requests=(REPORT_OPEN, SIGN_OFF_OPEN))),
         (
-            Renew(Ask.REPORT),
+            Renew(RequestKind.REPORT),
             holds("8"),
             *reported("8"),
-            Renew(Ask.SIGN_OFF),
+            Renew(RequestKind.SIGN_OFF),
             *sent(SIGN_OFF_OPEN),
         ),
     ),
@@ -350,7 +356,7 @@ PEOPLE: Final[dict[str, Case]] = {
             AT_B,
             replace(
                 STATES[at],
-                phase=Phase.ON_SIGHT,
+                phase=DutyPhase.ON_SIGHT,
                 at=0,
                 place=moved(AT_B, known=False, emergency=True),
                 authority=HOLDS_7_8,
@@ -358,9 +364,9 @@ PEOPLE: Final[dict[str, Case]] = {
                 may_leave=True,
                 released=False,
             ),
-            (Order.LOSE, RELEASE_LATER),
+            (DrivingOrder.LOSE, RELEASE_LATER),
         )
-        for at in (Phase.STANDING, Phase.FINISHED, Phase.SIGNING_OFF)
+        for at in (DutyPhase.STANDING, DutyPhase.FINISHED, DutyPhase.SIGNING_OFF)
     },
     "the manager has been asked already whether it may leave: it goes nowhere": (
         SIGNING_OFF,
@@ -380,18 +386,18 @@ PEOPLE: Final[dict[str, Case]] = {
         ON_SIGHT,
         PointsWrong(P7),
         LOST,
-        replace(ON_SIGHT, authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),))),
+        replace(ON_SIGHT, authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),))),
         (Commit(P7), *commanded(P7)),
     ),
     "points that it does not hold are not thrown": (ON_SIGHT, PointsWrong(P5), LOST, ON_SIGHT, ()),
     "brought to the last mark by its driver: what is surely behind is given back": (
         ON_SIGHT,
         AtMark(1),
-        Place(),
+        PlaceInJoints(),
         replace(
             ON_SIGHT,
-            phase=Phase.FINISHED,
-            place=Place(),
+            phase=DutyPhase.FINISHED,
+            place=PlaceInJoints(),
             authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
             at=1,
             stands_at=1,
@@ -401,7 +407,7 @@ PEOPLE: Final[dict[str, Case]] = {
         (
             SetTimer(LEAVE, 20.0),
             Write(notes.Arrived(station="B", error_m=None)),
-            Renew(Ask.REPORT),
+            Renew(RequestKind.REPORT),
             holds("8"),
             *reported("8"),
             Finished("T1"),
@@ -413,7 +419,7 @@ PEOPLE: Final[dict[str, Case]] = {
         moved(ON_6, stands=True),
         replace(
             RUNNING,
-            phase=Phase.FINISHED,
+            phase=DutyPhase.FINISHED,
             place=moved(ON_6, stands=True, known=False, emergency=True),
             authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
             at=1,
@@ -422,11 +428,11 @@ PEOPLE: Final[dict[str, Case]] = {
             released=False,
         ),
         (
-            Order.LOSE,
+            DrivingOrder.LOSE,
             RELEASE_LATER,
             SetTimer(LEAVE, 20.0),
             Write(notes.Arrived(station="B", error_m=None)),
-            Renew(Ask.REPORT),
+            Renew(RequestKind.REPORT),
             holds("8"),
             *reported("8"),
             Finished("T1"),

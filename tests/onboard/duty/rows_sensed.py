@@ -8,13 +8,13 @@ from msgspec.structs import replace
 
 from onboard import notes
 from onboard.authority.records import (
-    Ask,
     Authority,
-    Command,
     Commit,
+    OpenCommand,
+    OpenRequest,
     Renew,
-    Request,
-    Send,
+    RequestKind,
+    SendRequest,
     SetTimer,
     StopTimer,
     Timer,
@@ -22,17 +22,17 @@ from onboard.authority.records import (
 )
 from onboard.duty.records import (
     LEAVE,
+    DrivingOrder,
+    DutyPhase,
     Finished,
-    How,
-    Limit,
     Looked,
-    Order,
-    Phase,
-    Place,
+    MarkRelation,
+    PlaceInJoints,
     PositionLost,
-    Started,
+    StopLimit,
     Stopped,
-    TagPassed,
+    TagBelieved,
+    WheelsTurning,
 )
 from tests.onboard.duty.stage import (
     APPROACH,
@@ -74,11 +74,13 @@ BOTH: Final = frozenset({"5", "7"})
 HOLDS_PASSED: Final = Authority(held=("5", "6", "7", "8"), commandable=("5", "7"), on_line=True)
 HOLDS_5_6: Final = Authority(held=("5", "6"), commandable=("5",), on_line=True)
 UNSWEPT: Final = replace(HOLDS_ALL, unswept=("6",))
-BEFORE_6_ON_SIGHT: Final = Limit(2, "6", "to be passed on sight")
-NO_FURTHER: Final = Limit(3, "7", "not held")
+BEFORE_6_ON_SIGHT: Final = StopLimit(2, "6", "to be passed on sight")
+NO_FURTHER: Final = StopLimit(3, "7", "not held")
 AT_STAND: Final = moved(ON_6, stands=True)
-RUNNING_ON_5: Final = Place(known=True, stands=False, here=1, sure=2, perhaps=2, reach=2)
-IN_8: Final = Place(known=True, stands=False, here=4, sure=5, perhaps=5, clear=4, clear_at_mark=4, reach=5)
+RUNNING_ON_5: Final = PlaceInJoints(known=True, stands=False, here=1, sure=2, perhaps=2, reach=2)
+IN_8: Final = PlaceInJoints(
+    known=True, stands=False, here=4, sure=5, perhaps=5, clear=4, clear_at_mark=4, reach=5
+)
 REAR_IN_7: Final = moved(IN_8, clear=3, clear_at_mark=3)
 ARRIVING: Final = replace(RUNNING, place=IN_8, authority=HOLDS_PASSED, entered=BOTH, limit=TO_THE_END)
 CLAIMS: Final = replace(SIGN_ON_OPEN, section_ids=("5", "6", "7"))
@@ -88,11 +90,11 @@ NOBODY_KNOWS: Final = Authority(requests=(replace(IGNORANT, refusal="claim neede
 SENSED: Final[dict[str, Case]] = {
     "at the approach tag the arrival points are thrown": (
         RUNNING,
-        TagPassed(APPROACH, found=False),
+        TagBelieved(APPROACH, found=False),
         ON_6,
         replace(
             RUNNING,
-            authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),)),
+            authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)),
             wanted=(P7,),
             proved=2,
         ),
@@ -100,11 +102,11 @@ SENSED: Final[dict[str, Case]] = {
     ),
     "at the next tag, if the approach tag was missed": (
         RUNNING,
-        TagPassed(POSITION, found=False),
+        TagBelieved(POSITION, found=False),
         ON_6,
         replace(
             RUNNING,
-            authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),)),
+            authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)),
             wanted=(P7,),
             proved=2,
         ),
@@ -112,35 +114,35 @@ SENSED: Final[dict[str, Case]] = {
     ),
     "at a tag before the approach nothing is thrown": (
         RUNNING,
-        TagPassed(3, found=False),
+        TagBelieved(3, found=False),
         ON_6,
         replace(RUNNING, proved=1),
         (),
     ),
     "nor beyond the arrival tag": (
         FINISHED,
-        TagPassed(8, found=False),
+        TagBelieved(8, found=False),
         AT_B,
         replace(FINISHED, proved=4, freed=4),
         (),
     ),
     "a tag proves what is behind, but before the arrival tag nothing is given back": (
         ARRIVING,
-        TagPassed(TAG_701, found=False),
+        TagBelieved(TAG_701, found=False),
         IN_8,
         replace(ARRIVING, proved=2),
         (),
     ),
     "at the arrival tag all that it proves to be behind is given back": (
         ARRIVING,
-        TagPassed(ARRIVAL, found=False),
+        TagBelieved(ARRIVAL, found=False),
         IN_8,
         replace(ARRIVING, proved=4, freed=4, authority=replace(HOLDS_8, requests=(REPORT_OPEN,))),
-        (Renew(Ask.REPORT), holds("8"), *reported("8")),
+        (Renew(RequestKind.REPORT), holds("8"), *reported("8")),
     ),
     "at the arrival tag, and the safe rear by the odometer not clear yet: only what it has left": (
         replace(ARRIVING, place=REAR_IN_7),
-        TagPassed(ARRIVAL, found=False),
+        TagBelieved(ARRIVAL, found=False),
         REAR_IN_7,
         replace(
             ARRIVING,
@@ -149,22 +151,22 @@ SENSED: Final[dict[str, Case]] = {
             freed=4,
             authority=replace(HOLDS_PASSED, held=("7", "8"), commandable=("7",), requests=(REPORT_OPEN,)),
         ),
-        (Renew(Ask.REPORT), holds("7", "8"), *reported("7", "8")),
+        (Renew(RequestKind.REPORT), holds("7", "8"), *reported("7", "8")),
     ),
     "a tag that tells the position late, the arrival tag missed: nothing before the mark": (
         ARRIVING,
-        TagPassed(ARRIVAL + 1, found=False),
+        TagBelieved(ARRIVAL + 1, found=False),
         IN_8,
         replace(ARRIVING, proved=4),
         (),
     ),
     "a tag that tells the position ends running on sight": (
         ON_SIGHT,
-        TagPassed(3, found=True),
+        TagBelieved(3, found=True),
         ON_6,
         replace(
             RUNNING,
-            authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),)),
+            authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)),
             entered=frozenset({"3", "5", "6"}),
             wanted=(P7,),
             proved=1,
@@ -172,14 +174,14 @@ SENSED: Final[dict[str, Case]] = {
         (
             Write(notes.PositionFound()),
             Write(notes.Resumed(next_target=1)),
-            Order.RESUME,
+            DrivingOrder.RESUME,
             Commit(P7),
             *commanded(P7),
         ),
     ),
     "a tag tells the position of a unit that the manager does not know either: it claims where it may stand": (
         replace(ON_SIGHT, authority=NOBODY_KNOWS),
-        TagPassed(3, found=True),
+        TagBelieved(3, found=True),
         moved(ON_6, clear=1, perhaps=4),
         replace(
             ON_SIGHT,
@@ -189,14 +191,14 @@ SENSED: Final[dict[str, Case]] = {
         ),
         (
             Write(notes.PositionFound()),
-            Renew(Ask.SIGN_ON),
+            Renew(RequestKind.SIGN_ON),
             holds("5", "6", "7"),
             *sent(CLAIMS),
         ),
     ),
     "a tag tells the position before the manager has answered: it waits for what that has": (
         replace(ON_SIGHT, authority=replace(NOBODY_KNOWS, requests=(IGNORANT,))),
-        TagPassed(3, found=True),
+        TagBelieved(3, found=True),
         ON_6,
         replace(ON_SIGHT, place=ON_6, authority=replace(NOBODY_KNOWS, requests=(IGNORANT,)), proved=1),
         (Write(notes.PositionFound()),),
@@ -204,26 +206,26 @@ SENSED: Final[dict[str, Case]] = {
     **{
         f"a tag of the track: {at.value}": (
             STATES[at],
-            TagPassed(0, found=False),
+            TagBelieved(0, found=False),
             STATES[at].place,
             STATES[at],
             (),
         )
-        for at in (Phase.SIGNING_ON, Phase.STANDING, Phase.ON_SIGHT, Phase.SIGNING_OFF)
+        for at in (DutyPhase.SIGNING_ON, DutyPhase.STANDING, DutyPhase.ON_SIGHT, DutyPhase.SIGNING_OFF)
     },
     "position lost at a stop: it stands there, by its crew": (
         STANDING,
         PositionLost(),
-        Place(),
+        PlaceInJoints(),
         replace(
             STANDING,
-            phase=Phase.ON_SIGHT,
-            place=Place(),
+            phase=DutyPhase.ON_SIGHT,
+            place=PlaceInJoints(),
             authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
             stands_at=0,
             released=False,
         ),
-        (RELEASE_LATER, Renew(Ask.ROUTE), *sent(ROUTE_OPEN)),
+        (RELEASE_LATER, Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
     ),
     "position lost under way: on sight": (
         RUNNING,
@@ -236,14 +238,14 @@ SENSED: Final[dict[str, Case]] = {
         f"position lost elsewhere: {at.value}": (
             STATES[at],
             PositionLost(),
-            Place(),
-            replace(STATES[at], place=Place(), released=False),
+            PlaceInJoints(),
+            replace(STATES[at], place=PlaceInJoints(), released=False),
             (RELEASE_LATER,),
         )
-        for at in (Phase.SIGNING_ON, Phase.ON_SIGHT, Phase.FINISHED, Phase.SIGNING_OFF)
+        for at in (DutyPhase.SIGNING_ON, DutyPhase.ON_SIGHT, DutyPhase.FINISHED, DutyPhase.SIGNING_OFF)
     },
     "position lost under way: throws still open are given up, the front may be upon the points": (
-        replace(RUNNING, authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),)), wanted=(P7,)),
+        replace(RUNNING, authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)), wanted=(P7,)),
         PositionLost(),
         LOST,
         replace(
@@ -254,15 +256,15 @@ SENSED: Final[dict[str, Case]] = {
         ),
         (StopTimer(Timer("points", "P7")),),
     ),
-    "the wheels turn": (RUNNING, Started(), ON_6, RUNNING, (Write(notes.Moving()),)),
+    "the wheels turn": (RUNNING, WheelsTurning(), ON_6, RUNNING, (Write(notes.Moving()),)),
     "stopped short of points, with all that it needs: it throws them": (
         replace(RUNNING, authority=HOLDS_PASSED),
-        Stopped(How.SHORT, -120.004),
+        Stopped(MarkRelation.SHORT, -120.004),
         AT_STAND,
         replace(
             RUNNING,
             place=AT_STAND,
-            authority=replace(HOLDS_PASSED, commands=(Command(P7, sent=True),)),
+            authority=replace(HOLDS_PASSED, commands=(OpenCommand(P7, sent=True),)),
             wanted=(P7,),
         ),
         (
@@ -273,7 +275,7 @@ SENSED: Final[dict[str, Case]] = {
     ),
     "stopped short, the route ahead given back: it asks for what it lacks": (
         replace(RUNNING, authority=HOLDS_5_6, limit=NO_FURTHER),
-        Stopped(How.SHORT, -120.004),
+        Stopped(MarkRelation.SHORT, -120.004),
         AT_STAND,
         replace(
             RUNNING,
@@ -283,7 +285,7 @@ SENSED: Final[dict[str, Case]] = {
         ),
         (
             Write(notes.StoppedShort(short_m=120.0, why="not held")),
-            Renew(Ask.ROUTE),
+            Renew(RequestKind.ROUTE),
             *sent(ROUTE_OPEN),
         ),
     ),
@@ -297,32 +299,32 @@ SENSED: Final[dict[str, Case]] = {
             authority=replace(HOLDS_5_6, requests=(ROUTE_OPEN,)),
             limit=NO_FURTHER,
         ),
-        (Renew(Ask.ROUTE), *sent(ROUTE_OPEN)),
+        (Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
     ),
     "standing where its bounds reach onto points not proven: the position is given up": (
         replace(RUNNING, authority=HOLDS_PASSED),
-        Stopped(How.SHORT, -1.0),
+        Stopped(MarkRelation.SHORT, -1.0),
         moved(AT_STAND, perhaps=4),
         replace(
             RUNNING,
-            phase=Phase.ON_SIGHT,
+            phase=DutyPhase.ON_SIGHT,
             place=moved(AT_STAND, perhaps=4, known=False, emergency=True),
             authority=HOLDS_PASSED,
             released=False,
         ),
         (
             Write(notes.StoppedShort(short_m=1.0, why="points not proven")),
-            Order.LOSE,
+            DrivingOrder.LOSE,
             RELEASE_LATER,
         ),
     ),
     "arrived: what the tags read so far prove to be behind is given back": (
         replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), limit=TO_THE_END, proved=4),
-        Stopped(How.AT, 0.1234),
+        Stopped(MarkRelation.AT, 0.1234),
         AT_B,
         replace(
             RUNNING,
-            phase=Phase.STANDING,
+            phase=DutyPhase.STANDING,
             place=AT_B,
             authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
             at=1,
@@ -334,18 +336,18 @@ SENSED: Final[dict[str, Case]] = {
         (
             SetTimer(LEAVE, 20.0),
             Write(notes.Arrived(station="B", error_m=0.123)),
-            Renew(Ask.REPORT),
+            Renew(RequestKind.REPORT),
             holds("8"),
             *reported("8"),
         ),
     ),
     "arrived by the tachometer alone: nothing is given back before the driver has looked": (
         replace(RUNNING, authority=HOLDS_PASSED, limit=TO_THE_END, entered=BOTH, proved=1),
-        Stopped(How.AT, 0.1234),
+        Stopped(MarkRelation.AT, 0.1234),
         AT_B,
         replace(
             RUNNING,
-            phase=Phase.STANDING,
+            phase=DutyPhase.STANDING,
             place=AT_B,
             authority=replace(HOLDS_PASSED, requests=()),
             at=1,
@@ -359,7 +361,7 @@ SENSED: Final[dict[str, Case]] = {
     ),
     "overran: no train sets back here, it has arrived": (
         replace(RUNNING, authority=HOLDS_8, limit=TO_THE_END),
-        Stopped(How.BEYOND, 7.126),
+        Stopped(MarkRelation.BEYOND, 7.126),
         AT_B,
         replace(FINISHED, entered=frozenset({"5"}), may_ask=True),
         (
@@ -372,13 +374,13 @@ SENSED: Final[dict[str, Case]] = {
     **{
         f"an emergency stop waits for the driver: {at.value}": (
             STATES[at],
-            Stopped(How.AT, 0.0),
+            Stopped(MarkRelation.AT, 0.0),
             moved(STATES[at].place, stands=True, emergency=True),
             replace(STATES[at], place=moved(STATES[at].place, stands=True, emergency=True), released=False),
             (RELEASE_LATER,),
         )
         for at in ON_THE_LINE
-        if at is not Phase.RUNNING
+        if at is not DutyPhase.RUNNING
     },
     **{
         f"out of reach: what is open waits for its timer: {at.value}": (
@@ -407,14 +409,14 @@ SENSED: Final[dict[str, Case]] = {
         Looked(),
         IN_8,
         replace(ARRIVING, proved=4, freed=4, authority=replace(HOLDS_8, requests=(REPORT_OPEN,))),
-        (Renew(Ask.REPORT), holds("8"), *reported("8")),
+        (Renew(RequestKind.REPORT), holds("8"), *reported("8")),
     ),
     "what lies not on its path is given back": (
         replace(RUNNING, authority=replace(HOLDS_PASSED, held=("9", "5", "6", "7", "8"))),
         Looked(),
         ON_6,
         replace(RUNNING, authority=replace(HOLDS_PASSED, requests=(REPORT_OPEN,))),
-        (Renew(Ask.REPORT), holds("5", "6", "7", "8"), *reported("5", "6", "7", "8")),
+        (Renew(RequestKind.REPORT), holds("5", "6", "7", "8"), *reported("5", "6", "7", "8")),
     ),
     "from a stand it goes on on sight through what must be swept": (
         replace(STANDING, authority=replace(UNSWEPT, proven=(P5,)), limit=BEFORE_6_ON_SIGHT),
@@ -446,9 +448,9 @@ SENSED: Final[dict[str, Case]] = {
             authority=replace(HOLDS_8, requests=(REPORT_OPEN,), swept=("6",)),
         ),
         (
-            Renew(Ask.REPORT),
+            Renew(RequestKind.REPORT),
             holds("8"),
-            Send(Request(Ask.REPORT, section_ids=("8",), swept=("6",))),
+            SendRequest(OpenRequest(RequestKind.REPORT, section_ids=("8",), swept=("6",))),
             *reported("8")[1:],
         ),
     ),
@@ -462,7 +464,7 @@ SENSED: Final[dict[str, Case]] = {
         sent(SIGN_ON_OPEN),
     ),
     "a throw is withdrawn where the front may come onto the points": (
-        replace(RUNNING, authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),)), wanted=(P7,)),
+        replace(RUNNING, authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)), wanted=(P7,)),
         Looked(),
         moved(ON_6, perhaps=4),
         replace(RUNNING, place=moved(ON_6, perhaps=4), authority=replace(HOLDS_REST, unsaid=(P7,))),

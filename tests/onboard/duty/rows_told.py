@@ -10,21 +10,21 @@ from network.model import Position
 from onboard import notes
 from onboard.authority.records import (
     Action,
-    Ask,
-    Command,
     Commit,
-    Confirmed,
-    Contested,
-    Granted,
-    Proof,
-    Queried,
-    Refused,
+    ConfirmationHeard,
+    ContestHeard,
+    GrantHeard,
+    OpenCommand,
+    OpenRequest,
+    ProofHeard,
+    QueryHeard,
+    RefusalHeard,
     Renew,
-    Request,
+    RequestKind,
     SendClaim,
     SetTimer,
-    SignedOff,
-    SignedOn,
+    SignOffHeard,
+    SignOnHeard,
     StopTimer,
     Take,
     Timer,
@@ -35,14 +35,14 @@ from onboard.duty.records import (
     ASK,
     LEAVE,
     RELEASE,
-    Accepted,
+    DrivingOrder,
+    DutyPhase,
     DutyState,
-    Heard,
+    EntryAllowed,
     LeftLine,
-    Limit,
-    Order,
-    Phase,
-    Place,
+    PlaceInJoints,
+    StopLimit,
+    TelegramHeard,
     TimerDue,
 )
 from tests.onboard.duty.stage import (
@@ -79,14 +79,14 @@ from tests.onboard.duty.stage import (
 LESS, CONTESTED = "the register has less", "contested: 7"
 
 
-def halted(state: DutyState, why: str = CONTESTED, report: Request = REPORT_OPEN) -> DutyState:
+def halted(state: DutyState, why: str = CONTESTED, report: OpenRequest = REPORT_OPEN) -> DutyState:
     """The state with a contradiction that is being reported, and braked."""
     authority = replace(state.authority, mismatch=why, requests=(*state.authority.requests, report))
     return replace(state, place=moved(state.place, emergency=True), authority=authority, halted=True)
 
 
 def disagreed(*held: str, why: str = CONTESTED) -> tuple[Action, ...]:
-    return Renew(Ask.REPORT), Write(notes.Mismatch(why=why)), *reported(*(held or HOLDS_REST.held))
+    return Renew(RequestKind.REPORT), Write(notes.Mismatch(why=why)), *reported(*(held or HOLDS_REST.held))
 
 
 TOLD: Final[dict[str, Case]] = {
@@ -95,7 +95,7 @@ TOLD: Final[dict[str, Case]] = {
         TimerDue(ASK),
         AT_A,
         replace(STANDING, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,))),
-        (Renew(Ask.ROUTE), *sent(ROUTE_OPEN)),
+        (Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
     ),
     "the time has come, but not the way": (
         STANDING,
@@ -108,8 +108,8 @@ TOLD: Final[dict[str, Case]] = {
         replace(STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7),
         TimerDue(LEAVE),
         AT_A,
-        DutyState(Phase.RUNNING, AT_A, replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7, may_leave=True),
-        (Write(notes.Departs(station="A")), Order.DEPART),
+        DutyState(DutyPhase.RUNNING, AT_A, replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7, may_leave=True),
+        (Write(notes.Departs(station="A")), DrivingOrder.DEPART),
     ),
     **{
         f"the driver acknowledges an emergency stop: {at.value}": (
@@ -117,7 +117,7 @@ TOLD: Final[dict[str, Case]] = {
             TimerDue(RELEASE),
             moved(STATES[at].place, emergency=True),
             STATES[at],
-            (Write(notes.EmergencyReleased()), Order.RELEASE),
+            (Write(notes.EmergencyReleased()), DrivingOrder.RELEASE),
         )
         for at in ON_THE_LINE
     },
@@ -135,6 +135,19 @@ TOLD: Final[dict[str, Case]] = {
         )
         for at in ON_THE_LINE
     },
+    "ready in all but its driver's word that it is at its mark, it does not depart": (
+        replace(STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7),
+        TimerDue(LEAVE),
+        moved(AT_A, unsure=True),
+        replace(
+            STANDING,
+            place=moved(AT_A, unsure=True),
+            authority=replace(HOLDS_ALL, proven=(P5,)),
+            limit=BEFORE_7,
+            may_leave=True,
+        ),
+        (),
+    ),
     "ready in all but its vehicle, it does not depart": (
         replace(STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7),
         TimerDue(LEAVE),
@@ -156,7 +169,7 @@ TOLD: Final[dict[str, Case]] = {
             replace(halted(STATES[at]), released=False),
             (RELEASE_LATER,),
         )
-        for at in (Phase.STANDING, Phase.RUNNING, Phase.ON_SIGHT)
+        for at in (DutyPhase.STANDING, DutyPhase.RUNNING, DutyPhase.ON_SIGHT)
     },
     "the time has come and the way is free, but not while register and unit contradict each other": (
         halted(replace(STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7)),
@@ -167,34 +180,34 @@ TOLD: Final[dict[str, Case]] = {
     ),
     "contested, a train that runs is braked at once": (
         RUNNING,
-        Heard(Contested(("7",))),
+        TelegramHeard(ContestHeard(("7",))),
         ON_6,
         halted(RUNNING),
-        (*disagreed(), Order.STOP),
+        (*disagreed(), DrivingOrder.STOP),
     ),
     "contested, a train that stands is held by its emergency brake": (
         STANDING,
-        Heard(Contested(("7",))),
+        TelegramHeard(ContestHeard(("7",))),
         AT_A,
         replace(halted(STANDING), released=False),
-        (*disagreed("3"), Order.STOP, RELEASE_LATER),
+        (*disagreed("3"), DrivingOrder.STOP, RELEASE_LATER),
     ),
     "contested, what tags prove to be behind is given back: it may be all that is contested": (
         replace(RUNNING, proved=2, authority=replace(HOLDS_REST, held=("5", *HOLDS_REST.held))),
-        Heard(Contested(("5",))),
+        TelegramHeard(ContestHeard(("5",))),
         ON_6,
         replace(halted(RUNNING, "contested: 5"), proved=2, freed=2),
         (
             *disagreed("5", *HOLDS_REST.held, why="contested: 5"),
-            Order.STOP,
-            Renew(Ask.REPORT),
+            DrivingOrder.STOP,
+            Renew(RequestKind.REPORT),
             holds(*HOLDS_REST.held),
             *reported(*HOLDS_REST.held),
         ),
     ),
     "standing before points not proven it throws none while it is halted": (
         halted(replace(RUNNING, authority=replace(HOLDS_REST, held=("5", *HOLDS_REST.held)))),
-        Heard(Contested(("7",))),
+        TelegramHeard(ContestHeard(("7",))),
         moved(ON_6, stands=True, emergency=True),
         replace(
             halted(replace(RUNNING, authority=replace(HOLDS_REST, held=("5", *HOLDS_REST.held)))),
@@ -204,38 +217,38 @@ TOLD: Final[dict[str, Case]] = {
     ),
     "contested twice, it is braked once": (
         halted(RUNNING),
-        Heard(Contested(("7",))),
+        TelegramHeard(ContestHeard(("7",))),
         halted(RUNNING).place,
         halted(RUNNING),
         (),
     ),
     "its claim refused, the train is braked": (
         RUNNING,
-        Heard(Refused(Ask.SIGN_ON, "", "held", lost_sight=False, answers=False)),
+        TelegramHeard(RefusalHeard(RequestKind.SIGN_ON, "", "held", lost_sight=False, answers=False)),
         ON_6,
         halted(RUNNING, "claim refused: held"),
-        (*disagreed(why="claim refused: held"), Order.STOP),
+        (*disagreed(why="claim refused: held"), DrivingOrder.STOP),
     ),
     "confirmed with less, the train is braked": (
         replace(RUNNING, authority=replace(HOLDS_REST, requests=(REPORT_OPEN,))),
-        Heard(Confirmed(("6", "7"), answers=True, newer=False)),
+        TelegramHeard(ConfirmationHeard(("6", "7"), answers=True, newer=False)),
         ON_6,
         halted(RUNNING, LESS, replace(REPORT_OPEN, refusal=LESS)),
         (
             Write(notes.Mismatch(why=LESS)),
             SetTimer(Timer("report"), REFUSED_REPEAT_S),
-            Order.STOP,
+            DrivingOrder.STOP,
         ),
     ),
     "confirmed and contested, the train is braked": (
         replace(RUNNING, authority=replace(HOLDS_REST, requests=(REPORT_OPEN,))),
-        Heard(Confirmed(("6", "7", "8"), answers=True, newer=False, contested=("7",))),
+        TelegramHeard(ConfirmationHeard(("6", "7", "8"), answers=True, newer=False, contested=("7",))),
         ON_6,
         halted(RUNNING, CONTESTED, replace(REPORT_OPEN, refusal=CONTESTED)),
         (
             Write(notes.Mismatch(why=CONTESTED)),
             SetTimer(Timer("report"), REFUSED_REPEAT_S),
-            Order.STOP,
+            DrivingOrder.STOP,
         ),
     ),
     "agreement restored: it goes on when the driver has acknowledged the stop": (
@@ -243,7 +256,7 @@ TOLD: Final[dict[str, Case]] = {
             halted(replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), limit=TO_THE_END)),
             released=False,
         ),
-        Heard(Confirmed(HOLDS_REST.held, answers=True, newer=False)),
+        TelegramHeard(ConfirmationHeard(HOLDS_REST.held, answers=True, newer=False)),
         moved(ON_6, stands=True, emergency=True),
         replace(
             RUNNING,
@@ -256,10 +269,10 @@ TOLD: Final[dict[str, Case]] = {
     ),
     "agreement restored at a stop, and its time has come: it leaves": (
         halted(replace(STANDING, may_leave=True, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7)),
-        Heard(Confirmed(HOLDS_ALL.held, answers=True, newer=False)),
+        TelegramHeard(ConfirmationHeard(HOLDS_ALL.held, answers=True, newer=False)),
         halted(STANDING).place,
         DutyState(
-            Phase.RUNNING,
+            DutyPhase.RUNNING,
             halted(STANDING).place,
             replace(HOLDS_ALL, proven=(P5,)),
             limit=BEFORE_7,
@@ -269,19 +282,19 @@ TOLD: Final[dict[str, Case]] = {
             StopTimer(Timer("report")),
             Write(notes.Agreed()),
             Write(notes.Departs(station="A")),
-            Order.DEPART,
+            DrivingOrder.DEPART,
         ),
     ),
     "granted, the departure points are thrown": (
         replace(STANDING, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,))),
-        Heard(Granted("3>8", SECTIONS, ("5", "7"), answers=True, fresh=True, newer=True)),
+        TelegramHeard(GrantHeard("3>8", SECTIONS, ("5", "7"), answers=True, fresh=True, newer=True)),
         AT_A,
         replace(
             STANDING,
             may_ask=True,
-            authority=replace(HOLDS_ALL, commands=(Command(P5, sent=True),)),
+            authority=replace(HOLDS_ALL, commands=(OpenCommand(P5, sent=True),)),
             wanted=(P5,),
-            limit=Limit(1, "5", "points not proven"),
+            limit=StopLimit(1, "5", "points not proven"),
         ),
         (
             StopTimer(Timer("route")),
@@ -295,7 +308,7 @@ TOLD: Final[dict[str, Case]] = {
     ),
     "signed on, who waits outside may enter": (
         SIGNING_ON,
-        Heard(SignedOn(("3",), (), answers=True, newer=True)),
+        TelegramHeard(SignOnHeard(("3",), (), answers=True, newer=True)),
         AT_A,
         STANDING,
         (
@@ -303,17 +316,17 @@ TOLD: Final[dict[str, Case]] = {
             Take(("3",)),
             Write(notes.SignedOn(section_ids=("3",))),
             holds("3"),
-            Accepted("T1"),
+            EntryAllowed("T1"),
         ),
     ),
     "signed on without a position: on sight, where it stands": (
-        replace(SIGNING_ON, place=Place()),
-        Heard(SignedOn(("3",), (), answers=True, newer=True)),
-        Place(),
+        replace(SIGNING_ON, place=PlaceInJoints()),
+        TelegramHeard(SignOnHeard(("3",), (), answers=True, newer=True)),
+        PlaceInJoints(),
         replace(
             STANDING,
-            phase=Phase.ON_SIGHT,
-            place=Place(),
+            phase=DutyPhase.ON_SIGHT,
+            place=PlaceInJoints(),
             authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
             stands_at=0,
         ),
@@ -322,28 +335,28 @@ TOLD: Final[dict[str, Case]] = {
             Take(("3",)),
             Write(notes.SignedOn(section_ids=("3",))),
             holds("3"),
-            Accepted("T1"),
-            Renew(Ask.ROUTE),
+            EntryAllowed("T1"),
+            Renew(RequestKind.ROUTE),
             *sent(ROUTE_OPEN),
         ),
     ),
     "signed off, the train may be taken off the line": (
         SIGNING_OFF,
-        Heard(SignedOff(answers=True)),
+        TelegramHeard(SignOffHeard(answers=True)),
         AT_B,
         LEAVING,
         (StopTimer(Timer("sign off")), Write(notes.SignedOff()), LeftLine("T1")),
     ),
     "leaving, it says that it holds its portal": (
         LEAVING,
-        Heard(Queried()),
+        TelegramHeard(QueryHeard()),
         AT_B,
         LEAVING,
         (SendClaim(("8",)), Write(notes.Claimed(section_ids=("8",), token=0))),
     ),
     "proven, the stop limit moves on": (
-        replace(RUNNING, authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),)), wanted=(P7,)),
-        Heard(Proof("P7", "B-W", "normal", mine=True)),
+        replace(RUNNING, authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)), wanted=(P7,)),
+        TelegramHeard(ProofHeard("P7", "B-W", "normal", mine=True)),
         ON_6,
         replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), wanted=(P7,), limit=TO_THE_END),
         (
@@ -354,11 +367,11 @@ TOLD: Final[dict[str, Case]] = {
     ),
     "a proof withdrawn draws the limit back, and the points are commanded anew": (
         replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), wanted=(P7,), limit=TO_THE_END),
-        Heard(Proof("P7", "B-W", None, mine=True)),
+        TelegramHeard(ProofHeard("P7", "B-W", None, mine=True)),
         ON_6,
         replace(
             RUNNING,
-            authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),), unsaid=(P7,)),
+            authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),), unsaid=(P7,)),
             wanted=(P7,),
         ),
         (
@@ -376,7 +389,7 @@ TOLD: Final[dict[str, Case]] = {
             wanted=(P7,),
             limit=TO_THE_END,
         ),
-        Heard(Proof("P7", "B-W", None, mine=True)),
+        TelegramHeard(ProofHeard("P7", "B-W", None, mine=True)),
         moved(ON_6, here=3, sure=4, perhaps=4),
         replace(
             RUNNING,
@@ -390,7 +403,7 @@ TOLD: Final[dict[str, Case]] = {
     **{
         f"a query is answered: {at.value}": (
             STATES[at],
-            Heard(Queried()),
+            TelegramHeard(QueryHeard()),
             STATES[at].place,
             STATES[at],
             (
@@ -398,6 +411,6 @@ TOLD: Final[dict[str, Case]] = {
                 Write(notes.Claimed(section_ids=STATES[at].authority.held, token=0)),
             ),
         )
-        for at in Phase
+        for at in DutyPhase
     },
 }

@@ -8,8 +8,8 @@ from msgspec.structs import replace
 
 from onboard import notes
 from onboard.authority.records import (
-    Ask,
     Renew,
+    RequestKind,
     SetTimer,
     Write,
 )
@@ -18,9 +18,9 @@ from onboard.duty.records import (
     ABLE,
     ASK,
     LEAVE,
+    DrivingOrder,
+    DutyPhase,
     Looked,
-    Order,
-    Phase,
     PositionLost,
     TimerDue,
     VehicleChecked,
@@ -69,7 +69,7 @@ VEHICLE: Final[dict[str, Case]] = {
             (Write(notes.VehicleUnfit(why="doors not closed")),),
         )
         for at in ON_THE_LINE
-        if at not in (Phase.RUNNING, Phase.ON_SIGHT)
+        if at not in (DutyPhase.RUNNING, DutyPhase.ON_SIGHT)
     },
     **{
         f"the vehicle is not in order: it is stopped: {at.value}": (
@@ -77,16 +77,16 @@ VEHICLE: Final[dict[str, Case]] = {
             VehicleChecked(),
             moved(STATES[at].place, unfit="brake not in order"),
             replace(STATES[at], place=moved(STATES[at].place, unfit="brake not in order")),
-            (Write(notes.VehicleUnfit(why="brake not in order")), Order.STOP),
+            (Write(notes.VehicleUnfit(why="brake not in order")), DrivingOrder.STOP),
         )
-        for at in (Phase.RUNNING, Phase.ON_SIGHT)
+        for at in (DutyPhase.RUNNING, DutyPhase.ON_SIGHT)
     },
     "it stands short of its mark: stopped all the same, and the driver acknowledges": (
         CLEARED_TO_8,
         VehicleChecked(),
         moved(ON_6, stands=True, unfit="doors not closed"),
         replace(CLEARED_TO_8, place=moved(ON_6, stands=True, unfit="doors not closed"), released=False),
-        (Write(notes.VehicleUnfit(why="doors not closed")), Order.STOP, RELEASE_LATER),
+        (Write(notes.VehicleUnfit(why="doors not closed")), DrivingOrder.STOP, RELEASE_LATER),
     ),
     "a vehicle in order again lets a train depart that is ready": (
         replace(
@@ -96,13 +96,13 @@ VEHICLE: Final[dict[str, Case]] = {
         AT_A,
         replace(
             STANDING,
-            phase=Phase.RUNNING,
+            phase=DutyPhase.RUNNING,
             authority=replace(HOLDS_ALL, proven=(P5,)),
             limit=BEFORE_7,
             may_ask=True,
             may_leave=True,
         ),
-        (Write(notes.VehicleFit()), Write(notes.Departs(station="A")), Order.DEPART),
+        (Write(notes.VehicleFit()), Write(notes.Departs(station="A")), DrivingOrder.DEPART),
     ),
     "unable to reach its next stop it says so when it would ask for a route, asks for none, and looks again": (
         STANDING,
@@ -131,14 +131,14 @@ VEHICLE: Final[dict[str, Case]] = {
         TimerDue(ABLE),
         AT_A,
         replace(STANDING, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,))),
-        (Write(notes.AbleToLeave(station="A")), Renew(Ask.ROUTE), *sent(ROUTE_OPEN)),
+        (Write(notes.AbleToLeave(station="A")), Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
     ),
     "able again with its way free and its time come, it departs": (
         replace(READY, place=BEFORE_A_CLIMB, unable=TOO_STEEP),
         Looked(),
         AT_A,
-        replace(READY, phase=Phase.RUNNING),
-        (Write(notes.AbleToLeave(station="A")), Write(notes.Departs(station="A")), Order.DEPART),
+        replace(READY, phase=DutyPhase.RUNNING),
+        (Write(notes.AbleToLeave(station="A")), Write(notes.Departs(station="A")), DrivingOrder.DEPART),
     ),
     "ready in all but what its way asks of it, it does not depart": (
         replace(READY, may_leave=False),
@@ -153,7 +153,7 @@ VEHICLE: Final[dict[str, Case]] = {
         moved(AT_A, known=False),
         replace(
             UNABLE,
-            phase=Phase.ON_SIGHT,
+            phase=DutyPhase.ON_SIGHT,
             place=moved(AT_A, known=False),
             stands_at=0,
             unable=None,
@@ -161,6 +161,6 @@ VEHICLE: Final[dict[str, Case]] = {
             authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
             released=False,
         ),
-        (RELEASE_LATER, Renew(Ask.ROUTE), *sent(ROUTE_OPEN)),
+        (RELEASE_LATER, Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
     ),
 }

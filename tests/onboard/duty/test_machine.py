@@ -8,21 +8,25 @@ import pytest
 from msgspec.structs import replace
 
 from onboard.authority.records import (
-    Command,
+    Authority,
+    OpenCommand,
     PeerRestarted,
-    Proof,
+    ProofHeard,
+    RequestKind,
     SendCommand,
-    SignedOn,
+    SendRequest,
+    SignOnHeard,
 )
 from onboard.duty.machine import TABLE, step
 from onboard.duty.records import (
     LEAVE,
+    ChangeEnds,
+    DutyPhase,
     DutyState,
     Event,
-    Heard,
     Looked,
-    Phase,
-    TagPassed,
+    TagBelieved,
+    TelegramHeard,
     TimerDue,
 )
 from onboard.duty.shown import command_of, waits_for
@@ -33,6 +37,7 @@ from tests.onboard.duty.rows_told import TOLD
 from tests.onboard.duty.rows_vehicle import UNABLE, VEHICLE
 from tests.onboard.duty.stage import (
     AT_A,
+    BEFORE_5,
     BEFORE_7,
     FINISHED,
     HOLDS_3,
@@ -74,21 +79,24 @@ def test_every_row_has_a_case() -> None:
 
 
 EXAMPLES: Final[dict[type[Event], Event]] = {type(event): event for _, event, _, _, _ in CASES.values()}
-REFUSED: Final = [(at, kind) for at in Phase for kind in get_args(Event) if (at, kind) not in TABLE]
+REFUSED: Final = [(at, kind) for at in DutyPhase for kind in get_args(Event) if (at, kind) not in TABLE]
 
 
 @pytest.mark.parametrize(("at", "kind"), REFUSED, ids=[f"{at.value}-{kind.__name__}" for at, kind in REFUSED])
-def test_what_the_table_does_not_name_is_refused(at: Phase, kind: type[Event]) -> None:
+def test_what_the_table_does_not_name_is_refused(at: DutyPhase, kind: type[Event]) -> None:
     state = STATES[at]
     assert step(PLAN, TIMES, state, EXAMPLES[kind], state.place, NOW_S) == (state, ())
 
 
-@pytest.mark.parametrize("at", [Phase.SIGNING_ON, Phase.SIGNING_OFF])
-def test_a_timer_of_the_authority_repeats_its_request(at: Phase) -> None:
+@pytest.mark.parametrize("at", [DutyPhase.SIGNING_ON, DutyPhase.SIGNING_OFF])
+def test_a_timer_of_the_authority_repeats_its_request(at: DutyPhase) -> None:
     state = STATES[at]
     (request,) = state.authority.requests
     assert step(PLAN, TIMES, state, TimerDue(request.timer), state.place, NOW_S) == (state, sent(request))
-    assert step(PLAN, TIMES, state, Heard(PeerRestarted()), state.place, NOW_S) == (state, sent(request))
+    assert step(PLAN, TIMES, state, TelegramHeard(PeerRestarted()), state.place, NOW_S) == (
+        state,
+        sent(request),
+    )
 
 
 @pytest.mark.parametrize("sure", [3, 4])
@@ -98,15 +106,15 @@ def test_points_count_as_entered_only_where_the_front_surely_is(sure: int) -> No
     proven = replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), limit=TO_THE_END)
     entered, _ = step(PLAN, TIMES, proven, Looked(), place, NOW_S)
     assert entered.entered == ({"5", "7"} if sure == 4 else {"5"})
-    lost = Heard(Proof("P7", "B-W", None, mine=True))
+    lost = TelegramHeard(ProofHeard("P7", "B-W", None, mine=True))
     withdrawn, _ = step(PLAN, TIMES, entered, lost, place, NOW_S)
     assert withdrawn.limit == (TO_THE_END if sure == 4 else BEFORE_7)
 
 
 def test_resuming_it_counts_only_points_as_entered_where_the_front_surely_is() -> None:
     place = moved(ON_6, perhaps=4)
-    resumed, _ = step(PLAN, TIMES, ON_SIGHT, TagPassed(3, found=True), place, NOW_S)
-    assert resumed.phase is Phase.RUNNING
+    resumed, _ = step(PLAN, TIMES, ON_SIGHT, TagBelieved(3, found=True), place, NOW_S)
+    assert resumed.phase is DutyPhase.RUNNING
     assert resumed.entered == {"3", "5", "6"}
     assert resumed.limit == BEFORE_7
 
@@ -114,12 +122,12 @@ def test_resuming_it_counts_only_points_as_entered_where_the_front_surely_is() -
 # the command for the driving part ------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("at", Phase)
-def test_it_drives_only_running_or_on_sight(at: Phase) -> None:
+@pytest.mark.parametrize("at", DutyPhase)
+def test_it_drives_only_running_or_on_sight(at: DutyPhase) -> None:
     command = command_of(PLAN, STATES[at])
-    assert command.drive is (at in (Phase.RUNNING, Phase.ON_SIGHT))
-    assert command.on_sight is (at is Phase.ON_SIGHT)
-    assert command.target == (1 if at is Phase.RUNNING else None)
+    assert command.drive is (at in (DutyPhase.RUNNING, DutyPhase.ON_SIGHT))
+    assert command.on_sight is (at is DutyPhase.ON_SIGHT)
+    assert command.target == (1 if at is DutyPhase.RUNNING else None)
     assert command.limit == STATES[at].limit
 
 
@@ -146,26 +154,26 @@ def test_no_rear_is_watched_before_the_arrival_tag() -> None:
     assert command_of(PLAN, replace(RUNNING, proved=4)).rear is None
 
 
-@pytest.mark.parametrize("at", Phase)
-def test_a_train_that_is_halted_drives_in_no_phase(at: Phase) -> None:
+@pytest.mark.parametrize("at", DutyPhase)
+def test_a_train_that_is_halted_drives_in_no_phase(at: DutyPhase) -> None:
     assert not command_of(PLAN, replace(STATES[at], halted=True)).drive
 
 
-@pytest.mark.parametrize("at", Phase)
-def test_the_driver_is_asked_at_a_mark_where_something_behind_is_still_held(at: Phase) -> None:
+@pytest.mark.parametrize("at", DutyPhase)
+def test_the_driver_is_asked_at_a_mark_where_something_behind_is_still_held(at: DutyPhase) -> None:
     """And not while a report is open: what is held may be what that gives back."""
     holding = replace(STATES[at], at=1, authority=replace(HOLDS_REST, held=("7", "8")))
-    asked = at in (Phase.STANDING, Phase.FINISHED, Phase.SIGNING_OFF)
+    asked = at in (DutyPhase.STANDING, DutyPhase.FINISHED, DutyPhase.SIGNING_OFF)
     assert command_of(PLAN, holding).confirm is asked
     reporting = replace(holding, authority=replace(holding.authority, requests=(REPORT_OPEN,)))
     assert not command_of(PLAN, reporting).confirm
     assert not command_of(PLAN, replace(holding, authority=HOLDS_8)).confirm
 
 
-@pytest.mark.parametrize("at", Phase)
-def test_the_driver_is_asked_where_the_bounds_leave_open_whether_it_is_at_its_mark(at: Phase) -> None:
+@pytest.mark.parametrize("at", DutyPhase)
+def test_the_driver_is_asked_where_the_bounds_leave_open_whether_it_is_at_its_mark(at: DutyPhase) -> None:
     state = STATES[at]
-    asked = at in (Phase.STANDING, Phase.FINISHED, Phase.SIGNING_OFF)
+    asked = at in (DutyPhase.STANDING, DutyPhase.FINISHED, DutyPhase.SIGNING_OFF)
     assert command_of(PLAN, replace(state, place=moved(state.place, unsure=True))).confirm is asked
 
 
@@ -200,9 +208,14 @@ def test_what_must_be_swept_is_shown() -> None:
             replace(STANDING, authority=replace(HOLDS_3, requests=(replace(ROUTE_OPEN, refusal="held: 6"),))),
             "route 3>8: held: 6",
         ),
-        (replace(RUNNING, authority=replace(HOLDS_REST, commands=(Command(P7),))), "points P7: not proven"),
         (
-            replace(RUNNING, authority=replace(HOLDS_REST, mismatch="contested: 7", commands=(Command(P7),))),
+            replace(RUNNING, authority=replace(HOLDS_REST, commands=(OpenCommand(P7),))),
+            "points P7: not proven",
+        ),
+        (
+            replace(
+                RUNNING, authority=replace(HOLDS_REST, mismatch="contested: 7", commands=(OpenCommand(P7),))
+            ),
             "agreement with the block manager: contested: 7",
         ),
         (
@@ -226,9 +239,9 @@ def test_a_train_says_what_it_waits_for(state: DutyState, words: str) -> None:
 def test_who_is_given_its_whole_route_with_its_sign_on_throws_the_departure_points() -> None:
     """It started again before its portal, with the route in hand: it asks for nothing, so nothing is granted."""
     waits = replace(SIGNING_ON, may_ask=True)
-    event = Heard(SignedOn(("3", *SECTIONS), ("5", "7"), answers=True, newer=True))
+    event = TelegramHeard(SignOnHeard(("3", *SECTIONS), ("5", "7"), answers=True, newer=True))
     after, actions = step(PLAN, TIMES, waits, event, AT_A, NOW_S)
-    assert after.phase is Phase.STANDING
+    assert after.phase is DutyPhase.STANDING
     assert SendCommand(P5) in actions
     assert SendCommand(P7) not in actions  # thrown at the approach tag
     again, more = step(PLAN, TIMES, after, TimerDue(LEAVE), AT_A, NOW_S)
@@ -245,3 +258,36 @@ def test_it_runs_on_sight_until_its_front_has_left_what_must_be_swept(unswept: s
     assert after.sweeps is sweeps
     assert after.limit == TO_THE_END  # what it has left does not stop it
     assert unswept in after.authority.unswept
+
+
+STRAY: Final = {
+    "points beyond its track": (AT_A, ("3", "5"), ("3",)),
+    "what nothing leads to": (AT_A, ("3", "7", "8"), ("3",)),
+    "a route but for its last section": (AT_A, ("3", "5", "6", "7"), ("3",)),
+    "its whole route": (AT_A, ("3", *SECTIONS), ("3", *SECTIONS)),
+    "points that its front may be on": (moved(AT_A, perhaps=2), ("3", "5"), ("3", "5")),
+    "what it has not come to a stand before": (moved(AT_A, stands=False), ("3", "5"), ("3", "5")),
+    "open line ahead of it": (moved(ON_6, stands=True), ("6", "7"), ("6", "7")),
+    "what lies beyond a gap in that": (moved(ON_6, stands=True), ("6", "8"), ("6",)),
+}
+
+
+@pytest.mark.parametrize("name", STRAY)
+def test_standing_it_gives_back_what_it_holds_of_a_route_that_it_does_not_hold_whole(name: str) -> None:
+    """The register has given it so much after a boot, or a false claim; it would keep others from it for ever."""
+    place, held, kept = STRAY[name]
+    phase = DutyPhase.STANDING if place.here == 0 else DutyPhase.RUNNING
+    state = DutyState(phase, place, Authority(held=held, on_line=True), limit=BEFORE_5)
+    after, actions = step(PLAN, TIMES, state, Looked(), place, NOW_S)
+    assert after.authority.held == kept
+    said = [
+        a.request.section_ids
+        for a in actions
+        if isinstance(a, SendRequest) and a.request.ask is RequestKind.REPORT
+    ]
+    assert said == ([] if kept == held else [kept])
+
+
+def test_as_it_changes_ends_what_it_stands_in_is_not_ahead_of_its_place_on_the_way_back() -> None:
+    after, _ = step(PLAN, TIMES, FINISHED, ChangeEnds(), AT_A, NOW_S)
+    assert after.authority.held == HOLDS_8.held

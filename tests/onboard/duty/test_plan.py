@@ -14,7 +14,7 @@ from network.files.shipped import shipped_line
 from network.model import Direction, SectionKind, TagPurpose
 from network.timetable import Call, Stabled, TimetableTrain
 from onboard.duty.mission import Mission, plan_mission
-from onboard.duty.plan import Plan, plan_of
+from onboard.duty.plan import DutyPlan, plan_of
 
 LENGTH_M = 40.0
 lengths_m = st.floats(15.0, 120.0)
@@ -109,5 +109,5 @@ def test_the_route_from_where_a_train_stands(over_halts: Mission, mission: Missi
 
 
 def test_a_train_longer_than_the_way_frees_nothing(mission: Mission) -> None:
-    plan: Plan = plan_of(mission, math.ceil(mission.path.length_m))
+    plan: DutyPlan = plan_of(mission, math.ceil(mission.path.length_m))
     assert {tag.clear for tag in plan.tags} == {stop.clear for stop in plan.stops} == {0}

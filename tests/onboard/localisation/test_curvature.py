@@ -12,11 +12,11 @@ import pytest
 
 from onboard import notes
 from onboard.localisation.curvature_map import CurvatureMap, design_map
+from papers.position_run import SLOT, Moment, PositionResult, PositionRun
+from scenario.scenario import load_scenario
 from simulation.sensor_settings import Filter, Rails
-from simulation.settings import Carried
+from simulation.settings import PositionSensor
 from simulation.setup import Setup
-from study.papers.position_run import SLOT, Moment, PositionResult, PositionRun
-from study.scenario.scenario import load_scenario
 
 STRAIGHT_M = 1000.0
 
@@ -49,7 +49,7 @@ def ran(
     wheel: float | None = None,
     **curvature: object,
 ) -> Ran:
-    sensors = setup.sensors.model_copy(update={"carries": (Carried.CURVATURE,)})
+    sensors = setup.sensors.model_copy(update={"carries": (PositionSensor.CURVATURE,)})
     changed = setup.curvature.model_copy(update=curvature)
     run = PositionRun(replace(setup, sensors=sensors, curvature=changed, curvature_map=of), moments)
     if wheel is not None:
@@ -128,7 +128,7 @@ def test_wheels_that_creep_break_nothing_and_units_know_nothing_of_how_much(setu
 
 
 def test_without_its_allowance_wheels_that_creep_break_the_bounds(setup: Setup) -> None:
-    creeping = {"creep_share": 0.007, "tread_conicity": 0.1, "carries": (Carried.CURVATURE,)}
+    creeping = {"creep_share": 0.007, "tread_conicity": 0.1, "carries": (PositionSensor.CURVATURE,)}
     run = PositionRun(replace(setup, sensors=setup.sensors.model_copy(update=creeping), seed=1))
     sure = run.trains.readers[SLOT].curvature
     sure.varies_share, sure.scale_low, sure.scale_high = 0.0, 0.98, 1.02
@@ -148,7 +148,7 @@ def test_a_bias_that_jumps_by_too_little_to_be_noticed_breaks_no_bounds(seed: in
 
 def test_without_room_for_noise_the_bounds_break(setup: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
     run = PositionRun(
-        replace(setup, sensors=setup.sensors.model_copy(update={"carries": (Carried.CURVATURE,)}))
+        replace(setup, sensors=setup.sensors.model_copy(update={"carries": (PositionSensor.CURVATURE,)}))
     )
     own = run.trains.readers[SLOT].curvature
     own.sure_sigmas = own.gain_share = own.delay_share = 0.01

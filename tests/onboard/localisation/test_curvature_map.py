@@ -20,8 +20,8 @@ from network.path import path_of
 from network.profile import curvature_at, profile_of
 from onboard.localisation.curvature_map import (
     CurvatureMap,
+    FirstRunRecord,
     Mounting,
-    Record,
     design_map,
     headings_rad,
     laid_per_m,
@@ -97,13 +97,13 @@ def test_a_first_run_without_errors_makes_the_design_again(line: Line) -> None:
     )
     counted_m = 7.0 + front_m * 1.004  # worn wheels: places in between are shared out
     anchors = tuple((7.0 + at * 1.004, at) for at in (60.0, 5_000.0, path.length_m - 20.0))
-    made = measured_map(Record(counted_m, heading_rad, anchors), path, line, MOUNTING, 0.5, "a test")
+    made = measured_map(FirstRunRecord(counted_m, heading_rad, anchors), path, line, MOUNTING, 0.5, "a test")
     laid, expected = (laid_per_m(of, path, MOUNTING, NUMBERS) for of in (made, design))
     known = np.isfinite(laid) & np.isfinite(expected)
     assert known.mean() > 0.98
     assert float(np.sqrt(np.mean((laid - expected)[known] ** 2))) < 1e-5
     with pytest.raises(ValueError, match="two places"):
-        measured_map(Record(counted_m, heading_rad, anchors[:1]), path, line, MOUNTING, 0.5, "")
+        measured_map(FirstRunRecord(counted_m, heading_rad, anchors[:1]), path, line, MOUNTING, 0.5, "")
 
 
 def math_rows(path: Way) -> int:

@@ -230,6 +230,33 @@ def test_what_may_have_slid_is_no_room_for_a_lie_ahead(unit: UnitRow, forgives: 
     assert forgives or out_m <= 0.0
 
 
+@pytest.mark.parametrize("forgives", [False, True])
+@pytest.mark.parametrize("open_sky", [0, None])
+def test_a_lie_that_comes_up_in_a_gap_is_in_the_interval(
+    unit: UnitRow, open_sky: int | None, forgives: bool
+) -> None:
+    """Over a kilometre without an open sky wheels count 1 % too little, and fixes fall back by more than that."""
+    train = Train(unit, 60.0)
+    for _ in range(20):
+        train.second(0.0)
+    train.own.forgives, train.wheels = int(forgives), 0.99
+    for _ in range(50):
+        train.second(None if open_sky is None else -24.0, open_sky=open_sky or 0)
+    out_m = train.out_m
+    for _ in range(20):
+        train.second(-24.0)
+        out_m = max(out_m, train.out_m)
+    assert (out_m > 2.0) is forgives
+    assert forgives or out_m <= 0.0
+
+
+def test_no_gap_is_what_a_few_missing_fixes_leave(unit: UnitRow) -> None:
+    train = Train(unit, 60.0)
+    for second in range(60):
+        train.second(0.0 if second % 5 == 0 else None)
+    assert reader.lie_m(train.own) == (0.0, 0.0)
+
+
 def test_bounds_that_others_make_narrow_give_back_what_a_slide_took(unit: UnitRow) -> None:
     train = Train(unit, 60.0)
     for _ in range(10):

@@ -14,8 +14,8 @@ from onboard.localisation.reader import (
     CRC_OFFSET,
     CRC_POLYNOMIAL,
     REFUSED,
+    IdAgreement,
     Judgement,
-    Rule,
     crc8,
     decode,
     encode,
@@ -135,9 +135,9 @@ def test_the_vote(items: list[int | None], expected: Judgement) -> None:
 @settings(deadline=None)  # the first call compiles
 @given(
     st.lists(st.sampled_from([None, 1, 2, 3]), max_size=24),
-    st.builds(Rule, st.integers(1, 8), st.integers(1, 4), st.integers(1, 2)),
+    st.builds(IdAgreement, st.integers(1, 8), st.integers(1, 4), st.integers(1, 2)),
 )
-def test_the_vote_agrees_with_counting(items: list[int | None], rule: Rule) -> None:
+def test_the_vote_agrees_with_counting(items: list[int | None], rule: IdAgreement) -> None:
     window = min(rule.window_items, len(items))
     expected = Judgement(None, len(items))
     for first in range(0, len(items) - window + 1, rule.step_items):

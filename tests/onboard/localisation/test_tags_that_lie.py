@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from network.model import TagPurpose
 from onboard.duty.mission import PathTag
-from onboard.localisation.tags import Heard, TagDoubt, Wheels
+from onboard.localisation.tags import TagDoubt, TagOutcome, Wheels
 from onboard.localisation.wheel_scale import LEARNED_OVER_M, WheelScale, held
 from onboard.records import UNIT
 from onboard.unit_records import UnitParameters
@@ -32,7 +32,7 @@ class Ride:
     worn: float = 1.0
     parameters: UnitParameters = PARAMETERS
     true_m: float = START_M
-    heard: list[Heard] = field(default_factory=list)
+    heard: list[TagOutcome] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.row = np.zeros(1, dtype=UNIT).view(np.recarray)[0]
@@ -61,10 +61,10 @@ class Ride:
         row.bound_behind_m += counted_m * row.bound_growth
         self.true_m = true_m
 
-    def read(self, tag: PathTag, error_m: float = 0.0) -> Heard:
+    def read(self, tag: PathTag, error_m: float = 0.0) -> TagOutcome:
         """The reader reads what calls itself `tag`; what the driving part makes of it."""
         heard, _ = self.doubt.hear(tag, float(self.row.odometer_m) + error_m)
-        if heard is Heard.OUT:
+        if heard is TagOutcome.OUT:
             self.doubt.begin()
             self.row.position_known = 0
         self.heard.append(heard)
@@ -168,15 +168,15 @@ def test_a_tag_that_deviates_from_what_the_wheels_are_known_to_be_worth_is_doubt
     ride = Ride(tags_at(*(START_M + 1000.0 * n for n in range(1, 8))))
     for tag in ride.tags[:5]:
         ride.run_to(tag.position_m)
-        assert ride.read(tag) is Heard.BELIEVED
+        assert ride.read(tag) is TagOutcome.BELIEVED
     assert ride.row.bound_growth < 0.6 * PARAMETERS.wheel_error_share
     ride.run_to(ride.tags[5].position_m - 18.0)
     before_m = float(ride.row.position_m)
-    assert ride.read(ride.tags[5]) is Heard.DOUBTED
+    assert ride.read(ride.tags[5]) is TagOutcome.DOUBTED
     assert float(ride.row.position_m) == before_m
     assert ride.out_m <= 0.0
     ride.run_to(ride.tags[6].position_m)
-    assert ride.read(ride.tags[6]) is Heard.BELIEVED
+    assert ride.read(ride.tags[6]) is TagOutcome.BELIEVED
     assert ride.out_m <= 0.0
 
 
@@ -187,16 +187,16 @@ def test_a_worn_wheel_is_not_taken_for_wrong_tags() -> None:
     for tag in ride.tags:
         ride.run_to(tag.position_m)
         ride.read(tag)
-    assert set(ride.heard) == {Heard.BELIEVED}
+    assert set(ride.heard) == {TagOutcome.BELIEVED}
 
 
 def test_after_a_fault_told_by_a_tag_the_bounds_before_it_are_spanned_too() -> None:
     """The tag that fixes the position again lies: trusted, it would be a false position."""
     ride = Ride(tags_at(400.0, 800.0, 1500.0))
     ride.run_to(400.0)
-    assert ride.read(ride.tags[2]) is Heard.OUT
+    assert ride.read(ride.tags[2]) is TagOutcome.OUT
     ride.run_to(810.0)  # moved by 10 m
-    assert ride.read(ride.tags[1]) is Heard.BELIEVED
+    assert ride.read(ride.tags[1]) is TagOutcome.BELIEVED
     assert ride.out_m <= 0.0
     assert ride.row.bound_ahead_m > 10.0
 
@@ -215,7 +215,7 @@ def test_wheels_are_not_doubted_for_a_tag_that_lies_on_another_path() -> None:
     lose_to_a_tag_of_another_path(ride)
     assert ride.row.bound_growth == growth
     ride.run_to(810.0)  # moved by 10 m
-    assert ride.read(ride.tags[1]) is Heard.BELIEVED
+    assert ride.read(ride.tags[1]) is TagOutcome.BELIEVED
     assert ride.out_m <= 0.0
     assert ride.row.bound_ahead_m > 10.0
 
@@ -227,11 +227,71 @@ def test_of_two_faults_one_after_the_other_the_tag_between_is_spanned() -> None:
     ride.doubt.begin()
     ride.row.position_known = 0
     ride.run_to(425.0)
-    assert ride.read(ride.tags[1]) is Heard.DOUBTED
+    assert ride.read(ride.tags[1]) is TagOutcome.DOUBTED
     lose_to_a_tag_of_another_path(ride)
     ride.run_to(810.0)
-    assert ride.read(ride.tags[3]) is Heard.BELIEVED
+    assert ride.read(ride.tags[3]) is TagOutcome.BELIEVED
     assert ride.out_m <= 0.0
+
+
+def measured(*further_m: float) -> Ride:
+    """Five tags have told what wheels are worth, then one said that it is another one, far away."""
+    ride = Ride(tags_at(*(START_M + 1000.0 * n for n in range(1, 6)), *further_m, 20_000.0))
+    for tag in ride.tags[:5]:
+        ride.run_to(tag.position_m)
+        ride.read(tag)
+    ride.run_to(ride.true_m + 300.0)
+    assert ride.read(ride.tags[-1]) is TagOutcome.OUT
+    assert ride.row.bound_growth == PARAMETERS.doubt_error_share
+    return ride
+
+
+def test_the_first_tag_that_answers_the_one_before_the_fault_shows_that_wheels_are_sound() -> None:
+    """Of three tags only the middle one does not fit what wheels are known to be worth: it was the tag that lied."""
+    ride = measured(6_000.0)
+    ride.run_to(6_000.0)
+    assert ride.read(ride.tags[5]) is TagOutcome.BELIEVED
+    assert ride.row.bound_growth < 0.6 * PARAMETERS.wheel_error_share
+    assert ride.out_m <= 0.0
+
+
+def test_wheels_that_are_worth_something_else_since_stay_in_doubt() -> None:
+    ride = measured(6_000.0)
+    ride.run_to(6_000.0, changes=0.1)
+    assert ride.read(ride.tags[5]) is TagOutcome.BELIEVED
+    assert ride.row.bound_growth == PARAMETERS.doubt_error_share
+
+
+def test_nor_does_what_was_known_come_back_where_the_tachometer_shows_what_no_slide_explains() -> None:
+    ride = measured(6_000.0)
+    ride.doubt.begin(Wheels.FALSE)
+    ride.run_to(6_000.0)
+    assert ride.read(ride.tags[5]) is TagOutcome.BELIEVED
+    assert ride.row.bound_growth == PARAMETERS.doubt_error_share
+
+
+def fix_within(ride: Ride, half_m: float) -> None:
+    """An absolute sensor has the front where it is."""
+    ride.row.fix_low_m, ride.row.fix_high_m = ride.true_m - half_m, ride.true_m + half_m
+    ride.row.fix_odometer_m = ride.row.odometer_m
+    ride.doubt.fix_came()
+
+
+@pytest.mark.parametrize(("half_m", "sound"), [(0.5, True), (20.0, False)])
+def test_so_does_a_fix_that_tells_it_as_finely_as_wheels_are_stated(half_m: float, sound: bool) -> None:
+    ride = measured(6_000.0)
+    ride.run_to(ride.true_m + 500.0)
+    fix_within(ride, half_m)
+    assert bool(ride.row.bound_growth < PARAMETERS.wheel_error_share) is sound
+
+
+def test_fixes_measure_the_wheels_of_a_train_that_reads_tags() -> None:
+    ride = Ride(tags_at(400.0), worn=1.01)
+    fix_within(ride, 0.5)
+    ride.run_to(START_M + 1000.0)
+    fix_within(ride, 0.5)
+    assert ride.row.bound_growth < 0.6 * PARAMETERS.wheel_error_share
+    assert ride.row.odometer_scale == pytest.approx(1.01, abs=0.006)
 
 
 @pytest.mark.parametrize(("off_m", "wheels"), [(8.0, Wheels.DOUBTED), (60.0, Wheels.SOUND)])
@@ -256,7 +316,7 @@ def test_wheels_that_are_out_of_order_say_nothing_of_where_it_is() -> None:
     ride.doubt.begin(Wheels.FALSE)
     ride.row.position_known = 0
     ride.run_to(400.0)
-    assert ride.read(ride.tags[1]) is Heard.BELIEVED
+    assert ride.read(ride.tags[1]) is TagOutcome.BELIEVED
     assert ride.row.bound_ahead_m == pytest.approx(PARAMETERS.tag_accuracy_m)
 
 

@@ -14,7 +14,7 @@ import pytest
 from network.errors import InputError
 from simulation.carriers import sumo_api
 from simulation.carriers.lost import CarrierLostError
-from simulation.carriers.sumo_api import Window, in_window
+from simulation.carriers.sumo_api import GuiWindow, in_window
 from study.outcome import Outcome, outcome_of
 from tests.conftest import Ended
 
@@ -84,7 +84,7 @@ def test_without_sumo_gui_the_option_is_bad_input(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(sumo_api, "find_spec", nowhere)
     monkeypatch.setenv("DISPLAY", ":0")
     with pytest.raises(InputError, match=r"branchline\[net\]"):
-        in_window(Window())
+        in_window(GuiWindow())
 
 
 def test_the_plain_carrier_has_no_window(main: Callable[..., Ended]) -> None:

@@ -13,34 +13,34 @@ from hypothesis import strategies as st
 from network.model import Position
 from radio.air import Delivery
 from simulation.agenda import Agenda
+from simulation.clock import Clock
 from simulation.faults.clocks import WrongClock
-from simulation.faults.devices import Frozen, PowerOff
-from simulation.faults.fault import Fault
-from simulation.faults.injector import Injector
-from simulation.faults.links import Cut, Delay, Link
+from simulation.faults.devices import Frozen, PowerCut
+from simulation.faults.fault import Fault, InForce
+from simulation.faults.links import Cut, Delay, FaultyLink, disturbed
 from simulation.faults.points import NoDetection, Slow, Stuck
 from simulation.faults.rail import Slippery
-from simulation.faults.script import Failure, Script, Trigger
+from simulation.faults.script import Script, ScriptedFault, Trigger
 from simulation.faults.speech import FalseClaims
+from simulation.faults.tachometer import NoOutput, Scale, StuckOutput
+from simulation.faults.tag_reader import Miss, WrongId
 from simulation.faults.vehicle import Brake, Doors, Motors
+from simulation.injector import Injector
 from simulation.journal import Journal
 from simulation.people import People
-from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
-from simulation.sensors.tag_reader import Miss, WrongId
-from simulation.world.clock import Clock
 from simulation.world.point_machine import Forced, PointMachine, Repaired, step
-from simulation.world.premises import Premises
+from simulation.world.premises import FalsePositions
 
 WHEEL_MPS: Final = 10.0
 THROW_S: Final = 5.0
-WHERE: Final = Link("K1", "B-W", both_ways=True)
+WHERE: Final = FaultyLink("K1", "B-W", both_ways=True)
 
 
 @dataclass
 class World:
     """A train K1, a terminal B-W and points P7, and the value of every quantity that faults change."""
 
-    failures: tuple[Failure, ...]
+    failures: tuple[ScriptedFault, ...]
     weather: float = 0.5
     power: dict[str, bool] = field(default_factory=lambda: {"K1": True, "B-W": True})
     frozen: dict[str, bool] = field(default_factory=lambda: {"K1": False, "B-W": False})
@@ -60,7 +60,7 @@ class World:
             setup=SimpleNamespace(people=People(times=0.0), seed=1, today=()),
             tachometers=[self.tachometer],
             plants=[self.plant],
-            premises=Premises([self.tachometer], [self.unit]),  # type: ignore[list-item]
+            premises=FalsePositions([self.tachometer], [self.unit]),  # type: ignore[list-item]
             tag_faults={},
             set_rail=lambda _slot, share: setattr(self, "rail_share", share),
             set_brake=lambda _slot, reserve: setattr(self, "brake_reserve", reserve),
@@ -77,24 +77,30 @@ class World:
             freeze=lambda _step, device, *, frozen: self.frozen.update({device: frozen}),
             set_clock=lambda _step, device, clock: self.clocks.update({device: clock}),
         )
-        self.agenda = Agenda()
-        self.injector = Injector(
-            Script(self.failures),
-            1,
-            self.trains,
-            SimpleNamespace(),
-            self.wayside,
-            Journal(),
-            self.agenda,
-            lambda unit, on: self.power.update({unit: on}),
-            lambda unit, frozen: self.frozen.update({unit: frozen}),
-            lambda _unit, _hold_s: None,
-            lambda _unit: None,
-            lambda unit, clock: self.clocks.update({unit: clock}),
-            lambda _unit, part, good: self.vehicle.update({part: good}),
-            lambda unit, sections: self.claims.update({unit: sections}),
-            lambda _unit, _number: None,
+        self.agenda, self.in_force = Agenda(), InForce()
+        world: Any = SimpleNamespace(
+            setup=self.trains.setup,
+            journal=Journal(),
+            agenda=self.agenda,
+            in_force=self.in_force,
+            trains=self.trains,
+            wayside=self.wayside,
+            on_board=SimpleNamespace(),
+            charging=None,
         )
+        shown = self.vehicle
+        cabs: Any = SimpleNamespace(
+            power_off=lambda _slot, _step: self.power.update({"K1": False}),
+            freeze=lambda _slot, _step, *, frozen: self.frozen.update({"K1": frozen}),
+            set_clock=lambda _slot, _step, clock: self.clocks.update({"K1": clock}),
+            vehicle_shows=lambda _slot, _step, part, value: shown.update({part: value}),
+            claim_besides=lambda _slot, _step, sections: self.claims.update({"K1": sections}),
+        )
+        duties: Any = SimpleNamespace(power_on=lambda _slot, _step: self.power.update({"K1": True}))
+        platforms: Any = SimpleNamespace(
+            fault=lambda _slot, _step, *, closed: shown.update({"doors_closed": closed})
+        )
+        self.injector = Injector(Script(self.failures), world, cabs, duties, platforms)
         self.injector.start(0)
 
     def set_motors(self, _slot: int, cut_out: int) -> float:
@@ -108,11 +114,11 @@ class World:
 
     def arrives(self) -> list[int]:
         """Steps at which a telegram of step 100 arrives."""
-        return [d.step for d in self.wayside.disturb(90, "K1", "B-W", (Delivery(100, b"x"),))]
+        return [d.step for d in disturbed(self.in_force, "K1", "B-W", (Delivery(100, b"x"),))]
 
 
-def failure(fault: Fault[Any], at_s: float, duration_s: float | None = None) -> Failure:
-    return Failure(fault, Trigger(at_s=at_s), duration_s)
+def failure(fault: Fault[Any], at_s: float, duration_s: float | None = None) -> ScriptedFault:
+    return ScriptedFault(fault, Trigger(at_s=at_s), duration_s)
 
 
 def test_a_short_fault_inside_a_long_one_takes_only_itself_away() -> None:
@@ -149,7 +155,7 @@ def test_bounds_are_not_judged_until_the_last_of_a_tachometers_faults_is_over() 
 
 
 def test_power_comes_back_with_the_last_of_its_cuts() -> None:
-    world = World((failure(PowerOff(target="B-W"), 5.0, 50.0), failure(PowerOff(target="B-W"), 10.0, 5.0)))
+    world = World((failure(PowerCut(target="B-W"), 5.0, 50.0), failure(PowerCut(target="B-W"), 10.0, 5.0)))
     for second, on in ((4, True), (7, False), (12, False), (20, False), (60, True)):
         world.run_to(second * 10)
         assert world.power["B-W"] is on
@@ -244,8 +250,8 @@ FAMILIES: Final[dict[str, tuple[Fault[Any], ...]]] = {
     "rail": (Slippery(target="K1", factor=0.5), Slippery(target="K1", factor=0.25)),
     "tag": (Miss(target="602"), WrongId(target="602", id=601), WrongId(target="602", id=603)),
     "points": (Stuck(target="P7"), NoDetection(target="P7"), Slow(target="P7", factor=2.0)),
-    "power of a unit": (PowerOff(target="K1"),),
-    "power of a device": (PowerOff(target="B-W"),),
+    "power of a unit": (PowerCut(target="K1"),),
+    "power of a device": (PowerCut(target="B-W"),),
     "frozen unit": (Frozen(target="K1"),),
     "frozen device": (Frozen(target="B-W"),),
     "link": (Delay(target=WHERE, seconds=1.0), Delay(target=WHERE, seconds=2.0), Cut(target=WHERE)),

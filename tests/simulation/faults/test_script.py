@@ -6,8 +6,8 @@ import pytest
 
 from network.model import Position
 from onboard.notes import Departs, Holds, LimitSet, MissionBegun, Proven
-from simulation.events import EVENTS, WORLD, Entry, TagPassed
-from simulation.faults.script import Matcher, Trigger, Watch, matcher_of
+from simulation.events import EVENTS, WORLD, JournalEntry, TagPassed
+from simulation.faults.script import Matcher, Trigger, TriggerWatch, matcher_of
 from simulation.journal import Journal
 
 
@@ -46,7 +46,7 @@ def test_other_words_name_nothing(words: str) -> None:
 )
 def test_a_list_matches_what_it_contains(actual: tuple[str, ...], wanted: object, same: bool) -> None:
     matcher = Matcher("m", (Holds,), data={"section_ids": wanted})
-    assert matcher.matches(Entry(0.0, "x", Holds(section_ids=actual, token=1)), {}) is same
+    assert matcher.matches(JournalEntry(0.0, "x", Holds(section_ids=actual, token=1)), {}) is same
 
 
 @pytest.mark.parametrize(
@@ -54,20 +54,24 @@ def test_a_list_matches_what_it_contains(actual: tuple[str, ...], wanted: object
 )
 def test_a_value_matches_itself(before: str | None, wanted: str, same: bool) -> None:
     limit = LimitSet(kilometrage_m=1.0, piece_id="p", before=before, why="not held")
-    assert Matcher("m", (LimitSet,), data={"before": wanted}).matches(Entry(0.0, "x", limit), {}) is same
+    assert (
+        Matcher("m", (LimitSet,), data={"before": wanted}).matches(JournalEntry(0.0, "x", limit), {}) is same
+    )
 
 
 @pytest.mark.parametrize(("wanted", "same"), [("normal", True), ("reverse", False)])
 def test_a_position_matches_its_word(wanted: str, same: bool) -> None:
     proven = Proven(points_id="P7", position=Position.NORMAL, token=1)
-    assert Matcher("m", (Proven,), data={"position": wanted}).matches(Entry(0.0, "x", proven), {}) is same
+    assert (
+        Matcher("m", (Proven,), data={"position": wanted}).matches(JournalEntry(0.0, "x", proven), {}) is same
+    )
 
 
 def test_another_event_or_party_does_not_match() -> None:
     proven = Proven(points_id="P7", position=Position.NORMAL, token=1)
-    assert Matcher("m", (Proven,), who="K1").matches(Entry(0.0, "K1", proven), {})
-    assert not Matcher("m", (Proven,), who="K2").matches(Entry(0.0, "K1", proven), {})
-    assert not Matcher("m", (Holds,)).matches(Entry(0.0, "K1", proven), {})
+    assert Matcher("m", (Proven,), who="K1").matches(JournalEntry(0.0, "K1", proven), {})
+    assert not Matcher("m", (Proven,), who="K2").matches(JournalEntry(0.0, "K1", proven), {})
+    assert not Matcher("m", (Holds,)).matches(JournalEntry(0.0, "K1", proven), {})
 
 
 def test_data_that_an_event_does_not_have_are_refused_at_once() -> None:
@@ -78,7 +82,9 @@ def test_data_that_an_event_does_not_have_are_refused_at_once() -> None:
 def test_a_trigger_fires_once_with_its_delay_for_the_train_of_the_moment() -> None:
     fired: list[tuple[int, float]] = []
     on = matcher_of("train T2 departs B")
-    watch = Watch({7: Trigger(on=on, after_s=5.0), 8: Trigger(at_s=3.0)}, lambda k, t: fired.append((k, t)))
+    watch = TriggerWatch(
+        {7: Trigger(on=on, after_s=5.0), 8: Trigger(at_s=3.0)}, lambda k, t: fired.append((k, t))
+    )
     journal = Journal()
     journal.watch(watch.see)
     journal.write(1.0, "K1", MissionBegun(train="T1", direction="down"))
@@ -93,6 +99,6 @@ def test_a_trigger_fires_once_with_its_delay_for_the_train_of_the_moment() -> No
 def test_an_event_of_the_world_about_a_unit_is_the_units_trains() -> None:
     on = matcher_of("train T1 passes tag 4")
     assert on is not None
-    entry = Entry(1.0, WORLD, TagPassed(unit_id="K1", tag_id=4))
+    entry = JournalEntry(1.0, WORLD, TagPassed(unit_id="K1", tag_id=4))
     assert on.matches(entry, {"K1": "T1"})
     assert not on.matches(entry, {"K1": "T2"})

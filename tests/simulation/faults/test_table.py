@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from simulation.faults.fault import Fault, Names
-from simulation.faults.links import ANY, Link
+from simulation.faults.links import ANY, FaultyLink
 from simulation.faults.table import FAULTS, KINDS
 
 NAMES = Names(
@@ -41,8 +41,8 @@ def test_a_fault_says_what_it_is_and_what_it_may_aim_at(kind: type[Fault[Any]]) 
 
 @given(PARTIES, PARTIES, st.booleans())
 def test_a_link_is_read_as_it_is_written(source: str, destination: str, both_ways: bool) -> None:
-    link = Link(source, destination, both_ways)
-    assert Link.parse(str(link)) == link
+    link = FaultyLink(source, destination, both_ways)
+    assert FaultyLink.parse(str(link)) == link
 
 
 @pytest.mark.parametrize(
@@ -50,7 +50,7 @@ def test_a_link_is_read_as_it_is_written(source: str, destination: str, both_way
 )
 def test_other_words_are_no_link(words: object) -> None:
     with pytest.raises(ValueError, match="a link such as"):
-        Link.parse(words)
+        FaultyLink.parse(words)
 
 
 @pytest.mark.parametrize(
@@ -68,7 +68,7 @@ def test_other_words_are_no_link(words: object) -> None:
     ],
 )
 def test_which_telegrams_go_over_a_link(words: str, source: str, destination: str, joins: bool) -> None:
-    assert Link.parse(words).joins(source, destination) is joins
+    assert FaultyLink.parse(words).joins(source, destination) is joins
 
 
 def test_a_fault_out_of_its_bounds_cannot_be_made() -> None:

@@ -10,18 +10,18 @@ from simulation.events import (
     WORLD,
     Accepted,
     ConfirmedByHand,
-    Entry,
     Event,
     Freed,
     Granted,
     Holds,
+    JournalEntry,
     Outside,
     Proven,
     Started,
     TookEffect,
 )
-from simulation.judge.checkers import Brake, Checkers, PointsFacts
-from simulation.judge.liveness import LOOKS_EVERY_S, Seen
+from simulation.judge.checkers import Checkers, GuaranteedBrake, PointsFacts
+from simulation.judge.liveness import LOOKS_EVERY_S, TrainAndDisplay
 from sumo_cfg.truth_map import NetEdge, NetMap
 
 # W | stem1 -< normal1 - T1 - normal2 >- stem2 | B | E, and reverse1 - T2 - reverse2
@@ -38,7 +38,7 @@ POINTS = {
 }
 TRAIN_M = 40.0
 DESIGN = 0.8
-BRAKE = Brake(deceleration_mps2=1.0, reaction_s=1.0, gravity_mps2=9.0)
+BRAKE = GuaranteedBrake(deceleration_mps2=1.0, reaction_s=1.0, gravity_mps2=9.0)
 
 
 def net() -> NetMap:
@@ -62,7 +62,7 @@ class Stage:
 
     def entry(self, who: str, event: Event) -> Stage:
         self.t_s += 1.0
-        self.checkers.journal(Entry(self.t_s, who, event))
+        self.checkers.journal(JournalEntry(self.t_s, who, event))
         return self
 
     def world(self, event: Event) -> Stage:
@@ -142,7 +142,9 @@ class Stage:
         until_s = self.t_s + for_s
         while self.t_s < until_s:
             self.t_s += LOOKS_EVERY_S
-            seen = Seen("A", "section W", True, 0.0, timer, pulls=False, awaits=False, waits_for="route W>T1")
+            seen = TrainAndDisplay(
+                "A", "section W", True, 0.0, timer, pulls=False, awaits=False, waits_for="route W>T1"
+            )
             self.checkers.alive(self.t_s, [seen])
         return self
 

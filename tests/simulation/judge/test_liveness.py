@@ -6,15 +6,15 @@ from dataclasses import replace
 
 import pytest
 
-from simulation.judge.liveness import LOOKS_EVERY_S, STANDS_S, LivenessWatch, Seen
+from simulation.judge.liveness import LOOKS_EVERY_S, STANDS_S, LivenessWatch, TrainAndDisplay
 from simulation.judge.log import Log
 
-DEAD = Seen(
+DEAD = TrainAndDisplay(
     "K1", "section 6", bound=True, run_m=100.0, timer=False, pulls=False, awaits=False, waits_for="route 3>8"
 )
 
 
-def found(*looks: Seen) -> list[str]:
+def found(*looks: TrainAndDisplay) -> list[str]:
     """What is found of one train in looks one after the other."""
     log = Log()
     watch = LivenessWatch(log)
@@ -23,7 +23,7 @@ def found(*looks: Seen) -> list[str]:
     return [violation.text for violation in log.violations]
 
 
-def long(seen: Seen, more: int = 0) -> list[Seen]:
+def long(seen: TrainAndDisplay, more: int = 0) -> list[TrainAndDisplay]:
     """As many looks as it takes to be found, and some more."""
     return [seen] * (round(STANDS_S / LOOKS_EVERY_S) + 1 + more)
 
@@ -52,7 +52,7 @@ def test_one_that_waits_for_nothing_is_dead_though_a_timer_runs() -> None:
     ],
     ids=["a timer runs", "it pulls", "a word will come", "its duty is over, or its unit is dead or frozen"],
 )
-def test_one_for_which_something_will_happen_is_left_alone(alive: Seen) -> None:
+def test_one_for_which_something_will_happen_is_left_alone(alive: TrainAndDisplay) -> None:
     assert found(*long(alive, more=20)) == []
     assert found(*long(DEAD)[1:], alive, *long(DEAD)[1:]) == []
 

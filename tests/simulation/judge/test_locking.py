@@ -10,8 +10,8 @@ import pytest
 
 from network.model import Position
 from simulation.events import PointsLocked, PointsMoving, PointsUnlocked, ProofDropped, UnitRestarted
-from simulation.judge.body import Body, Track
-from simulation.judge.checkers import Brake, Checker
+from simulation.judge.body import Body, NetTrack
+from simulation.judge.checkers import Checker, GuaranteedBrake
 from tests.simulation.judge.stage import Stage, authorised, net
 
 ENTRY = {Checker.PROVEN_BEFORE_ENTRY.value}
@@ -112,7 +112,7 @@ def test_a_train_without_a_brake_that_is_known_is_never_excused() -> None:
 
 
 def test_gravity_counts_by_the_height_that_the_track_gains() -> None:
-    brake = Brake(1.0, 1.0, 9.0)
+    brake = GuaranteedBrake(1.0, 1.0, 9.0)
     level = brake.speed2(10.0, 0.0, 50.0, 0.0)
     assert level == pytest.approx(20.0)
     assert brake.speed2(10.0, 0.0, 50.0, -1.0) - level == pytest.approx(18.0)  # v^2 = 2 g h on the way down
@@ -126,7 +126,7 @@ def test_a_run_and_its_climb_are_counted_over_the_joints_of_edges() -> None:
         "stem1+": ((0.0, 53.0), (10.0, 52.0)),
         "normal1+": ((0.0, 7.0), (30.0, 7.0)),
     }
-    track = Track(net(), heights)
+    track = NetTrack(net(), heights)
     body = Body("A", 40.0, ["W+"])
     places = (("W+", 100.0), ("W+", 200.0), ("stem1+", 5.0), ("normal1+", 12.0))
     seen = []

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from scipy import stats
 
 from radio.chance import generator
-from simulation.late.spread import Spread
+from simulation.late.spread import DrawnTime
 
 MANY = 20_000
 SIGMAS = 4.5  # a draw of this many fails once in 150 000 tries; the seeds are fixed
@@ -26,8 +26,8 @@ SHAPES = {
 }
 
 
-def spread(name: str, **more: float) -> Spread:
-    return Spread.model_validate({"distribution": name, **SHAPES[name], **more})
+def spread(name: str, **more: float) -> DrawnTime:
+    return DrawnTime.model_validate({"distribution": name, **SHAPES[name], **more})
 
 
 def frozen(name: str) -> Any:  # noqa: ANN401 - scipy's frozen distributions
@@ -46,7 +46,7 @@ def frozen(name: str) -> Any:  # noqa: ANN401 - scipy's frozen distributions
             return stats.uniform(of["low_s"], of["high_s"] - of["low_s"])
 
 
-def drawn(source: Spread, seed: int = 1) -> list[float]:
+def drawn(source: DrawnTime, seed: int = 1) -> list[float]:
     chance = generator(seed, "test")
     return [source.draw_s(chance) for _ in range(MANY)]
 
@@ -104,4 +104,4 @@ def test_a_greater_mean_makes_every_draw_greater(name: str, times: float) -> Non
 )
 def test_figures_that_are_not_the_distributions_are_refused(table: dict[str, Any], expected: str) -> None:
     with pytest.raises(ValidationError, match=expected):
-        Spread.model_validate(table)
+        DrawnTime.model_validate(table)

@@ -11,16 +11,17 @@ import pytest
 from onboard.board import SENSED
 from onboard.localisation.table import READERS_ROW
 from simulation.carriers.plain_track import PlainTrack
-from simulation.faults.fault import World
+from simulation.faults.beacon_receiver import DeafReceiver, FalseBeacon
 from simulation.sensor_settings import Beacons, BeaconTrust
-from simulation.sensors.beacon_receiver import DeafReceiver, FalseBeacon, beacon_receiver, fit, fit_reader
+from simulation.sensors.beacon_receiver import beacon_receiver, fit, fit_reader
 from simulation.sensors.scene import NO_TAG_M, SCENE
 from simulation.sensors.table import SENSORS_ROW
-from simulation.settings import Carried, Sensors
+from simulation.settings import PositionSensor, Sensors
 from simulation.setup import STEP_S, Setup
+from simulation.world.disorder import put
 from simulation.world.trains import Trains
 
-CARRIES = Sensors(carries=(Carried.TAGS, Carried.BEACONS))
+CARRIES = Sensors(carries=(PositionSensor.TAGS, PositionSensor.BEACONS))
 
 
 def sensors_of(setup: Setup) -> Any:  # noqa: ANN401 - a row of all sensors
@@ -65,14 +66,13 @@ def test_faults_of_the_receiver(rtri_setup: Setup) -> None:
     setup = replace(rtri_setup, sensors=CARRIES)
     pieces_m = {piece.id: piece.length_m for piece in setup.line.pieces.values()}
     trains = Trains(setup, PlainTrack(pieces_m, STEP_S))
-    world = World(trains, *([None] * 7))  # type: ignore[arg-type]
     row = trains.stock.view(np.recarray)[0].sensors
-    DeafReceiver(target="K1").put(world, True)
+    put(DeafReceiver(target="K1"), trains, True)
     assert not shown(row, 1.0).noticed
-    DeafReceiver(target="K1").put(world, False)
+    put(DeafReceiver(target="K1"), trains, False)
     assert shown(row, 1.0).noticed
     fault = FalseBeacon(target="K1")
-    fault.put(world, fault.over(fault.base(world)))
+    put(fault, trains, fault.over(fault.base()))
     assert [int(shown(row, NO_TAG_M).noticed) for _ in range(3)] == [1, 0, 0]
 
 

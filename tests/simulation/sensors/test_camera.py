@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from onboard.localisation.vision import Cluster, SightTable, Window, frame_rate_error_m, largest_cluster
+from onboard.localisation.vision import Cluster, ImageWindow, SightTable, frame_rate_error_m, largest_cluster
 from radio.chance import generator
 from simulation.sensors.camera import (
     LINE_CAMERA,
@@ -34,7 +34,7 @@ from vehicle.compiled import INTERPRETED
 # Rendering goes pixel by pixel: interpreted, an image takes a minute.
 pytestmark = pytest.mark.skipif(INTERPRETED, reason="the renderer is no law; interpreted it takes hours")
 
-QUARTER = Window(640, 480, 1280, 960)  # below and right of the axis, where the sign always is
+QUARTER = ImageWindow(640, 480, 1280, 960)  # below and right of the axis, where the sign always is
 TABLE_2_PX = {0.25: 346.9, 0.30: 315.1, 0.35: 288.5, 0.40: 266.1, 0.45: 247.5, 0.50: 230.0}
 
 
@@ -101,7 +101,7 @@ def test_something_in_front_hides_the_sign(renderer: Renderer) -> None:
 
 def test_same_seed_same_image(renderer: Renderer) -> None:
     scene, shot = Scene(PAPER_SIGN, 0.7), Shot(0.1, 0.5)
-    small = Window(700, 500, 1000, 800)
+    small = ImageWindow(700, 500, 1000, 800)
     one = renderer.render(scene, shot, generator(1, "x"), small)
     same = Renderer(PAPER_CAMERA, 7).render(scene, shot, generator(1, "x"), small)
     other = renderer.render(scene, shot, generator(2, "x"), small)
@@ -112,7 +112,7 @@ def test_same_seed_same_image(renderer: Renderer) -> None:
 def test_a_window_is_a_part_of_the_whole_image() -> None:
     still = Renderer(replace(PAPER_CAMERA, noise_grey=0.0), 7)
     scene, shot = Scene(PAPER_SIGN, 0.7, lighting=Lighting(phase_rad=1.0)), Shot(0.1, 1.0, 1e-3)
-    window = Window(800, 600, 900, 720)
+    window = ImageWindow(800, 600, 900, 720)
     part = still.render(scene, shot, generator(1, "x"), window)
     whole = still.render(scene, shot, generator(1, "x"))
     assert whole.shape == (960, 1280, 3)
@@ -120,7 +120,11 @@ def test_a_window_is_a_part_of_the_whole_image() -> None:
 
 
 def test_noise_is_as_strong_as_stated(renderer: Renderer) -> None:
-    scene, shot, window = Scene(lighting=Lighting(flicker_share=0.0)), Shot(0.0), Window(1150, 500, 1250, 560)
+    scene, shot, window = (
+        Scene(lighting=Lighting(flicker_share=0.0)),
+        Shot(0.0),
+        ImageWindow(1150, 500, 1250, 560),
+    )
     noisy = [renderer.render(scene, shot, generator(k, "noise"), window).astype(float) for k in range(2)]
     assert np.std(noisy[0] - noisy[1]) / math.sqrt(2.0) == pytest.approx(PAPER_CAMERA.noise_grey, rel=0.05)
 

@@ -12,16 +12,12 @@ from pydantic import ValidationError
 
 from network.profile import NO_SKY, OPEN_SKY, PART_OF_SKY
 from onboard.board import SENSED
-from simulation.gnss_settings import AIM, FAIL_SAFE, Correction, Gnss, Receiver
+from simulation.faults.gnss import GnssAntenna, GnssJump, GnssReflections, GnssTimeTag, Reception
+from simulation.gnss_settings import AIM, FAIL_SAFE, Correction, Gnss, GnssReceiver
 from simulation.sensors.gnss import (
     HOURS,
     SIDEREAL_DAY_S,
-    GnssAntenna,
-    GnssJump,
     GnssReceiverRow,
-    GnssReflections,
-    GnssTimeTag,
-    Reception,
     fit,
     gnss_receiver,
     put_reception,
@@ -29,7 +25,7 @@ from simulation.sensors.gnss import (
 )
 from simulation.sensors.scene import SCENE
 from simulation.sensors.table import SENSORS_ROW
-from simulation.settings import Carried
+from simulation.settings import PositionSensor
 from simulation.setup import Setup
 
 SPEED_MPS = 20.0
@@ -38,7 +34,7 @@ STEP_S = 0.1
 
 def receiver_of(setup: Setup, gnss: Gnss | None = None, day: int = 1) -> GnssReceiverRow:
     row: GnssReceiverRow = np.zeros(1, SENSORS_ROW["gnss_receiver"]).view(np.recarray)[0]
-    sensors = setup.sensors.model_copy(update={"carries": (Carried.GNSS,)})
+    sensors = setup.sensors.model_copy(update={"carries": (PositionSensor.GNSS,)})
     fit(row, replace(setup, sensors=sensors, gnss=gnss or Gnss(), day=day), "K1")
     return row
 
@@ -196,6 +192,6 @@ def test_faults_that_overlap_are_folded_and_a_bias_goes_as_it_came(rtri_setup: S
 
 def test_a_receiver_that_states_less_than_it_errs_by_is_refused() -> None:
     with pytest.raises(ValidationError, match=r"at least 19\.79"):
-        Receiver(sigma_m=1.2, noise_sigma_m=0.3, multipath_sigma_m=3.0, protection_m=10.0)
+        GnssReceiver(sigma_m=1.2, noise_sigma_m=0.3, multipath_sigma_m=3.0, protection_m=10.0)
     assert Gnss().receiver is FAIL_SAFE
     assert Gnss(correction=Correction.AIM).receiver is AIM

@@ -17,7 +17,7 @@ from simulation.sensors.lidar import LOOKS_FROM_M, LidarSensorRow, fit, lidar, r
 from simulation.sensors.line_scans import PLACES_M, SPEEDS_MPS, line_scans
 from simulation.sensors.scene import SCENE
 from simulation.sensors.table import SENSORS_ROW
-from simulation.settings import Carried, Sensors
+from simulation.settings import PositionSensor, Sensors
 from simulation.setup import Setup
 
 PERFECT = Lidar(laid_within_m=0.0, dirt_share=0.0)
@@ -25,7 +25,7 @@ PERFECT = Lidar(laid_within_m=0.0, dirt_share=0.0)
 
 def carried(setup: Setup, settings: Lidar = PERFECT, seed: int = 1) -> LidarSensorRow:
     row: LidarSensorRow = np.zeros(1, SENSORS_ROW["lidar"]).view(np.recarray)[0]
-    sensors = Sensors(carries=(Carried.TAGS, Carried.LIDAR))
+    sensors = Sensors(carries=(PositionSensor.TAGS, PositionSensor.LIDAR))
     fit(row, replace(setup, sensors=sensors, lidar=settings, seed=seed), "K1")
     return row
 

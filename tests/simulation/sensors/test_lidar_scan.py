@@ -14,9 +14,9 @@ from simulation.sensors.lidar_scan import (
     SWAY_SIGMA_M,
     TRACK_READING,
     WHITE,
-    Motion,
+    MarkerMotion,
     Plate,
-    Points,
+    ScanPoints,
     coverage,
     distance_m,
     laid,
@@ -29,8 +29,8 @@ pytestmark = pytest.mark.skipif(INTERPRETED, reason="it scans: interpreted, a pa
 
 
 def points_of(
-    motion: Motion, duration_s: float, seed: int = 1, least: float = WHITE, pattern: int = 1
-) -> Points:
+    motion: MarkerMotion, duration_s: float, seed: int = 1, least: float = WHITE, pattern: int = 1
+) -> ScanPoints:
     rng = np.random.default_rng(seed)
     return scan(scan_row(least_reading=least), laid(pattern, 0.25), motion, duration_s, rng)
 
@@ -48,7 +48,7 @@ def test_a_scan_that_repeats_covers_less() -> None:
 
 
 def test_points_of_a_standing_train_lie_on_the_markers() -> None:
-    points, places = points_of(Motion(5.0, 0.0, 0.0), 1.0), laid(1, 0.25)
+    points, places = points_of(MarkerMotion(5.0, 0.0, 0.0), 1.0), laid(1, 0.25)
     assert points.time_s.size > 300
     assert np.all(np.diff(points.time_s) > 0.0)
     away = np.min(
@@ -68,7 +68,7 @@ def test_points_of_a_standing_train_lie_on_the_markers() -> None:
 
 
 def test_each_point_is_where_the_marker_was_at_its_time() -> None:
-    motion = Motion(25.0, 10.0, -0.5)
+    motion = MarkerMotion(25.0, 10.0, -0.5)
     points = points_of(motion, 1.5)
     rows_m = np.array([distance_m(motion, t) for t in points.time_s])
     behind_m = points.x_m - rows_m
@@ -79,8 +79,8 @@ def test_each_point_is_where_the_marker_was_at_its_time() -> None:
 
 
 def test_the_track_reads_darker_than_white_and_markers_brighter() -> None:
-    everything = points_of(Motion(5.0, 0.0, 0.0), 0.3, least=0.0)
-    markers = points_of(Motion(5.0, 0.0, 0.0), 0.3)
+    everything = points_of(MarkerMotion(5.0, 0.0, 0.0), 0.3, least=0.0)
+    markers = points_of(MarkerMotion(5.0, 0.0, 0.0), 0.3)
     assert np.count_nonzero(everything.reading == TRACK_READING) > 100
     assert markers.reading.min() > WHITE
     assert np.count_nonzero(everything.reading > WHITE) == markers.reading.size
@@ -90,12 +90,12 @@ def test_the_track_reads_darker_than_white_and_markers_brighter() -> None:
 
 def test_markers_that_scatter_like_white_are_not_found() -> None:
     dull = scan_row(plate=Plate(retroreflection=1.0 / np.pi))
-    points = scan(dull, laid(1, 0.25), Motion(5.0, 0.0, 0.0), 0.3, np.random.default_rng(1))
+    points = scan(dull, laid(1, 0.25), MarkerMotion(5.0, 0.0, 0.0), 0.3, np.random.default_rng(1))
     assert points.time_s.size == 0
 
 
 def test_the_seed_decides_everything() -> None:
-    motion = Motion(12.0, 8.0, 0.0)
+    motion = MarkerMotion(12.0, 8.0, 0.0)
     first, again, other = (points_of(motion, 0.5, seed) for seed in (4, 4, 5))
     assert np.array_equal(first.x_m, again.x_m)
     assert first.x_m.size != other.x_m.size or not np.array_equal(first.x_m, other.x_m)

@@ -11,9 +11,9 @@ import pytest
 from documents.scans import PASSAGES, READINGS
 from onboard.localisation.lidar import NOISE_WITHIN_MPS, ROW_WITHIN_M
 from onboard.localisation.lidar_points import FILLED
+from papers.marker_passages import USES, pass_markers
 from simulation.sensors.lidar_model import fit
 from simulation.sensors.line_scans import COLUMNS, PLACES_M, SMEARS_M, SPEEDS_MPS, Scans, line_scans
-from study.papers.marker_passages import USES, pass_markers
 from vehicle.compiled import INTERPRETED
 
 FRESH_MPS = (10.0, 20.0)

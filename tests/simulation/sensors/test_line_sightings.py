@@ -11,7 +11,7 @@ from documents.sightings import IMAGES, fitted
 from simulation.sensors import line_sightings as module
 from simulation.sensors.camera import LINE_CAMERA, Renderer
 from simulation.sensors.line_sightings import LIGHTS, PLACES_M, line_sightings
-from simulation.sensors.open_air import Light
+from simulation.settings import Light
 from vehicle.compiled import INTERPRETED
 
 COUNT = 40

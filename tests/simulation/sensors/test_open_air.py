@@ -11,15 +11,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from onboard.localisation.vision import Window
+from onboard.localisation.vision import ImageWindow
 from radio.chance import generator
 from simulation.sensors.camera import LINE_CAMERA, LINE_SIGN, Board, Renderer, Scene, Shot
-from simulation.sensors.open_air import CHIP, METERED_GREY, OPEN_AIR, Light, OpenAir, Sun, exposure
+from simulation.sensors.open_air import CHIP, METERED_GREY, OPEN_AIR, OpenAir, Sun, exposure
+from simulation.settings import Light
 from vehicle.compiled import INTERPRETED
 
 renders = pytest.mark.skipif(INTERPRETED, reason="the renderer is no law; interpreted it takes hours")
 NEAR_M = 15.0
-LOWER = Window(0, 480, 1280, 960)
+LOWER = ImageWindow(0, 480, 1280, 960)
 FLAT = OpenAir(face_lux=1e4, ground_share=1.0, sky_low=1.0, sky_high=1.0, face_spread=0.0)
 
 
@@ -29,7 +30,7 @@ def renderer() -> Renderer:
 
 
 def picture(
-    renderer: Renderer, air: OpenAir, window: Window = LOWER, scene: Scene | None = None
+    renderer: Renderer, air: OpenAir, window: ImageWindow = LOWER, scene: Scene | None = None
 ) -> NDArray[np.float64]:
     shown = replace(scene or Scene(), lighting=air)
     return renderer.render(shown, Shot(0.0), generator(1, "open air"), window).astype(np.float64)
@@ -59,7 +60,7 @@ def test_exposure_is_time_first_then_gain_then_darkness(face_lux: float, metered
 @renders
 def test_less_light_is_more_noise(renderer: Renderer) -> None:
     """Against the variance of the same patch without any: that of electrons counted, and of reading them."""
-    patch = Window(600, 900, 680, 950)
+    patch = ImageWindow(600, 900, 680, 950)
     for light in (Light.DAYLIGHT, Light.DUSK):
         air = replace(OPEN_AIR[light], face_spread=0.0)
         pair = [
@@ -78,7 +79,7 @@ def test_less_light_is_more_noise(renderer: Renderer) -> None:
 def test_a_white_face_is_as_bright_as_the_exposure_says(renderer: Renderer) -> None:
     white = Scene(boards=(Board(NEAR_M, 0.0, 1.5, 2.0, 1.0, (0.5, 0.5, 0.5)),))
     row = int(480 + LINE_CAMERA.focal_px * (2.8 - 1.5) / (NEAR_M + LINE_CAMERA.setback_m))
-    patch = Window(630, row - 10, 650, row + 10)
+    patch = ImageWindow(630, row - 10, 650, row + 10)
     found = picture(renderer, FLAT, patch, white).mean()
     assert found == pytest.approx(255.0 * 0.5 * renderer.exposure(FLAT).scale, rel=0.02)
 
@@ -88,7 +89,7 @@ def test_mist_takes_the_contrast_by_koschmieders_law(renderer: Renderer) -> None
     """A black board before a horizon of 1: what is lost at 100 m with a visibility of 100 m is 95 %."""
     misty = replace(FLAT, visibility_m=100.0)
     black = Scene(boards=(Board(100.0, 0.0, 2.8, 8.0, 4.0, (0.0, 0.0, 0.0)),))
-    shown = picture(renderer, misty, Window(630, 470, 650, 490), black).mean() / 255.0
+    shown = picture(renderer, misty, ImageWindow(630, 470, 650, 490), black).mean() / 255.0
     clear = math.exp(-math.log(20.0) * (100.0 + LINE_CAMERA.setback_m) / 100.0)
     assert shown == pytest.approx((1.0 - clear) * renderer.exposure(misty).scale, rel=0.03)
 
@@ -102,7 +103,11 @@ def test_glare_falls_with_the_square_of_the_angle(renderer: Renderer) -> None:
 
     def veil(degrees: float) -> float:
         row = int(480 + LINE_CAMERA.focal_px * math.tan(math.radians(degrees)))
-        return float(picture(renderer, low, Window(638, row - 2, 642, row + 2), black).mean()) / 255.0 / scale
+        return (
+            float(picture(renderer, low, ImageWindow(638, row - 2, 642, row + 2), black).mean())
+            / 255.0
+            / scale
+        )
 
     assert veil(5.0) / veil(10.0) == pytest.approx(4.0, rel=0.05)
     # Holladay and Stiles with half the eye's constant: 5 E / angle^2 cd/m^2, a white face being lux / pi
@@ -115,7 +120,7 @@ def test_the_sun_in_the_picture_is_white(renderer: Renderer) -> None:
     assert sun is not None
     row = int(480 - LINE_CAMERA.focal_px * math.tan(sun.elevation_rad))
     column = int(640 + LINE_CAMERA.focal_px * math.tan(sun.azimuth_rad))
-    disc = picture(renderer, OPEN_AIR[Light.BACKLIGHT], Window(column - 3, row - 3, column + 3, row + 3))
+    disc = picture(renderer, OPEN_AIR[Light.BACKLIGHT], ImageWindow(column - 3, row - 3, column + 3, row + 3))
     assert disc.min() == 255.0
 
 

@@ -11,7 +11,6 @@ import pytest
 
 from onboard.board import SENSED
 from simulation.sensors.line_sightings import PLACES_M, line_sightings
-from simulation.sensors.open_air import Light
 from simulation.sensors.scene import SCENE
 from simulation.sensors.sign_camera import (
     PAST_MARK_M,
@@ -21,7 +20,7 @@ from simulation.sensors.sign_camera import (
     sign_camera,
 )
 from simulation.sensors.table import SENSORS_ROW
-from simulation.settings import LightHours, Vision
+from simulation.settings import Light, LightHours, Vision
 from simulation.setup import Setup
 
 LIT = line_sightings()[Light.LIT_TUNNEL]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from network.units import mps
+from papers.tag_scheme import Scheme, passage_failure
+from papers.tag_trials import clopper_pearson
 from radio.chance import generator
 from simulation.sensors.tag_air import BIT_ERROR_RATES, channel_at, read_bits
-from study.papers.tag_scheme import Scheme, passage_failure
-from study.papers.tag_trials import clopper_pearson
 
 TAG_ID = 0x2C9A
 

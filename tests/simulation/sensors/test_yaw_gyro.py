@@ -10,19 +10,10 @@ import pytest
 
 from simulation.faults.fault import fold
 from simulation.faults.table import FAULTS
+from simulation.faults.yaw_gyro import Gyro, GyroBias, GyroDead, GyroNoise, GyroStuck
 from simulation.sensors.scene import SCENE
-from simulation.sensors.yaw_gyro import (
-    Gyro,
-    GyroBias,
-    GyroDead,
-    GyroNoise,
-    GyroStuck,
-    YawGyroRow,
-    body_matrices,
-    fit,
-    yaw_gyro,
-)
-from simulation.settings import Carried
+from simulation.sensors.yaw_gyro import YawGyroRow, body_matrices, fit, yaw_gyro
+from simulation.settings import PositionSensor
 from simulation.setup import Setup
 from simulation.world.records import STOCK
 from vehicle.record import dtype_of
@@ -31,7 +22,7 @@ STEPS = 4000
 
 
 def carrying(setup: Setup, **curvature: object) -> Setup:
-    sensors = setup.sensors.model_copy(update={"carries": (Carried.CURVATURE,)})
+    sensors = setup.sensors.model_copy(update={"carries": (PositionSensor.CURVATURE,)})
     return replace(setup, sensors=sensors, curvature=setup.curvature.model_copy(update=curvature))
 
 

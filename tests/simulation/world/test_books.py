@@ -10,7 +10,7 @@ from network.model import Direction
 from network.timetable import Call, Stabled, TimetableTrain
 from onboard.duty.mission import plan_mission
 from simulation.carriers.plain_track import PlainTrack
-from simulation.result import Phase
+from simulation.result import EnergyPhase
 from simulation.setup import STEP_S, Setup
 from simulation.world.books import CALLS_BEYOND_M, Books
 from simulation.world.roster import Duty, draw_up
@@ -154,12 +154,12 @@ def test_the_step_in_which_a_train_begins_to_move_is_running(desk: Desk) -> None
     desk.books.close_energy(0, 101)
     stood, ran = desk.books.energy
     assert (stood.phase, stood.auxiliary_j, stood.end_s) == (
-        Phase.LAYOVER,
+        EnergyPhase.LAYOVER,
         pytest.approx(power_w * 10.0),
         10.0,
     )
     assert (stood.traction_j, ran.traction_j) == (0.0, 40.0)
-    assert (ran.phase, ran.auxiliary_j) == (Phase.RUNNING, pytest.approx(power_w * STEP_S))
+    assert (ran.phase, ran.auxiliary_j) == (EnergyPhase.RUNNING, pytest.approx(power_w * STEP_S))
 
 
 def test_a_leg_ends_where_the_train_truly_calls(desk: Desk) -> None:
@@ -172,11 +172,11 @@ def test_a_leg_ends_where_the_train_truly_calls(desk: Desk) -> None:
     desk.books.close_energy(0, 1000)
     told = [(e.phase, e.from_id, e.to_id) for e in desk.books.energy]
     assert told == [
-        (Phase.LAYOVER, "A", "A"),
-        (Phase.RUNNING, "A", "B"),
-        (Phase.HELD, "A", "B"),  # it stood 200 m before the mark
-        (Phase.RUNNING, "A", "B"),
-        (Phase.LAYOVER, "B", "B"),
+        (EnergyPhase.LAYOVER, "A", "A"),
+        (EnergyPhase.RUNNING, "A", "B"),
+        (EnergyPhase.HELD, "A", "B"),  # it stood 200 m before the mark
+        (EnergyPhase.RUNNING, "A", "B"),
+        (EnergyPhase.LAYOVER, "B", "B"),
     ]
 
 

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.model import Line
-from simulation.faults.cable import CutCable
+from simulation.faults.cable import WHOLE, CableCut, CutCable, stretches_of
 from simulation.faults.fault import fold
 from simulation.settings import Interlocking, Operation
-from simulation.world.cable import WHOLE, Cable, CableCut, centre_of, stretches_of
+from simulation.world.cable import Cable, centre_of
 from wayside.config import MANAGER_ID
 
 LINE: Final[Line] = load_line(shipped_line("karasuyama"))

@@ -9,8 +9,10 @@ from typing import Any
 import pytest
 
 from onboard.charge import ChargeWatch
+from scenario.scenario import load_scenario
 from simulation.battery_settings import Beyond
 from simulation.carriers.plain_track import PlainTrack
+from simulation.clock import Clock
 from simulation.events import Danger
 from simulation.loop import Simulation
 from simulation.result import BatteryEvent
@@ -18,11 +20,9 @@ from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.world.books import Books
 from simulation.world.charge_control import DOWN, FALLING, MOVED, TOLD, UP
 from simulation.world.charging import Charging
-from simulation.world.clock import Clock
 from simulation.world.on_board import OnBoard
 from simulation.world.roster import drawn_up
 from simulation.world.trains import Trains
-from study.scenario.scenario import load_scenario
 from vehicle.battery import available_j
 
 KWH = 3.6e6
@@ -109,8 +109,8 @@ def test_a_unit_looks_at_its_charge_by_its_own_clock() -> None:
         asked.append(now_s)
         raise StopIteration
 
-    on_board = OnBoard(world.trains.setup, world.trains, SimpleNamespace(advance=advance))  # type: ignore[arg-type]
-    on_board.charging = world.charging
+    units: Any = SimpleNamespace(advance=advance)
+    on_board = OnBoard(world.trains.setup, world.trains, units, world.charging)
     on_board.clocks[world.slot] = Clock(ahead_s=90.0)
     with pytest.raises(StopIteration):
         on_board.tell(world.slot, 1000.0)

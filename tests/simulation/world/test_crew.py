@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import msgspec
 import pytest
@@ -16,7 +16,7 @@ from network.model import Position
 from network.timetable import load_timetable
 from onboard.duty.mission import Mission, plan_mission
 from onboard.duty.plan import plan_of
-from onboard.duty.records import AtMark, Command, EndOfHeld, PointsSeen, PointsWrong
+from onboard.duty.records import AtMark, DrivingCommand, EndOfHeld, PointsSeen, PointsWrong
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
 from simulation.journal import Journal
 from simulation.world.crew import SEES_M, Crew
@@ -39,7 +39,7 @@ class Cab:
     def __init__(self, mission: Mission, front_m: float, *sections: str) -> None:
         self.mission = mission
         self.plan = plan_of(mission, LENGTH_M)
-        self.shown = Command(on_sight=True, on_line=True, held=sections)
+        self.shown = DrivingCommand(on_sight=True, on_line=True, held=sections)
         self.on_sight = True
         self.truth: Any = SimpleNamespace(
             position_m=front_m, sight_m=math.inf, track_end_m=math.inf, active=1
@@ -47,7 +47,6 @@ class Cab:
         self.occupied = False
         self.ahead_m = math.inf
         self.plant: Any = SimpleNamespace(speed_mps=0.0)
-        self.machine = PointMachine("P7", 6.0, Position.NORMAL)
         self.journal = Journal()
         trains: Any = SimpleNamespace(
             stock_ids=("K1",),
@@ -65,7 +64,12 @@ class Cab:
             unpowered=set[int](),
         )
         self.duties = trains.duties
-        self.crew = Crew(trains, on_board, lambda _points_id: self.machine, self.journal, self)
+        self.machine = PointMachine("P7", 6.0, Position.NORMAL)
+        self.crew = Crew(trains, on_board, cast("Any", self), self.journal)
+
+    @property
+    def machines(self) -> dict[str, PointMachine]:
+        return {"P7": self.machine}
 
     def lock_by_hand(self, _step: int, _points_id: str, unit_id: str) -> None:
         self.machine = step(self.machine, LockedByHand(unit_id), 0.0)

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from network.model import Direction
 from network.path import path_of
-from simulation.faults.links import Stretch
+from simulation.faults.links import LineStretch
 from simulation.setup import Setup
-from simulation.world.dead_zones import DeadZones
+from simulation.world.dead_zones import DeadZonesInForce
 
 
 def test_a_front_is_hidden_within_the_stretch_on_either_track_and_not_beyond(karasuyama_setup: Setup) -> None:
     line = karasuyama_setup.line
-    zones = DeadZones(line)
+    zones = DeadZonesInForce(line)
     sections = [line.sections[name] for name in ("OGN.1", "OGN.2")]
     piece = line.pieces[sections[0].piece_ids[0]]
     length_m = 0.25 * (piece.to_m - piece.from_m)
-    zones.put("OGN.1", (Stretch("OGN.1", 0.5, length_m),))
+    zones.put("OGN.1", (LineStretch("OGN.1", 0.5, length_m),))
     for section in sections:
         own = line.pieces[section.piece_ids[0]]
         path = path_of(line, section.piece_ids, Direction.DOWN)

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
 from host.devices import CODEC, DeviceSaid
 from host.party import Advance
 from network.model import Line, Position
-from onboard.duty.records import Command, Looked, Started
-from onboard.unit import Answer
+from onboard.duty.records import DrivingCommand, Looked, WheelsTurning
+from onboard.unit import UnitAnswer
 from simulation.agenda import Agenda
 from simulation.cabs import Cabs
+from simulation.faults.fault import InForce
 from simulation.journal import Journal
 from simulation.people import People
 from simulation.setup import Setup
@@ -49,8 +50,9 @@ def wayside(rtri_setup: Setup, agenda: Agenda) -> tuple[WaysideWorld, Parties]:
     line: Line = rtri_setup.line
     parties = Parties()
     cable = Cable(line, rtri_setup.operation)
-    made: Any = (parties, SimpleNamespace(), agenda, Journal(), lambda _unit: True, cable, lambda _unit: 0.0)
-    return WaysideWorld(line, *made), parties
+    reach: Any = lambda _unit: True, cable, lambda _unit: 0.0, InForce()
+    air: Any = SimpleNamespace()
+    return WaysideWorld(line, cast("Any", parties), air, agenda, Journal(), *reach), parties
 
 
 def go_on(world: WaysideWorld, agenda: Agenda, step: int) -> None:
@@ -94,9 +96,9 @@ class Units:
         self.unpowered: set[int] = set()
         self.told: list[tuple[Any, Any]] = []
 
-    def tell(self, _slot: int, _now_s: float, happened: Any, telegrams: Any) -> tuple[Answer, tuple[()]]:  # noqa: ANN401
+    def tell(self, _slot: int, _now_s: float, happened: Any, telegrams: Any) -> tuple[UnitAnswer, tuple[()]]:  # noqa: ANN401
         self.told.append((happened, telegrams))
-        return Answer((), Command(), (), (), None), ()
+        return UnitAnswer((), DrivingCommand(), (), (), None), ()
 
     def power_off(self, slot: int) -> None:
         self.unpowered.add(slot)
@@ -107,21 +109,31 @@ def cabs(monkeypatch: pytest.MonkeyPatch) -> tuple[Cabs, Units]:
     units = Units()
     truth = SimpleNamespace(sight_m=0.0)
     at_once = SimpleNamespace(people=People(times=0.0), seed=1, today=())
-    trains = SimpleNamespace(stock_ids=("K1",), truths=(truth,), setup=at_once)
-    made: Any = (trains, units, SimpleNamespace(machines={}), SimpleNamespace(), Agenda(), Journal())
+    trains = SimpleNamespace(stock_ids=("K1",), truths=(truth,))
+    world: Any = SimpleNamespace(
+        setup=at_once,
+        trains=trains,
+        on_board=units,
+        wayside=SimpleNamespace(machines={}),
+        books=SimpleNamespace(),
+        agenda=Agenda(),
+        journal=Journal(),
+        charging=None,
+        signs=SimpleNamespace(),
+    )
     monkeypatch.setattr(Cabs, "_look", lambda *_: None)
-    return Cabs(*made), units
+    return Cabs(world), units
 
 
 def test_a_frozen_unit_keeps_what_piled_up(cabs: tuple[Cabs, Units]) -> None:
     cab, units = cabs
     cab.freeze(0, 1, frozen=True)
-    cab.tell(0, 2, (Started(),))
+    cab.tell(0, 2, (WheelsTurning(),))
     cab.tell(0, 3, (), (b"one",))
     cab.tell(0, 4, (Looked(),), (b"two",))
     assert units.told == []
     cab.freeze(0, 5, frozen=False)
-    assert units.told == [((Started(),), ()), ((), (b"one",)), ((Looked(),), (b"two",))]
+    assert units.told == [((WheelsTurning(),), ()), ((), (b"one",)), ((Looked(),), (b"two",))]
     cab.tell(0, 6, (Looked(),))
     assert units.told[-1] == ((Looked(),), ())
 
@@ -129,7 +141,7 @@ def test_a_frozen_unit_keeps_what_piled_up(cabs: tuple[Cabs, Units]) -> None:
 def test_a_unit_that_dies_frozen_forgets_what_piled_up(cabs: tuple[Cabs, Units]) -> None:
     cab, units = cabs
     cab.freeze(0, 1, frozen=True)
-    cab.tell(0, 2, (Started(),), (b"one",))
+    cab.tell(0, 2, (WheelsTurning(),), (b"one",))
     cab.power_off(0, 3)
     units.unpowered.clear()
     cab.freeze(0, 5, frozen=False)

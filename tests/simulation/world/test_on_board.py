@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from host.units import LocalUnits
-from onboard.duty.records import Phase
+from onboard.duty.records import DutyPhase
 from onboard.notes import UnitRestarted
 from onboard.records import EMERGENCY_INTERVENTION, UNIT
 from radio.envelope import header_of
 from simulation.carriers.plain_track import PlainTrack
+from simulation.clock import Clock
 from simulation.setup import STEP_S, Setup, unit_configs
-from simulation.world.clock import Clock
 from simulation.world.kernel import advance, new_sheet
 from simulation.world.on_board import OnBoard
 from simulation.world.records import TRACE
@@ -102,7 +102,7 @@ def test_a_unit_that_boots_has_forgotten_and_brakes(cab: Cab) -> None:
     answer, notes = answered
     assert UnitRestarted(epoch=2) in notes
     assert answer.command.held == ()
-    assert cab.units._running["K1"].state.phase is Phase.ON_SIGHT
+    assert cab.units._running["K1"].state.phase is DutyPhase.ON_SIGHT
     assert cab.trains.units[0].position_known == 0
     assert cab.trains.units[0].intervention == EMERGENCY_INTERVENTION
     assert cab.on_board.drives_on_sight(0)

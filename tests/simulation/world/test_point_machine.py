@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from network.model import Position
 from simulation.world.point_machine import (
     TABLE,
-    Arrived,
     Forced,
     KeyBack,
     LockedByHand,
@@ -20,6 +19,7 @@ from simulation.world.point_machine import (
     MachineState,
     PointMachine,
     Repaired,
+    ThrowTimeOver,
     advance,
     detection,
     step,
@@ -84,7 +84,7 @@ def test_forced_open_until_repaired() -> None:
 
 
 def test_the_table_is_complete() -> None:
-    kinds = (StartThrow, StopThrow, Arrived, Forced, Repaired, LockedByHand, KeyBack)
+    kinds = (StartThrow, StopThrow, ThrowTimeOver, Forced, Repaired, LockedByHand, KeyBack)
     assert set(TABLE) == set(product(MachineState, kinds))
 
 
@@ -99,7 +99,7 @@ def test_locked_only_in_a_position_and_motor_only_between(events: list[tuple[Mac
         assert not (machine.key and machine.target is not None)
 
 
-@pytest.mark.parametrize("order", [TO_REVERSE, StopThrow("p"), Arrived(60.0)])
+@pytest.mark.parametrize("order", [TO_REVERSE, StopThrow("p"), ThrowTimeOver(60.0)])
 def test_locked_by_hand_its_motor_is_cut_out_until_the_key_is_back(order: MachineEvent) -> None:
     locked = step(AT_NORMAL, LockedByHand("K1"), 0.0)
     assert detection(locked) == PointsDetected("p", N, True, by_hand=True)
@@ -129,6 +129,6 @@ def test_refused_events_change_nothing(state: MachineState) -> None:
     }
     machine = machines[state]
     assert machine.state is state
-    assert step(machine, Arrived(0.0), 0.0) == machine
+    assert step(machine, ThrowTimeOver(0.0), 0.0) == machine
     if state is not MachineState.MOVING:
         assert step(machine, StopThrow("p"), 0.0) == machine

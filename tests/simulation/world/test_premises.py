@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from simulation.world.premises import Premises
+from simulation.world.premises import FalsePositions
 
 
 class Cab:
@@ -16,7 +16,7 @@ class Cab:
     def __init__(self) -> None:
         self.tachometer: Any = SimpleNamespace(gain=1.0, wheel_factor=1.0, frozen_mps=-1.0)
         self.unit: Any = SimpleNamespace(odometer_scale=1.0, bound_growth=0.02, position_known=1)
-        self.premises = Premises([self.tachometer], [self.unit])
+        self.premises = FalsePositions([self.tachometer], [self.unit])
 
     def show(self, gain: float = 1.0, stuck_mps: float = -1.0) -> Cab:
         self.tachometer.gain, self.tachometer.frozen_mps = gain, stuck_mps

@@ -9,10 +9,10 @@ from network.model import Direction
 from network.timetable import Call, Diagram, Stabled, Timetable, TimetableTrain
 from onboard.duty.mission import plan_mission
 from simulation.carriers.plain_track import PlainTrack
+from simulation.scatter import ScatterSettings, Weather
 from simulation.sensors.tag_reader import latch
 from simulation.setup import STEP_S, Setup
 from simulation.world.roster import Duty, draw_up
-from simulation.world.scatter import Scatter, Weather
 from simulation.world.trains import AGREEMENT_M, CarrierDisagrees, Trains
 
 LENGTH_M = 40.0
@@ -204,7 +204,7 @@ def test_chance_belongs_to_the_stock_whatever_else_runs(rtri_setup: Setup) -> No
 
 def test_the_weather_stays_under_a_slippery_rail_and_comes_back_after_it(rtri_setup: Setup) -> None:
     """Drawn anew for each leg, whether a fault is in force or not."""
-    wet = Scatter(
+    wet = ScatterSettings(
         weather=(
             Weather.model_validate(
                 {"from": "00:00", "to": "24:00", "adhesion_low": 0.4, "adhesion_high": 0.8}
@@ -230,7 +230,7 @@ def test_the_weather_stays_under_a_slippery_rail_and_comes_back_after_it(rtri_se
 def test_a_brake_loses_no_more_than_it_has_beyond_what_supervision_counts_on(
     rtri_setup: Setup, reserve: float
 ) -> None:
-    spread = Scatter(brake_sigma=0.1, brake_leg_sigma=0.1)
+    spread = ScatterSettings(brake_sigma=0.1, brake_leg_sigma=0.1)
     placed = Trains(replace(rtri_setup, scatter=spread), plain(rtri_setup))
     placed.place(0, first_duty(rtri_setup))
     plant, driving = placed.plants[0], rtri_setup.driving

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from scenario.scenario import load_scenario
 from simulation.setup import Setup
-from study.scenario.scenario import load_scenario
 
 TIMES = """
 [timetable]

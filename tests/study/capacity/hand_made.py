@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from network.model import Direction
-from study.capacity.legs import Leg, legs_of
-from study.capacity.occupation import Occupation, Part, Slice
+from study.capacity.legs import SetLeg, legs_of
+from study.capacity.occupation import Occupation, OccupationPart, Slice
 
 SET_S = 10.0  # 2 request, 1 air, 1 grant, 4 throw, 2 proof
 FREE_S = 15.0  # 5 length, 6 bound, 4 release
@@ -20,8 +20,14 @@ RUN_S = {"S1": 300.0, "S2": 240.0, "S3": 180.0}
 DWELL_S = {"L": 60.0, "M": 30.0}
 PLACES = ("A", "L", "M", "B")
 SECTIONS = ("S1", "S2", "S3")
-SETTING = ((Part.REQUEST, 2.0), (Part.AIR, 1.0), (Part.GRANT, 1.0), (Part.THROW, 4.0), (Part.PROOF, 2.0))
-FREEING = ((Part.LENGTH, 5.0), (Part.BOUND, 6.0), (Part.RELEASE, 4.0))
+SETTING = (
+    (OccupationPart.REQUEST, 2.0),
+    (OccupationPart.AIR, 1.0),
+    (OccupationPart.GRANT, 1.0),
+    (OccupationPart.THROW, 4.0),
+    (OccupationPart.PROOF, 2.0),
+)
+FREEING = ((OccupationPart.LENGTH, 5.0), (OccupationPart.BOUND, 6.0), (OccupationPart.RELEASE, 4.0))
 
 
 @dataclass(frozen=True)
@@ -46,7 +52,7 @@ class Made:
     def setting(self, at_s: float) -> list[Slice]:
         slices: list[Slice] = []
         for part, usual_s in SETTING:
-            length_s = self.throw_s if part is Part.THROW else usual_s
+            length_s = self.throw_s if part is OccupationPart.THROW else usual_s
             slices.append(Slice(part, at_s, at_s + length_s))
             at_s += length_s
         return slices
@@ -60,7 +66,7 @@ class Made:
         for (here, there), section in zip(pairwise(places), sections, strict=True):
             let_s, comes_s = leaves_s - self.set_s, leaves_s + RUN_S[section]
             found.append(self.place(here, came, leaves_s))
-            slices = [*self.setting(let_s), Slice(Part.RUN, leaves_s, comes_s), *freeing(comes_s)]
+            slices = [*self.setting(let_s), Slice(OccupationPart.RUN, leaves_s, comes_s), *freeing(comes_s)]
             found.append(self.one(section, slices, leaves_s, comes_s))
             came = (let_s, comes_s, comes_s)
             leaves_s = comes_s + DWELL_S.get(there, 0.0)
@@ -70,13 +76,13 @@ class Made:
     def place(self, place: str, came: tuple[float, float, float], leaves_s: float) -> Occupation:
         let_s, enters_s, stands_s = came
         if math.isinf(enters_s):
-            slices = [Slice(Part.READY, leaves_s - 100.0, leaves_s), *freeing(leaves_s)]
+            slices = [Slice(OccupationPart.READY, leaves_s - 100.0, leaves_s), *freeing(leaves_s)]
             return self.one(self.track(place), slices, enters_s, leaves_s)
-        slices = [*self.setting(let_s), Slice(Part.APPROACH, let_s + self.set_s, enters_s)]
+        slices = [*self.setting(let_s), Slice(OccupationPart.APPROACH, let_s + self.set_s, enters_s)]
         if math.isinf(leaves_s):
-            slices.append(Slice(Part.LAYOVER, stands_s, stands_s))
+            slices.append(Slice(OccupationPart.LAYOVER, stands_s, stands_s))
         else:
-            slices += [Slice(Part.DWELL, stands_s, leaves_s), *freeing(leaves_s)]
+            slices += [Slice(OccupationPart.DWELL, stands_s, leaves_s), *freeing(leaves_s)]
         return self.one(self.track(place), slices, enters_s, leaves_s)
 
     def one(self, section: str, slices: list[Slice], enters_s: float, leaves_s: float) -> Occupation:
@@ -106,6 +112,6 @@ def day(loop: str = "L", throw_s: float = 4.0) -> list[Made]:
     ]
 
 
-def legs(trains: list[Made]) -> tuple[Leg, ...]:
+def legs(trains: list[Made]) -> tuple[SetLeg, ...]:
     made = [one for train in trains for one in train.occupations()]
     return legs_of(made, lambda section: "." in section)

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from network.model import Direction
 from study.capacity import compression
-from study.capacity.compression import Compressed, ContradictionError, Stops, compressed
-from study.capacity.legs import Leg
-from study.capacity.occupation import Cost, conflicts_of
+from study.capacity.compression import Compressed, ContradictionError, StandingRule, compressed
+from study.capacity.legs import SetLeg
+from study.capacity.occupation import OccupationCost, conflicts_of
 from tests.study.capacity.hand_made import Made, day, legs
 
 LOW = {"L": frozenset({"S1"}), "M": frozenset({"S1", "L.1", "S2"})}
@@ -34,11 +34,11 @@ def test_six_trains_by_hand(loop: str, low_s: float, high_s: float, whole_s: flo
 def test_the_throw_counts_as_often_as_a_train_is_let_in() -> None:
     slow, quick = (compressed(legs(day("L", throw_s)), LOW["L"]) for throw_s in (4.0, 2.0))
     assert slow.occupied_s - quick.occupied_s == pytest.approx(6 * 2.0)
-    assert slow.costs_s()[Cost.POINTS] == pytest.approx(6 * 4.0)
-    assert quick.costs_s()[Cost.POINTS] == pytest.approx(6 * 2.0)
+    assert slow.costs_s()[OccupationCost.POINTS] == pytest.approx(6 * 4.0)
+    assert quick.costs_s()[OccupationCost.POINTS] == pytest.approx(6 * 2.0)
 
 
-def pushed(trains: tuple[Leg, ...], found: Compressed, part: frozenset[str]) -> int:
+def pushed(trains: tuple[SetLeg, ...], found: Compressed, part: frozenset[str]) -> int:
     """How many conflicts the trains have in a part when each leg has moved as it was."""
     moved = [
         one.moved(by_s)
@@ -68,9 +68,9 @@ def days(draw: st.DrawFn) -> list[Made]:
 
 
 @settings(max_examples=40, deadline=None)
-@given(days(), st.sampled_from([*LOW.values(), *HIGH.values(), WHOLE]), st.sampled_from(Stops))
+@given(days(), st.sampled_from([*LOW.values(), *HIGH.values(), WHOLE]), st.sampled_from(StandingRule))
 def test_no_two_trains_overlap_and_the_chain_is_whole(
-    made: list[Made], part: frozenset[str], stops: Stops
+    made: list[Made], part: frozenset[str], stops: StandingRule
 ) -> None:
     trains = legs(made)
     found = compressed(trains, part, stops)

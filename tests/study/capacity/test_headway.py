@@ -10,7 +10,7 @@ from network.model import Direction
 from study.capacity import claims as module
 from study.capacity.headway import Headway, HeadwayKind, headways_of, visits_at
 from study.capacity.legs import costs_between
-from study.capacity.occupation import Cost
+from study.capacity.occupation import OccupationCost
 from tests.study.capacity.hand_made import Made, legs
 from tests.study.capacity.test_compression import days
 
@@ -90,12 +90,12 @@ def test_which_component_costs_how_many_seconds() -> None:
     found = between("B", *two(UP, UP, "M"))[HeadwayKind.FOLLOWING]
     assert found.costs_s == pytest.approx(
         {
-            Cost.RADIO: 4.0 + 2.0 + 1.0 + 1.0 + 2.0,
-            Cost.POINTS: 4.0,
-            Cost.LOCALISATION: 6.0,
-            Cost.DRIVING: 180.0 + 5.0,
-            Cost.PEOPLE: 30.0,
-            Cost.CHARGING: 0.0,
+            OccupationCost.RADIO: 4.0 + 2.0 + 1.0 + 1.0 + 2.0,
+            OccupationCost.POINTS: 4.0,
+            OccupationCost.LOCALISATION: 6.0,
+            OccupationCost.DRIVING: 180.0 + 5.0,
+            OccupationCost.PEOPLE: 30.0,
+            OccupationCost.CHARGING: 0.0,
         }
     )
 
@@ -103,7 +103,7 @@ def test_which_component_costs_how_many_seconds() -> None:
 def test_half_the_throw_moves_the_headway_by_what_the_parts_say() -> None:
     whole = between("B", *two(UP, UP, "M"))[HeadwayKind.FOLLOWING]
     half = between("B", *two(UP, UP, "M", throw_s=2.0))[HeadwayKind.FOLLOWING]
-    assert whole.least_s - half.least_s == pytest.approx(whole.costs_s[Cost.POINTS] / 2.0)
+    assert whole.least_s - half.least_s == pytest.approx(whole.costs_s[OccupationCost.POINTS] / 2.0)
 
 
 @settings(max_examples=25, deadline=None)
@@ -122,4 +122,4 @@ def test_costs_between_two_instants_make_up_the_time(from_s: float, to_s: float)
     one = Made("1", DOWN, 0.0).occupations()[3]
     there, back = (costs_between(one, *pair) for pair in ((from_s, to_s), (to_s, from_s)))
     assert sum(there.values()) == pytest.approx(to_s - from_s, abs=1e-9)
-    assert all(there[cost] == pytest.approx(-back[cost], abs=1e-9) for cost in Cost)
+    assert all(there[cost] == pytest.approx(-back[cost], abs=1e-9) for cost in OccupationCost)

@@ -9,14 +9,14 @@ from typing import Final
 
 import pytest
 
+from scenario.scenario import load_scenario
 from simulation.setup import Setup
 from study.capacity.compression import compressed
 from study.capacity.headway import Headway, HeadwayKind, line_cases
 from study.capacity.legs import legs_of, places_of, stand_of
-from study.capacity.occupation import Cost
+from study.capacity.occupation import OccupationCost
 from study.capacity.rules import MINIMAL
 from study.capacity.theory import occupations
-from study.scenario.scenario import load_scenario
 
 VALLEY: Final = Path(__file__).parents[2] / "examples" / "line"
 Run = tuple[str, str, str, str, tuple[str, str], tuple[str, str]]
@@ -72,11 +72,13 @@ def test_what_moves_a_headway_is_what_it_is_said_to_cost(tmp_path: Path) -> None
     assert set(whole) == set(half) == set(slow)
     moved = 0
     for key, one in whole.items():
-        assert one.least_s - half[key].least_s == pytest.approx(one.costs_s[Cost.POINTS] / 2.0, abs=1e-6), key
-        moved += one.costs_s[Cost.POINTS] > 0.0
+        assert one.least_s - half[key].least_s == pytest.approx(
+            one.costs_s[OccupationCost.POINTS] / 2.0, abs=1e-6
+        ), key
+        moved += one.costs_s[OccupationCost.POINTS] > 0.0
         # An arrival lies after the release of what led to it: that telegram is in the driving that counts negative.
         before_s = 0.1 if one.kind is HeadwayKind.ARRIVAL_DEPARTURE else 0.0
-        radio_s = one.costs_s[Cost.RADIO] + before_s
+        radio_s = one.costs_s[OccupationCost.RADIO] + before_s
         assert slow[key].least_s - one.least_s == pytest.approx(radio_s, abs=1e-6), key
     assert moved >= 4
 

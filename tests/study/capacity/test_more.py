@@ -12,6 +12,7 @@ import pytest
 from network.graph import all_routes
 from network.model import Line, SectionKind
 from network.timetable import Diagram
+from scenario.scenario import load_scenario
 from simulation.setup import Setup
 from study.capacity import equipment, more
 from study.capacity.compression import compressed
@@ -27,19 +28,27 @@ from study.capacity.equipment import (
     worth_of,
 )
 from study.capacity.legs import legs_of, places_of
-from study.capacity.limits import LIMITS, Traffic, additional_share, consumed_share
-from study.capacity.line_capacity import Period, Rate, Terms, costs_of, day_of, fullest, peak_of, rates_of
+from study.capacity.limits import LIMITS, TrafficKind, additional_share, consumed_share
+from study.capacity.line_capacity import (
+    CompressionTerms,
+    Period,
+    Rate,
+    costs_of,
+    day_of,
+    fullest,
+    peak_of,
+    rates_of,
+)
 from study.capacity.more import more_trains
-from study.capacity.occupation import Cost
-from study.capacity.room import Search
+from study.capacity.occupation import OccupationCost
+from study.capacity.room import PathSearch
 from study.capacity.rules import MINIMAL, VIRTUAL_BLOCKS, Rules
-from study.capacity.shared_stretch import Stretch, mean_wait_s, traffic_at
+from study.capacity.shared_stretch import StretchHeadways, mean_wait_s, traffic_at
 from study.capacity.standard import standard_paths
 from study.capacity.theory import occupations
 from study.capacity.virtual_blocks import with_virtual_blocks
 from study.feasibility.check import feasibility
 from study.report.capacity import FILES, write_occupation
-from study.scenario.scenario import load_scenario
 
 MORNING_S = (18_000.0, 34_200.0)
 
@@ -82,7 +91,7 @@ def test_paths_each_way_where_both_ends_have_portals_and_none_without() -> None:
 
 def test_what_is_put_in_holds_when_the_day_is_judged(morning: Setup) -> None:
     until_noon = Period("morning", MORNING_S[0], 43_200.0, peak=False)
-    found = more_trains(morning, until_noon, Search())
+    found = more_trains(morning, until_noon, PathSearch())
     assert found.trains == 2 * len(found.paths) > 0
     assert found.dropped == ()
     assert feasibility(morning).good
@@ -93,11 +102,11 @@ def test_what_is_put_in_holds_when_the_day_is_judged(morning: Setup) -> None:
 
 def test_what_the_judgement_names_goes_out_again(morning: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
     """With nothing looked at before, trains are put in on top of each other, and few of them stay."""
-    monkeypatch.setattr("study.capacity.room.Taken.until_s", nothing)
-    found = more_trains(morning, Period("morning", 25_200.0, 30_600.0, peak=False), Search())
+    monkeypatch.setattr("study.capacity.room.OccupiedSpans.until_s", nothing)
+    found = more_trains(morning, Period("morning", 25_200.0, 30_600.0, peak=False), PathSearch())
     assert found.dropped
     monkeypatch.setattr(more, "_impossible", nobody)
-    blind = more_trains(morning, Period("morning", 25_200.0, 30_600.0, peak=False), Search())
+    blind = more_trains(morning, Period("morning", 25_200.0, 30_600.0, peak=False), PathSearch())
     assert blind.dropped == ()
     assert blind.trains > found.trains
 
@@ -116,7 +125,7 @@ def nobody(*_: object) -> set[str]:
 
 def test_limits_say_the_same_either_way() -> None:
     """The leaflet gives the additional time in whole percent: 18, 43, 33, 67."""
-    suburban, mixed = LIMITS[Traffic.SUBURBAN], LIMITS[Traffic.MIXED]
+    suburban, mixed = LIMITS[TrafficKind.SUBURBAN], LIMITS[TrafficKind.MIXED]
     shares = [suburban.peak_share, suburban.day_share, mixed.peak_share, mixed.day_share]
     assert [round(100.0 * additional_share(share)) for share in shares] == [18, 43, 33, 67]
     assert consumed_share(2160.0, 3600.0, 0.6) == pytest.approx(1.0)
@@ -125,7 +134,7 @@ def test_limits_say_the_same_either_way() -> None:
 def test_the_cut_changes_the_answer(morning: Setup) -> None:
     legs = legs_of(occupations(morning, MINIMAL), places_of(morning.line))
     day = day_of(legs)
-    terms = Terms(dwell_min_s=morning.unit.dwell_min_s)
+    terms = CompressionTerms(dwell_min_s=morning.unit.dwell_min_s)
     rates = {
         way: rates_of(legs, cut_of(morning.line, way), (day,), terms)
         for way in ("whole", "crossing", "interval")
@@ -171,7 +180,12 @@ def test_levers_change_what_they_say(morning: Setup) -> None:
     assert (unit.wheel_error_share, unit.wheel_scale_limit) == (0.005, 0.0025)
     tags = fewer_tags(morning.line).tags
     assert 0 < len(tags) < len(morning.line.tags)
-    assert {lever.cost for lever in LEVERS} >= {Cost.RADIO, Cost.POINTS, Cost.LOCALISATION, Cost.DRIVING}
+    assert {lever.cost for lever in LEVERS} >= {
+        OccupationCost.RADIO,
+        OccupationCost.POINTS,
+        OccupationCost.LOCALISATION,
+        OccupationCost.DRIVING,
+    }
 
 
 def test_a_tornado_has_the_widest_on_top_and_is_drawn(
@@ -235,9 +249,9 @@ def test_blocks_shorten_what_a_train_holds(morning: Setup) -> None:
     assert longest[1] < 0.6 * longest[0]
 
 
-def stretches() -> Iterator[Stretch]:
+def stretches() -> Iterator[StretchHeadways]:
     for following_s in (900.0, 300.0, 90.0):
-        yield Stretch((following_s, following_s), (10.0, 10.0), (900.0, 900.0))
+        yield StretchHeadways((following_s, following_s), (10.0, 10.0), (900.0, 900.0))
 
 
 def test_a_shared_stretch_takes_more_trains_the_closer_they_follow() -> None:

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from network.making.new_line import Asked, write_line
+from exchange.new_line import NewLineOptions, write_line
 from study.capacity.compression import compressed
 from study.capacity.cut import PartKind, cut_of
-from study.capacity.legs import Leg, legs_of, places_of
+from study.capacity.legs import SetLeg, legs_of, places_of
 from study.capacity.occupation import Occupation, conflicts_of
 from study.capacity.rules import MINIMAL
 from study.capacity.theory import occupations
@@ -57,14 +57,14 @@ def plan(loop: str, folder: Path) -> Plan:
     ]
     listed = folder / f"{loop}.csv"
     listed.write_text("\n".join(("id,name,km,tracks,end", *rows, "")), "utf-8")
-    line = write_line(listed, folder / f"line_{loop.lower()}.toml", Asked(max_speed_kmh=85)).line
+    line = write_line(listed, folder / f"line_{loop.lower()}.toml", NewLineOptions(max_speed_kmh=85)).line
     to_s = {"L": RUN_S["A"], "M": RUN_S["A"] + DWELL_S["L"] + RUN_S["L"]}[loop]
     back_s = {"L": RUN_S["M"] + DWELL_S["M"] + RUN_S["L"], "M": RUN_S["M"]}[loop]
     starts_s = STARTS_S | {up: STARTS_S[down] + to_s - back_s for down, up in (("1", "2"), ("4", "5"))}
     return Plan(line, tuple(train(number, at_s, loop) for number, at_s in sorted(starts_s.items())))
 
 
-def by_pairs_s(legs: tuple[Leg, ...], section_ids: frozenset[str]) -> float:
+def by_pairs_s(legs: tuple[SetLeg, ...], section_ids: frozenset[str]) -> float:
     """Round the order of trains: from each one's being let in to the next one's, by the two alone."""
     held: dict[str, dict[str, Occupation]] = {}
     for leg in legs:

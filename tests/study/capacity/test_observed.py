@@ -9,18 +9,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import Direction
+from scenario.scenario import load_scenario, shipped_scenarios
 from simulation.result import RunResult
 from simulation.setup import Setup
 from study.capacity import observed as module
+from study.capacity.blocking_table import blocking_table, read_blocking
 from study.capacity.compared import compared
 from study.capacity.observed import observed
-from study.capacity.occupation import TOUCH_S, Occupation, Part, Slice, conflicts_of
-from study.capacity.passage import Passage, Standing, Throwing, occupation_of
+from study.capacity.occupation import TOUCH_S, Occupation, OccupationPart, Slice, conflicts_of
+from study.capacity.passage import PassageStand, SectionPassage, Throwing, occupation_of
 from study.capacity.theory import occupations
-from study.run.blocking_table import blocking_table, read_blocking
-from study.run.drill import find_drill, shipped_drills
-from study.run.run import CarrierKind, Link, execute
-from study.scenario.scenario import load_scenario, shipped_scenarios
+from study.drilling.drill import find_drill, shipped_drills
+from study.runner.run import CarrierKind, PartyLink, execute
 
 times = st.one_of(st.floats(0.0, 1000.0), st.sampled_from([float("inf"), float("-inf")]))
 
@@ -29,34 +29,34 @@ times = st.one_of(st.floats(0.0, 1000.0), st.sampled_from([float("inf"), float("
     wanted_s=st.floats(0.0, 1000.0),
     moments=st.tuples(*(times for _ in range(8))),
     throws=st.lists(st.tuples(*(st.floats(0.0, 1000.0) for _ in range(4))), max_size=2),
-    stands=st.lists(st.tuples(st.sampled_from(list(Part)), times, times), max_size=4),
+    stands=st.lists(st.tuples(st.sampled_from(list(OccupationPart)), times, times), max_size=4),
     ends_s=st.floats(0.0, 2000.0),
 )
 def test_any_moments_make_a_whole(
     wanted_s: float,
     moments: tuple[float, ...],
     throws: list[tuple[float, float, float, float]],
-    stands: list[tuple[Part, float, float]],
+    stands: list[tuple[OccupationPart, float, float]],
     ends_s: float,
 ) -> None:
     """Faults put the moments into any order: the slices touch and make up what lies between the first and the last."""
-    passage = Passage(
+    passage = SectionPassage(
         *("s", "K1", "T1", Direction.DOWN, "r", wanted_s, *moments),
         throwing=tuple(Throwing(*sorted(each)) for each in throws),
-        standing=tuple(Standing(*each) for each in stands),
+        standing=tuple(PassageStand(*each) for each in stands),
     )
     made = occupation_of(passage, ends_s)
     freed_s = moments[-1]
     end_s = max(min(freed_s, ends_s), wanted_s)
     assert made.begin_s == pytest.approx(wanted_s, abs=20 * TOUCH_S)
     assert made.end_s == pytest.approx(end_s, abs=20 * TOUCH_S)
-    assert sum(made.of_part(part) for part in Part) == pytest.approx(made.length_s, abs=1e-5)
+    assert sum(made.of_part(part) for part in OccupationPart) == pytest.approx(made.length_s, abs=1e-5)
 
 
 @pytest.fixture(scope="module")
 def ran() -> tuple[RunResult, Setup]:
     scenario = load_scenario("rtri_test_line")
-    return execute(scenario, Link.SIMULATED, carrier=CarrierKind.PLAIN).result, scenario.setup
+    return execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN).result, scenario.setup
 
 
 def test_the_paper_s_run_is_as_theory_has_it(ran: tuple[RunResult, Setup]) -> None:
@@ -64,7 +64,10 @@ def test_the_paper_s_run_is_as_theory_has_it(ran: tuple[RunResult, Setup]) -> No
     both = compared(occupations(ran[1]), found)
     assert len(both.pairs) == len(found) == 5
     assert (both.only_theory, both.only_run) == ((), ())
-    assert max(abs(p.run.of_part(Part.THROW) - 6.0) for p in both.pairs if p.run.section_id in "57") < 0.01
+    assert (
+        max(abs(p.run.of_part(OccupationPart.THROW) - 6.0) for p in both.pairs if p.run.section_id in "57")
+        < 0.01
+    )
     for pair in both.pairs:
         assert pair.run.length_s == pytest.approx(pair.theory.length_s, abs=1.5)
 
@@ -89,7 +92,7 @@ def test_what_is_waited_for_is_no_part(drill: str, waits: set[str], monkeypatch:
     Switched off, a request counts from when it was first sent, and there are conflicts.
     """
     scenario = load_scenario(str(find_drill(drill)))
-    result = execute(scenario, Link.SIMULATED, carrier=CarrierKind.PLAIN).result
+    result = execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN).result
     found = observed(result, scenario.setup)
     assert conflicts_of(found) == ()
     assert {one.number for one in found if one.waited_s > 1.0} == waits
@@ -101,13 +104,13 @@ def test_what_is_waited_for_is_no_part(drill: str, waits: set[str], monkeypatch:
 def test_theory_names_the_train_that_waits() -> None:
     """On the Isumi line 6D asks for its track before 5D has left it: theory's one conflict, and the run's one wait."""
     scenario = load_scenario("isumi_weekday")
-    found = observed(execute(scenario, Link.SIMULATED).result, scenario.setup)
+    found = observed(execute(scenario, PartyLink.SIMULATED).result, scenario.setup)
     assert {one.number for one in found if one.waited_s > 0.0} == {"6D"}
     assert {c.second.number for c in conflicts_of(occupations(scenario.setup))} == {"6D"}
 
 
 def test_what_overlaps_is_seen() -> None:
-    one = Occupation("s", "K1", "T1", Direction.DOWN, (Slice(Part.RUN, 0.0, 10.0),), 0.0, 10.0)
+    one = Occupation("s", "K1", "T1", Direction.DOWN, (Slice(OccupationPart.RUN, 0.0, 10.0),), 0.0, 10.0)
     other = replace(one.moved(9.0), stock_id="K2")
     assert [c.overlap_s for c in conflicts_of((one, other))] == [1.0]
 
@@ -116,7 +119,7 @@ def test_what_overlaps_is_seen() -> None:
 @pytest.mark.parametrize("name", shipped_scenarios())
 def test_no_shipped_day_has_a_section_twice(name: str) -> None:
     scenario = load_scenario(name)
-    assert conflicts_of(observed(execute(scenario, Link.SIMULATED).result, scenario.setup)) == ()
+    assert conflicts_of(observed(execute(scenario, PartyLink.SIMULATED).result, scenario.setup)) == ()
 
 
 @pytest.mark.nightly
@@ -124,6 +127,6 @@ def test_no_shipped_day_has_a_section_twice(name: str) -> None:
 def test_a_drill_whatever_it_breaks_has_blocking_times(name: str) -> None:
     """Runs cut short, restarts, sections freed by hand: sound occupations, and none of two stocks at once."""
     scenario = load_scenario(str(find_drill(name)))
-    found = observed(execute(scenario, Link.SIMULATED).result, scenario.setup)
+    found = observed(execute(scenario, PartyLink.SIMULATED).result, scenario.setup)
     assert found
     assert conflicts_of(found) == ()

@@ -9,24 +9,24 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import Direction
-from study.capacity.occupation import COST_OF, Occupation, Part, Slice, by_section, conflicts_of
+from study.capacity.occupation import COST_OF, Occupation, OccupationPart, Slice, by_section, conflicts_of
 
 
 def occupied(stock: str, *instants_s: float, section: str = "s") -> Occupation:
-    parts = list(Part)
+    parts = list(OccupationPart)
     slices = tuple(Slice(parts[i % len(parts)], a, b) for i, (a, b) in enumerate(pairwise(instants_s)))
     return Occupation(section, stock, stock, Direction.DOWN, slices, instants_s[0], instants_s[-1])
 
 
 def test_every_part_has_a_cost() -> None:
-    assert set(COST_OF) == set(Part)
+    assert set(COST_OF) == set(OccupationPart)
 
 
 @given(st.lists(st.floats(0.0, 1e4), min_size=2, max_size=20, unique=True).map(sorted))
 def test_the_parts_make_up_the_whole(instants_s: list[float]) -> None:
     one = occupied("a", *instants_s)
     whole_s = instants_s[-1] - instants_s[0]
-    assert sum(one.of_part(part) for part in Part) == pytest.approx(whole_s)
+    assert sum(one.of_part(part) for part in OccupationPart) == pytest.approx(whole_s)
     assert sum(one.costs_s().values()) == pytest.approx(one.length_s) == pytest.approx(whole_s)
 
 
@@ -34,8 +34,8 @@ def test_the_parts_make_up_the_whole(instants_s: list[float]) -> None:
     "slices",
     [
         (),
-        (Slice(Part.RUN, 5.0, 4.0),),
-        (Slice(Part.RUN, 1.0, 4.0), Slice(Part.LENGTH, 4.5, 5.0)),
+        (Slice(OccupationPart.RUN, 5.0, 4.0),),
+        (Slice(OccupationPart.RUN, 1.0, 4.0), Slice(OccupationPart.LENGTH, 4.5, 5.0)),
     ],
     ids=["none", "backwards", "gap"],
 )

@@ -12,16 +12,16 @@ from typing import Final
 
 import pytest
 
+from scenario.scenario import load_scenario
 from simulation.setup import Setup
 from study.capacity import legs as legs_module
 from study.capacity import passage as passage_module
 from study.capacity.compression import compressed
 from study.capacity.headway import Headway, HeadwayKind, headways_of, kind_of_visit, visits_at
-from study.capacity.legs import Leg, legs_of, places_of
-from study.capacity.occupation import Part
+from study.capacity.legs import SetLeg, legs_of, places_of
+from study.capacity.occupation import OccupationPart
 from study.capacity.rules import MINIMAL
 from study.capacity.theory import occupations
-from study.scenario.scenario import load_scenario
 from tests.study.capacity.by_hand import STONE
 from tests.study.capacity.test_held_up_by import RUNS, VALLEY, valley_times
 
@@ -104,7 +104,7 @@ def setup(tmp_path_factory: pytest.TempPathFactory) -> Setup:
     return load_scenario(str(folder / "valley_day.toml")).setup
 
 
-def legs(setup: Setup) -> tuple[Leg, ...]:
+def legs(setup: Setup) -> tuple[SetLeg, ...]:
     return legs_of(occupations(setup, MINIMAL), places_of(setup.line))
 
 
@@ -146,9 +146,11 @@ def test_without_the_last_stand(setup: Setup, monkeypatch: pytest.MonkeyPatch) -
     assert occupied_s(setup)[1] == pytest.approx(ASA_TRACK_S - to_mark_s(190.0), abs=0.1)
 
 
-@pytest.mark.parametrize(("part", "takes_s"), [(Part.RELEASE, 2 * RADIO_S), (Part.START, START_S)])
+@pytest.mark.parametrize(
+    ("part", "takes_s"), [(OccupationPart.RELEASE, 2 * RADIO_S), (OccupationPart.START, START_S)]
+)
 def test_without_a_part_of_a_turn(
-    setup: Setup, monkeypatch: pytest.MonkeyPatch, part: Part, takes_s: float
+    setup: Setup, monkeypatch: pytest.MonkeyPatch, part: OccupationPart, takes_s: float
 ) -> None:
     monkeypatch.setattr(legs_module, "SLACK", legs_module.SLACK | {part})
     assert ("MRI", F, "down, MRI.1", "down, MRI.1") in off(setup)

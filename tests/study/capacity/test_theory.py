@@ -9,18 +9,29 @@ from pathlib import Path
 import pytest
 
 from radio.air import AirParameters, DelayShape
+from scenario.scenario import load_scenario
 from simulation.people import Pause, People
 from simulation.setup import Setup
 from study.capacity.links import Links
-from study.capacity.occupation import Occupation, Part, conflicts_of
+from study.capacity.occupation import Occupation, OccupationPart, conflicts_of
 from study.capacity.rules import AS_UNITS, MINIMAL, VIRTUAL_BLOCKS, Rules
 from study.capacity.theory import Theory, occupations
-from study.scenario.scenario import load_scenario
 from tests.study.capacity.by_hand import two_blocks
 
-R, A, G, T, P = Part.REQUEST, Part.AIR, Part.GRANT, Part.THROW, Part.PROOF
-NEAR, READY, RUN, DWELL = Part.APPROACH, Part.READY, Part.RUN, Part.DWELL
-LENGTH, BOUND, FREE = Part.LENGTH, Part.BOUND, Part.RELEASE
+R, A, G, T, P = (
+    OccupationPart.REQUEST,
+    OccupationPart.AIR,
+    OccupationPart.GRANT,
+    OccupationPart.THROW,
+    OccupationPart.PROOF,
+)
+NEAR, READY, RUN, DWELL = (
+    OccupationPart.APPROACH,
+    OccupationPart.READY,
+    OccupationPart.RUN,
+    OccupationPart.DWELL,
+)
+LENGTH, BOUND, FREE = OccupationPart.LENGTH, OccupationPart.BOUND, OccupationPart.RELEASE
 
 # The train signs on 210 s before its departure from A, 0.1 s each way, and asks at once, 0.1 s each way: it leaves the
 # portal, whose next section has no points, 0.4 s after. Run of 380 m: 11.3 + 209.747 / 11.3 + 18.833 = 48.695 s.
@@ -76,7 +87,7 @@ BY_HAND = {
         *((A, 0.1), (G, 0.1), (READY, 44.8), (NEAR, 26.004), (A, 0.1), (T, 6.0), (P, 0.1), (NEAR, 12.384)),
         *((RUN, 5.476), (LENGTH, 4.783), (BOUND, 1.886), (FREE, 0.1)),
     ),
-    "8": ((A, 0.1), (G, 0.1), (READY, 44.8), (NEAR, 50.064), (RUN, 16.330), (Part.LAYOVER, 0.0)),
+    "8": ((A, 0.1), (G, 0.1), (READY, 44.8), (NEAR, 50.064), (RUN, 16.330), (OccupationPart.LAYOVER, 0.0)),
 }
 POINTS_BY_SECTION = {"2": 1, "5": 1, "7": 1}
 
@@ -129,7 +140,9 @@ def test_a_portal_is_had_until_the_crew_has_left_through_it(rules: Rules) -> Non
 def test_parts_and_costs_make_up_the_whole(tmp_path: Path) -> None:
     for rules in (AS_UNITS, MINIMAL, VIRTUAL_BLOCKS):
         for one in occupations(two_blocks(tmp_path), rules):
-            assert math.fsum(one.of_part(part) for part in Part) == pytest.approx(one.length_s, abs=1e-6)
+            assert math.fsum(one.of_part(part) for part in OccupationPart) == pytest.approx(
+                one.length_s, abs=1e-6
+            )
             assert math.fsum(one.costs_s().values()) == pytest.approx(one.length_s, abs=1e-6)
 
 
@@ -199,8 +212,8 @@ def test_a_set_that_turns_back_keeps_its_track() -> None:
     assert conflicts_of(found) == ()
     turned = next(one for one in found if one.section_id == "KRS.1" and one.number == "321M")
     parts = [s.part for s in turned.slices]
-    assert parts.index(Part.CHANGE_ENDS) < parts.index(Part.LAYOVER) < parts.index(LENGTH)
-    assert turned.of_part(Part.CHANGE_ENDS) == pytest.approx(60.0)
+    assert parts.index(OccupationPart.CHANGE_ENDS) < parts.index(OccupationPart.LAYOVER) < parts.index(LENGTH)
+    assert turned.of_part(OccupationPart.CHANGE_ENDS) == pytest.approx(60.0)
     alone = [one for one in found if one.section_id == "KRS.1" and one.number == "324M"]
     assert alone == []  # it is in the occupation of the train that it was
 
@@ -208,8 +221,8 @@ def test_a_set_that_turns_back_keeps_its_track() -> None:
 def test_charging_is_part_of_the_occupation() -> None:
     found = occupations(load_scenario("karasuyama_battery").setup)
     turned = next(one for one in found if one.section_id == "KRS.1" and one.number == "321M")
-    assert turned.of_part(Part.CHARGING) > 600.0
-    assert turned.of_part(Part.CHANGE_ENDS) == pytest.approx(60.0)
+    assert turned.of_part(OccupationPart.CHARGING) > 600.0
+    assert turned.of_part(OccupationPart.CHANGE_ENDS) == pytest.approx(60.0)
 
 
 @pytest.mark.parametrize(

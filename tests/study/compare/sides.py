@@ -7,11 +7,11 @@ from functools import cache
 
 import polars as pl
 
-from study.compare.side import Side
-from study.report.data import Run
-from study.run.tables import RunTables
-from study.scenario.inputs import Inputs
-from study.scenario.scenario import load_scenario
+from scenario.inputs import Inputs
+from scenario.scenario import load_scenario
+from study.compare.side import ComparedRun
+from study.record.tables import RunTables
+from study.report.data import ReportedRun
 
 
 @cache
@@ -19,19 +19,19 @@ def inputs_of(scenario: str = "karasuyama_weekday") -> Inputs:
     return load_scenario(scenario).inputs
 
 
-def with_tables(run: Run, **tables: pl.DataFrame) -> Run:
+def with_tables(run: ReportedRun, **tables: pl.DataFrame) -> ReportedRun:
     """The same run with other tables."""
     kept = {field.name: getattr(run.tables, field.name) for field in fields(RunTables)}
-    return Run(run.line, run.timetable, RunTables(**{**kept, **tables}))
+    return ReportedRun(run.line, run.timetable, RunTables(**{**kept, **tables}))
 
 
 def side(
-    run: Run,
+    run: ReportedRun,
     label: str = "base",
     inputs: Inputs | None = None,
     broken: tuple[str, ...] = (),
     **summary: object,
-) -> Side:
+) -> ComparedRun:
     facts = {
         "scenario": "karasuyama_weekday",
         "digest": label,
@@ -39,4 +39,4 @@ def side(
         "carrier": "sumo",
         **summary,
     }
-    return Side(label, label.title(), inputs or inputs_of(), facts, run, None, broken)
+    return ComparedRun(label, label.title(), inputs or inputs_of(), facts, run, None, broken)

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from scenario.inputs import Inputs
+from scenario.scenario import load_scenario
 from study.compare.changes import COMMAND_LINE, InputChange, input_changes
-from study.compare.side import Side
-from study.report.data import Run
-from study.scenario.inputs import Inputs
-from study.scenario.scenario import load_scenario
+from study.compare.side import ComparedRun
+from study.report.data import ReportedRun
 from tests.study.compare.pairs import OTHER_TRAIN, RADIO_OF_2_S, RESTRICTION, SLOWER_POINTS, scenario
 from tests.study.compare.sides import side
 
@@ -26,9 +26,12 @@ def inputs(tmp_path: Path) -> Callable[[str], Inputs]:
 
 
 @pytest.fixture
-def changes(weekday: Run, inputs: Callable[[str], Inputs]) -> Callable[..., tuple[InputChange, ...]]:
+def changes(weekday: ReportedRun, inputs: Callable[[str], Inputs]) -> Callable[..., tuple[InputChange, ...]]:
     def compared(old: str, new: str, **summary: str) -> tuple[InputChange, ...]:
-        sides: list[Side] = [side(weekday, "base", inputs(old)), side(weekday, "new", inputs(new), **summary)]
+        sides: list[ComparedRun] = [
+            side(weekday, "base", inputs(old)),
+            side(weekday, "new", inputs(new), **summary),
+        ]
         return input_changes(*sides)
 
     return compared
@@ -89,19 +92,19 @@ def test_settings_trains_seed_and_the_command_line_are_inputs_too(changes: Compa
     assert (link.file, link.key, link.new) == (COMMAND_LINE, "--link", "zenoh")
 
 
-def test_a_drill_against_the_day_without_it_has_its_fault_among_the_inputs(weekday: Run) -> None:
+def test_a_drill_against_the_day_without_it_has_its_fault_among_the_inputs(weekday: ReportedRun) -> None:
     plain, drill = (load_scenario(name).inputs for name in ("rtri_test_line", _drill()))
     found = input_changes(side(weekday, "base", plain), side(weekday, "new", drill))
     assert any(change.key == "fault" for change in found)
 
 
 def _drill() -> str:
-    from study.run.drill import find_drill
+    from study.drilling.drill import find_drill
 
     return find_drill("rtri/09_manager_power")
 
 
-def test_another_timetable_is_told_train_by_train(weekday: Run) -> None:
+def test_another_timetable_is_told_train_by_train(weekday: ReportedRun) -> None:
     days = [load_scenario(f"karasuyama_{day}").inputs for day in ("weekday", "holiday")]
     found = input_changes(side(weekday, "base", days[0]), side(weekday, "new", days[1]))
     assert {change.file for change in found} >= {

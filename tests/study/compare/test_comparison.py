@@ -17,13 +17,13 @@ from study.compare.comparison import Comparisons, compare, verdict_of
 from study.compare.files import owns, write_comparison
 from study.compare.graph import draw_both
 from study.compare.parts import parts_against
-from study.compare.side import Side, check_same_line, labels_of
-from study.report.data import Run
+from study.compare.side import ComparedRun, check_same_line, labels_of
+from study.report.data import ReportedRun
 from study.report.style import drawing
 from tests.study.compare.sides import side, with_tables
 
 
-def later(run: Run, by_s: float, train: str = "321M") -> Run:
+def later(run: ReportedRun, by_s: float, train: str = "321M") -> ReportedRun:
     """One train later at every station, plan and all its samples."""
     own = pl.col("train") == train
     stops = run.tables.stops.with_columns(
@@ -36,7 +36,7 @@ def later(run: Run, by_s: float, train: str = "321M") -> Run:
     return with_tables(run, stops=stops, trajectory=samples)
 
 
-def without(run: Run, train: str) -> Run:
+def without(run: ReportedRun, train: str) -> ReportedRun:
     """A run in which one train did not run."""
     kept = {
         name: getattr(run.tables, name).filter(pl.col("train") != train)
@@ -46,15 +46,15 @@ def without(run: Run, train: str) -> Run:
 
 
 @pytest.fixture
-def moved(weekday: Run) -> Comparisons:
+def moved(weekday: ReportedRun) -> Comparisons:
     return compare((side(weekday), side(later(weekday, 25.0), "new")), 1.0)
 
 
-def verdict(*sides: Side, over_s: float = 1.0) -> str:
+def verdict(*sides: ComparedRun, over_s: float = 1.0) -> str:
     return " ".join(verdict_of(compare(sides, over_s).pairs[0]))
 
 
-def test_nothing_moved_is_said_as_plainly_as_that(weekday: Run) -> None:
+def test_nothing_moved_is_said_as_plainly_as_that(weekday: ReportedRun) -> None:
     base = side(weekday)
     again = side(weekday, "again", digest="base")
     assert verdict(base, again) == (
@@ -72,14 +72,14 @@ def test_nothing_moved_is_said_as_plainly_as_that(weekday: Run) -> None:
     )
 
 
-def test_the_same_journal_with_other_tables_is_not_the_same_run(weekday: Run) -> None:
+def test_the_same_journal_with_other_tables_is_not_the_same_run(weekday: ReportedRun) -> None:
     """The figures of a run may change, with a train's energy data, though it ran the same."""
     energy = weekday.tables.energy.with_columns(pl.col("net_kwh") * 2.0)
     other = side(with_tables(weekday, energy=energy), "new", digest="base")
     assert verdict(side(weekday), other).startswith("Nothing moved by more than 1 s")
 
 
-def test_what_moved_what_is_gone_and_what_is_broken_is_said(weekday: Run) -> None:
+def test_what_moved_what_is_gone_and_what_is_broken_is_said(weekday: ReportedRun) -> None:
     base = side(weekday, broken=("a points-under-train", "both"))
     told = verdict(base, side(without(weekday, "330M"), "new", broken=("both", "a collision")))
     assert "Nothing moved by more than 1 s" in told
@@ -87,7 +87,7 @@ def test_what_moved_what_is_gone_and_what_is_broken_is_said(weekday: Run) -> Non
     assert "Broken only in new: a collision." in told and "Broken only in base: a points-under-train." in told
 
 
-def test_json_has_all_of_it_and_only_what_json_knows(moved: Comparisons, weekday: Run) -> None:
+def test_json_has_all_of_it_and_only_what_json_knows(moved: Comparisons, weekday: ReportedRun) -> None:
     told = json.loads(json.dumps(moved.as_dict(), allow_nan=False))
     (pair,) = told["comparisons"]
     assert [run["label"] for run in told["runs"]] == ["base", "new"]
@@ -98,7 +98,7 @@ def test_json_has_all_of_it_and_only_what_json_knows(moved: Comparisons, weekday
 
 
 def test_the_directory_is_whole_opens_offline_and_is_replaced_by_the_next(
-    moved: Comparisons, weekday: Run, tmp_path: Path
+    moved: Comparisons, weekday: ReportedRun, tmp_path: Path
 ) -> None:
     page = write_comparison(moved, tmp_path / "out")
     names = {path.name for path in page.parent.iterdir()}
@@ -140,7 +140,7 @@ def test_somebodys_work_is_not_replaced(moved: Comparisons, tmp_path: Path) -> N
     assert not owns("train_graph_x.svg") and not owns("train_graph_1.pdf") and not owns("summary.json")
 
 
-def test_text_of_files_cannot_leave_its_place_in_the_page(weekday: Run, tmp_path: Path) -> None:
+def test_text_of_files_cannot_leave_its_place_in_the_page(weekday: ReportedRun, tmp_path: Path) -> None:
     evil = side(later(weekday, 30.0), "<script>alert(1)</script>")
     html = write_comparison(compare((side(weekday), evil), 1.0), tmp_path / "out").read_text("utf-8")
     assert "<script>" not in html and "&lt;script&gt;" in html
@@ -171,7 +171,7 @@ def test_every_part_of_a_report_has_its_title_and_what_it_says_of_tables_in_japa
     )  # the first one's is the verdict
 
 
-def test_parts_of_runs_that_do_not_differ_are_one(weekday: Run) -> None:
+def test_parts_of_runs_that_do_not_differ_are_one(weekday: ReportedRun) -> None:
     same = compare((side(weekday), side(weekday, "again", digest="base")), 1.0)
     with drawing():
         (part,) = parts_against(same)
@@ -192,7 +192,7 @@ def test_labels_are_as_short_as_tells_runs_apart(paths: tuple[str, ...], labels:
     assert labels_of([Path(path) for path in paths]) == labels
 
 
-def test_runs_of_another_line_are_refused(weekday: Run) -> None:
+def test_runs_of_another_line_are_refused(weekday: ReportedRun) -> None:
     other = load_line(shipped_line("rtri_test_line"))
     with pytest.raises(InputError, match="runs of one line: this one is of RTRI"):
         check_same_line(weekday.line, other, Path("somewhere"))

@@ -11,12 +11,12 @@ from study.compare.comparison import compare, compare_two, verdict_of
 from study.compare.grids import inputs_grid, measures_grid, moved_matrix, rows_grid
 from study.compare.measures import compare_rows, figures_of, measures_of
 from study.measures.missing import planned_times
-from study.report.data import Run
-from study.run.summary import energy_summary
+from study.measures.summary import energy_summary
+from study.report.data import ReportedRun
 from tests.study.compare.sides import side, with_tables
 
 
-def figure(run: Run, group: str, name: str, unit: str = "") -> float | None:
+def figure(run: ReportedRun, group: str, name: str, unit: str = "") -> float | None:
     (found,) = (f for f in figures_of(side(run)) if (f.group, f.name, f.unit) == (group, name, unit))
     return found.value
 
@@ -24,11 +24,13 @@ def figure(run: Run, group: str, name: str, unit: str = "") -> float | None:
 LATE: list[float | None] = [-20.0, 0.0, 5.0, 15.0, 60.0, 60.1, 180.0, 300.1, None, -1.0]
 
 
-def arrivals(run: Run, late_s: list[float | None]) -> Run:
+def arrivals(run: ReportedRun, late_s: list[float | None]) -> ReportedRun:
     """A run with so many planned arrivals at one station each, late by so much; None did not come."""
     stops = run.tables.stops.filter(pl.col("planned_arrival_s").is_not_null()).head(len(late_s))
     late = pl.Series(late_s, dtype=pl.Float64)
-    own = Run(run.line, replace(run.timetable, trains={}), run.tables)  # what is planned stands in the stops
+    own = ReportedRun(
+        run.line, replace(run.timetable, trains={}), run.tables
+    )  # what is planned stands in the stops
     return with_tables(
         own,
         stops=stops.with_columns(
@@ -37,7 +39,7 @@ def arrivals(run: Run, late_s: list[float | None]) -> Run:
     )
 
 
-def test_punctuality_counts_what_did_not_come_as_late(weekday: Run) -> None:
+def test_punctuality_counts_what_did_not_come_as_late(weekday: ReportedRun) -> None:
     run = arrivals(weekday, LATE)
     shares = {
         name: figure(run, "arrivals", name, "%")
@@ -57,7 +59,7 @@ def test_punctuality_counts_what_did_not_come_as_late(weekday: Run) -> None:
     assert figure(run, "arrivals", "mean lateness", "s") == pytest.approx((sum(known) + never_s) / 10)
 
 
-def test_nothing_is_better_for_trains_that_never_ran(weekday: Run) -> None:
+def test_nothing_is_better_for_trains_that_never_ran(weekday: ReportedRun) -> None:
     """Half of the trains left out of the table of stops: they are planned all the same."""
     assert planned_times(weekday.tables.stops, weekday.timetable)["came"].all()
     half = set(sorted(weekday.timetable.trains)[::2])
@@ -71,8 +73,8 @@ def test_nothing_is_better_for_trains_that_never_ran(weekday: Run) -> None:
             assert figure(fewer, group, name, "s") > figure(weekday, group, name, "s") + 60.0
 
 
-def test_figures_of_a_run_without_anything_are_none_or_nought(weekday: Run) -> None:
-    empty = Run(
+def test_figures_of_a_run_without_anything_are_none_or_nought(weekday: ReportedRun) -> None:
+    empty = ReportedRun(
         weekday.line,
         weekday.timetable,
         type(weekday.tables)(
@@ -86,7 +88,7 @@ def test_figures_of_a_run_without_anything_are_none_or_nought(weekday: Run) -> N
     assert len(found.pairs[0].times.only_base) == len(weekday.timetable.trains)
 
 
-def test_margins_name_their_hop_and_leave_out_what_no_train_can_run(weekday: Run) -> None:
+def test_margins_name_their_hop_and_leave_out_what_no_train_can_run(weekday: ReportedRun) -> None:
     margins = weekday.tables.margins.with_columns(
         pl.when(pl.col("train") == "330M").then(-3.0).otherwise(40.0).alias("margin_s"),
         pl.when(pl.col("train") == "331M").then(float("-inf")).otherwise(20.0).alias("margin_percent"),
@@ -98,7 +100,9 @@ def test_margins_name_their_hop_and_leave_out_what_no_train_can_run(weekday: Run
     assert percent.value == 20.0
 
 
-def test_energy_by_distance_is_told_with_and_without_layovers_as_the_report_tells_it(weekday: Run) -> None:
+def test_energy_by_distance_is_told_with_and_without_layovers_as_the_report_tells_it(
+    weekday: ReportedRun,
+) -> None:
     tables = weekday.tables
     whole = energy_summary(tables)
     figures = {(f.name, f.unit): f.value for f in figures_of(side(weekday)) if f.group == "energy"}
@@ -109,7 +113,7 @@ def test_energy_by_distance_is_told_with_and_without_layovers_as_the_report_tell
     assert figures["net", "kWh/train-km"] != figures["net, with layovers", "kWh/train-km"]
 
 
-def test_rows_are_matched_by_name_and_told_where_they_differ(weekday: Run) -> None:
+def test_rows_are_matched_by_name_and_told_where_they_differ(weekday: ReportedRun) -> None:
     energy = weekday.tables.energy
     more = energy.with_columns(
         pl.when(pl.col("train") == "333M")
@@ -126,7 +130,7 @@ def test_rows_are_matched_by_name_and_told_where_they_differ(weekday: Run) -> No
     assert gone.by("net_kwh") == pytest.approx(-float(energy.filter(pl.col("train") == "333M")["net_kwh"][0]))
 
 
-def test_telegrams_are_counted_by_kind_whoever_sent_them(weekday: Run) -> None:
+def test_telegrams_are_counted_by_kind_whoever_sent_them(weekday: ReportedRun) -> None:
     telegrams = weekday.tables.telegrams
     asked = pl.col("kind") == "PointsCommand"
     more = telegrams.with_columns(
@@ -137,7 +141,7 @@ def test_telegrams_are_counted_by_kind_whoever_sent_them(weekday: Run) -> None:
     assert row.names == ("PointsCommand",) and row.by("sent") == 7 * units
 
 
-def test_grids_show_two_runs_with_their_difference_and_more_in_one_table(weekday: Run) -> None:
+def test_grids_show_two_runs_with_their_difference_and_more_in_one_table(weekday: ReportedRun) -> None:
     late = arrivals(weekday, [5.0] * 20)
     three = compare((side(weekday), side(weekday, "same"), side(late, "late")), 1.0)
     grid = measures_grid(three)
@@ -152,7 +156,7 @@ def test_grids_show_two_runs_with_their_difference_and_more_in_one_table(weekday
     assert measures_of(three.sides) == three.measures
 
 
-def test_every_grid_has_as_many_cells_as_headings(weekday: Run) -> None:
+def test_every_grid_has_as_many_cells_as_headings(weekday: ReportedRun) -> None:
     stops = weekday.tables.stops.with_columns(pl.col("departure_s") + 9.0)
     base, new = side(weekday), side(with_tables(weekday, stops=stops), "new")
     pair = compare_two(base, new, 1.0)

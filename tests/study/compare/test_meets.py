@@ -11,9 +11,9 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.meets import Trajectory
 from network.meets import meets_of as network_meets_of
-from study.compare.meets import Fate, compare_meets, meets_of, place_at
-from study.report.data import Run
-from study.run.tables import make_table
+from study.compare.meets import MeetFate, compare_meets, meets_of, place_at
+from study.record.tables import make_table
+from study.report.data import ReportedRun
 from tests.study.compare.sides import with_tables
 
 
@@ -34,7 +34,7 @@ def course(train: str, unit: str, direction: int, samples: list[tuple[float, flo
     return make_table("trajectory", columns)
 
 
-def run_of(weekday: Run, *courses: pl.DataFrame) -> Run:
+def run_of(weekday: ReportedRun, *courses: pl.DataFrame) -> ReportedRun:
     return with_tables(weekday, trajectory=pl.concat(courses))
 
 
@@ -42,7 +42,7 @@ DOWN = [(100.0, 0.0), (200.0, 4000.0)]
 UP = [(120.0, 5000.0), (220.0, 1000.0)]
 
 
-def test_two_fronts_pass_where_their_courses_cross(weekday: Run) -> None:
+def test_two_fronts_pass_where_their_courses_cross(weekday: ReportedRun) -> None:
     """Down is at 40 (t - 100), up at 5000 - 40 (t - 120): they are level at t = 172.5 s, 2900 m."""
     (meet,) = meets_of(run_of(weekday, course("D", "V1", 1, DOWN), course("U", "V2", -1, UP)))
     assert (meet.down_train, meet.up_train, meet.time_s) == ("D", "U", 172.5)
@@ -58,11 +58,13 @@ def test_two_fronts_pass_where_their_courses_cross(weekday: Run) -> None:
         [(150.0, 1000.0), (220.0, 0.0)],  # behind it from the beginning
     ],
 )
-def test_trains_that_never_are_side_by_side_do_not_meet(weekday: Run, up: list[tuple[float, float]]) -> None:
+def test_trains_that_never_are_side_by_side_do_not_meet(
+    weekday: ReportedRun, up: list[tuple[float, float]]
+) -> None:
     assert meets_of(run_of(weekday, course("D", "V1", 1, DOWN), course("U", "V2", -1, up))) == ()
 
 
-def test_one_that_stands_is_met_where_it_stands(weekday: Run) -> None:
+def test_one_that_stands_is_met_where_it_stands(weekday: ReportedRun) -> None:
     line = weekday.line
     mark_m = line.stations["OGN"].tracks[0].marks_m
     at_m = next(iter(mark_m.values()))
@@ -72,7 +74,7 @@ def test_one_that_stands_is_met_where_it_stands(weekday: Run) -> None:
     assert (meet.time_s, meet.at) == (200.0, ("OGN",))
 
 
-def test_the_trains_of_a_day_meet_as_straight_lines_between_their_samples_do(weekday: Run) -> None:
+def test_the_trains_of_a_day_meet_as_straight_lines_between_their_samples_do(weekday: ReportedRun) -> None:
     """The other computation of meets, meant for plans, on the same courses."""
     lines = [
         Trajectory(number, weekday.directions[number], tuple(part["t_s"]), tuple(part["kilometrage_m"]))
@@ -84,7 +86,9 @@ def test_the_trains_of_a_day_meet_as_straight_lines_between_their_samples_do(wee
     assert len(ran) == 10
 
 
-def test_trains_on_two_branches_do_not_meet_though_their_kilometrages_are_the_same(weekday: Run) -> None:
+def test_trains_on_two_branches_do_not_meet_though_their_kilometrages_are_the_same(
+    weekday: ReportedRun,
+) -> None:
     line = weekday.line
     here = line.pieces["OGN.1"]
     there = replace(here, id="BRANCH", section_id="BRANCH", alignment_id="branch")
@@ -92,13 +96,13 @@ def test_trains_on_two_branches_do_not_meet_though_their_kilometrages_are_the_sa
     forked = replace(line, pieces={**line.pieces, "BRANCH": there}, sections=sections)
     up = course("U", "V2", -1, UP).with_columns(piece=pl.lit("BRANCH"))
     tables = with_tables(weekday, trajectory=pl.concat([course("D", "V1", 1, DOWN), up])).tables
-    assert meets_of(Run(forked, weekday.timetable, tables)) == ()
+    assert meets_of(ReportedRun(forked, weekday.timetable, tables)) == ()
     # In a station that both branches have they do.
     joined = replace(forked, sections={**sections, "BRANCH": replace(sections["BRANCH"], station_id="OGN")})
-    assert len(meets_of(Run(joined, weekday.timetable, tables))) == 1
+    assert len(meets_of(ReportedRun(joined, weekday.timetable, tables))) == 1
 
 
-def test_a_meet_moves_in_time_goes_and_comes(weekday: Run) -> None:
+def test_a_meet_moves_in_time_goes_and_comes(weekday: ReportedRun) -> None:
     down, up = course("D", "V1", 1, DOWN), course("U", "V2", -1, UP)
     base = run_of(weekday, down, up)
     assert compare_meets(base, base, 0.0) == ()
@@ -106,24 +110,24 @@ def test_a_meet_moves_in_time_goes_and_comes(weekday: Run) -> None:
     later = run_of(weekday, *(part.with_columns(pl.col("t_s") + 3.0) for part in (down, up)))
     assert compare_meets(base, later, 3.0) == ()
     (moved,) = compare_meets(base, later, 1.0)
-    assert (moved.fate, moved.by_s, moved.why.en) == (Fate.OTHER_TIME, 3.0, "")
+    assert (moved.fate, moved.by_s, moved.why.en) == (MeetFate.OTHER_TIME, 3.0, "")
 
     far = run_of(weekday, down, course("U", "V2", -1, [(110.0, 12000.0), (195.0, 3800.0)]))
     (elsewhere,) = compare_meets(base, far, 1000.0)
-    assert elsewhere.fate is Fate.ELSEWHERE
+    assert elsewhere.fate is MeetFate.ELSEWHERE
     assert elsewhere.old is not None and elsewhere.old.at == ("HSK", "SHN")
     assert elsewhere.new is not None and elsewhere.new.at == ("SHN", "NIT")
 
     alone = run_of(weekday, down)
     (gone,) = compare_meets(base, alone, 1.0)
-    assert (gone.fate, gone.new, gone.by_s) == (Fate.GONE, None, None)
+    assert (gone.fate, gone.new, gone.by_s) == (MeetFate.GONE, None, None)
     assert gone.why.en == "U did not run in the new run"
     (new,) = compare_meets(alone, base, 1.0)
-    assert (new.fate, new.old, new.why.en) == (Fate.NEW, None, "U did not run in the base run")
+    assert (new.fate, new.old, new.why.en) == (MeetFate.NEW, None, "U did not run in the base run")
 
     apart = run_of(weekday, down, course("U", "V2", -1, [(120.0, 9000.0), (220.0, 5000.0)]))
     (parted,) = compare_meets(base, apart, 1.0)
-    assert (parted.fate, parted.why.en) == (Fate.GONE, "")
+    assert (parted.fate, parted.why.en) == (MeetFate.GONE, "")
 
 
 def test_a_place_is_a_station_with_tracks_or_what_it_is_between() -> None:

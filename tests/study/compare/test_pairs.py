@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from study.compare.comparison import Comparison, compare, verdict_of
+from scenario.scenario import load_scenario
+from study.compare.comparison import RunComparison, compare, verdict_of
 from study.compare.measures import Measure
-from study.compare.meets import Fate, meets_of
+from study.compare.meets import MeetFate, meets_of
 from study.compare.side import read_sides
-from study.run.run import Link, execute, write_run
-from study.scenario.scenario import load_scenario
+from study.runner.run import PartyLink, execute, write_run
 from tests.study.compare.pairs import (
     ROUND_TRIP_PAIRS,
     WEEKDAY_PAIRS,
@@ -42,12 +42,12 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> MADE:
     def make(base: str, text: str) -> Path:
         folder = tmp_path_factory.mktemp("pair")
         file = scenario(folder, base, "changed", text) if text else base
-        return write_run(execute(load_scenario(str(file)), Link.SIMULATED), folder / "run").parent
+        return write_run(execute(load_scenario(str(file)), PartyLink.SIMULATED), folder / "run").parent
 
     return make
 
 
-def check_against_the_tables(base: Path, new: Path) -> Comparison:
+def check_against_the_tables(base: Path, new: Path) -> RunComparison:
     """Everything that is told of a pair, worked out a second time."""
     sides = read_sides([base, new])
     found = compare(sides, OVER_S)
@@ -88,7 +88,7 @@ def check_against_the_tables(base: Path, new: Path) -> Comparison:
     return pair
 
 
-def check_rows(pair: Comparison, base: Path, new: Path) -> None:
+def check_rows(pair: RunComparison, base: Path, new: Path) -> None:
     """Energy by train and telegrams by kind: what is listed, and that nothing else differs."""
     for table, column, directly in (
         ("energy", "net_kwh", net_kwh_by_train_directly),
@@ -130,7 +130,7 @@ def test_a_pair_of_round_trips(made: MADE, name: str) -> None:
         case "one_more":
             assert pair.times.only_new == ("323M",)
             assert f"Only in {pair.new}: train 323M." in verdict
-            (meet,) = (change for change in pair.meets if change.fate is Fate.NEW)
+            (meet,) = (change for change in pair.meets if change.fate is MeetFate.NEW)
             assert (meet.down_train, meet.up_train) == ("323M", "324M")
             assert meet.new is not None and meet.new.at == ("OGN",)
             assert meet.why.en == "323M did not run in the base run"
@@ -142,7 +142,7 @@ def test_a_pair_of_round_trips(made: MADE, name: str) -> None:
 def test_a_run_and_itself_again_differ_in_nothing(made: MADE, tmp_path: Path) -> None:
     base = made("karasuyama_round_trip", "")
     again = write_run(
-        execute(load_scenario("karasuyama_round_trip"), Link.SIMULATED), tmp_path / "again"
+        execute(load_scenario("karasuyama_round_trip"), PartyLink.SIMULATED), tmp_path / "again"
     ).parent
     pair = check_against_the_tables(base, again)
     assert pair.nothing_differs and pair.same_inputs

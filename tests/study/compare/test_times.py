@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from study.compare.times import What, compare_times
-from study.report.data import Run
+from study.report.data import ReportedRun
 from tests.study.compare.sides import with_tables
 
 
-def shifted(run: Run, train: str, station: str, what: str, by_s: float) -> pl.DataFrame:
+def shifted(run: ReportedRun, train: str, station: str, what: str, by_s: float) -> pl.DataFrame:
     """The table of stops with one time moved."""
     here = (pl.col("train") == train) & (pl.col("station") == station)
     column = f"{what}_s"
@@ -21,7 +21,7 @@ def shifted(run: Run, train: str, station: str, what: str, by_s: float) -> pl.Da
     )
 
 
-def test_a_run_against_itself_moves_nothing(weekday: Run) -> None:
+def test_a_run_against_itself_moves_nothing(weekday: ReportedRun) -> None:
     times = compare_times(weekday, weekday, 0.0)
     stops = weekday.tables.stops
     assert times.compared == sum(stops[f"{what.value}_s"].count() for what in (What.ARRIVAL, What.DEPARTURE))
@@ -29,7 +29,7 @@ def test_a_run_against_itself_moves_nothing(weekday: Run) -> None:
     assert (times.only_base, times.only_new) == ((), ())
 
 
-def test_one_time_that_moved_is_told_with_train_station_and_sign(weekday: Run) -> None:
+def test_one_time_that_moved_is_told_with_train_station_and_sign(weekday: ReportedRun) -> None:
     stops = shifted(weekday, "324M", "OGN", "departure", -7.5)
     (moved,) = compare_times(weekday, with_tables(weekday, stops=stops), 1.0).moved
     assert (moved.train, moved.station, moved.what, moved.direction) == ("324M", "OGN", What.DEPARTURE, "up")
@@ -40,7 +40,7 @@ def test_one_time_that_moved_is_told_with_train_station_and_sign(weekday: Run) -
 @pytest.mark.parametrize(
     ("by_s", "over_s", "told"), [(1.0, 1.0, 0), (1.1, 1.0, 1), (-1.1, 1.0, 1), (0.1, 0.0, 1), (5.0, 5.0, 0)]
 )
-def test_more_than_the_threshold_is_more(weekday: Run, by_s: float, over_s: float, told: int) -> None:
+def test_more_than_the_threshold_is_more(weekday: ReportedRun, by_s: float, over_s: float, told: int) -> None:
     """Times are of tenths of a second; their floats are not allowed to tip the scale."""
     stops = shifted(weekday, "321M", "TAK", "arrival", by_s)
     times = compare_times(weekday, with_tables(weekday, stops=stops), over_s)
@@ -48,7 +48,7 @@ def test_more_than_the_threshold_is_more(weekday: Run, by_s: float, over_s: floa
     assert times.largest_s == pytest.approx(abs(by_s))
 
 
-def test_rows_in_another_order_move_nothing_and_hide_nothing(weekday: Run) -> None:
+def test_rows_in_another_order_move_nothing_and_hide_nothing(weekday: ReportedRun) -> None:
     """Matched by row, every train would have moved, or the wrong one."""
     stops = shifted(weekday, "340M", "KNY", "arrival", 33.0)
     for table in (stops.reverse(), stops.sample(fraction=1.0, shuffle=True, seed=3)):
@@ -56,7 +56,7 @@ def test_rows_in_another_order_move_nothing_and_hide_nothing(weekday: Run) -> No
         assert (moved.train, moved.station, moved.by_s) == ("340M", "KNY", 33.0)
 
 
-def test_a_train_taken_out_before_the_others_shifts_no_row(weekday: Run) -> None:
+def test_a_train_taken_out_before_the_others_shifts_no_row(weekday: ReportedRun) -> None:
     stops = weekday.tables.stops.filter(pl.col("train") != "321M")
     times = compare_times(weekday, with_tables(weekday, stops=stops), 0.0)
     assert (times.moved, times.only_base, times.only_new) == ((), ("321M",), ())
@@ -66,7 +66,7 @@ def test_a_train_taken_out_before_the_others_shifts_no_row(weekday: Run) -> None
     assert times.once == back.once == ()
 
 
-def test_what_came_in_one_run_only_is_told(weekday: Run) -> None:
+def test_what_came_in_one_run_only_is_told(weekday: ReportedRun) -> None:
     last = (pl.col("train") == "347M") & (pl.col("station") == "KRS")
     stops = weekday.tables.stops.with_columns(
         pl.when(last).then(None).otherwise(pl.col("arrival_s")).alias("arrival_s")
@@ -77,7 +77,7 @@ def test_what_came_in_one_run_only_is_told(weekday: Run) -> None:
     assert times.compared == compare_times(weekday, weekday, 1.0).compared - 1
 
 
-def test_a_station_called_at_twice_is_two_calls(weekday: Run) -> None:
+def test_a_station_called_at_twice_is_two_calls(weekday: ReportedRun) -> None:
     """As of a train that comes by again: the second call is compared with the second."""
     stops = weekday.tables.stops
     again = stops.filter(pl.col("train") == "321M", pl.col("station") == "KNY")
@@ -92,7 +92,7 @@ def test_a_station_called_at_twice_is_two_calls(weekday: Run) -> None:
     ]
 
 
-def test_a_train_that_passes_has_one_time_and_its_own_word(weekday: Run) -> None:
+def test_a_train_that_passes_has_one_time_and_its_own_word(weekday: ReportedRun) -> None:
     here = (pl.col("train") == "321M") & (pl.col("station") == "TAK")
     passes = weekday.tables.stops.with_columns(
         pl.when(here).then(pl.lit("pass")).otherwise(pl.col("kind")).alias("kind"),
@@ -115,7 +115,7 @@ def test_a_train_that_passes_has_one_time_and_its_own_word(weekday: Run) -> None
 
 @given(st.data())
 @settings(max_examples=25, deadline=None)
-def test_whatever_moved_is_told_and_nothing_else(weekday: Run, data: st.DataObject) -> None:
+def test_whatever_moved_is_told_and_nothing_else(weekday: ReportedRun, data: st.DataObject) -> None:
     stops = weekday.tables.stops
     order = data.draw(st.permutations(range(stops.height)))
     by_s = data.draw(

@@ -15,12 +15,12 @@ import pytest
 from host.party import Advance
 from network.errors import InputError
 from network.model import Direction
+from scenario.scenario import load_scenario
 from simulation.carriers.carrier import Carrier, Truth
 from study.evaluate import laws
 from study.evaluate.bench import BUDGET, BUSY_BUDGET, Metered, Recorder, parts, replay, report
 from study.evaluate.parts import PARTS, part_of
-from study.run.run import Link, execute
-from study.scenario.scenario import load_scenario
+from study.runner.run import PartyLink, execute
 from sumo_cfg.build import net_for
 
 SAME_M = 0.002  # a reversal puts back SUMO's own millimetre, which SUMO alone keeps
@@ -204,7 +204,7 @@ def test_sumo_alone_ends_where_the_full_system_ended(
         recorders.append(Recorder(carrier))
         return recorders[0]
 
-    run = execute(scenario, Link.SIMULATED, wrap=wrap)
+    run = execute(scenario, PartyLink.SIMULATED, wrap=wrap)
     recorders[0].save(tmp_path / "recording.npz", run.result.begin_step / 10)
     figures = replay(tmp_path / "recording.npz", net_for(scenario.setup.line, tmp_path))
     assert figures["steps"] == run.result.end_step - run.result.begin_step

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from simulation.settings import Carried
+from scenario.scenario import load_scenario
+from simulation.settings import PositionSensor
 from study.evaluate.collation import WITH, WITHOUT, bench, carrying, report
 from study.evaluate.parts import part_of
-from study.scenario.scenario import load_scenario
 
 
 def day(wall_s: float, digest: str = "d") -> dict[str, Any]:
@@ -27,5 +27,5 @@ def test_budgets_are_judged(ms: float, wall_s: float, kept: list[bool]) -> None:
 def test_the_part_is_listed_and_puts_a_gyro_on_every_train() -> None:
     assert part_of("collation") is bench
     setup = load_scenario("rtri_test_line").setup
-    assert carrying(setup, WITH).sensors.carried_by("K1") == {Carried.TAGS, Carried.CURVATURE}
-    assert carrying(setup, WITHOUT).sensors.carried_by("K1") == {Carried.TAGS}
+    assert carrying(setup, WITH).sensors.carried_by("K1") == {PositionSensor.TAGS, PositionSensor.CURVATURE}
+    assert carrying(setup, WITHOUT).sensors.carried_by("K1") == {PositionSensor.TAGS}

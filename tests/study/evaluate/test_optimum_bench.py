@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import pytest
 
+from scenario.scenario import load_scenario
 from study.evaluate import optimum_bench
 from study.evaluate.optimum_bench import POINTS, longest_hop, optimum_cost
-from study.scenario.scenario import load_scenario
 from vehicle.optimum import Course, least_energy, least_time
 
 

@@ -15,7 +15,7 @@ from typing import Final
 from network.files.line_file import load_line
 from network.model import Coverage, Direction, Line, TagPurpose
 from simulation.settings import Operation
-from study.feasibility.finding import Kind
+from study.feasibility.finding import FindingKind
 from tests.study.feasibility.plans import Plan, busy_line, call_at, later, with_call
 from tests.system.chaos.ground import Call, Planned
 
@@ -30,7 +30,7 @@ class Broken:
     """A broken plan, and its fault. `runs` is false where it cannot even be tried."""
 
     plan: Plan
-    kind: Kind
+    kind: FindingKind
     trains: frozenset[str]
     place: str
     minute: str
@@ -75,14 +75,16 @@ def good() -> Plan:
 def opposing_between_stations() -> Broken:
     """V leaves Oka four minutes early, towards D."""
     plan = good()
-    return _broken(plan.with_train(later(plan.train("V"), -4 * 60)), Kind.OPPOSING, "DV", "USU-EDO", "10:21")
+    return _broken(
+        plan.with_train(later(plan.train("V"), -4 * 60)), FindingKind.OPPOSING, "DV", "USU-EDO", "10:21"
+    )
 
 
 def one_track_for_both() -> Broken:
     """V is to meet D at Edogawa on D's track."""
     plan = good()
     changed = with_call(plan.train("V"), "EDO", track="1")
-    return _broken(plan.with_train(changed), Kind.TRACK, "DV", "EDO", "10:23")
+    return _broken(plan.with_train(changed), FindingKind.TRACK, "DV", "EDO", "10:23")
 
 
 def follows_too_soon() -> Broken:
@@ -91,7 +93,7 @@ def follows_too_soon() -> Broken:
     train = journey("S3", "W", "down", TEN + 4 * 60, "portal:ASA.P", "stabled", "222222", STATIONS)
     return _broken(
         replace(plan, trains=tuple(t for t in plan.trains if t.number in "DU")).with_train(train),
-        Kind.FOLLOWING,
+        FindingKind.FOLLOWING,
         "DW",
         "ASA-IZU",
         "10:04",
@@ -102,14 +104,14 @@ def terminal_occupied() -> Broken:
     """W ends on the track where D's set waits to turn back."""
     plan = good()
     changed = with_call(plan.train("W"), "KAS", track="1")
-    return _broken(plan.with_train(changed), Kind.TERMINAL, "DW", "KAS", "11:11")
+    return _broken(plan.with_train(changed), FindingKind.TERMINAL, "DW", "KAS", "11:11")
 
 
 def stabled_for_the_night() -> Broken:
     """A last train is to come to the track where W's set stays."""
     plan = good()
     last = journey("S4", "X", "down", TEN + 5 * 3600, "portal:ASA.P", "stabled", "111112")
-    return _broken(plan.with_train(last), Kind.TERMINAL, "WX", "KAS", "15:39")
+    return _broken(plan.with_train(last), FindingKind.TERMINAL, "WX", "KAS", "15:39")
 
 
 def two_sets_stabled_on_one_track() -> Broken:
@@ -121,14 +123,14 @@ def two_sets_stabled_on_one_track() -> Broken:
     )
     without = replace(plan, trains=tuple(t for t in plan.trains if t.number in "DU"))
     both = without.with_train(first).with_train(second)
-    return _broken(both, Kind.TERMINAL, "YZ", "KAS", "16:00")
+    return _broken(both, FindingKind.TERMINAL, "YZ", "KAS", "16:00")
 
 
 def leg_in_two_minutes() -> Broken:
     """6.6 km in two minutes."""
     plan = good()
     changed = later(plan.train("W"), -5 * 60, "OKA")
-    return _broken(plan.with_train(changed), Kind.LEG, "W", "EDO-OKA", "10:56")
+    return _broken(plan.with_train(changed), FindingKind.LEG, "W", "EDO-OKA", "10:56")
 
 
 def turns_back_at_once() -> Broken:
@@ -138,7 +140,7 @@ def turns_back_at_once() -> Broken:
     earlier = comes_s - (TEN + 2 * 3600)
     moved = later(plan.train("U"), earlier)
     alone = replace(plan, trains=(plan.train("D"), moved))
-    return _broken(alone, Kind.TURN_BACK, "DU", "KAS", "10:39")
+    return _broken(alone, FindingKind.TURN_BACK, "DU", "KAS", "10:39")
 
 
 def stops_for_no_time() -> Broken:
@@ -148,7 +150,7 @@ def stops_for_no_time() -> Broken:
     arrival_s = call_at(train, "USU").arrival_s
     changed = with_call(train, "USU", departure_s=arrival_s)
     longer = replace(plan, dwell_min_s=90, trains=(changed,))
-    return _broken(longer, Kind.DWELL, "W", "USU", "10:47")
+    return _broken(longer, FindingKind.DWELL, "W", "USU", "10:47")
 
 
 def comes_back_at_once() -> Broken:
@@ -158,7 +160,7 @@ def comes_back_at_once() -> Broken:
     leaves_s = call_at(up, "ASA").departure_s or 0
     back = journey("S1", "B", "down", leaves_s + 2 * 60, "portal:ASA.P", "stabled", "111111")
     there = replace(plan, trains=(plan.train("D"), up, back))
-    return _broken(there, Kind.LAYOVER, "UB", "ASA.P", "12:41")
+    return _broken(there, FindingKind.LAYOVER, "UB", "ASA.P", "12:41")
 
 
 def two_from_one_portal() -> Broken:
@@ -168,14 +170,14 @@ def two_from_one_portal() -> Broken:
     behind = with_call(behind, "ASA", arrival_s=TEN - STOP_S + 30)
     first = replace(plan.train("D"), ends="stabled")
     alone = replace(plan, trains=(first, behind), operation=Operation(portal_lead_s=100.0))
-    return _broken(alone, Kind.PORTAL, "DX", "ASA.P", "09:57")
+    return _broken(alone, FindingKind.PORTAL, "DX", "ASA.P", "09:57")
 
 
 def sent_too_late() -> Broken:
     """Trains stand at the portal 10 s before they are to be at their first station."""
     plan = good()
     short = replace(plan, operation=Operation(portal_lead_s=10.0))
-    return _broken(short, Kind.PORTAL, "D", "ASA.P", "09:59")
+    return _broken(short, FindingKind.PORTAL, "D", "ASA.P", "09:59")
 
 
 def sent_into_each_other() -> Broken:
@@ -184,20 +186,20 @@ def sent_into_each_other() -> Broken:
     out = journey("S1", "Y", "up", TEN, "stabled", "portal:ASA.P", "222221")
     comes = journey("S2", "X", "down", leaves_s + 4 * 60, "portal:ASA.P", "stabled", "111111")
     plan = Plan(busy_line(), (out, comes), operation=Operation(portal_lead_s=600.0))
-    return _broken(plan, Kind.CIRCLE, "YX", "ASA.P", "10:41")
+    return _broken(plan, FindingKind.CIRCLE, "YX", "ASA.P", "10:41")
 
 
 def no_tags() -> Broken:
     """No tag on the whole line."""
     line = busy_line()
-    return _broken(replace(good(), line=replace(line, tags={})), Kind.TAG, "DW", "IZU", "10:07")
+    return _broken(replace(good(), line=replace(line, tags={})), FindingKind.TAG, "DW", "IZU", "10:07")
 
 
 def no_approach_tag() -> Broken:
     """The approach and position tags before the points of Usui are gone."""
     line = busy_line()
     kept = {i: tag for i, tag in line.tags.items() if not _before_usui(line, i)}
-    return _broken(replace(good(), line=replace(line, tags=kept)), Kind.TAG, "DW", "USU", "10:15")
+    return _broken(replace(good(), line=replace(line, tags=kept)), FindingKind.TAG, "DW", "USU", "10:15")
 
 
 def _before_usui(line: Line, tag_id: int) -> bool:
@@ -209,14 +211,14 @@ def _before_usui(line: Line, tag_id: int) -> bool:
 def no_radio_at_a_station() -> Broken:
     """No radio from 500 m before Usui to 500 m behind it."""
     return _broken(
-        replace(good(), line=_covered_without(12_700.0, 13_700.0)), Kind.COVERAGE, "DW", "USU", "10:15"
+        replace(good(), line=_covered_without(12_700.0, 13_700.0)), FindingKind.COVERAGE, "DW", "USU", "10:15"
     )
 
 
 def no_radio_before_points() -> Broken:
     """No radio between the approach tag of Usui's points and those."""
     line = _covered_without(11_500.0, 13_010.0)
-    return _broken(replace(good(), line=line), Kind.COVERAGE, "DW", "USU", "10:15")
+    return _broken(replace(good(), line=line), FindingKind.COVERAGE, "DW", "USU", "10:15")
 
 
 def no_way() -> Broken:
@@ -234,7 +236,7 @@ def no_way() -> Broken:
             Call("C", "1", TEN + 720, None),
         ),
     )
-    return _broken(Plan(line, (train,)), Kind.NO_WAY, "T", "A", "10:00", runs=False)
+    return _broken(Plan(line, (train,)), FindingKind.NO_WAY, "T", "A", "10:00", runs=False)
 
 
 def _covered_without(from_m: float, to_m: float) -> Line:
@@ -245,7 +247,9 @@ def _covered_without(from_m: float, to_m: float) -> Line:
     return replace(line, alignments={alignment.id: replace(alignment, coverage=covered)})
 
 
-def _broken(plan: Plan, kind: Kind, trains: str, place: str, minute: str, *, runs: bool = True) -> Broken:
+def _broken(
+    plan: Plan, kind: FindingKind, trains: str, place: str, minute: str, *, runs: bool = True
+) -> Broken:
     return Broken(plan, kind, frozenset(trains), place, minute, runs)
 
 

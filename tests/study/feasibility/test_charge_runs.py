@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
+from scenario.scenario import load_scenario
 from simulation.battery_settings import BatterySettings, Beyond
 from simulation.setup import Setup
-from simulation.ways import ways_of
 from simulation.world.roster import drawn_up
+from simulation.world.ways import ways_of
 from study.feasibility import charge
-from study.scenario.scenario import load_scenario
 from vehicle.battery import available_j, stored_j
 
 KWH = 3.6e6

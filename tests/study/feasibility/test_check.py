@@ -11,15 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from network.model import Direction, TagPurpose
+from scenario.scenario import load_scenario, shipped_scenarios
 from simulation.settings import Operation
 from simulation.world.books import CALLS_SHORT_M
 from study.feasibility.check import PlanRefusedError, feasibility, refuse
-from study.feasibility.finding import Kind, Severity, lasting, minute, severity_of
+from study.feasibility.finding import FindingKind, Severity, lasting, minute, severity_of
 from study.feasibility.planned import planned_day
 from study.feasibility.rehearsal import Rehearsal
 from study.measures.running_times import planned_legs
-from study.run.summary import OFF_MARK_M
-from study.scenario.scenario import load_scenario, shipped_scenarios
+from study.measures.summary import OFF_MARK_M
 from tests.study.feasibility.broken_plans import BREAKS, STATIONS, TEN, Broken, good, journey
 from tests.study.feasibility.good_plans import good_plan
 from tests.study.feasibility.plans import Plan, call_at, later, with_call
@@ -107,7 +107,9 @@ def test_a_leg_that_is_somewhat_short_is_told_and_not_refused() -> None:
     """Oka 100 s earlier: 320 s for what takes 344 s, in a plan with seconds; 150 s earlier it is refused."""
     plan = good()
     tight = feasibility(plan.with_train(later(plan.train("W"), -100, "OKA")).setup())
-    assert [(f.kind, f.severity, f.place) for f in tight.findings] == [(Kind.LEG, Severity.TIGHT, "EDO-OKA")]
+    assert [(f.kind, f.severity, f.place) for f in tight.findings] == [
+        (FindingKind.LEG, Severity.TIGHT, "EDO-OKA")
+    ]
     assert tight.good
     assert tight.findings[0].short_s == pytest.approx(24.0, abs=2.0)
     assert not feasibility(plan.with_train(later(plan.train("W"), -150, "OKA")).setup()).good
@@ -136,7 +138,7 @@ def test_unnamed_tracks_are_those_that_the_run_takes() -> None:
     assert found.findings == ()
     assert [(m.down_track, m.up_track) for m in found.meets] == [("1", "2")] * 2
     both = unnamed.with_train(with_call(unnamed.train("W"), "KAS", track=None))
-    assert [f.kind for f in feasibility(both.setup()).impossible] == [Kind.TERMINAL]
+    assert [f.kind for f in feasibility(both.setup()).impossible] == [FindingKind.TERMINAL]
 
 
 def test_a_missing_arrival_is_that_of_a_train_without_delay() -> None:
@@ -151,7 +153,7 @@ def test_a_missing_arrival_is_that_of_a_train_without_delay() -> None:
 
     assert feasibility(bare(plan).setup()).findings == ()
     fast = bare(plan.with_train(later(plan.train("W"), -5 * 60, "OKA")))
-    assert [(f.kind, f.place) for f in feasibility(fast.setup()).impossible] == [(Kind.LEG, "EDO-OKA")]
+    assert [(f.kind, f.place) for f in feasibility(fast.setup()).impossible] == [(FindingKind.LEG, "EDO-OKA")]
 
 
 @pytest.mark.parametrize(("passes", "place"), [("07:17:30", None), ("07:09", "OGN-KBN")])
@@ -162,7 +164,7 @@ def test_passing_and_standing_for_nobody_count(passes: str, place: str | None, t
     )
     (tmp_path / "day.toml").write_text(SCENARIO.replace("line.toml", "karasuyama"), "utf-8")
     found = feasibility(load_scenario(str(tmp_path / "day.toml")).setup)
-    wrong = [(Kind.LEG, "HSK-OGN"), (Kind.OPPOSING, place)] if place else []
+    wrong = [(FindingKind.LEG, "HSK-OGN"), (FindingKind.OPPOSING, place)] if place else []
     assert [(f.kind, f.place) for f in found.impossible] == wrong
     assert [meet.station for meet in found.meets] == [None if place else "OGN"]
 
@@ -180,7 +182,7 @@ def test_blocks_that_the_day_makes_up_for_are_tight() -> None:
     alone = replace(plan, trains=(*(t for t in plan.trains if t.number in "DU"), behind))
     found = feasibility(alone.setup())
     assert found.good
-    assert {f.kind for f in found.tight} == {Kind.FOLLOWING}
+    assert {f.kind for f in found.tight} == {FindingKind.FOLLOWING}
 
 
 # what follows from the whole day -----------------------------------------------------------------------------------
@@ -210,7 +212,7 @@ def test_small_delays_that_add_up_are_told_and_refused_in_the_end() -> None:
     }
     without = replace(plan, line=replace(line, tags=tags | extra))
     found = feasibility(without.setup())
-    assert {f.kind for f in found.findings} == {Kind.TAG}
+    assert {f.kind for f in found.findings} == {FindingKind.TAG}
     assert found.good
     late = without
     for train in plan.trains:
@@ -227,15 +229,15 @@ def test_small_delays_that_add_up_are_told_and_refused_in_the_end() -> None:
         late = late.with_train(replace(train, calls=calls))
     alone = replace(late, dwell_min_s=60, trains=(replace(late.train("D"), ends="stabled"),))
     (impossible,) = feasibility(alone.setup()).impossible
-    assert (impossible.kind, impossible.trains[0]) == (Kind.LATE, "D")
+    assert (impossible.kind, impossible.trains[0]) == (FindingKind.LATE, "D")
     assert (impossible.short_s or 0.0) >= 180.0
 
 
 # words ---------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("track", "told"), [("EDO", Kind.TRACK), ("KAS", Kind.TERMINAL)])
-def test_a_track_is_a_terminal_one_at_an_end_of_the_line_alone(track: str, told: Kind) -> None:
+@pytest.mark.parametrize(("track", "told"), [("EDO", FindingKind.TRACK), ("KAS", FindingKind.TERMINAL)])
+def test_a_track_is_a_terminal_one_at_an_end_of_the_line_alone(track: str, told: FindingKind) -> None:
     """Q's set stays in the loop at Edogawa, or at the end of the line; 154 min before R is to come there."""
     here = STATIONS[: STATIONS.index(track) + 1]
     stays = journey("S1", "Q", "down", TEN, "portal:ASA.P", "stabled", "1" * len(here), here)
@@ -268,7 +270,7 @@ def test_a_leg_says_what_trains_need_as_driven_and_at_the_limits() -> None:
     plan = good()
     short = plan.with_train(later(plan.train("W"), -150, "OKA"))
     setup = short.setup()
-    (finding,) = (f for f in feasibility(setup).impossible if f.kind is Kind.LEG)
+    (finding,) = (f for f in feasibility(setup).impossible if f.kind is FindingKind.LEG)
     (leg,) = (g for g in planned_legs(setup) if (g.number, g.from_id, g.to_id) == ("W", "EDO", "OKA"))
     assert leg.least_s < leg.attainable_s - 1.0
     said = f"needs {leg.attainable_s:.0f} s as trains are driven, {leg.least_s:.0f} s at the limits"
@@ -301,7 +303,7 @@ def test_a_train_of_one_stop_alone_is_refused() -> None:
     """A run has nothing of which it could say that it arrived."""
     train = replace(good().train("D"), ends="stabled", begins="stabled", calls=good().train("D").calls[3:4])
     (finding,) = feasibility(replace(good(), trains=(train,)).setup()).impossible
-    assert (finding.kind, finding.trains, finding.place) == (Kind.NO_WAY, ("D",), "EDO")
+    assert (finding.kind, finding.trains, finding.place) == (FindingKind.NO_WAY, ("D",), "EDO")
 
 
 # sets between their trains -----------------------------------------------------------------------------------------
@@ -315,7 +317,7 @@ def test_a_set_that_is_stabled_between_two_trains_holds_its_track() -> None:
     assert feasibility(rests.setup()).findings == ()
     clash = rests.with_train(with_call(rests.train("W"), "KAS", track="1"))
     assert [(f.kind, f.trains) for f in feasibility(clash.setup()).impossible] == [
-        (Kind.TERMINAL, ("D", "W"))
+        (FindingKind.TERMINAL, ("D", "W"))
     ]
 
 
@@ -343,7 +345,7 @@ def test_a_mark_without_tags_near_it_is_told_with_how_far_trains_stop_off_it(bef
         if tag.purpose is not TagPurpose.POSITION or min(abs(tag.position_m - m) for m in marks_m) > before_m
     }
     found = feasibility(replace(setup, line=replace(setup.line, tags=tags)))
-    wide = [finding for finding in found.findings if finding.kind is Kind.STOP]
+    wide = [finding for finding in found.findings if finding.kind is FindingKind.STOP]
     assert [finding.place for finding in wide] == ([] if not before_m else [halt.id] * len(wide))
     assert bool(wide) is bool(before_m) and found.good
     for finding in wide:

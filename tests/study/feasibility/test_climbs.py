@@ -9,16 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from network.model import Line
-from simulation.faults.script import Failure, Script, Trigger
+from scenario.scenario import load_scenario
+from simulation.faults.script import Script, ScriptedFault, Trigger
 from simulation.faults.vehicle import Motors
+from simulation.scatter import ScatterSettings, Weather
 from simulation.settings import Load
 from simulation.setup import Setup
-from simulation.world.scatter import Scatter, Weather
 from study.feasibility import climbs
 from study.feasibility.check import PlanRefusedError, feasibility, refuse
 from study.feasibility.climbs import worst_conditions
-from study.feasibility.finding import Finding, Kind, Severity
-from study.scenario.scenario import load_scenario
+from study.feasibility.finding import Finding, FindingKind, Severity
 from vehicle.train_file import load_train, shipped_train
 
 TRAIN, STOCK, DEPARTS_S = "T1", "K1", 36_000.0
@@ -36,7 +36,7 @@ def sloped(permille: float) -> Setup:
 
 
 def gradients(setup: Setup) -> list[Finding]:
-    return [found for found in feasibility(setup).findings if found.kind is Kind.GRADIENT]
+    return [found for found in feasibility(setup).findings if found.kind is FindingKind.GRADIENT]
 
 
 def test_a_train_that_cannot_start_is_refused_with_place_gradient_forces_and_load() -> None:
@@ -80,7 +80,7 @@ def test_what_the_heaviest_load_of_the_scenario_cannot_is_told(
 
 def test_motors_cut_out_at_the_departure_are_told() -> None:
     def with_fault(at_s: float, duration_s: float | None) -> Setup:
-        fault = Failure(Motors(target=STOCK, cut_out=2), Trigger(at_s=at_s), duration_s)
+        fault = ScriptedFault(Motors(target=STOCK, cut_out=2), Trigger(at_s=at_s), duration_s)
         return replace(sloped(30.0), script=Script(faults=(fault,)))
 
     (found,) = gradients(with_fault(DEPARTS_S - 60.0, None))
@@ -93,7 +93,7 @@ def test_motors_cut_out_at_the_departure_are_told() -> None:
 
 def test_the_worst_rail_of_the_weather_is_told() -> None:
     rain = Weather.model_validate({"from": "09:00", "to": "11:00", "adhesion_low": 0.2, "adhesion_high": 0.9})
-    (found,) = gradients(replace(sloped(30.0), scatter=Scatter(weather=(rain,))))
+    (found,) = gradients(replace(sloped(30.0), scatter=ScatterSettings(weather=(rain,))))
     assert found.severity is Severity.TIGHT
     assert "on 20% of the dry rail's adhesion" in found.text
 

@@ -9,15 +9,21 @@ import pytest
 
 from network.model import Direction, MarkerGroup
 from onboard.fixes import EYE_WITHIN_M
-from simulation.settings import Carried
+from scenario.scenario import load_scenario
+from scenario.sensor_choice import carrying
+from simulation.settings import PositionSensor
 from simulation.setup import Setup
 from simulation.world.roster import drawn_up
 from study.feasibility.equipment import equipment_of
 from study.feasibility.finding import Severity
-from study.feasibility.fixes import CURVATURE_WITHIN_M, MARKERS_WITHIN_M, Fixed, fixes_on, measured_growth
+from study.feasibility.fixes import (
+    CURVATURE_WITHIN_M,
+    MARKERS_WITHIN_M,
+    PositionKnown,
+    fixes_on,
+    measured_growth,
+)
 from study.feasibility.planned import planned_day
-from study.scenario.scenario import load_scenario
-from study.scenario.sensor_choice import carrying
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +31,7 @@ def setup() -> Setup:
     return load_scenario("karasuyama_round_trip").setup
 
 
-def fixes(setup: Setup, *carries: Carried) -> tuple[Fixed, ...]:
+def fixes(setup: Setup, *carries: PositionSensor) -> tuple[PositionKnown, ...]:
     given = carrying(setup, *carries)
     duty = drawn_up(given, given.line)["V2"][0]
     assert duty.mission.direction is Direction.DOWN
@@ -34,7 +40,7 @@ def fixes(setup: Setup, *carries: Carried) -> tuple[Fixed, ...]:
 
 def test_tags_tell_at_their_own_places(setup: Setup) -> None:
     duty = drawn_up(setup, setup.line)["V2"][0]
-    told = fixes(setup, Carried.TAGS)
+    told = fixes(setup, PositionSensor.TAGS)
     assert [fix.at_m for fix in told] == [tag.position_m for tag in duty.mission.tags]
     share, accuracy_m = measured_growth(setup.unit), setup.unit.tag_accuracy_m
     for before, fix in pairwise(told):
@@ -43,7 +49,7 @@ def test_tags_tell_at_their_own_places(setup: Setup) -> None:
 
 def test_where_no_tag_may_lie_each_leaves_its_own_accuracy(setup: Setup) -> None:
     trusting = replace(setup, unit=setup.unit.model_copy(update={"tags_wrong_together": 0}))
-    assert {fix.within_m for fix in fixes(trusting, Carried.TAGS)} == {setup.unit.tag_accuracy_m}
+    assert {fix.within_m for fix in fixes(trusting, PositionSensor.TAGS)} == {setup.unit.tag_accuracy_m}
 
 
 def test_markers_tell_at_their_first_row(setup: Setup) -> None:
@@ -54,24 +60,24 @@ def test_markers_tell_at_their_first_row(setup: Setup) -> None:
         for number, direction in enumerate(Direction, start=1)
     }
     laid = replace(setup, line=replace(setup.line, markers=groups))
-    told = [fix for fix in fixes(laid, Carried.LIDAR) if fix.within_m == MARKERS_WITHIN_M]
+    told = [fix for fix in fixes(laid, PositionSensor.LIDAR) if fix.within_m == MARKERS_WITHIN_M]
     assert [fix.at_m for fix in told] == pytest.approx([1000.0])
 
 
 def test_satellites_tell_wherever_the_sky_is_open(setup: Setup) -> None:
-    told = [fix for fix in fixes(setup, Carried.GNSS) if fix.within_m != EYE_WITHIN_M]
+    told = [fix for fix in fixes(setup, PositionSensor.GNSS) if fix.within_m != EYE_WITHIN_M]
     assert {fix.within_m for fix in told} == {setup.gnss.receiver.protection_m}
     assert len(told) > 300
 
 
 def test_curvature_tells_behind_transition_curves(setup: Setup) -> None:
-    told = [fix for fix in fixes(setup, Carried.CURVATURE) if fix.within_m == CURVATURE_WITHIN_M]
+    told = [fix for fix in fixes(setup, PositionSensor.CURVATURE) if fix.within_m == CURVATURE_WITHIN_M]
     assert 20 < len(told) < 200
-    alone = [fix for fix in fixes(setup, Carried.LIDAR) if fix.within_m != EYE_WITHIN_M]
+    alone = [fix for fix in fixes(setup, PositionSensor.LIDAR) if fix.within_m != EYE_WITHIN_M]
     assert alone == []
 
 
-def brought(setup: Setup, *carries: Carried) -> set[str]:
+def brought(setup: Setup, *carries: PositionSensor) -> set[str]:
     """Stations to which a driver would have to bring his train on sight."""
     given = carrying(setup, *carries)
     found = equipment_of(given, planned_day(given))
@@ -81,9 +87,9 @@ def brought(setup: Setup, *carries: Carried) -> set[str]:
 
 
 def test_a_train_that_sees_no_markers_is_brought_to_its_terminus_on_sight(setup: Setup) -> None:
-    assert "KRS" in brought(setup, Carried.LIDAR)
+    assert "KRS" in brought(setup, PositionSensor.LIDAR)
 
 
-@pytest.mark.parametrize("carries", [Carried.TAGS, Carried.CURVATURE, Carried.GNSS])
-def test_others_come_to_their_marks_by_themselves(setup: Setup, carries: Carried) -> None:
+@pytest.mark.parametrize("carries", [PositionSensor.TAGS, PositionSensor.CURVATURE, PositionSensor.GNSS])
+def test_others_come_to_their_marks_by_themselves(setup: Setup, carries: PositionSensor) -> None:
     assert brought(setup, carries) == set()

@@ -12,8 +12,8 @@ import pytest
 from simulation.result import RunResult
 from simulation.setup import Setup
 from study.feasibility.check import feasibility
-from study.run.outcome import broken_rules, unfinished
-from study.run.run import simulated
+from study.runner.outcome import broken_rules, unfinished
+from study.runner.run import simulated
 from tests.study.feasibility.broken_plans import BREAKS, good
 from tests.study.feasibility.good_plans import good_plan
 from tests.study.feasibility.moved_plans import moved_plan

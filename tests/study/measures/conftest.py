@@ -5,7 +5,8 @@ from collections.abc import Callable, Sequence
 import polars as pl
 import pytest
 
-from study.run.tables import SCHEMAS, make_table
+from study.record.figure import schema_of
+from study.record.tables import ROWS, make_table
 
 Row = tuple[str, str, float | None, float | None]
 
@@ -19,6 +20,8 @@ def make_stops() -> Callable[[Sequence[Row]], pl.DataFrame]:
             {"train": t, "station": s, "arrival_s": a, "departure_s": d, "revenue": True}
             for t, s, a, d in rows
         ]
-        return make_table("stops", {name: [row.get(name) for row in known] for name in SCHEMAS["stops"]})
+        return make_table(
+            "stops", {name: [row.get(name) for row in known] for name in schema_of(ROWS["stops"])}
+        )
 
     return make

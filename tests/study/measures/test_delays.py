@@ -32,7 +32,7 @@ from simulation.journal import Journal
 from simulation.result import Ending, RunResult, StopRecord, Waiting
 from simulation.setup import Setup
 from study.measures.deadlock import deadlocked
-from study.measures.delays import Delay, delays_of
+from study.measures.delays import LatenessGrowth, delays_of
 from study.measures.recovery import LateStretch, joined, late_stretches, recoveries_s
 from vehicle.train_file import load_train, shipped_train
 from wayside.said import Granted, Refused
@@ -92,7 +92,7 @@ ON_TIME = [
 ]
 
 
-def split(found: Sequence[Delay]) -> list[tuple[str, str, float, float, float]]:
+def split(found: Sequence[LatenessGrowth]) -> list[tuple[str, str, float, float, float]]:
     return [(d.number, d.station_id, d.primary_s, d.secondary_s, d.other_s) for d in found]
 
 

@@ -11,16 +11,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network.units import J_PER_KWH
-from simulation.result import EnergyRecord, Phase
-from simulation.world.ride import Ride
-from study.measures.driving import DrivenHop, Stock, driven, driven_hops
-from study.run.driving import driving_summary, read_hops
-from study.run.tables import DRIVING, make_table
-from vehicle.train_file import Receiver
+from simulation.result import EnergyPhase, EnergyRecord
+from simulation.ride import Ride
+from study.measures.driving import Stock, driven, driven_hops, driving_summary
+from study.record.driving import DrivenHop
+from study.record.figure import rows_in, schema_of
+from study.record.tables import ROWS, make_table
+from vehicle.train_file import RegenerationReceiver
 
 STOCKS: Final = {
-    "K1": Stock("hold_speed", Receiver.BATTERY),
-    "K2": Stock("follow_plan", Receiver.RESISTORS),
+    "K1": Stock("hold_speed", RegenerationReceiver.BATTERY),
+    "K2": Stock("follow_plan", RegenerationReceiver.RESISTORS),
 }
 
 
@@ -29,7 +30,16 @@ def run_of(
 ) -> EnergyRecord:
     joules = (figure * J_PER_KWH for figure in kwh)
     return EnergyRecord(
-        unit, train, True, Phase.RUNNING, *ends.split("-"), *times_s, ride.moved_m, *joules, 9e6, ride=ride
+        unit,
+        train,
+        True,
+        EnergyPhase.RUNNING,
+        *ends.split("-"),
+        *times_s,
+        ride.moved_m,
+        *joules,
+        9e6,
+        ride=ride,
     )
 
 
@@ -38,9 +48,9 @@ WHOLE: Final = Ride(6, 4, 0.8, 1.0, 0.4, (40.0, 10.0, 30.0, 20.0), (400.0, 100.0
 REST: Final = Ride(2, 1, 0.9, 3.0, 0.2, (50.0, 0.0, 0.0, 50.0), (250.0, 0.0, 0.0, 250.0))
 HOPS: Final = (
     run_of("K1", "T1", "A-B", (10.0, 110.0), (5.0, 2.0), WHOLE),
-    replace(run_of("K1", "T1", "B-B", (110.0, 140.0), (0.0, 0.0), Ride()), phase=Phase.AT_STOP),
+    replace(run_of("K1", "T1", "B-B", (110.0, 140.0), (0.0, 0.0), Ride()), phase=EnergyPhase.AT_STOP),
     run_of("K1", "T1", "B-C", (140.0, 240.0), (4.0, 1.0), WHOLE),
-    replace(run_of("K1", "T1", "B-C", (240.0, 300.0), (0.0, 0.0), Ride()), phase=Phase.HELD),
+    replace(run_of("K1", "T1", "B-C", (240.0, 300.0), (0.0, 0.0), Ride()), phase=EnergyPhase.HELD),
     run_of("K1", "T1", "B-C", (300.0, 400.0), (3.0, 1.0), REST),  # held before C
     run_of("K2", "T2", "B-A", (10.0, 110.0), (5.0, 2.0), WHOLE),
 )
@@ -76,26 +86,26 @@ def test_hops_worked_out_by_hand() -> None:
 def test_hops_together() -> None:
     whole = driven(hops())
     assert whole is not None
-    assert (whole.hops, whole.late_hops) == (3, 1)
-    assert whole.running_kwh == pytest.approx(3.0 + 5.0 + 5.0)
-    assert whole.power_changes == pytest.approx(20 / 3)
-    assert whole.early_s == pytest.approx(3.0)
-    assert whole.coasting_way_percent == pytest.approx(100.0 * 1200.0 / 3500.0)
-    assert whole.coasting_time_percent == pytest.approx(100.0 * 90.0 / 400.0)
-    assert whole.jerk_rms_mps3 == pytest.approx((6.0 / 400.0) ** 0.5)
+    assert (whole["hops"], whole["late_hops"]) == (3, 1)
+    assert whole["running_kwh"] == pytest.approx(3.0 + 5.0 + 5.0)
+    assert whole["power_changes"] == pytest.approx(20 / 3)
+    assert whole["early_s"] == pytest.approx(3.0)
+    assert whole["coasting_way_percent"] == pytest.approx(100.0 * 1200.0 / 3500.0)
+    assert whole["coasting_time_percent"] == pytest.approx(100.0 * 90.0 / 400.0)
+    assert whole["jerk_rms_mps3"] == pytest.approx((6.0 / 400.0) ** 0.5)
     assert driven(()) is None
 
 
 def test_the_table_says_what_the_hops_are() -> None:
-    assert list(DRIVING) == [field.name for field in fields(DrivenHop)]
+    assert list(schema_of(ROWS["driving"])) == [field.name for field in fields(DrivenHop)]
     made = hops()
     table = make_table("driving", {f.name: [getattr(hop, f.name) for hop in made] for f in fields(DrivenHop)})
-    assert read_hops(table) == made
+    assert rows_in(DrivenHop, table) == made
     summary = driving_summary(table)
     assert summary is not None
     assert summary["by_law"]["follow_plan"]["hops"] == 1
     assert summary["running_kwh"] == pytest.approx(13.0)
-    assert driving_summary(pl.DataFrame(schema=DRIVING)) is None
+    assert driving_summary(pl.DataFrame(schema=schema_of(ROWS["driving"]))) is None
 
 
 @given(st.lists(st.tuples(st.sampled_from("AB"), st.floats(0.0, 9.0), st.floats(0.0, 9.0)), max_size=12))

@@ -18,11 +18,12 @@ from network.graph import find_route
 from network.model import Direction
 from network.path import Path, path_of
 from network.profile import PROFILE
+from scenario.scenario import load_scenario
+from study.collect.margins import margins_of
 from study.measures import running_times
-from study.measures.running_times import PlannedLeg, Way, least_running_time_s, planned_legs
-from study.run.margins import margins_of, smallest
-from study.run.tables import make_table
-from study.scenario.scenario import load_scenario
+from study.measures.running_times import PlannedLeg, RunWay, least_running_time_s, planned_legs
+from study.measures.summary import smallest
+from study.record.tables import make_table
 from vehicle.train_file import TrainType, load_train, shipped_train
 
 MakeStops: TypeAlias = Callable[[Sequence[tuple[str, str, float | None, float | None]]], pl.DataFrame]
@@ -60,15 +61,15 @@ def track(monkeypatch: pytest.MonkeyPatch) -> NDArray[np.void]:
 
 def test_a_trapezoid_in_closed_form(track: NDArray[np.void]) -> None:
     assert track.size == 4001
-    time_s = least_running_time_s(free_train(), Way(LINE, path(), 100.0, 3100.0), 0.0, BRAKE_MPS2)
+    time_s = least_running_time_s(free_train(), RunWay(LINE, path(), 100.0, 3100.0), 0.0, BRAKE_MPS2)
     assert time_s == pytest.approx(3000 / 15 + 15 / 2 * (1 / POWER_MPS2 + 1 / BRAKE_MPS2), abs=0.1)
-    below_s = least_running_time_s(free_train(), Way(LINE, path(), 100.0, 3100.0), 0.0, BRAKE_MPS2, 3.0)
+    below_s = least_running_time_s(free_train(), RunWay(LINE, path(), 100.0, 3100.0), 0.0, BRAKE_MPS2, 3.0)
     assert below_s == pytest.approx(3000 / 12 + 12 / 2 * (1 / POWER_MPS2 + 1 / BRAKE_MPS2), abs=0.1)
 
 
 def test_a_limit_holds_until_the_rear_has_left_it(track: NDArray[np.void]) -> None:
     track["limit_mps"][1500:2001] = 10.0
-    time_s = least_running_time_s(free_train(), Way(LINE, path(), 0.0, 4000.0), 0.0, BRAKE_MPS2)
+    time_s = least_running_time_s(free_train(), RunWay(LINE, path(), 0.0, 4000.0), 0.0, BRAKE_MPS2)
     slow_m = 500.0 + LENGTH_M
     expected_s = slow_m / 10 + (4000.0 - slow_m) / 15 + 15 / 2 * (1 / POWER_MPS2 + 1 / BRAKE_MPS2)
     for a in (POWER_MPS2, BRAKE_MPS2):  # each change between 10 and 15 m/s, against having run it at 15 m/s
@@ -78,12 +79,12 @@ def test_a_limit_holds_until_the_rear_has_left_it(track: NDArray[np.void]) -> No
 
 def test_a_climb_too_steep_has_no_time(track: NDArray[np.void]) -> None:
     track["elevation_m"] = np.arange(4001) * 0.2
-    assert least_running_time_s(EV, Way(LINE, path(), 100.0, 3000.0), 1.0, BRAKE_MPS2) == np.inf
+    assert least_running_time_s(EV, RunWay(LINE, path(), 100.0, 3000.0), 1.0, BRAKE_MPS2) == np.inf
 
 
 def test_curves_and_climbs_take_time(track: NDArray[np.void]) -> None:
     """20 permille over 2 km, or a curve of 30 m over as much: the same to this train, by 600/R permille."""
-    way = Way(LINE, path(), 200.0, 3600.0)
+    way = RunWay(LINE, path(), 200.0, 3600.0)
     track["limit_mps"] = 25.0  # more than 380 kW hold on the climb
     level_s = least_running_time_s(EV, way, 0.5, BRAKE_MPS2)
     along_m = np.clip(np.arange(4001) - 1000.0, 0.0, 2000.0)
@@ -98,7 +99,7 @@ def test_curves_and_climbs_take_time(track: NDArray[np.void]) -> None:
 @settings(max_examples=20, deadline=None)
 @given(load=st.floats(0.0, 1.0), below=st.floats(0.0, 5.0), start=st.floats(0.0, 300.0))
 def test_load_and_caution_never_make_a_run_shorter(load: float, below: float, start: float) -> None:
-    way = Way(LINE, path(), start, start + 500.0)
+    way = RunWay(LINE, path(), start, start + 500.0)
     least_s = least_running_time_s(EV, way, 0.0, 0.6)
     assert least_s >= 500.0 / LINE.max_speed_mps
     assert least_running_time_s(EV, way, load, 0.6, below) >= least_s - 0.05

@@ -15,7 +15,7 @@ from network.profile import PROFILE
 from simulation.result import TraceSpan
 from simulation.world.records import TRACE
 from study.measures import replayed
-from study.measures.public_figures import PUBLIC_FIGURES, Per
+from study.measures.public_figures import PUBLIC_FIGURES, FigureBasis
 from study.measures.replayed import Resistance, jr_resistance_n, mass_kg, own_resistance_n, traction_j
 from study.report.energy import meanings
 from vehicle.resistance import running_resistance_n
@@ -115,9 +115,9 @@ def test_a_curve_costs_its_angle(track: NDArray[np.void]) -> None:
 
 def test_public_figures_are_those_of_their_sources() -> None:
     stated = {figure.source.partition(",")[0]: (figure.per, figure.kwh) for figure in PUBLIC_FIGURES}
-    assert stated["Toyo Keizai online"] == (Per.CAR_KM, 1.7)
-    assert stated["Sankei"] == (Per.TRAIN_KM, 190.0 / 50.0)
-    assert {kwh for per, kwh in stated.values() if per is Per.CAR_KM} == {1.7, 2.0}
+    assert stated["Toyo Keizai online"] == (FigureBasis.CAR_KM, 1.7)
+    assert stated["Sankei"] == (FigureBasis.TRAIN_KM, 190.0 / 50.0)
+    assert {kwh for per, kwh in stated.values() if per is FigureBasis.CAR_KM} == {1.7, 2.0}
     assert all(figure.comparable for figure in PUBLIC_FIGURES)
 
 

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from network.exchange.running import Leg
+from exchange.running import StationRun
 from network.model import Direction
 from network.timetable import CallKind, parse_timetable
+from scenario.scenario import load_scenario
 from simulation.settings import Driving, Load
 from simulation.setup import Setup
 from study.measures.standard_times import least_by_leg, planned_runs, standard_times, whole_line
-from study.scenario.scenario import load_scenario
 
 PASSING = """
 [timetable]
@@ -129,10 +129,10 @@ def test_least_times_by_leg_are_those_of_the_table_and_add_up() -> None:
     least = least_by_leg(setup.line, kind)
     table = {(t.from_id, t.to_id): t for t in standard_times(replace(setup, load=Load(), driving=Driving()))}
     for (from_id, to_id), time in table.items():
-        assert least(Leg(from_id, to_id, True, True)) == time.stop_stop_s
-    over = least(Leg("OGN", "TAK", True, True))
+        assert least(StationRun(from_id, to_id, True, True)) == time.stop_stop_s
+    over = least(StationRun("OGN", "TAK", True, True))
     first, second = table["OGN", "KBN"], table["KBN", "TAK"]
     assert over == (first.stop_pass_s or 0.0) + (second.pass_stop_s or 0.0)
     assert over is not None
     assert over < first.stop_stop_s + second.stop_stop_s
-    assert least(Leg("OGN", "KBN", True, False)) == first.stop_pass_s
+    assert least(StationRun("OGN", "KBN", True, False)) == first.stop_pass_s

@@ -19,7 +19,8 @@ from study.measures.station_papers import (
     station_timetable,
     track_occupation,
 )
-from study.run.tables import SCHEMAS, make_table
+from study.record.figure import schema_of
+from study.record.tables import ROWS, make_table
 
 END_S = 86_400.0
 NO_TRAINS = Timetable("none", "none", "karasuyama", 20.0, {}, ())  # what is planned stands in the stops
@@ -89,7 +90,7 @@ def stops() -> pl.DataFrame:
             row[f"late_{what}_s"] = None if came is None or due is None else came - due
     return make_table(
         "stops",
-        {name: [row.get(name, True) for row in rows] for name in SCHEMAS["stops"]}
+        {name: [row.get(name, True) for row in rows] for name in schema_of(ROWS["stops"])}
         | {"stop_error_m": [None] * len(rows)},
     )
 
@@ -135,7 +136,7 @@ def test_waits_tell_how_long_a_stock_stood_that_no_call_says(
         ("HSK", arrived_s + 20, arrived_s + 21.2),
         ("", arrived_s + 21.2, 9e4),
     ]
-    columns: dict[str, list[object]] = {name: [None] * len(stood) for name in SCHEMAS["waits"]}
+    columns: dict[str, list[object]] = {name: [None] * len(stood) for name in schema_of(ROWS["waits"])}
     columns |= {"unit": ["V1"] * 3, "place": [s[0] for s in stood]}
     columns |= {"from_s": [s[1] for s in stood], "to_s": [s[2] for s in stood]}
     found = track_occupation(stops, line, timetable, make_table("waits", columns)).to_dicts()
@@ -236,7 +237,7 @@ def test_a_plan_in_seconds_is_not_marked_as_whole_minutes(stops: pl.DataFrame, l
 def test_the_ninety_fifth_percentile_is_the_nearest_rank(late_s: list[int]) -> None:
     line = load_line(shipped_line("karasuyama"))
     count = len(late_s)
-    columns = {name: [None] * count for name in SCHEMAS["stops"]} | {
+    columns = {name: [None] * count for name in schema_of(ROWS["stops"])} | {
         "train": [str(i) for i in range(count)],
         "station": ["OGN"] * count,
         "kind": ["stop"] * count,

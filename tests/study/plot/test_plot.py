@@ -12,16 +12,16 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from network.errors import InputError
-from study.measures.wait import Cause
+from scenario.scenario import load_scenario
 from study.measures.wait_text import at_time
 from study.plot.choice import Choice, seen, time_of
-from study.plot.kinds import KINDS, Chosen, Kind, kind_of
+from study.plot.kinds import KINDS, PlotKind, PlotOption, kind_of
 from study.plot.words import CAUSES, JAPANESE, cause_name, word
 from study.plot.write import DPI, Format, default_name, figure_of, format_of, write_plot
+from study.record.read_back import RunRead, read_run
+from study.record.wait import Cause
 from study.report.style import drawing
-from study.run.read_back import RunRead, read_run
-from study.run.run import CarrierKind, Link, execute, write_run
-from study.scenario.scenario import load_scenario
+from study.runner.run import CarrierKind, PartyLink, execute, write_run
 
 BEGINNINGS = {Format.PNG: b"\x89PNG\r\n", Format.SVG: b"<?xml", Format.CSV: b"\xef\xbb\xbf"}
 ON_BATTERIES = """
@@ -41,18 +41,21 @@ def read(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     if scenario == "karasuyama_round_trip":
         scenario = str(made / "on_batteries.toml")
         Path(scenario).write_text(ON_BATTERIES, "utf-8")
-    run = execute(load_scenario(scenario), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    run = execute(load_scenario(scenario), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
     folder = made / request.param
     write_run(run, folder)
     return read_run(folder)
 
 
-def needed(read: RunRead, kind: Kind) -> tuple[str | None, str | None]:
+def needed(read: RunRead, kind: PlotKind) -> tuple[str | None, str | None]:
     train, station = OF_ONE_TRAIN[str(read.settings.id)]
-    return (train if Chosen.TRAIN in kind.needs else None, station if Chosen.STATION in kind.needs else None)
+    return (
+        train if PlotOption.TRAIN in kind.needs else None,
+        station if PlotOption.STATION in kind.needs else None,
+    )
 
 
-def kind_for(read: RunRead, name: str) -> Kind:
+def kind_for(read: RunRead, name: str) -> PlotKind:
     """The kind of plot, of a run that has something to show by it."""
     if name == "battery" and read.tables.battery.is_empty():
         pytest.skip("a run without batteries, which the other has")

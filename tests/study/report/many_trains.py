@@ -12,19 +12,19 @@ import polars as pl
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.timetable import Call, Timetable, TimetableTrain, load_timetable
-from study.report.data import Run
-from study.run.tables import RunTables
+from study.record.tables import RunTables
+from study.report.data import ReportedRun
 from tests.study.conftest import make_run
 
 APART_S: Final = 150
 WOBBLE_KMH: Final = 1.2  # speeds of real trains are no trapezoids: they notch in and out
 
 
-def busy_day(trains: int) -> Run:
+def busy_day(trains: int) -> ReportedRun:
     """So many trains in some fourteen hours."""
     line = load_line(shipped_line("busy_line"))
     timetable = _repeated(load_timetable(shipped_timetable("busy_line"), line), trains)
-    return Run(line, timetable, _wobbling(make_run(line, timetable)))
+    return ReportedRun(line, timetable, _wobbling(make_run(line, timetable)))
 
 
 def _later(train: TimetableTrain, number: str, by_s: int) -> TimetableTrain:

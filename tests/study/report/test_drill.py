@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
-from study.report.data import Run
-from study.report.drill import PLACE, DrillShown, Mark, MarkKind, Where, draw_strip, mark_graph, shortened
+from study.record.marks import DrillShown, Mark, MarkKind, Where
+from study.report.data import ReportedRun
+from study.report.drill import PLACE, draw_strip, mark_graph, shortened, shows
 from study.report.graph import draw_train_graph
 from study.report.report import write_report
 from study.report.style import TimeBand, drawing, time_grid
@@ -50,7 +51,7 @@ def test_numbers_of_faults_that_begin_together_do_not_cover_each_other() -> None
     assert all(left.x1 <= right.x0 for left, right in pairwise(boxes))
 
 
-def test_a_faults_place_is_drawn_with_its_time_and_told_in_the_legend(weekday: Run) -> None:
+def test_a_faults_place_is_drawn_with_its_time_and_told_in_the_legend(weekday: ReportedRun) -> None:
     unit, train = next(iter(weekday.courses))
     begins_s = float(weekday.courses[unit, train]["t_s"][0])
     fault, *_ = marks(1)
@@ -93,9 +94,9 @@ def test_each_mark_has_its_row_and_what_was_not_met_stands_out() -> None:
 
 def test_a_mark_shows_only_where_any_of_it_falls() -> None:
     (fault, act, *_) = marks(1)
-    assert fault.shows(BAND) and act.shows(BAND)
+    assert shows(fault, BAND) and shows(act, BAND)
     later = TimeBand(BAND.to_s, BAND.to_s + 3600.0)
-    assert not fault.shows(later) and not act.shows(later)
+    assert not shows(fault, later) and not shows(act, later)
 
 
 def test_a_text_is_cut_only_if_it_must_be() -> None:
@@ -103,7 +104,7 @@ def test_a_text_is_cut_only_if_it_must_be() -> None:
     assert LONG.startswith(shortened(LONG)[:-1]) and len(shortened(LONG)) < len(LONG)
 
 
-def test_the_graph_has_a_strip_in_the_panels_that_the_marks_meet(weekday: Run) -> None:
+def test_the_graph_has_a_strip_in_the_panels_that_the_marks_meet(weekday: ReportedRun) -> None:
     with drawing():
         plain, _ = draw_train_graph(weekday)
         figure, _ = draw_train_graph(weekday, marks())
@@ -112,7 +113,7 @@ def test_the_graph_has_a_strip_in_the_panels_that_the_marks_meet(weekday: Run) -
 
 
 def test_the_page_says_whether_the_drill_was_passed_and_what_was_not_met(
-    weekday: Run, tmp_path: Path
+    weekday: ReportedRun, tmp_path: Path
 ) -> None:
     drill = DrillShown(False, marks(1), "Latest 90 s after plan.")
     facts = {"broken_expectations": drill.unmet()}

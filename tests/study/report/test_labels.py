@@ -13,16 +13,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from study.measures.summary import summarise
 from study.report import graph, labels
 from study.report.charts import draw_delays, draw_energy, draw_stop_errors
 from study.report.curve import chosen_trains, draw_run_curve
-from study.report.data import Run
+from study.report.data import ReportedRun
 from study.report.graph import draw_train_graph
 from study.report.labels import Box, dense
 from study.report.occupancy import draw_occupancy
 from study.report.style import drawing
 from study.report.tasc import draw_approaches
-from study.run.summary import summarise
 
 DAYS = (
     ("karasuyama", "karasuyama_weekday"),
@@ -31,7 +31,7 @@ DAYS = (
 )
 
 
-def figures(run: Run) -> dict[str, Figure]:
+def figures(run: ReportedRun) -> dict[str, Figure]:
     drawn = {
         "graph": draw_train_graph(run)[0],
         "occupancy": draw_occupancy(run),
@@ -90,11 +90,11 @@ def collisions(figure: Figure) -> list[tuple[str, str]]:
     return [(a, b) for (a, here), (b, there) in combinations(seen(figure), 2) if here.overlaps(there)]
 
 
-def numbers_of(axes: Axes, run: Run) -> list[Text]:
+def numbers_of(axes: Axes, run: ReportedRun) -> list[Text]:
     return [text for text in axes.texts if text.get_text() in run.timetable.trains]
 
 
-def numbers_on_lines(figure: Figure, run: Run) -> list[str]:
+def numbers_on_lines(figure: Figure, run: ReportedRun) -> list[str]:
     """Numbers of trains that lie on a plan or a run, of whichever train."""
     figure.draw_without_rendering()
     found: list[str] = []
@@ -106,7 +106,9 @@ def numbers_on_lines(figure: Figure, run: Run) -> list[str]:
 
 
 @pytest.mark.parametrize(("line", "timetable"), DAYS)
-def test_no_label_lies_on_another(make_day: Callable[[str, str], Run], line: str, timetable: str) -> None:
+def test_no_label_lies_on_another(
+    make_day: Callable[[str, str], ReportedRun], line: str, timetable: str
+) -> None:
     run = make_day(line, timetable)
     with drawing():
         for name, figure in figures(run).items():
@@ -115,7 +117,7 @@ def test_no_label_lies_on_another(make_day: Callable[[str, str], Run], line: str
 
 @pytest.mark.parametrize(("line", "timetable"), DAYS[:2])
 def test_every_train_has_its_number_beside_its_line(
-    make_day: Callable[[str, str], Run], line: str, timetable: str
+    make_day: Callable[[str, str], ReportedRun], line: str, timetable: str
 ) -> None:
     run = make_day(line, timetable)
     with drawing():
@@ -127,7 +129,7 @@ def test_every_train_has_its_number_beside_its_line(
 
 @pytest.mark.parametrize("rule", ["overlaps", "covers"])
 def test_a_graph_whose_numbers_are_put_anywhere_is_found_out(
-    make_day: Callable[[str, str], Run], monkeypatch: pytest.MonkeyPatch, rule: str
+    make_day: Callable[[str, str], ReportedRun], monkeypatch: pytest.MonkeyPatch, rule: str
 ) -> None:
     """Without one of the two rules of `place_numbers`, on a graph too small for its trains, the check above fails."""
     run = make_day("busy_line", "busy_line")

@@ -13,13 +13,13 @@ import polars as pl
 import pytest
 
 from network.timetable import TimetableTrain
+from study.record.parts import PagePart, TextTable
+from study.record.tables import ROWS, RunTables
 from study.report import report
 from study.report.bundle import PREFIX, import_map, modules
 from study.report.courses import FINEST_FIRST
-from study.report.data import Run
-from study.report.parts import Grid, Part
+from study.report.data import ReportedRun
 from study.report.report import BYTES_AIMED, write_report
-from study.run.tables import SCHEMAS, RunTables
 from tests.study.report.many_trains import busy_day
 from tests.study.report.page import payload_of
 from tests.study.report.test_face import characters_of
@@ -42,13 +42,13 @@ def test_five_hundred_trains_fit_into_a_megabyte(tmp_path: Path) -> None:
     assert tolerance["m"] <= FINEST_FIRST[2].place_m
 
 
-def test_a_small_day_is_drawn_as_fine_as_can_be(tmp_path: Path, weekday: Run) -> None:
+def test_a_small_day_is_drawn_as_fine_as_can_be(tmp_path: Path, weekday: ReportedRun) -> None:
     path = write_report(tmp_path, weekday.line, weekday.timetable, weekday.tables, {})
     assert payload_of(path.read_text("utf-8"))["tolerance"]["m"] == FINEST_FIRST[0].place_m
 
 
 def test_a_page_that_would_be_too_large_is_drawn_coarser(
-    tmp_path: Path, weekday: Run, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, weekday: ReportedRun, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fine = write_report(tmp_path / "fine", weekday.line, weekday.timetable, weekday.tables, {})
     aimed = fine.stat().st_size - 1
@@ -62,7 +62,7 @@ def test_a_page_that_would_be_too_large_is_drawn_coarser(
     assert payload_of(path.read_text("utf-8"))["tolerance"]["m"] == FINEST_FIRST[-1].place_m
 
 
-def hostile_run(day: Run) -> Run:
+def hostile_run(day: ReportedRun) -> ReportedRun:
     """A run in which whoever writes the files names everything as badly as they can."""
     line = day.line
     stations = {
@@ -74,19 +74,19 @@ def hostile_run(day: Run) -> Run:
     del trains[number]
     trains[HOSTILE] = replace(train, number=HOSTILE)
     named = pl.when(pl.col("train") == number).then(pl.lit(HOSTILE)).otherwise(pl.col("train")).alias("train")
-    frames = {name: getattr(day.tables, name) for name in SCHEMAS}
+    frames = {name: getattr(day.tables, name) for name in ROWS}
     tables = {
         key: frame.with_columns(named) if "train" in frame.columns else frame for key, frame in frames.items()
     }
     tables["events"] = tables["events"].with_columns(pl.lit(HOSTILE).alias("text"))
-    return Run(
+    return ReportedRun(
         replace(line, name=HOSTILE, name_ja=HOSTILE, stations=stations, assumed=HOSTILE_TEXTS),
         replace(day.timetable, name=HOSTILE, trains=trains),
         RunTables(**tables),
     )
 
 
-def test_no_name_becomes_markup(tmp_path: Path, make_day: Callable[[str, str], Run]) -> None:
+def test_no_name_becomes_markup(tmp_path: Path, make_day: Callable[[str, str], ReportedRun]) -> None:
     day = make_day("rtri_test_line", "rtri_crossing")
     plain = write_report(tmp_path / "plain", day.line, day.timetable, day.tables, {}).read_text("utf-8")
     run = hostile_run(day)
@@ -97,7 +97,7 @@ def test_no_name_becomes_markup(tmp_path: Path, make_day: Callable[[str, str], R
         "parties": [HOSTILE],
         "seed": HOSTILE,
     }
-    part = Part(HOSTILE, HOSTILE, grids=(Grid((HOSTILE,), ((HOSTILE,),)),), notes=(HOSTILE,))
+    part = PagePart(HOSTILE, HOSTILE, grids=(TextTable((HOSTILE,), ((HOSTILE,),)),), notes=(HOSTILE,))
     page = write_report(tmp_path, run.line, run.timetable, run.tables, facts, first=(part,)).read_text(
         "utf-8"
     )
@@ -125,7 +125,9 @@ def test_modules_make_no_markup_of_text_and_ask_no_host(word: str) -> None:
     assert [name for name, text in modules().items() if word in text] == []
 
 
-def test_the_font_has_the_characters_of_what_is_packed_and_of_the_words(tmp_path: Path, weekday: Run) -> None:
+def test_the_font_has_the_characters_of_what_is_packed_and_of_the_words(
+    tmp_path: Path, weekday: ReportedRun
+) -> None:
     stations = {
         key: replace(s, name_ja="轟鷺") if key == "OGN" else s for key, s in weekday.line.stations.items()
     }

@@ -10,19 +10,20 @@ import polars as pl
 import pytest
 
 from network.model import Direction
+from study.measures.summary import summarise
+from study.record.energy import PARTS
+from study.record.tables import ROWS, RunTables, make_table
 from study.report.beside import Beside
 from study.report.courses import FINEST_FIRST, Fineness, blocks_shown, courses_shown, trains_shown
-from study.report.data import Run
+from study.report.data import ReportedRun
 from study.report.packing import unpacked
-from study.report.payload import Shows, courses_of, payload_of
-from study.run.summary import summarise
-from study.run.tables import PARTS_KWH, SCHEMAS, RunTables, make_table
+from study.report.payload import PageContents, courses_of, payload_of
 from tests.study.report.page import table_in
 
 
-def with_table(run: Run, **frames: pl.DataFrame) -> Run:
-    tables = RunTables(**{**{name: getattr(run.tables, name) for name in SCHEMAS}, **frames})
-    return Run(run.line, run.timetable, tables)
+def with_table(run: ReportedRun, **frames: pl.DataFrame) -> ReportedRun:
+    tables = RunTables(**{**{name: getattr(run.tables, name) for name in ROWS}, **frames})
+    return ReportedRun(run.line, run.timetable, tables)
 
 
 def read(column: Mapping[str, Any]) -> np.ndarray:
@@ -32,7 +33,7 @@ def read(column: Mapping[str, Any]) -> np.ndarray:
 @pytest.mark.parametrize("fineness", FINEST_FIRST)
 @pytest.mark.parametrize("name", [("karasuyama", "karasuyama_weekday"), ("rtri_test_line", "rtri_crossing")])
 def test_every_sample_is_within_the_tolerance_that_the_page_states(
-    make_day: Callable[[str, str], Run], name: tuple[str, str], fineness: Fineness
+    make_day: Callable[[str, str], ReportedRun], name: tuple[str, str], fineness: Fineness
 ) -> None:
     run = make_day(*name)
     for shown in courses_shown(run, fineness):
@@ -48,7 +49,7 @@ def test_every_sample_is_within_the_tolerance_that_the_page_states(
         assert shown["axes"] == [[0, 0]]
 
 
-def test_a_gap_of_a_curve_stays_a_gap(weekday: Run) -> None:
+def test_a_gap_of_a_curve_stays_a_gap(weekday: ReportedRun) -> None:
     key, course = next(iter(weekday.courses.items()))
     low, high = float(course["t_s"][20]), float(course["t_s"][40])
     here = pl.col("train") == key[1]
@@ -64,7 +65,7 @@ def test_a_gap_of_a_curve_stays_a_gap(weekday: Run) -> None:
     assert times[gap] < low and times[gap + 1] > high
 
 
-def test_calls_are_those_of_plan_and_run(weekday: Run) -> None:
+def test_calls_are_those_of_plan_and_run(weekday: ReportedRun) -> None:
     shown = {train["number"]: train for train in trains_shown(weekday)}
     assert list(shown) == list(weekday.trains)
     for (number,), rows in weekday.tables.stops.group_by("train", maintain_order=True):
@@ -80,7 +81,7 @@ def test_calls_are_those_of_plan_and_run(weekday: Run) -> None:
         assert Direction(train["direction"]) is planned.direction
 
 
-def test_a_train_that_is_not_in_the_timetable_is_shown_as_it_ran(weekday: Run) -> None:
+def test_a_train_that_is_not_in_the_timetable_is_shown_as_it_ran(weekday: ReportedRun) -> None:
     rename = (
         pl.when(pl.col("train") == "321M").then(pl.lit("9999X")).otherwise(pl.col("train")).alias("train")
     )
@@ -94,7 +95,7 @@ def test_a_train_that_is_not_in_the_timetable_is_shown_as_it_ran(weekday: Run) -
     assert shown["321M"]["planned"] and set(unpacked(shown["321M"]["a"])) == {None}
 
 
-def test_blocks_are_the_register_and_the_truth(make_day: Callable[[str, str], Run]) -> None:
+def test_blocks_are_the_register_and_the_truth(make_day: Callable[[str, str], ReportedRun]) -> None:
     day = make_day("rtri_test_line", "rtri_test_line")
     blocks = make_table(
         "blocks",
@@ -110,7 +111,7 @@ def test_blocks_are_the_register_and_the_truth(make_day: Callable[[str, str], Ru
     assert (shown["released"], shown["entered"], shown["cleared"]) == ([40, None], [10, None], [30, None])
 
 
-def test_waits_are_told_in_both_languages(weekday: Run) -> None:
+def test_waits_are_told_in_both_languages(weekday: ReportedRun) -> None:
     row = {
         "unit": "V1", "train": "321M", "from_s": 36_000.0, "to_s": 36_060.0, "cause": "departure time", "place": "OGN",
         "at_m": None, "asked": "", "section": "", "points": "", "party": "", "party_train": "", "since_s": None,
@@ -119,19 +120,19 @@ def test_waits_are_told_in_both_languages(weekday: Run) -> None:
     runs = {**row, "cause": "runs", "from_s": 36_060.0, "to_s": 36_100.0}
     waits = make_table("waits", {name: [row[name], runs[name]] for name in row})
     run = with_table(weekday, waits=waits)
-    shown = payload_of(run, summarise(run.tables, run.timetable), Shows())["waits"]
+    shown = payload_of(run, summarise(run.tables, run.timetable), PageContents())["waits"]
     assert (unpacked(shown["from"]), unpacked(shown["to"])) == ([36_000.0], [36_060.0])
     assert "Ogane" in shown["en"][0] and "大金" in shown["ja"][0]
 
 
-def test_margins_name_the_train_of_the_smallest(weekday: Run) -> None:
+def test_margins_name_the_train_of_the_smallest(weekday: ReportedRun) -> None:
     facts = summarise(weekday.tables, weekday.timetable)
-    margins = table_in(payload_of(weekday, facts, Shows()), "margins")
+    margins = table_in(payload_of(weekday, facts, PageContents()), "margins")
     assert set(margins["margin_s"]) == {40}
     assert set(margins["train"]) <= set(weekday.timetable.trains)
 
 
-def test_energy_per_km_is_net_over_distance(weekday: Run) -> None:
+def test_energy_per_km_is_net_over_distance(weekday: ReportedRun) -> None:
     energy = make_table(
         "energy",
         {
@@ -139,16 +140,16 @@ def test_energy_per_km_is_net_over_distance(weekday: Run) -> None:
             "regenerated_to": ["battery", "battery"], "distance_km": [20.0, 0.0], "running_s": [1800.0, 1.0],
             "standing_s": [300.0, 0.0], "traction_kwh": [50.0, 0.0], "regenerated_kwh": [14.0, 0.0],
             "auxiliary_kwh": [9.0, 1.0], "standing_kwh": [2.0, 0.0], "net_kwh": [45.0, 1.0],
-            **{name: [0.0, 0.0] for name in PARTS_KWH},
+            **{name: [0.0, 0.0] for name in PARTS},
         },
     )  # fmt: skip
     run = with_table(weekday, energy=energy)
-    shown = table_in(payload_of(run, summarise(run.tables, run.timetable), Shows()), "energy_trains")
+    shown = table_in(payload_of(run, summarise(run.tables, run.timetable), PageContents()), "energy_trains")
     assert shown["net_per_km"] == [2.25, None]  # (50 + 9 - 14) / 20
     assert shown["revenue"] == ["yes", "no"]
 
 
-def test_of_a_run_beside_only_what_moved_or_is_gone_is_drawn(weekday: Run) -> None:
+def test_of_a_run_beside_only_what_moved_or_is_gone_is_drawn(weekday: ReportedRun) -> None:
     beside = Beside("before", weekday, frozenset({"321M"}), frozenset({"322M"}))
     shown = courses_of(weekday, FINEST_FIRST[0], beside)["beside"]
     assert (shown["label"], shown["gone"]) == ("before", ["322M"])

@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from html.parser import HTMLParser
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
@@ -20,19 +19,21 @@ from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
 from network.model import Direction
+from study.measures.summary import summarise
+from study.record.energy import PARTS
+from study.record.figure import schema_of
+from study.record.parts import Fact
+from study.record.tables import ROWS, RunTables, make_table
 from study.report.charts import draw_delays, draw_energy
 from study.report.curve import chosen_trains, draw_run_curve
-from study.report.data import Run, section_name, sections_in_order
+from study.report.data import ReportedRun, section_name, sections_in_order
 from study.report.facts import headline
 from study.report.graph import draw_train_graph
 from study.report.occupancy import draw_occupancy
 from study.report.papers import CHANGES_SHOWN, EVENTS_SHOWN_MAX, REFUSED_AGAIN_S, _changes, _events
-from study.report.parts import Fact
 from study.report.report import BYTES_AIMED, write_report
 from study.report.style import BAND_S_MAX, clock, drawing, spread, svg_of, time_bands, time_grid
-from study.run.summary import summarise
-from study.run.tables import EVENTS, PARTS_KWH, SCHEMAS, RunTables, make_table
-from tests.study.report.page import payload_of, table_in
+from tests.study.report.page import Page, payload_of, table_in
 
 FACTS: dict[str, Any] = {
     "scenario": "plain-weekday",
@@ -41,44 +42,10 @@ FACTS: dict[str, Any] = {
     "digest": "0a1b2c3d",
     "parties": ["block-manager", "OGN-W"],
 }
-VOID_TAGS = {"meta", "br", "link", "img", "input", "hr"}
-
-
-class Page(HTMLParser):
-    """Tags of a page: whether they close in order, their ids and what they refer to."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.ids: list[str] = []
-        self.references: list[str] = []
-        self.fetched: list[str] = []
-        self.text: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        if tag not in VOID_TAGS:
-            self.open.append(tag)
-        for name, value in attrs:
-            if name == "id" and value:
-                self.ids.append(value)
-            if name in ("href", "xlink:href", "src", "srcset", "data"):
-                self.fetched.append(value or "")
-            self.references += re.findall(r"url\(([^)]*)\)", value or "")
-
-    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.handle_starttag(tag, attrs)
-        if tag not in VOID_TAGS:
-            self.open.pop()
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        self.text.append(data)
 
 
 @pytest.fixture(scope="module")
-def page(weekday: Run, tmp_path_factory: pytest.TempPathFactory) -> str:
+def page(weekday: ReportedRun, tmp_path_factory: pytest.TempPathFactory) -> str:
     path = write_report(
         tmp_path_factory.mktemp("run"), weekday.line, weekday.timetable, weekday.tables, FACTS
     )
@@ -106,7 +73,7 @@ def test_page_is_self_contained(page: str, parsed: Page) -> None:
     assert len(parsed.ids) == len(set(parsed.ids))
 
 
-def test_page_names_every_train_and_station(page: str, weekday: Run) -> None:
+def test_page_names_every_train_and_station(page: str, weekday: ReportedRun) -> None:
     payload = payload_of(page)
     assert {train["number"] for train in payload["trains"]} == set(weekday.timetable.trains)
     names = {(s["id"], s["name"], s["ja"]) for s in payload["line"]["stations"]}
@@ -133,12 +100,12 @@ def test_every_word_of_the_payload_is_in_both_languages(page: str) -> None:
     for table in payload_of(page)["tables"]:
         assert f"table_{table['id']}" in known
         for column in table["columns"]:
-            assert column["label"] in known, column["label"]
+            assert len(column["heading"]) == 2 and all(column["heading"]), column["label"]
             if column["kind"] == "word":
                 assert set(column["values"]) <= known
 
 
-def test_headline_gives_the_run_and_its_figures(page: str, weekday: Run) -> None:
+def test_headline_gives_the_run_and_its_figures(page: str, weekday: ReportedRun) -> None:
     revenue = sum(train.revenue for train in weekday.timetable.trains.values())
     assert f"{revenue} of {revenue} planned" in page
     assert "plain-weekday" in page
@@ -148,10 +115,10 @@ def test_headline_gives_the_run_and_its_figures(page: str, weekday: Run) -> None
     assert 'class="broken"' not in page
 
 
-def test_events_are_all_there_by_time(page: str, weekday: Run) -> None:
+def test_events_are_all_there_by_time(page: str, weekday: ReportedRun) -> None:
     told = table_in(payload_of(page), "events")
-    assert len(told["time"]) == len(weekday.tables.events)
-    assert told["time"] == sorted(told["time"])
+    assert len(told["t_s"]) == len(weekday.tables.events)
+    assert told["t_s"] == sorted(told["t_s"])
     assert any("<speed>" in english for english, _ in told["text"])
     assert "<speed>" not in page
 
@@ -187,7 +154,7 @@ def test_who_asks_again_and_again_is_one_line_with_a_count() -> None:
         (13.0, "K1", "intervention", "service brake", ""),
         (11.5 + REFUSED_AGAIN_S, "manager", "refusal", "refused: K1", "K1を拒否"),
     ]
-    columns = zip(EVENTS, map(list, zip(*told, strict=True)), strict=True)
+    columns = zip(schema_of(ROWS["events"]), map(list, zip(*told, strict=True)), strict=True)
     shown = _events(make_table("events", dict(columns)))
     assert list(zip(shown.columns[0].values, shown.columns[3].values, strict=True)) == [
         (0.0, ["refused: K1 (× 3)", "K1を拒否（3 回）"]),
@@ -199,7 +166,7 @@ def test_who_asks_again_and_again_is_one_line_with_a_count() -> None:
     ]
 
 
-def test_stops_off_their_marks_stand_out(weekday: Run) -> None:
+def test_stops_off_their_marks_stand_out(weekday: ReportedRun) -> None:
     def told(error_m: float) -> Fact:
         near = pl.when(pl.col("stop_error_m").is_not_null()).then(pl.lit(0.1)).otherwise(None)
         stops = weekday.tables.stops.with_columns(near.alias("stop_error_m"))
@@ -207,7 +174,7 @@ def test_stops_off_their_marks_stand_out(weekday: Run) -> None:
         errors = stops["stop_error_m"].to_list()
         errors[first or 0] = error_m
         tables = replace(weekday.tables, stops=stops.with_columns(pl.Series("stop_error_m", errors)))
-        run = Run(weekday.line, weekday.timetable, tables)
+        run = ReportedRun(weekday.line, weekday.timetable, tables)
         return next(f for f in headline(run, summarise(tables, run.timetable)) if f.name == "Stops")
 
     fine, off = told(0.2), told(-8.9)
@@ -216,7 +183,7 @@ def test_stops_off_their_marks_stand_out(weekday: Run) -> None:
     assert "0.35 m 超 1 回" in off.value_ja
 
 
-def test_sections_have_the_names_of_their_stations(weekday: Run) -> None:
+def test_sections_have_the_names_of_their_stations(weekday: ReportedRun) -> None:
     found = {section_name(weekday, section_id): section_id for section_id in weekday.line.sections}
     assert len(found) == len(weekday.line.sections)
     assert not any(
@@ -229,7 +196,9 @@ def test_sections_have_the_names_of_their_stations(weekday: Run) -> None:
     )
 
 
-def test_broken_invariants_are_red_and_told(tmp_path: Path, make_day: Callable[[str, str], Run]) -> None:
+def test_broken_invariants_are_red_and_told(
+    tmp_path: Path, make_day: Callable[[str, str], ReportedRun]
+) -> None:
     day = make_day("rtri_test_line", "rtri_test_line")
     violations = [
         {"t_s": 36_061.0, "checker": "one-train-a-section", "text": "K1 and K2 in 6"},
@@ -245,7 +214,7 @@ def test_broken_invariants_are_red_and_told(tmp_path: Path, make_day: Callable[[
 
 @pytest.mark.parametrize(("missing", "mark"), [([], ""), (["the run was cut short"], ' class="bad"')])
 def test_why_the_run_ended_is_red_where_something_was_missing(
-    tmp_path: Path, make_day: Callable[[str, str], Run], missing: list[str], mark: str
+    tmp_path: Path, make_day: Callable[[str, str], ReportedRun], missing: list[str], mark: str
 ) -> None:
     day = make_day("rtri_test_line", "rtri_test_line")
     facts = {**FACTS, "ended_because": "the time limit of the run", "unfinished": missing}
@@ -253,8 +222,8 @@ def test_why_the_run_ended_is_red_where_something_was_missing(
     assert f"<dt>Ended because</dt><dd{mark}>the time limit of the run</dd>" in text
 
 
-def test_a_run_in_which_nothing_happened_is_reported(tmp_path: Path, weekday: Run) -> None:
-    tables = RunTables(**{name: make_table(name) for name in SCHEMAS})
+def test_a_run_in_which_nothing_happened_is_reported(tmp_path: Path, weekday: ReportedRun) -> None:
+    tables = RunTables(**{name: make_table(name) for name in ROWS})
     text = write_report(tmp_path, weekday.line, weekday.timetable, tables, {}).read_text(encoding="utf-8")
     assert '<dd class="bad">0 of 27 planned</dd>' in text
     assert "none measured" in text
@@ -264,7 +233,7 @@ def test_a_run_in_which_nothing_happened_is_reported(tmp_path: Path, weekday: Ru
     assert not re.search(r"\bnan\b", text[: text.index("importmap")].lower())
 
 
-def test_same_run_gives_the_same_page(tmp_path: Path, make_day: Callable[[str, str], Run]) -> None:
+def test_same_run_gives_the_same_page(tmp_path: Path, make_day: Callable[[str, str], ReportedRun]) -> None:
     day = make_day("rtri_test_line", "rtri_test_line")
     first, second = (
         write_report(tmp_path / name, day.line, day.timetable, day.tables, FACTS).read_bytes()
@@ -273,7 +242,9 @@ def test_same_run_gives_the_same_page(tmp_path: Path, make_day: Callable[[str, s
     assert first == second
 
 
-def test_settings_of_the_caller_are_left_alone(tmp_path: Path, make_day: Callable[[str, str], Run]) -> None:
+def test_settings_of_the_caller_are_left_alone(
+    tmp_path: Path, make_day: Callable[[str, str], ReportedRun]
+) -> None:
     day = make_day("rtri_test_line", "rtri_test_line")
     with mpl.rc_context({"font.size": 31.0, "axes.grid": True}):
         before = dict(mpl.rcParams)
@@ -281,7 +252,7 @@ def test_settings_of_the_caller_are_left_alone(tmp_path: Path, make_day: Callabl
         assert dict(mpl.rcParams) == before
 
 
-def test_train_graph_draws_the_run_where_it_was(weekday: Run) -> None:
+def test_train_graph_draws_the_run_where_it_was(weekday: ReportedRun) -> None:
     with drawing():
         figure, tips = draw_train_graph(weekday)
         svg = svg_of(figure, "g", tips)
@@ -298,7 +269,7 @@ def test_train_graph_draws_the_run_where_it_was(weekday: Run) -> None:
         assert to_s - from_s <= BAND_S_MAX
 
 
-def test_run_curve_shows_kmh_and_runs_to_the_right(weekday: Run) -> None:
+def test_run_curve_shows_kmh_and_runs_to_the_right(weekday: ReportedRun) -> None:
     chosen = chosen_trains(weekday)
     assert {weekday.directions[train] for _, train in chosen} == set(Direction)
     for unit, train in chosen:
@@ -311,18 +282,20 @@ def test_run_curve_shows_kmh_and_runs_to_the_right(weekday: Run) -> None:
         assert max(speed.get_ydata()) == pytest.approx(top_kmh)
 
 
-def test_the_latest_complete_train_is_chosen(weekday: Run) -> None:
+def test_the_latest_complete_train_is_chosen(weekday: ReportedRun) -> None:
     down = [
         n for n, t in weekday.timetable.trains.items() if t.direction is Direction.DOWN and len(t.calls) == 8
     ]
     late = weekday.tables.stops.with_columns(
         late_arrival_s=pl.when(pl.col("train") == down[5]).then(999.0).otherwise(pl.col("late_arrival_s"))
     )
-    tables = RunTables(**{**{n: getattr(weekday.tables, n) for n in SCHEMAS}, "stops": late})
-    assert down[5] in [train for _, train in chosen_trains(Run(weekday.line, weekday.timetable, tables))]
+    tables = RunTables(**{**{n: getattr(weekday.tables, n) for n in ROWS}, "stops": late})
+    assert down[5] in [
+        train for _, train in chosen_trains(ReportedRun(weekday.line, weekday.timetable, tables))
+    ]
 
 
-def test_occupancy_bars_are_the_blocks(make_day: Callable[[str, str], Run]) -> None:
+def test_occupancy_bars_are_the_blocks(make_day: Callable[[str, str], ReportedRun]) -> None:
     day = make_day("rtri_test_line", "rtri_test_line")
     blocks = make_table(
         "blocks",
@@ -332,8 +305,8 @@ def test_occupancy_bars_are_the_blocks(make_day: Callable[[str, str], Run]) -> N
             "entered_s": [36_020.0, None], "cleared_s": [36_040.0, None],
         },
     )  # fmt: skip
-    tables = RunTables(**{**{n: getattr(day.tables, n) for n in SCHEMAS}, "blocks": blocks})
-    run = Run(day.line, day.timetable, tables)
+    tables = RunTables(**{**{n: getattr(day.tables, n) for n in ROWS}, "blocks": blocks})
+    run = ReportedRun(day.line, day.timetable, tables)
     rows = [section.id for section in sections_in_order(run)]
     with drawing():
         bars = [
@@ -345,33 +318,33 @@ def test_occupancy_bars_are_the_blocks(make_day: Callable[[str, str], Run]) -> N
     assert bars == [("6", 36_010.0, 36_050.0), ("7", 36_020.0, end_s), ("6", 36_020.0, 36_040.0)]
 
 
-def test_energy_label_is_net_kwh_per_km(weekday: Run) -> None:
+def test_energy_label_is_net_kwh_per_km(weekday: ReportedRun) -> None:
     energy = make_table(
         "energy",
         {
             "unit": ["V1"], "train": ["321M"], "revenue": [True], "cars": [2], "regenerated_to": ["battery"],
             "distance_km": [20.0], "running_s": [1800.0], "standing_s": [300.0],
             "traction_kwh": [50.0], "regenerated_kwh": [14.0], "auxiliary_kwh": [9.0], "standing_kwh": [2.0],
-            "net_kwh": [45.0], **{name: [0.0] for name in PARTS_KWH},
+            "net_kwh": [45.0], **{name: [0.0] for name in PARTS},
         },
     )  # fmt: skip
-    tables = RunTables(**{**{n: make_table(n) for n in SCHEMAS}, "energy": energy})
+    tables = RunTables(**{**{n: make_table(n) for n in ROWS}, "energy": energy})
     with drawing():
-        figure = draw_energy(Run(weekday.line, weekday.timetable, tables))
+        figure = draw_energy(ReportedRun(weekday.line, weekday.timetable, tables))
     assert figure is not None
     assert [text.get_text() for text in figure.axes[0].texts] == ["2.25"]  # (50 + 9 - 14) / 20
     assert sorted(bar.get_height() for bar in figure.axes[0].patches) == [-14.0, 2.0, 7.0, 50.0]
 
 
-def test_delays_are_arrivals_and_departures(make_day: Callable[[str, str], Run]) -> None:
+def test_delays_are_arrivals_and_departures(make_day: Callable[[str, str], ReportedRun]) -> None:
     day = make_day("rtri_test_line", "rtri_test_line")
     stops = day.tables.stops.with_columns(
         late_departure_s=pl.when(pl.col("station") == "A").then(7.4),
         late_arrival_s=pl.when(pl.col("station") == "B").then(-12.0),
     )
-    tables = RunTables(**{**{n: getattr(day.tables, n) for n in SCHEMAS}, "stops": stops})
+    tables = RunTables(**{**{n: getattr(day.tables, n) for n in ROWS}, "stops": stops})
     with drawing():
-        figure = draw_delays(Run(day.line, day.timetable, tables))
+        figure = draw_delays(ReportedRun(day.line, day.timetable, tables))
     assert figure is not None
     assert [text.get_text() for text in figure.axes[0].texts] == ["/+7", "−12/"]
 
@@ -385,7 +358,7 @@ def cells(figure: Figure) -> list[int]:
 @given(late=st.lists(st.tuples(st.integers(-90, 500), st.integers(-90, 500)), min_size=9, max_size=9))
 @settings(max_examples=5, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_worst_and_earliest_are_found_in_the_table_of_delays(
-    make_day: Callable[[str, str], Run], late: list[tuple[int, int]]
+    make_day: Callable[[str, str], ReportedRun], late: list[tuple[int, int]]
 ) -> None:
     """Arrivals and departures drawn at random: the headline's figures are the extremes of what the table shows."""
     day = make_day("rtri_test_line", "rtri_crossing")
@@ -399,43 +372,47 @@ def test_worst_and_earliest_are_found_in_the_table_of_delays(
             pl.Series([float(d) for _, d in drawn])
         ),
     )
-    tables = RunTables(**{**{n: getattr(day.tables, n) for n in SCHEMAS}, "stops": stops})
+    tables = RunTables(**{**{n: getattr(day.tables, n) for n in ROWS}, "stops": stops})
     with drawing():
-        figure = draw_delays(Run(day.line, day.timetable, tables))
+        figure = draw_delays(ReportedRun(day.line, day.timetable, tables))
     assert figure is not None
     shown, summary = cells(figure), summarise(tables, day.timetable)
     assert summary["late_s_max"] == max(0, *shown)
     assert -summary["early_departure_s_max"] in (0.0, *shown)
 
 
-def test_the_worst_lateness_is_a_departure_and_stands_in_the_table(tmp_path: Path, weekday: Run) -> None:
+def test_the_worst_lateness_is_a_departure_and_stands_in_the_table(
+    tmp_path: Path, weekday: ReportedRun
+) -> None:
     """A train that came to Ogane on time and left 77 s late."""
     here = (pl.col("train") == "321M") & (pl.col("station") == "OGN")
     calm = weekday.tables.stops.with_columns(late_arrival_s=pl.lit(0.0), late_departure_s=pl.lit(0.0))
     stops = calm.with_columns(late_departure_s=pl.when(here).then(77.0).otherwise(pl.col("late_departure_s")))
-    tables = RunTables(**{**{n: getattr(weekday.tables, n) for n in SCHEMAS}, "stops": stops})
+    tables = RunTables(**{**{n: getattr(weekday.tables, n) for n in ROWS}, "stops": stops})
     page = write_report(tmp_path, weekday.line, weekday.timetable, tables, {}).read_text(encoding="utf-8")
     assert "<dt>Worst lateness</dt><dd>77 s, departure of 321M at Ogane</dd>" in page
     assert "<dt>最大遅延</dt><dd>77 秒（321M 大金 発）</dd>" in page
 
 
-def test_no_train_arrived_is_said_so(tmp_path: Path, weekday: Run) -> None:
+def test_no_train_arrived_is_said_so(tmp_path: Path, weekday: ReportedRun) -> None:
     """Every train left its first station a second late, and none came anywhere."""
     gone = {name: pl.lit(None, dtype=pl.Float64) for name in ("arrival_s", "late_arrival_s", "stop_error_m")}
     stops = weekday.tables.stops.with_columns(late_departure_s=pl.lit(1.0), **gone)
-    tables = RunTables(**{**{n: getattr(weekday.tables, n) for n in SCHEMAS}, "stops": stops})
+    tables = RunTables(**{**{n: getattr(weekday.tables, n) for n in ROWS}, "stops": stops})
     assert summarise(tables, weekday.timetable)["late_s_max"] is None
     page = write_report(tmp_path, weekday.line, weekday.timetable, tables, {}).read_text(encoding="utf-8")
     assert '<dt>Worst lateness</dt><dd class="bad">no train arrived</dd>' in page
     one_more = pl.when(pl.col("train") == "321M").then(pl.col("planned_arrival_s"))
     some = RunTables(
-        **{**{n: getattr(tables, n) for n in SCHEMAS}, "stops": stops.with_columns(arrival_s=one_more)}
+        **{**{n: getattr(tables, n) for n in ROWS}, "stops": stops.with_columns(arrival_s=one_more)}
     )
     page = write_report(tmp_path, weekday.line, weekday.timetable, some, {}).read_text(encoding="utf-8")
     assert "; 26 trains did not arrive</dd>" in page
 
 
-def test_trains_that_did_not_arrive_are_told_once_and_apart_from_rules(tmp_path: Path, weekday: Run) -> None:
+def test_trains_that_did_not_arrive_are_told_once_and_apart_from_rules(
+    tmp_path: Path, weekday: ReportedRun
+) -> None:
     facts = {**FACTS, "invariants_broken": 5, "violations": [], "broken": ["5 trains did not arrive: 1, 2"]}
     tables = weekday.tables
     page = write_report(tmp_path, weekday.line, weekday.timetable, tables, facts).read_text(encoding="utf-8")

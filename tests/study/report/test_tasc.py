@@ -6,24 +6,19 @@ import numpy as np
 import polars as pl
 import pytest
 
-from onboard.driving.tuning import OFFSET_STEP_MPS2, Learned, StopRecord, search
-from study.report.data import Run
+from onboard.driving.tuning import OFFSET_STEP_MPS2, Learned, StopDecelerations, search
+from study.record.shown import LearnedTrain
+from study.report.data import ReportedRun
 from study.report.papers import _learned
 from study.report.style import drawing
-from study.report.tasc import (
-    Tuned,
-    draw_approaches,
-    draw_response,
-    most_telling,
-    response_surface,
-)
+from study.report.tasc import draw_approaches, draw_response, most_telling, response_surface
 
 
-def a_stop(dead_steps: int = 8, offset_mps2: float = -2 * OFFSET_STEP_MPS2) -> StopRecord:
+def a_stop(dead_steps: int = 8, offset_mps2: float = -2 * OFFSET_STEP_MPS2) -> StopDecelerations:
     """A brake of 0.6 m/s^2 for 25 s that answers late and weakly."""
     designed = np.concatenate([np.zeros(25), np.full(250, 0.6)])
     actual = np.concatenate([np.zeros(25 + dead_steps), np.full(250 - dead_steps, 0.6 + offset_mps2)])
-    return StopRecord(designed, actual)
+    return StopDecelerations(designed, actual)
 
 
 def learned(dead_time_index: int, offset_index: int) -> Learned:
@@ -45,24 +40,24 @@ def test_the_surface_is_least_where_the_search_finds_it() -> None:
 
 
 def test_a_stop_without_braking_has_no_surface() -> None:
-    stop = StopRecord(np.zeros(200), np.zeros(200))
+    stop = StopDecelerations(np.zeros(200), np.zeros(200))
     assert response_surface(stop) is None
     with drawing():
-        assert draw_response(Tuned(learned(5, 10), stop), "V1") is None
+        assert draw_response(LearnedTrain(learned(5, 10), stop), "V1") is None
 
 
-def test_figures_of_a_day(weekday: Run) -> None:
+def test_figures_of_a_day(weekday: ReportedRun) -> None:
     with drawing():
         figure = draw_approaches(weekday)
         assert figure is not None
         for axes in figure.axes:
             assert axes.get_xlim()[0] == pytest.approx(400.0)
-        response = draw_response(Tuned(learned(8, 8), a_stop()), "V1")
+        response = draw_response(LearnedTrain(learned(8, 8), a_stop()), "V1")
     assert response is not None
 
 
 @pytest.mark.parametrize("name", ["karasuyama_weekday", "busy_line"])
-def test_every_stop_of_every_unit_is_drawn(make_day: Callable[[str, str], Run], name: str) -> None:
+def test_every_stop_of_every_unit_is_drawn(make_day: Callable[[str, str], ReportedRun], name: str) -> None:
     """Seven units run on the busy line; a curve each of the speed and of the target for every stop of the table."""
     day = make_day(name.removesuffix("_weekday"), name)
     stops = day.tables.stops.filter(pl.col("stop_error_m").is_not_null() & pl.col("arrival_s").is_not_null())
@@ -79,7 +74,7 @@ def test_every_stop_of_every_unit_is_drawn(make_day: Callable[[str, str], Run], 
 
 
 def test_the_train_farthest_from_its_design_is_shown() -> None:
-    tuned = {"V1": Tuned(learned(5, 10), a_stop()), "V2": Tuned(learned(9, 6), a_stop())}
+    tuned = {"V1": LearnedTrain(learned(5, 10), a_stop()), "V2": LearnedTrain(learned(9, 6), a_stop())}
     assert most_telling(tuned) == "V2"
     assert most_telling({}) is None
     (table,) = _learned(tuned)

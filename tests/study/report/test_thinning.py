@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from study.report.data import Run
+from study.report.data import ReportedRun
 from study.report.thinning import kept, strands
 
 TOLERANCES = np.array([5.0, 1.5])
@@ -50,7 +50,7 @@ def test_a_jump_at_one_time_is_kept() -> None:
     assert kept(t_s, values, TOLERANCES).tolist() == [0, 1, 2, 3]
 
 
-def test_a_real_course_needs_a_tenth_of_its_samples(weekday: Run) -> None:
+def test_a_real_course_needs_a_tenth_of_its_samples(weekday: ReportedRun) -> None:
     course = max(weekday.courses.values(), key=len)
     t_s = course["t_s"].to_numpy()
     values = np.column_stack([course["kilometrage_m"].to_numpy(), course["speed_mps"].to_numpy() * 3.6])

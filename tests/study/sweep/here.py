@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator
 from pathlib import Path
 
-from study.sweep.go import Show, State, begun, go
+from study.sweep.go import Show, SweepProgress, begun, go
 from study.sweep.local import Pump
 from study.sweep.plan import load_plan
 from study.sweep.store import opened
 from study.sweep.table import days_csv
-from study.sweep.worker import Done, Task, run_task
+from study.sweep.worker import FiledDay, Task, run_task
 from tests.study.sweep.planted import RUNNER
 
 
 class Here:
     """Days in this process, one after the other, the last one first."""
 
-    def run(self, tasks: Iterator[Task]) -> Generator[Done]:
+    def run(self, tasks: Iterator[Task]) -> Generator[FiledDay]:
         for task in reversed(list(tasks)):
             yield run_task(task)
 
@@ -25,14 +25,14 @@ class Here:
 class OneByOne:
     """Days in this process, in their order."""
 
-    def run(self, tasks: Iterator[Task]) -> Generator[Done]:
+    def run(self, tasks: Iterator[Task]) -> Generator[FiledDay]:
         for task in tasks:
             yield run_task(task)
 
 
 def swept(
     file: Path, out: Path, pump: Pump | None = None, days: int | None = None, show: Show | None = None
-) -> State:
+) -> SweepProgress:
     """Run what is missing."""
     plan = load_plan(str(file), days)
     with opened(plan, out) as store:

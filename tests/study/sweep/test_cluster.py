@@ -16,7 +16,7 @@ import pytest
 from network.errors import InputError
 from study.sweep import cluster as cluster_pump
 from study.sweep.cluster import AHEAD, ClusterPump, run_there
-from study.sweep.go import State, begun, go
+from study.sweep.go import SweepProgress, begun, go
 from study.sweep.local import GivenUpError
 from study.sweep.plan import load_plan
 from study.sweep.store import opened
@@ -155,7 +155,7 @@ def run_on(scheduler: Growing, file: Path, out: Path, patch: pytest.MonkeyPatch)
     """Run the sweep there; how many days were run."""
     patch.setattr(cluster_pump, "_client", lambda _: scheduler)
 
-    def taken(_: State) -> None:
+    def taken(_: SweepProgress) -> None:
         scheduler.taken += 1
 
     with opened(load_plan(str(file)), out) as store:

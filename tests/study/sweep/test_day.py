@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from network.errors import InputError
+from scenario.scenario import Scenario, load_scenario, shipped_scenarios, with_seed
 from simulation.carriers.plain_track import PlainTrack
 from simulation.carriers.sumo import SumoCarrier
 from simulation.events import Danger, Left, Unsafe
@@ -17,9 +18,8 @@ from simulation.journal import Journal
 from simulation.judge.checkers import Checker, Violation
 from simulation.result import Ending, RunResult, Waiting
 from simulation.setup import Setup
-from study.run.run import CarrierKind, Link, execute
-from study.scenario.scenario import Scenario, load_scenario, shipped_scenarios, with_seed
-from study.sweep.day import Warm, outcome_of_day, run_day, scenario_of
+from study.runner.run import CarrierKind, PartyLink, execute
+from study.sweep.day import ProcessCache, outcome_of_day, run_day, scenario_of
 from study.sweep.records import DayOutcome, DaySpec
 
 SCENARIO: Final = "rtri_test_line"
@@ -31,20 +31,20 @@ def spec(seed: int, carrier: str = PLAIN, scenario: str = SCENARIO) -> DaySpec:
 
 
 @pytest.fixture
-def warm() -> Iterator[Warm]:
-    with Warm() as kept:
+def warm() -> Iterator[ProcessCache]:
+    with ProcessCache() as kept:
         yield kept
 
 
 @pytest.fixture(scope="module")
 def result() -> RunResult:
-    return execute(load_scenario(SCENARIO), Link.SIMULATED, carrier=CarrierKind.PLAIN).result
+    return execute(load_scenario(SCENARIO), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN).result
 
 
 @pytest.mark.parametrize("carrier", [SUMO, PLAIN])
-def test_a_day_is_the_run_of_its_seed_whatever_ran_before(warm: Warm, carrier: str) -> None:
+def test_a_day_is_the_run_of_its_seed_whatever_ran_before(warm: ProcessCache, carrier: str) -> None:
     for seed in (1, 7, 1):
-        run = execute(load_scenario(SCENARIO, seed), Link.SIMULATED)
+        run = execute(load_scenario(SCENARIO, seed), PartyLink.SIMULATED)
         record = run_day(spec(seed, carrier), 3, warm)
         assert (record.digest, record.motion_digest) == (run.summary["digest"], run.summary["motion_digest"])
         assert (record.outcome, record.why, record.index) == (DayOutcome.GOOD, "", 3)
@@ -59,7 +59,7 @@ def test_a_scenario_is_loaded_once_and_its_net_read_once() -> None:
         loaded.append(wanted)
         return scenario_of(wanted)
 
-    with Warm(of) as kept:
+    with ProcessCache(of) as kept:
         records = [run_day(spec(seed), 0, kept) for seed in (1, 2)]
         assert (
             kept.net(kept.scenario(spec(3)).setup.line)[1] is kept.net(kept.scenario(spec(4)).setup.line)[1]
@@ -95,7 +95,7 @@ def test_a_seed_that_is_none_is_bad_input() -> None:
 
 @pytest.mark.parametrize(("carrier", "kind"), [(SUMO, SumoCarrier), (PLAIN, PlainTrack)])
 def test_a_bug_is_a_crashed_day_and_the_next_day_is_good(
-    warm: Warm, carrier: str, kind: type, monkeypatch: pytest.MonkeyPatch
+    warm: ProcessCache, carrier: str, kind: type, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as patch:
         patch.setattr(kind, "truth", lambda *_: {}["nowhere"])
@@ -108,7 +108,7 @@ def test_a_bug_is_a_crashed_day_and_the_next_day_is_good(
 
 
 def test_a_bug_before_the_first_step_leaves_no_sumo_behind(
-    warm: Warm, monkeypatch: pytest.MonkeyPatch
+    warm: ProcessCache, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """libsumo is one a process: what was begun must be ended."""
     with monkeypatch.context() as patch:
@@ -117,7 +117,9 @@ def test_a_bug_before_the_first_step_leaves_no_sumo_behind(
     assert run_day(spec(1, SUMO), 0, warm).outcome is DayOutcome.GOOD
 
 
-def test_what_the_machine_lacks_and_bad_input_are_raised(warm: Warm, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_the_machine_lacks_and_bad_input_are_raised(
+    warm: ProcessCache, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with pytest.raises(InputError):
         run_day(spec(1, scenario="nowhere"), 0, warm)
     with pytest.raises(InputError, match="point"):
@@ -170,7 +172,7 @@ def test_of_the_journal_only_what_is_asked_for_stays() -> None:
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", shipped_scenarios())
-def test_plain_track_carries_every_shipped_scenario_as_sumo_does(name: str, warm: Warm) -> None:
+def test_plain_track_carries_every_shipped_scenario_as_sumo_does(name: str, warm: ProcessCache) -> None:
     on_sumo, on_plain = (run_day(spec(1, carrier, name), 0, warm) for carrier in (SUMO, PLAIN))
     assert on_plain.digest == on_sumo.digest
     assert on_plain.motion_digest == on_sumo.motion_digest

@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 from network.errors import InputError
 from network.files.toml_input import parse_table
 from network.files.toml_text import put, steps_of, toml_of
-from study.scenario.scenario import load_scenario
+from scenario.scenario import load_scenario
+from scenario.sweep_file import DrawTable
 from study.sweep.digest import inputs_digest
 from study.sweep.draws import drawn_value
-from study.sweep.plan import Plan, load_plan
+from study.sweep.plan import SweepPlan, load_plan
 from study.sweep.point import scenario_text
-from study.sweep.sweep_file import DrawTable
 from tests.conftest import Ended
 from tests.study.sweep.conftest import SWEEP
 
@@ -33,7 +33,7 @@ high = 40.0
 """
 
 
-def plan_of(folder: Path, text: str, carrier: str | None = None) -> Plan:
+def plan_of(folder: Path, text: str, carrier: str | None = None) -> SweepPlan:
     file = folder / "sweep.toml"
     file.write_text(text, "utf-8")
     return load_plan(str(file), carrier=carrier)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from network.errors import InputError
-from study.sweep.go import State, begun
+from study.sweep.go import SweepProgress, begun
 from study.sweep.plan import load_plan
 from study.sweep.store import NotSharedError, check_shared, opened
 from study.sweep.table import days_csv
@@ -106,7 +106,7 @@ def test_days_that_are_there_are_counted_as_they_come(sweep_file: Path, out: Pat
     """In any order, with a stop rule and without; the same as by going through all names."""
     sweep_file.write_text(sweep_file.read_text("utf-8").replace("days = 12", "days = 25"), "utf-8")
 
-    def counted(state: State) -> None:
+    def counted(state: SweepProgress) -> None:
         names = [name for course in state.courses for name in course.names[: course.days]]
         assert state.there == sum(name in state.records for name in names)
 

@@ -16,24 +16,27 @@ import pytest
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.model import Direction, Position, TagPurpose
-from onboard.driving.tasc import Verdict
+from onboard.driving.tasc import StopVerdict
 from onboard.localisation.fix import OUTCOMES
 from onboard.localisation.table import READER_NAMES
 from radio import messages
 from radio.envelope import DropReason
 from radio.noted import Noted
+from scenario.scenario import load_scenario
 from simulation.events import EVENTS, Collision, Danger, EventType, FaultBegan, FaultOver
-from simulation.faults.script import ActKind, Expectation, Failure, Property, matcher_of
+from simulation.faults.script import ActKind, Expectation, Property, ScriptedFault, matcher_of
 from simulation.faults.table import FAULTS
 from simulation.judge.checkers import Checker
 from simulation.late.settings import Late
 from simulation.result import Ending
 from study.compare.comparison import FATES
 from study.compare.measures import TABLES, columns_in
-from study.compare.meets import Fate
+from study.compare.meets import MeetFate
+from study.drilling.drill import find_drill
+from study.record.driving import EARLY, DrivenHop
+from study.record.figure import figures_of
+from study.record.tables import ROWS
 from study.report.bundle import modules
-from study.run.drill import find_drill
-from study.scenario.scenario import load_scenario
 from study.wording import outcome, script
 from study.wording.assumptions import FORMS, assumption
 from study.wording.compared import WORDS
@@ -44,8 +47,8 @@ from study.wording.opinions import FORMS as OPINIONS
 from study.wording.phrase import Phrase
 from study.wording.reasons import reason
 from study.wording.telegrams import TELEGRAMS
-from wayside.reentry import Clash
-from wayside.register import Stage, Standing
+from wayside.reentry import PictureClash
+from wayside.register import ReentryStage, UnitStanding
 
 ENGLISH = re.compile(r"[A-Za-z]*[a-z]{3,}[A-Za-z]*")
 CODES = {"kgf", "ppm", "rms", "GNSS", "LiDAR", "kWh"}  # and what stands for names: one capital, one figure
@@ -121,7 +124,7 @@ def test_every_kind_of_event_has_its_word_on_the_page() -> None:
         (set(Checker), set(outcome.CHECKERS)),
         (set(Danger), set(outcome.DANGERS)),
         (set(Ending), set(outcome.ENDINGS)),
-        (set(Fate), set(FATES)),
+        (set(MeetFate), set(FATES)),
         (set(Late.model_fields), set(outcome.DRAWN)),
         ({kind.__name__ for kind in get_args(messages.AnyMessage)}, set(TELEGRAMS)),
     ],
@@ -133,9 +136,9 @@ def test_every_table_of_words_is_whole(there: set[Any], said: set[Any]) -> None:
 
 def reasons() -> Iterator[str]:
     """Every reason that a party gives: the members of its enums, and the constants that it writes as `why`."""
-    for kind in (messages.RefusalReason, messages.PointsRefusalReason, Verdict):
+    for kind in (messages.RefusalReason, messages.PointsRefusalReason, StopVerdict):
         yield from (member.name for member in kind)
-    for words in (DropReason, Clash, Standing, Stage):
+    for words in (DropReason, PictureClash, UnitStanding, ReentryStage):
         yield from (member.value for member in words)
     for path in (*(ROOT / "onboard").rglob("*.py"), *(ROOT / "wayside").rglob("*.py")):
         if path.name not in UNTOLD_OF:
@@ -213,7 +216,7 @@ def test_of_a_drill_nothing_is_left_in_english(name: str) -> None:
     said = [script.item_text(item).ja for item in (*drill.faults, *drill.acts)]
     said += [script.expectation_text(expectation).ja for expectation in drill.expectations]
     assert drill.faults or drill.acts
-    assert all(isinstance(item, Failure) for item in drill.faults)
+    assert all(isinstance(item, ScriptedFault) for item in drill.faults)
     for person in {act.person for act in drill.acts}:  # people's own names
         said = [text.removeprefix(f"{person}：") for text in said]
     assert [text for text in said if english_in(text)] == []
@@ -224,13 +227,22 @@ def test_what_is_compared_has_its_words() -> None:
     names = {
         node.args[i].value  # type: ignore[attr-defined]
         for node in ast.walk(ast.parse(whole))
-        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Figure"
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "RunFigure"
         for i in (0, 1, 2)
         if isinstance(node.args[i], ast.Constant)
     }
     assert len(names) > 30
     assert {name for name in names - set(WORDS) if english_in(name)} == set()
     assert all(columns_in(table) for table in TABLES)
+    assert [said.name.en for said in (*figures_of(DrivenHop).values(), EARLY) if not said.name.ja] == []
+
+
+@pytest.mark.parametrize("row", ROWS.values(), ids=ROWS)
+def test_no_two_columns_of_a_table_are_headed_alike(row: type) -> None:
+    headings = [said.heading for said in figures_of(row).values()]
+    assert all(heading.ja for heading in headings)
+    for said in ([heading.en for heading in headings], [heading.ja for heading in headings]):
+        assert len(set(said)) == len(said)
 
 
 def test_positions_and_directions_go_by_the_fields_words() -> None:

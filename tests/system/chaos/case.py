@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from study.scenario.scenario import Scenario, load_scenario
+from scenario.scenario import Scenario, load_scenario
 from tests.system.chaos.ground import Ground
 from tests.system.chaos.toml_text import Table, toml_of
 

@@ -9,7 +9,7 @@ import numpy as np
 from network.clock import clock
 from onboard.notes import Arrived, Departs, Holds, MissionBegun
 from radio.noted import Sent
-from simulation.events import Entered, Entry, PointsLocked, PointsMoving, TagPassed, unit_of
+from simulation.events import Entered, JournalEntry, PointsLocked, PointsMoving, TagPassed, unit_of
 from simulation.faults.script import matcher_of
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
@@ -46,7 +46,7 @@ def course_of(result: RunResult) -> Course:
     return Course(tuple(int(s) for s in moving), firsts, uses, stopped_s(result))
 
 
-def used_by(entry: Entry) -> tuple[str, ...]:
+def used_by(entry: JournalEntry) -> tuple[str, ...]:
     """What an entry shows to be in use."""
     match entry.event:
         case Sent(source=source, receiver=receiver):
@@ -59,7 +59,7 @@ def used_by(entry: Entry) -> tuple[str, ...]:
             return ()
 
 
-def words_of(entry: Entry, train_of: dict[str, str]) -> str | None:
+def words_of(entry: JournalEntry, train_of: dict[str, str]) -> str | None:
     """The words of a drill file that name this entry; None where there are none."""
     event, train = entry.event, train_of.get(unit_of(entry))
     match event:

@@ -16,18 +16,18 @@ from typing import Any, Final
 
 from network.model import SectionKind
 from onboard.driving.laws.table import LAW_NAMES
+from scenario.script_file import names_of
 from simulation.faults.fault import Names
 from simulation.faults.table import KINDS
 from simulation.people import Pause
 from simulation.setup import Setup
-from study.scenario.script_file import names_of
 from tests.system.chaos.case import Case
 from tests.system.chaos.course import Course, clock_tenths
 from tests.system.chaos.draw import Draw
 from tests.system.chaos.families import Family, ground_of
 from tests.system.chaos.fault_fields import fields_of, target_of
 from tests.system.chaos.run_one import undisturbed
-from wayside.config import Order
+from wayside.config import OrderRule
 
 WINDOW_S: Final = 360.0
 FAULTS_MAX: Final = 12
@@ -169,7 +169,7 @@ def _head(family: Family, seed: int, draw: Draw) -> dict[str, Any]:
         head["sensors"] = {"carries": list(draw.of("carried").one_of(CARRIES))}
     dispatch = draw.of("dispatch")
     if dispatch.chance(DISPATCH_P):
-        certificate, order = dispatch.chance(0.5), dispatch.one_of([order.value for order in Order])
+        certificate, order = dispatch.chance(0.5), dispatch.one_of([order.value for order in OrderRule])
         head["dispatch"] = {"certificate": certificate, "order": order}
     head["people"] = _people(draw.of("people"), draw.of("staff"))
     return head

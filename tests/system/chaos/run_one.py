@@ -18,14 +18,14 @@ from network.model import Line
 from onboard.notes import Claimed, EmergencyReleased, Holds, LimitSet, Reported
 from radio.keys import KEY_BYTES
 from radio.noted import Sent, TelegramDropped, TookEffect
+from scenario.scenario import Scenario
 from simulation.events import Unsafe, word_of
 from simulation.faults.script import Act
 from simulation.judge.checkers import Checker
 from simulation.loop import Simulation
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S, unit_configs
-from study.run.run import CarrierKind, Link, carrier_factory, parties_of, specs_of
-from study.scenario.scenario import Scenario
+from study.runner.run import CarrierKind, PartyLink, carrier_factory, parties_of, specs_of
 from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import NetMap, read_net
 from tests.system.chaos.case import Case
@@ -85,14 +85,14 @@ def run(scenario: Scenario, nets: Path, state: Path) -> tuple[RunResult, tuple[A
     setup = scenario.setup
     net = net_for(setup.line, nets)
     master_key = secrets.token_bytes(KEY_BYTES)
-    with parties_of(Link.SIMULATED, setup.line.id, specs_of(setup, master_key), state) as parties:
+    with parties_of(PartyLink.SIMULATED, setup.line.id, specs_of(setup, master_key), state) as parties:
         simulation = Simulation(
             setup,
             carrier_factory(CarrierKind.SUMO, setup.line, net),
             parties,
             _net_map(net),
             LocalUnits(unit_configs(setup, master_key)),
-            Link.SIMULATED.value,
+            PartyLink.SIMULATED.value,
         )
         acts = [] if simulation.staff is None else simulation.staff.acts
         try:

@@ -14,8 +14,9 @@ from typing import Final
 
 import pytest
 
-from study.run.drill import run_drill
-from study.run.run import Link
+from simulation.judge.checkers import Checker
+from study.drilling.drill import run_drill
+from study.runner.run import FinishedRun, PartyLink
 from tests.system.chaos.campaign import campaign
 from tests.system.chaos.case import Case
 from tests.system.chaos.families import Family
@@ -35,6 +36,11 @@ REPLAYS: Final = tuple(
     sorted(path.name for path in FOLDER.glob("*") if (path / f"{path.name}.toml").is_file())
 )
 
+WITHOUT: Final = {  # what some were mended by
+    "test_3467": "takes_the_end_of_a_claim_for_a_release",
+    "test_3705": "keeps_what_is_of_no_use",
+    "test_4299": "departs_before_the_driver_has_looked",
+}
 PEOPLE: Final = ("", "[people]\ntimes = 0.0\n")
 
 Record = Callable[[str, object], None]
@@ -80,5 +86,13 @@ def test_what_failed_once_does_not_fail_again(name: str, people: str, tmp_path: 
     copytree(FOLDER / name, folder)
     drill = folder / "with_people.toml"
     drill.write_text(f'extends = "{name}.toml"\nid = "{name}"\nname = "{name}"\n{people}', "utf-8")
-    verdicts = run_drill(str(drill), Link.SIMULATED).verdicts
+    verdicts = run_drill(str(drill), PartyLink.SIMULATED).verdicts
     assert [v.happened for v in verdicts if not v.passed] == []
+
+
+@pytest.mark.parametrize("name", WITHOUT)
+def test_it_fails_again_without_what_mended_it(
+    name: str, run_with: Callable[..., tuple[FinishedRun, set[str]]]
+) -> None:
+    _, objections = run_with(str(FOLDER / name / f"{name}.toml"), WITHOUT[name])
+    assert str(Checker.EVERYONE_ARRIVES) in objections

@@ -10,12 +10,12 @@ import pytest
 from pydantic import Field
 
 from network.timetable import seconds_of
+from scenario.scenario import load_scenario
 from simulation.faults.chargers import ChargerDead
+from simulation.faults.lidar import MarkerMissing
 from simulation.faults.points import PointsFault
-from simulation.faults.script import Failure
+from simulation.faults.script import ScriptedFault
 from simulation.faults.table import FAULTS, KINDS
-from simulation.sensors.lidar import MarkerMissing
-from study.scenario.scenario import load_scenario
 from tests.system.chaos.case import Case
 from tests.system.chaos.draw import Draw
 from tests.system.chaos.families import LINES, TIMETABLES, Family, ground_of
@@ -70,7 +70,7 @@ def test_the_program_reads_what_is_drawn(tmp_path: Path, cases: list[Case]) -> N
     for case in cases[:40]:
         script = load_scenario(str(case.write(tmp_path / case.name))).setup.script
         assert [f.fault.kind for f in script.faults] == [fault["kind"] for fault in case.faults]
-        assert all(isinstance(f, Failure) for f in script.faults)
+        assert all(isinstance(f, ScriptedFault) for f in script.faults)
 
 
 @pytest.mark.parametrize(("kind", "name"), RANGES, ids=["-".join(key) for key in RANGES])

@@ -19,13 +19,13 @@ from onboard.driving.planner.wish import Planning
 from onboard.driving.tuning import DEAD_TIMES, OFFSETS
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
+from scenario.scenario_file import ScenarioFile
+from scenario.sweep_file import SweepFile
 from simulation.battery_settings import BatterySettings
 from simulation.gnss_settings import Gnss
 from simulation.people import People
 from simulation.sensor_settings import Beacons, Curvature, Lidar
 from simulation.settings import Dispatch, Driving, Interlocking, Limits, Operation, Sensors
-from study.scenario.scenario_file import ScenarioFile
-from study.sweep.sweep_file import SweepFile
 from vehicle.train_file import TrainFile, shipped_train
 
 Data = dict[str, Any]

@@ -12,15 +12,15 @@ from typing import Any, Final
 import pytest
 from pydantic import BaseModel
 
-from documents.files import FILE
+from documents.files import FOLDER
 from documents.ranges import MODELS, quantity_keys
 from network.errors import InputError
 from network.files.quantities import ALL, BY_NAME, FORCE, JERK, MASS, RADIUS, SPEED
 from network.files.quantity import Quantity
 from network.files.toml_input import validate
+from scenario.scenario_file import ScenarioFile
 from simulation.faults.table import FAULTS
 from study.outcome import Outcome
-from study.scenario.scenario_file import ScenarioFile
 from tests.system.damaged.attempt import faults_of, told
 from tests.system.damaged.bundles import RANGED, SCENARIO, text_of
 from tests.system.damaged.damages import Case
@@ -122,7 +122,7 @@ def test_every_number_of_every_file_has_a_kind() -> None:
 
 
 def test_the_page_has_every_range_with_its_source() -> None:
-    page = FILE.read_text("utf-8")
+    page = (FOLDER / "ranges.md").read_text("utf-8")
     for quantity in ALL:
         assert f"| {quantity.name} | {quantity.text()} | {quantity.source} |" in page
         assert quantity.source

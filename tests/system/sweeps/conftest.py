@@ -8,21 +8,21 @@ from typing import Final
 
 import pytest
 
-from study.run.directory import replaced
-from study.run.sweep import Variation, Window, sweep
-from study.run.sweep_report import classes_of, figures_of, owns, text_of, write_sweep
-from study.scenario.scenario import Scenario
+from scenario.scenario import Scenario
+from study.drilling.every_instant import InstantWindow, Variation, sweep
+from study.drilling.grid_report import classes_of, figures_of, owns, text_of, write_sweep
+from study.record.directory import replaced
 
 JOBS: Final = 1  # the other worker has the other line
 
-Sweeps = Callable[[Scenario, Sequence[Variation], Window], list[str]]
+Sweeps = Callable[[Scenario, Sequence[Variation], InstantWindow], list[str]]
 
 
 @pytest.fixture
 def bad_in(tmp_path: Path) -> Sweeps:
     """Sweep, and tell what is bad, each with the drill that shows it."""
 
-    def run(scenario: Scenario, variations: Sequence[Variation], window: Window) -> list[str]:
+    def run(scenario: Scenario, variations: Sequence[Variation], window: InstantWindow) -> list[str]:
         swept = sweep(scenario.setup, variations, window, JOBS)
         out = tmp_path / "sweep"
         with replaced(out, owns, "a sweep") as folder:

@@ -8,15 +8,15 @@ from typing import Final
 
 import pytest
 
-from simulation.faults.devices import PowerOff, Restart
-from simulation.faults.script import ActKind, Failure, Trigger
+from scenario.scenario import Scenario, load_scenario
+from simulation.faults.devices import PowerCut, Restart
+from simulation.faults.script import ActKind, ScriptedFault, Trigger
 from simulation.setup import STEPS_PER_S
-from study.run.drill import find_drill, shipped_drills
-from study.run.moving import moved, single_faults, staffed
-from study.run.sweep import Variation, Window
-from study.scenario.scenario import Scenario, load_scenario
+from study.drilling.drill import find_drill, shipped_drills
+from study.drilling.every_instant import InstantWindow, Variation
+from study.drilling.moving import moved, single_faults, staffed
 
-Sweeps = Callable[[Scenario, Sequence[Variation], Window], list[str]]
+Sweeps = Callable[[Scenario, Sequence[Variation], InstantWindow], list[str]]
 
 pytestmark = [pytest.mark.system, pytest.mark.nightly, pytest.mark.timeout(6 * 3600)]
 
@@ -47,13 +47,13 @@ def two_trains(tmp_path: Path) -> Scenario:
 
 def test_single_faults_of_every_kind_at_every_second(two_trains: Scenario, bad_in: Sweeps) -> None:
     scenario = staffed(two_trains)
-    assert bad_in(scenario, single_faults(scenario.setup), Window(1.0)) == []
+    assert bad_in(scenario, single_faults(scenario.setup), InstantWindow(1.0)) == []
 
 
 @pytest.mark.parametrize("name", MOVABLE)
 def test_every_drill_at_every_second(name: str, bad_in: Sweeps) -> None:
     scenario = load_scenario(find_drill(name))
-    assert bad_in(scenario, (moved(scenario).variation,), Window(1.0)) == []
+    assert bad_in(scenario, (moved(scenario).variation,), InstantWindow(1.0)) == []
 
 
 @pytest.mark.parametrize("departure_s", [36_000.0, 36_300.0, 36_420.0])
@@ -65,8 +65,8 @@ def test_a_unit_without_power_at_every_tenth_of_a_departure(
         failure
         for unit in ("K1", "K2")
         for failure in (
-            Failure(Restart(target=unit), Trigger()),
-            *(Failure(PowerOff(target=unit), Trigger(), duration_s) for duration_s in (0.5, 2.0, 30.0)),
+            ScriptedFault(Restart(target=unit), Trigger()),
+            *(ScriptedFault(PowerCut(target=unit), Trigger(), duration_s) for duration_s in (0.5, 2.0, 30.0)),
         )
     ]
     variations = tuple(
@@ -75,5 +75,5 @@ def test_a_unit_without_power_at_every_tenth_of_a_departure(
         )
         for f in failures
     )
-    window = Window(1.0 / STEPS_PER_S, departure_s, departure_s + 3.0)
+    window = InstantWindow(1.0 / STEPS_PER_S, departure_s, departure_s + 3.0)
     assert bad_in(two_trains, variations, window) == []

@@ -18,7 +18,7 @@ from vehicle.optimum.course import EndsNotKept
 from vehicle.optimum.laws import law_table, laws_at
 from vehicle.optimum.mesh import laid
 from vehicle.optimum.proof import proven
-from vehicle.optimum.way import Way
+from vehicle.optimum.way import WayTable
 
 Rows = NDArray[np.void]
 Change = Callable[..., Rows]
@@ -58,7 +58,7 @@ def test_no_run_that_loses_speed_on_a_climb_is_above_the_ceiling(ev_e301: Rows, 
     least = math.inf
     for speed_mps in np.arange(1.6, 6.0, 0.013):
         z = 0.5 * float(speed_mps) ** 2
-        way = Way(
+        way = WayTable(
             np.array([0.0, 1.0]),
             np.array([0.0, grade]),
             np.array([200.0]),

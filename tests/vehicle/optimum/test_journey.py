@@ -12,10 +12,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from vehicle.optimum.journey import (
-    Journey,
     JourneyStop,
     ProvenHop,
-    Window,
+    TimedJourney,
+    TimeWindow,
     WindowMissed,
     earliest_times,
     journey_bound_j,
@@ -47,23 +47,25 @@ hops_of = st.lists(
 def journeys(draw: st.DrawFn) -> tuple[list[HopCurve], list[JourneyStop]]:
     hops = draw(hops_of)
     at_s = 1000.0
-    stops = [JourneyStop("0", departure=Window(at_s, at_s + draw(st.floats(0.0, 60.0))))]
+    stops = [JourneyStop("0", departure=TimeWindow(at_s, at_s + draw(st.floats(0.0, 60.0))))]
     for number, hop in enumerate(hops, 1):
         at_s += hop.least_s * draw(st.floats(1.0, 1.6))
         dwell_s = draw(st.floats(0.0, 40.0))
         arrival = (
-            Window(at_s - draw(st.floats(0.0, 100.0)), at_s + draw(st.floats(0.0, 100.0)))
+            TimeWindow(at_s - draw(st.floats(0.0, 100.0)), at_s + draw(st.floats(0.0, 100.0)))
             if draw(st.booleans())
-            else Window()
+            else TimeWindow()
         )
         at_s += dwell_s
         stands = draw(st.booleans())
         if not stands:
             at_s -= dwell_s
-        departure = Window(at_s, at_s + draw(st.floats(0.0, 100.0))) if draw(st.booleans()) else Window()
+        departure = (
+            TimeWindow(at_s, at_s + draw(st.floats(0.0, 100.0))) if draw(st.booleans()) else TimeWindow()
+        )
         stops.append(JourneyStop(str(number), arrival, departure, dwell_s, stands or number == len(hops)))
     latest_s = min(stops[-1].arrival.latest_s, at_s + 100.0)
-    stops[-1] = JourneyStop(stops[-1].name, Window(stops[-1].arrival.earliest_s, latest_s))
+    stops[-1] = JourneyStop(stops[-1].name, TimeWindow(stops[-1].arrival.earliest_s, latest_s))
     return hops, stops
 
 
@@ -71,7 +73,7 @@ def energy_j(hops: Sequence[HopCurve], running_s: Sequence[float]) -> float:
     return sum(hop.energy_j(time_s) for hop, time_s in zip(hops, running_s, strict=True))
 
 
-def broken_by_s(stops: Sequence[JourneyStop], journey: Journey) -> float:
+def broken_by_s(stops: Sequence[JourneyStop], journey: TimedJourney) -> float:
     """By how much the worst window or dwell is missed."""
     worst = 0.0
     for stop, times in zip(stops, journey.stops, strict=True):
@@ -122,7 +124,7 @@ def test_windows_and_dwell_are_kept_and_the_prices_prove_the_optimum(
     assert price_gap(hops, stops, journey) <= 1e-5 * energy_j(hops, journey.running_s) + 1.0
 
 
-def price_gap(hops: Sequence[HopCurve], stops: Sequence[JourneyStop], journey: Journey) -> float:
+def price_gap(hops: Sequence[HopCurve], stops: Sequence[JourneyStop], journey: TimedJourney) -> float:
     """Energy of the plan over the bound that its own prices prove for these very curves, J."""
     if any(price < -1e-6 for price in journey.prices_w):  # a passing not before its time: no price of energy
         return 0.0
@@ -145,7 +147,11 @@ def open_journey(hops: Sequence[HopCurve], stretch: float) -> list[JourneyStop]:
     """No windows inside, in `stretch` times the least time."""
     end_s = stretch * sum(hop.least_s for hop in hops) + 20.0 * (len(hops) - 1)
     middle = [JourneyStop(str(i), dwell_min_s=20.0) for i in range(1, len(hops))]
-    return [JourneyStop("0", departure=Window(0.0)), *middle, JourneyStop("end", Window(latest_s=end_s))]
+    return [
+        JourneyStop("0", departure=TimeWindow(0.0)),
+        *middle,
+        JourneyStop("end", TimeWindow(latest_s=end_s)),
+    ]
 
 
 @settings(max_examples=60, deadline=None)
@@ -215,7 +221,7 @@ def test_moving_any_time_within_its_windows_never_saves(
         to = data.draw(st.integers(at, len(base) - 1))
         step = data.draw(st.floats(-30.0, 30.0))
         times = [t + step if at <= i <= to else t for i, t in enumerate(base)]
-        moved = Journey(
+        moved = TimedJourney(
             tuple(
                 type(stop)(
                     stop.name, times[2 * i - 1] if i else None, times[2 * i] if 2 * i < len(times) else None
@@ -231,10 +237,10 @@ def test_moving_any_time_within_its_windows_never_saves(
 def test_against_every_journey_on_a_grid() -> None:
     hops = [analytic(100.0, 3e6), analytic(200.0, 9e6), analytic(80.0, 1e6)]
     stops = [
-        JourneyStop("a", departure=Window(0.0)),
-        JourneyStop("b", Window(latest_s=130.0), Window(125.0), 20.0),
-        JourneyStop("c", Window(), Window(395.0), 10.0),
-        JourneyStop("d", Window(latest_s=500.0)),
+        JourneyStop("a", departure=TimeWindow(0.0)),
+        JourneyStop("b", TimeWindow(latest_s=130.0), TimeWindow(125.0), 20.0),
+        JourneyStop("c", TimeWindow(), TimeWindow(395.0), 10.0),
+        JourneyStop("d", TimeWindow(latest_s=500.0)),
     ]
     best_j = energy_j(hops, journey_times(hops, stops).running_s)
     tables = [[hop.energy_j(float(second)) for second in range(501)] for hop in hops]
@@ -250,9 +256,9 @@ def test_against_every_journey_on_a_grid() -> None:
 def test_a_window_that_cannot_be_kept_is_named_with_its_seconds() -> None:
     hops = [analytic(100.0, 1e6), analytic(100.0, 1e6)]
     stops = [
-        JourneyStop("a", departure=Window(0.0, 10.0)),
-        JourneyStop("b", departure=Window(130.0, 140.0), dwell_min_s=20.0),
-        JourneyStop("c", Window(latest_s=222.5)),
+        JourneyStop("a", departure=TimeWindow(0.0, 10.0)),
+        JourneyStop("b", departure=TimeWindow(130.0, 140.0), dwell_min_s=20.0),
+        JourneyStop("c", TimeWindow(latest_s=222.5)),
     ]
     with pytest.raises(WindowMissed) as missed:
         journey_times(hops, stops)
@@ -262,8 +268,8 @@ def test_a_window_that_cannot_be_kept_is_named_with_its_seconds() -> None:
         earliest_times([105.0, 105.0], [100.0, 100.0], stops)
     passing = [
         stops[0],
-        JourneyStop("b", Window(300.0, 400.0), stands=False),
-        JourneyStop("c", Window(latest_s=900.0)),
+        JourneyStop("b", TimeWindow(300.0, 400.0), stands=False),
+        JourneyStop("c", TimeWindow(latest_s=900.0)),
     ]
     slow = [curve_of(hop.points, may_wait=False) for hop in hops]
     with pytest.raises(WindowMissed) as early:
@@ -273,15 +279,15 @@ def test_a_window_that_cannot_be_kept_is_named_with_its_seconds() -> None:
 
 def test_reserve_at_the_end_runs_as_fast_as_told_and_waits_for_the_timetable() -> None:
     stops = [
-        JourneyStop("a", departure=Window(0.0)),
-        JourneyStop("b", Window(latest_s=160.0), Window(180.0), 20.0),
-        JourneyStop("c", Window(latest_s=400.0), Window(), 20.0),
-        JourneyStop("d", Window(latest_s=700.0)),
+        JourneyStop("a", departure=TimeWindow(0.0)),
+        JourneyStop("b", TimeWindow(latest_s=160.0), TimeWindow(180.0), 20.0),
+        JourneyStop("c", TimeWindow(latest_s=400.0), TimeWindow(), 20.0),
+        JourneyStop("d", TimeWindow(latest_s=700.0)),
     ]
     wanted, least = [100.0, 100.0, 100.0], [90.0, 90.0, 90.0]
     times = [(stop.arrival_s, stop.departure_s) for stop in earliest_times(wanted, least, stops).stops]
     assert times == [(None, 0.0), (100.0, 180.0), (280.0, 300.0), (400.0, None)]
-    stops[-1] = JourneyStop("d", Window(latest_s=385.0))
+    stops[-1] = JourneyStop("d", TimeWindow(latest_s=385.0))
     times = [(stop.arrival_s, stop.departure_s) for stop in earliest_times(wanted, least, stops).stops]
     assert times == [(None, 0.0), (100.0, 180.0), (275.0, 295.0), (385.0, None)]
 
@@ -289,6 +295,6 @@ def test_reserve_at_the_end_runs_as_fast_as_told_and_waits_for_the_timetable() -
 def test_of_times_that_cost_the_same_the_earliest() -> None:
     journey = journey_times(
         [analytic(100.0, 1e6)],
-        [JourneyStop("a", departure=Window(0.0, 50.0)), JourneyStop("b", Window(latest_s=900.0))],
+        [JourneyStop("a", departure=TimeWindow(0.0, 50.0)), JourneyStop("b", TimeWindow(latest_s=900.0))],
     )
     assert (journey.stops[0].departure_s, journey.stops[1].arrival_s) == (0.0, pytest.approx(250.0))

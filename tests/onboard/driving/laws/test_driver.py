@@ -8,9 +8,9 @@ import pytest
 from onboard.driving.laws.driver import DRAWN, Driver
 from onboard.driving.laws.settings import LawTables
 from onboard.records import NO_INTERVENTION
-from study.papers.driver_scatter import DEFAULT_FACTOR, SIGMAS, Scatter, scatter, widened
-from study.papers.single_hop import HOP_STEPS_MAX, HopBench, Rows, new_hops, one_gradient
-from study.papers.yasunobu_train import HOP_M, paper_bench
+from papers.driver_scatter import DEFAULT_FACTOR, SIGMAS, DriverScatter, scatter, widened
+from papers.single_hop import HOP_STEPS_MAX, HopBench, Rows, new_hops, one_gradient
+from papers.yasunobu_train import HOP_M, paper_bench
 
 
 def ridden(
@@ -30,7 +30,7 @@ def ridden(
 
 
 @pytest.fixture(scope="module")
-def forty() -> Scatter:
+def forty() -> DriverScatter:
     return scatter(Driver(), 40)
 
 
@@ -40,7 +40,7 @@ def test_the_defaults_are_the_calibrated_ones() -> None:
 
 
 def test_drivers_scatter_by_about_a_tenth_at_equal_punctuality_and_without_spread_not_at_all(
-    forty: Scatter,
+    forty: DriverScatter,
 ) -> None:
     assert 0.07 <= forty.sigma_share <= 0.13
     assert forty.late <= 2

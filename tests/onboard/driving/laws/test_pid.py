@@ -14,9 +14,9 @@ from network.files.toml_input import validate
 from onboard.driving.laws.pid import Pid
 from onboard.driving.laws.settings import LawTables
 from onboard.records import NO_INTERVENTION
-from study.papers.pid_tuning import itae_ms, ranked, tried
-from study.papers.single_hop import HOP_STEPS_MAX, Rows, Way, new_hops, one_gradient
-from study.papers.yasunobu_train import HOP_M, paper_hops
+from papers.pid_tuning import itae_ms, ranked, tried
+from papers.single_hop import HOP_STEPS_MAX, HopWay, Rows, new_hops, one_gradient
+from papers.yasunobu_train import HOP_M, paper_hops
 
 
 def settled(**changes: float) -> LawTables:
@@ -34,7 +34,7 @@ def ridden(
 
 
 def test_a_slice_of_the_tuning_ends_in_the_defaults() -> None:
-    """The whole grid takes 20 s (`python -m study.papers.pid_tuning`); its winner beats its neighbours here too."""
+    """The whole grid takes 20 s (`python -m papers.pid_tuning`); its winner beats its neighbours here too."""
     beside = [
         Pid(gain_per_s=gain, integral_gain_per_s2=integral, derivative_gain=derivative)
         for gain in (1.0, 1.4, 2.0)
@@ -111,7 +111,7 @@ def test_on_a_descent_it_leaves_the_brake_until_the_speed_is_passed() -> None:
 
 
 def test_lower_limits_ahead_are_met() -> None:
-    way = Way(HOP_M, limits_mps=((0.0, 20.0), (450.0, 11.0), (600.0, 20.0)))
+    way = HopWay(HOP_M, limits_mps=((0.0, 20.0), (450.0, 11.0), (600.0, 20.0)))
     outcomes, trace = paper_hops("pid", way=way).run(new_hops([80.0]), HOP_STEPS_MAX)
     slow = (trace["position_m"] >= 450.0) & (trace["position_m"] <= 600.0)
     assert trace["speed_mps"][slow].max() <= 11.0

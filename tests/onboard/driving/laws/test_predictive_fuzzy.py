@@ -11,19 +11,19 @@ import numpy as np
 import pytest
 
 from onboard.driving.laws.fuzzy_choice import changed_by, half_way, steps_of
-from onboard.driving.laws.fuzzy_records import KEPT_CHANGES, PredictiveFuzzy, Rule
+from onboard.driving.laws.fuzzy_records import KEPT_CHANGES, FuzzyRule, PredictiveFuzzy
 from onboard.driving.laws.fuzzy_station import choose_at_station
 from onboard.driving.laws.fuzzy_told import told
 from onboard.driving.laws.settings import LawTables
+from papers.parameter_sets import LINE, TABLE_1
+from papers.single_hop import HopBench, HopWay, new_hops
+from papers.single_stop import Rows
+from papers.single_train import Bench
 from simulation.settings import Driving
-from study.papers.parameter_sets import LINE, TABLE_1
-from study.papers.single_hop import HopBench, Way, new_hops
-from study.papers.single_stop import Rows
-from study.papers.single_train import Bench
 from vehicle.records import TrainRow
 from vehicle.train_file import load_train, shipped_train
 
-LEVEL = Way(1000.0)
+LEVEL = HopWay(1000.0)
 ORDER_S = 90.0
 
 
@@ -35,11 +35,13 @@ class Driven:
     trace: Rows
     own: Any
 
-    def seconds(self, rule: Rule) -> float:
+    def seconds(self, rule: FuzzyRule) -> float:
         return float(self.own.rule_s[rule])
 
-    def won(self) -> list[Rule]:
-        return [Rule(int(rule)) for rule in self.own.changed_to[: min(int(self.own.changes), KEPT_CHANGES)]]
+    def won(self) -> list[FuzzyRule]:
+        return [
+            FuzzyRule(int(rule)) for rule in self.own.changed_to[: min(int(self.own.changes), KEPT_CHANGES)]
+        ]
 
 
 Drive = Callable[..., Driven]
@@ -54,7 +56,7 @@ def bench(train: str, driving: Driving, **rules: bool | float) -> Bench:
 @pytest.fixture(scope="module")
 def drive() -> Drive:
     def run(
-        way: Way = LEVEL, order_s: float = ORDER_S, train: str = "hitachi_train", **rules: bool | float
+        way: HopWay = LEVEL, order_s: float = ORDER_S, train: str = "hitachi_train", **rules: bool | float
     ) -> Driven:
         driving = TABLE_1.driving if train == "hitachi_train" else LINE.driving
         hop = HopBench(bench(train, driving, **rules), way)
@@ -73,9 +75,13 @@ def row_of(train: str) -> TrainRow:
 def test_a_hop_is_power_coast_a_slight_brake_and_the_stop(drive: Drive) -> None:
     hop = drive()
     order = hop.won()
-    for first, second in ((Rule.C_3, Rule.C_2), (Rule.C_2, Rule.T_2_2), (Rule.T_2_2, Rule.T_3)):
+    for first, second in (
+        (FuzzyRule.C_3, FuzzyRule.C_2),
+        (FuzzyRule.C_2, FuzzyRule.T_2_2),
+        (FuzzyRule.T_2_2, FuzzyRule.T_3),
+    ):
         assert order.index(first) < order.index(second)
-    assert Rule.T_1 in order[order.index(Rule.T_3) :]
+    assert FuzzyRule.T_1 in order[order.index(FuzzyRule.T_3) :]
     assert abs(hop.outcome["error_m"]) <= 0.3
     assert hop.outcome["time_s"] == pytest.approx(ORDER_S, abs=2.0)
     assert hop.outcome["intervention"] == 0
@@ -114,8 +120,8 @@ def test_the_journal_tells_which_rule_won_and_why(drive: Drive) -> None:
 
 def test_without_c_2_it_holds_its_cruise_and_costs_more(drive: Drive) -> None:
     coasts, holds = drive(), drive(c_2=False)
-    assert coasts.seconds(Rule.C_2) > 30.0
-    assert holds.seconds(Rule.C_2) == 0.0
+    assert coasts.seconds(FuzzyRule.C_2) > 30.0
+    assert holds.seconds(FuzzyRule.C_2) == 0.0
     assert holds.outcome["energy_traction_j"] > 1.05 * coasts.outcome["energy_traction_j"]
     assert abs(holds.outcome["error_m"]) <= 0.3
 
@@ -127,11 +133,11 @@ def test_without_c_3_it_does_not_start(drive: Drive) -> None:
 
 
 def test_without_c_4_or_c_5_another_rule_has_to_do(drive: Drive) -> None:
-    way = Way(2500.0)
-    assert drive(way, np.inf).seconds(Rule.C_4) > 30.0
-    assert drive(way, np.inf, c_4=False).seconds(Rule.C_4) == 0.0
+    way = HopWay(2500.0)
+    assert drive(way, np.inf).seconds(FuzzyRule.C_4) > 30.0
+    assert drive(way, np.inf, c_4=False).seconds(FuzzyRule.C_4) == 0.0
     assert int(drive(way, np.inf, c_4=False).own.notch_changes) > int(drive(way, np.inf).own.notch_changes)
-    assert drive(way, np.inf, c_5=False).seconds(Rule.C_5) == 0.0
+    assert drive(way, np.inf, c_5=False).seconds(FuzzyRule.C_5) == 0.0
 
 
 def test_without_t_1_the_brake_never_rests(drive: Drive) -> None:
@@ -151,8 +157,8 @@ def test_without_t_2_1_the_first_brake_is_on_as_soon_as_its_zone_begins(drive: D
     assert first_brake_m(without) < first_brake_m(drive()) - 3.0
 
 
-@pytest.mark.parametrize(("t_2_1", "offered"), [(True, Rule.T_2_1), (False, Rule.NONE)])
-def test_t_2_1_is_offered_before_the_stop_only_where_it_is_on(t_2_1: bool, offered: Rule) -> None:
+@pytest.mark.parametrize(("t_2_1", "offered"), [(True, FuzzyRule.T_2_1), (False, FuzzyRule.NONE)])
+def test_t_2_1_is_offered_before_the_stop_only_where_it_is_on(t_2_1: bool, offered: FuzzyRule) -> None:
     hop = HopBench(bench("hitachi_train", TABLE_1.driving, t_2_1=t_2_1), LEVEL)
     hop.run(new_hops([ORDER_S]), 4000)
     board = hop.bench.work.view(np.recarray)[0].board
@@ -162,22 +168,22 @@ def test_t_2_1_is_offered_before_the_stop_only_where_it_is_on(t_2_1: bool, offer
         own, board.cue, board.unit, board.kind, board.behaviour, hop.pattern, hop.mark_m
     )
     assert at_most == row_of("hitachi_train").power_notches
-    assert Rule(int(own.best_rule)) is offered
+    assert FuzzyRule(int(own.best_rule)) is offered
 
 
 def test_c_1_brakes_half_way_where_the_speed_is_no_longer_permitted(drive: Drive) -> None:
     """With T_s of 8 s danger comes before the other rules see the lower limit, 4 s ahead."""
-    way = Way(1500.0, limits_mps=((0.0, 22.0), (700.0, 8.0)))
+    way = HopWay(1500.0, limits_mps=((0.0, 22.0), (700.0, 8.0)))
     hop = drive(way, 60.0, safe_s=8.0, c_5=False)
-    assert hop.seconds(Rule.C_1) > 0.0
-    at = hop.won().index(Rule.C_1)
+    assert hop.seconds(FuzzyRule.C_1) > 0.0
+    at = hop.won().index(FuzzyRule.C_1)
     assert hop.own.changed_notch[at] == half_way(row_of("hitachi_train"), hop.own.changed_notch[at - 1])
-    assert drive(way, 60.0, safe_s=8.0, c_1=False, c_5=False).seconds(Rule.C_1) == 0.0
+    assert drive(way, 60.0, safe_s=8.0, c_1=False, c_5=False).seconds(FuzzyRule.C_1) == 0.0
 
 
 def test_what_the_brake_gives_is_estimated_where_a_notch_is_kept(drive: Drive) -> None:
     """A descent of 20 permille under the whole train, of which the unit knows nothing, is 0.18 m/s2."""
-    way = Way(1000.0, ((0.0, 0.0), (600.0, -20.0)), ((0.0, 0.0),))
+    way = HopWay(1000.0, ((0.0, 0.0), (600.0, -20.0)), ((0.0, 0.0),))
     knows, does_not = drive(way), drive(way, estimates=False)
     assert knows.own.braking_off_mps2 == pytest.approx(-0.18, abs=0.03)
     assert does_not.own.braking_off_mps2 == 0.0
@@ -188,7 +194,7 @@ def test_what_the_brake_gives_is_estimated_where_a_notch_is_kept(drive: Drive) -
 @pytest.mark.parametrize("train", ["ev_e301", "br642", "oda_train"])
 @pytest.mark.parametrize("gradient", [-20.0, 0.0, 15.0])
 def test_other_trains_and_gradients_come_to_their_mark(drive: Drive, train: str, gradient: float) -> None:
-    way = Way(1500.0, ((0.0, gradient),), limits_mps=((0.0, 18.0), (500.0, 12.0), (700.0, 18.0)))
+    way = HopWay(1500.0, ((0.0, gradient),), limits_mps=((0.0, 18.0), (500.0, 12.0), (700.0, 18.0)))
     hop = drive(way, 170.0, train)
     assert abs(hop.outcome["error_m"]) <= 0.5
     assert hop.outcome["intervention"] == 0
@@ -196,7 +202,7 @@ def test_other_trains_and_gradients_come_to_their_mark(drive: Drive, train: str,
 
 
 def test_a_short_hop_stops_at_its_mark_too(drive: Drive) -> None:
-    assert abs(drive(Way(60.0), 40.0, "ev_e301").outcome["error_m"]) <= 0.3
+    assert abs(drive(HopWay(60.0), 40.0, "ev_e301").outcome["error_m"]) <= 0.3
 
 
 @pytest.mark.parametrize("train", ["hitachi_train", "ev_e301", "br642", "oda_train"])

@@ -1,0 +1,200 @@
+"""What grows unless it is counted: names taken twice, circles of imports, lines, lists of fields that are restated.
+
+`documents/ceilings.toml` has what there still is of each. It may only shrink: a name, circle or figure in it that is
+no longer so is an error too, so that what was mended stays mended.
+"""
+
+from __future__ import annotations
+
+import ast
+import tomllib
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+from typing import Final
+
+from documents.structure_rule import PRODUCT, TESTS, StructureRule
+
+CEILINGS: Final = Path(__file__).with_name("ceilings.toml")
+FIELDS_MIN: Final = 6  # as many names in a row, in one order, make a list of fields
+ROOM_SHARE_MAX: Final = 0.15
+# Of what it bounds: room for what one recipe adds. A ceiling further above that is to be lowered.
+BELOW_CEILING: Final = 0.05
+ABOVE_SIMULATION: Final = ("branchline", "documents", "papers", "study", "scenario", "exchange")
+DIVIDED: Final = "study"  # its folders are rooms of their own
+
+
+@dataclass(frozen=True, slots=True)
+class Ceilings:
+    """What may still be. `circles`: the modules of each; `pairs`: of restated lists of fields."""
+
+    class_names: frozenset[str]
+    circles: tuple[frozenset[str], ...]
+    product_lines: int
+    test_lines: int
+    pairs: int
+
+
+def ceilings(file: Path = CEILINGS) -> Ceilings:
+    """What is committed."""
+    said = tomllib.loads(file.read_text("utf-8"))
+    return Ceilings(
+        frozenset(said["class_names"]),
+        tuple(frozenset(circle) for circle in said["circles"]),
+        said["product_lines"],
+        said["test_lines"],
+        said["pairs"],
+    )
+
+
+def trees(root: Path) -> dict[Path, ast.Module]:
+    """Every Python file of the product, by its path below the root, parsed."""
+    files = [file for package in PRODUCT for file in sorted((root / package).rglob("*.py"))]
+    return {file.relative_to(root): ast.parse(file.read_text("utf-8")) for file in files}
+
+
+def class_names_rule(product: Mapping[Path, ast.Module], excepted: frozenset[str]) -> StructureRule:
+    """A reader of another file knows a class by its name alone."""
+    places: dict[str, list[str]] = defaultdict(list)
+    for file, tree in product.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ClassDef):
+                places[node.name].append(f"{file}:{node.lineno}")
+    twice = {name: found for name, found in places.items() if len(found) > 1}
+    advice = "one class where both mean the same, else the field's term with what tells it apart"
+    new = [f"{name} in {', '.join(twice[name])}: {advice}" for name in sorted(twice.keys() - excepted)]
+    gone = [_take_out(name, "class_names") for name in sorted(excepted - twice.keys())]
+    found = f"{len(places)} names, {len(twice)} of them still taken more than once"
+    return StructureRule("no class name twice", found, (*new, *gone))
+
+
+def circles_rule(product: Mapping[Path, ast.Module], excepted: Sequence[frozenset[str]]) -> StructureRule:
+    """What stands in a circle can only be read, tested and moved as a whole; imports for types alone count too."""
+    found = circles(product)
+    advice = "move what both need into a module below them"
+    new = [
+        f"{' <-> '.join(sorted(circle))}: {advice}"
+        for circle in found
+        if not any(circle <= known for known in excepted)
+    ]
+    gone = [_take_out(", ".join(sorted(known)), "circles") for known in excepted if known not in found]
+    return StructureRule("no circle of imports", f"{len(found)} still there", (*new, *gone))
+
+
+def circles(product: Mapping[Path, ast.Module]) -> list[frozenset[str]]:
+    """The modules of each circle: all that can be reached from one another."""
+    modules = {_module(file): tree for file, tree in product.items()}
+    known = frozenset(modules)
+    imported = {name: set(_imported(tree, known)) - {name} for name, tree in modules.items()}
+    reached = {name: _reached(name, imported) for name in modules}
+    found = {frozenset(n for n in reached[m] if m in reached[n]) for m in modules if m in reached[m]}
+    return sorted(found, key=sorted)
+
+
+def sizes_rule(root: Path, ceiling: Ceilings) -> StructureRule:
+    """Lines fall by restating removed; a room that has grown beyond its share wants to be two, or less."""
+    lines = {
+        file.relative_to(root): _lines(file) for package in PRODUCT for file in (root / package).rglob("*.py")
+    }
+    product, tests = sum(lines.values()), sum(_lines(file) for file in (root / TESTS).rglob("*.py"))
+    rooms: dict[str, int] = defaultdict(int)
+    for file, count in lines.items():
+        divided = file.parts[0] == DIVIDED and len(file.parts) > 2
+        rooms["/".join(file.parts[: 2 if divided else 1])] += count
+    broken = [
+        f"{room} has {count} lines of {product}: divide it by what it does, or take out what others have too"
+        for room, count in rooms.items()
+        if room.split("/")[0] in ABOVE_SIMULATION and count > ROOM_SHARE_MAX * product
+    ]
+    broken += _against("lines of the product", product, ceiling.product_lines, "product_lines")
+    broken += _against("lines of the tests", tests, ceiling.test_lines, "test_lines")
+    text = f"no room above the simulation over {ROOM_SHARE_MAX:.0%} of the product, and no more lines than there were"
+    return StructureRule(text, f"product {product}, tests {tests}", tuple(broken))
+
+
+def field_lists_rule(product: Mapping[Path, ast.Module], pairs_max: int) -> StructureRule:
+    """Every fact once: a list of field names in a second place waits for its edit."""
+    pairs = list(restated(product))
+    broken = _against("pairs of restated lists of fields", len(pairs), pairs_max, "pairs")
+    if len(pairs) > pairs_max:
+        broken += [f"{one} and {other}: hand the record on, or make one of the other" for one, other in pairs]
+    found = f"{len(pairs)} pairs of classes or calls that share {FIELDS_MIN} names in a row"
+    return StructureRule("no list of fields restated", found, tuple(broken))
+
+
+def restated(product: Mapping[Path, ast.Module]) -> Iterator[tuple[str, str]]:
+    """Pairs of places, classes with their fields or calls by keyword, that share names in a row."""
+    lists: list[tuple[str, frozenset[tuple[str, ...]]]] = []
+    for file, tree in product.items():
+        for node in ast.walk(tree):
+            names = _fields(node)
+            runs = frozenset(tuple(names[i : i + FIELDS_MIN]) for i in range(len(names) - FIELDS_MIN + 1))
+            if isinstance(node, ast.ClassDef | ast.Call) and runs:
+                lists.append((f"{file}:{node.lineno}", runs))
+    for (one, its), (other, those) in combinations(lists, 2):
+        if its & those:
+            yield one, other
+
+
+def rules(root: Path, ceiling: Ceilings) -> tuple[StructureRule, ...]:
+    """All of them."""
+    product = trees(root)
+    return (
+        class_names_rule(product, ceiling.class_names),
+        circles_rule(product, ceiling.circles),
+        sizes_rule(root, ceiling),
+        field_lists_rule(product, ceiling.pairs),
+    )
+
+
+def _fields(node: ast.AST) -> list[str]:
+    if isinstance(node, ast.ClassDef):
+        told = [item.target for item in node.body if isinstance(item, ast.AnnAssign)]
+        return [target.id for target in told if isinstance(target, ast.Name)]
+    if isinstance(node, ast.Call):
+        return [keyword.arg for keyword in node.keywords if keyword.arg is not None]
+    return []
+
+
+def _module(file: Path) -> str:
+    parts = file.with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def _imported(tree: ast.Module, known: frozenset[str]) -> Iterator[str]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module is not None:
+            inner = [f"{node.module}.{alias.name}" for alias in node.names]
+            yield from (
+                name if name in known else node.module for name in inner if {name, node.module} & known
+            )
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in known)
+
+
+def _reached(start: str, imported: Mapping[str, set[str]]) -> set[str]:
+    found, ahead = set[str](), list(imported[start])
+    while ahead:
+        name = ahead.pop()
+        if name not in found:
+            found.add(name)
+            ahead += imported.get(name, ())
+    return found
+
+
+def _lines(file: Path) -> int:
+    return len(file.read_text("utf-8").splitlines())
+
+
+def _against(what: str, count: int, most: int, key: str) -> list[str]:
+    if count > most:
+        return [f"{count} {what}, {most} were there: find what says the same and keep one of them"]
+    if count < (1.0 - BELOW_CEILING) * most:
+        return [f"{count} {what}: lower `{key}` in {CEILINGS.name} from {most} to that"]
+    return []
+
+
+def _take_out(what: str, key: str) -> str:
+    return f"{what}: mended, take it out of `{key}` in {CEILINGS.name}"

@@ -1,0 +1,470 @@
+"""Import a track layout from OpenStreetMap (an .osm file: nodes and ways as XML).
+
+Ways that are rails are cut where more or fewer than two of them meet, and joined again where just two of one name and
+kind do. Nodes at which three meet are points where their directions allow it; the tag `railway=switch` is compared,
+not trusted. Kilometrage comes from milestones (`railway:position`). What the tags mean: OpenStreetMap wiki,
+OpenRailwayMap/Tagging.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from exchange.geometry import plane_projection
+from exchange.layout import (
+    ForeignLayout,
+    KmRow,
+    LayoutNode,
+    LayoutPoints,
+    LayoutSignal,
+    LayoutStation,
+    LayoutTrack,
+    Milestone,
+    NodeKind,
+    Place,
+    Spot,
+    TurnoutSide,
+    counted,
+)
+from exchange.layout_draft import Merged, carried, km_rows, merged
+from exchange.layout_geometry import direction_from, length_of_m, parted
+from exchange.xml_input import local_name, needed, needed_number, read_xml
+from network.errors import InputError
+
+RAILS: Final = frozenset({"rail", "narrow_gauge", "light_rail"})
+STATION_TAGS: Final = frozenset({"station", "halt", "stop", "tram_stop"})
+NEAR_M: Final = 150.0  # of a station's node from its track, where no stop lies on one
+EXTENT_DEG_MAX: Final = 3.0  # of the cut: beyond, one plane is no longer true to scale
+
+
+@dataclass(frozen=True, slots=True)
+class _OsmNode:
+    id: str
+    place: Place
+    tags: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class _Way:
+    id: str
+    nodes: tuple[str, ...]
+    tags: Mapping[str, str]
+
+
+@dataclass(slots=True)
+class _Source:
+    """The file, its rails only. `places_of` are pieces of track and offsets at which a node lies on them."""
+
+    file: str
+    origin_deg: Place
+    nodes: dict[str, _OsmNode]
+    ways: list[_Way]
+    cut: int = 0
+    left: Counter[str] = field(default_factory=Counter)
+    places_of: dict[str, list[tuple[str, float]]] = field(default_factory=lambda: defaultdict(list))
+    sense_of: dict[tuple[str, str], int] = field(default_factory=dict)
+
+
+def read_osm(path: Path) -> ForeignLayout:
+    """The layout of an OpenStreetMap file. Raises InputError for another form, or a file without rails."""
+    source = _read(path)
+    pieces = list(_pieces(source))
+    meeting = _meeting(pieces)
+    fixed = frozenset(node for node, ends in meeting.items() if len(ends) != 2)
+    done = merged(pieces, fixed)
+    meeting = _meeting(done.tracks)
+    points, crossings, odd = _points(source, meeting)
+    milestones = tuple(_milestones(source, done))
+    measured, unused = _measured(done.tracks, milestones)
+    tracks, given = carried(measured, points, names_are_lines=True)
+    stations, homeless = _stations(source, done, tracks)
+    signals = tuple(_signals(source, done))
+    nodes = tuple(_node(source, node, ends, crossings) for node, ends in meeting.items())
+    taken = _taken(source, tracks, points, stations, signals, milestones)
+    assumed = _assumed(source, points, given, tracks)
+    left = [*odd, *unused, *homeless, *_left(source)]
+    without = sum(not track.kilometrage for track in tracks)
+    if without:
+        left.append(
+            f"no kilometrage: {counted(without, 'track')}, with no milestones on them or on those they continue"
+        )
+    return ForeignLayout(
+        path.name.partition(".")[0],
+        f"OpenStreetMap contributors (ODbL 1.0), {path.name}",
+        nodes,
+        tuple(tracks),
+        tuple(points),
+        tuple(stations),
+        signals,
+        milestones,
+        tuple(taken),
+        tuple(assumed),
+        tuple(left),
+        source.origin_deg,
+    )
+
+
+def _read(path: Path) -> _Source:
+    file = str(path)
+    root = read_xml(path)
+    if local_name(root) != "osm":
+        raise InputError(
+            file, "", None, f"OpenStreetMap XML, but the outermost element is {local_name(root)}"
+        )
+    ways: list[_Way] = []
+    left = Counter[str]()
+    for element in root.iterfind("way"):
+        tags = _tags(element)
+        kind = tags.get("railway", "")
+        if kind in RAILS and tags.get("area") != "yes":
+            refs = tuple(needed(file, nd, "ref") for nd in element.iterfind("nd"))
+            ways.append(_Way(needed(file, element, "id"), refs, tags))
+        elif kind:
+            left[f"way of railway={kind}"] += 1
+    for element in root.iterfind("relation"):
+        if "railway" in (tags := _tags(element)) or tags.get("route") in ("railway", "train", "tracks"):
+            left["relation"] += 1
+    if not ways:
+        raise InputError(file, "", None, f"ways with railway={' or '.join(sorted(RAILS))}")
+    wanted = {ref for way in ways for ref in way.nodes}
+    found: dict[str, tuple[float, float, dict[str, str]]] = {}
+    for element in root.iterfind("node"):
+        node_id, tags = needed(file, element, "id"), _tags(element)
+        if node_id in wanted or "railway" in tags:
+            lon, lat = (needed_number(file, element, name) for name in ("lon", "lat"))
+            if abs(lat) > 89 or abs(lon) > 180:
+                raise InputError(file, f"node {node_id}", [lon, lat], "longitude and latitude in degrees")
+            found[node_id] = lon, lat, tags
+    on_rails = np.array([found[ref][:2] for ref in wanted if ref in found], dtype=np.float64)
+    if not len(on_rails):
+        raise InputError(file, "", None, "the nodes of its ways, none of which is in the file")
+    (low_lon, low_lat), (high_lon, high_lat) = on_rails.min(axis=0), on_rails.max(axis=0)
+    if max(high_lon - low_lon, high_lat - low_lat) > EXTENT_DEG_MAX:
+        raise InputError(file, "", None, f"a cut of at most {EXTENT_DEG_MAX:g} degrees")
+    lon0, lat0 = round(float(low_lon + high_lon) / 2.0, 4), round(float(low_lat + high_lat) / 2.0, 4)
+    project = plane_projection(path, lat0, lon0)
+    places = project(np.array([(lon, lat) for lon, lat, _ in found.values()], dtype=np.float64))
+    nodes = {
+        node_id: _OsmNode(node_id, (round(float(x), 3), round(float(y), 3)), tags)
+        for (node_id, (_, _, tags)), (x, y) in zip(found.items(), places, strict=True)
+    }
+    source = _Source(file, (lon0, lat0), nodes, [], left=left)
+    source.ways = list(_whole(source, ways))
+    return source
+
+
+def _tags(element: ET.Element) -> dict[str, str]:
+    return {tag.get("k", ""): tag.get("v", "") for tag in element.iterfind("tag")}
+
+
+def _whole(source: _Source, ways: Iterable[_Way]) -> Iterator[_Way]:
+    """Ways without the nodes that the cut has left out; one that it parts becomes several."""
+    for way in ways:
+        parts: list[list[str]] = [[]]
+        for ref in way.nodes:
+            if ref not in source.nodes:
+                parts.append([])
+            elif not parts[-1] or source.nodes[parts[-1][-1]].place != source.nodes[ref].place:
+                parts[-1].append(ref)
+        source.cut += len(parts) > 1
+        for number, part in enumerate(part for part in parts if len(part) > 1):
+            yield replace(way, id=f"{way.id}~{number + 1}" if number else way.id, nodes=tuple(part))
+
+
+def _pieces(source: _Source) -> Iterator[LayoutTrack]:
+    """Ways cut at every node where not just two of them go on."""
+    degree: Counter[str] = Counter()
+    for way in source.ways:
+        degree.update(way.nodes[1:-1])
+        degree.update(way.nodes[1:-1])
+        degree.update((way.nodes[0], way.nodes[-1]))
+    for way in source.ways:
+        cuts = [
+            0,
+            *(i for i in range(1, len(way.nodes) - 1) if degree[way.nodes[i]] != 2),
+            len(way.nodes) - 1,
+        ]
+        for number, (first, last) in enumerate(pairwise(cuts)):
+            piece_id = f"{way.id}.{number + 1}" if number else way.id
+            shape = tuple(source.nodes[ref].place for ref in way.nodes[first : last + 1])
+            for i in range(first, last + 1):
+                offset_m = length_of_m(shape[: i - first + 1])
+                source.places_of[way.nodes[i]].append((piece_id, round(offset_m, 6)))
+            yield LayoutTrack(
+                piece_id,
+                way.tags.get("railway:track_ref") or way.tags.get("ref") or way.tags.get("name", ""),
+                way.tags.get("service") or way.tags.get("usage", ""),
+                way.nodes[first],
+                way.nodes[last],
+                round(length_of_m(shape), 6),
+                shape,
+            )
+
+
+def _meeting(tracks: Iterable[LayoutTrack]) -> dict[str, list[tuple[LayoutTrack, bool]]]:
+    """At each node the tracks that end there, True where it is their high end."""
+    found: dict[str, list[tuple[LayoutTrack, bool]]] = defaultdict(list)
+    for track in tracks:
+        found[track.low_node].append((track, False))
+        found[track.high_node].append((track, True))
+    return found
+
+
+def _points(
+    source: _Source, meeting: Mapping[str, list[tuple[LayoutTrack, bool]]]
+) -> tuple[list[LayoutPoints], set[str], list[str]]:
+    """Points, crossings, and in sentences what the map calls points and is none, or the other way round."""
+    points: list[LayoutPoints] = []
+    crossings: set[str] = set()
+    odd: list[str] = []
+    for node, ends in meeting.items():
+        if len(ends) == 3:
+            found = parted([direction_from(track.shape, from_high=high) for track, high in ends])
+            if found is None:
+                crossings.add(node)
+                odd.append(f"not among points: node {node}, at which three tracks meet as no points do")
+                continue
+            stem, straight, branch = (ends[i][0] for i in (found.stem, found.straight, found.branch))
+            # Where one leg alone bears the stem's name and kind it is the line that goes on, whatever the angles.
+            same = [leg for leg in (straight, branch) if (leg.name, leg.kind) == (stem.name, stem.kind)]
+            side = found.side
+            if same == [branch]:
+                straight, branch = branch, straight
+                side = TurnoutSide.RIGHT if side is TurnoutSide.LEFT else TurnoutSide.LEFT
+            tags = source.nodes[node].tags
+            points.append(
+                LayoutPoints(node, tags.get("ref", ""), node, stem.id, straight.id, branch.id, side)
+            )
+        elif len(ends) > 3:
+            crossings.add(node)
+            odd.append(f"not among points: node {node}, a crossing or slip at which {len(ends)} tracks meet")
+    inner = {node for node, tag in source.nodes.items() if tag.tags.get("railway") == "switch"}
+    for node in sorted(inner - {entry.id for entry in points} - crossings):
+        count = len(meeting.get(node, ())) or 2 * bool(source.places_of.get(node))
+        odd.append(
+            f"not among points: node {node}, called a switch, but {counted(count, 'track end')} meet there"
+        )
+    return points, crossings, odd
+
+
+def _node(
+    source: _Source,
+    node: str,
+    ends: Sequence[tuple[LayoutTrack, bool]],
+    crossings: set[str],
+) -> LayoutNode:
+    if node in crossings:
+        kind = NodeKind.CROSSING
+    elif len(ends) == 3:
+        kind = NodeKind.POINTS
+    elif len(ends) == 2:
+        kind = NodeKind.JOINT
+    else:
+        stop = source.nodes[node].tags.get("railway") == "buffer_stop"
+        kind = NodeKind.BUFFER if stop else NodeKind.OPEN
+    return LayoutNode(node, kind, source.nodes[node].place)
+
+
+def _on_track(source: _Source, done: Merged, node: str) -> tuple[str, float, int] | None:
+    """Track, offset and sense of the piece at which a node lies; None where it lies on none."""
+    for piece_id, offset_m in source.places_of.get(node, ()):
+        moved = done.moved[piece_id]
+        return moved.track_id, moved.offset_m(offset_m), moved.sign
+    return None
+
+
+def _milestones(source: _Source, done: Merged) -> Iterator[Milestone]:
+    for node in source.nodes.values():
+        if node.tags.get("railway") != "milestone":
+            continue
+        km = _kilometres(node.tags.get("railway:position:exact")) or _kilometres(
+            node.tags.get("railway:position")
+        )
+        here = _on_track(source, done, node.id)
+        if km is None or here is None:
+            source.left["milestone without a kilometrage or beside the tracks"] += 1
+            continue
+        yield Milestone(here[0], here[1], round(km * 1000.0, 3))
+
+
+def _kilometres(text: str | None) -> float | None:
+    """`149.2`, `149,2` or the first of several; None for anything else."""
+    try:
+        value = float((text or "").split(";")[0].replace(",", ".").strip())
+    except ValueError:
+        return None
+    return value if abs(value) < 1e5 else None
+
+
+def _measured(
+    tracks: Sequence[LayoutTrack], milestones: Iterable[Milestone]
+) -> tuple[list[LayoutTrack], list[str]]:
+    """Tracks with the kilometrage of their milestones, two at least; and what was not used, in sentences."""
+    rows: dict[str, list[KmRow]] = defaultdict(list)
+    for post in milestones:
+        rows[post.track_id].append((post.offset_m, post.position_m))
+    measured: list[LayoutTrack] = []
+    alone = crossed = 0
+    for track in tracks:
+        known = sorted(rows.get(track.id, ()))
+        steps = {(b[1] > a[1]) - (b[1] < a[1]) for a, b in pairwise(known)} - {0}
+        if len(steps) > 1:
+            crossed += 1
+            known = []
+        elif len({km_m for _, km_m in known}) < 2:
+            alone += bool(known)
+            known = []
+        measured.append(replace(track, kilometrage=km_rows(track.length_m, known, ())))
+    said: list[str] = []
+    if alone:
+        said.append(
+            f"{counted(alone, 'milestone')} alone on a track: which way its kilometrage grows is not said"
+        )
+    if crossed:
+        said.append(f"milestones of {counted(crossed, 'track')}, which are in no order")
+    return measured, said
+
+
+def _stations(
+    source: _Source, done: Merged, tracks: Sequence[LayoutTrack]
+) -> tuple[list[LayoutStation], list[str]]:
+    """Stations by name: stops on tracks are their spots; one without any takes the nearest track."""
+    named: dict[str, list[_OsmNode]] = defaultdict(list)
+    said: list[str] = []
+    nameless = 0
+    for node in source.nodes.values():
+        if node.tags.get("railway") in STATION_TAGS:
+            name = node.tags.get("name", "")
+            nameless += not name
+            if name:
+                named[name].append(node)
+    if nameless:
+        said.append(f"{counted(nameless, 'stop')} without a name")
+    by_id = {track.id: track for track in tracks}
+    stations: list[LayoutStation] = []
+    for name, nodes in named.items():
+        spots = [
+            Spot(here[0], here[1], node.tags.get("local_ref") or node.tags.get("ref", ""))
+            for node in nodes
+            if (here := _on_track(source, done, node.id)) is not None
+        ]
+        if not spots and (near := _nearest(nodes[0].place, tracks)) is not None:
+            spots = [near]
+        if not spots:
+            said.append(f"no place on the tracks: station {name}")
+        known = [km_m for spot in spots if (km_m := by_id[spot.track_id].km_m(spot.offset_m)) is not None]
+        code = next((n.tags["railway:ref"] for n in nodes if "railway:ref" in n.tags), "")
+        position_m = round(sum(known) / len(known), 3) if known else None
+        stations.append(LayoutStation(nodes[0].id, code, name, position_m, tuple(spots)))
+    stations.sort(key=lambda entry: (entry.position_m is None, entry.position_m or 0.0))
+    return stations, said
+
+
+def _nearest(place: Place, tracks: Iterable[LayoutTrack]) -> Spot | None:
+    """The nearest spot of any track within NEAR_M."""
+    best: tuple[float, Spot] | None = None
+    for track in tracks:
+        along_m = 0.0
+        for (ax, ay), (bx, by) in pairwise(track.shape):
+            length_m = length_of_m([(ax, ay), (bx, by)])
+            share = ((place[0] - ax) * (bx - ax) + (place[1] - ay) * (by - ay)) / max(length_m**2, 1e-9)
+            share = min(max(share, 0.0), 1.0)
+            at = (ax + share * (bx - ax), ay + share * (by - ay))
+            far_m = length_of_m([place, at])
+            if far_m <= NEAR_M and (best is None or far_m < best[0]):
+                best = far_m, Spot(track.id, round(along_m + share * length_m, 6))
+            along_m += length_m
+    return None if best is None else best[1]
+
+
+def _signals(source: _Source, done: Merged) -> Iterator[LayoutSignal]:
+    for node in source.nodes.values():
+        if node.tags.get("railway") != "signal":
+            continue
+        here = _on_track(source, done, node.id)
+        facing = node.tags.get("railway:signal:direction", "")
+        if here is None or facing not in ("forward", "backward"):
+            source.left["signal beside the tracks or facing nowhere"] += 1
+            continue
+        forward = (facing == "forward") == (here[2] > 0)
+        yield LayoutSignal(node.tags.get("ref", ""), here[0], here[1], forward)
+
+
+def _taken(
+    source: _Source,
+    tracks: Sequence[LayoutTrack],
+    points: Sequence[LayoutPoints],
+    stations: Sequence[LayoutStation],
+    signals: Sequence[LayoutSignal],
+    milestones: Sequence[Milestone],
+) -> list[str]:
+    service = Counter(way.tags["service"] for way in source.ways if "service" in way.tags)
+    spots = sum(len(station.spots) for station in stations)
+    ways = counted(len({way.id.partition("~")[0] for way in source.ways}), "way")
+    taken = [
+        f"{ways} as {counted(len(tracks), 'track')} of {sum(t.length_m for t in tracks) / 1000:.3f} km in all",
+        f"{counted(len(points), 'set of points', 'sets of points')}",
+        f"{counted(len(stations), 'station')} with {counted(spots, 'stop')}",
+        counted(len(signals), "signal"),
+        counted(len(milestones), "milestone"),
+    ]
+    if service:
+        kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(service.items()))
+        taken.insert(1, f"service tracks among them: {kinds}")
+    return taken
+
+
+def _assumed(
+    source: _Source, points: Sequence[LayoutPoints], given: Sequence[str], tracks: Sequence[LayoutTrack]
+) -> list[str]:
+    assumed = ["lengths are those of the mapped polylines on a plane (transverse Mercator, GRS80)"]
+    unsaid = sum(source.nodes[entry.node_id].tags.get("railway") != "switch" for entry in points)
+    if unsaid:
+        said = counted(unsaid, "set of points", "sets of points")
+        assumed.append(f"{said}: three tracks meet there, though the map has no railway=switch")
+    if points:
+        assumed.append(
+            "the stem of points is the track that both others run on into; the normal leg is the one of the stem's name"
+            " and kind, else the straighter one"
+        )
+    if source.cut:
+        assumed.append(f"{counted(source.cut, 'way')} reached beyond the file: cut there")
+    if given:
+        assumed.append(f"kilometrage of {counted(len(given), 'track')} carried over from those they continue")
+    if any(track.kilometrage for track in tracks):
+        assumed.append("milestones stand where they say, though most show whole hundreds of metres")
+    return assumed
+
+
+def _left(source: _Source) -> list[str]:
+    known = STATION_TAGS | {"switch", "signal", "milestone", "buffer_stop"}
+    for node in source.nodes.values():
+        kind = node.tags.get("railway", "")
+        if kind and kind not in known:
+            source.left[f"node of railway={kind}"] += 1
+    speeds = sum("maxspeed" in way.tags for way in source.ways)
+    if speeds:
+        source.left["speed limit of a way"] = speeds
+    plurals = {
+        "speed limit of a way": "speed limits of ways",
+        "signal beside the tracks or facing nowhere": "signals beside the tracks or facing nowhere",
+        "milestone without a kilometrage or beside the tracks": (
+            "milestones without a kilometrage or beside the tracks"
+        ),
+    }
+    return [
+        counted(
+            count, what, plurals.get(what, what.replace("node of", "nodes of").replace("way of", "ways of"))
+        )
+        if " of " in what or what in plurals
+        else counted(count, what)
+        for what, count in sorted(source.left.items())
+    ]

@@ -1,0 +1,137 @@
+"""The text of a timetable file: `network.timetable` reads the same tables back, in the order people write them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from exchange.planned import TrainOnLine, Workings
+from network.clock import clock
+from network.files.line_schema import DIRECTIONS, DirectionName
+from network.files.timetable_schema import CallTable, DiagramTable, HeadTable, TimetableFile, TrainTable
+from network.files.toml_text import text_toml
+from network.model import Direction
+from network.timetable import DAY_S, Call, CallKind, Timetable, begins_text, ends_text
+
+_LAST_WRITTEN_S = 30 * 3600  # files write hours up to 29; what is later is found again from the trains before
+_NAMES: dict[Direction, DirectionName] = {DIRECTIONS[name]: name for name in ("down", "up")}
+
+
+def timetable_toml(file: TimetableFile) -> str:
+    """The whole file as TOML."""
+    rows = head_toml(file.timetable)
+    for train in file.trains:
+        rows += ["", *_train(train)]
+    for diagram in file.diagrams:
+        names = ", ".join(text_toml(number) for number in diagram.trains)
+        rows += ["", "[[diagrams]]", f"stock = {text_toml(diagram.stock)}", f"trains = [{names}]"]
+    return "\n".join(rows) + "\n"
+
+
+def head_toml(head: HeadTable) -> list[str]:
+    """Lines of `[timetable]`."""
+    rows = ["[timetable]", f"id = {text_toml(head.id)}"]
+    if head.name:
+        rows.append(f"name = {text_toml(head.name)}")
+    rows += [f"line = {text_toml(head.line)}", f"dwell_min_s = {_number(head.dwell_min_s)}"]
+    return [*rows, *_list("sources", head.sources), *_list("assumed", head.assumed)]
+
+
+def file_of_trains(head: HeadTable, trains: Iterable[TrainOnLine], workings: Workings) -> TimetableFile:
+    """The tables of a day's trains and of the sets that run them."""
+    tables = [
+        TrainTable(
+            number=train.number,
+            direction=_NAMES[train.direction],
+            revenue=train.revenue,
+            begins=workings.begins[train.number],
+            ends=workings.ends[train.number],
+            calls=[
+                _call(call, workings.tracks.get((train.number, i), call.track), inferred=i in train.inferred)
+                for i, call in enumerate(train.calls)
+            ],
+        )
+        for train in trains
+    ]
+    diagrams = [DiagramTable(stock=item.stock_id, trains=list(item.numbers)) for item in workings.diagrams]
+    return TimetableFile(timetable=head, trains=tables, diagrams=diagrams)
+
+
+def file_of_timetable(timetable: Timetable) -> TimetableFile:
+    """The tables that a timetable was read from, or might have been."""
+    head = HeadTable(
+        id=timetable.id,
+        name=timetable.name,
+        line=timetable.line_id,
+        dwell_min_s=timetable.dwell_min_s,
+        sources=list(timetable.sources),
+        assumed=list(timetable.assumed),
+    )
+    trains = [
+        TrainTable(
+            number=train.number,
+            direction=_NAMES[train.direction],
+            revenue=train.revenue,
+            begins=begins_text(train.begins),
+            ends=ends_text(train.ends),
+            calls=[_call(call, call.track, inferred=False) for call in train.calls],
+        )
+        for train in timetable.trains.values()
+    ]
+    diagrams = [
+        DiagramTable(stock=item.stock_id, trains=list(item.train_numbers)) for item in timetable.diagrams
+    ]
+    return TimetableFile(timetable=head, trains=trains, diagrams=diagrams)
+
+
+def time_text(time_s: int) -> str:
+    """HH:MM, with :SS where there are seconds; hours from 30 on are those of the day after."""
+    text = clock(time_s if time_s < _LAST_WRITTEN_S else time_s % DAY_S)
+    return text.removesuffix(":00") if text.count(":") == 2 else text
+
+
+def _call(call: Call, track: str | None, *, inferred: bool) -> CallTable:
+    times = {
+        "arrival": None if call.arrival_s is None else time_text(call.arrival_s),
+        "departure": None if call.departure_s is None else time_text(call.departure_s),
+    }
+    if call.kind is CallKind.PASS:
+        times = {"pass": times["departure"]}
+    marks = {"operational": call.kind is CallKind.OPERATIONAL, "inferred": inferred}
+    return CallTable.model_validate({"station": call.station_id, "track": track, **times, **marks})
+
+
+def _train(train: TrainTable) -> list[str]:
+    rows = ["[[trains]]", f"number = {text_toml(train.number)}", f"direction = {text_toml(train.direction)}"]
+    if not train.revenue:
+        rows.append("revenue = false")
+    rows += [f"begins = {text_toml(train.begins)}", f"ends = {text_toml(train.ends)}", "calls = ["]
+    return [*rows, *(f"  {{ {', '.join(_call_items(call))} }}," for call in train.calls), "]"]
+
+
+def _call_items(call: CallTable) -> Iterable[str]:
+    yield f"station = {text_toml(call.station)}"
+    texts = (
+        ("track", call.track),
+        ("arrival", call.arrival),
+        ("departure", call.departure),
+        ("pass", call.passes),
+    )
+    for key, value in texts:
+        if value is not None:
+            yield f"{key} = {text_toml(value)}"
+    for key, mark in (("operational", call.operational), ("inferred", call.inferred)):
+        if mark:
+            yield f"{key} = true"
+
+
+def _list(key: str, texts: Sequence[str]) -> list[str]:
+    """Nothing for no text, a line for a short one, else a line for each."""
+    if not texts:
+        return []
+    if len(texts) == 1 and key == "sources":
+        return [f"{key} = [{text_toml(texts[0])}]"]
+    return [f"{key} = [", *(f"  {text_toml(text)}," for text in texts), "]"]
+
+
+def _number(value: float) -> str:
+    return str(int(value)) if value.is_integer() else repr(value)

@@ -1,1 +1,0 @@
-"""Lines and timetables from other people's formats."""

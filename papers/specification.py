@@ -1,0 +1,110 @@
+"""A paper as a specification: what is sampled, what is run and judged, and the same experiment without the idea.
+
+`Specification` is what a module of `papers.reproduction.REPRODUCTIONS` has as its `reproduce`. Its null method is a
+part of it and runs by itself, so that the tests can run it alone; `--out` and `--quick` mean the same for all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from papers.reproduction import CaseRow, NullMethod, Options, Parameter, Reproduction, UnjudgedFigure
+
+REPORTED: Final = "reported, not judged"
+
+
+@dataclass(frozen=True, slots=True)
+class Evenly:
+    """A quantity that is drawn evenly between two values."""
+
+    name: str
+    low: float
+    high: float
+    unit: str
+    origin: str
+
+    @property
+    def parameter(self) -> Parameter:
+        """As a reproduction prints it."""
+        return Parameter(self.name, f"{self.low:g} to {self.high:g}", self.unit, self.origin)
+
+    def draw(self, rng: np.random.Generator) -> float:
+        """One value of it."""
+        return float(rng.uniform(self.low, self.high))
+
+    def at(self, shares: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The values at shares of the way from low to high."""
+        return np.asarray(self.low + shares * (self.high - self.low), dtype=np.float64)
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """What an experiment came to. `null`: rows of the null method where they come of the same runs; None: run it.
+
+    `draw` writes charts and tables below the folder of `--out`.
+    """
+
+    rows: Iterable[CaseRow]
+    parameters: Iterable[Parameter] = ()
+    remarks: Iterable[str] = ()
+    figures: Iterable[UnjudgedFigure] = ()
+    null: Iterable[CaseRow] | None = None
+    draw: Callable[[Path], Sequence[Path]] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Specification:
+    """One reproduction; called with options, it runs. `slice`: what `--quick` leaves out; `beside`: a second column."""
+
+    name: str
+    title: str
+    run: Callable[[Options], Findings]
+    null: NullMethod
+    slice: str = ""
+    beside: str = ""
+
+    def __call__(self, options: Options) -> Reproduction:
+        """Run the experiment and its null method, and draw where that is asked for."""
+        found = self.run(options)
+        null = self.null.run(options) if found.null is None else found.null
+        remarks = list(found.remarks)
+        if options.out is not None and found.draw is not None:
+            remarks.append("drawn: " + ", ".join(path.name for path in found.draw(Path(options.out))))
+        if options.quick and self.slice:
+            remarks.append(self.slice)
+        return Reproduction(
+            self.name,
+            self.title,
+            tuple(found.parameters),
+            (*found.rows, *self.null.rows(null)),
+            tuple(remarks),
+            tuple(found.figures),
+            self.beside,
+            null=self.null,
+        )
+
+
+def at_most(case: str, paper: object, ours: float, limit: float, digits: int = 4) -> CaseRow:
+    """A figure that must not be above a limit."""
+    return CaseRow(case, paper, round(ours, digits), ours <= limit, f"at most {limit:g}")
+
+
+def none_of(case: str, count: int, criterion: str = "none", paper: object = None) -> CaseRow:
+    """Something that must not happen."""
+    return CaseRow(case, paper, count, count == 0, criterion)
+
+
+def equal(case: str, paper: object, ours: object, criterion: str = "equal") -> CaseRow:
+    """A figure that must be the paper's."""
+    return CaseRow(case, paper, ours, ours == paper, criterion)
+
+
+def reported(case: str, ours: object, what: str, paper: object = None) -> CaseRow:
+    """A figure that has no criterion."""
+    return CaseRow(case, paper, ours, True, f"{what}; {REPORTED}")

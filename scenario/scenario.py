@@ -1,0 +1,208 @@
+"""Scenarios: line, timetable, trains, sensors, air and seed of a run, read from TOML and made into a Setup.
+
+A scenario may extend another (`extends = "karasuyama_weekday"`) and patch every file it names (`[patch]`): that is
+a what-if. Whatever it leaves out has the defaults of its tables, which are assumed; `docs/files.md` lists them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, replace
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Final
+
+from network.errors import InputError
+from network.files.edits import Change, Data
+from network.files.line_file import validate_train_fits
+from network.files.patch import patched_line
+from network.files.quantities import SEED
+from network.files.shipped import find_file, shipped_line, shipped_timetable
+from network.files.text_input import existing_file
+from network.files.timetable_patch import patched_timetable
+from network.files.toml_input import one_of
+from network.timetable import Timetable
+from scenario.battery_choice import check_battery, heated
+from scenario.belief import belief_of
+from scenario.curvature_choice import curvature_map_of
+from scenario.fleet_file import (
+    check_centre,
+    check_grip,
+    check_margins,
+    check_markers,
+    check_parties,
+    check_scatter,
+    check_vision,
+    check_wheels,
+    learned_of,
+)
+from scenario.inputs import Inputs
+from scenario.late_choice import check_late
+from scenario.law_choice import laws_of
+from scenario.layers import ScenarioLayers, pile_of
+from scenario.scenario_file import ScenarioFile
+from scenario.script_file import script_of
+from scenario.sensor_choice import check_sensors, check_window
+from simulation.settings import Tables
+from simulation.setup import Setup
+from vehicle.train_file import TrainType, shipped_train
+from vehicle.train_patch import patched_train
+
+FOLDER: Final = "scenarios"
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A scenario ready to run. `changes` says what differs from what it names or extends; `inputs` are all tables."""
+
+    id: str
+    name: str
+    file: str
+    setup: Setup
+    changes: tuple[Change, ...]
+    assumed: tuple[str, ...]
+    inputs: Inputs
+
+
+def shipped_scenarios() -> tuple[str, ...]:
+    """Names of the scenarios that come with the program."""
+    return tuple(sorted(path.stem for path in _folder().glob("*.toml")))
+
+
+def find_scenario(name: str) -> Path:
+    """File of a shipped scenario, or the given .toml file. InputError otherwise."""
+    return find_file(_folder(), "scenario", name)
+
+
+def with_seed(scenario: Scenario, seed: int) -> Scenario:
+    """The same scenario with another seed, as `load_scenario` would give it. InputError for a seed that is none."""
+    _check_seed(seed)
+    inputs = replace(scenario.inputs, scenario={**scenario.inputs.scenario, "seed": seed})
+    return replace(scenario, setup=replace(scenario.setup, seed=seed), inputs=inputs)
+
+
+def _check_seed(seed: int | None) -> None:
+    if seed is not None and not SEED.holds(seed):
+        raise InputError("command line", "--seed", seed, f"{SEED.text()} ({SEED.name})")
+
+
+def load_scenario(name: str, seed: int | None = None) -> Scenario:
+    """Read a scenario with all that it names. InputError says which file, key and value is at fault."""
+    _check_seed(seed)
+    path = find_scenario(name)
+    pile = pile_of(path, lambda above, base: _named(above, "extends", base, find_scenario))
+    model = pile.validated(path)
+    line_file = _named(path, "line", model.line, shipped_line, pile)
+    line, line_data, of_line = patched_line(line_file, pile.files.get("line", ()))
+    file = _named(path, "timetable", model.timetable, shipped_timetable, pile)
+    timetable, times_data, of_timetable = patched_timetable(file, line, pile.files.get("timetable", ()))
+    check_parties(str(file), str(line_file), line, timetable)
+    stock, loaded = _trains(path, model, timetable, pile)
+    tables = model.tables
+    trains = heated({stock_id: loaded[name][0] for stock_id, name in stock.items()}, tables.battery)
+    lengths_m = {stock_id: float(train.row[0]["length_m"]) for stock_id, train in trains.items()}
+    validate_train_fits(line, lengths_m, timetable, str(path))
+    check_scatter(str(path), tables.scatter, trains)
+    check_centre(str(path), tables.operation, line.stations)
+    check_vision(str(path), tables.vision, line.stations)
+    check_margins(str(path), tables.driving)
+    check_wheels(str(path), tables.sensors, tables.unit, trains)
+    check_battery(str(path), tables.battery, timetable, trains)
+    check_sensors(str(path), tables.sensors, sorted(trains))
+    check_window(str(path), tables.sensors, tables.curvature)
+    check_grip(str(path), tables.driving, trains, line.max_speed_mps)
+    belief = belief_of(path, model.belief, line_file, pile.files.get("line", ()), line, trains)
+    believed = line if belief is None else belief.line
+    setup = Setup(
+        name=model.id,
+        line=line,
+        timetable=timetable,
+        trains=trains,
+        seed=model.seed if seed is None else seed,
+        laws=laws_of(str(path), tables.driving, sorted(trains)),
+        belief=belief,
+        curvature_map=curvature_map_of(_folders(path, "curvature", pile), tables.curvature, believed),
+        learned=learned_of(path, tables.tuning, trains),
+        load=model.trains,
+        **run_tables(tables, timetable),
+    )
+    check_late(str(path), setup)
+    check_markers(str(path), setup)
+    setup = replace(setup, script=script_of(str(path), setup, model.fault, model.act, model.expect))
+    assumed = (*model.assumed, *line.assumed, *timetable.assumed, *_train_assumptions(trains))
+    of_trains = (change for _, _, changes in loaded.values() for change in changes)
+    changes = (*pile.changes, *of_line, *of_timetable, *of_trains)
+    inputs = Inputs(
+        scenario=pile.data | {"seed": setup.seed},
+        line=line_data,
+        timetable=times_data,
+        trains={name: data for name, (_, data, _) in loaded.items()},
+        stock=stock,
+        learned={stock_id: learned.as_dict() for stock_id, learned in setup.learned.items()},
+        changes=changes,
+        assumed=assumed,
+    )
+    return Scenario(model.id, model.name, str(path), setup, changes, assumed, inputs)
+
+
+def _folder() -> Path:
+    return Path(str(files("study"))) / FOLDER
+
+
+def _named(
+    path: Path, key: str, name: str, shipped: Callable[[str], Path], pile: ScenarioLayers | None = None
+) -> Path:
+    """A file beside the one that names it, beside the scenario itself, or shipped; InputError names the key."""
+    said_in = path if pile is None else pile.said_in.get(key, path)
+    for folder in dict.fromkeys((said_in.parent, path.parent)):
+        if name.endswith(".toml") and existing_file(folder / name):
+            return folder / name
+    try:
+        return shipped(name)
+    except InputError as error:
+        raise InputError(str(path), key, name, error.expected) from error
+
+
+def _folders(path: Path, key: str, pile: ScenarioLayers) -> tuple[Path, ...]:
+    """Where a file that is named under a key may lie: beside the scenario that names it, or beside this one."""
+    said_in = pile.said_in.get(key, path)
+    return tuple(dict.fromkeys((said_in.parent, path.parent)))
+
+
+def _trains(
+    path: Path, model: ScenarioFile, timetable: Timetable, pile: ScenarioLayers
+) -> tuple[dict[str, str], dict[str, tuple[TrainType, Data, tuple[Change, ...]]]]:
+    """The name of the train of each stock; by it the kind, its tables, and what patches have changed of them."""
+    known = {diagram.stock_id for diagram in timetable.diagrams}
+    for stock_id in model.trains.stock:
+        if stock_id not in known:
+            raise InputError(
+                str(path), f"trains.stock.{stock_id}", stock_id, f"a stock id: {one_of(sorted(known))}"
+            )
+    named = {"trains.default": model.trains.default}
+    named |= {f"trains.stock.{stock_id}": name for stock_id, name in model.trains.stock.items()}
+    for train, patches in pile.trains.items():
+        if train not in named.values():
+            raise InputError(
+                patches[0].file, patches[0].key, None, f"a train that runs, {one_of(named.values())}"
+            )
+    loaded = {
+        name: patched_train(_named(path, key, name, shipped_train, pile), pile.trains.get(name, ()))
+        for key, name in named.items()
+    }
+    return {
+        stock_id: model.trains.stock.get(stock_id, model.trains.default) for stock_id in sorted(known)
+    }, loaded
+
+
+def run_tables(tables: Tables, timetable: Timetable) -> dict[str, Any]:
+    """A scenario's tables by name, as a run has them: the shortest stop is the timetable's where none is given."""
+    found = {each.name: getattr(tables, each.name) for each in fields(tables)}
+    if "dwell_min_s" not in tables.unit.model_fields_set:
+        found["unit"] = tables.unit.model_copy(update={"dwell_min_s": timetable.dwell_min_s})
+    return found
+
+
+def _train_assumptions(trains: Mapping[str, TrainType]) -> tuple[str, ...]:
+    kinds = {train.id: train for train in trains.values()}
+    return tuple(f"{train.name}: {text}" for train in kinds.values() for text in train.assumed)

@@ -1,0 +1,35 @@
+"""Faults of the receiver of beacons: it notices none, or notices one where none lies."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from simulation.faults.fault import SensorFault, UnitFault
+
+
+class DeafReceiver(SensorFault[bool]):
+    """The receiver notices no beacon."""
+
+    kind = "no_beacon"
+    changes = "beacon receiver"
+    sensor, field = "beacon_receiver", "deaf"
+
+    def base(self) -> bool:
+        return False
+
+    def over(self, _deaf: bool) -> bool:
+        return True
+
+
+class FalseBeacon(UnitFault[bool]):
+    """The receiver notices a beacon, without a number, where none lies."""
+
+    kind = "false_beacon"
+    changes = "false beacon"
+    momentary: ClassVar[bool] = True
+
+    def base(self) -> bool:
+        return False
+
+    def over(self, _deceived: bool) -> bool:
+        return True

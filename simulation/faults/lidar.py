@@ -1,0 +1,57 @@
+"""Faults of the LiDAR, of the air before it, and of the markers that it looks for."""
+
+from __future__ import annotations
+
+import math
+
+from pydantic import Field
+
+from network.files.quantities import VisibilityM
+from simulation.faults.fault import Fault, Names, UnitFault
+
+
+class LidarFault(UnitFault[float]):
+    """What a train's LiDAR sees through besides the air of the day: visibility in m."""
+
+    changes = "lidar"
+
+    def base(self) -> float:
+        return math.inf
+
+
+class LidarBlind(LidarFault):
+    """The LiDAR sees nothing: dirt or ice on its window, or it is out of order."""
+
+    kind = "lidar_blind"
+
+    def over(self, _visibility_m: float) -> float:
+        return 0.0
+
+
+class LidarFog(LidarFault):
+    """Fog, snow or spray before the LiDAR."""
+
+    kind = "lidar_fog"
+    visibility_m: VisibilityM = Field(description="how far people see in it")
+
+    def over(self, visibility_m: float) -> float:
+        return min(visibility_m, self.visibility_m)
+
+
+class MarkerMissing(Fault[bool]):
+    """One marker of a group has gone: its points are seen, its pattern is no pattern any more."""
+
+    kind = "marker_missing"
+    aims_at = "group of markers"
+    changes = "markers"
+    target: str
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.markers
+
+    def base(self) -> bool:
+        return True
+
+    def over(self, _whole: bool) -> bool:
+        return False

@@ -1,0 +1,65 @@
+"""Faults of the tachometer: a scale other than 1, no output, one that stays at a speed for ever.
+
+Factors multiply; one that is stuck shows the same whatever they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+from pydantic import Field, PrivateAttr
+
+from network.files.quantities import ReadingFactor
+from simulation.faults.fault import Onset, UnitFault
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What the tachometer makes of the wheel: its speed times `gain`, or `stuck_mps` for ever."""
+
+    gain: float = 1.0
+    stuck_mps: float | None = None
+
+
+class ShownByTachometer(UnitFault[Reading]):
+    """What the tachometer of a train shows."""
+
+    changes = "tachometer"
+
+    def base(self) -> Reading:
+        return Reading()
+
+
+class Scale(ShownByTachometer):
+    """Shows the speed times a factor."""
+
+    kind = "scale"
+    factor: ReadingFactor = Field(description="shown over real speed")
+
+    def over(self, reading: Reading) -> Reading:
+        return replace(reading, gain=reading.gain * self.factor)
+
+
+class NoOutput(ShownByTachometer):
+    """Shows nothing, even if it was stuck before."""
+
+    kind = "no_output"
+
+    def over(self, _reading: Reading) -> Reading:
+        return Reading(gain=0.0)
+
+
+class StuckOutput(ShownByTachometer):
+    """Shows for ever what it shows when it begins."""
+
+    kind = "stuck_output"
+    _shown_mps: float = PrivateAttr(default=0.0)
+
+    def begun(self, onset: Onset) -> Self:
+        copy = self.model_copy()
+        copy._shown_mps = onset.shown_mps(self.target)
+        return copy
+
+    def over(self, reading: Reading) -> Reading:
+        return replace(reading, stuck_mps=self._shown_mps)

@@ -1,0 +1,42 @@
+"""Faults of tags: one that is not read reads as nothing, whatever else is wrong with it."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from network.files.quantities import TagId
+from simulation.faults.fault import Fault, Names
+
+
+class TagFault(Fault[int | None]):
+    """The id read where a tag lies; None: nothing is read."""
+
+    aims_at = "tag"
+    changes = "tag"
+    target: str
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.tags
+
+    def base(self) -> int | None:
+        return int(self.target)
+
+
+class Miss(TagFault):
+    """The tag is not read."""
+
+    kind = "miss"
+
+    def over(self, _read_id: int | None) -> None:
+        return None
+
+
+class WrongId(TagFault):
+    """The tag reads as another."""
+
+    kind = "wrong_id"
+    id: TagId = Field(description="the id read")
+
+    def over(self, read_id: int | None) -> int | None:
+        return None if read_id is None else self.id

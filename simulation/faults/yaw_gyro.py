@@ -1,0 +1,68 @@
+"""Faults of the yaw gyro: silent, stuck, a jump on its bias, more noise."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from pydantic import Field
+
+from network.files.quantities import NoiseFactor, YawRateDegps
+from simulation.faults.fault import UnitFault
+
+
+@dataclass(frozen=True, slots=True)
+class Gyro:
+    """What a gyro makes of the yaw rate: silent, stuck, a jump (rad/s) on its bias, more noise."""
+
+    is_silent: bool = False
+    is_stuck: bool = False
+    jump_radps: float = 0.0
+    noise_factor: float = 1.0
+
+
+class GyroFault(UnitFault[Gyro]):
+    """What the yaw gyro of a train shows; a train without one does not mind."""
+
+    changes = "gyro"
+
+    def base(self) -> Gyro:
+        return Gyro()
+
+
+class GyroDead(GyroFault):
+    """The gyro shows nothing, even if it was stuck before."""
+
+    kind = "gyro_dead"
+
+    def over(self, gyro: Gyro) -> Gyro:
+        return replace(gyro, is_silent=True)
+
+
+class GyroStuck(GyroFault):
+    """The gyro shows for ever what it shows when it begins."""
+
+    kind = "gyro_stuck"
+
+    def over(self, gyro: Gyro) -> Gyro:
+        return replace(gyro, is_stuck=True)
+
+
+class GyroBias(GyroFault):
+    """The gyro's bias jumps."""
+
+    kind = "gyro_bias"
+    jump_degps: YawRateDegps = Field(description="added to the bias, to the right")
+
+    def over(self, gyro: Gyro) -> Gyro:
+        return replace(gyro, jump_radps=gyro.jump_radps + math.radians(self.jump_degps))
+
+
+class GyroNoise(GyroFault):
+    """The gyro is noisier."""
+
+    kind = "gyro_noise"
+    factor: NoiseFactor = Field(description="on the deviation of its noise")
+
+    def over(self, gyro: Gyro) -> Gyro:
+        return replace(gyro, noise_factor=gyro.noise_factor * self.factor)

@@ -1,0 +1,61 @@
+"""The world of one run as one piece: what moves, decides and fails in it is given this, and nothing is added later."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from host.parties import Parties
+from host.units import Units
+from radio.air import Air
+from simulation.agenda import Agenda
+from simulation.carriers.carrier import Carrier
+from simulation.faults.fault import InForce
+from simulation.journal import Journal
+from simulation.setup import Setup
+from simulation.world.books import Books
+from simulation.world.cable import Cable
+from simulation.world.charging import Charging
+from simulation.world.on_board import OnBoard
+from simulation.world.points import WaysideWorld
+from simulation.world.roster import Duty
+from simulation.world.signs import Signs
+from simulation.world.trains import Trains
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """Its parts, in the order in which each is made of those before it."""
+
+    setup: Setup
+    drawn: Mapping[str, tuple[Duty, ...]]  # the duties of each stock
+    journal: Journal
+    agenda: Agenda
+    in_force: InForce
+    trains: Trains
+    wayside: WaysideWorld
+    books: Books
+    charging: Charging | None  # None: all trains run from a wire
+    on_board: OnBoard
+    signs: Signs
+
+
+def world_of(
+    setup: Setup,
+    drawn: Mapping[str, tuple[Duty, ...]],
+    journal: Journal,
+    carrier: Carrier,
+    parties: Parties,
+    units: Units,
+) -> World:
+    """The world before its day begins."""
+    agenda, in_force, trains = Agenda(), InForce(), Trains(setup, carrier)
+    cable, air = Cable(setup.line, setup.operation), Air(setup.air, setup.seed)
+    wayside = WaysideWorld(
+        setup.line, parties, air, agenda, journal, trains.covered, cable, trains.place_m, in_force
+    )
+    books = Books(trains)
+    charging = None if setup.battery is None else Charging(setup, setup.battery, trains, books, drawn)
+    on_board = OnBoard(setup, trains, units, charging)
+    signs = Signs(trains, books.next_target)
+    return World(setup, drawn, journal, agenda, in_force, trains, wayside, books, charging, on_board, signs)

@@ -1,0 +1,1 @@
+"""From a run that has ended to its tables."""

@@ -1,0 +1,1 @@
+"""Drills judged expectation by expectation, and moved to every instant and every telegram."""

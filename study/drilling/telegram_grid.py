@@ -1,0 +1,257 @@
+"""The grid of telegrams: a fault just before and just after each telegram is sent or takes effect (電文の前後の試験).
+
+What a party knows changes with telegrams and with nothing else, so between two of them it does not matter to it when
+something fails. On a grid of seconds a window of a few tenths between a word and its answer is found by luck; on this
+one it cannot be missed. Instants are those of the run as it is written, with its own faults and acts; a fault of a
+party counts at telegrams in which that party takes part, one of a link at those that go over it, any other at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import partial
+from itertools import pairwise
+from typing import Final
+
+import msgspec
+
+from network.timetable import BecomesTrain, Diagram, Stabled, TimetableTrain
+from radio.chance import generator
+from radio.noted import Sent, TookEffect
+from scenario.script_file import names_of
+from simulation.faults.devices import PowerCut
+from simulation.faults.links import ONE_WAY, Cut, FaultyLink, LinkFault
+from simulation.faults.script import Act, ScriptedFault
+from simulation.faults.table import FAULTS
+from simulation.setup import STEPS_PER_S, Setup, latest_end_s
+from study.drilling.every_instant import InstantWindow, SweepOutcomes, Variation
+from study.drilling.forks import alone
+from study.drilling.moving import NO_TIME, SINGLES, single_faults
+from study.drilling.outcome_class import OutcomeKind, SweptRun, swept_run_of
+from study.runner.run import simulated
+
+BEFORE_S: Final = 60.0  # of what the script does first, and
+AFTER_S: Final = 300.0  # after the last of it
+LASTS_S: Final = 3600.0  # without a script, from the first telegram on
+ENDS_AFTER_S: Final = (
+    14_400.0  # a day that is cut goes on so long at most, as the whole one could; a stall ends it
+)
+FOLLOWS_S: Final = (
+    1200.0  # trains that begin later than this after the last instant cannot show anything of it
+)
+
+
+class FaultChoice(StrEnum):
+    """Which faults."""
+
+    POWER = "power"  # of each party
+    LINKS = "links"  # a cut of each link, one way
+    ALL = "all"  # of every kind
+
+
+class _Course(msgspec.Struct, frozen=True):
+    """The run as it is written: who told whom something, at which step, and when its script was carried out."""
+
+    telegrams: list[tuple[int, str, str]]
+    script_s: list[float]
+    own: SweptRun
+
+
+@dataclass(frozen=True, slots=True)
+class TelegramGrid:
+    """What is swept: the setup, cut after the last instant, and each fault with its instants.
+
+    `own`: what is wrong without any fault beside, where the setup expects that. `of`: runs of the complete grid, where
+    this is a sample.
+    """
+
+    setup: Setup
+    variations: tuple[Variation, ...]
+    own: tuple[SweptRun, ...]
+    of: int
+
+    @property
+    def runs(self) -> int:
+        """How many runs it takes."""
+        return _runs(self.variations)
+
+    def sample(self, runs: int) -> TelegramGrid:
+        """So many runs of this grid or fewer, evenly over faults and instants; which ones follows from the seed."""
+        every = [(variation, step) for variation in self.variations for step in variation.instants or ()]
+        if runs >= len(every):
+            return self
+        chance = generator(self.setup.seed, "telegram grid").random()
+        drawn = [every[int((i + chance) * len(every) / runs)] for i in range(runs)]
+        steps: dict[str, list[int]] = {}
+        for variation, step in drawn:
+            steps.setdefault(variation.name, []).append(step)
+        return replace(
+            self,
+            variations=tuple(
+                replace(v, instants=tuple(steps[v.name])) for v in self.variations if v.name in steps
+            ),
+        )
+
+    def judged(self, swept: SweepOutcomes) -> SweepOutcomes:
+        """What was swept; no run is bad for what is so without any fault beside."""
+        return replace(
+            swept,
+            outcomes={
+                name: {step: run.beside(*self.own) for step, run in runs.items()}
+                for name, runs in swept.outcomes.items()
+            },
+        )
+
+
+def _runs(variations: Iterable[Variation]) -> int:
+    return sum(len(variation.instants or ()) for variation in variations)
+
+
+def grid_of(setup: Setup, chosen: FaultChoice, window: InstantWindow) -> TelegramGrid:
+    """The grid of a setup; `window` may give the first and the last instant."""
+    if (known_s := _last_known_s(setup, window)) is not None:
+        setup = shortened(setup, known_s + FOLLOWS_S)
+    course = alone(_Course, partial(_course, setup))
+    steps = [step for step, _, _ in course.telegrams] or [0]
+    first_s = min(course.script_s) - BEFORE_S if course.script_s else min(steps) / STEPS_PER_S - 1.0
+    last_s = max(course.script_s) + AFTER_S if course.script_s else first_s + LASTS_S
+    first_s = first_s if window.from_s is None else window.from_s
+    last_s = last_s if window.to_s is None else window.to_s
+    own = _own(setup, course)
+    setup = shortened(setup, last_s + FOLLOWS_S)
+    names = names_of(setup)
+    parties = frozenset((*names.units, *names.devices))
+    within = [
+        (step, source, receiver)
+        for step, source, receiver in course.telegrams
+        if first_s * STEPS_PER_S <= step <= last_s * STEPS_PER_S and {source, receiver} <= parties
+    ]
+    variations = (
+        replace(v, instants=_instants(v, within, parties))
+        if v.instants is None
+        else replace(v, instants=_inside(v.instants, first_s, last_s))
+        for v in _faults(setup, chosen, within)
+    )
+    found = tuple(v for v in variations if v.instants)
+    return TelegramGrid(setup, found, own, _runs(found))
+
+
+def _course(setup: Setup) -> _Course:
+    with simulated(setup) as simulation:
+        result = simulation.run()
+    own = (*setup.script.faults, *setup.script.acts)  # and nothing that staff did of themselves
+    telegrams = [
+        (round(entry.t_s * STEPS_PER_S), entry.event.source, entry.event.receiver)
+        for entry in result.journal.entries
+        if isinstance(entry.event, Sent | TookEffect)
+    ]
+    script_s = [course.begun_s for course in result.courses if course.item in own]
+    return _Course(telegrams, script_s, swept_run_of(result, setup.script))
+
+
+def _last_known_s(setup: Setup, window: InstantWindow) -> float | None:
+    """The last instant, where it is known before anything is run."""
+    items: tuple[ScriptedFault | Act, ...] = (*setup.script.faults, *setup.script.acts)
+    triggers = [item.trigger for item in items]
+    times_s = [trigger.at_s + trigger.after_s for trigger in triggers if trigger.at_s is not None]
+    script_s = max(times_s) + AFTER_S if times_s and len(times_s) == len(triggers) else None
+    return script_s if window.to_s is None else window.to_s
+
+
+def _own(setup: Setup, course: _Course) -> tuple[SweptRun, ...]:
+    """What a drill comes to as it is written that expects what is wrong: with staff who react, and without, and what it
+    says may be broken. Of any other nothing is its own.
+    """
+    wrong = [e for e in setup.script.expectations if e.absent and e.holds]
+    if not wrong:
+        return ()
+    people = setup.people.model_copy(update={"react": False})
+    stated = (SweptRun(OutcomeKind.BROKEN, f"invariant {rule}") for e in wrong for rule in e.rules)
+    return course.own, alone(_Course, partial(_course, replace(setup, people=people))).own, *stated
+
+
+def _faults(setup: Setup, chosen: FaultChoice, telegrams: list[tuple[int, str, str]]) -> Iterator[Variation]:
+    if chosen is FaultChoice.POWER:
+        yield from single_faults(setup, [PowerCut.kind])
+    if chosen is FaultChoice.ALL:
+        yield from single_faults(setup, [name for name in FAULTS if name != Cut.kind])
+    if chosen is not FaultChoice.POWER:
+        for link in sorted({(source, receiver) for _, source, receiver in telegrams}):
+            yield _cut(setup, *link)
+
+
+def _cut(setup: Setup, source: str, receiver: str) -> Variation:
+    failure = ScriptedFault(Cut(target=FaultyLink(source, receiver)), NO_TIME, SINGLES[Cut.kind].duration_s)
+    stocks = frozenset(diagram.stock_id for diagram in setup.timetable.diagrams)
+    return Variation(f"{Cut.kind} {source}{ONE_WAY}{receiver}", ((0, failure),), (), stocks)
+
+
+def _instants(
+    variation: Variation, telegrams: list[tuple[int, str, str]], parties: frozenset[str]
+) -> tuple[int, ...]:
+    """Before and after each telegram that this fault may have to do with: in a step, faults come after telegrams."""
+    ((_, failure),) = variation.faults
+    steps: set[int] = set()
+    for step, source, receiver in telegrams:
+        if isinstance(failure.fault, LinkFault):
+            concerns = failure.fault.target.joins(source, receiver)
+        else:
+            target = str(failure.fault.target)
+            concerns = target in (source, receiver) or target not in parties
+        if concerns:
+            steps |= {step - 1, step}
+    return tuple(sorted(steps))
+
+
+def _inside(steps: tuple[int, ...], first_s: float, last_s: float) -> tuple[int, ...]:
+    return tuple(step for step in steps if first_s * STEPS_PER_S <= step <= last_s * STEPS_PER_S)
+
+
+def _goes_on(diagram: Diagram, kept: Mapping[str, TimetableTrain]) -> Iterator[str]:
+    """The next train of a stock that is not kept, where it would stand in the way of another stock until then."""
+    mine = diagram.train_numbers
+    for before, after in pairwise(mine):
+        if before in kept and after not in kept and isinstance(kept[before].ends, BecomesTrain):
+            stands_at, from_s = kept[before].calls[-1].station_id, kept[before].calls[0].first_s
+            calls = (call for n, train in kept.items() if n not in mine for call in train.calls)
+            if any(call.station_id == stands_at and call.last_s >= from_s for call in calls):
+                yield after
+
+
+def shortened(setup: Setup, until_s: float) -> Setup:
+    """The setup without trains that begin after a time; stock that would become one of them stays where it is, if no
+    other train comes there: else it has to go on, and so have those in its way.
+    """
+    old = setup.timetable
+    kept = {n: train for n, train in old.trains.items() if train.calls[0].first_s <= until_s}
+    while in_the_way := [n for d in old.diagrams for n in _goes_on(d, kept)]:
+        kept |= {n: old.trains[n] for n in in_the_way}
+    if len(kept) == len(old.trains):
+        return setup
+    diagrams = [
+        replace(diagram, train_numbers=numbers)
+        for diagram in old.diagrams
+        if (numbers := tuple(n for n in diagram.train_numbers if n in kept))
+    ]
+    last = {diagram.train_numbers[-1] for diagram in diagrams}
+    trains = {
+        n: replace(train, ends=Stabled()) if n in last and isinstance(train.ends, BecomesTrain) else train
+        for n, train in kept.items()
+    }
+    stocks = {diagram.stock_id for diagram in diagrams}
+    gone = {diagram.stock_id for diagram in old.diagrams} - stocks
+    if any(end in gone for failure in setup.script.faults for end in str(failure.fault.target).split()):
+        return setup
+    if any(act.target in gone for act in setup.script.acts):
+        return setup
+    timetable = replace(old, trains=trains, diagrams=tuple(diagrams))
+    limits = setup.limits
+    time_limit_s = limits.time_limit_s + setup.latest_end_s - latest_end_s(timetable, limits)
+    return replace(
+        setup,
+        timetable=timetable,
+        limits=limits.model_copy(update={"time_limit_s": min(time_limit_s, ENDS_AFTER_S)}),
+        trains={stock_id: train for stock_id, train in setup.trains.items() if stock_id in stocks},
+    )

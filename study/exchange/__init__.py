@@ -1,1 +1,0 @@
-"""Scenarios in the forms of other programs."""

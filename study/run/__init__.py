@@ -1,1 +1,0 @@
-"""Runs and drills: executed, collected into tables, judged."""

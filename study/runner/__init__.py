@@ -1,0 +1,1 @@
+"""Scenarios executed: the world built, run, collected, judged and put on disk."""

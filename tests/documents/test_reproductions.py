@@ -1,0 +1,55 @@
+"""docs/reproductions.md: a row of a name is made of the reproduction's own rows."""
+
+from __future__ import annotations
+
+from documents.reproductions import cell_text, document, kept, kept_of
+from papers.reproduction import REPRODUCTIONS, CaseRow, NullMethod, Reproduction
+
+NULL = NullMethod("nothing", ("error, m",))
+OWN = (
+    CaseRow("stops", 10, 10, True, "all"),
+    CaseRow("first: error, m", 0.5, 0.9, False, "at most 0.5; missed by 0.4 m: made up"),
+    CaseRow("second: error, m", 0.5, 0.4, True, "at most 0.5"),
+    CaseRow("the same by load", None, {"full": {"m": 0.6}}, True, "made up", judged=False),
+)
+WITHOUT = (
+    CaseRow("first: error, m", 0.5, 3.0, False, "at most 0.5"),
+    CaseRow("second: error, m", 0.5, 2.0, False, ""),
+)
+
+
+def made(without: tuple[CaseRow, ...] = WITHOUT) -> Reproduction:
+    return Reproduction("made", "Made up", (), (*OWN, *NULL.rows(without)), null=NULL)
+
+
+def test_the_case_that_leads_is_one_of_the_null_methods_that_is_met() -> None:
+    found = kept_of(made())
+    assert found["leads"]["case"] == "second: error, m"
+    assert (found["null"]["ours"], found["null_held"]) == (2.0, True)
+    assert (found["judged"], [row["case"] for row in found["missed"]]) == (3, ["first: error, m"])
+    assert [row["case"] for row in found["hangs_on"]] == ["the same by load"]
+
+
+def test_a_null_method_that_meets_the_case_is_told() -> None:
+    met = (WITHOUT[0], CaseRow("second: error, m", 0.5, 0.3, True, "at most 0.5"))
+    name = next(iter(REPRODUCTIONS))
+    assert "meets it too" in document({name: kept_of(made(met))})
+    assert "meets it too" not in document({name: kept_of(made())})
+
+
+def test_the_page_says_what_misses_and_what_it_hangs_on() -> None:
+    page = document({next(iter(REPRODUCTIONS)): kept_of(made())})
+    assert "- first: error, m. published: 0.5; ours: 0.9. at most 0.5; missed by 0.4 m: made up." in page
+    assert "- the same by load. ours: full: (m: 0.6). made up." in page
+    assert "| 2 of 3 |" in page
+
+
+def test_what_is_kept_fails_without_its_idea() -> None:
+    found = kept()
+    assert set(found) <= set(REPRODUCTIONS)
+    assert [name for name, one in found.items() if not one["null_held"]] == []
+
+
+def test_a_cell_does_not_end_early() -> None:
+    assert cell_text("a|b\nc") == r"a\|b c"
+    assert cell_text({"x": 0.1234567891, "y": [1, None]}) == "x: 0.123457, y: 1, -"

@@ -1,0 +1,127 @@
+"""`branchline reproduce oda-vision` on its short slice, and that its scenes can fail it."""
+
+from __future__ import annotations
+
+import colorsys
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from onboard.localisation.vision import PAPER_COLOUR
+from papers import oda_vision
+from papers.oda_vision import (
+    OTHER_HUES_DEG,
+    TABLE_2_PX,
+    TABLE_3_MM,
+    TRIALS_PX,
+    pooled_sigma,
+    random_board,
+    random_scene,
+    reproduce,
+    scatter_rows,
+    sigma_range_px,
+    table_2_rows,
+)
+from papers.reproduction import CaseRow, Options, Reproduction
+from radio.chance import generator
+from simulation.sensors.camera import (
+    PAPER_CAMERA,
+    PAPER_SIGN,
+    PAPER_TABLE_M,
+    SIGN_QUARTER,
+    CameraModel,
+    Renderer,
+)
+from simulation.sensors.sighting_model import record_table
+
+
+@pytest.fixture(scope="module")
+def result() -> Reproduction:
+    return reproduce(Options(seed=3, quick=True))
+
+
+@pytest.mark.nightly
+def test_the_short_slice_passes_and_says_that_it_is_short(result: Reproduction) -> None:
+    assert [row.case for row in result.rows if not row.passed] == []
+    assert result.remarks[-1].startswith("Quick")
+
+
+def failed(result: Iterable[CaseRow]) -> list[str]:
+    return [row.case for row in result if not row.passed]
+
+
+def scatter_of(camera: CameraModel, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Which rows of scatter such a camera fails."""
+    monkeypatch.setattr(oda_vision, "PAPER_CAMERA", camera)
+    renderer = Renderer(camera, 3)
+    table = record_table(Renderer(PAPER_CAMERA, 3), PAPER_SIGN, PAPER_TABLE_M, 3, window=SIGN_QUARTER)
+    rows = [*table_2_rows(renderer, 3), *scatter_rows(renderer, table, 3)]
+    return [case for case in failed(rows) if "scatter" in case]
+
+
+def times(share: float) -> CameraModel:
+    """The paper's camera with everything that scatters times this."""
+    camera = PAPER_CAMERA
+    return replace(
+        camera,
+        noise_grey=share * camera.noise_grey,
+        vibration_rad=share * camera.vibration_rad,
+        trial_rad=share * camera.trial_rad,
+    )
+
+
+SWITCHES = {
+    "ten_times_too_clean": times(0.1),
+    "ten_times_too_noisy": times(10.0),
+    "stands_as_on_a_rock": replace(PAPER_CAMERA, trial_rad=0.0),
+}
+
+
+def test_the_scatter_is_the_papers(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert scatter_of(PAPER_CAMERA, monkeypatch) == []
+
+
+@pytest.mark.parametrize("name", SWITCHES)
+def test_another_scatter_is_not_the_papers(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two-sided: in the rows as the paper writes them, and in every distance through the table."""
+    assert len(scatter_of(SWITCHES[name], monkeypatch)) == 1 + len(TABLE_3_MM)
+
+
+def test_what_24_trials_say_of_the_scatter() -> None:
+    """From the rows that table 2 prints: its own means and (population) 3 sigma follow from them."""
+    printed_px = {250: 2.0, 300: 0.6, 350: 1.5, 400: 0.6, 450: 0.0, 500: 0.0}
+    for distance, trials in TRIALS_PX.items():
+        assert np.mean(trials) == pytest.approx(TABLE_2_PX[distance], abs=0.051)
+        assert 3.0 * np.std(trials) == pytest.approx(printed_px[distance], abs=0.06)
+    low_px, high_px = sigma_range_px()
+    assert low_px < pooled_sigma(TRIALS_PX.values()) < high_px
+    assert high_px < 3.0 * low_px  # so neither ten times more nor ten times less can be within
+
+
+@pytest.mark.nightly
+def test_no_sign_where_there_is_none(result: Reproduction) -> None:
+    row = next(row for row in result.rows if "without it" in row.case)
+    assert row.ours == 0
+
+
+@pytest.mark.nightly
+def test_every_parameter_has_an_origin(result: Reproduction) -> None:
+    assert all(parameter.origin for parameter in result.parameters)
+
+
+def test_the_papers_tables() -> None:
+    """Equation 2 with the paper's own 3 sigma (px) gives its table 3."""
+    for distance, scatter_px in ((300, 0.6), (350, 1.5), (400, 0.6), (450, 0.0)):
+        fall_px = TABLE_2_PX[distance - 50] - TABLE_2_PX[distance + 50]
+        assert scatter_px * 100.0 / fall_px == pytest.approx(TABLE_3_MM[distance], abs=0.2)
+
+
+def test_clutter_keeps_off_the_signs_hue_and_decoys_do_not() -> None:
+    low, high = PAPER_COLOUR.hue_deg
+    for index in range(100):
+        blue, green, red = random_board(generator(index, "board"), OTHER_HUES_DEG, 0.1).bgr
+        assert not low <= 360.0 * colorsys.rgb_to_hsv(red, green, blue)[0] <= high
+        blue, green, red = random_scene(generator(index, "scene"), 0.0, decoys=1).boards[-1].bgr
+        assert low <= 360.0 * colorsys.rgb_to_hsv(red, green, blue)[0] <= high

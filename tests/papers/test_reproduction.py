@@ -1,0 +1,104 @@
+"""Every reproduction of `branchline reproduce list` has a null method, and passes only where that one fails."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+from papers.reproduction import (
+    REPRODUCTIONS,
+    CaseRow,
+    NullMethod,
+    Options,
+    Parameter,
+    Reproduction,
+    reproduction,
+)
+from papers.specification import Evenly, Findings, Specification, at_most, equal, none_of, reported
+
+NULL = NullMethod("nothing at all", ("error, m",))
+FOUND = CaseRow("line 1: error, m", 1.0, 0.9, passed=True, criterion="at most 1")
+MISSED = replace(FOUND, ours=7.0, passed=False)
+
+
+def made(*rows: CaseRow, null: NullMethod = NULL) -> Reproduction:
+    return Reproduction("made", "Made up", (), rows, null=null)
+
+
+@pytest.mark.parametrize("name", sorted(REPRODUCTIONS))
+def test_every_reproduction_names_its_null_method(name: str) -> None:
+    module, found = import_module(REPRODUCTIONS[name]), reproduction(name)
+    if isinstance(found, Specification):
+        assert found is module.reproduce
+        assert found.name == name
+    null = found.null if isinstance(found, Specification) else module.NULL
+    assert isinstance(null, NullMethod)
+    assert null.name
+    assert null.fails
+    assert all(null.fails)
+
+
+def test_the_row_of_a_null_method_passes_where_it_misses_the_criterion() -> None:
+    (row,) = NULL.rows([MISSED, replace(MISSED, case="another, s")])
+    assert row.case == "null method, nothing at all: line 1: error, m"
+    assert row.criterion == "must not be met: at most 1"
+    assert (row.ours, row.passed) == (7.0, True)
+    assert made(FOUND, row).passed
+    assert made(FOUND, row).as_dict()["null_method"] == NULL.name
+
+
+def test_what_is_met_without_the_idea_is_not_reproduced() -> None:
+    assert not made(FOUND, *NULL.rows([FOUND])).passed
+
+
+@pytest.mark.parametrize(
+    "null",
+    [
+        NULL,
+        NullMethod(NULL.name, ()),
+        NullMethod(NULL.name, ("error, m", "another, s")),
+        NullMethod("another", NULL.fails),
+    ],
+)
+def test_without_the_null_methods_rows_it_is_refused(null: NullMethod) -> None:
+    rows = () if null is NULL else NULL.rows([MISSED])
+    with pytest.raises(ValueError, match="null method"):
+        made(FOUND, *rows, null=null)
+
+
+def a_run(_options: Options) -> Findings:
+    return Findings([FOUND], remarks=["said"], draw=lambda folder: [folder / "made.svg"])
+
+
+@pytest.mark.parametrize(("null_m", "passed"), [(7.0, True), (0.5, False)])
+def test_a_specification_runs_its_null_method_and_passes_only_where_that_one_fails(
+    null_m: float, passed: bool
+) -> None:
+    null = replace(NULL, run=lambda _options: [at_most(FOUND.case, None, null_m, 1.0)])
+    made_up = Specification("made", "Made up", a_run, null, slice="short")
+    result = made_up(Options(out="somewhere", quick=True))
+    assert [row.passed for row in result.rows] == [True, passed]
+    assert result.remarks == ("said", "drawn: made.svg", "short")
+    assert made_up(Options()).remarks == ("said",)
+
+
+def test_rows_of_a_kind_say_what_they_ask_for() -> None:
+    assert at_most("far, m", None, 1.23456, 1.3, digits=2) == CaseRow(
+        "far, m", None, 1.23, True, "at most 1.3"
+    )
+    assert not at_most("far, m", None, 1.300001, 1.3).passed
+    assert [none_of("lost", count).passed for count in (0, 1)] == [True, False]
+    assert [equal("items", 12, count).passed for count in (12, 11)] == [True, False]
+    assert reported("width", 3, "told").criterion.endswith("not judged")
+
+
+def test_what_is_drawn_evenly_is_what_is_printed() -> None:
+    within = Evenly("lag", 0.2, 0.4, "s", "assumed")
+    drawn = [within.draw(np.random.default_rng(seed)) for seed in range(200)]
+    assert 0.2 <= min(drawn) < 0.21
+    assert 0.39 < max(drawn) <= 0.4
+    assert within.at(np.array([0.0, 0.5, 1.0])) == pytest.approx([0.2, 0.3, 0.4])
+    assert within.parameter == Parameter("lag", "0.2 to 0.4", "s", "assumed")

@@ -1,0 +1,129 @@
+"""`branchline reproduce yasunobu-energy`: rows say what was found, and what they rest on can be taken away."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from papers import yasunobu_energy
+from papers.reproduction import Options, Reproduction
+from papers.yasunobu_energy import (
+    NOMINAL_S,
+    NULL,
+    PUNCTUAL_S,
+    DrivingWay,
+    EnergyCell,
+    judged,
+    missed,
+    reproduce,
+    row_of,
+    run_cells,
+    settings_of,
+    tried,
+)
+
+
+@pytest.fixture(scope="module")
+def level() -> list[EnergyCell]:
+    return run_cells(0.0, (NOMINAL_S, 95.0))
+
+
+@pytest.fixture(scope="module")
+def quick(tmp_path_factory: pytest.TempPathFactory) -> tuple[Reproduction, Path]:
+    out = tmp_path_factory.mktemp("out")
+    return reproduce(Options(quick=True, out=str(out))), out
+
+
+def test_every_law_keeps_the_time_and_none_is_below_the_bound(level: list[EnergyCell]) -> None:
+    for cell in level:
+        assert cell.bound_j is not None
+        assert cell.optimum_j is not None
+        assert 0.99 < cell.bound_j / cell.optimum_j <= 1.0
+        for way in DrivingWay:
+            assert abs(cell.hops[way].off_s) <= PUNCTUAL_S
+            assert cell.over_bound[way] > 0.0
+        assert row_of(cell).passed
+
+
+def test_fuzzy_saves_and_without_c_2_it_does_not(
+    level: list[EnergyCell], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = {row.case: row for row in judged(level, level[0])}
+    worse = rows["without C-2 fuzzy needs more at level, 85 s, %"]
+    assert worse.passed
+    assert level[0].saving > 0.05
+    monkeypatch.setattr(
+        yasunobu_energy,
+        "settings_of",
+        lambda way: settings_of(DrivingWay.WITHOUT) if way is DrivingWay.FUZZY else None,
+    )
+    swapped = run_cells(0.0, (NOMINAL_S,))
+    rows = {row.case: row for row in judged(swapped, swapped[0])}
+    assert not rows["without C-2 fuzzy needs more at level, 85 s, %"].passed
+    assert not rows["fuzzy saves on average, %"].passed
+
+
+@pytest.mark.parametrize("way", list(DrivingWay))
+def test_whichever_way_is_late_its_row_is_missed(level: list[EnergyCell], way: DrivingWay) -> None:
+    cell = level[0]
+    late = replace(cell.hops[way], asked_s=cell.asked_s - PUNCTUAL_S - 1.0)
+    assert row_of(cell).passed
+    assert not row_of(replace(cell, hops={**cell.hops, way: late})).passed
+
+
+def test_what_c_2_is_worth_does_not_depend_on_who_took_longer(level: list[EnergyCell]) -> None:
+    """A second less costs some percent: the law that took it is held against the bound of its own time."""
+    cell = level[0]
+    over = {**cell.over_bound, DrivingWay.WITHOUT: cell.over_bound[DrivingWay.FUZZY]}
+    assert replace(cell, over_bound=over).without_costs == pytest.approx(0.0)
+    rows = {row.case: row for row in judged([cell], replace(cell, over_bound=over))}
+    assert not rows["without C-2 fuzzy needs more at level, 85 s, %"].passed
+
+
+def test_what_is_saved_hangs_on_the_stop_of_each_law_and_the_row_says_so(
+    quick: tuple[Reproduction, Path],
+) -> None:
+    rows = {row.case: row for row in quick[0].rows}
+    shared, own = tried(0.8, 0.8), tried(0.7, 0.8)
+    assert own.saves_percent > shared.saves_percent + 2.0
+    assert tried(0.8, 0.8, 700.0).saves_percent < shared.saves_percent
+    told = rows["the same by the stop's deceleration at level, 85 s, %"].ours
+    assert isinstance(told, dict)
+    assert told["PID 0.7, fuzzy 0.8 m/s^2"].startswith(f"{own.saves_percent:g}, net")
+
+
+def test_without_c_2_the_rows_of_savings_fail(
+    level: list[EnergyCell], quick: tuple[Reproduction, Path]
+) -> None:
+    rows = {row.case: row for row in quick[0].rows}
+    assert all(rows[NULL.case(case)].passed for case in NULL.fails)
+    assert level[0].null.saving < level[0].saving
+
+
+def test_a_missed_row_says_by_how_much(level: list[EnergyCell]) -> None:
+    for row in judged(level, level[0]):
+        assert row.passed != ("missed by" in row.criterion)
+    assert missed("at least 10 %", 0.10, 0.072) == "at least 10 %; missed by 2.8 points"
+    assert missed("at least 10 %", 0.10, 0.2) == "at least 10 %"
+
+
+def test_a_time_that_is_impossible_says_the_least() -> None:
+    cell = run_cells(10.0, (65.0,))[0]
+    row = row_of(cell)
+    assert cell.optimum_j is None
+    assert not row.passed
+    assert str(row.ours) == f"impossible: at least {cell.least_s:.1f} s"
+    assert 70.0 < cell.least_s < 80.0  # the paper's shortest is possible
+
+
+def test_the_reproduction_draws_and_names_what_the_paper_does_not(quick: tuple[Reproduction, Path]) -> None:
+    found, out = quick
+    assert {path.name for path in out.iterdir()} == {"yasunobu_energy.png", "yasunobu_running_curves.png"}
+    assert any("a short slice" in remark.lower() for remark in found.remarks)
+    kwh = next(figure for figure in found.figures if figure.name.startswith("PID, level"))
+    assert "efficiency" in kwh.meaning
+    assert np.isfinite(kwh.value[1])  # type: ignore[index]
+    assert any(parameter.origin.startswith("assumed") for parameter in found.parameters)

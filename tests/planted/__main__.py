@@ -1,0 +1,74 @@
+"""Plants each mistake of `defects.toml` in a copy of the tree and says which test noticed it.
+
+python -m tests.planted [WORDS ...]: those whose name has all the words, or all. Exit code 1 if one went unnoticed.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from tests.planted.defects import ROOT, Planted, planted
+
+NOTICED = 1  # pytest's exit code where a test has failed; others say that none was run
+
+
+def _copied(to: Path) -> Path:
+    """The tree without what is made in it."""
+    made = shutil.ignore_patterns(".git", ".venv", "__pycache__", "runs", ".*_cache")
+    return Path(shutil.copytree(ROOT, to / "tree", ignore=made))
+
+
+def noticed_by(defect: Planted, tree: Path) -> str:
+    """The first test that fails with it; empty where none does."""
+    file = tree / defect.file
+    sound = file.read_text("utf-8")
+    file.write_text(defect.planted_in(sound), "utf-8")
+    environment = os.environ | ({"NUMBA_DISABLE_JIT": "1"} if defect.interpreted else {})
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-x",
+        "-p",
+        "no:cacheprovider",
+        "-rfE",
+        "--tb=no",
+        *defect.tests,
+    ]
+    try:
+        ended = subprocess.run(
+            command, cwd=tree, env=environment, capture_output=True, text=True, check=False
+        )
+    finally:
+        file.write_text(sound, "utf-8")
+    if ended.returncode != NOTICED:
+        return ""
+    told = (
+        line.split(" ", 1)[1] for line in ended.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))
+    )
+    return next(told, "a test").split(" - ")[0]
+
+
+def main(words: list[str]) -> int:
+    """Plant what is asked for, and print a line each."""
+    chosen = [defect for defect in planted() if all(word in defect.what for word in words)]
+    unnoticed = 0
+    with tempfile.TemporaryDirectory() as folder:
+        tree = _copied(Path(folder))
+        for defect in chosen:
+            by = noticed_by(defect, tree)
+            unnoticed += not by
+            sys.stdout.write(f"{defect.kind:8} {defect.what}: {by or 'NOT NOTICED'}\n")
+            sys.stdout.flush()
+    sys.stdout.write(f"{len(chosen) - unnoticed} of {len(chosen)} noticed\n")
+    return int(unnoticed > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,31 @@
+"""Every deliberate mistake can still be planted; `make nightly` plants them all."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from tests.planted.__main__ import main
+from tests.planted.defects import ROOT, Planted, planted
+
+each = pytest.mark.parametrize("defect", planted(), ids=lambda defect: defect.what)
+
+
+@each
+def test_it_can_be_planted(defect: Planted) -> None:
+    sound = (ROOT / defect.file).read_text("utf-8")
+    assert defect.planted_in(sound) != sound
+    assert all((ROOT / path).exists() for path in defect.tests)
+
+
+def test_there_are_mistakes_of_every_kind_and_none_twice() -> None:
+    kinds = Counter(defect.kind for defect in planted())
+    assert sum(kinds.values()) >= 60
+    assert set(kinds) == {"safety", "physics", "figures", "labels", "units"}
+    assert len({defect.what for defect in planted()}) == len(planted())
+
+
+@pytest.mark.nightly
+def test_every_one_is_noticed() -> None:
+    assert main([]) == 0

@@ -1,0 +1,218 @@
+"""The grid of telegrams: instants lie round telegrams, faults come beside a drill's own, and what is bad replays."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from radio.noted import Sent, TookEffect
+from scenario.scenario import Scenario, load_scenario
+from simulation.faults.script import Expectation, Property, ScriptedFault
+from simulation.setup import STEPS_PER_S
+from study.drilling.drill import drills_in, find_drill, run_drill
+from study.drilling.every_instant import InstantWindow, sweep
+from study.drilling.grid_report import replay_of, table_of
+from study.drilling.moving import staffed
+from study.drilling.outcome_class import OutcomeKind, SweptRun
+from study.drilling.telegram_grid import FaultChoice, grid_of, shortened
+from study.runner.run import PartyLink, simulated
+
+pytestmark = pytest.mark.system
+
+NAME = "rtri/12_terminal_power"
+
+
+@pytest.fixture(scope="module")
+def drill() -> Scenario:
+    return staffed(load_scenario(find_drill(NAME)))
+
+
+def short(drill: Scenario, chosen: FaultChoice, from_s: float = 36_040.0, to_s: float = 36_050.0) -> Any:  # noqa: ANN401
+    return grid_of(drill.setup, chosen, InstantWindow(from_s=from_s, to_s=to_s))
+
+
+def test_instants_lie_before_and_after_what_its_target_says_and_hears(drill: Scenario) -> None:
+    entries = run_drill(NAME, PartyLink.SIMULATED).run.result.journal.entries
+    grid = short(drill, FaultChoice.POWER)
+    assert {v.name for v in grid.variations} <= {
+        f"power_off {p}" for p in ("K1", "block-manager", "A-E", "B-W")
+    }
+    for variation in grid.variations:
+        party = variation.name.split()[1]
+        told = {
+            round(e.t_s * STEPS_PER_S)
+            for e in entries
+            if isinstance(e.event, Sent | TookEffect)
+            and party in (e.event.source, e.event.receiver)
+            and 36_040.0 <= e.t_s <= 36_050.0
+        }
+        assert variation.instants == tuple(sorted(told | {step - 1 for step in told}))
+        assert told
+
+
+def test_links_are_cut_one_way_and_only_round_their_own_telegrams(drill: Scenario) -> None:
+    grid = short(drill, FaultChoice.LINKS)
+    names = {v.name for v in grid.variations}
+    assert "cut K1 -> B-W" in names
+    assert grid.runs == sum(len(v.instants or ()) for v in grid.variations)
+    assert all(" -> " in name for name in names)
+
+
+def test_what_a_drill_says_of_persons_who_are_wrong_is_its_own_beside_any_fault(drill: Scenario) -> None:
+    """Where the silent train is not heard in time, the one on sight comes into the very section (drill 53b)."""
+    wrong = Expectation("t", holds=Property.NO_INVARIANT_BROKEN, absent=True, rules=("one-train-a-section",))
+    script = replace(drill.setup.script, expectations=(wrong,))
+    own = short(replace(drill, setup=replace(drill.setup, script=script)), FaultChoice.POWER).own
+    both = SweptRun(OutcomeKind.BROKEN, "invariant one-train-a-section")
+    assert both.beside(*own).kind is OutcomeKind.OWN
+    assert SweptRun(OutcomeKind.BROKEN, "invariant one-train-a-section, sumo-collision").beside(*own).bad
+    assert both.beside(*short(drill, FaultChoice.POWER).own).bad
+
+
+def test_every_kind_is_on_the_grid(drill: Scenario) -> None:
+    kinds = {v.name.split()[0] for v in short(drill, FaultChoice.ALL, 36_000.0, 36_060.0).variations}
+    assert {"power_off", "restart", "frozen", "cut", "no_output", "stuck", "gnss_jump", "miss"} <= kinds
+
+
+def test_a_copy_beside_the_drills_own_faults_is_the_run_of_its_replay_to_the_byte(
+    drill: Scenario, tmp_path: Path
+) -> None:
+    grid = short(drill, FaultChoice.POWER, 36_040.0, 36_043.0)
+    swept = sweep(grid.setup, grid.variations, InstantWindow(), jobs=2, beside=grid.setup.script)
+    runs = [(v, step) for v in grid.variations for step in (v.instants or ())]
+    assert sum(table_of(swept).values()) == len(runs) > 3
+    for number, (variation, step) in enumerate(runs[:: len(runs) // 3]):
+        file = tmp_path / f"replay_{number}.toml"
+        text = replay_of(drill, variation.at(step), file.stem, "found", beside=True)
+        file.write_text(text, "utf-8")
+        result = run_drill(str(file), PartyLink.SIMULATED).run.result
+        assert result.courses[0].item == drill.setup.script.faults[0]
+        assert (
+            len([c for c in result.courses if isinstance(c.item, ScriptedFault)]) > 1
+        )  # the drill's own, and this one
+        assert result.digest == swept.outcomes[variation.name][step].digest
+
+
+def test_without_a_script_it_is_about_the_first_hour() -> None:
+    grid = grid_of(load_scenario(find_drill("rtri/01_normal")).setup, FaultChoice.POWER, InstantWindow())
+    assert {v.name.split()[0] for v in grid.variations} == {"power_off"}
+    assert 50 < grid.runs < 400
+
+
+def test_a_sample_is_even_and_follows_from_the_seed(drill: Scenario) -> None:
+    grid = short(drill, FaultChoice.LINKS, 36_000.0, 36_060.0)
+    every = [(v.name, step) for v in grid.variations for step in v.instants or ()]
+    assert grid.of == grid.runs == len(every) > 15
+    some = grid.sample(6)
+    taken = [every.index((v.name, step)) for v in some.variations for step in v.instants or ()]
+    assert (some.runs, some.of) == (6, grid.of)
+    assert {b - a for a, b in pairwise(taken)} <= {len(every) // 6, len(every) // 6 + 1}
+    assert grid.sample(6) == some
+    others = {
+        replace(grid, setup=replace(grid.setup, seed=seed)).sample(6).variations for seed in range(2, 8)
+    }
+    assert len(others) > 1
+    assert grid.sample(grid.runs) is grid
+
+
+def test_what_a_drill_itself_breaks_is_told_apart() -> None:
+    wrong = SweptRun(OutcomeKind.BROKEN, "invariant inside-holding, unsafe: ran onto points N")
+    known, more = replace_label(wrong, "invariant inside-holding"), replace_label(wrong, "invariant body")
+    assert known.beside(wrong).kind is OutcomeKind.OWN
+    assert not known.beside(wrong).bad
+    assert more.beside(wrong) == more
+    dead = SweptRun(OutcomeKind.NOT_ARRIVED, "not every train arrives: K1 waits for nothing")
+    assert dead.beside(wrong) == dead
+    assert dead.beside(wrong, dead).kind is OutcomeKind.OWN
+    crash = SweptRun(OutcomeKind.CRASH, "crash SIGSEGV")
+    assert crash.beside(crash).bad
+    grid = grid_of(
+        staffed(load_scenario(find_drill("rtri/53b_two_wrong_persons"))).setup,
+        FaultChoice.POWER,
+        InstantWindow(),
+    )
+    assert "invariant inside-holding" in " ".join(run.label for run in grid.own)
+
+
+def replace_label(run: SweptRun, label: str) -> SweptRun:
+    return SweptRun(run.kind, label)
+
+
+def test_trains_that_come_later_are_left_out() -> None:
+    day = load_scenario("karasuyama_weekday").setup
+    assert shortened(day, 1e9) is day
+    cut = shortened(day, 7.0 * 3600.0)
+    assert 0 < len(cut.timetable.trains) < len(day.timetable.trains)
+    assert {d.stock_id for d in cut.timetable.diagrams} == set(cut.trains)
+
+
+def test_no_train_that_is_left_out_stands_in_the_way_of_one_that_is_kept() -> None:
+    """325M begins before the cut and needs the track from which 326M leaves after it."""
+    cut = shortened(load_scenario("karasuyama_weekday").setup, 7.5 * 3600.0)
+    assert {"325M", "326M"} <= set(cut.timetable.trains)
+    with simulated(cut) as simulation:
+        result = simulation.run()
+    assert set(result.trains_arrived) == set(cut.timetable.trains)
+    assert result.unfinished == ()
+
+
+def test_the_command_counts_outcomes_and_takes_no_other_words(
+    main: Callable[..., Any], tmp_path: Path
+) -> None:
+    window = ("--from", "10:00:40", "--to", "10:00:42")
+    ended = main("drill", NAME, "--at", "telegrams", *window, "--json", "--out", str(tmp_path / "grid"))
+    figures = json.loads(ended.out)
+    assert figures["runs"] == sum(figures["by_kind"].values()) > 0
+    assert figures["wall_s"] >= 0.0
+    assert (tmp_path / "grid" / "sweep.csv").is_file()
+    for words, key in (
+        (("--at", "seconds"), "--at"),
+        (("--at", "telegrams", "--faults", "many"), "--faults"),
+    ):
+        ended = main("drill", NAME, *words)
+        assert ended.code == 2
+        assert key in ended.err
+
+
+def test_a_folder_of_drills_is_a_table(main: Callable[..., Any], tmp_path: Path) -> None:
+    asked = (
+        "drill",
+        "sidings",
+        "--at",
+        "telegrams",
+        "--sample",
+        "1",
+        "--json",
+        "--out",
+        str(tmp_path / "grids"),
+    )
+    figures = json.loads(main(*asked).out)
+    assert len(figures["drills"]) == len(drills_in("sidings")) == 6
+    assert figures["runs"] == sum(sum(d["by_kind"].values()) for d in figures["drills"])
+    assert figures["grid"] == sum(d["grid"] for d in figures["drills"]) > figures["runs"]
+    assert figures["bad_runs"] == 0
+    assert all((tmp_path / "grids" / d["sweep"] / "sweep.json").is_file() for d in figures["drills"])
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(
+    ("name", "chosen"),
+    [
+        ("rtri/01_normal", FaultChoice.LINKS),
+        ("rtri/12_terminal_power", FaultChoice.POWER),
+        ("karasuyama/12_terminal_power", FaultChoice.LINKS),
+    ],
+)
+def test_nothing_bad_on_a_slice_of_the_grid(
+    name: str, chosen: FaultChoice, record_property: Callable[[str, object], None]
+) -> None:
+    grid = grid_of(staffed(load_scenario(find_drill(name))).setup, chosen, InstantWindow())
+    swept = grid.judged(sweep(grid.setup, grid.variations, InstantWindow(), jobs=2, beside=grid.setup.script))
+    record_property("figures", f"grid of telegrams, {name}, {chosen.value}: {table_of(swept)}")
+    assert not swept.bad
