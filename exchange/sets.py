@@ -33,9 +33,7 @@ class _Round:
     left: dict[str, tuple[str, int]] = field(default_factory=dict[str, tuple[str, int]])
     working: dict[str, str] = field(default_factory=dict[str, str])  # of a set
     owner: dict[str, str] = field(default_factory=dict[str, str])  # of a working
-    to_come: dict[str, int] = field(
-        default_factory=dict[str, int]
-    )  # runs of a working that are not given yet
+    to_come: dict[str, int] = field(default_factory=dict[str, int])  # runs of a working not given yet
 
     def run(self, name: str, head: str) -> None:
         """A set runs a train and those that it becomes."""

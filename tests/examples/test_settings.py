@@ -31,7 +31,7 @@ def test_two_files_make_a_table_that_files_patches_schema_and_page_know(clone: C
     made.holds("tests/documents/test_files.py", "tests/scenario/test_key_examples.py")
     assert "\n## `[patience]`\n" in (made.root / "docs/files/scenario.md").read_text("utf-8")
     schema = json.loads(made.python("-m", "branchline.cli", "schema", "scenario").stdout)
-    assert schema["$defs"]["Patience"]["properties"]["wait_s"]["examples"] == [600.0]
+    assert schema["$defs"]["WaitSettings"]["properties"]["wait_s"]["examples"] == [600.0]
     written(made.root, "60.0", "[patch.patience]\ntimes = { wait_s = 2.0 }")
     done = made.python("-c", READ)
     assert json.loads(done.stdout) == {

@@ -69,8 +69,8 @@ def made_in(clone: Any) -> Any:  # noqa: ANN401 - of the fixture
         ("Act = ConfirmOutside | ConfirmHolding | EnterSection | AcceptPicture | TakeBack", " | HoldTrain"),
         ("_Handler = Callable[[Register, Any], Step]\n", "\n\n" + ACT),
         (
-            "UNIT_ACTS: Final[Mapping[tuple[Phase, Standing, type], _Handler]] = MappingProxyType(\n    {\n",
-            "        **{(phase, standing, HoldTrain): _hold_train for phase in Phase for standing in Standing},\n",
+            "UNIT_ACTS: Final[Mapping[tuple[LineState, UnitStanding, type], _Handler]] = MappingProxyType(\n    {\n",
+            "        **{(state, standing, HoldTrain): _hold_train for state in LineState for standing in UnitStanding},\n",
         ),
     )
     clone.add(HERE / "hold.py", "onboard/authority/hold.py")

@@ -9,7 +9,7 @@ from network.files.quantities import Wait
 from network.files.toml_input import Record
 
 
-class Patience(Record):
+class WaitSettings(Record):
     """`[patience]`: what passengers put up with."""
 
     wait_s: Annotated[Wait, about("until somebody asks", "assumed: ten minutes")] = 600.0

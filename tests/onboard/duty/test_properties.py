@@ -169,9 +169,7 @@ def waits_for_nothing(run: ExploredRun) -> bool:
         return False
     if command_of(PLANS[run.plan], state).confirm:
         return False  # the driver is asked, and looks again and again
-    looks = (
-        state.phase is DutyPhase.ON_SIGHT and not run.known
-    )  # its crew looks, and drives on or calls for help
+    looks = state.phase is DutyPhase.ON_SIGHT and not run.known  # its crew looks, or calls for help
     return not (run.moves or may_start(run) or (looks and command_of(PLANS[run.plan], state).drive))
 
 

@@ -28,9 +28,8 @@ def arrivals(run: ReportedRun, late_s: list[float | None]) -> ReportedRun:
     """A run with so many planned arrivals at one station each, late by so much; None did not come."""
     stops = run.tables.stops.filter(pl.col("planned_arrival_s").is_not_null()).head(len(late_s))
     late = pl.Series(late_s, dtype=pl.Float64)
-    own = ReportedRun(
-        run.line, replace(run.timetable, trains={}), run.tables
-    )  # what is planned stands in the stops
+    # What is planned stands in the stops.
+    own = ReportedRun(run.line, replace(run.timetable, trains={}), run.tables)
     return with_tables(
         own,
         stops=stops.with_columns(
