@@ -70,7 +70,8 @@ def made_in(clone: Any) -> Any:  # noqa: ANN401 - of the fixture
         ("_Handler = Callable[[Register, Any], Step]\n", "\n\n" + ACT),
         (
             "UNIT_ACTS: Final[Mapping[tuple[LineState, UnitStanding, type], _Handler]] = MappingProxyType(\n    {\n",
-            "        **{(state, standing, HoldTrain): _hold_train for state in LineState for standing in UnitStanding},\n",
+            "        **{(state, standing, HoldTrain): _hold_train\n"
+            "           for state in LineState for standing in UnitStanding},\n",
         ),
     )
     clone.add(HERE / "hold.py", "onboard/authority/hold.py")
@@ -78,7 +79,7 @@ def made_in(clone: Any) -> Any:  # noqa: ANN401 - of the fixture
         "onboard/authority/records.py",
         ("    unsaid: tuple[PointsNeeded, ...] = ()\n", "    held_back: bool = False  # at its next stop\n"),
         ('nothing that was sent before is known to have arrived."""\n\n\n', EVENT),
-        ("    | PointsDenied\n    | PeerRestarted\n", "    | HeldBack\n"),
+        ("    | PointsDenialHeard\n    | PeerRestarted\n", "    | HeldBack\n"),
     )
     clone.write(
         "onboard/authority/letters.py",
@@ -98,7 +99,7 @@ def made_in(clone: Any) -> Any:  # noqa: ANN401 - of the fixture
     clone.write(
         "onboard/duty/machine.py",
         (
-            "            turn.actions.append(Finished(turn.plan.number))\n        return\n",
+            "            duty.actions.append(Finished(duty.plan.number))\n        return\n",
             "    if state.authority.held_back:\n        return\n",
         ),
     )
