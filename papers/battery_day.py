@@ -205,10 +205,9 @@ def _tried(base: Setup) -> Iterator[Tried]:
 
 
 def _now(base: Setup, key: str, scale: float, unit: str) -> str:
-    battery = _first(base)
     if key == "capacity_share":
         return "0.9 of new"
-    return f"{float(battery[key][0]) * scale:g} {unit}"
+    return f"{float(_first(base)['pack'][key][0]) * scale:g} {unit}"
 
 
 def _first(setup: Setup) -> Any:  # noqa: ANN401
@@ -229,9 +228,9 @@ def _with(kind: TrainType, key: str, value: float) -> TrainType:
     if key == "capacity_share":
         row["full_c"] *= value / 0.9
     else:
-        row[key] = value
+        row["pack"][key] = value
     if key == "charge_max_w":  # a battery that takes more has the current for it
-        row["charge_max_a"] = max(float(row["charge_max_a"][0]), value / 500.0)
+        row["pack"]["charge_max_a"] = max(float(row["pack"]["charge_max_a"][0]), value / 500.0)
     return replace(kind, battery=row)
 
 
@@ -328,7 +327,7 @@ def _parameters(setup: Setup) -> Iterator[Parameter]:
     ):
         yield Parameter(
             key.removesuffix("_w"),
-            float(battery[key][0]) * scale,
+            float(battery["pack"][key][0]) * scale,
             unit,
             "assumed: vehicle/trains/ev_e301_losses.toml",
         )

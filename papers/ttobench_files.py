@@ -159,17 +159,17 @@ def read_train(file: Path) -> BenchTrain:
     row = np.zeros(1, dtype=TRAIN)
     length_m = number("length", raw.length, "m", 1.0, POINT_M)
     weight_kn = mass_kg * GRAVITY_MPS2 * 1e-3
+    resistance = {
+        "motored_constant_n_per_kn": number("rolling resistance r0", raw.r0, "kN", 1e3) / weight_kn,
+        "motored_linear_n_per_kn_kmh": number("rolling resistance r1", raw.r1, "kN/(km/h)", 1e3) / weight_kn,
+        "air_n_per_kmh2": number("rolling resistance r2", raw.r2, "kN/(km/h)^2", 1e3),
+    }
     values = {
         "length_m": length_m,
         "mass_empty_kg": mass_kg,
         "rotating_mass_factor": number("rho", raw.rho, "%", 1e-2),
         "cars": 1.0,
         "motored_mass_share": 1.0,
-        "resistance_motored_constant_n_per_kn": number("rolling resistance r0", raw.r0, "kN", 1e3)
-        / weight_kn,
-        "resistance_motored_linear_n_per_kn_kmh": number("rolling resistance r1", raw.r1, "kN/(km/h)", 1e3)
-        / weight_kn,
-        "resistance_air_n_per_kmh2": number("rolling resistance r2", raw.r2, "kN/(km/h)^2", 1e3),
         "traction_force_max_n": number("max traction force", raw.force, "kN", 1e3),
         "traction_power_max_w": number("max traction power", raw.power, "kW", 1e3),
         "motors": 1.0,
@@ -185,6 +185,8 @@ def read_train(file: Path) -> BenchTrain:
     }
     for key, value in values.items():
         row[key] = value
+    for key, value in resistance.items():
+        row["resistance"][key] = value
     if (
         min(
             length_m,
@@ -252,12 +254,12 @@ def course_of(
     at_m = np.arange(metres, dtype=np.float64)
     rows: Any = train.perfect if perfect else train.row
     return Course(
-        train=rows[0],
-        load_share=0.0,
-        climb_m=_heights_m(track, at_m),
-        limit_mps=_limits_mps(track, train, metres),
-        start_m=from_m,
-        stop_m=stop_m,
+        rows[0],
+        0.0,
+        _heights_m(track, at_m),
+        _limits_mps(track, train, metres),
+        from_m,
+        stop_m,
         deceleration_mps2=train.deceleration_mps2,
         initial_mps=end_mps,
         final_mps=end_mps,

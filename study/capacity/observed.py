@@ -12,7 +12,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, NamedTuple
 
 from network.model import Direction, Line, SectionKind
 from onboard import notes
@@ -61,7 +61,7 @@ def held_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> tu
     for hold in _played(result).holds:
         own = visits.get(hold.unit, ())
         visit = _visit(hold, own)
-        had = hold.unit, _number(hold, visit, own), hold.token, hold.heard_s, hold.freed_s
+        had = hold.unit, _number(hold, visit, own), hold.token, hold.asked.heard_s, hold.freed_s
         found.append(RegisteredHolding(hold.section_id, *had, visit))
     return tuple(found)
 
@@ -98,6 +98,14 @@ class _Asking:
     heard: tuple[int, int] | None = None  # the telegram that took effect last
 
 
+class AskedAt(NamedTuple):
+    """When a section was wanted, and the request for it sent and heard, s."""
+
+    wanted_s: float
+    sent_s: float
+    heard_s: float
+
+
 @dataclass(slots=True)
 class _Hold:
     """A section in the register as one unit's. `waited_s`: while another had it, or its route."""
@@ -107,9 +115,7 @@ class _Hold:
     number: str
     direction: Direction
     route_id: str
-    wanted_s: float
-    sent_s: float
-    heard_s: float
+    asked: AskedAt
     token: int
     waited_s: float = 0.0
     held_s: float | None = None
@@ -248,8 +254,8 @@ class _Register:
         wanted_s = min(max(first_s, max(free_s, default=-math.inf), self._begin_s), t_s)
         number, direction = self._train.get(unit, ("", Direction.DOWN))
         for section_id in new:
-            asked = wanted_s, max(sent_s, wanted_s), t_s
-            hold = _Hold(section_id, unit, number, direction, route_id, *asked, token)
+            asked = AskedAt(wanted_s, max(sent_s, wanted_s), t_s)
+            hold = _Hold(section_id, unit, number, direction, route_id, asked, token)
             hold.waited_s = wanted_s - first_s if wanted_s > first_s else 0.0
             self._open[unit][section_id] = hold
             self.holds.append(hold)
@@ -303,12 +309,14 @@ class _Register:
 def _visit(hold: _Hold, visits: Iterable[SectionVisit]) -> SectionVisit | None:
     """How the unit was in the section while it had it; None: never."""
     own = (v for v in visits if v.section_id == hold.section_id)
-    return next((v for v in own if v.begin_s <= hold.freed_s and v.rear_s >= hold.wanted_s), None)
+    return next((v for v in own if v.begin_s <= hold.freed_s and v.rear_s >= hold.asked.wanted_s), None)
 
 
 def _number(hold: _Hold, visit: SectionVisit | None, visits: Sequence[SectionVisit]) -> str:
     """The train for which a section was had; who has told of none is the train that is in it, or was seen last."""
-    seen = [visit] if visit is not None else [v for v in visits if v.begin_s <= hold.heard_s] or visits[:1]
+    seen = (
+        [visit] if visit is not None else [v for v in visits if v.begin_s <= hold.asked.heard_s] or visits[:1]
+    )
     return hold.number or (seen[-1].number if seen else "")
 
 
@@ -326,7 +334,7 @@ def _passage(
         portal and hold.reported_s is None and visit.enters_s <= hold.arrived_s < hold.freed_s
     ):  # signed off there
         leaves_s = rear_s = reported_s = hold.arrived_s
-    wanted_s, sent_s, heard_s = hold.wanted_s, hold.sent_s, hold.heard_s
+    wanted_s, sent_s, heard_s = hold.asked
     held_s = heard_s if hold.held_s is None else hold.held_s
     if visit.enters_s == -math.inf and not hold.route_id:  # there before anybody asked
         wanted_s = sent_s = heard_s = held_s = min(wanted_s, visit.begin_s)
@@ -425,9 +433,9 @@ def _settings_out(
             case notes.Departs() if unit in begun_s:
                 from_s = begun_s.pop(unit)
                 for hold in holds:
-                    if hold.unit == unit and hold.route_id and from_s <= hold.sent_s <= until_s:
-                        held_s = hold.heard_s if hold.held_s is None else hold.held_s
-                        ways = hold.sent_s, hold.heard_s, held_s, hold.thrown
+                    if hold.unit == unit and hold.route_id and from_s <= hold.asked.sent_s <= until_s:
+                        held_s = hold.asked.heard_s if hold.held_s is None else hold.held_s
+                        ways = hold.asked.sent_s, hold.asked.heard_s, held_s, hold.thrown
                         yield from ((unit, one) for one in setting_out(*ways, until_s))
             case _:
                 pass

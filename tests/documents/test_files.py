@@ -120,7 +120,7 @@ def test_the_examples_of_the_readme_load(tmp_path: Path) -> None:
     for name, text in zip(("slow_points", "heavy_morning"), blocks, strict=True):
         assert f'id = "{name}"' in text
         (tmp_path / f"{name}.toml").write_text(text, "utf-8")
-    changed = {change.file for change in load_scenario(str(tmp_path / "slow_points.toml")).changes}
+    changed = {change.file for change in load_scenario(str(tmp_path / "slow_points.toml")).inputs.changes}
     assert changed == {"karasuyama.toml"}
-    changed = {change.file for change in load_scenario(str(tmp_path / "heavy_morning.toml")).changes}
+    changed = {change.file for change in load_scenario(str(tmp_path / "heavy_morning.toml")).inputs.changes}
     assert changed >= {"karasuyama.toml", "karasuyama_weekday.toml", "ev_e301.toml"}

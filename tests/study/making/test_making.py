@@ -244,7 +244,7 @@ def test_the_examples_in_words_of_a_new_timetable_are_accepted(tmp_path: Path) -
 def test_the_shipped_line_and_the_file_name_one_another(tmp_path: Path) -> None:
     new_timetable(str(VALLEY), "br642", Pattern(1800, 0, 3600), tmp_path / "tt.toml", None)
     timetable = load_timetable(tmp_path / "tt.toml", load_line(VALLEY))
-    assert timetable.line_id == load_line(VALLEY).id
+    assert timetable.head.line == load_line(VALLEY).id
     with pytest.raises(InputError):
         load_timetable(tmp_path / "tt.toml", load_line(shipped_line("karasuyama")))
 

@@ -117,8 +117,7 @@ def test_the_inputs_of_every_scenario_say_what_it_runs(name: str, tmp_path: Path
     assert (settings.id, settings.name, settings.seed) == (scenario.id, scenario.name, 17)
     for table in ("air", "driving", "sensors", "scatter", "tuning", "vision", "limits", "operation"):
         assert getattr(settings, table) == getattr(scenario.setup, table)
-    assert inputs.changes == scenario.changes
-    assert inputs.assumed == scenario.assumed
+    assert inputs == scenario.inputs
 
 
 def test_inputs_hold_what_patches_made_of_the_files(tmp_path: Path) -> None:
