@@ -279,7 +279,8 @@ REMARKS: Final = (
 def write_seconds(cases: Sequence[JourneyCase], folder: Path) -> tuple[Path, ...]:
     """Draw the cases in which there was anything to share below `folder`; the files written."""
     rows = [[seconds_panel(case)] for case in cases if case.moved_s > MOVED_S]
-    return ChartPage("journeys", (9.0, 2.6 * len(rows)), rows).write(folder) if rows else ()
+    page = ChartPage("journeys", (9.0, 2.6 * len(rows)), rows, shared=False)
+    return page.write(folder) if rows else ()
 
 
 def seconds_panel(case: JourneyCase) -> Panel:
