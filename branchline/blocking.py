@@ -29,13 +29,13 @@ def blocking(
     theory: Annotated[
         bool,
         typer.Option(
-            "--theory", help="From running times, without a run; of a run directory both, and compared."
+            "--theory", help="Compute from running times, without a run; for a run directory both, compared."
         ),
     ] = False,
     out: Annotated[Path | None, typer.Option("--out", help="Write the table as CSV to this file.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Blocking times (閉そく占有時分) by train and section, what they go into and cost, and conflicts.
+    """Show blocking times (閉そく占有時分) by train and section, what they consist of, and conflicts.
 
     A scenario is run; with --theory it is not. A run directory is read back.
     """
