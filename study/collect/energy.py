@@ -22,15 +22,13 @@ ON_LEG: Final = frozenset({EnergyPhase.RUNNING, EnergyPhase.HELD})
 class StockMake:
     """What the tables say of a stock. Raises nothing; `cars` counts as the train file does."""
 
-    length_m: float
     cars: int
     regenerated_to: RegenerationReceiver
 
     @classmethod
     def of(cls, kind: TrainType) -> StockMake:
         """That of a kind of train."""
-        row = kind.row[0]
-        return cls(float(row["length_m"]), round(float(row["cars"])), kind.regenerated_to)
+        return cls(round(float(kind.row[0]["cars"])), kind.regenerated_to)
 
 
 @dataclass(slots=True)

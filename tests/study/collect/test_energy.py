@@ -19,7 +19,7 @@ from study.drilling.drill import find_drill
 from study.runner.run import simulated
 from vehicle.train_file import RegenerationReceiver
 
-FLEET: Final = dict.fromkeys(("K1", "K2"), StockMake(40.0, 2, RegenerationReceiver.BATTERY))
+FLEET: Final = dict.fromkeys(("K1", "K2"), StockMake(2, RegenerationReceiver.BATTERY))
 KINDS: Final = ("traction", "regenerated", "auxiliary")
 
 
@@ -68,9 +68,7 @@ def test_a_day_worked_out_by_hand() -> None:
 
 
 def test_what_resistors_take_does_not_come_back() -> None:
-    burnt = energy_tables(DAY, dict.fromkeys(FLEET, StockMake(40.0, 2, RegenerationReceiver.RESISTORS)))[
-        "energy"
-    ]
+    burnt = energy_tables(DAY, dict.fromkeys(FLEET, StockMake(2, RegenerationReceiver.RESISTORS)))["energy"]
     assert burnt["net_kwh"].to_list() == pytest.approx([9.0 + 1.8, 6.0 + 1.1])
     assert set(burnt["regenerated_to"]) == {"resistors"}
 

@@ -13,8 +13,8 @@ from study.collect.energy_hours import energy_hours_of, shares
 from vehicle.train_file import RegenerationReceiver
 
 FLEET = {
-    "K1": StockMake(40.0, 2, RegenerationReceiver.BATTERY),
-    "K2": StockMake(40.0, 2, RegenerationReceiver.RESISTORS),
+    "K1": StockMake(2, RegenerationReceiver.BATTERY),
+    "K2": StockMake(2, RegenerationReceiver.RESISTORS),
 }
 
 
