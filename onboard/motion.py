@@ -93,6 +93,11 @@ class UnitMotion:
         readers: ReadersRow | None = None,
         laws: LawsRow | None = None,
         planning: Planning = PLAIN,
+        *,
+        reads_tags: bool = True,
+        charge: ChargeWatch | None = None,
+        load_share: float = 0.0,
+        vehicle: VehicleInputs = IN_ORDER,
     ) -> None:
         self.row: Final = cells_of(UnitRow, row)
         self._record: Final = row  # the same memory, as compiled code takes it
@@ -100,11 +105,11 @@ class UnitMotion:
         self.readers: Final[Any] = cells_of(ReadersRow, fresh)
         self.keeper: Final = keeper
         self.command = DrivingCommand()
-        self.load_share = 0.0
+        self.load_share = load_share
         self.adhesion_factor = 1.0  # the least of the day's weather, of the dry rail's
-        self.vehicle = IN_ORDER
-        self.charge: ChargeWatch | None = None  # of a set that runs on a battery
-        self.reads_tags = True  # a train without a reader expects none
+        self.vehicle = vehicle
+        self.charge = charge  # of a set that runs on a battery
+        self.reads_tags = reads_tags  # a train without a reader expects none
         self.notes: Final[list[notes.Note]] = []
         row.due_s = row.replan_s = math.inf
         row.axles_differ_share = parameters.wheel_varies_share

@@ -10,7 +10,7 @@ import polars as pl
 
 from network.units import J_PER_KWH
 from simulation.result import EnergyPhase, EnergyRecord
-from study.collect.energy_parts import spent
+from study.collect.energy_parts import spent_kwh
 from study.record.energy import LayoverEnergy, LegEnergy, TrainEnergy
 from study.record.tables import make_table
 from vehicle.train_file import RegenerationReceiver, TrainType
@@ -48,7 +48,7 @@ def _ran(records: Sequence[EnergyRecord]) -> dict[str, float]:
         "running_s": sum(r.end_s - r.begin_s for r in moving),
         "standing_s": sum(r.end_s - r.begin_s for r in still),
         "distance_km": sum(r.distance_m for r in records) / 1000.0,
-        "standing_kwh": sum(r.auxiliary_j for r in still) / J_PER_KWH,
+        "standing_kwh": sum(r.counted_j["auxiliary"] for r in still) / J_PER_KWH,
     }
 
 
@@ -113,7 +113,7 @@ def _of_train(
         cars=make.cars,
         regenerated_to=make.regenerated_to,
         **_ran(records),
-        **spent(records, make.regenerated_to),
+        **spent_kwh(records, make.regenerated_to),
     )
 
 
@@ -129,7 +129,7 @@ def _of_leg(
         to_station=leg[3],
         cars=make.cars,
         **_ran(records),
-        **spent(records, make.regenerated_to),
+        **spent_kwh(records, make.regenerated_to),
     )
 
 
@@ -142,5 +142,5 @@ def _of_stay(stay: Layover, fleet: Mapping[str, StockMake]) -> LayoverEnergy:
         before_train=stay.before_train,
         from_s=first.begin_s,
         to_s=stay.records[-1].end_s,
-        **spent(stay.records, fleet[first.stock_id].regenerated_to),
+        **spent_kwh(stay.records, fleet[first.stock_id].regenerated_to),
     )

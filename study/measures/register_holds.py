@@ -239,8 +239,9 @@ class _Register:
         number, direction = self._train.get(unit, ("", Direction.DOWN))
         for section_id in new:
             asked = wanted_s, max(sent_s, wanted_s), t_s
-            hold = SectionHold(section_id, unit, number, direction, route_id, *asked, token)
-            hold.waited_s = wanted_s - first_s if wanted_s > first_s else 0.0
+            hold = SectionHold(
+                section_id, unit, number, direction, route_id, *asked, token, max(wanted_s - first_s, 0.0)
+            )
             self._open[unit][section_id] = hold
             self.holds.append(hold)
         for section_id in sections:
