@@ -25,7 +25,6 @@ from onboard.motion import UnitMotion
 from onboard.notes import Note
 from onboard.records import PathData
 from onboard.unit import Report, UnitAnswer
-from onboard.vehicle import IN_ORDER
 from simulation.clock import Clock
 from simulation.faults.fault import VehiclePart
 from simulation.setup import Setup
@@ -49,7 +48,7 @@ def new_motion(
     charge: ChargeWatch | None = None,
     before: UnitMotion | None = None,
 ) -> UnitMotion:
-    """The driving part of a unit that is switched on; what its inputs show is as `before` it was off."""
+    """The driving part of a unit that is switched on, `before` the one before that."""
     setup = trains.setup
     return UnitMotion(
         setup.believed_line,
@@ -63,8 +62,7 @@ def new_motion(
         setup.planning,
         reads_tags=trains.reads_tags(slot),
         charge=charge,
-        load_share=0.0 if before is None else before.load_share,
-        vehicle=IN_ORDER if before is None else before.vehicle,
+        before=before,
     )
 
 

@@ -7,6 +7,7 @@ import math
 import pytest
 
 from network.model import SectionKind
+from onboard.notes import MissionBegun
 from scenario.scenario import load_scenario, shipped_scenarios
 from simulation.events import Entered
 from study.capacity.blocking_table import read_blocking
@@ -37,7 +38,21 @@ def differences(run: FinishedRun) -> list[str]:
             found.append(f"{name}: released {released_s}, {one.end_s}")
         if not one.begin_s - NEAR_S <= row["granted_s"] <= one.end_s + NEAR_S:
             found.append(f"{name}: granted {row['granted_s']}, {one.begin_s} to {one.end_s}")
-    return [*found, *_against_the_journal(run)]
+    return [*found, *_against_the_journal(run), *_misnamed(run)]
+
+
+def _misnamed(run: FinishedRun) -> list[str]:
+    """Sections had by another train than the one that the unit had taken up, by its own word in the journal."""
+    found: list[str] = []
+    for row in run.tables.blocks.iter_rows(named=True):
+        begun = [
+            e.event.train
+            for e in run.result.journal.entries
+            if e.who == row["unit"] and isinstance(e.event, MissionBegun) and e.t_s <= row["granted_s"]
+        ]
+        if begun and row["train"] != begun[-1]:
+            found.append(f"{row['section']} {row['unit']}: {row['train']}, and not {begun[-1]}")
+    return found
 
 
 def _against_the_journal(run: FinishedRun) -> list[str]:
