@@ -104,9 +104,9 @@ class UnitMotion:
         self.readers: Final[Any] = cells_of(ReadersRow, fresh)
         self.keeper: Final = keeper
         self.command = DrivingCommand()
-        self.load_share = 0.0 if before is None else before.load_share
+        self.load_share: float = 0.0 if before is None else before.load_share
         self.adhesion_factor = 1.0  # the least of the day's weather, of the dry rail's
-        self.vehicle = IN_ORDER if before is None else before.vehicle
+        self.vehicle: VehicleInputs = IN_ORDER if before is None else before.vehicle
         self.charge = charge
         self.reads_tags = reads_tags  # a train without a reader expects none
         self.notes: Final[list[notes.Note]] = []
