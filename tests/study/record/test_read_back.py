@@ -71,7 +71,7 @@ def test_a_run_is_read_back_as_it_was(done: FinishedRun, directory: Path) -> Non
     assert (read.line, read.timetable) == (setup.line, setup.timetable)
     assert {stock: kind.id for stock, kind in read.trains.items()} == {"K1": setup.trains["K1"].id}
     assert read.trains["K1"].row.tobytes() == setup.trains["K1"].row.tobytes()
-    assert (read.name, read.settings.seed, read.changes) == (done.scenario.name, setup.seed, ())
+    assert (read.name, read.settings.seed, read.inputs.changes) == (done.scenario.name, setup.seed, [])
     assert (read.settings.tables.air, read.settings.tables.driving) == (setup.air, setup.driving)
     assert read.inputs == done.scenario.inputs
     assert read.summary == {**done.summary, "out": str(directory)}
