@@ -50,6 +50,19 @@ RULE: Final = """
 ## The one rule of fixes
 
 """
+MAP: Final = """
+## The map of curvature
+
+Trains with a yaw gyro compare their run with this map. `[curvature] map = "design"` is the line's alignment, as units
+believe it to be; otherwise it is a file beside the scenario:
+
+    branchline new curvature-map karasuyama_weekday curves.json --train 322M    # from a first run of that train
+    branchline new curvature-map karasuyama_weekday curves.json                 # the design, written to a file
+
+On a first run the train finds its position by tags and wheels, and its gyro records the curvature. The gyro's bias
+between two stands goes evenly from the one to the other. Track that the train has not passed on the first and the last
+piece is as in the alignment; other pieces are not in the map, and nothing is compared there.
+"""
 SETTINGS_HEAD: Final = "| key | default | what it is | where the default comes from |\n|---|---|---|---|"
 
 
@@ -62,7 +75,7 @@ def document() -> str:
     parts += [RULE + _prose(fix.__doc__), ""]
     for sensor in SENSORS:
         parts += _section(sensor)
-    parts += ["## The map of curvature: format and version", "", _prose(curvature_map_file.__doc__), ""]
+    parts += [MAP, _prose(curvature_map_file.__doc__), ""]
     return "\n".join(parts)
 
 
