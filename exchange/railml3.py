@@ -45,7 +45,7 @@ def draft_of_3(file: str, root: ET.Element) -> RailmlDraft:
     infrastructure = root.find(f"{_NS}infrastructure")
     if infrastructure is None:
         raise InputError(file, "infrastructure", None, "this element, which is missing")
-    reader = _Reader(file, root, infrastructure)
+    reader = _Railml3Reader(file, root, infrastructure)
     reader.read_topology()
     reader.read_points()
     reader.read_stations()
@@ -63,7 +63,7 @@ def draft_of_3(file: str, root: ET.Element) -> RailmlDraft:
     return draft
 
 
-class _Reader:
+class _Railml3Reader:
     def __init__(self, file: str, root: ET.Element, infrastructure: ET.Element) -> None:
         self.file = file
         self.infrastructure = infrastructure

@@ -285,5 +285,4 @@ SHARED: Final = (
         "share",
         "unit.wheel_error_share less unit.wheel_scale_limit",
     ),
-    *LINE.parameters(),
 )

@@ -20,8 +20,8 @@ import numpy as np
 
 from onboard.driving.laws.pid import Pid
 from onboard.driving.laws.settings import LawTables
-from papers.single_hop import HOP_STEPS_MAX, HopBench, new_hops
-from papers.single_stop import Rows
+from papers.single_hop import HopBench
+from papers.single_run import STEPS_MAX, Rows, new_hops
 from papers.yasunobu_train import HOP_M, ORDERS_S, paper_hops
 
 GAINS_PER_S: Final = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
@@ -70,7 +70,7 @@ def tried(settings: Pid) -> Trial:
     misses: list[float] = []
     changes = 0
     for order_s in ORDERS_S:
-        outcomes, trace = bench.run(new_hops([order_s]), HOP_STEPS_MAX)
+        outcomes, trace = bench.run(new_hops([order_s]), STEPS_MAX)
         itaes.append(itae_ms(trace, bench.cruise_mps(order_s), pattern_mps2, step_s))
         changes += int(outcomes["power_changes"][0] + outcomes["brake_changes"][0])
         misses.append(abs(float(outcomes["error_m"][0])))

@@ -70,6 +70,11 @@ class Setup(Tables):
         return so if self.belief is None else self.belief.trains.get(stock_id, so)
 
     @property
+    def lengths_m(self) -> dict[str, float]:
+        """Length of each stock, m, by its id."""
+        return {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in self.trains.items()}
+
+    @property
     def latest_end_s(self) -> float:
         """When the run ends whatever happens, s: no train comes after that."""
         return latest_end_s(self.timetable, self.limits)

@@ -224,7 +224,7 @@ class Shot:
 
 
 @dataclass(frozen=True, slots=True)
-class _Seen:
+class _BoardSight:
     """How boards are seen: contrast lost per metre, towards what, width of an edge, exposure."""
 
     extinction_per_m: float
@@ -321,7 +321,7 @@ class Renderer:
             light.extinction_per_m,
             TUNNEL_AIR,
         )
-        seen = _Seen(light.extinction_per_m, TUNNEL_AIR, camera.edge_px, camera.exposure_s)
+        seen = _BoardSight(light.extinction_per_m, TUNNEL_AIR, camera.edge_px, camera.exposure_s)
         self._draw_boards(image, scene.board_rows(), shot, view, lens_m, (axis_row, axis_column), seen)
         return image
 
@@ -363,7 +363,7 @@ class Renderer:
         )
         boards = scene.board_rows()
         boards[:, BLUE : RED + 1] *= float(np.exp(rng.normal(0.0, air.face_spread)))
-        seen = _Seen(air.extinction_per_m, air.sky_low, camera.edge_px + air.film_px, exposure_s)
+        seen = _BoardSight(air.extinction_per_m, air.sky_low, camera.edge_px + air.film_px, exposure_s)
         self._draw_boards(image, boards, shot, view, lens_m, (axis_row, axis_column), seen)
         if air.sun is not None:
             sun = air.sun
@@ -417,7 +417,7 @@ class Renderer:
         view: ImageWindow,
         lens_m: Floats,
         axis_px: tuple[float, float],
-        seen: _Seen,
+        seen: _BoardSight,
     ) -> None:
         """Everything that stands beside the track, the farthest first."""
         camera = self.camera

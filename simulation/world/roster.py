@@ -35,8 +35,7 @@ class Duty:
 
 def drawn_up(setup: Setup, line: Line) -> dict[str, tuple[Duty, ...]]:
     """Duties of a setup's day on its line, or on the one that its units believe in. Raises as `draw_up` does."""
-    lengths_m = {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in setup.trains.items()}
-    duties = draw_up(line, setup.timetable, lengths_m, setup.operation.portal_lead_s)
+    duties = draw_up(line, setup.timetable, setup.lengths_m, setup.operation.portal_lead_s)
     if not setup.late.entry:
         return duties
     late_s = {

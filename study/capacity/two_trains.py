@@ -97,10 +97,12 @@ def two_trains(setup: Setup, headway: Headway) -> TwoTrains:
     first, second = headway.first, headway.second
     ends, begins = len(headway.claims.ahead) - 1, len(headway.claims.behind) - 1
     claims = headway.claims
-    ahead = _Way(setup, claims.ahead, first.before, first.after[ends:], WAITS_S, (), claims.ahead_waits_s)
+    ahead = _LegsOfSet(
+        setup, claims.ahead, first.before, first.after[ends:], WAITS_S, (), claims.ahead_waits_s
+    )
     way_in, waits_s = claims.behind[::-1], claims.behind_waits_s[::-1]
     before = second.before[begins:]
-    behind = _Way(setup, way_in, before, second.after, COMES_S, ahead.places, waits_s)
+    behind = _LegsOfSet(setup, way_in, before, second.after, COMES_S, ahead.places, waits_s)
     alone = ahead.alone(), behind.alone()
     return TwoTrains(_asks_late(setup, headway, alone[1], 0.0), headway, *alone)
 
@@ -170,7 +172,7 @@ def day_of(setup: Setup, alone: Sequence[SingleLegTrains]) -> Setup:
     return replace(setup, timetable=replace(setup.timetable, trains=trains, diagrams=sets), trains=kinds)
 
 
-class _Way:
+class _LegsOfSet:
     """Legs of a set, and those before (the nearest first) and after them, by which they are made whole trains.
 
     It is `waits_s` at the first of the legs, if it had to come there; it begins in none of the `taken` places. Before

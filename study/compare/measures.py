@@ -9,12 +9,13 @@ from typing import Any, Final, TypeAlias
 
 import polars as pl
 
+from simulation.result import DRAWN
 from study.compare.meets import meets_of
 from study.compare.side import ComparedRun
 from study.compare.times import What
 from study.measures.driving import driven
 from study.measures.missing import planned_times
-from study.measures.summary import ENERGIES, arrived_trains, energy_summary
+from study.measures.summary import arrived_trains, energy_summary
 from study.record.driving import EARLY, DrivenHop
 from study.record.figure import Adds, ShownIn, rows_in, seen_in
 from study.record.figure import Figure as Said
@@ -162,7 +163,7 @@ def _margins(side: ComparedRun) -> Iterator[RunFigure]:
 def _energy(side: ComparedRun) -> Iterator[RunFigure]:
     tables = side.run.tables
     whole = energy_summary(tables)
-    for name in (*ENERGIES, "net"):
+    for name in (*DRAWN, "net"):
         yield RunFigure("energy", name, "kWh", 1, whole["all"][name])
     yield RunFigure("energy", "of it standing", "kWh", 1, whole["standing"]["net"])
     yield RunFigure("energy", "of it layovers", "kWh", 1, whole["layovers"]["net"])

@@ -25,6 +25,7 @@ from simulation.events import MANAGER, JournalEntry
 from simulation.result import EnergyPhase, RunResult
 from simulation.setup import STEPS_PER_S, Setup
 from simulation.world.roster import Duty, drawn_up
+from study.measures.register_holds import SectionHold
 from study.measures.stretches import DayStretch, stretches
 from study.measures.wait_history import RegisterHistory
 from study.measures.wait_view import Doing, View, WaitingRequest, subject_of
@@ -44,11 +45,11 @@ NOT_NOW: Final[Mapping[str, Cause]] = {"no way on": Cause.NO_WAY_ON, "not its tu
 HELD_REASON: Final = "held"  # how a refusal begins that names another holder
 
 
-def waits_of(result: RunResult, setup: Setup) -> tuple[Wait, ...]:
+def waits_of(result: RunResult, setup: Setup, holds: Iterable[SectionHold]) -> tuple[Wait, ...]:
     """All waits of a run, by stock and time; those of one stock cover the run without gap or overlap."""
     drawn = drawn_up(setup, setup.line)
     entries: dict[str, list[JournalEntry]] = defaultdict(list)
-    history = RegisterHistory(_by_unit(result.journal.entries, entries))
+    history = RegisterHistory(_by_unit(result.journal.entries, entries), holds)
     where = Whereabouts(result)
     found: list[Wait] = []
     for unit in result.stock_ids:

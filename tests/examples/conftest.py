@@ -26,7 +26,7 @@ CODE = [package for package in PACKAGES if package != "tests"]
 FILE = re.compile(r"\[`([\w./]+)`\]\(\.\./(tests/examples/[\w./]+)\)")
 ENTRY = re.compile(r"```python\n# ([\w./]+), (in|before|at the end) ?(\w*)\n(.*?)```", re.DOTALL)
 # Pages that follow from what an example adds, as `make docs` writes them.
-PAGES = ("files", "faults", "sensors", "tables")
+PAGES = ("files", "faults", "sensors", "tables", "reproductions")
 
 
 def recipe(name: str) -> str:

@@ -60,11 +60,11 @@ def balances(result: RunResult, line: Line, train: Numbers) -> Iterator[Balance]
     for record in result.energy:
         if (
             record.phase in (EnergyPhase.RUNNING, EnergyPhase.HELD)
-            and record.distance_m + record.traction_j > 0.0
+            and record.distance_m + record.counted_j["traction"] > 0.0
         ):
             legs.setdefault((record.number, record.from_id, record.to_id), []).append(record)
     for (number, *_), records in legs.items():
-        balance = Balance(number, sum(r.traction_j + r.auxiliary_j for r in records))
+        balance = Balance(number, sum(r.counted_j["traction"] + r.counted_j["auxiliary"] for r in records))
         apart = dict.fromkeys(Part, 0.0)
         for record in records:
             _add_losses(apart, record, train)
@@ -75,10 +75,12 @@ def balances(result: RunResult, line: Line, train: Numbers) -> Iterator[Balance]
 
 
 def _add_losses(apart: dict[Part, float], record: EnergyRecord, train: Numbers) -> None:
-    apart[Part.TRACTION_LOSS] += record.traction_j * (1.0 - train["efficiency_traction"])
-    apart[Part.REGENERATION_LOSS] += record.regenerated_j * (1.0 / train["efficiency_regeneration"] - 1.0)
-    apart[Part.REGENERATED] += record.regenerated_j
-    apart[Part.FRICTION] += record.parts.friction_j
+    apart[Part.TRACTION_LOSS] += record.counted_j["traction"] * (1.0 - train["efficiency_traction"])
+    apart[Part.REGENERATION_LOSS] += record.counted_j["regenerated"] * (
+        1.0 / train["efficiency_regeneration"] - 1.0
+    )
+    apart[Part.REGENERATED] += record.counted_j["regenerated"]
+    apart[Part.FRICTION] += record.counted_j["friction"]
     apart[Part.AUXILIARY] += train["auxiliary_power_w"] * (record.end_s - record.begin_s)
 
 

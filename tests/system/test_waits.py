@@ -17,6 +17,7 @@ from simulation.events import MANAGER
 from simulation.result import Waiting
 from simulation.setup import STEPS_PER_S, Setup
 from study.drilling.drill import find_drill
+from study.measures.register_holds import section_holds
 from study.measures.wait_text import text_of
 from study.measures.waits import waits_of
 from study.record.wait import Asked, Cause, Wait
@@ -102,7 +103,8 @@ def observed(name: str) -> Observed:
             shown += [(simulation.now_s, waiting) for waiting in simulation._duties.waiting()]
             simulation.advance()
         result = simulation.finish()
-    waits = waits_of(result, scenario.setup)
+    setup = scenario.setup
+    waits = waits_of(result, setup, section_holds(result, setup.line, setup.lengths_m))
     return Observed(
         scenario.setup, result.begin_step / STEPS_PER_S, result.end_step / STEPS_PER_S, shown, waits
     )

@@ -21,13 +21,13 @@ from simulation.result import RunResult
 from simulation.setup import STEP_S, Setup
 from study.capacity import claims, orders, passage
 from study.capacity.headway import HeadwayCase, HeadwayKind, line_cases
-from study.capacity.observed import observed
 from study.capacity.rules import MINIMAL
 from study.capacity.standard import StandardPath, added, extended, standard_paths
 from study.capacity.theory import occupations
 from study.capacity.two_trains import two_trains, undisturbed
 from study.evaluate.headways_driven import LATE_S, Drives
 from study.runner.run import CarrierKind, PartyLink, execute
+from tests.study.capacity.by_hand import occupations_run
 
 LEAD_S = 0.5  # a unit that asks no sooner than it must has no time to ask again
 FAR_S = 14_400
@@ -83,7 +83,7 @@ def greatest_s(
     setup: Setup, result: RunResult, apart_s: int, kinds: Collection[HeadwayKind] = FOLLOWS
 ) -> float:
     """How near the second may be by all headways of some kinds, the first before the second wherever they go."""
-    cases = line_cases(setup.line, observed(result, setup), setup.unit.dwell_min_s)
+    cases = line_cases(setup.line, occupations_run(result, setup), setup.unit.dwell_min_s)
     found = [c.closest.buffer_s for c in cases if c.closest is not None and c.headway.kind in kinds]
     return apart_s - min(found)
 

@@ -17,14 +17,14 @@ from vehicle.battery import available_j, stored_j
 KWH = 3.6e6
 
 
-def one_set(setup: Setup, soc: float, auxiliary_w: float = 30e3) -> charge._Set:
+def one_set(setup: Setup, soc: float, auxiliary_w: float = 30e3) -> charge._SetCharge:
     kind = setup.trains["V4"]
     assert kind.battery is not None and setup.battery is not None
     row = kind.battery[0].copy()
     row["charge_c"] = soc * row["full_c"]
     ways = ways_of(setup, drawn_up(setup, setup.believed_line))["V4"]
     rules = charge.ChargeRules(waits=True, reserve_j=0.0, prediction_share=0.0)
-    return charge._Set(setup, setup.battery, ways, row, rules, auxiliary_w)
+    return charge._SetCharge(setup, setup.battery, ways, row, rules, auxiliary_w)
 
 
 @pytest.fixture(scope="module")
