@@ -18,10 +18,10 @@ AND: Final = Phrase(" and ", "と")
 
 CHANGED: Final = Phrase("What changed against {label}", "{label} からの変化")
 DIFFERENCES: Final = Phrase(
-    "{count} differences, the patches of both runs carried out.", "{count} 件（両走行の変更指定を反映）"
+    "{count} differences, after the patches of both runs.", "{count} 件（両走行の変更指定を反映）"
 )
 ONE_DIFFERENCE: Final = Phrase(
-    "1 difference, the patches of both runs carried out.", "1 件（両走行の変更指定を反映）"
+    "1 difference, after the patches of both runs.", "1 件（両走行の変更指定を反映）"
 )
 ROWS: Final = Phrase("{count} rows", "{count} 行")
 # the verdict
@@ -36,12 +36,12 @@ TRAINS: Final = Phrase("trains {shown}", "{shown}")
 ONE_TRAIN: Final = Phrase("train {shown}", "{shown}")
 MORE_TRAINS: Final = Phrase("trains {shown} and {rest} more", "{shown} ほか {rest} 本")
 CAME_ONCE: Final = Phrase(
-    "{count} of trains that run in both came in one run only.",
+    "{count} of trains in both runs are in one run only.",
     "両走行に共通の列車の着発のうち {count}は、一方の走行だけにある。",
 )
 BROKEN_ONLY: Final = Phrase("Broken only in {where}: {texts}.", "{where} だけの違反：{texts}。")
 NONE_COMPARED: Final = Phrase(
-    "No arrival and no departure came in both runs: there is nothing to compare.",
+    "No arrival or departure is in both runs: there is nothing to compare.",
     "両走行に共通の着発がなく、比較できない。",
 )
 NOTHING_MOVED: Final = Phrase(

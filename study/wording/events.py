@@ -71,7 +71,7 @@ TOLD: Final[Mapping[EventType, EventWording]] = {
     said.ThrowRefused: EventWording(
         "refusal",
         Phrase(
-            "points {points_id} refused to {unit_id}{section_id}{token}{why}",
+            "points {points_id}: command of {unit_id} refused{section_id}{token}{why}",
             "{unit_id}からの転てつ機 {points_id} の制御を拒否{section_id}{token}{why}",
         ),
         _AT_POINTS,
@@ -98,7 +98,7 @@ TOLD: Final[Mapping[EventType, EventWording]] = {
         "doors",
         Phrase(
             "doors of {train} ({unit_id}) at {station} closed at {until}:"
-            " {people_s:.0f} s people, {doors_s:.0f} s doors",
+            " {people_s:.0f} s for passengers, {doors_s:.0f} s for doors",
             "{train}（{unit_id}）{station} の戸閉が {until}（客扱い {people_s:.0f} 秒、戸閉不良 {doors_s:.0f} 秒）",
         ),
     ),
@@ -107,22 +107,23 @@ TOLD: Final[Mapping[EventType, EventWording]] = {
     notes.FoundElsewhere: EventWording(
         "fix refused",
         Phrase(
-            "{reader} finds the train where it does not hold all sections",
+            "{reader} gives a position where the train does not hold all sections",
             "{reader}の示す位置が確保区間の外のため棄却",
         ),
     ),
     notes.FixTaken: EventWording(
         "fix",
         Phrase(
-            "{reader} taken after {after}: the position moved by {correction_m:+.2f} m",
+            "fix by {reader} after {after}: the position moved by {correction_m:+.2f} m",
             "{reader}による位置補正 {correction_m:+.2f} m（直前：{after}）",
         ),
     ),
     notes.FixRefused: EventWording(
-        "fix refused", Phrase("{reader} misses the bounds", "{reader}の示す位置が誤差範囲の外のため棄却")
+        "fix refused",
+        Phrase("the fix by {reader} lies outside the bounds", "{reader}の示す位置が誤差範囲の外のため棄却"),
     ),
     notes.FixMissed: EventWording(
-        "fix missed", Phrase("{reader} shows nothing where it should", "{reader}が検知すべき所で検知なし")
+        "fix missed", Phrase("{reader} detects nothing where it should", "{reader}が検知すべき所で検知なし")
     ),
     notes.ForeignTrack: EventWording(
         "foreign track",
@@ -157,7 +158,9 @@ TOLD: Final[Mapping[EventType, EventWording]] = {
     ),
     TelegramDropped: EventWording(
         "telegram",
-        Phrase("dropped by {receiver}{kind}{source}{why}", "{receiver}が電文を棄却{kind}{source}{why}"),
+        Phrase(
+            "telegram dropped by {receiver}{kind}{source}{why}", "{receiver}が電文を棄却{kind}{source}{why}"
+        ),
         {"kind": Phrase(": {}", "（{}）"), "source": Phrase(" of {}", "、送信元 {}"), **_WHY},
     ),
     said.PointsUnproven: EventWording(

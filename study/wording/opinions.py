@@ -67,7 +67,7 @@ MORE: Final = Phrase("more", "多い")
 LESS: Final = Phrase("less", "少ない")
 TRACTION: Final = Phrase(
     "With the train file's resistance the day takes {kwh:,.0f} kWh ({percent:.1f} %) {more} traction than with the"
-    " other formula: the day's traction is known no better than that.",
+    " other formula: the day's traction is no more certain than that.",
     "列車ファイルの走行抵抗による一日の力行電力量は、他の式より {kwh:,.0f} kWh（{percent:.1f} %）{more}："
     "力行電力量の確かさはこの程度である。",
 )
@@ -84,12 +84,12 @@ ABOVE: Final = Phrase("above", "上回る")
 PER_CAR: Final = Phrase(
     "Per car-km we lie {percent:.0f} % {which} {figure}: the order of magnitude agrees; with other trains, spe"
     "eds, loads"
-    " and losses more cannot be said.",
+    " and losses no more can be concluded.",
     "車両キロ当たりでは{figure}を {percent:.0f} % {which}：桁は一致する。列車・速度・乗車率・損失が異なり、こ"
     "れ以上は言えない。",
 )
 NONE: Final = Phrase(
-    "No public figure stands beside a day on which not every train arrived.",
+    "A day on which not every train arrived is compared with no published figure.",
     "全列車が到着しなかった日は、公表値と比較しない。",
 )
 

@@ -45,7 +45,7 @@ ENDINGS: Final[Mapping[Ending, str]] = {
 }
 MISSING: Final = Phrase("{count} trains did not arrive: {trains}", "{count} 本が未着：{trains}")
 NOT_HOME: Final = Phrase(
-    "{unit} has neither left the line nor stands where its last duty ends",
+    "{unit} has not left the line and does not stand where its last duty ends",
     "{unit} が線区を出ず、最後の運用の終着にもいない",
 )
 ON_ITS_WAY: Final = Phrase(
@@ -58,7 +58,7 @@ STANDS: Final = Phrase(
 DANGER: Final = Phrase("{unit} {how}", "{unit}{how}")
 CUT_SHORT: Final = Phrase("the run was cut short: {why}", "走行を打ち切った：{why}")
 SLIPPERY: Final = Phrase(
-    "{unit} had less adhesion than the design counts on {times} from {since} to {until}, at least {least:.2f} of the"
+    "{unit} had less adhesion than the design assumes {times} from {since} to {until}, at least {least:.2f} of the"
     " dry rail's",
     "{unit} の粘着が設計値を下回った（{times}、{since}～{until}、最小は乾燥時の {least:.2f} 倍）",
 )
@@ -99,9 +99,9 @@ LASTS: Final = Phrase("lasts", "継続")
 AT_ONCE: Final = Phrase("at once", "瞬時")
 NO_TRAIN: Final = Phrase("No train arrived.", "到着列車なし。")
 LATEST: Final = Phrase("Latest {late_s:.0f} s after plan.", "最大遅延 {late_s:.0f} 秒。")
-NO_NORMAL: Final = Phrase("Time back to normal: none, because {why}.", "平常復帰なし（{why}）。")
+NO_NORMAL: Final = Phrase("No time back to normal, because {why}.", "平常復帰なし（{why}）。")
 NORMAL: Final = Phrase(
-    "Back to normal {normal_s:.0f} s after the last heal at {healed}: from then on every departure was within"
+    "Back to normal {normal_s:.0f} s after the last repair at {healed}: from then on every departure was within"
     " {tolerance_s:.0f} s of plan.",
     "最後の復旧（{healed}）の {normal_s:.0f} 秒後に平常復帰：以後の発車はすべて計画から {tolerance_s:.0f} 秒以内。",
 )

@@ -18,11 +18,15 @@ REASONS: Final[Mapping[str, Phrase]] = {
     "no power": Phrase("it has no power", "電源が切れています"),
     "frozen": Phrase("it does nothing (frozen)", "動作を停止しています"),
     "cable cut": Phrase("the cable to the centre is cut", "センターへの通信ケーブルが切断されています"),
-    "undefined": Phrase("it does not know yet what every unit holds", "在線状態が復元されておらず未定義です"),
-    "unknown route": Phrase("it knows no such route", "そのような進路がありません"),
-    "unknown section": Phrase("it knows no such section", "そのような閉そく区間がありません"),
-    "not connected": Phrase("the train does not hold the track before it", "手前の区間を確保していません"),
-    "not signed on": Phrase("this boot of the unit has not signed on", "在線登録がされていません"),
+    "undefined": Phrase(
+        "the block manager does not yet know what every unit holds", "在線状態が復元されておらず未定義です"
+    ),
+    "unknown route": Phrase("there is no such route", "そのような進路がありません"),
+    "unknown section": Phrase("there is no such section", "そのような閉そく区間がありません"),
+    "not connected": Phrase(
+        "the train does not hold the section before the route", "手前の区間を確保していません"
+    ),
+    "not signed on": Phrase("the unit has not signed on since its restart", "在線登録がされていません"),
     "still holding": Phrase(
         "the train holds more than the portal", "入出区間のほかにも閉そくを確保しています"
     ),
@@ -31,14 +35,14 @@ REASONS: Final[Mapping[str, Phrase]] = {
     "wrong unit": Phrase("the unit named is not the sender", "送信した装置と名乗りが一致しません"),
     "unknown points": Phrase("the terminal has no such points", "その転てつ機は端末にありません"),
     "wrong section": Phrase("the points lie in another section", "転てつ機は別の区間にあります"),
-    "bad capability": Phrase("the terminal finds no such grant", "その確保は端末で確認できません"),
+    "bad capability": Phrase("the terminal cannot verify the grant", "その確保は端末で確認できません"),
     "old token": Phrase("a newer holder has commanded since", "後の確保者がすでに制御しました"),
-    "locked": Phrase("they are locked the other way", "反対側に鎖錠されています"),
+    "locked": Phrase("the points are locked in the other position", "反対側に鎖錠されています"),
     "not detected": Phrase(
-        "position or lock did not prove in time", "時間内に転換・鎖錠が確認できませんでした"
+        "position or lock was not detected in time", "時間内に転換・鎖錠が確認できませんでした"
     ),
-    "locked by hand": Phrase("a crew has locked them on the spot", "乗務員が現地で鎖錠しています"),
-    "doors not closed": Phrase("its doors do not show closed", "扉の閉が確認できません"),
+    "locked by hand": Phrase("a crew has locked the points by hand", "乗務員が現地で鎖錠しています"),
+    "doors not closed": Phrase("its doors are not shown as closed", "扉の閉が確認できません"),
     "brake not in order": Phrase("its brake is not in order", "ブレーキに異常があります"),
     "the register has less": Phrase(
         "the register has less than the train holds", "管理装置の登録が列車の確保より少なくなっています"
@@ -46,37 +50,37 @@ REASONS: Final[Mapping[str, Phrase]] = {
     # of the block manager and its people
     "held": Phrase("another unit holds a section asked for", "他の列車が確保しています"),
     "unknown token": Phrase("the token was never granted", "交付されていないトークンです"),
-    "no way on": Phrase("not every train could still finish", "全列車が運行を終えられなくなります"),
+    "no way on": Phrase("not every train could finish its day", "全列車が運行を終えられなくなります"),
     "not its turn": Phrase("another train goes first", "先に通る列車があります"),
     "barred": Phrase("the unit is barred", "車上装置が使用停止です"),
     "not on the fleet list": Phrase("not on the fleet list", "登録車両にありません"),
-    "no name": Phrase("the word has no name", "操作者の名がありません"),
+    "no name": Phrase("the entry has no name", "操作者の名がありません"),
     "too early": Phrase("too early after the restart", "再起動直後のため受け付けません"),
     "it is so already": Phrase("it is so already", "すでにその状態です"),
     "a second person must say the same": Phrase(
-        "a second person must say the same", "別の人の同じ入力が必要です"
+        "a second person must enter the same", "別の人の同じ入力が必要です"
     ),
     "it may be on the line; a second person must say the same": Phrase(
-        "it may be on the line; a second person must say the same",
+        "it may be on the line; a second person must enter the same",
         "線区内にいる可能性があり、別の人の同じ入力が必要です",
     ),
     "a silent unit must stand in a station": Phrase(
         "a silent unit must stand in a station", "応答のない車上装置は停車場に停止していなければなりません"
     ),
     "the unit is still being asked; say it again if it stays silent": Phrase(
-        "the unit is still being asked; say it again if it stays silent",
+        "the unit is being asked; enter it again if it does not answer",
         "車上装置に照会中です。応答がなければ再度入力してください",
     ),
     "it speaks for itself: no word counts": Phrase(
-        "it speaks for itself: no word counts", "車上装置自身が報告しており、人の入力は無効です"
+        "the unit reports itself: no person's entry counts", "車上装置自身が報告しており、人の入力は無効です"
     ),
-    "it has said so itself": Phrase("it has said so itself", "車上装置自身がそう報告しています"),
+    "it has said so itself": Phrase("the unit has reported so itself", "車上装置自身がそう報告しています"),
     "no word of a person counts for it": Phrase(
-        "no word of a person counts for it", "人の入力の対象ではありません"
+        "no person's entry counts for it", "人の入力の対象ではありません"
     ),
     "nothing to restore": Phrase("nothing to restore", "復元するものがありません"),
     "say by which portal it left the line": Phrase(
-        "say by which portal it left the line", "どの入出区間から出たかの入力が必要です"
+        "enter by which portal it left the line", "どの入出区間から出たかの入力が必要です"
     ),
     "an empty entry; confirm the unit as outside": Phrase(
         "an empty entry; confirm the unit as outside", "空の入力です。線区外であることを確認してください"

@@ -133,7 +133,7 @@ def test_who_reads_no_further_ends_it_in_one_line(command: tuple[str, ...]) -> N
     )
     os.close(writer)
     assert done.returncode == Outcome.COULD_NOT_RUN.code
-    assert done.stderr == "error: nobody reads what is written any more\n"
+    assert done.stderr == "error: the reader of the output has closed it\n"
 
 
 @pytest.mark.system
