@@ -7,6 +7,7 @@ name: bounds that trust every tag, and bounds that do not grow, must be broken, 
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -30,6 +31,7 @@ from papers.fusion_runs import (
     FusionRule,
     Ill,
     base_setup,
+    draw,
     outcome,
 )
 from papers.joint_faults import SETS, carried_in, joint_outcome, rule_of
@@ -63,12 +65,20 @@ JUMPS_FORGIVEN: Final = FusionRule("curvature forgives a bias that jumps", forgi
 BESIDE_RUNS: Final = 420  # of the joint ones, made again with each sensor of their sets alone
 QUICK_BESIDE_RUNS: Final = 14
 WIDER_MOST: Final = 1.1  # a fusion's median over that of its best member
+SETS_LINE: Final = "kururi_weekday"  # of all pairs and triples: each sensor has something on it
+SETS_RUNS: Final = 30
+QUICK_SETS_RUNS: Final = 3
 WITH_CURVATURE: Final = ("tags", PositionSensor.CURVATURE)
+
+
+def other_sensors() -> tuple[str, ...]:
+    """Those beside tags that units can read."""
+    return tuple(str(kind) for kind in PositionSensor if kind in READER_NAMES)
 
 
 def sensor_sets() -> tuple[FusionRule, ...]:
     """Tags with each other sensor that units can read, and with all of them."""
-    others = tuple(str(kind) for kind in PositionSensor if kind in READER_NAMES)
+    others = other_sensors()
     pairs = [FusionRule(carries=("tags", other)) for other in others]
     return (*pairs, FusionRule(carries=("tags", *others))) if len(others) > 1 else tuple(pairs)
 
@@ -154,21 +164,44 @@ def beside_rows(fused: RuleOutcomes, alone: Mapping[PositionSensor, RuleOutcomes
         if not mine:
             continue
         members = {
-            kind: [one for one in alone[kind].outcomes if carried_in(one.number) == each] for kind in each
+            str(kind): [one for one in alone[kind].outcomes if carried_in(one.number) == each]
+            for kind in each
         }
-        best_m = min(median_half_m(outcomes) for outcomes in members.values())
-        ours_m = median_half_m(mine)
-        told = ", ".join(f"{kind} {_told(outcomes)}" for kind, outcomes in members.items())
-        missed = f"; missed: {ours_m / best_m:.2f}" if not ours_m <= WIDER_MOST * best_m else ""
-        rows.append(
-            CaseRow(
-                f"median half-width of the bounds, m, {JOINT.name}, {' and '.join(each)}",
-                None,
-                f"{_told(mine)}; alone: {told}",
-                not missed,
-                f"at most {WIDER_MOST:g} times that of its best member alone{missed}",
-            )
-        )
+        rows.append(wider_row(f"{JOINT.name}, {' and '.join(each)}", mine, members))
+    return tuple(rows)
+
+
+def wider_row(
+    case: str, fused: Sequence[FusionOutcome], members: Mapping[str, Sequence[FusionOutcome]]
+) -> CaseRow:
+    """A set's median half-width beside that of each of its sensors alone, in the same runs."""
+    ours_m, best_m = median_half_m(fused), min(map(median_half_m, members.values()))
+    told = ", ".join(f"{kind} {_told(outcomes)}" for kind, outcomes in members.items())
+    missed = f"; missed: {ours_m / best_m:.2f}" if not ours_m <= WIDER_MOST * best_m else ""
+    return CaseRow(
+        f"median half-width of the bounds, m, {case}",
+        None,
+        f"{_told(fused)}; alone: {told}",
+        not missed,
+        f"at most {WIDER_MOST:g} times that of its best member alone{missed}",
+    )
+
+
+def set_rows(seed: int, count: int) -> tuple[CaseRow, ...]:
+    """All pairs and triples of sensors on a line, none of which fails, in its first `count` runs."""
+    numbers = list(
+        itertools.islice((n for n in itertools.count() if draw(seed, n).scenario == SETS_LINE), count)
+    )
+    sensors = ("tags", *other_sensors())
+    sets = [each for size in (1, 2, 3) for each in itertools.combinations(sensors, size)]
+    found = {each: run_all(seed, numbers, FusionRule(carries=each)) for each in sets}
+    rows: list[CaseRow] = []
+    for each in (one for one in sets if len(one) > 1):
+        members = {kind: found[kind,] for kind in each}
+        died = found[each].died or any(one.died for one in members.values())
+        alone = {kind: one.outcomes for kind, one in members.items()}
+        row = wider_row(f"{SETS_LINE}, {' and '.join(each)}", found[each].outcomes, alone)
+        rows.append(replace(row, passed=row.passed and not died))
     return tuple(rows)
 
 
@@ -292,6 +325,7 @@ def experiment(options: Options) -> Findings:
             *(curved_row(line, rule) for rule in curved),
             *joint_rows(joint, forgiven),
             *beside_rows(joint_first, alone_of(seed, beside)),
+            *set_rows(seed, QUICK_SETS_RUNS if quick else SETS_RUNS),
         ),
         parameters(),
         (

@@ -7,6 +7,8 @@ from dataclasses import replace
 import msgspec
 import pytest
 
+from onboard.localisation import places
+from onboard.localisation.wheel_scale import held
 from papers.fusion_runs import (
     AS_UNITS_ARE,
     LIES,
@@ -44,8 +46,9 @@ from papers.position_fusion import (
     held_row,
     median_row,
     reproduce,
+    wider_row,
 )
-from papers.reproduction import Options
+from papers.reproduction import CaseRow, Options
 from simulation.faults.table import FAULTS
 from simulation.settings import PositionSensor
 
@@ -56,6 +59,7 @@ ONCE_BROKEN_JOINT = (140, 716, 1166, 1402, 1544, 1687, 1992)
 BY_A_JUMP = 1166  # of the gyro's bias on a straight, just before a curve
 ONCE_BROKEN_REVIEWED = (50, 260)  # found beside a tag in one step; a wrong time tag that came up in a gap
 REVIEWED_SEED = 20261
+ON_KURURI = 30  # of seed 1
 ONCE_FORGIVEN = 127  # a reflection that came up in a slide
 ONCE_BROKEN = (15,)  # by wheels that slipped and slid by turns, while only slips were seen
 
@@ -140,6 +144,22 @@ def test_a_fusion_that_is_wider_than_its_best_member_is_missed() -> None:
     }
     assert [row.passed for row in beside_rows(RuleOutcomes(JOINT, (replaced(one, 5.4),)), alone)] == [True]
     assert [row.passed for row in beside_rows(RuleOutcomes(JOINT, (replaced(one, 5.6),)), alone)] == [False]
+
+
+def satellites_beside_lidar(number: int) -> CaseRow:
+    """The two together and each alone in one run."""
+    rules = {carries: FusionRule(carries=carries) for carries in (("gnss", "lidar"), ("gnss",), ("lidar",))}
+    found = {carries: [outcome(1, number, rule)] for carries, rule in rules.items()}
+    return wider_row("", found["gnss", "lidar"], {kind: found[kind,] for kind in ("gnss", "lidar")})
+
+
+def test_fixes_every_second_do_not_hide_what_narrow_ones_tell_of_the_wheels(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Measured by the last fix instead of the narrowest, bounds of both are wider than those of a LiDAR alone."""
+    assert satellites_beside_lidar(ON_KURURI).passed
+    monkeypatch.setattr(places, "narrowest", lambda row: held(row, row.fix_low_m, row.fix_high_m))
+    assert not satellites_beside_lidar(ON_KURURI).passed
 
 
 def replaced(one: FusionOutcome, half_m: float) -> FusionOutcome:
