@@ -22,12 +22,12 @@ from simulation.setup import STEP_S, Setup
 from study.capacity import claims, orders, passage
 from study.capacity.headway import HeadwayCase, HeadwayKind, line_cases
 from study.capacity.rules import MINIMAL
-from study.capacity.standard import StandardPath, added, extended, standard_paths
+from study.capacity.standard import StandardPath, added_path, extended_day, standard_paths
 from study.capacity.theory import occupations
-from study.capacity.two_trains import two_trains, undisturbed
+from study.capacity.two_trains import two_trains, undisturbed_setup
 from study.evaluate.headways_driven import LATE_S, Drives
 from study.runner.run import CarrierKind, PartyLink, execute
-from tests.study.capacity.by_hand import occupations_run
+from tests.study.capacity.by_hand import occupations_of_run
 
 LEAD_S = 0.5  # a unit that asks no sooner than it must has no time to ask again
 FAR_S = 14_400
@@ -46,9 +46,9 @@ class Pair:
 
     def setup(self, apart_s: int) -> Setup:
         setup, legs = self.scenario.setup, 100
-        both = [added(setup, self.path, n, [apart_s if n == 2 else 0] * legs) for n in (1, 2)]
+        both = [added_path(setup, self.path, n, [apart_s if n == 2 else 0] * legs) for n in (1, 2)]
         bare = replace(setup, timetable=replace(setup.timetable, trains={}, diagrams=()))
-        return extended(bare, [(one, self.path) for one in both])
+        return extended_day(bare, [(one, self.path) for one in both])
 
     def run(self, apart_s: int) -> tuple[Setup, RunResult]:
         setup = self.setup(apart_s)
@@ -83,7 +83,7 @@ def greatest_s(
     setup: Setup, result: RunResult, apart_s: int, kinds: Collection[HeadwayKind] = FOLLOWS
 ) -> float:
     """How near the second may be by all headways of some kinds, the first before the second wherever they go."""
-    cases = line_cases(setup.line, occupations_run(result, setup), setup.unit.dwell_min_s)
+    cases = line_cases(setup.line, occupations_of_run(result, setup), setup.unit.dwell_min_s)
     found = [c.closest.buffer_s for c in cases if c.closest is not None and c.headway.kind in kinds]
     return apart_s - min(found)
 
@@ -146,7 +146,7 @@ def test_no_least_headway_is_below_what_a_run_needs(name: str) -> None:
 def drives_of(name: str) -> Generator[tuple[Drives, tuple[HeadwayCase, ...]]]:
     """The headways of a scenario's timetable in which nothing is drawn, and what drives them."""
     scenario = load_scenario(name)
-    setup = undisturbed(scenario.setup)
+    setup = undisturbed_setup(scenario.setup)
     cases = line_cases(setup.line, occupations(setup, MINIMAL), setup.unit.dwell_min_s)
     with scratch("branchline-") as folder:
         yield Drives(replace(scenario, setup=setup), folder), cases
@@ -172,7 +172,7 @@ def test_a_row_of_each_kind_can_be_driven_and_a_second_less_is_late() -> None:
             ("KNY", HeadwayKind.ARRIVAL_DEPARTURE, "up, KNY.2", "down, KNY.1"),
             ("KNN", HeadwayKind.DEPARTURE_ARRIVAL, "up, KNN.1", "down, KNN.1"),
         ):
-            found = drives.driven(row(cases, *key))
+            found = drives.drive_headway(row(cases, *key))
             assert found.agrees, (key, found.text)
 
 
@@ -184,7 +184,9 @@ def test_one_leg_back_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     with drives_of("isumi_weekday") as (drives, cases):
         whole = row(cases, "KNN", HeadwayKind.FOLLOWING, "up, KNN.1", "up, KNN.1")
-        found = drives.driven(replace(whole, headway=replace(whole.headway, least_s=short.headway.least_s)))
+        found = drives.drive_headway(
+            replace(whole, headway=replace(whole.headway, least_s=short.headway.least_s))
+        )
         assert short.headway.least_s < whole.headway.least_s - 1000.0
         assert found.kept_s > LATE_S
 
@@ -205,7 +207,7 @@ def test_without_its_stand_a_last_train_would_have_passed_its_terminus(
 def test_the_first_waits_for_the_second_at_a_meet(monkeypatch: pytest.MonkeyPatch) -> None:
     """At Ogane: who has turned goes on when the second has come there, and that comes back when the first is gone."""
     key = "OGN", HeadwayKind.DEPARTURE_ARRIVAL, "down, OGN.1", "up, OGN.2"
-    setup = undisturbed(load_scenario("karasuyama_weekday").setup)
+    setup = undisturbed_setup(load_scenario("karasuyama_weekday").setup)
     day = occupations(setup, MINIMAL)
     dwell_s = setup.unit.dwell_min_s
     cases = line_cases(setup.line, day, dwell_s)
@@ -233,7 +235,7 @@ def test_every_row_of_every_shipped_line_is_what_a_run_needs(name: str) -> None:
     """None is below what a run needs but for a second or two of driving, none above by more than the points that lie
     right and the driving of the way."""
     with drives_of(name) as (drives, cases):
-        driven = [drives.driven(case) for case in cases]
+        driven = [drives.drive_headway(case) for case in cases]
     off = [one for one in driven if not one.agrees and key_of(one.case) not in WAIT_BOTH_WAYS]
     below = [one for one in off if not one.needs_s <= one.case.headway.least_s + DRIVING_S]
     above = [one for one in off if one.needs_s < one.case.headway.least_s - THROW_S - DRIVING_S]
