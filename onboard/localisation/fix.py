@@ -4,11 +4,12 @@ Invariant: an interval that holds the true front, cut with another one that hold
 misses the present one is refused: one of the two is wrong, and nobody knows which. A unit without a position takes
 the fix as it is.
 
-A reader of `onboard.localisation.table` gives its fix to `taken` in the compiled tick, event-driven ones give theirs
-to `take`; both `cut`. The new estimate lies between the two, weighted by the squares of what each may be wrong by,
-inside what is left. A tag may lie, and what the tachometer has shown since the one before may be false without anybody
-having noticed: after a tag the bounds span it and what the tags before it say (`onboard.localisation.tags`). A sensor
-that may be deceived (a camera) only has the estimate `leant`: it moves inside the bounds, which stay where they are,
+A reader of `onboard.localisation.table` gives its fix to `fix_by_rule` in the compiled tick, event-driven ones theirs
+to `take_interval`; both cut the present one (`cut_interval`). The new estimate lies between the two, weighted by the
+squares of what each may be wrong by, inside what is left. A tag may lie, and what the tachometer has shown since the
+one before may be false without anybody having noticed: after a tag the bounds span it and what the tags before it say
+(`onboard.localisation.tags`). A sensor
+that may be deceived (a camera) only moves the estimate (`move_estimate`) inside the bounds, which stay where they are,
 so nothing that is safe rests on it.
 """
 

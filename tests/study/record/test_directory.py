@@ -156,7 +156,7 @@ def killing(self, target):
 Path.rename = killing
 with reserved(Path(sys.argv[1])) as place:
     (place.folder / "summary.json").write_text("the run after")
-    place.put()
+    place.put_in_place()
 """
 
 
