@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from branchline.ending import crashes_into, end, judged, print_json
+from branchline.ending import crashes_into, end, judged_outcome, print_json
 from branchline.options import Json
-from branchline.progress import progress_of, tell
+from branchline.progress import print_aside, progress_of
 from network.errors import InputError
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def blocking(
     A scenario is run; with --theory it is not. A run directory is read back.
     """
     from network.files.json_input import write_bytes_aside
-    from study.capacity.compared import compared
+    from study.capacity.compared import theory_and_run
     from study.capacity.occupation import conflicts_of
     from study.capacity.table import blocking_times, conflict_rows
     from study.plot.write import csv_of
@@ -50,11 +50,11 @@ def blocking(
     setup, as_run = source_of(source, runs=not theory)
     planned = _planned(setup) if theory else None
     shown = planned if planned is not None else as_run or ()
-    both = compared(planned, as_run) if planned is not None and as_run is not None else None
+    both = theory_and_run(planned, as_run) if planned is not None and as_run is not None else None
     table, conflicts = blocking_times(shown), conflicts_of(shown)
     if out is not None:
         write_bytes_aside(out, csv_of(table))
-        tell(f"wrote {out}")
+        print_aside(f"wrote {out}")
     if as_json:
         found = {"of": "theory" if theory else "run", "occupations": table.to_dicts()}
         found |= {"conflicts": conflict_rows(conflicts)}
@@ -64,7 +64,9 @@ def blocking(
         _print_conflicts(shown)
         if both is not None:
             _print_compared(both)
-    end(judged(theory or not conflicts))  # what does not fit a plan is a finding, in a run it cannot be
+    end(
+        judged_outcome(theory or not conflicts)
+    )  # what does not fit a plan is a finding, in a run it cannot be
 
 
 def source_of(source: str, *, runs: bool) -> tuple[Setup, tuple[Occupation, ...] | None]:

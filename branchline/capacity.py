@@ -12,7 +12,7 @@ import typer
 from branchline.ending import print_json
 from branchline.headways import ByTheory, Source, occupations_of
 from branchline.options import Json
-from branchline.progress import tell
+from branchline.progress import print_aside
 from network.errors import InputError
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def capacity(
     from study.capacity.line_capacity import rates_of
     from study.capacity.more import more_trains
     from study.capacity.room import PathSearch
-    from study.record.directory import check_out, replaced
+    from study.record.directory import check_out, replacing_folder
     from study.report.capacity import FILES, write_occupation
 
     terms_of = _terms(traffic, stops)
@@ -92,9 +92,9 @@ def capacity(
     more = more_trains(setup, periods[0], PathSearch(buffer_s=buffer_s))
     worth = _worth(setup) if equipment else None
     if out is not None:
-        with replaced(out, FILES.__contains__, "capacity") as folder:
+        with replacing_folder(out, FILES.__contains__, "capacity") as folder:
             write_occupation(folder, by_cut, worth)
-        tell(f"wrote {', '.join(sorted(p.name for p in out.iterdir()))} in {out}")
+        print_aside(f"wrote {', '.join(sorted(p.name for p in out.iterdir()))} in {out}")
     if as_json:
         print_json(_as_dict(by_cut, {one.name: one.how for one in cuts}, more, periods, worth, theory=theory))
         return

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any, Final
 
-from branchline.ending import end, judged, print_json
+from branchline.ending import end, judged_outcome, print_json
 from branchline.options import Json, ScenarioName
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def check(
         "trains": len(timetable.trains),
         "stocks": len(timetable.diagrams),
     }
-    outcome = judged(found.good)
+    outcome = judged_outcome(found.good)
     if as_json:
         listed = {
             "meets": [meet.as_dict() for meet in found.meets],

@@ -21,7 +21,7 @@ from branchline.comparing import compare
 from branchline.describing import schema
 from branchline.drilling import drill
 from branchline.duties import duties
-from branchline.ending import ended, stop_by_signals
+from branchline.ending import run_command, stop_by_signals
 from branchline.exporting import exporters
 from branchline.headways import headway
 from branchline.importing import importers
@@ -69,7 +69,7 @@ app.add_typer(exporters, name="export", rich_help_panel=READ)
 def main() -> None:
     """Entry point: how a command ends, and one line on stderr wherever a person has to act."""
     stop_by_signals()
-    sys.exit(ended(partial(_run_command, sys.argv[1:])).code)
+    sys.exit(run_command(partial(_run_command, sys.argv[1:])).code)
 
 
 def _run_command(arguments: list[str]) -> Outcome:

@@ -11,7 +11,7 @@ import typer
 
 from branchline.ending import print_json
 from branchline.options import Json
-from branchline.progress import tell
+from branchline.progress import print_aside
 from network.errors import InputError
 from study.outcome import Outcome
 
@@ -45,7 +45,7 @@ def compare(
     found = compared(read_sides([base, *others]), over)
     page = None
     if out is not None:
-        tell("writing the comparison")
+        print_aside("writing the comparison")
         page = write_comparison(found, out.resolve())
     if as_json:
         print_json(found.as_dict(), Outcome.GOOD)
@@ -126,11 +126,11 @@ def print_grid(console: Console, title: str, grid: TextTable, most: int = SHOWN)
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from study.compare.grids import cut
+    from study.compare.grids import first_rows
 
     if not grid.rows:
         return
-    shown, left_out = cut(grid, most)
+    shown, left_out = first_rows(grid, most)
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
     for number, name in enumerate(grid.header):
         to_the_right = grid.numbers_from <= number < grid.numbers_to

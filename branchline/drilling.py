@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from branchline.ending import crashes_into, end, judged, print_json
+from branchline.ending import crashes_into, end, judged_outcome, print_json
 from branchline.options import Json, LinkName, Seed, UnitsName
-from branchline.progress import progress_of, tell
+from branchline.progress import print_aside, progress_of
 from network.errors import InputError
 
 if TYPE_CHECKING:
@@ -89,9 +89,9 @@ def drill(
             raise InputError("command line", "--link", link, "simulated: a sweep forks one process")
         asked = SweepOptions(every, from_time, to_time, jobs, seed, out, as_json, sample)
         if at is not None:
-            end(judged(sweep_telegrams(file, asked, at, faults)))
+            end(judged_outcome(sweep_telegrams(file, asked, at, faults)))
         good = sweep_all_kinds(file, asked) if sweep_kinds else sweep_drill(file, asked)
-        end(judged(good))
+        end(judged_outcome(good))
     from study.drilling.drill import fill_drill, run_drill, score_text, sentence_of, shipped_drills
     from study.record.directory import reserved
     from study.runner.run import link_of, units_at
@@ -113,7 +113,7 @@ def drill(
         if place is not None:
             fill_drill(done, place)
     if as_json:
-        print_json(done.as_dict(), judged(done.passed))
+        print_json(done.as_dict(), judged_outcome(done.passed))
     else:
         sys.stdout.write(f"{done.run.scenario.name}\n")
         for verdict in done.verdicts:
@@ -123,7 +123,7 @@ def drill(
         sys.stdout.write(f"  {score_text(done.scores).en}\n")
     if not done.passed:
         tell_of_plan(done)
-    end(judged(done.passed))
+    end(judged_outcome(done.passed))
 
 
 def tell_of_plan(done: Drill) -> None:
@@ -134,4 +134,4 @@ def tell_of_plan(done: Drill) -> None:
     if impossible:
         more = len(impossible) - 1
         further = f"; {more} more" if more else ""
-        tell(f"its plan cannot work, faults apart: {impossible[0].sentence}{further}")
+        print_aside(f"its plan cannot work, faults apart: {impossible[0].sentence}{further}")

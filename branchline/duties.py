@@ -11,7 +11,7 @@ import typer
 
 from branchline.ending import print_json
 from branchline.options import Json
-from branchline.progress import tell
+from branchline.progress import print_aside
 
 if TYPE_CHECKING:
     from network.model import Line
@@ -33,12 +33,12 @@ def duties(
     """
     line, found = _source(source)
     if out is not None:
-        from study.record.directory import replaced
+        from study.record.directory import replacing_folder
         from study.report.duty_graph import FILES, write_duties
 
-        with replaced(out, FILES.__contains__, "duties") as folder:
+        with replacing_folder(out, FILES.__contains__, "duties") as folder:
             write_duties(folder, line, found)
-        tell(f"wrote {', '.join(sorted(FILES))} in {out}")
+        print_aside(f"wrote {', '.join(sorted(FILES))} in {out}")
     if as_json:
         print_json({"line": line.id, "sets": [duty.as_dict() for duty in found]})
     else:

@@ -16,7 +16,7 @@ from typing import Final, NoReturn, cast
 
 import typer
 
-from branchline.progress import silenced, tell
+from branchline.progress import print_aside, silence_stream
 from study.outcome import Outcome, StoppedError, outcome_of, text_of
 
 STOPS: Final = (signal.SIGHUP, signal.SIGINT, signal.SIGTERM)
@@ -38,7 +38,7 @@ def _stop(number: int, _frame: FrameType | None) -> None:
     raise StoppedError(signal.Signals(number))
 
 
-def ended(command: Callable[[], Outcome]) -> Outcome:
+def run_command(command: Callable[[], Outcome]) -> Outcome:
     """Run a command to its end, whatever that is; what is wrong is told."""
     try:
         outcome = command()
@@ -63,7 +63,7 @@ def _stopped(error: BaseException | None) -> StoppedError | None:
     return error
 
 
-def judged(good: bool) -> Outcome:
+def judged_outcome(good: bool) -> Outcome:
     """How a command ends that came to its end."""
     return Outcome.GOOD if good else Outcome.BROKEN
 
@@ -95,8 +95,8 @@ def print_json(value: object, outcome: Outcome | None = None) -> None:
 
 def _tell(outcome: Outcome, text: str, label: str = "error: ") -> Outcome:
     """One line on stderr; one object on stdout, if one was asked for and stdout still takes it."""
-    tell(f"{label}{text}")
-    with silenced(sys.stdout):
+    print_aside(f"{label}{text}")
+    with silence_stream(sys.stdout):
         if JSON_OPTION in sys.argv[1:]:
             print_json({"message": text}, outcome)
         sys.stdout.flush()
@@ -105,11 +105,11 @@ def _tell(outcome: Outcome, text: str, label: str = "error: ") -> Outcome:
 
 def _bug(error: BaseException) -> str:
     """What a bug is; the traceback, and the journal of a run that was under way, go into files."""
-    from study.runner.crash import Crashed, keep, keep_traceback, named
+    from study.runner.crash import Crashed, exception_line, keep_crashed, keep_traceback
 
     try:
         if isinstance(error, Crashed):
-            return f"{error}; its journal so far and the traceback are in {keep(error)}"
-        return f"{named(error)}; the traceback is in {keep_traceback(error)}"
+            return f"{error}; its journal so far and the traceback are in {keep_crashed(error)}"
+        return f"{exception_line(error)}; the traceback is in {keep_traceback(error)}"
     except OSError as full:
-        return f"{named(error)}; nothing could be kept of it: {text_of(full)}"
+        return f"{exception_line(error)}; nothing could be kept of it: {text_of(full)}"

@@ -10,7 +10,7 @@ import typer
 
 from branchline.ending import print_json
 from branchline.options import Json
-from branchline.progress import tell
+from branchline.progress import print_aside
 from study.outcome import Outcome
 
 SAID_MAX: Final = 3  # of what cannot work
@@ -48,9 +48,9 @@ def export_sumo_command(
         "impossible": impossible,
     }
     for sentence in impossible[:SAID_MAX]:
-        tell(f"cannot work, and will not in SUMO: {sentence}")
+        print_aside(f"cannot work, and will not in SUMO: {sentence}")
     if len(impossible) > SAID_MAX:
-        tell(f"and {len(impossible) - SAID_MAX} more; branchline check has them all")
+        print_aside(f"and {len(impossible) - SAID_MAX} more; branchline check has them all")
     if as_json:
         print_json(figures, Outcome.GOOD)
         return

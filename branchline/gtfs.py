@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from branchline.ending import print_json
-from branchline.importing_timetables import OUTSIDE_MIN_S, TURN_MIN_S, ImportOptions, finish, print_figures
+from branchline.importing_timetables import (
+    OUTSIDE_MIN_S,
+    TURN_MIN_S,
+    ImportOptions,
+    print_figures,
+    write_or_count,
+)
 from branchline.options import (
     Additions,
     ByHand,
@@ -23,7 +29,7 @@ from branchline.options import (
     TimetableOut,
     TurnMin,
 )
-from branchline.progress import tell
+from branchline.progress import print_aside
 from study.outcome import Outcome
 
 if TYPE_CHECKING:
@@ -85,7 +91,7 @@ def import_gtfs(
         train=train,
     )
     counts = {"feed_trips": day.trips, "feed_stops": day.stops, "feed_calls": day.calls}
-    finish(day.published, wanted, counts, as_json=as_json)
+    write_or_count(day.published, wanted, counts, as_json=as_json)
 
 
 def export_gtfs(
@@ -114,13 +120,13 @@ def export_gtfs(
     line, timetable = _source(source)
     rows = write_gtfs(out, line, timetable, facts)
     if centre == _CENTRE:
-        tell(f"places of stations are about {_CENTRE} degrees; --centre says where the line really is")
+        print_aside(f"places of stations are about {_CENTRE} degrees; --centre says where the line really is")
     figures: dict[str, Any] = {"line": line.id, "timetable": timetable.head.id, **rows}
     if as_json:
         print_json(figures, Outcome.GOOD)
     else:
         print_figures(figures)
-    tell(f"wrote {out}")
+    print_aside(f"wrote {out}")
 
 
 def _facts(
@@ -189,7 +195,7 @@ def _read_back(
     line = load_line(shipped_line(line_name))
     file, why = read_back(day.written, line, day.published.source)
     if file is None:
-        tell(f"read as any other feed: {why}")
+        print_aside(f"read as any other feed: {why}")
         return False
     if timetable_id is not None:
         if not is_identifier(timetable_id):
@@ -210,5 +216,5 @@ def _read_back(
     else:
         print_figures(figures)
     if out is not None:
-        tell(f"wrote {out}")
+        print_aside(f"wrote {out}")
     return True

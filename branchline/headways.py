@@ -11,7 +11,7 @@ import typer
 from branchline.blocking import source_of
 from branchline.ending import print_json
 from branchline.options import Json
-from branchline.progress import tell
+from branchline.progress import print_aside
 from network.errors import InputError
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def headway(
     """
     from network.files.toml_input import one_of
     from study.capacity.headway import line_cases
-    from study.record.directory import check_out, replaced
+    from study.record.directory import check_out, replacing_folder
     from study.report.headways import FILES, headway_table, write_headways
 
     if as_csv and as_json:
@@ -66,7 +66,7 @@ def headway(
     if scenario is None:
         setup, occupations = occupations_of(source, theory=theory)
     else:
-        setup, occupations = scenario.setup, planned(scenario.setup)
+        setup, occupations = scenario.setup, planned_occupations(scenario.setup)
     stations = [s.id for s in setup.line.stations.values() if not s.is_halt]
     if station is not None and station not in stations:
         raise InputError("command line", "--station", station, one_of(stations, station))
@@ -76,9 +76,9 @@ def headway(
         _print_driven(scenario, shown, as_csv=as_csv, as_json=as_json)
         return
     if out is not None:
-        with replaced(out, FILES.__contains__, "headways") as folder:
+        with replacing_folder(out, FILES.__contains__, "headways") as folder:
             write_headways(folder, setup.line, shown)
-        tell(f"wrote {', '.join(sorted(p.name for p in out.iterdir()))} in {out}")
+        print_aside(f"wrote {', '.join(sorted(p.name for p in out.iterdir()))} in {out}")
     if as_json:
         print_json({"of": "theory" if theory else "run", "headways": [case.as_dict() for case in shown]})
     elif as_csv:
@@ -92,10 +92,10 @@ def occupations_of(source: str, *, theory: bool) -> tuple[Setup, tuple[Occupatio
     setup, as_run = source_of(source, runs=not theory)
     if not theory and as_run is not None:
         return setup, as_run
-    return setup, planned(setup)
+    return setup, planned_occupations(setup)
 
 
-def planned(setup: Setup) -> tuple[Occupation, ...]:
+def planned_occupations(setup: Setup) -> tuple[Occupation, ...]:
     """What trains occupy by theory, ways set as late as can be."""
     from study.capacity.rules import MINIMAL
     from study.capacity.theory import occupations
@@ -108,10 +108,10 @@ def undisturbed_scenario(source: str) -> Scenario:
     from dataclasses import replace
 
     from scenario.scenario import load_scenario
-    from study.capacity.two_trains import undisturbed
+    from study.capacity.two_trains import undisturbed_setup
 
     scenario = load_scenario(source)
-    return replace(scenario, setup=undisturbed(scenario.setup))
+    return replace(scenario, setup=undisturbed_setup(scenario.setup))
 
 
 def _print_driven(scenario: Scenario, cases: tuple[HeadwayCase, ...], *, as_csv: bool, as_json: bool) -> None:
@@ -125,8 +125,8 @@ def _print_driven(scenario: Scenario, cases: tuple[HeadwayCase, ...], *, as_csv:
         drives = Drives(scenario, folder)
         driven: list[Driven] = []
         for number, case in enumerate(cases, start=1):
-            tell(f"{number} of {len(cases)}: {case.station_id}, {case.headway.kind.english}")
-            driven.append(drives.driven(case))
+            print_aside(f"{number} of {len(cases)}: {case.station_id}, {case.headway.kind.english}")
+            driven.append(drives.drive_headway(case))
     rows = [{**one.case.as_dict(), **one.as_dict()} for one in driven]
     if as_json:
         print_json({"of": "theory, driven", "headways": rows})

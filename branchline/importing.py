@@ -11,7 +11,7 @@ from branchline.gtfs import import_gtfs
 from branchline.importing_layout import import_osm_command, import_railml_command, import_sumo_command
 from branchline.importing_timetables import import_mini_tokyo
 from branchline.oudia import import_oudia
-from branchline.progress import tell
+from branchline.progress import print_aside
 
 importers = typer.Typer(help="Read timetables and tracks of other programs.")
 importers.command("railml")(import_railml_command)
@@ -29,7 +29,7 @@ def import_geometry_command(
     from exchange.geometry import import_geometry
 
     import_geometry(polyline, stations, out)
-    tell(f"wrote {out}")
+    print_aside(f"wrote {out}")
 
 
 importers.command("mini-tokyo")(import_mini_tokyo)

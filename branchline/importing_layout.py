@@ -10,7 +10,7 @@ import typer
 
 from branchline.ending import print_json
 from branchline.options import Json
-from branchline.progress import tell
+from branchline.progress import print_aside
 from study.outcome import Outcome
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def import_osm_command(
         from sumo_cfg.layout_net import write_layout_net
 
         write_layout_net(layout, net)
-        tell(f"wrote {net}")
+        print_aside(f"wrote {net}")
     _report(layout, out, as_json=as_json)
 
 
@@ -76,7 +76,7 @@ def _report(layout: ForeignLayout, out: Path | None, *, as_json: bool) -> None:
 
     if out is not None:
         write_aside(out, station_list_toml(layout))
-        tell(f"wrote {out}")
+        print_aside(f"wrote {out}")
     if as_json:
         print_json(as_dict(layout), Outcome.GOOD)
         return

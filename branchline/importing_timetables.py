@@ -23,7 +23,7 @@ from branchline.options import (
     TimetableOut,
     TurnMin,
 )
-from branchline.progress import tell
+from branchline.progress import print_aside
 from study.outcome import Outcome
 
 if TYPE_CHECKING:
@@ -82,10 +82,10 @@ def import_mini_tokyo(
     wanted = ImportOptions(
         SOURCE, suffix, line, out, timetable_id, name or (), names, add, turn_min, outside_min, train=train
     )
-    finish(published, wanted, as_json=as_json)
+    write_or_count(published, wanted, as_json=as_json)
 
 
-def finish(
+def write_or_count(
     published: PublishedTimetable,
     wanted: ImportOptions,
     counts: dict[str, Any] | None = None,
@@ -102,7 +102,7 @@ def finish(
         raise InputError(COMMAND_LINE, "--line", None, "the line of the timetable file that is to be written")
     if wanted.line is None and wanted.train is not None:
         raise InputError(COMMAND_LINE, "--line", None, f"the line that {wanted.train} is to run on")
-    figures = {**(counts or {}), **counted(published)} if wanted.line is None else {}
+    figures = {**(counts or {}), **timetable_counts(published)} if wanted.line is None else {}
     if wanted.line is not None:
         imported = _imported(published, wanted)
         figures = {**(counts or {}), **imported.figures()}
@@ -115,10 +115,10 @@ def finish(
     else:
         print_figures(figures)
     if wanted.out is not None:
-        tell(f"wrote {wanted.out}")
+        print_aside(f"wrote {wanted.out}")
 
 
-def counted(published: PublishedTimetable) -> dict[str, Any]:
+def timetable_counts(published: PublishedTimetable) -> dict[str, Any]:
     """What a published timetable holds, without a line."""
     return {
         "name": published.name,

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from branchline.making_files import new_curvature_map, new_drill, new_scenario, new_timetable, new_train
-from branchline.progress import tell
+from branchline.progress import print_aside
 
 makers = typer.Typer(help="Write a file to start from; it works as it stands and marks what it assumes.")
 makers.command("scenario")(new_scenario)
@@ -73,10 +73,10 @@ def new_line(
     )
     made = write_line(stations, out, asked)
     for text in made.rows:
-        tell(text)
+        print_aside(text)
     for text in made.remarks:
-        tell(f"remark: {text}")
-    tell(f"wrote {out}")
+        print_aside(f"remark: {text}")
+    print_aside(f"wrote {out}")
     if scenario is not None:
         for path in write_sample(made.line, out, scenario):
-            tell(f"wrote {path}")
+            print_aside(f"wrote {path}")

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from branchline.options import ScenarioName, Seed
-from branchline.progress import tell
+from branchline.progress import print_aside
 
 NewFile = Annotated[Path, typer.Argument(help="File to write, NAME.toml; NAME is its id.")]
 OnScenario = Annotated[str, typer.Option(help="A shipped scenario, or a scenario file (.toml).")]
@@ -19,7 +19,7 @@ def new_scenario(out: NewFile, extends: OnScenario = "karasuyama_weekday") -> No
     from study.making.scenario import new_scenario as made
 
     made(extends, out)
-    tell(f"wrote {out}: `branchline run {out}`")
+    print_aside(f"wrote {out}: `branchline run {out}`")
 
 
 def new_curvature_map(
@@ -37,7 +37,7 @@ def new_curvature_map(
     from papers.first_run import new_curvature_map as made
 
     of = made(scenario, out, train, seed)
-    tell(
+    print_aside(
         f"wrote {out}: {len(of.pieces)} pieces of {of.line_id} by {of.made}; `[curvature] map = {out.name!r}`"
     )
 
@@ -47,7 +47,7 @@ def new_drill(out: NewFile, scenario: OnScenario = "rtri_test_line") -> None:
     from study.making.scenario import new_drill as made
 
     made(scenario, out)
-    tell(f"wrote {out}: `branchline drill {out}`")
+    print_aside(f"wrote {out}: `branchline drill {out}`")
 
 
 def new_train(
@@ -70,7 +70,7 @@ def new_train(
     from study.making.train import new_train as made
 
     made(like, out, Figures(name, length_m, mass_t, cars, power_kw, force_kn, max_speed_kmh))
-    tell(f"wrote {out}: name it in a scenario, `[trains] default = {str(out)!r}`")
+    print_aside(f"wrote {out}: name it in a scenario, `[trains] default = {str(out)!r}`")
 
 
 def new_timetable(
@@ -94,6 +94,6 @@ def new_timetable(
         for key, text in (("--from", from_time), ("--to", to_time))
     ]
     trains = made(line, train, Pattern(60 * every, *times_s), out, scenario)
-    tell(f"wrote {out}: {trains} trains")
+    print_aside(f"wrote {out}: {trains} trains")
     if scenario is not None:
-        tell(f"wrote {scenario}: `branchline run {scenario}`")
+        print_aside(f"wrote {scenario}: `branchline run {scenario}`")

@@ -7,9 +7,9 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from branchline.ending import end, judged, print_json
+from branchline.ending import end, judged_outcome, print_json
 from branchline.options import Json
-from branchline.progress import tell
+from branchline.progress import print_aside
 
 
 def bench(
@@ -36,10 +36,10 @@ def bench(
     found: list[dict[str, Any]] = []
     for scenario in scenarios or ["karasuyama_weekday"]:
         for name, measure in measures.items():
-            found.append({"part": name, **measure(scenario, rounds, tell)})
+            found.append({"part": name, **measure(scenario, rounds, print_aside)})
             if not as_json:
                 _print_bench(found[-1])
-    outcome = judged(all(figures["same_digest"] for figures in found))
+    outcome = judged_outcome(all(figures["same_digest"] for figures in found))
     if as_json:
         print_json({"scenarios": found}, outcome)
     end(outcome)
@@ -90,7 +90,7 @@ def _print_bench(figures: dict[str, Any]) -> None:
         )
     sys.stdout.flush()  # whoever stops what comes next has this
     same = "the same journal digest" if figures["same_digest"] else "DIFFERENT journal digests"
-    tell(f"the full runs gave {same}")
+    print_aside(f"the full runs gave {same}")
 
 
 def _print_table(rows: list[dict[str, object]]) -> None:

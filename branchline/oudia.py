@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from branchline.ending import print_json
-from branchline.importing_timetables import OUTSIDE_MIN_S, TURN_MIN_S, ImportOptions, finish
+from branchline.importing_timetables import OUTSIDE_MIN_S, TURN_MIN_S, ImportOptions, write_or_count
 from branchline.options import (
     Additions,
     ByHand,
@@ -23,7 +23,7 @@ from branchline.options import (
     TimetableOut,
     TurnMin,
 )
-from branchline.progress import tell
+from branchline.progress import print_aside
 from study.outcome import Outcome
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def import_oudia(
     wanted = ImportOptions(
         credit, "oudia", line, out, timetable_id, name or (), names, add, turn_min, outside_min, train=train
     )
-    finish(
+    write_or_count(
         published_of(route, chosen), wanted, {"file_type": route.kind, "dia": chosen.name}, as_json=as_json
     )
 
@@ -94,7 +94,7 @@ def export_oudia(
         {"line": line.id, "timetable": timetable.head.id, "stations": len(line.stations), "dias": dias},
         as_json=as_json,
     )
-    tell(f"wrote {out}")
+    print_aside(f"wrote {out}")
 
 
 def _source(source: str) -> tuple[Line, Timetable, tuple[TimetableTrain, ...]]:
@@ -131,7 +131,7 @@ def _read_back(
     back = read_back(route, dia, line)
     if back.file is None:
         if back.why:
-            tell(f"read as any other file: {back.why}")
+            print_aside(f"read as any other file: {back.why}")
         return False
     file = _renamed(back.file, timetable_id)
     if out is not None:
@@ -147,7 +147,7 @@ def _read_back(
     }
     _say(figures, as_json=as_json)
     if out is not None:
-        tell(f"wrote {out}")
+        print_aside(f"wrote {out}")
     return True
 
 

@@ -10,7 +10,7 @@ import typer
 
 from branchline.ending import print_json
 from branchline.options import Json
-from branchline.progress import tell
+from branchline.progress import print_aside
 from network.errors import InputError
 
 LIST = "list"
@@ -65,7 +65,7 @@ def plot(
     if as_json:
         print_json({"kind": shown.name, "format": written_as.value, "file": str(path)})
     else:
-        tell(f"wrote {path}")
+        print_aside(f"wrote {path}")
 
 
 def _list(*, as_json: bool) -> None:

@@ -10,15 +10,15 @@ from contextlib import contextmanager
 from typing import TextIO
 
 
-def tell(text: str) -> None:
+def print_aside(text: str) -> None:
     """A line on stderr, if anybody is left to read it: a terminal that is gone ends nothing."""
-    with silenced(sys.stderr):
+    with silence_stream(sys.stderr):
         sys.stderr.write(text + "\n")
         sys.stderr.flush()
 
 
 @contextmanager
-def silenced(stream: TextIO) -> Generator[None]:
+def silence_stream(stream: TextIO) -> Generator[None]:
     """Where a standard stream takes nothing more the rest goes nowhere: it would fail again as the interpreter ends."""
     try:
         yield
@@ -43,7 +43,7 @@ def progress_of(title: str) -> Generator[Callable[[float, float, int], None]]:
             hour = int(now_s // 3600)
             if hour != told:
                 told = hour
-                tell(f"{title}: {hour:02d}:00, {arrived} trains arrived")
+                print_aside(f"{title}: {hour:02d}:00, {arrived} trains arrived")
 
         yield tell_hour
         return
@@ -95,7 +95,7 @@ def _told_by_quarters(title: str, what: str = "runs") -> Callable[..., None]:
         quarter = 4 * done // max(total, 1)
         if quarter > told:
             told = quarter
-            tell(f"{title}: {done} of about {total} {what}{more}")
+            print_aside(f"{title}: {done} of about {total} {what}{more}")
 
     return tell_quarter
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from branchline.ending import end, judged, print_json
+from branchline.ending import end, judged_outcome, print_json
 from branchline.options import Json, LinkName
 
 
@@ -45,7 +45,7 @@ def reproduce(
         quick=quick,
     )
     result = reproduction(name)(options)
-    outcome = judged(result.passed)
+    outcome = judged_outcome(result.passed)
     if as_json:
         print_json(result.as_dict(), outcome)
     else:

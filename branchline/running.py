@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from branchline.comparing import OVER_S, Over, check_over, print_comparison
-from branchline.ending import crashes_into, end, judged, print_json
+from branchline.ending import crashes_into, end, judged_outcome, print_json
 from branchline.options import Json, LinkName, Out, ScenarioName, Seed, UnitsName
-from branchline.progress import progress_of, tell
+from branchline.progress import print_aside, progress_of
 from network.errors import InputError
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def run(
     A plan that cannot work is refused with exit code 2.
     """
     from scenario.scenario import load_scenario
-    from study.compare.against import against as compared_with
+    from study.compare.against import changes_from_base as compared_with
     from study.feasibility.check import refuse
     from study.record.directory import reserved
     from study.runner.run import NO_MORE, CarrierKind, end_room_bytes, execute, fill_run, link_of, units_at
@@ -82,10 +82,10 @@ def run(
                 journal=place.journal,
                 delay_ms=gui_delay,
             )
-        tell("writing the report")
+        print_aside("writing the report")
         compared = None if base is None else compared_with(done, base, over)
         report = fill_run(done, place, more=NO_MORE if compared is None else compared.more)
-    outcome = judged(not done.broken)
+    outcome = judged_outcome(not done.broken)
     if as_json:
         found = {} if compared is None else {"against": compared.found.as_dict()}
         print_json(done.summary | {"out": str(directory)} | found, outcome)
@@ -94,11 +94,11 @@ def run(
         if compared is not None:
             print_comparison(compared.found)
     if (off := _off_the_mark(done.summary)) is not None:
-        tell(off)
+        print_aside(off)
     for text in done.summary["outside_design"]:
-        tell(f"outside the design: {text}")
+        print_aside(f"outside the design: {text}")
     for text in done.broken:
-        tell(f"broken: {text}")
+        print_aside(f"broken: {text}")
     end(outcome)
 
 

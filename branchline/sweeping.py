@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from branchline.ending import judged, print_json
+from branchline.ending import judged_outcome, print_json
 from branchline.progress import progress_of_runs
 from network.errors import InputError
 from network.files.toml_input import one_of
@@ -20,10 +20,10 @@ from simulation.setup import Setup
 from study.drilling.drill import drills_in, find_drill
 from study.drilling.every_instant import NOTHING, InstantWindow, SweepOutcomes, Variation, sweep
 from study.drilling.forks import jobs_of
-from study.drilling.grid_report import classes_of, figures_of, owns, text_of, write_sweep
-from study.drilling.moving import moved, single_faults, staffed
+from study.drilling.grid_report import classes_of, figures_of, owns_file, text_of, write_sweep
+from study.drilling.moving import single_faults, staffed, what_is_moved
 from study.drilling.telegram_grid import FaultChoice, TelegramGrid, grid_of
-from study.record.directory import replaced
+from study.record.directory import replacing_folder
 
 AT_TELEGRAMS: Final = "telegrams"
 
@@ -71,7 +71,7 @@ def sweep_telegrams(name: str, asked: SweepOptions, at: str, faults: str) -> boo
     total = {key: sum(figures[key] for figures in every) for key in ("runs", "grid", "bad_runs", "wall_s")}
     good = not total["bad_runs"]
     if asked.as_json:
-        print_json({"drills": every, **total}, judged(good))
+        print_json({"drills": every, **total}, judged_outcome(good))
     else:
         text = f"{len(names)} drills, {total['runs']} runs of {total['grid']}, {total['bad_runs']} bad"
         sys.stdout.write(f"{text}, in {total['wall_s']:.0f} s\n")
@@ -93,7 +93,7 @@ def _sweep(name: str, asked: SweepOptions, *, kinds: bool) -> bool:
         scenario = staffed(scenario)
         variations = single_faults(scenario.setup)
     else:
-        found = moved(scenario)
+        found = what_is_moved(scenario)
         variations, left_out = (found.variation,), found.left_out
     return _told(_swept(scenario, scenario.setup, variations, window, asked, left_out), asked)
 
@@ -101,7 +101,7 @@ def _sweep(name: str, asked: SweepOptions, *, kinds: bool) -> bool:
 def _told(figures: dict[str, Any], asked: SweepOptions) -> bool:
     """The figures of one sweep for a program; whether they are good."""
     if asked.as_json:
-        print_json(figures, judged(not figures["bad"]))
+        print_json(figures, judged_outcome(not figures["bad"]))
     return not figures["bad"]
 
 
@@ -119,7 +119,7 @@ def _swept(
     beside = grid is not None
     out = None if asked.out is None else asked.out.resolve()
     began_s = time.monotonic()
-    with nullcontext() if out is None else replaced(out, owns, "a sweep") as folder:
+    with nullcontext() if out is None else replacing_folder(out, owns_file, "a sweep") as folder:
         with progress_of_runs(f"sweep of {scenario.id}") as progress:
             script = setup.script if beside else NOTHING
             swept = sweep(setup, variations, window, jobs_of(asked.jobs), progress, script)

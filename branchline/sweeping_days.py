@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from branchline.ending import end, judged, print_json
+from branchline.ending import end, judged_outcome, print_json
 from branchline.options import Json
-from branchline.progress import progress_of_days, tell
+from branchline.progress import print_aside, progress_of_days
 from network.errors import InputError
 from study.outcome import CutShortError
 
@@ -62,11 +62,11 @@ def sweep(
     """
     from study.drilling.forks import jobs_of
     from study.sweep.cluster import ClusterPump
-    from study.sweep.go import begun, go
+    from study.sweep.go import run_missing, sweep_begun
     from study.sweep.local import GivenUpError, LocalPump
     from study.sweep.plan import load_plan
     from study.sweep.report import write_sweep_report
-    from study.sweep.store import opened
+    from study.sweep.store import opened_sweep
     from study.sweep.table import summary_of
 
     if carrier not in {None, "sumo", "plain"}:
@@ -78,10 +78,10 @@ def sweep(
         _print_plan(plan, as_json)
         return
     directory = (out or Path("sweeps") / plan.table.id).resolve()
-    with opened(plan, directory) as store:
-        state = begun(plan, store, anyway=anyway)
+    with opened_sweep(plan, directory) as store:
+        state = sweep_begun(plan, store, anyway=anyway)
         for refused in state.refused:
-            tell(f"does not count: days/{refused.name}: {refused.why}")
+            print_aside(f"does not count: days/{refused.name}: {refused.why}")
         pump = (
             LocalPump(jobs_of(jobs), recycle)
             if scheduler is None
@@ -89,19 +89,19 @@ def sweep(
         )
         try:
             with nullcontext() if state.done else progress_of_days(plan.table.id) as show:
-                go(state, store, pump, None if show is None else partial(_show, show))
+                run_missing(state, store, pump, None if show is None else partial(_show, show))
         except GivenUpError as error:
             raise CutShortError(str(error), str(directory)) from error
-        tell("writing the report")
+        print_aside("writing the report")
         page = write_sweep_report(state, directory)
     good = not state.failures
     if as_json:
-        print_json(summary_of(state, directory), judged(good))
+        print_json(summary_of(state, directory), judged_outcome(good))
     else:
         _print_sweep(state, page)
     for text in state.failures:
-        tell(f"broken: {text}")
-    end(judged(good))
+        print_aside(f"broken: {text}")
+    end(judged_outcome(good))
 
 
 def _show(show: Callable[[int, int, str], None], state: SweepProgress) -> None:
@@ -114,7 +114,7 @@ def _print_plan(plan: SweepPlan, as_json: bool) -> None:
     if as_json:
         points = [{"point": p.number, "label": p.label, "inputs": p.inputs} for p in plan.points]
         figures: dict[str, Any] = {"sweep": plan.table.id, "days_of_each": plan.days, "points": points}
-        print_json(figures, judged(True))
+        print_json(figures, judged_outcome(True))
         return
     lines = [f"{plan.table.name}: {len(plan.points)} points, {plan.days} days of each"]
     lines += [f"  {point.number:4}  {point.label}" for point in plan.points]

@@ -10,7 +10,7 @@ import typer
 
 from branchline.ending import print_json
 from branchline.options import Json, ScenarioName
-from branchline.progress import tell
+from branchline.progress import print_aside
 
 if TYPE_CHECKING:
     from network.model import Line
@@ -30,15 +30,15 @@ def running_times(
     """Show minimum running times (基準運転時分) by leg, train type and direction, and the margins of the timetable."""
     from scenario.scenario import load_scenario
     from study.measures.standard_times import planned_runs, standard_times
-    from study.record.directory import replaced
+    from study.record.directory import replacing_folder
     from study.report.running_times import FILES, write_running_times
 
     setup = load_scenario(scenario).setup
     times, runs = standard_times(setup), planned_runs(setup)
     if out is not None:
-        with replaced(out, FILES.__contains__, "running times") as folder:
+        with replacing_folder(out, FILES.__contains__, "running times") as folder:
             write_running_times(folder, setup.line, times, runs)
-        tell(f"wrote {', '.join(sorted(FILES))} in {out}")
+        print_aside(f"wrote {', '.join(sorted(FILES))} in {out}")
     if as_json:
         print_json({"legs": [t.as_dict() for t in times], "margins": [r.as_dict() for r in runs]})
     else:

@@ -72,7 +72,7 @@ def class_names_rule(product: Mapping[Path, ast.Module], excepted: frozenset[str
 
 def circles_rule(product: Mapping[Path, ast.Module], excepted: Sequence[frozenset[str]]) -> StructureRule:
     """What stands in a circle can only be read, tested and moved as a whole; imports for types alone count too."""
-    found = circles(product)
+    found = import_circles(product)
     advice = "move what both need into a module below them"
     new = [
         f"{' <-> '.join(sorted(circle))}: {advice}"
@@ -83,7 +83,7 @@ def circles_rule(product: Mapping[Path, ast.Module], excepted: Sequence[frozense
     return StructureRule("no circle of imports", f"{len(found)} still there", (*new, *gone))
 
 
-def circles(product: Mapping[Path, ast.Module]) -> list[frozenset[str]]:
+def import_circles(product: Mapping[Path, ast.Module]) -> list[frozenset[str]]:
     """The modules of each circle: all that can be reached from one another."""
     modules = {_module(file): tree for file, tree in product.items()}
     known = frozenset(modules)

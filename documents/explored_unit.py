@@ -157,10 +157,10 @@ class Step(NamedTuple):
 def steps(run: ExploredRun) -> Iterator[Step]:
     """All that can happen next."""
     for event, after in (*_people(run), *_movement(run), *_time(run), *_telegrams(run)):
-        yield taken(event, after)
+        yield event_taken(event, after)
 
 
-def taken(event: Event, run: ExploredRun) -> Step:
+def event_taken(event: Event, run: ExploredRun) -> Step:
     """The real machine takes the event where the train then is."""
     state, actions = step(PLANS[run.plan], _TIMES, run.state, event, run.place, _NOW_S)
     lost = DrivingOrder.LOSE in actions
@@ -372,7 +372,7 @@ def first() -> tuple[ExploredRun, ...]:
         for plan in (0, 1)
         for spot in range(END + 1)
     ]
-    return (*course(), *(taken(SwitchedOn(PLANS[run.plan], None), run).run for run in lost))
+    return (*course(), *(event_taken(SwitchedOn(PLANS[run.plan], None), run).run for run in lost))
 
 
 def _is_good(event: Event) -> bool:
@@ -384,7 +384,7 @@ def _is_good(event: Event) -> bool:
     return event_name(event) in _GOOD and not lost
 
 
-def following(run: ExploredRun) -> Iterator[tuple[str, ExploredRun]]:
+def events_from(run: ExploredRun) -> Iterator[tuple[str, ExploredRun]]:
     """What `documents.explored` asks for: events by name and what they lead to."""
     for step_ in steps(run):
         yield event_name(step_.event), step_.run

@@ -10,7 +10,7 @@ from typing import Any, Final
 from documents import ranges
 from documents.interlocking import table
 from documents.page import write_pages
-from network.files.schema_walk import range_text, resolved
+from network.files.schema_walk import range_text, resolved_node
 from network.files.toml_text import value_text
 from scenario.schemas import FILES, SCENARIO, TRAIN, FileKind
 from scenario.script_file import ACT_KEYS
@@ -178,7 +178,7 @@ def _find_tables(
     """By its title, each form of table with the places that have it."""
     found.setdefault(node["title"], ([], node))[0].append(path)
     for key, own in node["properties"].items():
-        child, form = _child(schema, resolved(schema, own))
+        child, form = _child(schema, resolved_node(schema, own))
         if child is not None and "properties" in child:
             _find_tables(schema, child, _written(path, key, form), found)
 
@@ -187,7 +187,7 @@ def _rows(
     schema: Mapping[str, Any], path: str, node: Mapping[str, Any], key: str, own: Mapping[str, Any]
 ) -> Iterator[tuple[str, ...]]:
     """The row of a key; none for a table of which only itself has something to say."""
-    field = resolved(schema, own)
+    field = resolved_node(schema, own)
     child, form = _child(schema, field)
     said = f"`{value_text(own['examples'][0])}`" if own.get("examples") else ""
     if child is not None and "properties" in child:
@@ -210,9 +210,9 @@ def _child(schema: Mapping[str, Any], field: Mapping[str, Any]) -> tuple[Mapping
     if "properties" in field:
         return field, "table"
     if "items" in field:
-        return resolved(schema, field["items"]), "list"
+        return resolved_node(schema, field["items"]), "list"
     if isinstance(field.get("additionalProperties"), Mapping):
-        return resolved(schema, field["additionalProperties"]), "named"
+        return resolved_node(schema, field["additionalProperties"]), "named"
     return None, ""
 
 

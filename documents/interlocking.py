@@ -16,7 +16,7 @@ from documents.interlocking_defects import CAUGHT
 from documents.interlocking_hazards import HAZARDS, REMAINING
 from documents.interlocking_runs import restart_rows, run_without_failure, sequence, stop_limits
 from documents.page import write_page
-from documents.state_diagrams import drawn
+from documents.state_diagrams import machine_diagram
 from onboard.authority import machine as authority
 from onboard.duty import machine as duty
 from radio.table import TableCell
@@ -71,7 +71,7 @@ def document(runs: str | None = None) -> str:
         ("On-board unit: duty", duty.table_rows()),
         ("On-board unit: authority", authority.table_rows()),
     ):
-        parts += [f"### {title}", drawn(title), _machine(rows)]
+        parts += [f"### {title}", machine_diagram(title), _machine(rows)]
     parts += [_shown_by_runs() if runs is None else runs]
     parts += [_HAZARDS_HEAD, _HAZARDS_INTRO, _hazards()]
     parts += ["### Rules taken away", _CAUGHT_INTRO, _caught(), "### What remains", bullets(REMAINING)]
@@ -107,7 +107,7 @@ def bullets(texts: Iterable[str]) -> str:
     return "\n".join(f"- {text}" for text in texts)
 
 
-def merged(rows: Iterable[TableCell]) -> tuple[TableLine, ...]:
+def merged_rows(rows: Iterable[TableCell]) -> tuple[TableLine, ...]:
     """Rows of one event and handler in one line, in the order of their first."""
     states: dict[tuple[str, str], list[str]] = {}
     for row in rows:
@@ -131,7 +131,7 @@ def _invariants() -> str:
 
 
 def _machine(rows: Iterable[TableCell]) -> str:
-    lines = merged(rows)
+    lines = merged_rows(rows)
     return table(
         ("event", "in state", "what happens"),
         [(f"`{line.event}`", _states(line.states), line.outcome) for line in lines],

@@ -9,7 +9,7 @@ from pydantic import BaseModel
 
 from documents.interlocking import table
 from network.files.quantities import ALL
-from network.files.schema_walk import resolved
+from network.files.schema_walk import resolved_node
 from scenario.schemas import LINE, SCENARIO, TIMETABLE, TRAIN
 from simulation.faults.table import KINDS as FAULTS
 from vehicle.train_checks import RULES
@@ -43,14 +43,14 @@ def quantity_keys(model: type[BaseModel]) -> Iterator[tuple[str, str]]:
     waiting: list[Mapping[str, Any]] = [schema]
     seen: set[int] = set()
     while waiting:
-        node = resolved(schema, waiting.pop(0))
+        node = resolved_node(schema, waiting.pop(0))
         if id(node.get("properties")) in seen:
             continue
         seen.add(id(node.get("properties")))
         for key, own in node.get("properties", {}).items():
-            field = resolved(schema, own)
+            field = resolved_node(schema, own)
             while "items" in field:
-                field = resolved(schema, field["items"])
+                field = resolved_node(schema, field["items"])
             if field.get("type") in ("number", "integer"):
                 yield key, str(field.get("quantity", ""))
             named = field.get("additionalProperties")

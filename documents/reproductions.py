@@ -66,11 +66,11 @@ def _row(row: CaseRow) -> dict[str, Any]:
     return {"case": row.case, "paper": row.paper, "ours": row.ours, "criterion": row.criterion}
 
 
-def run(names: Sequence[str]) -> None:
+def run_reproductions(names: Sequence[str]) -> None:
     """Run reproductions and keep what the page needs of them; what is kept of the others stays."""
     for name in names:
         found = kept_of(reproduction(name)(Options()))
-        whole = {**kept(), name: found}
+        whole = {**kept_outcomes(), name: found}
         text = json.dumps(
             {key: whole[key] for key in sorted(whole)}, indent=1, ensure_ascii=False, default=str
         )
@@ -80,7 +80,7 @@ def run(names: Sequence[str]) -> None:
         sys.stdout.write(f"{name}: {len(found['missed'])} of {found['judged']} missed\n")
 
 
-def kept() -> dict[str, Any]:
+def kept_outcomes() -> dict[str, Any]:
     """What was kept, by name."""
     found: dict[str, Any] = json.loads(KEPT.read_text("utf-8")) if KEPT.exists() else {}
     return found
@@ -88,7 +88,7 @@ def kept() -> dict[str, Any]:
 
 def document(whole: Mapping[str, Any] | None = None) -> str:
     """The page of what is kept."""
-    found = kept() if whole is None else whole
+    found = kept_outcomes() if whole is None else whole
     lines = [_line(name, found.get(name)) for name in sorted(REPRODUCTIONS)]
     text = HEAD + "".join(lines)
     if missed := "".join(_listed(found, "missed")):
@@ -151,6 +151,6 @@ def cell_text(value: object) -> str:
 
 if __name__ == "__main__":
     if sys.argv[1:2] == [RUN]:
-        run(sys.argv[2:] or sorted(REPRODUCTIONS))
+        run_reproductions(sys.argv[2:] or sorted(REPRODUCTIONS))
         sys.argv[1:] = []
     write_page(document, FILE)

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from documents.page import write_page
-from simulation.sensors.lidar_model import fit
+from simulation.sensors.lidar_model import fit_model
 from simulation.sensors.line_scans import COLUMNS, FILE, PLACES_M, SMEARS_M, SPEEDS_MPS
 
 PLACE: Final = Path(__file__).resolve().parents[1] / "simulation" / "sensors" / FILE
@@ -26,7 +26,7 @@ HEAD: Final = """# What the LiDARs of line runs make of markers: a row a speed (
 
 def document() -> str:
     """The whole file."""
-    scans, _wrong = fit(SPEEDS_MPS, PASSAGES, SEED, READINGS)
+    scans, _wrong = fit_model(SPEEDS_MPS, PASSAGES, SEED, READINGS)
     lines = [HEAD.format(passages=PASSAGES, readings=READINGS)]
     for name, values in (("speeds_mps", SPEEDS_MPS), ("places_m", PLACES_M), ("smears_m", SMEARS_M)):
         lines.append(f"{name} = {_listed(np.array(values))}\n")

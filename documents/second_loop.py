@@ -162,7 +162,7 @@ class EvenTimetable:
         return tuple(calls)
 
 
-def even(legs: Legs, every_s: int) -> EvenTimetable:
+def even_timetable(legs: Legs, every_s: int) -> EvenTimetable:
     """The even timetable of that interval. ValueError where a stretch or a track is taken for too long.
 
     From far to near: by how much a set must come back later to each loop, so that it leaves when a down train has come
@@ -219,7 +219,7 @@ def text_of(made: EvenTimetable, stem: str, line_id: str, from_s: int = FIRST_S,
     return timetable_toml(file_of_trains(head, trains, workings, [times]))
 
 
-def good(made: EvenTimetable, hours: int = 4) -> bool:
+def is_possible(made: EvenTimetable, hours: int = 4) -> bool:
     """Whether `branchline check` finds nothing impossible in it."""
     try:
         text = text_of(made, "x", made.legs.line.id, FIRST_S, FIRST_S + 3600 * hours)
@@ -235,10 +235,10 @@ def best(legs: Legs) -> EvenTimetable:
     least_s = max(stretch.interval_s for stretch in legs.stretches())
     for minutes in range(math.ceil(least_s / 60), 121):
         try:
-            made = even(legs, 60 * minutes)
+            made = even_timetable(legs, 60 * minutes)
         except ValueError:
             continue
-        if good(made):
+        if is_possible(made):
             return made
     raise ValueError("no interval of two hours or less works")
 

@@ -33,16 +33,16 @@ HEAD: Final = """# What the cameras of line runs see of a stop sign, by light (s
 
 
 @cache
-def recorded(renderer: Renderer, fine: Light) -> SightTable:
+def recorded_rows(renderer: Renderer, fine: Light) -> SightTable:
     """The table from row to distance as recorded when the sign was put up, in good light."""
     return record_table(renderer, LINE_SIGN, TABLE_M, SEED, TABLE_IMAGES, light=fine, around=True)
 
 
-def fitted(
+def fitted_model(
     renderer: Renderer, light: Light, seed: int, count: int, places_m: tuple[float, ...]
 ) -> SightingModel:
     """The model of one kind of light; its table was recorded by lamps, or on a fine day."""
-    table = recorded(renderer, light if light is Light.LIT_TUNNEL else Light.DAYLIGHT)
+    table = recorded_rows(renderer, light if light is Light.LIT_TUNNEL else Light.DAYLIGHT)
     return fit_sighting_model(renderer, LINE_SIGN, table, seed, count, places_m, light, SEARCH)
 
 
@@ -51,7 +51,7 @@ def document() -> str:
     renderer = Renderer(LINE_CAMERA, SEED)
     parts = [HEAD.format(images=IMAGES), f"places_m = {_listed(PLACES_M, 1)}\n"]
     for light in LIGHTS:
-        model = fitted(renderer, light, SEED, IMAGES, PLACES_M)
+        model = fitted_model(renderer, light, SEED, IMAGES, PLACES_M)
         columns = {
             "seen_share": (model.probability, 3),
             "false_share": (model.false_share, 3),

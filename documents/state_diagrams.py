@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from documents.explored import Explored, explore
-from documents.explored_unit import first, following, phase_name
+from documents.explored_unit import events_from, first, phase_name
 from network.model import Position
 from onboard.authority import machine as authority
 from onboard.authority import records as auth
@@ -52,7 +52,7 @@ class Keyed:
 
 def duty() -> Explored[Any]:
     """Phases of the duty: a unit on a small line, all that can happen to it."""
-    return explore(first(), following, phase_name, DUTY_STATES_MAX)
+    return explore(first(), events_from, phase_name, DUTY_STATES_MAX)
 
 
 def authorities() -> Explored[Authority]:
@@ -220,7 +220,7 @@ DIAGRAMS: Final[dict[str, tuple[Callable[[], Explored[Any]], str]]] = {
 }
 
 
-def drawn(machine: str) -> str:
+def machine_diagram(machine: str) -> str:
     """The diagram of a machine, by the title of its part in docs/interlocking.md."""
     found, begins = DIAGRAMS[machine]
     return diagram(found(), begins)

@@ -68,7 +68,7 @@ def scenario_of(name: str) -> str:
     return str(FOLDER / f"{name}.toml") if "/" in name else name
 
 
-def stated(name: str) -> str:
+def study_label(name: str) -> str:
     """What tables and pictures call it."""
     return _STATED[name.rpartition("/")[2]]
 
@@ -86,8 +86,9 @@ def occupation() -> Iterator[str]:
         period = Period("chosen", *_DAY_S, peak=False)
         for rate in rates_of(legs, cut_of(setup.line, "crossing"), (period,)):
             occupied_min = rate.compressed.occupied_s / 60
+            part = rate.part.name.replace(" - ", " – ")
             yield (
-                f"| {stated(name)} | {rate.part.name.replace(' - ', ' – ')} | {rate.trains} | {occupied_min:.0f} min"
+                f"| {study_label(name)} | {part} | {rate.trains} | {occupied_min:.0f} min"
                 f" | {100 * rate.occupied_share:.0f} % |"
             )
 
@@ -117,7 +118,11 @@ def pairs(names: Sequence[str] = RADIO) -> list[HeadwayByCase]:
 
 def headways() -> Iterator[str]:
     """Least headways, and what they are longer by."""
-    yield f"| at | headway | {stated(RADIO[0])} | " + " | ".join(stated(name) for name in RADIO[1:]) + " |"
+    yield (
+        f"| at | headway | {study_label(RADIO[0])} | "
+        + " | ".join(study_label(name) for name in RADIO[1:])
+        + " |"
+    )
     yield "|---|---|" + "---|" * len(RADIO)
     for pair in pairs():
         base_s, *others_s = pair.least_s
@@ -134,7 +139,7 @@ class StudyRuns:
 
     folder: Path
 
-    def of(self, name: str) -> RunRead:
+    def run_named(self, name: str) -> RunRead:
         """One run, read back."""
         where = self.folder / name.rpartition("/")[2]
         if not where.exists():
@@ -191,12 +196,12 @@ def loop_runs(runs: StudyRuns) -> Iterator[str]:
     yield "| timetable | trains | arrived | latest | mean lateness at stops |"
     yield "|---|---|---|---|---|"
     for name in LOOPS:
-        run = runs.of(name)
+        run = runs.run_named(name)
         stops, late_s = run.tables.stops.filter("revenue"), mean_late_s(run)
         arrived = arrived_of(stops)
         late_max_s = run.summary["late_s_max"]
         yield (
-            f"| {stated(name)} | {last_calls(stops).height} | {arrived} | {late_max_s:.1f} s"
+            f"| {study_label(name)} | {last_calls(stops).height} | {arrived} | {late_max_s:.1f} s"
             f" | {late_s:+.1f} s |"
         )
 
@@ -206,12 +211,12 @@ def radio_runs(runs: StudyRuns) -> Iterator[str]:
     yield "| case | arrived | latest | stop error, mean ± sigma | largest | sections held, mean | telegrams |"
     yield "|---|---|---|---|---|---|---|"
     for name in RADIO:
-        run = runs.of(name)
+        run = runs.run_named(name)
         summary, stops = run.summary, run.tables.stops
         held_s = mean_of(run.tables.blocks["released_s"] - run.tables.blocks["granted_s"])
         sent = sum(row["sent"] for row in run.tables.telegrams.iter_rows(named=True))
         yield (
-            f"| {stated(name)} | {arrived_of(stops)} | {summary['late_s_max']:.1f} s"
+            f"| {study_label(name)} | {arrived_of(stops)} | {summary['late_s_max']:.1f} s"
             f" | {summary['stop_error_m_mean']:.2f} ± {summary['stop_error_m_sigma']:.2f} m"
             f" | {summary['stop_error_m_max_abs']:.2f} m | {held_s:.0f} s | {sent} |"
         )
@@ -222,7 +227,7 @@ def dense_runs(runs: StudyRuns) -> Iterator[str]:
     yield "| every 26 min | arrived | latest | mean lateness at stops | departures > 5 s late |"
     yield "|---|---|---|---|---|"
     for name, radio in zip(DENSE, ("0.2 s radio", "2 s radio"), strict=True):
-        run = runs.of(name)
+        run = runs.run_named(name)
         stops, late_s = run.tables.stops.filter("revenue"), mean_late_s(run)
         left_late = stops.filter(pl.col("late_departure_s") > LATE_S).height
         yield (
@@ -237,11 +242,11 @@ def cable_runs(runs: StudyRuns) -> Iterator[str]:
     yield "| interlocking | to arrive 10:50–17:00 | arrived then | arrived in the end | train-minutes lost | latest |"
     yield "|---|---|---|---|---|---|"
     for name in CABLE:
-        run = runs.of(name)
+        run = runs.run_named(name)
         stops = run.tables.stops
         last, lost = last_calls(stops), lost_min(stops, run.timetable, run.summary.get("latest_end_s"))
         yield (
-            f"| {stated(name)} | {arrived_within(stops, *CUT_S, 'planned_arrival_s')}"
+            f"| {study_label(name)} | {arrived_within(stops, *CUT_S, 'planned_arrival_s')}"
             f" | {arrived_within(stops, *CUT_S)} | {last['arrival_s'].drop_nulls().len()} of {last.height}"
             f" | {lost:.0f} | {run.summary['late_s_max'] / 3600:.2f} h |"
         )
@@ -285,15 +290,15 @@ def main(arguments: Sequence[str]) -> None:
         page.write_text(with_blocks(page.read_text("utf-8"), made), "utf-8")
     studies_pictures.train_graphs(
         FOLDER / "second_loop" / "train_graphs.png",
-        [(stated(name), runs.of(name)) for name in LOOPS],
+        [(study_label(name), runs.run_named(name)) for name in LOOPS],
         (8 * 3600.0, 11 * 3600.0),
     )
     studies_pictures.headways(
-        FOLDER / "tags_and_radio" / "headways.png", pairs(), [stated(name) for name in RADIO[1:]]
+        FOLDER / "tags_and_radio" / "headways.png", pairs(), [study_label(name) for name in RADIO[1:]]
     )
     studies_pictures.train_graphs(
         FOLDER / "cut_cable" / "train_graphs.png",
-        [(stated(name), runs.of(name)) for name in CABLE],
+        [(study_label(name), runs.run_named(name)) for name in CABLE],
         (10 * 3600.0, 19.5 * 3600.0),
         CUT_S,
     )

@@ -100,7 +100,7 @@ class SampledAxis:
         return east * sin + north * cos, east * cos - north * sin
 
 
-def interpolated(at_m: Floats, along_m: Floats, points: Floats) -> Floats:
+def points_at(at_m: Floats, along_m: Floats, points: Floats) -> Floats:
     """Points (n, 2) at these chainages of a polyline with vertices at `along_m`."""
     return np.column_stack([np.interp(at_m, along_m, points[:, 0]), np.interp(at_m, along_m, points[:, 1])])
 
@@ -231,7 +231,7 @@ def _best_block(
 def _part(vertices: Floats, along: Floats, from_m: float, to_m: float) -> Floats:
     """A polyline from one chainage to another."""
     inside = vertices[(along > from_m) & (along < to_m)]
-    ends = interpolated(np.array([from_m, to_m]), along, vertices)
+    ends = points_at(np.array([from_m, to_m]), along, vertices)
     return np.vstack((ends[:1], inside, ends[1:]))
 
 
@@ -254,7 +254,7 @@ def _whole(
     east_m, north_m, bearing_rad = first
     to_m = max(float(along[-1]), *(c.to_m for c in curves)) + _AXIS_BEYOND_M
     axis = sample_axis(east_m, north_m, curvature_table(0.0, to_m, bearing_rad, curves), to_m)
-    dense = interpolated(np.arange(0.0, along[-1], 10.0), along, vertices)
+    dense = points_at(np.arange(0.0, along[-1], 10.0), along, vertices)
     _, lateral = axis.nearest(dense)
     return _fitted(first, curves, float(axis.nearest(vertices[-1:])[0][0]), lateral)
 
@@ -272,7 +272,7 @@ class _Problem:
         self.length_m = float(along[-1])
         self.points, self.along_m = _fill(vertices, along)
         self.dense_m = np.arange(0.0, self.length_m, 10.0)
-        self.dense = interpolated(self.dense_m, along, vertices)
+        self.dense = points_at(self.dense_m, along, vertices)
         found = find_curves(vertices) if found is None else found
         self.count = len(found)
         gaps = np.diff(np.concatenate(([0.0], found[:, :2].ravel())))[::2]
@@ -368,7 +368,7 @@ def _fill(vertices: Floats, along: Floats) -> tuple[Floats, Floats]:
         parts = int((high - low) // _FILL_M) if high - low > 2 * _FILL_M else 1
         marks.append(low + (high - low) * np.arange(parts) / parts)
     at_m = np.sort(np.concatenate(marks))
-    return interpolated(at_m, along, vertices), at_m
+    return points_at(at_m, along, vertices), at_m
 
 
 def _result(problem: _Problem, unknowns: Floats, radii: Floats | None) -> AxisFit:

@@ -24,7 +24,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from exchange.curve_fit import AxisFit, SampledAxis, chainage, fit_curves, interpolated, sample_axis
+from exchange.curve_fit import AxisFit, SampledAxis, chainage, fit_curves, points_at, sample_axis
 from network.alignment import bearing_rad, curvature_table, positions
 from network.errors import InputError
 from network.files.json_input import read_json, write_aside
@@ -317,7 +317,7 @@ def deviation(alignment: Alignment, track: Floats) -> tuple[float, float]:
 def _laterals(alignment: Alignment, track: Floats) -> tuple[Floats, Floats]:
     """Kilometrages (m) of points every 10 m of a polyline (n, 2) on an alignment, and their distances from it."""
     along = chainage(track)
-    points = interpolated(np.arange(0.0, along[-1], _DEVIATION_STEP_M), along, track)
+    points = points_at(np.arange(0.0, along[-1], _DEVIATION_STEP_M), along, track)
     at_m = np.arange(alignment.from_m, alignment.to_m, 4.0)
     places = positions(alignment, at_m)
     axis = SampledAxis(at_m, places[:, 0], places[:, 1], bearing_rad(alignment, at_m))

@@ -173,7 +173,7 @@ def read_limits(file: Path, from_m: float, to_m: float) -> tuple[tuple[SpeedLimi
     return tuple(found), remarks
 
 
-def over(derived: Iterable[SpeedLimit], given: Sequence[SpeedLimit]) -> tuple[SpeedLimit, ...]:
+def joined_limits(derived: Iterable[SpeedLimit], given: Sequence[SpeedLimit]) -> tuple[SpeedLimit, ...]:
     """Limits given, and of the derived ones what these leave free: what is known counts before what is assumed."""
     free = list(derived)
     for limit in given:
@@ -181,7 +181,7 @@ def over(derived: Iterable[SpeedLimit], given: Sequence[SpeedLimit]) -> tuple[Sp
     return tuple(sorted((*free, *given), key=lambda limit: (limit.from_m, limit.to_m)))
 
 
-def prolonged(alignment: Alignment, from_m: float, to_m: float) -> Alignment:
+def prolonged_axis(alignment: Alignment, from_m: float, to_m: float) -> Alignment:
     """An axis that reaches at least so far, straight on at both ends."""
     ahead_m = max(0.0, alignment.from_m - from_m)
     bearing_rad = math.radians(alignment.bearing_deg)

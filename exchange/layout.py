@@ -187,6 +187,6 @@ class ForeignLayout:
         return self.track_of[track_id].km_m(offset_m)
 
 
-def counted(count: int, one: str, many: str = "") -> str:
+def count_text(count: int, one: str, many: str = "") -> str:
     """`1 signal`, `3 signals`."""
     return f"{count} {one if count == 1 else many or one + 's'}"

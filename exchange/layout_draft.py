@@ -22,7 +22,7 @@ class JoinedEnds:
     def __init__(self) -> None:
         self._over: dict[End, End] = {}
 
-    def of(self, end: End) -> End:
+    def node_end(self, end: End) -> End:
         """The end that stands for its whole node."""
         self._over.setdefault(end, end)
         while self._over[end] != end:
@@ -32,7 +32,7 @@ class JoinedEnds:
 
     def join(self, one: End, other: End) -> None:
         """These two ends are one place."""
-        first, second = sorted((self.of(one), self.of(other)))
+        first, second = sorted((self.node_end(one), self.node_end(other)))
         self._over[second] = first
 
 
@@ -57,7 +57,7 @@ class Merged:
     moved: dict[str, PieceOnTrack] = field(default_factory=dict)
 
 
-def merged(pieces: Iterable[LayoutTrack], fixed: frozenset[str]) -> Merged:
+def merged_pieces(pieces: Iterable[LayoutTrack], fixed: frozenset[str]) -> Merged:
     """Join pieces end to end where just two of one name and kind meet at a node that is not `fixed`.
 
     A source may cut a track for reasons that are no part of the layout: at a change of kilometrage, of speed, at a
@@ -206,7 +206,7 @@ def _thinned(part: list[KmRow]) -> list[KmRow]:
     return [*kept, part[-1]]
 
 
-def carried(
+def carried_kilometrage(
     tracks: Sequence[LayoutTrack], points: Iterable[LayoutPoints], *, names_are_lines: bool = False
 ) -> tuple[list[LayoutTrack], list[str]]:
     """Kilometrage for tracks without one, from those that they continue or lie beside at points.

@@ -44,7 +44,7 @@ def angle_deg(one: Place, other: Place) -> float:
     return math.degrees(math.acos(max(-1.0, min(1.0, one[0] * other[0] + one[1] * other[1]))))
 
 
-def parted(directions: Sequence[Place]) -> ForkLegs | None:
+def stem_and_legs(directions: Sequence[Place]) -> ForkLegs | None:
     """Stem and legs of three tracks, by their directions away from the node; None where they form no points."""
     pairs = {(a, b): angle_deg(directions[a], directions[b]) for a, b in ((0, 1), (0, 2), (1, 2))}
     legs = min(pairs, key=lambda pair: pairs[pair])

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any, Final
 
-from exchange.layout import ForeignLayout, LayoutNode, LayoutStation, LayoutTrack, NodeKind, counted
+from exchange.layout import ForeignLayout, LayoutNode, LayoutStation, LayoutTrack, NodeKind, count_text
 from network.files.names import is_identifier, title_of
 
 SHOWN_MAX: Final = 5  # places that one sentence names
@@ -37,13 +37,13 @@ def obstacles(layout: ForeignLayout) -> tuple[str, ...]:
     found: list[str] = []
     if len(stations) < 2:
         found.append(
-            f"{counted(len(stations), 'station')} with a name and a kilometrage: a line has two at least"
+            f"{count_text(len(stations), 'station')} with a name and a kilometrage: a line has two at least"
         )
     crossings = [node for node in layout.nodes if node.kind is NodeKind.CROSSING]
     if crossings:
         found.append(
-            f"{counted(len(crossings), 'crossing or slip', 'crossings or slips')} ({_some_nodes(layout, crossings)}):"
-            " a line has ordinary points alone"
+            f"{count_text(len(crossings), 'crossing or slip', 'crossings or slips')}"
+            f" ({_some_nodes(layout, crossings)}): a line has ordinary points alone"
         )
     for track in layout.tracks:
         for (offset_m, before_m), (again_m, after_m) in pairwise(track.kilometrage):

@@ -14,8 +14,8 @@ from typing import Final
 
 from exchange.joined import (
     StationsOnAxis,
-    over,
-    prolonged,
+    joined_limits,
+    prolonged_axis,
     read_gradients,
     read_limits,
     with_geometry,
@@ -67,7 +67,7 @@ def make_line(list_file: Path, line_id: str, asked: NewLineOptions) -> NewLine:
     rule = LayoutRule(train_length_m, max_speed_kmh / 3.6)
     joined = _joined(stations, asked, max_speed_kmh)
     layout = lay_out(stations.file, stations.stations, joined.places_m, rule)
-    alignment = prolonged(joined.alignment, layout.from_m, layout.to_m)
+    alignment = prolonged_axis(joined.alignment, layout.from_m, layout.to_m)
     gradients: tuple[Gradient, ...] = (Gradient(alignment.from_m, alignment.to_m, 0.0),)
     remarks = joined.remarks
     if asked.gradients is not None:
@@ -78,7 +78,7 @@ def make_line(list_file: Path, line_id: str, asked: NewLineOptions) -> NewLine:
         given, more = read_limits(asked.limits, alignment.from_m, alignment.to_m)
         remarks += more
     derived = (*joined.alignment.limits, *_stub_limits(layout, max_speed_kmh))
-    alignment = replace(alignment, gradients=gradients, limits=over(derived, given))
+    alignment = replace(alignment, gradients=gradients, limits=joined_limits(derived, given))
     words = LineHeader(
         _line_id(stations, asked, line_id),
         _title("--name", asked.name) or stations.head.name or line_id,

@@ -26,11 +26,11 @@ from exchange.running import (
     StationRun,
     TimedCalls,
     UntimedError,
-    filled,
     least_s,
     leg_of,
-    observed,
+    observed_running,
     plausible_s,
+    with_all_times,
 )
 from exchange.station_join import JoinedBy, StationJoin, join_stations
 from exchange.train_numbers import numbers_of
@@ -83,7 +83,7 @@ class _Said:
 
     def sentences(self) -> tuple[str, ...]:
         """The sentences with names."""
-        return tuple(text.replace("{}", named(names)) for text, names in self.by_text.items())
+        return tuple(text.replace("{}", some_names(names)) for text, names in self.by_text.items())
 
 
 def onto_line(
@@ -133,7 +133,7 @@ def onto_line(
     return OntoLine(tuple(trains), join, assumed, remarks, len(published.trains) - len(cuts))
 
 
-def named(names: Sequence[str]) -> str:
+def some_names(names: Sequence[str]) -> str:
     """Some of many names."""
     shown = ", ".join(names[:NAMED_MAX])
     more = len(names) - NAMED_MAX
@@ -152,7 +152,9 @@ def _times(
         return max([plausible_s(length_m, line.max_speed_mps, leg.from_stand + leg.to_stand), *given_s])
 
     return KnownRunningTimes(
-        _first_of(running, observed(calls)), _first_of(running, least, observed(calls, rough=True)), at_least
+        _first_of(running, observed_running(calls)),
+        _first_of(running, least, observed_running(calls, rough=True)),
+        at_least,
     )
 
 
@@ -300,7 +302,7 @@ def _timed(cut: _UntimedTrain, line: Line, times: KnownRunningTimes, said: _Said
         elif last.arrival_s == last.departure_s:
             calls[-1] = replace(last, departure_s=None)
     positions_m = [line.stations[call.station_id].position_m for call in calls]
-    timed = _spaced(filled(calls, positions_m, times), positions_m, line, cut.number, said)
+    timed = _spaced(with_all_times(calls, positions_m, times), positions_m, line, cut.number, said)
     _say_short(timed.calls, times, line, cut.number, said)
     return timed
 
@@ -425,7 +427,9 @@ def _of_join(join: StationJoin, line: Line) -> tuple[str, ...]:
         line.stations[name].name or name for name in join.missing if not line.stations[name].is_signal_station
     ]
     if missing:
-        found.append(f"stations of the line that the source has not: {named(missing)}; no train calls there")
+        found.append(
+            f"stations of the line that the source has not: {some_names(missing)}; no train calls there"
+        )
     for row in join.rows:
         near = [name for name in row.near if name in join.missing]
         if row.by is JoinedBy.NONE and near:

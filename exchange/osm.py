@@ -32,11 +32,11 @@ from exchange.layout import (
     Place,
     Spot,
     TurnoutSide,
-    counted,
+    count_text,
 )
-from exchange.layout_draft import Merged, carried, km_rows, merged
-from exchange.layout_geometry import direction_from, length_of_m, parted
-from exchange.xml_input import local_name, needed, needed_number, read_xml
+from exchange.layout_draft import Merged, carried_kilometrage, km_rows, merged_pieces
+from exchange.layout_geometry import direction_from, length_of_m, stem_and_legs
+from exchange.xml_input import local_name, needed_attribute, needed_number, read_xml
 from network.errors import InputError
 
 RAILS: Final = frozenset({"rail", "narrow_gauge", "light_rail"})
@@ -79,12 +79,12 @@ def read_osm(path: Path) -> ForeignLayout:
     pieces = list(_pieces(source))
     meeting = _meeting(pieces)
     fixed = frozenset(node for node, ends in meeting.items() if len(ends) != 2)
-    done = merged(pieces, fixed)
+    done = merged_pieces(pieces, fixed)
     meeting = _meeting(done.tracks)
     points, crossings, odd = _points(source, meeting)
     milestones = tuple(_milestones(source, done))
     measured, unused = _measured(done.tracks, milestones)
-    tracks, given = carried(measured, points, names_are_lines=True)
+    tracks, given = carried_kilometrage(measured, points, names_are_lines=True)
     stations, homeless = _stations(source, done, tracks)
     signals = tuple(_signals(source, done))
     nodes = tuple(_node(source, node, ends, crossings) for node, ends in meeting.items())
@@ -94,7 +94,7 @@ def read_osm(path: Path) -> ForeignLayout:
     without = sum(not track.kilometrage for track in tracks)
     if without:
         left.append(
-            f"no kilometrage: {counted(without, 'track')}, with no milestones on them or on those they continue"
+            f"no kilometrage: {count_text(without, 'track')}, with no milestones on them or on those they continue"
         )
     return ForeignLayout(
         path.name.partition(".")[0],
@@ -125,8 +125,8 @@ def _read(path: Path) -> _Source:
         tags = _tags(element)
         kind = tags.get("railway", "")
         if kind in RAILS and tags.get("area") != "yes":
-            refs = tuple(needed(file, nd, "ref") for nd in element.iterfind("nd"))
-            ways.append(_OsmWay(needed(file, element, "id"), refs, tags))
+            refs = tuple(needed_attribute(file, nd, "ref") for nd in element.iterfind("nd"))
+            ways.append(_OsmWay(needed_attribute(file, element, "id"), refs, tags))
         elif kind:
             left[f"way of railway={kind}"] += 1
     for element in root.iterfind("relation"):
@@ -137,7 +137,7 @@ def _read(path: Path) -> _Source:
     wanted = {ref for way in ways for ref in way.nodes}
     found: dict[str, tuple[float, float, dict[str, str]]] = {}
     for element in root.iterfind("node"):
-        node_id, tags = needed(file, element, "id"), _tags(element)
+        node_id, tags = needed_attribute(file, element, "id"), _tags(element)
         if node_id in wanted or "railway" in tags:
             lon, lat = (needed_number(file, element, name) for name in ("lon", "lat"))
             if abs(lat) > 89 or abs(lon) > 180:
@@ -227,7 +227,7 @@ def _points(
     odd: list[str] = []
     for node, ends in meeting.items():
         if len(ends) == 3:
-            found = parted([direction_from(track.shape, from_high=high) for track, high in ends])
+            found = stem_and_legs([direction_from(track.shape, from_high=high) for track, high in ends])
             if found is None:
                 crossings.add(node)
                 odd.append(f"not among points: node {node}, at which three tracks meet as no points do")
@@ -250,7 +250,7 @@ def _points(
     for node in sorted(inner - {entry.id for entry in points} - crossings):
         count = len(meeting.get(node, ())) or 2 * bool(source.places_of.get(node))
         odd.append(
-            f"not among points: node {node}, called a switch, but {counted(count, 'track end')} meet there"
+            f"not among points: node {node}, called a switch, but {count_text(count, 'track end')} meet there"
         )
     return points, crossings, odd
 
@@ -326,10 +326,10 @@ def _measured(
     said: list[str] = []
     if alone:
         said.append(
-            f"{counted(alone, 'milestone')} alone on a track: which way its kilometrage grows is not said"
+            f"{count_text(alone, 'milestone')} alone on a track: which way its kilometrage grows is not said"
         )
     if crossed:
-        said.append(f"milestones of {counted(crossed, 'track')}, which are in no order")
+        said.append(f"milestones of {count_text(crossed, 'track')}, which are in no order")
     return measured, said
 
 
@@ -347,7 +347,7 @@ def _stations(
             if name:
                 named[name].append(node)
     if nameless:
-        said.append(f"{counted(nameless, 'stop')} without a name")
+        said.append(f"{count_text(nameless, 'stop')} without a name")
     by_id = {track.id: track for track in tracks}
     stations: list[LayoutStation] = []
     for name, nodes in named.items():
@@ -408,13 +408,13 @@ def _taken(
 ) -> list[str]:
     service = Counter(way.tags["service"] for way in source.ways if "service" in way.tags)
     spots = sum(len(station.spots) for station in stations)
-    ways = counted(len({way.id.partition("~")[0] for way in source.ways}), "way")
+    ways = count_text(len({way.id.partition("~")[0] for way in source.ways}), "way")
     taken = [
-        f"{ways} as {counted(len(tracks), 'track')} of {sum(t.length_m for t in tracks) / 1000:.3f} km in all",
-        f"{counted(len(points), 'set of points', 'sets of points')}",
-        f"{counted(len(stations), 'station')} with {counted(spots, 'stop')}",
-        counted(len(signals), "signal"),
-        counted(len(milestones), "milestone"),
+        f"{ways} as {count_text(len(tracks), 'track')} of {sum(t.length_m for t in tracks) / 1000:.3f} km in all",
+        f"{count_text(len(points), 'set of points', 'sets of points')}",
+        f"{count_text(len(stations), 'station')} with {count_text(spots, 'stop')}",
+        count_text(len(signals), "signal"),
+        count_text(len(milestones), "milestone"),
     ]
     if service:
         kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(service.items()))
@@ -428,7 +428,7 @@ def _assumed(
     assumed = ["lengths are those of the mapped polylines on a plane (transverse Mercator, GRS80)"]
     unsaid = sum(source.nodes[entry.node_id].tags.get("railway") != "switch" for entry in points)
     if unsaid:
-        said = counted(unsaid, "set of points", "sets of points")
+        said = count_text(unsaid, "set of points", "sets of points")
         assumed.append(f"{said}: three tracks meet there, though the map has no railway=switch")
     if points:
         assumed.append(
@@ -436,9 +436,11 @@ def _assumed(
             " and kind, else the straighter one"
         )
     if source.cut:
-        assumed.append(f"{counted(source.cut, 'way')} reached beyond the file: cut there")
+        assumed.append(f"{count_text(source.cut, 'way')} reached beyond the file: cut there")
     if given:
-        assumed.append(f"kilometrage of {counted(len(given), 'track')} carried over from those they continue")
+        assumed.append(
+            f"kilometrage of {count_text(len(given), 'track')} carried over from those they continue"
+        )
     if any(track.kilometrage for track in tracks):
         assumed.append("milestones stand where they say, though most show whole hundreds of metres")
     return assumed
@@ -461,10 +463,10 @@ def _left(source: _Source) -> list[str]:
         ),
     }
     return [
-        counted(
+        count_text(
             count, what, plurals.get(what, what.replace("node of", "nodes of").replace("way of", "ways of"))
         )
         if " of " in what or what in plurals
-        else counted(count, what)
+        else count_text(count, what)
         for what, count in sorted(source.left.items())
     ]

@@ -25,7 +25,7 @@ from exchange.layout import (
 )
 from exchange.layout_draft import SAME_PLACE_M, JoinedEnds, km_rows
 from exchange.railml_draft import RailmlDraft, left_of, states_not_in_use
-from exchange.xml_input import local_name, needed, needed_number, number
+from exchange.xml_input import local_name, needed_attribute, needed_number, number
 from network.errors import InputError
 
 _NS: Final = "{https://www.railml.org/schemas/2018}"
@@ -123,7 +123,7 @@ class _Railml2Reader:
                 self.joined.join(self.ends[connection], self.ends[ref])
 
     def _cut(self, element: ET.Element) -> _CutTrack:
-        track_id = needed(self.file, element, "id")
+        track_id = needed_attribute(self.file, element, "id")
         if track_id in self.cuts:
             raise InputError(self.file, f"track {track_id}", None, "an id of its own")
         ends = [element.find(f"{_NS}trackTopology/{_NS}{name}") for name in ("trackBegin", "trackEnd")]
@@ -162,9 +162,9 @@ class _Railml2Reader:
             for what in place if place is not None else ():
                 kind = local_name(what)
                 if kind == "connection":
-                    connection = needed(self.file, what, "id")
+                    connection = needed_attribute(self.file, what, "id")
                     self.ends[connection] = end
-                    yield cut.id, connection, needed(self.file, what, "ref")
+                    yield cut.id, connection, needed_attribute(self.file, what, "ref")
                 elif kind == "bufferStop":
                     self.draft.kinds["".join((end[0], "<>"[end[1]]))] = NodeKind.BUFFER
 
@@ -211,7 +211,8 @@ class _Railml2Reader:
         kinds: dict[str, NodeKind] = {}
         for piece in self.draft.pieces:
             low, high = (
-                names.setdefault(self.joined.of((piece.id, side)), f"n{len(names) + 1}") for side in (0, 1)
+                names.setdefault(self.joined.node_end((piece.id, side)), f"n{len(names) + 1}")
+                for side in (0, 1)
             )
             for old, new in ((piece.low_node, low), (piece.high_node, high)):
                 if old in self.draft.kinds:
@@ -249,7 +250,7 @@ class _Railml2Reader:
         stem, normal = (before, after) if outgoing else (after, before)
         self.draft.points.append(
             LayoutPoints(
-                needed(self.file, device, "id"),
+                needed_attribute(self.file, device, "id"),
                 name,
                 node,
                 stem[0],
@@ -288,7 +289,7 @@ class _Railml2Reader:
                     homeless += not owner
                     platforms.setdefault(owner, []).append(self._platform(cut, element))
         for ocp in self.infrastructure.iterfind(f"{_NS}operationControlPoints/{_NS}ocp"):
-            key = needed(self.file, ocp, "id")
+            key = needed_attribute(self.file, ocp, "id")
             designator = ocp.find(f"{_NS}designator")
             code = "" if designator is None else designator.get("entry", "")
             self.draft.stations.append(

@@ -23,7 +23,7 @@ from exchange.layout import (
 )
 from exchange.layout_draft import SAME_PLACE_M, JoinedEnds, km_rows
 from exchange.railml_draft import RailmlDraft, left_of, states_not_in_use
-from exchange.xml_input import local_name, needed, needed_number, number
+from exchange.xml_input import local_name, needed_attribute, needed_number, number
 from network.errors import InputError
 
 _NS: Final = "{https://www.railml.org/schemas/3.2}"
@@ -94,7 +94,7 @@ class _Railml3Reader:
         for element in self.infrastructure.iterfind(f"{_NS}topology/{_NS}netElements/{_NS}netElement"):
             if not _is_micro(element):
                 continue
-            element_id = needed(self.file, element, "id")
+            element_id = needed_attribute(self.file, element, "id")
             length_m = needed_number(self.file, element, "length")
             if element_id in self.length_of or length_m <= 0:
                 raise InputError(
@@ -113,7 +113,8 @@ class _Railml3Reader:
         for element in elements:
             element_id = element.get("id", "")
             low, high = (
-                names.setdefault(self.joined.of((element_id, side)), f"n{len(names) + 1}") for side in (0, 1)
+                names.setdefault(self.joined.node_end((element_id, side)), f"n{len(names) + 1}")
+                for side in (0, 1)
             )
             for side, node in enumerate((low, high)):
                 self.node_of[element_id, side] = node
@@ -136,7 +137,7 @@ class _Railml3Reader:
                 raise InputError(
                     self.file, f"netRelation {relation.get('id', '')}", None, "a relation of two elements"
                 )
-            ref, place = needed(self.file, part, "ref"), relation.get(where)
+            ref, place = needed_attribute(self.file, part, "ref"), relation.get(where)
             if ref not in self.length_of:
                 return None
             if place not in ("0", "1"):
@@ -188,7 +189,7 @@ class _Railml3Reader:
                 yield self._element_of(spot), self._pos(spot)
 
     def _element_of(self, spot: ET.Element) -> str:
-        ref = needed(self.file, spot, "netElementRef")
+        ref = needed_attribute(self.file, spot, "netElementRef")
         if ref not in self.length_of:
             raise InputError(
                 self.file, f"spotLocation {spot.get('id', '')}: netElementRef", ref, "a net element"
@@ -249,7 +250,7 @@ class _Railml3Reader:
         other = TurnoutSide.LEFT if side is TurnoutSide.RIGHT else TurnoutSide.RIGHT
         self.draft.points.append(
             LayoutPoints(
-                needed(self.file, switch, "id"),
+                needed_attribute(self.file, switch, "id"),
                 name,
                 self.node_of[stem],
                 stem[0],
@@ -267,7 +268,7 @@ class _Railml3Reader:
         for point in self._functional("operationalPoints", "operationalPoint"):
             platforms: list[Platform] = []
             for owner in point.iter(f"{_NS}ownsPlatform"):
-                ref = needed(self.file, owner, "ref")
+                ref = needed_attribute(self.file, owner, "ref")
                 if ref in edges:
                     owned.add(ref)
                     platforms += self._platforms(edges[ref])
@@ -278,7 +279,7 @@ class _Railml3Reader:
             designator = point.find(f"{_NS}designator")
             self.draft.stations.append(
                 LayoutStation(
-                    needed(self.file, point, "id"),
+                    needed_attribute(self.file, point, "id"),
                     "" if designator is None else designator.get("entry", ""),
                     _name(point),
                     None,

@@ -18,9 +18,9 @@ from exchange.layout import (
     NodeKind,
     Platform,
     Spot,
-    counted,
+    count_text,
 )
-from exchange.layout_draft import SAME_PLACE_M, Merged, carried, merged
+from exchange.layout_draft import SAME_PLACE_M, Merged, carried_kilometrage, merged_pieces
 from exchange.xml_input import local_name
 
 # What people call elements that are left; what is not here is called by its own name.
@@ -104,9 +104,9 @@ class RailmlDraft:
 def layout_of(draft: RailmlDraft, source: str) -> ForeignLayout:
     """The layout of a draft: cuts without a meaning undone, kilometrage carried over, everything counted."""
     fixed = frozenset({entry.node_id for entry in draft.points} | set(draft.crossings))
-    done = merged(draft.pieces, fixed)
+    done = merged_pieces(draft.pieces, fixed)
     points = tuple(_points(entry, done) for entry in draft.points)
-    tracks, given = carried(done.tracks, points)
+    tracks, given = carried_kilometrage(done.tracks, points)
     by_id = {track.id: track for track in tracks}
     stations = tuple(_station(entry, done, by_id, draft) for entry in draft.stations)
     signals = tuple(
@@ -121,22 +121,24 @@ def layout_of(draft: RailmlDraft, source: str) -> ForeignLayout:
     nodes = tuple(_nodes(tracks, draft, {entry.node_id for entry in draft.points}))
     platforms = sum(len(station.platforms) for station in stations)
     taken = [
-        f"{counted(len(tracks), 'track')} of {sum(track.length_m for track in tracks) / 1000:.3f} km in all",
-        counted(len(points), "set of ordinary points", "sets of ordinary points"),
-        f"{counted(len(stations), 'station')} with {counted(platforms, 'platform')}",
-        counted(len(signals), "signal"),
+        f"{count_text(len(tracks), 'track')} of {sum(track.length_m for track in tracks) / 1000:.3f} km in all",
+        count_text(len(points), "set of ordinary points", "sets of ordinary points"),
+        f"{count_text(len(stations), 'station')} with {count_text(platforms, 'platform')}",
+        count_text(len(signals), "signal"),
     ]
     jumps = sum(_jumps(track) for track in tracks)
     if jumps:
-        taken.append(counted(jumps, "jump of the kilometrage", "jumps of the kilometrage"))
+        taken.append(count_text(jumps, "jump of the kilometrage", "jumps of the kilometrage"))
     assumed = list(draft.assumed)
     if draft.points:
         assumed.append("the normal leg of points is the one that the track continues on")
     if draft.not_in_use:
-        what = counted(draft.not_in_use, "element")
+        what = count_text(draft.not_in_use, "element")
         assumed.append(f"{what} marked planned, closed or disabled: taken as if in use where taken at all")
     if given:
-        assumed.append(f"kilometrage of {counted(len(given), 'track')} carried over from those they continue")
+        assumed.append(
+            f"kilometrage of {count_text(len(given), 'track')} carried over from those they continue"
+        )
     without = [track for track in tracks if not track.kilometrage]
     if without:
         draft.left.append(f"no kilometrage: {', '.join(track.name or track.id for track in without)}")
@@ -165,7 +167,7 @@ def left_of(elements: Iterable[ET.Element], taken: frozenset[str]) -> list[str]:
             word = _WORDS.get(name, name)
             if word:
                 counts[word] += 1
-    return [counted(count, word, _PLURALS.get(word, "")) for word, count in sorted(counts.items())]
+    return [count_text(count, word, _PLURALS.get(word, "")) for word, count in sorted(counts.items())]
 
 
 def states_not_in_use(words: Iterable[tuple[str, bool]]) -> int:

@@ -83,7 +83,7 @@ def plausible_s(distance_m: float, speed_mps: float, stands: int) -> float:
     return length_m / speed_mps + stands * speed_mps / (2.0 * CHANGE_MPS2)
 
 
-def observed(trains: Iterable[Sequence[Call]], *, rough: bool = False) -> Running:
+def observed_running(trains: Iterable[Sequence[Call]], *, rough: bool = False) -> Running:
     """Running times of the quickest trains of a timetable, from departure to arrival.
 
     `rough`: where no arrival is published, from departure to departure less DWELL_S, for which the train that stands
@@ -111,7 +111,9 @@ def observed(trains: Iterable[Sequence[Call]], *, rough: bool = False) -> Runnin
     return known.get
 
 
-def filled(calls: Sequence[Call], positions_m: Sequence[float], times: KnownRunningTimes) -> TimedCalls:
+def with_all_times(
+    calls: Sequence[Call], positions_m: Sequence[float], times: KnownRunningTimes
+) -> TimedCalls:
     """Calls with the times that the source leaves out; `positions_m` (m) are those of the calls' stations.
 
     Raises UntimedError where nothing before or after tells when the train is there.

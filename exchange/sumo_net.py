@@ -27,11 +27,11 @@ from exchange.layout import (
     Platform,
     Spot,
     TurnoutSide,
-    counted,
+    count_text,
 )
-from exchange.layout_draft import carried, km_rows
-from exchange.layout_geometry import angle_deg, direction_from, parted
-from exchange.xml_input import local_name, needed, needed_number, number, read_xml
+from exchange.layout_draft import carried_kilometrage, km_rows
+from exchange.layout_geometry import angle_deg, direction_from, stem_and_legs
+from exchange.xml_input import local_name, needed_attribute, needed_number, number, read_xml
 from network.errors import InputError
 
 RAIL_CLASSES: Final = frozenset({"rail", "rail_urban", "rail_electric", "rail_fast", "subway", "tram"})
@@ -80,26 +80,28 @@ def read_sumo_net(path: Path, additional: Path | None = None) -> ForeignLayout:
     stations, known = _stations(net, additional, of_edge)
     rows = (km_rows(track.length_m, known.get(track.id, ()), ()) for track in tracks)
     tracks = [replace(track, kilometrage=row) for track, row in zip(tracks, rows, strict=True)]
-    tracks, given = carried(tracks, points)
+    tracks, given = carried_kilometrage(tracks, points)
     by_id = {track.id: track for track in tracks}
     stations = [_placed(station, by_id) for station in stations]
     one_way = sum(not edge.bidi for edge in net.edges.values())
     taken = [
-        f"{counted(len(tracks), 'track')} of {sum(track.length_m for track in tracks) / 1000:.3f} km in all",
-        counted(len(points), "set of points", "sets of points"),
-        f"{counted(len(stations), 'station')} with {counted(sum(len(s.spots) for s in stations), 'stop')}",
+        f"{count_text(len(tracks), 'track')} of {sum(track.length_m for track in tracks) / 1000:.3f} km in all",
+        count_text(len(points), "set of points", "sets of points"),
+        f"{count_text(len(stations), 'station')} with {count_text(sum(len(s.spots) for s in stations), 'stop')}",
     ]
     assumed: list[str] = []
     if points:
         assumed.append("the normal leg of points is the straighter one, where the net does not say")
     if one_way:
-        assumed.append(f"{counted(one_way, 'edge')} without a way back: a track all the same")
+        assumed.append(f"{count_text(one_way, 'edge')} without a way back: a track all the same")
     if given:
-        assumed.append(f"kilometrage of {counted(len(given), 'track')} carried over from those they continue")
-    left = [*said, *(counted(count, what) for what, count in sorted(net.left.items()))]
+        assumed.append(
+            f"kilometrage of {count_text(len(given), 'track')} carried over from those they continue"
+        )
+    left = [*said, *(count_text(count, what) for what, count in sorted(net.left.items()))]
     without = sum(not track.kilometrage for track in tracks)
     if without:
-        left.append(f"no kilometrage: {counted(without, 'track')}; a net has none of its own")
+        left.append(f"no kilometrage: {count_text(without, 'track')}; a net has none of its own")
     nodes = tuple(LayoutNode(node, kind, net.nodes.get(node)) for node, kind in kinds.items())
     return ForeignLayout(
         path.name.partition(".")[0],
@@ -137,7 +139,7 @@ def _read(path: Path) -> _NetFile:
     for element in root.iterfind("junction"):
         x, y = (number(net.file, element, name) for name in ("x", "y"))
         if x is not None and y is not None:
-            net.nodes[needed(net.file, element, "id")] = (x, y)
+            net.nodes[needed_attribute(net.file, element, "id")] = (x, y)
     for element in root.iterfind("connection"):
         origin, target = element.get("from", ""), element.get("to", "")
         if origin in net.edges and target in net.edges and net.edges[origin].bidi != target:
@@ -149,15 +151,15 @@ def _read(path: Path) -> _NetFile:
 
 
 def _edge(file: str, element: ET.Element, lane: ET.Element) -> _Edge:
-    edge_id = needed(file, element, "id")
+    edge_id = needed_attribute(file, element, "id")
     length_m = needed_number(file, lane, "length")
     if length_m <= 0:
         raise InputError(file, f"edge {edge_id}: length", length_m, "a length, m")
     marks = {param.get("key"): param.get("value", "") for param in element.iterfind("param")}
     return _Edge(
         edge_id,
-        needed(file, element, "from"),
-        needed(file, element, "to"),
+        needed_attribute(file, element, "from"),
+        needed_attribute(file, element, "to"),
         element.get("bidi", ""),
         length_m,
         _shape(file, edge_id, lane.get("shape") or element.get("shape") or ""),
@@ -234,7 +236,7 @@ def _kind(
     stem_high = next(high for track, high in ends if track.id == stem.id)
     directions = [direction_from(stem.shape, from_high=stem_high)]
     directions += [direction_from(track.shape, from_high=high) for track, high in legs]
-    found = parted(directions)
+    found = stem_and_legs(directions)
     angles = [angle_deg(directions[0], direction) for direction in directions[1:]]
     first, second = legs[0][0], legs[1][0]
     said_normal = _said_normal(net, node, (first, second), of_edge)
@@ -282,7 +284,7 @@ def _stations(
     known: dict[str, list[KmRow]] = defaultdict(list)
     codes: dict[str, str] = {}
     for stop in (element for element in root if local_name(element) in STOP_ELEMENTS):
-        stop_id, lane = needed(file, stop, "id"), needed(file, stop, "lane")
+        stop_id, lane = needed_attribute(file, stop, "id"), needed_attribute(file, stop, "lane")
         edge_id = lane.rpartition("_")[0]
         if edge_id not in of_edge:
             net.left["stop that lies on none of the tracks"] += 1

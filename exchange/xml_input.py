@@ -117,7 +117,7 @@ def needed_number(file: str, element: ET.Element, name: str) -> float:
     return value
 
 
-def needed(file: str, element: ET.Element, name: str) -> str:
+def needed_attribute(file: str, element: ET.Element, name: str) -> str:
     """An attribute that must be there. Raises InputError."""
     text = element.get(name)
     if not text:

@@ -22,7 +22,7 @@ from radio.keys import KeyRing
 from radio.messages import PointsCommand, Restarted
 from wayside import block_manager, point_terminal
 from wayside.actions import Action, Drive, Send, Show
-from wayside.barring import NO_BARS, remembered
+from wayside.barring import NO_BARS, bars_kept
 from wayside.config import DeviceConfig, ManagerConfig, TerminalConfig, decode_config
 from wayside.point_terminal import Commanded, Expired, TerminalMemory
 from wayside.register import start as start_register
@@ -66,7 +66,7 @@ class _Manager:
         kept = _remembered(durable.spare)
         ledger, moves_done = (None, None) if kept is None else (kept.ledger, kept.moves_done)
         unswept = () if kept is None else kept.unswept
-        bars = remembered(durable.vital)
+        bars = bars_kept(durable.vital)
         self.register = start_register(
             config, durable.epoch, keys.capabilities, ledger, unswept, moves_done, bars
         )
@@ -240,5 +240,5 @@ class DeviceParty:
 
     def advance(self, now_s: float, telegrams: Sequence[bytes], told: bytes) -> Advance:
         """Act at `now_s` on inputs, telegrams and timers."""
-        done = self._host.advance(now_s, telegrams, CODEC.told(told).inputs)
+        done = self._host.advance(now_s, telegrams, CODEC.decode_told(told).inputs)
         return Advance(done.telegrams, CODEC.encode(DeviceSaid(done.outputs, done.notes)), done.wake_at_s)

@@ -57,7 +57,7 @@ class Devices:
         """Let a device act at `now_s`. PartyError if it is down."""
         told = CODEC.encode(DeviceTold(tuple(inputs)))
         done = self._parties.advance(device_id, now_s, telegrams, told)
-        said = CODEC.said(done.said)
+        said = CODEC.decode_said(done.said)
         return DeviceAdvance(done.telegrams, said.outputs, done.wake_at_s, said.notes)
 
 

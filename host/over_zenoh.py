@@ -220,7 +220,7 @@ class ZenohParties:
     def _wait_ready(self, hosted: _Hosted) -> None:
         """Until the party answered and its telegram reached us: then both planes stand."""
         patience = Patience(START_LIMIT_S, gap_s_max=2.0 * ASK_AGAIN_S)
-        while not patience.over():
+        while not patience.is_over():
             if hosted.process is not None and not hosted.process.alive():
                 raise self._ended(hosted, hosted.process, " while it started")
             # Matching changes when the party's declaration arrives; asking before that finds nobody.
@@ -252,7 +252,7 @@ class ZenohParties:
             if reply.replier_id is not None and reply.replier_id.eid != 0:
                 text = "" if reply.err is None else reply.err.payload.to_string()
                 raise ForeignError(f"a foreign reply to the question to {hosted.spec.party_id}: {text}")
-            if patience.over():
+            if patience.is_over():
                 raise PartyError(self._complaint(hosted, f"hangs for {ANSWER_LIMIT_S:g} s"))
         try:
             answer = hosted.asker.answer(sample.payload.to_bytes())
@@ -277,7 +277,7 @@ class ZenohParties:
                 heard.append(Tagged(destination, sample.payload.to_bytes(), tag))
             elif len(heard) >= expected:
                 return heard
-            elif patience.over():
+            elif patience.is_over():
                 what = f"sent {expected} telegrams, {len(heard)} came"
                 raise PartyError(self._complaint(hosted, what))
             else:

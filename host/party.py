@@ -85,11 +85,11 @@ class Codec(Generic[Told, Said]):
         """Either record as bytes."""
         return self._encoder.encode(record)
 
-    def told(self, data: bytes) -> Told:
+    def decode_told(self, data: bytes) -> Told:
         """What a party of this role is told. Raises InputError."""
         return _decoded(self._told, data)
 
-    def said(self, data: bytes) -> Said:
+    def decode_said(self, data: bytes) -> Said:
         """What a party of this role said. Raises InputError."""
         return _decoded(self._said, data)
 

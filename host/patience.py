@@ -23,7 +23,7 @@ class Patience:
         self._waited_s = 0.0
         self._looked_s = clock()
 
-    def over(self) -> bool:
+    def is_over(self) -> bool:
         """A look: whether it has been waited for long enough."""
         now_s = self._clock()
         gap_s, self._looked_s = now_s - self._looked_s, now_s

@@ -30,7 +30,7 @@ from host.patience import Patience
 from host.planes import ANSWER_LIMIT_S, PAYLOAD_BYTES_MAX, Secrets, radio_key, session_json5, time_key
 from host.process import CONFIG_FILE, DURABLE_FILE, WANTING_CODE
 from host.store import FileStore, commission
-from network.errors import InputError, wanting
+from network.errors import InputError, is_want_of_resources
 
 INBOX_TELEGRAMS: Final = 4096
 _PARENT_CHECK_S: Final = 1.0
@@ -93,7 +93,7 @@ class _Server:
                 raise ValueError(f"an answer of {len(sealed)} bytes is too long for the link")
         except _FAILURES as error:
             _log.exception("question failed")
-            bug = not (wanting(error) or isinstance(error, ForeignError | TimeoutError))
+            bug = not (is_want_of_resources(error) or isinstance(error, ForeignError | TimeoutError))
             return self._answerer.failure(question, f"{type(error).__name__}: {error}", bug=bug)
         for telegram in telegrams:
             self._session.put(
@@ -116,7 +116,7 @@ class _Server:
                 heard.append(Tagged(self._party_id, sample.payload.to_bytes(), tag))
             elif len(heard) >= expected:
                 return heard
-            elif patience.over():
+            elif patience.is_over():
                 raise TimeoutError(f"{len(heard)} of {expected} telegrams came")
             else:
                 time.sleep(_ARRIVAL_POLL_S)
@@ -182,7 +182,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.write(f"{error}\n")
         return 2
     except OSError as error:
-        if not wanting(error):
+        if not is_want_of_resources(error):
             raise
         sys.stderr.write(f"{error}\n")
         return WANTING_CODE

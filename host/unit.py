@@ -146,7 +146,7 @@ class UnitParty:
 
     def advance(self, now_s: float, telegrams: Sequence[bytes], told: bytes) -> Advance:
         """Act at `now_s` on what happened, telegrams and timers."""
-        answer = self._unit.advance(now_s, telegrams, CODEC.told(told))
+        answer = self._unit.advance(now_s, telegrams, CODEC.decode_told(told))
         said = CODEC.encode(UnitSaid(answer.command, answer.told, answer.notes))
         sent = tuple((telegram.destination, telegram.data) for telegram in answer.telegrams)
         return Advance(sent, said, answer.wake_at_s)
@@ -161,7 +161,7 @@ class PartyUnits:
     def advance(self, unit_id: str, now_s: float, telegrams: Sequence[bytes], report: Report) -> UnitAnswer:
         """Let a unit act at `now_s`. PartyError if it is down."""
         done = self._parties.advance(unit_id, now_s, telegrams, CODEC.encode(report))
-        said = CODEC.said(done.said)
+        said = CODEC.decode_said(done.said)
         sent = tuple(Telegram(destination, data) for destination, data in done.telegrams)
         return UnitAnswer(sent, said.command, said.told, said.notes, done.wake_at_s)
 

@@ -32,7 +32,7 @@ _WANTING: Final = frozenset(
 )
 
 
-def wanting(error: BaseException) -> bool:
+def is_want_of_resources(error: BaseException) -> bool:
     """Whether the machine lacks what the program needs: room, memory, a right, a reader."""
     return isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno in _WANTING)
 
@@ -49,31 +49,31 @@ class InputError(Exception):
 
     def __str__(self) -> str:
         """One line for the person who has to mend the file."""
-        where = f"{one_line(self.file)}: {cut(one_line(self.key))}" if self.key else one_line(self.file)
+        where = f"{one_line(self.file)}: {cut_text(one_line(self.key))}" if self.key else one_line(self.file)
         value = "" if self.value is None else f" is {self._value()}"
-        return f"{where}{value}; expected {cut(one_line(self.expected), EXPECTED_MAX)}"
+        return f"{where}{value}; expected {cut_text(one_line(self.expected), EXPECTED_MAX)}"
 
     def _value(self) -> str:
         """The value; what a person has just typed stays whole: a path is of no use without its end."""
         typed = self.file == COMMAND_LINE and isinstance(self.value, str | PurePath)
-        return one_line(repr(str(self.value))) if typed else shown(self.value)
+        return one_line(repr(str(self.value))) if typed else shown_value(self.value)
 
 
-def shown(value: object) -> str:
+def shown_value(value: object) -> str:
     """A value as a file spells it, cut at SHOWN_MAX characters."""
     match value:
         case bool():
             text = str(value).lower()
         case str():
             # A longer text is cut before its quotes and escapes are made: it may be as large as a file.
-            text = cut(repr(value[: SHOWN_MAX + 1]))
+            text = cut_text(repr(value[: SHOWN_MAX + 1]))
         case _ if is_row(value):
-            items = ", ".join(shown(item) for item in value[:SHOWN_MAX])
-            text = cut(f"[{items}{', …' if len(value) > SHOWN_MAX else ''}]")
+            items = ", ".join(shown_value(item) for item in value[:SHOWN_MAX])
+            text = cut_text(f"[{items}{', …' if len(value) > SHOWN_MAX else ''}]")
         case dict():
             text = "a table"
         case _:
-            text = cut(_plain(value))
+            text = cut_text(_plain(value))
     return text
 
 
@@ -84,7 +84,7 @@ def _plain(value: object) -> str:
         return "a number of thousands of digits"
 
 
-def cut(text: str, most: int = SHOWN_MAX) -> str:
+def cut_text(text: str, most: int = SHOWN_MAX) -> str:
     """A text with what goes beyond `most` characters left out."""
     return text if len(text) <= most else text[: most - 1] + "…"
 

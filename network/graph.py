@@ -27,7 +27,7 @@ class Graph:
     up: dict[str, tuple[str, ...]]
 
     @staticmethod
-    def of(line: Line) -> Graph:
+    def of_line(line: Line) -> Graph:
         """The graph of `line`, built once for each Line object."""
         graph = _graphs.get(id(line))
         if graph is None or graph.line is not line:
@@ -60,7 +60,7 @@ def next_pieces(line: Line, piece_id: str, direction: Direction) -> tuple[str, .
 
     Raises KeyError for an unknown piece.
     """
-    graph = Graph.of(line)
+    graph = Graph.of_line(line)
     return (graph.down if direction is Direction.DOWN else graph.up)[piece_id]
 
 

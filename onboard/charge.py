@@ -90,7 +90,7 @@ class ChargeWatch:
         self._needed_j = 0.0
         self._leaves_s = math.inf
 
-    def told(self, dead: Collection[str]) -> None:
+    def hear_of_dead(self, dead: Collection[str]) -> None:
         """The crew is told which chargers are dead."""
         self._dead, self._asked = frozenset(dead), None
 

@@ -17,7 +17,16 @@ from onboard.driving.supervision import RESERVE_M
 from onboard.duty.mission import Mission, PathTag, Target
 from onboard.duty.plan import ARRIVED_ON_SIGHT_WITHIN_M
 from onboard.duty.records import AtMark, DrivingCommand, FoundByOtherSensor, Sensed, TagBelieved, TagReached
-from onboard.localisation.fix import FOREIGN, MISSED, NOTHING, OUTCOMES, REFUSED, TAKEN, cut, missed_m
+from onboard.localisation.fix import (
+    FOREIGN,
+    MISSED,
+    NOTHING,
+    OUTCOMES,
+    REFUSED,
+    TAKEN,
+    cut_interval,
+    missed_m,
+)
 from onboard.localisation.places import Places
 from onboard.localisation.sighting import begin_slack, sign
 from onboard.localisation.table import READER_NAMES
@@ -147,7 +156,7 @@ class Fixes:
 
     # what they mean to the duty -----------------------------------------------------------------------------------
 
-    def ticked(self, bits: int, command: DrivingCommand) -> list[Sensed]:
+    def take_events(self, bits: int, command: DrivingCommand) -> list[Sensed]:
         """What the tick reported of fixes."""
         happened: list[Sensed] = []
         if bits & EVENT_PLACE and not self._virtual:
@@ -158,7 +167,7 @@ class Fixes:
         if self._virtual and self._row.position_known and bits & (EVENT_PLACE | EVENT_FOUND):
             happened += self._passed(READER_NAMES[self._row.fix_reader])
         if self._virtual and self._row.position_known and bits & (EVENT_POSITION | EVENT_FOUND):
-            happened += [TagReached(index) for index in self._places.reached()]
+            happened += [TagReached(index) for index in self._places.tags_reached()]
         return happened
 
     def at_mark(self, event: AtMark, command: DrivingCommand) -> list[Sensed]:
@@ -170,7 +179,7 @@ class Fixes:
         front_m = self._mission.targets[event.stop].mark_m + event.beyond_m
         if missed_m(self._record, front_m, EYE_WITHIN_M, EYE_WITHIN_M) > 0.0:
             row.position_known = 0  # an eye that looks out stands against wheels and maps
-        cut(self._record, front_m, EYE_WITHIN_M, EYE_WITHIN_M)
+        cut_interval(self._record, front_m, EYE_WITHIN_M, EYE_WITHIN_M)
         self._places.eye(front_m, EYE_WITHIN_M)
         moved_m = round(float(row.position_m) - before_m, 3) if known else 0.0
         self.notes.append(notes.FixTaken(reader=EYE, correction_m=moved_m, after=OUTCOMES[NOTHING]))
@@ -180,7 +189,7 @@ class Fixes:
     def _passed(self, reader: str) -> list[Sensed]:
         """The virtual tags that fixes prove to be behind the front; `reader` gave the last of them."""
         passed: list[Sensed] = []
-        for index, tag in self._places.proved():
+        for index, tag in self._places.tags_proved():
             self.notes.append(notes.PlacePassed(tag_id=tag.tag_id, purpose=tag.purpose, reader=reader))
             passed.append(TagBelieved(index, found=False))
         return passed

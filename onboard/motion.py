@@ -142,7 +142,7 @@ class UnitMotion:
         row.odometer_m = odometer_m
         if not row.odometer_scale:
             row.odometer_scale = 1.0
-        self._doubt.placed()
+        self._doubt.position_told()
         row.position_m = mission.targets[0].mark_m
         row.bound_ahead_m = row.bound_behind_m = self._parameters.tag_accuracy_m + row.pulse_m
         row.position_known = 1
@@ -172,7 +172,7 @@ class UnitMotion:
         row = self.row
         row.odometer_m, row.odometer_scale = odometer_m, 1.0
         row.speed_mps = speed_mps
-        self._doubt.placed()
+        self._doubt.position_told()
         row.tag_window_m = self._parameters.tag_window_m
         self._take_up(mission, path)
         row.position_known = 0
@@ -283,7 +283,7 @@ class UnitMotion:
             return self._lose(f"tag {tag_id} where none can be", Wheels.SOUND)
         row, (index, tag) = self.row, known
         found = bool(row.position_known != 1)
-        heard, correction_m = self._doubt.hear(tag, odometer_m)
+        heard, correction_m = self._doubt.tag_read(tag, odometer_m)
         if heard is TagOutcome.OUT:
             return self._lose(f"tag {tag_id} where none can be", self._doubt.wheels_by_tag(tag, odometer_m))
         if heard is not TagOutcome.BELIEVED:
@@ -316,7 +316,7 @@ class UnitMotion:
             self._impossible(StopVerdict.TARGET_NOT_SEEN)
         if bits & EVENT_CONTRADICTED and not self.reads_tags and row.position_known:
             happened += self._lose("fixes miss the bounds of the position")
-        happened += self._taken_up(self._fixes.ticked(bits, self.command))
+        happened += self._taken_up(self._fixes.take_events(bits, self.command))
         if bits & EVENT_VERDICT:
             self._note_impossible()
         if bits & EVENT_TAG_OVERDUE:
@@ -361,7 +361,7 @@ class UnitMotion:
             row.braking_to_stop = 0
             return [Stopped(MarkRelation.SHORT, away_m)]
         run = None if self._laws is None else told_of_run(self._laws)
-        learned = self.keeper.stopped(self._train, self._behaviour, self.load_share)
+        learned = self.keeper.learn_from_stop(self._train, self._behaviour, self.load_share)
         self.notes.extend(note for note in (run, learned) if note is not None)
         return [Stopped(MarkRelation.BEYOND if away_m > ARRIVED_WITHIN_M else MarkRelation.AT, away_m)]
 
@@ -414,7 +414,7 @@ class UnitMotion:
         """The position cannot be trusted: stop, then on sight to a tag (位置検知異常による停止制御, table 5)."""
         row = self.row
         self.notes.append(notes.PositionFault(why=why))
-        self._doubt.begin(wheels)
+        self._doubt.begin_doubt(wheels)
         self._fixes.doubt(tight=why == NO_ROOM)
         row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = math.inf
         row.position_known, self._held_short = 0, False

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from onboard.board import BoardRow, SensedRow
 from onboard.driving.ahead import own_deceleration_mps2
 from onboard.driving.notches import drive
-from onboard.driving.stopping import hold, issued, ride_over_slide
+from onboard.driving.stopping import ride_over_slide, stop_anew, take_up_command
 from onboard.driving.supervision import supervise
 from onboard.localisation.axles import NO_AXLE_MPS
 from onboard.localisation.table import read_all
@@ -82,9 +82,9 @@ def tick(board: BoardRow, sensed: SensedRow, chart: Chart, plan: NDArray[np.void
         unit.replan_s = np.inf
         events |= EVENT_OFF_PLAN
     if moves:
-        events |= issued(unit, train, tasc, board.design, board.wave, own_mps2)
+        events |= take_up_command(unit, train, tasc, board.design, board.wave, own_mps2)
     else:
-        hold(tasc, board.wave)
+        stop_anew(tasc, board.wave)
     if before_mps > 0.0 and speed_mps == 0.0:
         events |= EVENT_STOPPED
     elif before_mps == 0.0 and speed_mps > 0.0:

@@ -19,7 +19,7 @@ from network.clock import clock
 from papers.parameter_sets import LINE
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
 from papers.specification import Findings, Specification
-from scenario.battery_choice import heated
+from scenario.battery_choice import heated_trains
 from scenario.scenario import Scenario, load_scenario
 from simulation.setup import Setup
 from study.record.wait import Cause
@@ -219,7 +219,7 @@ def _with(kind: TrainType, key: str, value: float) -> TrainType:
 def _heated(setup: Setup, heating_kw: float) -> Setup:
     changed = _settings(setup, heating_kw=heating_kw)
     assert changed.battery is not None
-    return replace(changed, trains=heated(setup.trains, changed.battery))
+    return replace(changed, trains=heated_trains(setup.trains, changed.battery))
 
 
 def _no_chargers(setup: Setup) -> Setup:

@@ -177,10 +177,10 @@ class ChartPage:
 
     def write(self, folder: Path) -> tuple[Path, ...]:
         """Write it below `folder`, which is made; the files written."""
-        return written(self.name, self.figure, folder)
+        return write_figure(self.name, self.figure, folder)
 
 
-def written(name: str, draw: Callable[[], Figure], folder: Path) -> tuple[Path, ...]:
+def write_figure(name: str, draw: Callable[[], Figure], folder: Path) -> tuple[Path, ...]:
     """Draw a figure and write it as SVG and PNG below `folder`, which is made; the files written."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = tuple(folder / f"{name}.{kind}" for kind in ("svg", "png"))

@@ -64,7 +64,7 @@ class DriverScatter:
         return float(np.ptp(self.energies_kwh) / 2.0 / self.energies_kwh.mean())
 
 
-def widened(factor: float) -> Driver:
+def widened_habits(factor: float) -> Driver:
     """Habits whose deviations are those of PROPORTIONS times `factor`."""
     return PROPORTIONS.model_copy(update={name: factor * getattr(PROPORTIONS, name) for name in SIGMAS})
 
@@ -77,23 +77,23 @@ def scatter(
     over = one_gradient(HOP_M) if way is None else way
     made: list[TimedHop] = []
     for number in range(drivers):
-        made.append(HopBench(paper_bench("driver", tables, draws(seed, number)), over).timed(time_s))
+        made.append(HopBench(paper_bench("driver", tables, habit_draws(seed, number)), over).timed(time_s))
     punctual = tuple(hop for hop in made if abs(hop.off_s) <= PUNCTUAL_S)
     return DriverScatter(punctual, drivers - len(punctual))
 
 
-def draws(seed: int, number: int) -> Callable[[str, str], float]:
+def habit_draws(seed: int, number: int) -> Callable[[str, str], float]:
     """What one driver's habits are drawn from."""
     chance = generator(seed, "driver", str(number))
     return lambda _law, _field: float(chance.normal())
 
 
-def calibrated(drivers: int = DRIVERS, seed: int = 1) -> float:
+def calibrated_factor(drivers: int = DRIVERS, seed: int = 1) -> float:
     """The factor with which the energy of drivers scatters by SIGMA_SHARE, by bisection to a hundredth."""
     low, high = 0.1, 3.0
     while high - low > 0.01:
         middle = (low + high) / 2.0
-        if scatter(widened(middle), drivers, seed).sigma_share < SIGMA_SHARE:
+        if scatter(widened_habits(middle), drivers, seed).sigma_share < SIGMA_SHARE:
             low = middle
         else:
             high = middle
@@ -102,14 +102,14 @@ def calibrated(drivers: int = DRIVERS, seed: int = 1) -> float:
 
 def main() -> None:
     """Print the factor and what comes of it."""
-    factor = calibrated()
-    found = scatter(widened(factor))
+    factor = calibrated_factor()
+    found = scatter(widened_habits(factor))
     sys.stdout.write(
         f"factor {factor:.2f}: sigma {found.sigma_share:.1%}, half range {found.half_range_share:.1%}\n"
     )
     sys.stdout.write(f"mean {found.energies_kwh.mean():.2f} kWh, {found.late} drivers who are late\n")
     for name in SIGMAS:
-        sys.stdout.write(f"{name} = {getattr(widened(factor), name):.3f}\n")
+        sys.stdout.write(f"{name} = {getattr(widened_habits(factor), name):.3f}\n")
 
 
 if __name__ == "__main__":

@@ -30,7 +30,7 @@ from papers.position_run import (
     slippery,
     unprotected,
 )
-from papers.position_sets import furnished
+from papers.position_sets import furnished_line
 from papers.specification import Evenly
 from radio.chance import generator
 from scenario.scenario import load_scenario
@@ -134,7 +134,7 @@ class FusionRule:
     forgives_jumps: bool = False  # nor those of curvature a bias that jumps
     alone: str = ""  # of the sensors of a joint run this one alone
 
-    def of(self, setup: Setup) -> Setup:
+    def with_rule(self, setup: Setup) -> Setup:
         """The setup with this rule."""
         update: dict[str, float] = {}
         if self.tags_wrong_together is not None:
@@ -165,7 +165,7 @@ def draw(seed: int, number: int) -> DrawnRun:
     believed = setup.line
     if chance.random() < 0.5:
         believed = replace(believed, tags=random_tags(chance, path))
-    believed = furnished(believed, path)  # for trains that carry more than tags
+    believed = furnished_line(believed, path)  # for trains that carry more than tags
     laid = laid_tags(chance, believed, path)
     conicity, axle = float(chance.choice(CONICITY)), str(chance.choice(["leading", "trailing"]))
     sensors = setup.sensors.model_copy(
@@ -292,7 +292,7 @@ def slippery_stretches(chance: np.random.Generator, length_m: float) -> tuple[Sl
 def run_of(drawn: DrawnRun, rule: FusionRule = AS_UNITS_ARE) -> PositionRun:
     """The run as drawn, under a rule, ready to run."""
     rails = [moment for stretch in drawn.stretches for moment in slippery(*stretch)]
-    run = PositionRun(rule.of(drawn.setup), rails)
+    run = PositionRun(rule.with_rule(drawn.setup), rails)
     run.trains.tag_faults.update(drawn.says)
     run.trains.readers[SLOT].gnss.forgives = int(rule.forgives)
     run.trains.readers[SLOT].curvature.forgives_jumps = int(rule.forgives_jumps)

@@ -81,7 +81,7 @@ class AccuracyBench:
     runs: int
     wheels: tuple[tuple[float, float], ...]  # what each train has learned of its own the day before
 
-    def of(
+    def runs_of_case(
         self,
         name: str,
         *,
@@ -123,7 +123,7 @@ def bench_of(seed: int, stations: int, runs: int) -> AccuracyBench:
 
 def wheels_alone(bench: AccuracyBench) -> CaseRuns:
     """The null method, over the whole line also where the others run a slice: what wheels lose grows with the way."""
-    return replace(bench, place=mountain_line(stations=STATIONS)).of(
+    return replace(bench, place=mountain_line(stations=STATIONS)).runs_of_case(
         "wheels alone", by_design=True, carries=()
     )
 
@@ -261,15 +261,15 @@ def slice_of(options: Options) -> AccuracyBench:
 def experiment(options: Options) -> Findings:
     """All runs, and figure 5."""
     bench = slice_of(options)
-    space = bench.of("the filter in space")
+    space = bench.runs_of_case("the filter in space")
     others = [
-        bench.of("the filter off", filter=Filter.OFF),
-        bench.of("the filter in time", filter=Filter.TIME),
+        bench.runs_of_case("the filter off", filter=Filter.OFF),
+        bench.runs_of_case("the filter in time", filter=Filter.TIME),
     ]
-    design = bench.of("the design as its map", by_design=True)
+    design = bench.runs_of_case("the design as its map", by_design=True)
     noisy = [
-        *(bench.of(f"{factor:g} times the noise", noise_factor=factor) for factor in NOISES),
-        bench.of("wheels of which nothing is known", new_wheels=True),
+        *(bench.runs_of_case(f"{factor:g} times the noise", noise_factor=factor) for factor in NOISES),
+        bench.runs_of_case("wheels of which nothing is known", new_wheels=True),
         design,
     ]
     remarks = [

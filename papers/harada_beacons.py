@@ -57,7 +57,7 @@ class Method:
         """Where its localisation failed (kilometrage, m)."""
         missed = [
             at_m
-            for at_m, note in self.ride.noted(notes.FixMissed)
+            for at_m, note in self.ride.notes_of(notes.FixMissed)
             if getattr(note, "reader", "") == "beacons"
         ]
         return missed[0] if missed else None

@@ -140,13 +140,13 @@ class TripRun:
         """Of the front, each second, m."""
         return np.asarray(self.result.trace["position_m"] - self.base_m, dtype=np.float64)
 
-    def noted(self, *types: type[notes.Note]) -> list[tuple[float, notes.Note]]:
+    def notes_of(self, *types: type[notes.Note]) -> list[tuple[float, notes.Note]]:
         """Kilometrage (m) and note, of some types."""
         return [(at_m - self.base_m, note) for _, at_m, note in self.result.notes if isinstance(note, types)]
 
     def foreign_at_m(self, from_m: float, to_m: float) -> list[float]:
         """Where between two kilometrages the track was noted to be foreign (m)."""
-        return [at_m for at_m, _ in self.noted(notes.ForeignTrack) if from_m <= at_m <= to_m]
+        return [at_m for at_m, _ in self.notes_of(notes.ForeignTrack) if from_m <= at_m <= to_m]
 
 
 def train(*, locks: bool = False) -> TrainType:
@@ -189,18 +189,18 @@ class Watch:
             [tuple(each.values()) for each in self._seen], dtype=[(n, "f8") for n in self._seen[0]]
         )
 
-    def between(self, from_m: float, to_m: float) -> NDArray[np.void]:
+    def moments_between(self, from_m: float, to_m: float) -> NDArray[np.void]:
         """Those of a stretch."""
         rows = self.rows
         return rows[(rows["true_m"] >= from_m) & (rows["true_m"] < to_m)]
 
     def worst_m(self, from_m: float, to_m: float) -> float:
         """Greatest error of a stretch, m."""
-        return worst_m(self.between(from_m, to_m)["error_m"])
+        return worst_m(self.moments_between(from_m, to_m)["error_m"])
 
     def within_from_m(self, from_m: float, within_m: float) -> float:
         """From where on behind `from_m` the estimate stays within so much of the truth (m); infinite: never."""
-        rows = self.between(from_m, self.to_m)
+        rows = self.moments_between(from_m, self.to_m)
         off = np.flatnonzero(np.abs(rows["error_m"]) > within_m)
         if off.size == 0:
             return from_m

@@ -55,17 +55,17 @@ class Loop:
         Counted from where it was noticed; where it never was, from where it had to be at the latest.
         """
         behind_m = self.noticed[0] if self.noticed else NOTICED_WITHIN_M
-        rows = self.watched.between(self.from_m + behind_m, self.to_m)
+        rows = self.watched.moments_between(self.from_m + behind_m, self.to_m)
         return int(np.count_nonzero(rows["outcome"] == TAKEN))
 
     def rows(self, straight: Loop) -> tuple[CaseRow, ...]:
         """What figure 4 shows, beside ours; and the same run on the main track, where nothing may be noticed."""
         watched, noticed = self.watched, [round(away_m) for away_m in self.noticed]
-        foreign = int((watched.between(self.from_m, self.to_m)["outcome"] == FOREIGN).sum())
+        foreign = int((watched.moments_between(self.from_m, self.to_m)["outcome"] == FOREIGN).sum())
         worst_m = watched.worst_m(self.from_m, self.to_m)
         last_m = watched.worst_m(self.to_m + AFTER_M - 1500.0, self.to_m + AFTER_M)
         again_m = watched.within_from_m(self.to_m, RIGHT_M) - self.to_m
-        again = "foreign" in [getattr(note, "after", "") for _, note in self.ride.noted(notes.FixTaken)]
+        again = "foreign" in [getattr(note, "after", "") for _, note in self.ride.notes_of(notes.FixTaken)]
         return (
             CaseRow(
                 "entering the loop is noticed",
@@ -117,7 +117,7 @@ def legs_of(line: Line, place_m: float) -> tuple[float, float]:
     return min(leg.from_m for leg in near), max(leg.to_m for leg in near)
 
 
-def slowed(place: MountainLine, station: int) -> MountainLine:
+def slowed_line(place: MountainLine, station: int) -> MountainLine:
     """The same line with the speed of diverging legs all through a station: what its signals ask of the train."""
     at_m = place.places_m[station]
     alignment = dict(place.tables["alignments"][0])
@@ -133,7 +133,7 @@ def slowed(place: MountainLine, station: int) -> MountainLine:
 def run_loop(seed: int, settings: Curvature | None = None, *, sent: bool = True) -> Loop:
     """The run over the loop of the third station; with `sent` off it stays on the main track."""
     curvature = settings or Curvature()
-    here = slowed(mountain_line(stations=STATIONS), AT)
+    here = slowed_line(mountain_line(stations=STATIONS), AT)
     from_m, to_m = legs_of(here.line, here.places_m[AT])
     watched = Watch(from_m - BEFORE_M, to_m + AFTER_M, curvature.mismatch_per_m)
     over = (here.station_ids[AT],) if sent else ()

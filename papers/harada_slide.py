@@ -55,13 +55,13 @@ class Slide:
     @property
     def slid_m(self) -> float:
         """By how much the way that the wheels counted was short of the train's."""
-        rows = self.watched.between(self.from_m - 20.0, self.curve_from_m)
+        rows = self.watched.moments_between(self.from_m - 20.0, self.curve_from_m)
         return float(rows["slid_m"][-1] - rows["slid_m"][0])
 
     @property
     def false_fixes(self) -> int:
         """Fixes, until the next curve, that moved the estimate by more than the wheels had, and away from the truth."""
-        rows = self.watched.between(self.from_m, self.curve_from_m)
+        rows = self.watched.moments_between(self.from_m, self.curve_from_m)
         return sum(
             bool(after["outcome"] == TAKEN) and is_false(before, after) for before, after in pairwise(rows)
         )
@@ -69,7 +69,9 @@ class Slide:
     def rows(self) -> tuple[CaseRow, ...]:
         """What figure 6 shows, beside ours."""
         declared = self.ride.foreign_at_m(self.from_m, self.curve_to_m)  # from the brake to the curve's end
-        foreign = int((self.watched.between(self.from_m, self.curve_to_m)["outcome"] == FOREIGN).sum())
+        foreign = int(
+            (self.watched.moments_between(self.from_m, self.curve_to_m)["outcome"] == FOREIGN).sum()
+        )
         back_at_m = self.watched.within_from_m(self.to_m, BACK_WITHIN_M)
         before_m = self.watched.worst_m(self.to_m, self.curve_from_m)
         after_m = self.watched.worst_m(self.curve_to_m, self.watched.to_m)
@@ -123,7 +125,7 @@ def place_of(place: MountainLine) -> tuple[float, float, float]:
     raise ValueError("no straight that is long enough")
 
 
-def braked(from_m: float) -> list[Moment]:
+def damp_rail_braking(from_m: float) -> list[Moment]:
     """The driver brakes on a damp rail, and lets go."""
 
     def then(at_m: float, rail: float, intervention: int) -> Moment:
@@ -151,7 +153,7 @@ def run_slide(
     unit = WHEELS.model_copy(update={"doubt_bound_max_m": BOUND_MAX_M})
     watched = Watch(from_m - 400.0, curve_to_m + 600.0, curvature.mismatch_per_m)
     trip = PlannedTrip(place, carries, seed=seed, curvature=curvature, unit=unit, locks=True)
-    ride = trip.run([*braked(from_m), *watched.moments()])
+    ride = trip.run([*damp_rail_braking(from_m), *watched.moments()])
     return Slide(ride, watched, from_m, from_m + BRAKED_M, curve_from_m, curve_to_m)
 
 

@@ -101,7 +101,7 @@ def rule_of(number: int, rule: FusionRule) -> FusionRule:
 def joint_outcome(seed: int, number: int, rule: FusionRule) -> FusionOutcome:
     """Draw a run with its faults and let it run."""
     drawn, rule = draw(seed, number), rule_of(number, rule)
-    setup = rule.of(drawn.setup)
+    setup = rule.with_rule(drawn.setup)
     length_m, stock_id = path_of_run(setup).length_m, setup.timetable.diagrams[0].stock_id
     run, force = run_of(drawn, rule), InForce()
     for key, trouble in enumerate(troubles_of(seed, number, length_m)):

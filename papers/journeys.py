@@ -75,7 +75,7 @@ class JourneyCase:
         return max(abs(one - other) for one, other in times)
 
 
-def solved(name: str, hops: Sequence[SampledHop], stops: Sequence[JourneyStop]) -> JourneyCase:
+def solved_case(name: str, hops: Sequence[SampledHop], stops: Sequence[JourneyStop]) -> JourneyCase:
     """The case with its journey shared in all three ways."""
     try:
         return JourneyCase(name, tuple(hops), tuple(stops), journey_energies(hops, stops))
@@ -123,9 +123,9 @@ def _train_cases(setup: Setup, mission: Mission) -> Iterator[JourneyCase]:
         if hop.mission == mission
     )
     published = published_stops(setup, mission, 0.0)
-    yield solved(f"{mission.number}, windows free", hops, freed(published))
-    yield solved(f"{mission.number}, as published", hops, published)
-    yield solved(
+    yield solved_case(f"{mission.number}, windows free", hops, ends_alone(published))
+    yield solved_case(f"{mission.number}, as published", hops, published)
+    yield solved_case(
         f"{mission.number}, published to the minute", hops, published_stops(setup, mission, HIDDEN_S)
     )
 
@@ -137,7 +137,7 @@ def published_stops(setup: Setup, mission: Mission, tolerance_s: float) -> tuple
     return stops[: len(stations)]
 
 
-def freed(stops: Sequence[JourneyStop]) -> tuple[JourneyStop, ...]:
+def ends_alone(stops: Sequence[JourneyStop]) -> tuple[JourneyStop, ...]:
     """The same journey with the windows of its ends alone."""
     inner = (replace(stop, arrival=ANY_TIME, departure=ANY_TIME) for stop in stops[1:-1])
     return (stops[0], *inner, stops[-1])
@@ -163,7 +163,7 @@ def track_cases(folder: Path) -> Iterator[JourneyCase]:
         for factor in FACTORS:
             end = JourneyStop("end", TimeWindow(latest_s=factor * least_s))
             stops = (JourneyStop("start", departure=TimeWindow(0.0, 0.0)), *middle, end)
-            yield solved(f"{track_id}, {train_id}, {factor:g} of {least_s:.0f} s", hops, stops)
+            yield solved_case(f"{track_id}, {train_id}, {factor:g} of {least_s:.0f} s", hops, stops)
 
 
 # what is shown ------------------------------------------------------------------------------------------------------

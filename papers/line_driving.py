@@ -22,7 +22,7 @@ from papers.reproduction import CaseRow, NullMethod, Options, Parameter, Unjudge
 from papers.specification import Findings, Specification
 from scenario.law_choice import driven_by
 from scenario.scenario import Scenario, load_scenario
-from study.measures.driving import driven
+from study.measures.driving import driving_sums
 from study.measures.least_energy import Allowed, HopLeast, Key, Least, least_of_hops
 from study.record.driving import DrivenHop
 from study.record.figure import rows_in
@@ -75,7 +75,7 @@ class LawDay:
         never = with_room(self.run) - late_s.keys()
         return frozenset(key for key, by_s in late_s.items() if by_s > LATE_S) | never
 
-    def least(self, allowed: Allowed, time_s: dict[Key, float] | None = None) -> tuple[HopLeast, ...]:
+    def least_of_hops(self, allowed: Allowed, time_s: dict[Key, float] | None = None) -> tuple[HopLeast, ...]:
         """The hops beside what they could have cost at the least."""
         return least_of_hops(self.run.scenario.setup, self.run.result, self.hops, allowed, time_s)
 
@@ -142,7 +142,7 @@ def next_margin_s(days: Sequence[LawDay]) -> float:
 
 def told_of(day: LawDay) -> dict[str, Any]:
     """The figures of a day."""
-    whole = driven(day.hops)
+    whole = driving_sums(day.hops)
     if whole is None:
         return {}
     figures = {name: _rounded(value) for name, value in whole.items() if name != "early_s"}
@@ -182,7 +182,7 @@ def punctuality_rows(days: Sequence[LawDay]) -> tuple[CaseRow, ...]:
             None,
             {law: hops for law, hops in later.items() if hops},
             not any(later.values()),
-            f"none, by more than {LATE_S:g} s: no law may save by coming late{tight(days)}",
+            f"none, by more than {LATE_S:g} s: no law may save by coming late{hops_too_tight(days)}",
         ),
         CaseRow(
             "everyone arrived and no invariant broken", None, broken or True, not broken, "with every law"
@@ -190,7 +190,7 @@ def punctuality_rows(days: Sequence[LawDay]) -> tuple[CaseRow, ...]:
     )
 
 
-def tight(days: Sequence[LawDay]) -> str:
+def hops_too_tight(days: Sequence[LawDay]) -> str:
     """What the hops on which a law is later than the first have in common, for the row that is missed by them."""
     missed = {key for day in days[1:] for key in day.late - days[0].late}
     if not missed:
@@ -242,7 +242,7 @@ def standing_figures(scenario: Scenario) -> tuple[UnjudgedFigure, ...]:
         (t, a, b): s
         for t, a, b, s in margins.select("train", "from_station", "to_station", "planned_s").iter_rows()
     }
-    same, whole = Least.of(day.least(allowed)), Least.of(day.least(allowed, whole_s))
+    same, whole = Least.sum_of(day.least_of_hops(allowed)), Least.sum_of(day.least_of_hops(allowed, whole_s))
     return (
         UnjudgedFigure(
             "the present law as shipped", told_of(day), f"{PRESENT}, time_margin_s as in the scenario"
@@ -262,13 +262,13 @@ def standing_figures(scenario: Scenario) -> tuple[UnjudgedFigure, ...]:
 
 def room_figure(day: LawDay, allowed: Allowed) -> UnjudgedFigure:
     """How far a law is above its bound where the plan leaves room, and where it leaves none."""
-    room, found = with_room(day.run), day.least(allowed)
+    room, found = with_room(day.run), day.least_of_hops(allowed)
     parts = {
         f"with {ROOM_S:g} s of room": [hop for hop in found if hop.key in room],
         "with less": [hop for hop in found if hop.key not in room],
     }
     value = {
-        name: {"hops": len(part), "above_bound_percent": _rounded(Least.of(part).above_bound_percent)}
+        name: {"hops": len(part), "above_bound_percent": _rounded(Least.sum_of(part).above_bound_percent)}
         for name, part in parts.items()
         if part
     }
@@ -278,10 +278,10 @@ def room_figure(day: LawDay, allowed: Allowed) -> UnjudgedFigure:
 
 def saving_figures(days: Sequence[LawDay], least: dict[str, Least]) -> tuple[UnjudgedFigure, ...]:
     """Each law beside the present one and beside its own bound."""
-    present = driven(days[0].hops)
+    present = driving_sums(days[0].hops)
     figures: list[UnjudgedFigure] = []
     for day in days:
-        whole = driven(day.hops)
+        whole = driving_sums(day.hops)
         if whole is None or present is None:
             continue
         beside = least[day.law]
@@ -312,10 +312,10 @@ def drivers_figures(days: Sequence[LawDay]) -> tuple[UnjudgedFigure, ...]:
         return ()
     above: dict[str, float] = {}
     for day in days:
-        found = day.least(Allowed.as_units_drive(day.run.scenario.setup))
+        found = day.least_of_hops(Allowed.as_units_drive(day.run.scenario.setup))
         units = {hop.train: hop.unit for hop in day.hops}
         for unit in sorted(set(units.values())):
-            own = Least.of(hop for hop in found if units[hop.train] == unit)
+            own = Least.sum_of(hop for hop in found if units[hop.train] == unit)
             above[f"seed {day.seed} {unit}"] = round(own.above_bound_percent, 1)
     kwh = [sum(hop.running_kwh for hop in day.hops) for day in days]
     ratios = [100.0 + percent for percent in above.values()]
@@ -372,7 +372,7 @@ def experiment(options: Options) -> Findings:
     scenario = scenario_of(options)
     days = [punctual_day(scenario, law) for law in LAW_NAMES]
     allowed = Allowed.as_units_drive(scenario.setup)
-    least = {day.law: Least.of(day.least(allowed)) for day in days}
+    least = {day.law: Least.sum_of(day.least_of_hops(allowed)) for day in days}
     drivers: list[UnjudgedFigure] = []
     for law in drawn_laws():
         seeds = () if options.quick else range(options.seed + 1, options.seed + DRIVERS_DAYS)
@@ -398,7 +398,7 @@ def by_present(options: Options) -> Sequence[CaseRow]:
     """The present law alone, as punctual."""
     scenario = scenario_of(options)
     day = punctual_day(scenario, PRESENT)
-    return [above_row(Least.of(day.least(Allowed.as_units_drive(scenario.setup))))]
+    return [above_row(Least.sum_of(day.least_of_hops(Allowed.as_units_drive(scenario.setup))))]
 
 
 reproduce: Final = Specification(

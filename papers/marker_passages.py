@@ -37,7 +37,7 @@ from simulation.sensors.lidar_scan import (
     MarkerMotion,
     ScanPoints,
     coverage,
-    laid,
+    marker_places,
     scan,
     scan_row,
 )
@@ -59,7 +59,7 @@ class Use:
     used: PointUse = PAPER_USE
     stamp_s: float = CYCLE_S
 
-    def stamped(self, times_s: Floats) -> Floats:
+    def stamped_times(self, times_s: Floats) -> Floats:
         """Times as the unit knows them."""
         if self.stamp_s == 0.0:
             return times_s
@@ -100,7 +100,7 @@ class MarkerPassage:
         """What the unit makes of it."""
         points, own, cycles = self.points, np.zeros(1, SPEED).view(np.recarray)[0], np.zeros((self.cycles, 5))
         used = use.used._replace(spacing_m=self.spacing_m)
-        passage(use.stamped(points.time_s), points.x_m, points.y_m, own, used, cycles)
+        passage(use.stamped_times(points.time_s), points.x_m, points.y_m, own, used, cycles)
         return PassageReadings(
             cycles[:, 0],
             cycles[:, 2] if used.smoothed else cycles[:, 1],
@@ -169,7 +169,7 @@ def pass_markers(
     end_mps = math.sqrt(begin_mps * begin_mps + 2.0 * acceleration_mps2 * run_m)
     duration_s = 2.0 * run_m / (begin_mps + end_mps)
     pattern = 1 + number % PATTERNS
-    points = scan(scan_row(), laid(pattern, spacing_m), motion, duration_s, rng)
+    points = scan(scan_row(), marker_places(pattern, spacing_m), motion, duration_s, rng)
     return MarkerPassage(points, motion, pattern, spacing_m, int(duration_s / CYCLE_S))
 
 

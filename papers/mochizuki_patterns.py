@@ -14,15 +14,15 @@ from typing import Final
 import numpy as np
 from scipy.stats import binomtest, fisher_exact
 
-from onboard.localisation.lidar_points import CYCLE_S, KEPT_S, moved
+from onboard.localisation.lidar_points import CYCLE_S, KEPT_S, places_now
 from onboard.localisation.marker_patterns import COLUMN_M, COLUMNS, ROWS
 from papers.charts import BLUE, ChartPage, Panel, Plottable, Plotted, Ruled
 from papers.marker_passages import KMH, USES, MarkerPassage, Readings, Use, parameters, pass_markers
 from papers.parameter_sets import NotDriven
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter
-from papers.specification import Findings, Specification, none_of, reported
+from papers.specification import Findings, Specification, none_of, reported_figure
 from papers.tag_trials import clopper_pearson
-from simulation.sensors.lidar_scan import laid
+from simulation.sensors.lidar_scan import marker_places
 from study.report.style import INK, PALE, RED, RULE
 
 RUNS: Final = 1000
@@ -89,7 +89,7 @@ def told_at(speed_kmh: float, runs: int, seed: int, uses: Sequence[str]) -> dict
     return {name: PatternReadings(tuple(readings)) for name, readings in found.items()}
 
 
-def fewer(before: PatternReadings, after: PatternReadings) -> float:
+def mcnemar_p(before: PatternReadings, after: PatternReadings) -> float:
     """McNemar's exact test: how likely as many passages are told only by `after`, if neither is better."""
     pairs = list(zip(before.right, after.right, strict=True))
     gained = sum(b < a for b, a in pairs)
@@ -97,13 +97,13 @@ def fewer(before: PatternReadings, after: PatternReadings) -> float:
     return float(binomtest(gained, changed, 0.5, alternative="greater").pvalue) if changed else 1.0
 
 
-def less(there: PatternReadings, here: PatternReadings) -> float:
+def fisher_p(there: PatternReadings, here: PatternReadings) -> float:
     """Fisher's exact test: how likely so many fewer are told `there` than `here`, if there is no difference."""
     table = np.array([[sum(t.right), len(t.right) - sum(t.right)] for t in (there, here)], dtype=np.int64)
     return float(fisher_exact(table, alternative="less").pvalue)
 
 
-def above(told: PatternReadings, share: float) -> float:
+def binomial_p(told: PatternReadings, share: float) -> float:
     """Exact binomial test: how likely so many are told if it were this share and no more."""
     return float(binomtest(sum(told.right), len(told.right), share, alternative="greater").pvalue)
 
@@ -113,7 +113,7 @@ def share_rows(found: dict[float, dict[str, PatternReadings]], corrected: str = 
     rows: list[CaseRow] = []
     for kmh, told in found.items():
         moved, raw = told[corrected], told[RAW]
-        p_raw = fewer(raw, moved)
+        p_raw = mcnemar_p(raw, moved)
         rows.append(
             CaseRow(
                 f"{kmh:g} km/h: less before correction",
@@ -124,7 +124,7 @@ def share_rows(found: dict[float, dict[str, PatternReadings]], corrected: str = 
             )
         )
         if kmh in TOLD_KMH:
-            p_least = above(moved, LEAST)
+            p_least = binomial_p(moved, LEAST)
             rows.append(
                 CaseRow(
                     CORRECTED.format(kmh),
@@ -135,7 +135,7 @@ def share_rows(found: dict[float, dict[str, PatternReadings]], corrected: str = 
                 )
             )
         else:
-            p_less = less(moved, found[TOLD_KMH[-1]][corrected])
+            p_less = fisher_p(moved, found[TOLD_KMH[-1]][corrected])
             rows.append(
                 CaseRow(
                     f"{kmh:g} km/h: corrected, less than at {TOLD_KMH[-1]:g}",
@@ -146,7 +146,9 @@ def share_rows(found: dict[float, dict[str, PatternReadings]], corrected: str = 
                 )
             )
         what = "what the same scan gives if points come with their own times"
-        rows.append(reported(f"{kmh:g} km/h: corrected, with {OWN_TIME}", told[OWN_TIME].as_dict(), what))
+        rows.append(
+            reported_figure(f"{kmh:g} km/h: corrected, with {OWN_TIME}", told[OWN_TIME].as_dict(), what)
+        )
     wrong = sum(each.wrong for told in found.values() for each in told.values())
     rows.append(none_of("wrong patterns told", wrong, "none, in any reading of any passage", paper=0))
     return rows
@@ -186,7 +188,7 @@ def spacing_rows(quick: bool, seed: int) -> tuple[list[CaseRow], dict[str, list[
     speeds, runs = (SPACED_KMH_QUICK, SPACED_RUNS_QUICK) if quick else (SPACED_KMH, SPACED_RUNS)
     found = {name: [spacing_for(kmh, runs, seed, USES[name]) for kmh in speeds] for name in (MOVED, OWN_TIME)}
     rows = [
-        reported(
+        reported_figure(
             f"{frames.speed_kmh:g} km/h: spacing of rows for {LEAST:.0%}, m",
             {MOVED: frames.least_m, OWN_TIME: own.least_m},
             "the paper's open problem; null: none up to 2 m",
@@ -204,12 +206,12 @@ def points(passage: MarkerPassage, name: str, x: str, y: str) -> Panel:
     ways = passage.motion.from_m - np.cumsum(passage.speeds_mps) * CYCLE_S
     cycle = int(np.argmin(np.abs(ways + half_m - SHOWN_AT_M)))
     now_s = float(passage.times_s[cycle])
-    times = use.stamped(taken.time_s)
+    times = use.stamped_times(taken.time_s)
     kept = np.flatnonzero((times <= now_s + 1e-9) & (times > now_s - KEPT_S))
     first, end = int(kept[0]), int(kept[-1]) + 1
     speed_mps = float(seen.speed_mps[cycle]) if use.used.corrected else 0.0
-    at_m = moved(taken.x_m, times, first, end, now_s, speed_mps) - float(ways[cycle])
-    places = laid(passage.pattern, passage.spacing_m)
+    at_m = places_now(taken.x_m, times, first, end, now_s, speed_mps) - float(ways[cycle])
+    places = marker_places(passage.pattern, passage.spacing_m)
     cells = Ruled(
         [(row - 0.5) * passage.spacing_m for row in range(ROWS + 1)],
         [(column - 0.5 * COLUMNS) * COLUMN_M for column in range(COLUMNS + 1)],
@@ -303,7 +305,7 @@ def experiment(options: Options) -> Findings:
     )
 
 
-def uncorrected(options: Options) -> list[CaseRow]:
+def uncorrected_null(options: Options) -> list[CaseRow]:
     """The null method, at the speeds at which the paper can tell patterns."""
     return share_rows({kmh: told_at(kmh, RUNS_QUICK, options.seed, (RAW, OWN_TIME)) for kmh in TOLD_KMH}, RAW)
 
@@ -315,7 +317,7 @@ reproduce: Final = Specification(
     NullMethod(
         "points as they were taken, equation 2 left out",
         tuple(CORRECTED.format(kmh) for kmh in TOLD_KMH),
-        uncorrected,
+        uncorrected_null,
     ),
     NotDriven("trains pass markers at a constant speed"),
     f"Quick: {RUNS_QUICK} passages a speed instead of {RUNS}, and two speeds of the table of spacings.",

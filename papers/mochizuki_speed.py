@@ -27,7 +27,7 @@ from papers.marker_passages import (
 )
 from papers.parameter_sets import NotDriven
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter
-from papers.specification import Findings, Specification, reported
+from papers.specification import Findings, Specification, reported_figure
 from study.report.style import RED
 
 RUNS: Final = 200
@@ -146,7 +146,7 @@ class Settled:
         return float(np.median(known)) if known.size else float("nan")
 
 
-def find(case: SpeedCase, runs: int, seed: int, use: Use | None) -> Settled:
+def find_runs(case: SpeedCase, runs: int, seed: int, use: Use | None) -> Settled:
     """All runs of a case; without a use of points the sensor is perfect."""
     passages = (case.run(number, seed) for number in range(runs))
     seen = [each.seen_perfectly() if use is None else each.seen(use) for each in passages]
@@ -219,12 +219,12 @@ def over_row(found: Settled) -> CaseRow:
 
 def cases_of(runs: int, seed: int, use: Use | None) -> tuple[list[CaseRow], list[Settled]]:
     """All rows, for one use of the points, and what they stand on."""
-    found = [find(case, runs, seed, use) for case in CASES]
+    found = [find_runs(case, runs, seed, use) for case in CASES]
     rows = [row for each in found for row in rows_of(each)]
-    constant = find(CONSTANT, runs, seed, use)
+    constant = find_runs(CONSTANT, runs, seed, use)
     why = "49 cycles at 2.67 m/s are 2.6 m, so the train of table 3 must have been faster"
     case = "constant 9.6 km/h (table 1): settles after, m"
-    rows.append(reported(case, round(constant.middle_m, 2), why, CONSTANT.settles_m))
+    rows.append(reported_figure(case, round(constant.middle_m, 2), why, CONSTANT.settles_m))
     return rows, found
 
 

@@ -119,7 +119,7 @@ class MountainLine:
     def with_tables(self, **changed: Any) -> MountainLine:  # noqa: ANN401 - tables of a line file
         """The same line with some of its tables replaced."""
         tables = self.tables | changed
-        return MountainLine(read(tables), tables, self.station_ids, self.places_m)
+        return MountainLine(read_line(tables), tables, self.station_ids, self.places_m)
 
 
 def mountain_line(seed: int = 1, stations: int = STATIONS) -> MountainLine:
@@ -136,7 +136,7 @@ def mountain_line(seed: int = 1, stations: int = STATIONS) -> MountainLine:
     tables = tomllib.loads(line_toml(words, _alignment(rng, layout, places_m), layout, rule))
     tables["tags"] = []
     tables["alignments"][0]["tunnels"] = list(_tunnels(seed, places_m))
-    bare = MountainLine(read(tables), tables, ids, tuple(places_m))
+    bare = MountainLine(read_line(tables), tables, ids, tuple(places_m))
     path = main_path(bare.line, bare.timetable())
     at_m = _check_points_m(generator(seed, "mountain line", "beacons"), places_m, check_points)
     windows_m = windows_of(at_m)
@@ -153,7 +153,7 @@ def mountain_line(seed: int = 1, stations: int = STATIONS) -> MountainLine:
     )
 
 
-def read(tables: dict[str, Any]) -> Line:
+def read_line(tables: dict[str, Any]) -> Line:
     """The line of a file's tables, by the reader of line files."""
     return line_of(validate(tables, FILE, LineFile), FILE)
 

@@ -15,7 +15,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from network.model import Direction
-from onboard.localisation.fix import TakenFix, take
+from onboard.localisation.fix import TakenFix, take_interval
 from onboard.localisation.tags import tag_fix
 from onboard.localisation.vision import (
     SightTable,
@@ -206,7 +206,7 @@ class _Run:
         )
         odometer_m = self.history.odometer_m(look.frame_s)
         fix = tag_fix(unit, self.path_m(found.kilometrage_m), odometer_m, found.accuracy_m)
-        return isinstance(take(unit, fix), TakenFix)
+        return isinstance(take_interval(unit, fix), TakenFix)
 
     def step(self) -> None:
         """One control cycle; where the radio loses its command, the car keeps the one before."""

@@ -37,13 +37,13 @@ from papers.table4_stops import (
     START_M,
     SUB_TARGET_M,
     SignRun,
+    agrees_with_cell,
     best_gain_per_s,
     cells_of_table4,
     controller,
     errors_m,
     impossible_stops,
     oda_train,
-    passes,
     stop_of,
     wheel_errors_m,
 )
@@ -130,7 +130,12 @@ def cell_rows(errors: list[float], papers: list[float]) -> tuple[CaseRow, ...]:
     """The 22 cells, and how the two that fail stand to each other; `papers`: by the paper's own controller, m."""
     rows = [
         CaseRow(
-            case.name, case.paper_m, round(error, 2), passes(case, error), _criterion(case), round(own, 2)
+            case.name,
+            case.paper_m,
+            round(error, 2),
+            agrees_with_cell(case, error),
+            _criterion(case),
+            round(own, 2),
         )
         for case, error, own in zip(CASES, errors, papers, strict=True)
     ]
@@ -139,8 +144,8 @@ def cell_rows(errors: list[float], papers: list[float]) -> tuple[CaseRow, ...]:
     rows.append(
         CaseRow("seen at 20 m is worse than at 40 m", True, worse, worse, "as in the paper", own_worse)
     )
-    agree = sum(passes(case, own) for case, own in zip(CASES, papers, strict=True))
-    by_law = sum(passes(case, error) for case, error in zip(CASES, errors, strict=True))
+    agree = sum(agrees_with_cell(case, own) for case, own in zip(CASES, papers, strict=True))
+    by_law = sum(agrees_with_cell(case, error) for case, error in zip(CASES, errors, strict=True))
     both = by_law == agree == len(CASES)
     rows.append(CaseRow(AGREE, len(CASES), by_law, both, "all, by either controller", agree))
     sizes = tuple(_mean_size_m(figures) for figures in ([case.paper_m for case in CASES], errors, papers))
@@ -214,7 +219,7 @@ def agreeing_patterns_mps2(
     found: list[float] = []
     for hundredths in range(60, 93):
         errors = errors_m(controller(gain_per_s, hundredths / 100.0), stops)
-        if all(passes(case, error) for case, error in zip(cases, errors, strict=True)):
+        if all(agrees_with_cell(case, error) for case, error in zip(cases, errors, strict=True)):
             found.append(hundredths / 100.0)
     return tuple(found)
 
@@ -241,14 +246,18 @@ def beacon_figures(gain_per_s: float) -> tuple[UnjudgedFigure, ...]:
     return tuple(figures)
 
 
-def missed(errors: list[float]) -> list[str]:
+def missed_cells(errors: list[float]) -> list[str]:
     """The cells that would not agree, with their errors."""
-    return [f"{case.name}: {m:.2f} m" for case, m in zip(CASES, errors, strict=True) if not passes(case, m)]
+    return [
+        f"{case.name}: {m:.2f} m"
+        for case, m in zip(CASES, errors, strict=True)
+        if not agrees_with_cell(case, m)
+    ]
 
 
 def wheel_figure(gain_per_s: float) -> UnjudgedFigure:
     """The 1 % as a worn wheel would show it."""
-    cells = missed(wheel_errors_m(gain_per_s))
+    cells = missed_cells(wheel_errors_m(gain_per_s))
     return UnjudgedFigure(
         "cells that would not agree, were the 1 % in the speed too",
         f"{len(cells)} of {len(CASES)}",
@@ -260,7 +269,7 @@ def wheel_figure(gain_per_s: float) -> UnjudgedFigure:
 def papers_gain_figure() -> UnjudgedFigure:
     """The paper's recipe for the gain, applied to the paper's own controller."""
     gain = best_gain_per_s(NOT_IN_THE_PAPER)
-    cells = missed(errors_m(controller(gain, without=NOT_IN_THE_PAPER), cells_of_table4()))
+    cells = missed_cells(errors_m(controller(gain, without=NOT_IN_THE_PAPER), cells_of_table4()))
     return UnjudgedFigure(
         "gain by the same recipe for the paper's own controller, 1/s",
         gain,

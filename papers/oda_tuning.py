@@ -25,7 +25,7 @@ from onboard.driving.tuning import (
     Learned,
     StopDecelerations,
     approximate,
-    learn,
+    learned_after_stop,
     search,
 )
 from papers.line_stops import NEAR_M, NEAR_SHARE, place_of, places_are_near
@@ -33,7 +33,7 @@ from papers.parameter_sets import LINE, coasting
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
 from papers.single_run import Rows, new_stops
 from papers.single_train import Bench
-from papers.specification import Evenly, Findings, Specification, equal, none_of
+from papers.specification import Evenly, Findings, Specification, equal_figure, none_of
 from papers.table4_stops import BEACONS_M, START_M, oda_train
 from papers.tag_trials import clopper_pearson
 from radio.chance import generator
@@ -226,12 +226,14 @@ def tune(nominal: TrainType, seed: int, name: str) -> TunedTrain:
         kept = delivered.keeper().record(float(stops["load_share"][index]))
         if kept is not None:
             record = with_noise(noise, kept)
-            by_search = learn(by_search, record, search(record))
+            by_search = learned_after_stop(by_search, record, search(record))
             before = by_approximation.stops
-            by_approximation = learn(by_approximation, record, approximate(record, by_approximation.centre))
+            by_approximation = learned_after_stop(
+                by_approximation, record, approximate(record, by_approximation.centre)
+            )
             full_counted += int(full) * (by_approximation.stops - before)
             plain = as_if_undisturbed(record)
-            keeping = learn(keeping, plain, approximate(plain, keeping.centre))
+            keeping = learned_after_stop(keeping, plain, approximate(plain, keeping.centre))
         if not is_right(by_approximation, hidden):
             settled_after = by_approximation.stops + 1
     learned = {
@@ -310,7 +312,7 @@ def held_out(tuned: list[TunedTrain], tuning: TunedBy, *, ordinary: bool) -> NDA
     return np.concatenate([t.held_out_m[tuning][t.ordinary if ordinary else slice(None)] for t in tuned])
 
 
-def reaches(count: int, trains: int) -> bool:
+def interval_reaches(count: int, trains: int) -> bool:
     """Whether the 95 % interval of a count's share reaches SHARE."""
     return clopper_pearson(count, trains, SHARE).high >= SHARE
 
@@ -319,7 +321,7 @@ def learning_rows(tuned: list[TunedTrain]) -> tuple[CaseRow, ...]:
     """What was learned, and how."""
     same = sum(train.modes_agree for train in tuned)
     near = sum(train.modes_are_near for train in tuned)
-    agree = reaches(same, len(tuned)) and near == len(tuned)
+    agree = interval_reaches(same, len(tuned)) and near == len(tuned)
     evaluations = {"search": SEARCH_EVALUATIONS, "approximation": len(SIX_POINTS)}
     paper = {"search": 441, "approximation": 6}
     right = {
@@ -327,7 +329,9 @@ def learning_rows(tuned: list[TunedTrain]) -> tuple[CaseRow, ...]:
         for tuning in TunedBy
     }
     mode = right[TunedBy.MODE.value]
-    best = reaches(mode, len(tuned)) and mode > max(right[TunedBy.MEAN.value], right[TunedBy.KEPT.value])
+    best = interval_reaches(mode, len(tuned)) and mode > max(
+        right[TunedBy.MEAN.value], right[TunedBy.KEPT.value]
+    )
     differ = sum(train.mean_differs for train in tuned) / len(tuned)
     full = sum(train.full_counted for train in tuned)
     settled = float(np.percentile([train.settled_after for train in tuned], 95))
@@ -339,7 +343,7 @@ def learning_rows(tuned: list[TunedTrain]) -> tuple[CaseRow, ...]:
             agree,
             f"the same in {SHARE}, by its 95 % interval; all to a step",
         ),
-        equal("evaluations of J a stop", paper, evaluations, "as in the paper"),
+        equal_figure("evaluations of J a stop", paper, evaluations, "as in the paper"),
         CaseRow(
             f"of {len(tuned)} trains, those that go by what is right to one step of the grid",
             None,

@@ -62,7 +62,7 @@ def itae_ms(trace: Rows, cruise_mps: float, pattern_mps2: float, step_s: float) 
     return float((np.maximum(since_s, 0.0) * off_mps).sum() * step_s)
 
 
-def tried(settings: Pid) -> Trial:
+def tried_setting(settings: Pid) -> Trial:
     """A setting in the nominal case."""
     bench: HopBench = paper_hops("pid", law_settings=LawTables.model_validate({"pid": settings}))
     pattern_mps2, step_s = (
@@ -80,9 +80,9 @@ def tried(settings: Pid) -> Trial:
     return Trial(settings, float(np.mean(itaes)), changes, max(misses))
 
 
-def ranked(settings: Iterable[Pid]) -> list[Trial]:
+def ranked_settings(settings: Iterable[Pid]) -> list[Trial]:
     """Settings that meet the mark, the winner first: of those within 5 % of the least ITAE the fewest notch changes."""
-    trials = [trial for trial in map(tried, settings) if trial.miss_m <= MISS_M]
+    trials = [trial for trial in map(tried_setting, settings) if trial.miss_m <= MISS_M]
     least = min((trial.itae_ms for trial in trials), default=0.0)
 
     def place(trial: Trial) -> tuple[bool, float, float]:
@@ -94,7 +94,7 @@ def ranked(settings: Iterable[Pid]) -> list[Trial]:
 
 def main() -> None:
     """Print the best of the grid."""
-    for trial in ranked(grid())[:12]:
+    for trial in ranked_settings(grid())[:12]:
         chosen = trial.settings
         sys.stdout.write(
             f"{chosen.gain_per_s:5g} {chosen.integral_gain_per_s2:5g} {chosen.derivative_gain:5g}"

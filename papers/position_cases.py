@@ -33,7 +33,7 @@ class PositionCase:
         return head + self.tables
 
 
-def carries(*names: str) -> str:
+def carried_table(*names: str) -> str:
     """The table of what trains carry."""
     listed = ", ".join(f'"{name}"' for name in names)
     return f"[sensors]\ncarries = [{listed}]\n"
@@ -73,55 +73,67 @@ markers = [
 """
 AIM: Final = '[gnss]\ncorrection = "aim"\n'
 CASES: Final = (
-    PositionCase("tags", "tags, as the line stands", carries("tags"), quick=True),
-    PositionCase("fewer_tags", "tags, without those before the marks", carries("tags") + FEWER_TAGS),
+    PositionCase("tags", "tags, as the line stands", carried_table("tags"), quick=True),
+    PositionCase("fewer_tags", "tags, without those before the marks", carried_table("tags") + FEWER_TAGS),
     PositionCase(
         "tags_curvature",
         "fewer tags, and curvature",
-        carries("tags", "curvature") + FEWER_TAGS,
+        carried_table("tags", "curvature") + FEWER_TAGS,
         SOON_S,
         "the arrival tags are there",
     ),
-    PositionCase("curvature", "curvature alone", carries("curvature"), LATER_S, BY_THE_DRIVER, quick=True),
     PositionCase(
-        "gnss_20", "satellites, fail-safe within 20 m", carries("gnss"), SOON_S, BY_FIXES, quick=True
+        "curvature", "curvature alone", carried_table("curvature"), LATER_S, BY_THE_DRIVER, quick=True
     ),
-    PositionCase("gnss_aim", "satellites, the aim of 3 m", carries("gnss") + AIM, SOON_S, BY_FIXES),
+    PositionCase(
+        "gnss_20", "satellites, fail-safe within 20 m", carried_table("gnss"), SOON_S, BY_FIXES, quick=True
+    ),
+    PositionCase("gnss_aim", "satellites, the aim of 3 m", carried_table("gnss") + AIM, SOON_S, BY_FIXES),
     PositionCase(
         "curvature_gnss",
         "curvature and satellites within 20 m",
-        carries("curvature", "gnss"),
+        carried_table("curvature", "gnss"),
         SOON_S,
         BY_FIXES,
     ),
     PositionCase(
-        "lidar", "markers 60 m before each mark", carries("lidar") + MARKERS, SOON_S, "markers lie beyond ①"
+        "lidar",
+        "markers 60 m before each mark",
+        carried_table("lidar") + MARKERS,
+        SOON_S,
+        "markers lie beyond ①",
     ),
     PositionCase(
         "all",
         "all of them",
-        carries("tags", "curvature", "gnss", "lidar") + MARKERS,
+        carried_table("tags", "curvature", "gnss", "lidar") + MARKERS,
         SOON_S,
         BY_FIXES,
         quick=True,
     ),
     # an hour, or a morning, of something wrong
     PositionCase(
-        "tags_missed", "tags: an arrival tag is not read", carries("tags") + failing("miss", ("506",))
+        "tags_missed", "tags: an arrival tag is not read", carried_table("tags") + failing("miss", ("506",))
     ),
-    PositionCase("tags_moved", "tags: one lies 30 m from where units have it", carries("tags") + MOVED_TAG),
-    PositionCase("gyro_dead", "curvature alone: no gyro works", carries("curvature") + failing("gyro_dead")),
-    PositionCase("gnss_jammed", "satellites within 20 m: jammed", carries("gnss") + failing("gnss_jammed")),
+    PositionCase(
+        "tags_moved", "tags: one lies 30 m from where units have it", carried_table("tags") + MOVED_TAG
+    ),
+    PositionCase(
+        "gyro_dead", "curvature alone: no gyro works", carried_table("curvature") + failing("gyro_dead")
+    ),
+    PositionCase(
+        "gnss_jammed", "satellites within 20 m: jammed", carried_table("gnss") + failing("gnss_jammed")
+    ),
     PositionCase(
         "both_jammed",
         "curvature and satellites: these jammed",
-        carries("curvature", "gnss") + failing("gnss_jammed"),
+        carried_table("curvature", "gnss") + failing("gnss_jammed"),
         LATER_S,
         BY_THE_DRIVER,
     ),
     PositionCase(
         "slippery",
         "curvature and satellites on slippery rail",
-        carries("curvature", "gnss") + failing("slippery", more="factor = 0.4\n"),
+        carried_table("curvature", "gnss") + failing("slippery", more="factor = 0.4\n"),
     ),
 )

@@ -21,7 +21,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as PlotFigure
 from numpy.typing import NDArray
 
-from papers.charts import BAND, written
+from papers.charts import BAND, write_figure
 from papers.parameter_sets import LINE
 from papers.position_run import half_widths_m
 from papers.position_sets import (
@@ -35,8 +35,8 @@ from papers.position_sets import (
     Ran,
     SensorSet,
     Trouble,
-    concern,
     run_with,
+    troubles_concerning,
 )
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
 from papers.specification import Findings, Specification, none_of
@@ -84,7 +84,7 @@ class Measures:
     nearest_to_outside_m: float  # by how much the truth was outside at worst, or (negative) inside at least
     arrived: bool
 
-    def words(self) -> str:
+    def in_one_line(self) -> str:
         """The figures in one line of a table."""
         return (
             f"sigma {self.sigma_m:.2f}, 95 % {self.error_95_m:.2f}, most {self.error_most_m:.1f};"
@@ -104,7 +104,7 @@ def far_from_a_fix(ran: Ran) -> float:
     return float(run_m[far].sum() / max(run_m.sum(), 1.0))
 
 
-def measured(ran: Ran) -> Measures:
+def measures_of(ran: Ran) -> Measures:
     """The measures of a run, from a sample a second while it moves and from the worst of all steps."""
     result, trace = ran.result, ran.result.trace
     trace = trace[trace["speed_mps"] > 0.0]  # a train that waits is one place, however long
@@ -130,10 +130,10 @@ def measured(ran: Ran) -> Measures:
 
 def runs_of(carried: SensorSet, seed: int, quick: bool) -> list[Ran]:
     """All runs of a set: nothing fails, each fault alone, all in turn; last those beyond the model."""
-    cases: list[tuple[Trouble, ...]] = [(), concern(carried)]
+    cases: list[tuple[Trouble, ...]] = [(), troubles_concerning(carried)]
     if not quick:
-        cases[1:1] = [(each,) for each in concern(carried)]
-        cases += [(each,) for each in concern(carried, held=False)]
+        cases[1:1] = [(each,) for each in troubles_concerning(carried)]
+        cases += [(each,) for each in troubles_concerning(carried, held=False)]
     return [run_with(carried, case, seed) for case in cases]
 
 
@@ -141,9 +141,9 @@ def row_of(measures: Measures) -> CaseRow:
     """A run as a row: bounds that hold are the criterion, where the fault is inside the model."""
     if not measures.inside_the_model:
         case = f"beyond the model: {measures.carried}: {measures.case}"
-        return CaseRow(case, None, measures.words(), True, "told only")
+        return CaseRow(case, None, measures.in_one_line(), True, "told only")
     holds, criterion = measures.nearest_to_outside_m <= 0.0, "the truth inside in every step"
-    return CaseRow(f"{measures.carried}: {measures.case}", None, measures.words(), holds, criterion)
+    return CaseRow(f"{measures.carried}: {measures.case}", None, measures.in_one_line(), holds, criterion)
 
 
 def held_row(found: Sequence[Measures]) -> CaseRow:
@@ -213,7 +213,7 @@ def published_rows(runs: Sequence[Ran], seed: int) -> tuple[CaseRow, ...]:
         )
     for ran in runs:
         if ran.carried.carries == (PositionSensor.LIDAR,) and not ran.troubles:
-            sigma_m = measured(ran).sigma_m
+            sigma_m = measures_of(ran).sigma_m
             rows.append(
                 CaseRow(
                     "root mean square error with LiDAR and known places",
@@ -338,7 +338,7 @@ def runs_with(options: Options) -> list[Ran]:
 def experiment(options: Options) -> Findings:
     """All runs of all sets, the table, and the plot."""
     runs = runs_with(options)
-    found = [measured(ran) for ran in runs]
+    found = [measures_of(ran) for ran in runs]
     beside = () if options.quick else published_rows(runs, options.seed)
     sets = len({ran.carried.name for ran in runs})
     return Findings(
@@ -364,7 +364,7 @@ def experiment(options: Options) -> Findings:
         ),
         [claimed_row(found)],
         lambda folder: (
-            *written("position_compare", lambda: draw_comparison(runs), folder),
+            *write_figure("position_compare", lambda: draw_comparison(runs), folder),
             write_table(found, folder),
         ),
     )
@@ -377,7 +377,7 @@ reproduce: Final = Specification(
     NullMethod(
         f"an accuracy of {CLAIMED_M:g} m claimed in place of bounds",
         (HELD,),
-        lambda options: [claimed_row([measured(ran) for ran in runs_with(options)])],
+        lambda options: [claimed_row([measures_of(ran) for ran in runs_with(options)])],
     ),
     LINE,
     f"quick: {' and '.join(QUICK)} alone, no fault by itself, nothing beside what others published",

@@ -234,7 +234,7 @@ def _told(outcomes: Sequence[FusionOutcome]) -> str:
 
 def median_row(setup: Setup, rule: FusionRule = AS_UNITS_ARE) -> CaseRow:
     """Median half-width on the line as it stands, with tags alone, against the way since the last tag."""
-    run = PositionRun(rule.of(setup))
+    run = PositionRun(rule.with_rule(setup))
     seen = in_motion(run.run().trace)
     half_m = float(np.median(half_widths_m(seen)))
     tags_m = np.array([run.mission.targets[0].mark_m, *(tag.position_m for tag in run.mission.tags)])
@@ -252,7 +252,7 @@ def median_row(setup: Setup, rule: FusionRule = AS_UNITS_ARE) -> CaseRow:
 
 def curved_row(setup: Setup, rule: FusionRule) -> CaseRow:
     """The same with curvature, but for straights so long that there is nothing to compare."""
-    run = PositionRun(rule.of(setup))
+    run = PositionRun(rule.with_rule(setup))
     rows = run.trains.rows_of(0, run.trains.true_path(0))
     turn_rad = run.trains.pool.profile["turn_rad"][rows.offset : rows.offset + rows.rows]
     bends_m = np.flatnonzero(np.diff(turn_rad) > 0.0).astype(float)
@@ -354,9 +354,16 @@ def experiment(options: Options) -> Findings:
             "With curvature the half-width is that of what wheels may vary by, which units are told and do not see: of"
             " wheels known neither to creep nor to have a slope it would be below the 2 m asked for (told beside).",
             "A run is drawn from (seed, number): papers.fusion_runs.outcome(seed, number) is that run again.",
-            *(f"OUT: {again(one)}" for one in found.broken),
-            *(f"OUT with {_sensors(each.rule)}: {again(one)}" for each in sets for one in each.broken),
-            *(f"OUT with {_sensors(rule_of(one.number, JOINT))}: {again(one)}" for one in joint.broken),
+            *(f"OUT: {how_to_repeat(one)}" for one in found.broken),
+            *(
+                f"OUT with {_sensors(each.rule)}: {how_to_repeat(one)}"
+                for each in sets
+                for one in each.broken
+            ),
+            *(
+                f"OUT with {_sensors(rule_of(one.number, JOINT))}: {how_to_repeat(one)}"
+                for one in joint.broken
+            ),
             *joint.died,
             *found.died,
         ),
@@ -398,7 +405,7 @@ def evenly_turning(setup: Setup, rule: FusionRule) -> UnjudgedFigure:
     )
 
 
-def again(one: FusionOutcome) -> str:
+def how_to_repeat(one: FusionOutcome) -> str:
     """How to have a run again, and what was wrong in it."""
     return f"seed {one.seed}, number {one.number} ({one.scenario}): {one.out_m:.3f} m at {one.out_at_m:.0f} m"
 

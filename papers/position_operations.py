@@ -22,9 +22,9 @@ from host.scratch import scratch
 from network.model import SectionKind, TagPurpose
 from onboard import notes
 from onboard.fixes import EYE
-from papers.charts import written
+from papers.charts import write_figure
 from papers.parameter_sets import LINE
-from papers.position_cases import CASES, SOON_S, PositionCase, carries
+from papers.position_cases import CASES, SOON_S, PositionCase, carried_table
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
 from papers.specification import Findings, Specification
 from scenario.scenario import load_scenario
@@ -38,7 +38,7 @@ SLICE: Final = "karasuyama_round_trip"
 WHOLE: Final = "everyone arrives, no invariant broken, the truth within the bounds in every step"
 LATER: Final = "releases later than with tags, s"
 BY_WORD: Final = "wheels and the driver's word"
-WHEELS: Final = PositionCase("wheels", BY_WORD, carries("lidar"), SOON_S, "the line has no markers")
+WHEELS: Final = PositionCase("wheels", BY_WORD, carried_table("lidar"), SOON_S, "the line has no markers")
 EARLY_S: Final = -1.0  # telegrams and steps; no set may free a section before the train has left it
 Floats = NDArray[np.float64]
 LEAST_M: Final = 0.05  # shown where a spread is nothing on a logarithmic axis
@@ -58,7 +58,7 @@ class Quantiles:
     most: float | None = None
 
     @classmethod
-    def of(cls, values: Floats) -> Quantiles:
+    def of_values(cls, values: Floats) -> Quantiles:
         """Of values, of which none may be left out."""
         if values.size == 0:
             return cls()
@@ -95,15 +95,15 @@ class SensorDay:
     def as_dict(self) -> dict[str, Any]:
         """For the figures and the picture."""
         kept = {name: value for name, value in asdict(self).items() if name not in _NOT_TOLD}
-        return kept | {"release_s": asdict(Quantiles.of(np.array(list(self.releases_s.values()))))}
+        return kept | {"release_s": asdict(Quantiles.of_values(np.array(list(self.releases_s.values()))))}
 
 
 _NOT_TOLD: Final = ("case", "planned", "broken", "releases_s")
 
 
-def told(days: Mapping[str, SensorDay]) -> dict[str, dict[str, Any]]:
+def case_table(days: Mapping[str, SensorDay]) -> dict[str, dict[str, Any]]:
     """What is told of each case, and by how much its releases are later than with tags."""
-    later = {name: asdict(Quantiles.of(day.later_than(days["tags"]))) for name, day in days.items()}
+    later = {name: asdict(Quantiles.of_values(day.later_than(days["tags"]))) for name, day in days.items()}
     return {name: day.as_dict() | {"release_later_s": later[name]} for name, day in days.items()}
 
 
@@ -130,9 +130,9 @@ def experiment(options: Options) -> Findings:
         ],
         [
             UnjudgedFigure(f"{name}: {days[name].case.title}", each, meaning)
-            for name, each in told(days).items()
+            for name, each in case_table(days).items()
         ],
-        draw=lambda folder: written("position_operations", lambda: draw_cases(told(days)), folder),
+        draw=lambda folder: write_figure("position_operations", lambda: draw_cases(case_table(days)), folder),
     )
 
 
@@ -153,10 +153,10 @@ def day_of(case: PositionCase, options: Options) -> SensorDay:
         file = folder / f"{case.name}.toml"
         file.write_text(case.text(_base(options)), "utf-8")
         run = execute(load_scenario(str(file), options.seed), PartyLink.SIMULATED)
-    return measured(case, run)
+    return case_figures(case, run)
 
 
-def measured(case: PositionCase, run: FinishedRun) -> SensorDay:
+def case_figures(case: PositionCase, run: FinishedRun) -> SensorDay:
     """The figures of a run."""
     tables, summary = run.tables, run.summary
     half = known_positions(tables).select("unit", "t_s", "half_m").sort("t_s")
@@ -169,10 +169,10 @@ def measured(case: PositionCase, run: FinishedRun) -> SensorDay:
         run.broken,
         _releases(run),
         summary["trains_arrived"],
-        Quantiles.of(half["half_m"].to_numpy()),
-        Quantiles.of(_half_at(half, _passed(run))),
-        Quantiles.of(_half_at(half, stops.select("unit", t_s="arrival_s"))),
-        Quantiles.of(np.abs(stops["stop_error_m"].drop_nulls().to_numpy())),
+        Quantiles.of_values(half["half_m"].to_numpy()),
+        Quantiles.of_values(_half_at(half, _passed(run))),
+        Quantiles.of_values(_half_at(half, stops.select("unit", t_s="arrival_s"))),
+        Quantiles.of_values(np.abs(stops["stop_error_m"].drop_nulls().to_numpy())),
         round(float(summary["late_s_max"] or 0.0), 1),
         round(float(np.maximum(late, 0.0).mean()), 2) if late.size else 0.0,
         sum(isinstance(event, notes.Intervention) and event.level > 0 for event in said),
@@ -237,7 +237,7 @@ def rows_of(days: Mapping[str, SensorDay]) -> Iterator[CaseRow]:
             "never before it",
         )
         if day.case.later_s is not None and day is not tags:
-            later_s = Quantiles.of(day.later_than(tags))
+            later_s = Quantiles.of_values(day.later_than(tags))
             yield CaseRow(
                 f"{name}: {LATER}",
                 None,

@@ -24,7 +24,7 @@ from simulation.faults.table import FAULTS
 from simulation.gnss_settings import Correction, Gnss
 from simulation.settings import PositionSensor
 from simulation.setup import Belief, Setup
-from simulation.world.disorder import onset, put
+from simulation.world.disorder import fault_onset, put_fault
 from simulation.world.roster import drawn_up
 from simulation.world.trains import Trains
 
@@ -126,7 +126,7 @@ class Ran:
         return all(trouble.held for trouble in self.troubles)
 
 
-def concern(carried: SensorSet, held: bool = True) -> tuple[Trouble, ...]:
+def troubles_concerning(carried: SensorSet, held: bool = True) -> tuple[Trouble, ...]:
     """The troubles that concern a set."""
     return tuple(
         trouble
@@ -145,7 +145,7 @@ def every_m(path: Path, step_m: float) -> list[float]:
     return [step_m * number for number in range(1, int(path.length_m / step_m))]
 
 
-def covered(line: Line, path: Path) -> Line:
+def hidden_sky_line(line: Line, path: Path) -> Line:
     """The line with the tunnel and the stretches with a hidden sky, given along the way."""
 
     def cover(from_m: float, to_m: float) -> Cover:
@@ -157,7 +157,7 @@ def covered(line: Line, path: Path) -> Line:
     return replace(line, alignments={**line.alignments, main: alignment})
 
 
-def furnished(line: Line, path: Path) -> Line:
+def furnished_line(line: Line, path: Path) -> Line:
     """The line with beacons and markers along the way."""
     beacons: dict[int, Beacon] = {}
     for number, at_m in enumerate(every_m(path, BEACONS_EVERY_M), start=1):
@@ -168,7 +168,7 @@ def furnished(line: Line, path: Path) -> Line:
         piece_id, km_m = path.locate(at_m)
         pattern = (number - 1) % PATTERNS + 1  # the same one comes again far beyond any bounds
         markers[number] = MarkerGroup(number, pattern, piece_id, km_m, (path.direction,))
-    return replace(covered(line, path), beacons=beacons, markers=markers)
+    return replace(hidden_sky_line(line, path), beacons=beacons, markers=markers)
 
 
 def on_the_track(line: Line, path: Path, troubles: Sequence[Trouble]) -> Line:
@@ -209,12 +209,12 @@ def moments_of(trouble: Trouble, stock_id: str, key: int, in_force: InForce) -> 
     fault = FAULTS[trouble.kind](target=trouble.target or stock_id, **trouble.keys)
 
     def begin(trains: Trains, _slot: int) -> None:
-        in_force.begin(key, fault, onset(trains, 0.0, np.random.default_rng()))
-        put(fault, trains, in_force.value(fault))
+        in_force.begin(key, fault, fault_onset(trains, 0.0, np.random.default_rng()))
+        put_fault(fault, trains, in_force.value(fault))
 
     def end(trains: Trains, _slot: int) -> None:
         in_force.end(key)
-        put(fault, trains, in_force.value(fault))
+        put_fault(fault, trains, in_force.value(fault))
 
     return [Moment(trouble.from_m, begin), Moment(trouble.to_m, end)]
 
@@ -222,7 +222,7 @@ def moments_of(trouble: Trouble, stock_id: str, key: int, in_force: InForce) -> 
 def setup_of(carried: SensorSet, seed: int) -> Setup:
     """The run's setup without troubles."""
     setup = load_scenario(SCENARIO, seed).setup
-    line = furnished(setup.line, path_of_run(setup))
+    line = furnished_line(setup.line, path_of_run(setup))
     sensors = setup.sensors.model_copy(update={"carries": carried.carries})
     gnss = GNSS.model_copy(update={"correction": carried.correction})
     return replace(setup, line=line, sensors=sensors, gnss=gnss)

@@ -20,7 +20,7 @@ from network.units import J_PER_KWH
 from onboard.driving.laws.cue import PLAN
 from onboard.driving.laws.table import LAWS
 from onboard.driving.pattern import limit_for_train, pattern_of
-from onboard.driving.planner.plan import PlanOnPath, PlanRequest, planned
+from onboard.driving.planner.plan import PlanOnPath, PlanRequest, plan_in_time
 from onboard.duty.timekeeping import cruise_for
 from onboard.records import NO_PLACES
 from papers.single_run import STEPS_MAX, Floats, Heights, Rows, new_hops
@@ -109,7 +109,7 @@ def own_plan(
     bench: HopBench, order_s: float, load_share: float, regeneration_share: float = 1.0
 ) -> PlanOnPath | None:
     """The plan that the unit lays for itself at a departure, on its own map."""
-    return planned(
+    return plan_in_time(
         PlanRequest(
             bench.train,
             load_share,

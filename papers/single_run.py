@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from onboard.driving.stopping import aim_within, limit_is_short
 from onboard.driving.tasc import SIGN_BEYOND_LIMIT, TARGET_NOT_SEEN, WEAK_TOLERANCE_M, judge
-from onboard.localisation.fix import TAKEN, cut
-from onboard.localisation.sighting import front_by_sign, sighted, sign_is_missing
+from onboard.localisation.fix import TAKEN, cut_interval
+from onboard.localisation.sighting import front_by_sign, sign_is_missing, sign_sighted
 from onboard.localisation.tags import front_by_tag
 from simulation.ride import COASTS
 from simulation.sensors.slide_protection import rolls_at
@@ -161,7 +161,7 @@ def take_fixes(
         beacon_m = mark_m - run.beacon_m[truth.tag_next] + run.beacon_error_m[truth.tag_next]
         truth.tag_next += 1
         position_m, bound_m = front_by_tag(unit, beacon_m, row.sensors.tag_reader.latched_m, tag_accuracy_m)
-        if cut(unit, position_m, bound_m, bound_m) <= 0.0:
+        if cut_interval(unit, position_m, bound_m, bound_m) <= 0.0:
             taken += 1
         else:
             refused += 1
@@ -171,7 +171,7 @@ def take_fixes(
         if 0.0 <= ahead_m <= run.detection_m:
             seen_m = ahead_m - row.plant.speed_mps * run.frame_s
             position_m, bound_m = front_by_sign(unit, sign_m, seen_m)
-            if sighted(row.board.readers.sign, unit, position_m, bound_m) == TAKEN:
+            if sign_sighted(row.board.readers.sign, unit, position_m, bound_m) == TAKEN:
                 taken += 1
             else:
                 refused += 1

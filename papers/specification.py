@@ -144,11 +144,11 @@ def none_of(case: str, count: int, criterion: str = "none", paper: object = None
     return CaseRow(case, paper, count, count == 0, criterion)
 
 
-def equal(case: str, paper: object, ours: object, criterion: str = "equal") -> CaseRow:
+def equal_figure(case: str, paper: object, ours: object, criterion: str = "equal") -> CaseRow:
     """A figure that must be the paper's."""
     return CaseRow(case, paper, ours, ours == paper, criterion)
 
 
-def reported(case: str, ours: object, what: str, paper: object = None) -> CaseRow:
+def reported_figure(case: str, ours: object, what: str, paper: object = None) -> CaseRow:
     """A figure that has no criterion."""
     return CaseRow(case, paper, ours, True, f"{what}; {REPORTED}")

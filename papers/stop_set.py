@@ -168,14 +168,14 @@ class StopSet:
         return float(kept_m.sum() / room_m.sum())
 
 
-def bench() -> Bench:
+def stop_bench() -> Bench:
     """The train of stop-statistics; its controller believes in the middle of each range."""
     return statistics_bench(FACTORS["brake_lag"].mean)
 
 
 def stops_from(distances_m: Floats, speeds_mps: Floats, brakes: Floats, adhesions: Floats) -> Rows:
     """Stops, shape (n,): distance, speed, brakes (n, 3: dead time s, lag s, factor) and adhesion of each."""
-    train = bench().prepared["board"]["kind"][0]
+    train = stop_bench().prepared["board"]["kind"][0]
     stops = new_stops(distances_m.size)
     stops["start_m"], stops["speed_mps"] = distances_m, speeds_mps
     stops["brake_dead_time_off_s"] = brakes[:, 0] - float(train["brake_dead_time_s"])
@@ -192,7 +192,7 @@ def spanned_by_brakes_m(distances_m: Floats, speeds_mps: Floats) -> tuple[Floats
     brakes = np.tile(np.array(BRAKES), (distances_m.size, 1))
     for adhesion in RANGES["adhesion"].tried:
         adhesions = np.full(state.size, adhesion)
-        outcomes, _ = bench().run(stops_from(distances_m[state], speeds_mps[state], brakes, adhesions))
+        outcomes, _ = stop_bench().run(stops_from(distances_m[state], speeds_mps[state], brakes, adhesions))
         np.minimum.at(least, state, outcomes["error_m"])
         np.maximum.at(most, state, outcomes["error_m"])
         slid = outcomes["slid_steps"] > 0
@@ -208,7 +208,7 @@ def outer_distances_m(speeds_mps: Floats) -> Floats:
     brakes = np.tile(np.array(weakest), (speeds_mps.size, 1))
     near = np.full(speeds_mps.size, 0.01)  # a mark just ahead: the law asks for all there is
     adhesions = np.full(speeds_mps.size, RANGES["adhesion"].low)
-    hardest = bench()
+    hardest = stop_bench()
     hardest.design.pattern_mps2 = hardest.design.end_mps2 = hardest.design.brake_max_mps2
     outcomes, _ = hardest.run(stops_from(near, speeds_mps, brakes, adhesions))
     return np.array(outcomes["error_m"] + near - WINDOW_M, dtype=np.float64)
@@ -273,7 +273,7 @@ def random_states(found: StopSet, rng: np.random.Generator, n: int, *, beyond: b
 
 def ends_m(found: StopSet, shares: Floats, speeds: Floats, brakes: Floats, adhesions: Floats) -> Floats:
     """Where stops from these states end by these brakes, m past the mark."""
-    outcomes, _ = bench().run(stops_from(found.distance_m(shares, speeds), speeds, brakes, adhesions))
+    outcomes, _ = stop_bench().run(stops_from(found.distance_m(shares, speeds), speeds, brakes, adhesions))
     return np.array(outcomes["error_m"], dtype=np.float64)
 
 

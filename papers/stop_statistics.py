@@ -82,7 +82,7 @@ class StopStatistics:
         return max(self.variance_shares, key=lambda name: self.variance_shares[name])
 
 
-def drawn(n: int, seed: int, factors: Mapping[str, Factor]) -> Mapping[str, NDArray[np.float64]]:
+def drawn_factors(n: int, seed: int, factors: Mapping[str, Factor]) -> Mapping[str, NDArray[np.float64]]:
     """`n` values of each factor, each stratified evenly over its distribution."""
     unit = qmc.LatinHypercube(d=len(factors), rng=generator(seed, "stop-statistics")).random(n)
     values: dict[str, NDArray[np.float64]] = {}
@@ -150,7 +150,7 @@ def stop_statistics(
     unknown = sorted(set(factors) - set(FACTORS))
     if unknown:
         raise InputError("stop-statistics", "factors", unknown[0], "one of " + ", ".join(FACTORS))
-    values = drawn(n, seed, {**FACTORS, **factors})
+    values = drawn_factors(n, seed, {**FACTORS, **factors})
     lag_s = {**FACTORS, **factors}["brake_lag"].mean
     outcomes, _ = statistics_bench(lag_s).run(stops_of(values, lag_s, beacons))
     errors = np.array(outcomes["error_m"], dtype=np.float64)
@@ -177,7 +177,7 @@ def effects_m(factors: Mapping[str, Factor] = FACTORS) -> Mapping[str, float]:
     return {name: float(half) for name, half in zip(names, (high - low) / 2.0, strict=True)}
 
 
-def counted(share: float, n: int) -> tuple[int, ProbabilityEstimate]:
+def count_with_interval(share: float, n: int) -> tuple[int, ProbabilityEstimate]:
     """How many of `n` stops a share is, and its interval."""
     hits = round(share * n)
     return hits, clopper_pearson(hits, n, CONFIDENCE)
@@ -189,7 +189,7 @@ def within_rows(result: StopStatistics) -> tuple[tuple[CaseRow, ...], tuple[Unju
     told: list[UnjudgedFigure] = []
     judged: list[CaseRow] = []
     for limit_m, share in result.within.items():
-        hits, interval = counted(share, n)
+        hits, interval = count_with_interval(share, n)
         ours = f"{hits:,} of {n:,} ({interval.low:.5f} to {interval.high:.5f})"
         if limit_m == ASKED_M:
             criterion = f"95 % interval from at least {ASKED_SHARE}: 3 sigma, by which the paper counts scatter (3.2.2)"
@@ -229,7 +229,7 @@ def share_rows(result: StopStatistics) -> tuple[CaseRow, ...]:
 def slippery_figure(n: int, seed: int) -> UnjudgedFigure:
     """The same stops on rails down to leaves or frost."""
     slippery = stop_statistics(n, seed, {"adhesion": SLIPPERY})
-    hits, interval = counted(slippery.within[ASKED_M], n)
+    hits, interval = count_with_interval(slippery.within[ASKED_M], n)
     return UnjudgedFigure(
         "with rails down to 0.3 of the dry adhesion, stops within 1 m",
         f"{hits:,} of {n:,} ({interval.low:.4f} to {interval.high:.4f})",

@@ -29,12 +29,12 @@ from papers.stop_set import (
     Floats,
     StopGrid,
     StopSet,
-    bench,
     beyond_the_grid_m,
     corner_brakes,
     ends_m,
     random_brakes,
     random_states,
+    stop_bench,
     stop_set,
     stops_from,
 )
@@ -119,7 +119,7 @@ def tight_columns(found: StopSet) -> tuple[int, int, int]:
     return tight, limit, len(columns)
 
 
-def outside(found: StopSet, seed: int, n: int) -> tuple[Floats, Floats, Floats]:
+def stops_outside(found: StopSet, seed: int, n: int) -> tuple[Floats, Floats, Floats]:
     """Distances, speeds and ends of stops by brakes at the ends of their ranges: a strip nearer, and above the top."""
     rng = generator(seed, NAME, "outside")
     speeds = rng.uniform(SPEED_LEAST_MPS, found.speeds_mps[-1], n)
@@ -136,9 +136,9 @@ def exact_rows(found: StopSet, seed: int) -> tuple[CaseRow, ...]:
     brakes, adhesions = random_brakes(rng, STOPS_QUICK)
     distances = found.distance_m(shares, speeds)
     least = np.full(adhesions.size, RANGES["adhesion"].low)
-    at_least, _ = bench().run(stops_from(distances, speeds, brakes, least))
+    at_least, _ = stop_bench().run(stops_from(distances, speeds, brakes, least))
     rolled = at_least["slid_steps"] == 0
-    other, _ = bench().run(stops_from(distances, speeds, brakes, adhesions))
+    other, _ = stop_bench().run(stops_from(distances, speeds, brakes, adhesions))
     differ = int(np.sum(at_least["error_m"][rolled] != other["error_m"][rolled]))
     apart_m = max(coasting_apart_m(found, rng) for _ in range(COASTED))
     return (
@@ -164,10 +164,10 @@ def coasting_apart_m(found: StopSet, rng: np.random.Generator) -> float:
     speed = rng.uniform(SPEED_LEAST_MPS, found.top_mps, 1)
     start = found.distance_m(np.ones(1), speed) + BEYOND_M
     brakes, adhesions = random_brakes(rng, 1)
-    first, trace = bench().one(stops_from(start, speed, brakes, adhesions), STEPS_MAX)
+    first, trace = stop_bench().one(stops_from(start, speed, brakes, adhesions), STEPS_MAX)
     later = trace[COASTED_STEPS]
     state = np.array([-later["position_m"]]), np.array([later["speed_mps"]])
-    again, _ = bench().one(stops_from(*state, brakes, adhesions))
+    again, _ = stop_bench().one(stops_from(*state, brakes, adhesions))
     return abs(float(first.error_m) - float(again.error_m))
 
 
@@ -272,7 +272,7 @@ def experiment(options: Options) -> Findings:
         why = "Empty: from nowhere does every brake of the range stop inside the window; there is nothing to try."
         nothing = CaseRow(ENDS_WITHIN, None, "nothing to try", passed=False)
         return Findings([top_row(found)], parameters(grid, stops), [why], null=[nothing])
-    distances, speeds, ends = outside(found, options.seed, OUTSIDE)
+    distances, speeds, ends = stops_outside(found, options.seed, OUTSIDE)
     missing = np.abs(ends) > WINDOW_M
     between = BETWEEN_QUICK if options.quick else BETWEEN
     return Findings(

@@ -14,7 +14,7 @@ from scipy.optimize import root_scalar
 from onboard.localisation.reader import CRC_OFFSET, CRC_POLYNOMIAL, IdAgreement
 from papers.parameter_sets import NotDriven
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter
-from papers.specification import Findings, Specification, equal, reported
+from papers.specification import Findings, Specification, equal_figure, reported_figure
 from papers.tag_scheme import (
     UNREADABLE,
     FailureProbabilities,
@@ -90,7 +90,7 @@ def _speed_rows(scheme: Scheme = PAPER) -> list[CaseRow]:
             continue
         figures["safe_side_misses_by_factor"] = rates.safe_side / SAFE_SIDE_TARGET_PER_H
         claim = f"not claimed by the paper (it assumes {CLAIMED_KMH} km/h)"
-        rows.append(reported(f"{speed_kmh} km/h", figures, claim, TARGETS))
+        rows.append(reported_figure(f"{speed_kmh} km/h", figures, claim, TARGETS))
     return rows
 
 
@@ -106,7 +106,9 @@ def _scheme_rows(channel: Channel) -> list[CaseRow]:
         }
         missed = [name.removesuffix("_misses_by_factor") for name, factor in factors.items() if factor > 1.0]
         ours = {**_figures(rates), **{k: v for k, v in factors.items() if v > 1.0}, "misses": missed}
-        rows.append(reported(f"{CLAIMED_KMH} km/h, {scheme.name}", ours, "no figure in the paper", TARGETS))
+        rows.append(
+            reported_figure(f"{CLAIMED_KMH} km/h, {scheme.name}", ours, "no figure in the paper", TARGETS)
+        )
     return rows
 
 
@@ -124,7 +126,7 @@ def _sensitivity_rows(channel: Channel) -> list[CaseRow]:
     """What the assumptions decide: shifts, the telegram marked ※, the id."""
     varied = "assumption varied"
     rows = [
-        reported(
+        reported_figure(
             f"{CLAIMED_KMH} km/h, shift probability x {factor:g}",
             _figures(_rates(PAPER, replace(channel, shift_factor=factor))),
             varied,
@@ -135,10 +137,10 @@ def _sensitivity_rows(channel: Channel) -> list[CaseRow]:
     factor = tolerable_shift_factor(channel)
     largest = channel.shift_probability(max(channel.bit_error_rates))
     limit = {"factor": factor, "shift_probability_of_the_worst_telegram": factor * largest}
-    rows.append(reported("shift probability at which the safe-side rate is 1e-6/h", limit, varied))
+    rows.append(reported_figure("shift probability at which the safe-side rate is 1e-6/h", limit, varied))
     noisy = replace(channel, bit_error_rates=(*channel.bit_error_rates, UNREADABLE))
     case = f"{CLAIMED_KMH} km/h, the telegram marked ※ taken in as noise"
-    rows.append(reported(case, _figures(_rates(PAPER, noisy)), varied, TARGETS))
+    rows.append(reported_figure(case, _figures(_rates(PAPER, noisy)), varied, TARGETS))
     worst = max((_rates(PAPER, channel, i) for i in OTHER_IDS), key=lambda rates: rates.unsafe_any_rule)
     case = f"{CLAIMED_KMH} km/h, worst of the ids " + ", ".join(f"{i:04X}" for i in OTHER_IDS)
     rows.append(CaseRow(case, TARGETS, _figures(worst), _met(worst), "both targets met"))
@@ -157,20 +159,20 @@ def _monte_carlo_rows(channel: Channel, seed: int, share: float) -> list[CaseRow
     count, weighted_count = int(share * TRIALS), int(share * WEIGHTED_TRIALS)
     rows: list[CaseRow] = []
 
-    raised = channel.raised(30.0)
+    raised = channel.with_errors(30.0)
     counts = trials(generator(seed, "tags", "safe side"), raised, TAG_ID, PAPER.tags, PAPER.rule, count)
     exact = passage_failure(PAPER, raised, TAG_ID).safe_side
     estimate = clopper_pearson(counts.none, count, each)
     rows.append(_agreement("no id, bit-error rates x 30, per passage", exact, estimate))
 
-    raised = channel.raised(100.0)
+    raised = channel.with_errors(100.0)
     counts = trials(generator(seed, "tags", "wrong"), raised, TAG_ID, FIRST_ITEM.tags, FIRST_ITEM.rule, count)
     exact = passage_failure(FIRST_ITEM, raised, TAG_ID).unsafe
     estimate = clopper_pearson(counts.wrong, count, each)
     rows.append(_agreement("wrong id without vote, bit-error rates x 100, per passage", exact, estimate))
 
     for factor in (30.0, 10.0):
-        raised = channel.raised(factor)
+        raised = channel.with_errors(factor)
         shares = any_rule_probabilities(PAPER, outcome_probabilities(PAPER, raised, TAG_ID))
         rng = generator(seed, "tags", "weighted", f"{factor:g}")
         estimate = weighted_trials(
@@ -252,8 +254,8 @@ def experiment(options: Options) -> Findings:
     channel = Channel(BIT_ERROR_RATES[CLAIMED_KMH])
     items = PAPER.tags * PAPER.ids_per_telegram * len(channel.bit_error_rates)
     rows = [
-        equal("passages a day", 6000, PaperTraffic().passages_per_day),
-        equal(f"data items at {CLAIMED_KMH} km/h", 12, items),
+        equal_figure("passages a day", 6000, PaperTraffic().passages_per_day),
+        equal_figure(f"data items at {CLAIMED_KMH} km/h", 12, items),
         *_speed_rows(),
         *_scheme_rows(channel),
         *_sensitivity_rows(channel),

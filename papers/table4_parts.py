@@ -48,7 +48,7 @@ ABLATIONS: Final = (
 )
 
 
-def measured(bench: Bench) -> dict[StopMeasure, float]:
+def all_measures(bench: Bench) -> dict[StopMeasure, float]:
     """All measures of one controller."""
     trials, _ = bench.run(trial_stops())
     cells, _ = bench.run(cells_of_table4())
@@ -60,7 +60,7 @@ def measured(bench: Bench) -> dict[StopMeasure, float]:
     }
 
 
-def without(ablation: Ablation, gain_per_s: float) -> Bench:
+def controller_without(ablation: Ablation, gain_per_s: float) -> Bench:
     """The controller of table 4 with a part left out."""
     bench = controller(gain_per_s, without=ablation.without)
     bench.design.gain_per_s *= ablation.gain_share
@@ -69,11 +69,11 @@ def without(ablation: Ablation, gain_per_s: float) -> Bench:
 
 def ablation_rows(gain_per_s: float) -> tuple[CaseRow, ...]:
     """A row for each part: the whole law's measure, and that without the part."""
-    whole = measured(controller(gain_per_s))
+    whole = all_measures(controller(gain_per_s))
     rows: list[CaseRow] = []
     for ablation in ABLATIONS:
         measure = ablation.measure
-        less = measured(without(ablation, gain_per_s))
+        less = all_measures(controller_without(ablation, gain_per_s))
         ours = {"whole": round(whole[measure], 4), "without": round(less[measure], 4)}
         worse = less[measure] >= WORSE_TIMES * whole[measure]
         criterion = f"{measure.value}: at least {WORSE_TIMES:g} times as much without"

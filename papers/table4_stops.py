@@ -150,7 +150,7 @@ def wheel_errors_m(gain_per_s: float) -> list[float]:
     return errors_m(controller(gain_per_s), stops)
 
 
-def passes(case: SignRun, error_m: float) -> bool:
+def agrees_with_cell(case: SignRun, error_m: float) -> bool:
     """Whether our figure agrees with the paper's cell: the same verdict at 1 m and near enough."""
     if case.paper_m <= ACCURACY_M:
         return abs(error_m) <= PASSING_M

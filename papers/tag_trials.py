@@ -14,13 +14,13 @@ from typing import Final
 import numpy as np
 from scipy.stats import beta, norm
 
-from onboard.localisation.reader import REFUSED, WORD_BITS, IdAgreement, item_id, item_word, judged
+from onboard.localisation.reader import REFUSED, WORD_BITS, IdAgreement, item_id, item_word, judged_windows
 from simulation.sensors.tag_air import (
     CHECKS,
     Channel,
     Floats,
     Ints,
-    drawn,
+    drawn_index,
     error_pattern,
     receive,
     received_words,
@@ -80,7 +80,7 @@ def _play(
     wrong, none = 0, 0
     for _ in range(count):
         receive(rng, received, shift_cumulative, bit_error_rates, items)
-        found, _ = judged(items, rule[0], rule[1], rule[2])
+        found, _ = judged_windows(items, rule[0], rule[1], rule[2])
         if found == REFUSED:
             none += 1
         elif found != right_id:
@@ -133,10 +133,10 @@ def _play_weighted(
     ratios = np.empty(tags * places)
     total, squares = 0.0, 0.0
     for _ in range(count):
-        wrong_id = drawn(rng, share_cumulative)
+        wrong_id = drawn_index(rng, share_cumulative)
         for telegram in range(tags * places):
             place = telegram % places
-            shift = drawn(rng, shift_cumulative[place])
+            shift = drawn_index(rng, shift_cumulative[place])
             ratio = shift_ratios[place, shift]
             for i in range(2):
                 word = received[shift, i]
@@ -147,7 +147,7 @@ def _play_weighted(
                 ratio *= item_ratio
                 items[2 * telegram + i] = item_id(word ^ pattern, CHECKS[i])
             ratios[telegram] = ratio
-        found, items_read = judged(items, rule[0], rule[1], rule[2])
+        found, items_read = judged_windows(items, rule[0], rule[1], rule[2])
         if found == wrong_id:
             # telegrams after the decision do not weigh: their ratio is one in the mean
             weight = 1.0 / shares[wrong_id]

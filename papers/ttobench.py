@@ -21,7 +21,7 @@ from papers.specification import Findings, Specification
 from papers.ttobench_files import BenchTrain, TtobenchTrack, course_of, read_tracks, read_trains
 from vehicle.optimum import Course, least_time
 from vehicle.optimum.coast import cruise_run
-from vehicle.optimum.proof import ProvenRun, proven
+from vehicle.optimum.proof import ProvenRun, proven_run
 
 FOLDER: Final = "ttobench"
 TIMES: Final = (1.05, 1.1, 1.2)
@@ -78,7 +78,7 @@ class MeshPair:
 
 def pair_of(course: Course, time_s: float) -> MeshPair:
     """An instance on both meshes."""
-    return MeshPair(proven(course, time_s, POINTS), proven(course, time_s, BOUND_POINTS))
+    return MeshPair(proven_run(course, time_s, POINTS), proven_run(course, time_s, BOUND_POINTS))
 
 
 def _figures(pairs: list[MeshPair]) -> tuple[UnjudgedFigure, ...]:
@@ -148,7 +148,7 @@ def cruising_row(track: TtobenchTrack, train: BenchTrain) -> CaseRow:
 def cross_row(track: TtobenchTrack, train: BenchTrain, check: CrossCheck) -> CaseRow:
     """The authors' figure beside ours, of the same problem. A bound above a run that was made would be wrong."""
     course = course_of(track, train, perfect=check.perfect, end_mps=CROSS_END_MPS, friction=False)
-    proof = proven(course, check.time_s, FINE + 1)
+    proof = proven_run(course, check.time_s, FINE + 1)
     ours_kwh = proof.energy_j / J_PER_KWH
     off = ours_kwh / check.energy_kwh - 1.0
     bound_kwh = proof.bound_j / J_PER_KWH
@@ -172,7 +172,7 @@ def _time_for_s(course: Course, proof: ProvenRun, energy_j: float) -> float:
     """The running time for which our optimum needs an energy, s; along the price of a second, in a few steps."""
     time_s = proof.time_s
     for _ in range(4):
-        found = proven(course, time_s, FINE + 1)
+        found = proven_run(course, time_s, FINE + 1)
         time_s += (found.energy_j - energy_j) / found.optimum.price_w
     return time_s
 
@@ -181,7 +181,7 @@ def _simpler_rows(track: TtobenchTrack, train: BenchTrain) -> tuple[CaseRow, Cas
     """A published pair of figures by a simpler model."""
     course = course_of(track, train, perfect=False)
     least_s = float(least_time(course).time_s[-1])
-    proof = proven(course, SIMPLER_TIMES * least_s, FINE + 1)
+    proof = proven_run(course, SIMPLER_TIMES * least_s, FINE + 1)
     kwh, bound_kwh = proof.energy_j / J_PER_KWH, proof.bound_j / J_PER_KWH
     case = f"{track.id}, {train.id}, by a simpler model"
     criterion = f"within {100.0 * OFF:g} %"

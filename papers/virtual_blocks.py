@@ -28,7 +28,7 @@ from simulation.setup import Setup
 from study.capacity.legs import SetLeg, legs_of, places_of
 from study.capacity.rules import MINIMAL, VIRTUAL_BLOCKS, Rules
 from study.capacity.shared_stretch import StretchHeadways, mean_wait_s, stretch_of, traffic_at
-from study.capacity.standard import alone, standard_paths
+from study.capacity.standard import path_alone, standard_paths
 from study.capacity.theory import occupations
 from study.capacity.virtual_blocks import with_virtual_blocks
 from study.report.style import INK, UNIT_COLOURS, WIDTH_IN
@@ -115,7 +115,7 @@ def _stretch(setup: Setup, low: Station, high: Station, blocks: int, rules: Rule
     legs: list[SetLeg] = []
     copies: list[SetLeg] = []
     for number, path in enumerate(standard_paths(setup)):
-        made = occupations(alone(cut, path), rules)
+        made = occupations(path_alone(cut, path), rules)
         first = [replace(one, stock_id=f"first {number}", number=f"{one.number}{number}") for one in made]
         second = [replace(one, stock_id=f"second {number}").moved(LATER_S) for one in first]
         legs += legs_of(first, places_of(line))

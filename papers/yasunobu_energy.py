@@ -106,7 +106,7 @@ class EnergyCell:
 
     def comparable(self, *ways: DrivingWay) -> bool:
         """Whether these keep the time and the mark; all of them where none is named."""
-        return all(way in self.hops and kept(self.hops[way]) for way in ways or tuple(DrivingWay))
+        return all(way in self.hops and is_kept(self.hops[way]) for way in ways or tuple(DrivingWay))
 
     @property
     def without_costs(self) -> float:
@@ -119,7 +119,7 @@ def gradient_named(permille: float) -> str:
     return f"{permille:+g} permille" if permille else "level"
 
 
-def kept(hop: TimedHop) -> bool:
+def is_kept(hop: TimedHop) -> bool:
     """Whether a hop took the time asked for and ended at its mark."""
     return abs(hop.off_s) <= PUNCTUAL_S and abs(float(hop.outcome["error_m"])) <= MISS_M
 
@@ -241,7 +241,7 @@ def row_of(cell: EnergyCell) -> CaseRow:
     if off := [
         f"{way.value} is {hop.off_s:+.1f} s and {float(hop.outcome['error_m']):+.2f} m off"
         for way, hop in cell.hops.items()
-        if not kept(hop)
+        if not is_kept(hop)
     ]:
         criterion += "; missed: " + ", ".join(off)
     return CaseRow(cell.name, None, ours, cell.comparable() and never, criterion)
@@ -259,7 +259,7 @@ def saving_rows(
     )
 
 
-def judged(cells: Sequence[EnergyCell], nominal: EnergyCell) -> tuple[CaseRow, ...]:
+def judged_claims(cells: Sequence[EnergyCell], nominal: EnergyCell) -> tuple[CaseRow, ...]:
     """What the paper claims, and what the optimum adds to it."""
     over = nominal.over_bound[DrivingWay.FUZZY]
     return (
@@ -272,7 +272,7 @@ def judged(cells: Sequence[EnergyCell], nominal: EnergyCell) -> tuple[CaseRow, .
                 "with the full service brake": percent(nominal.fuzzy_over_full),
             },
             over <= NEAR_BOUND_SHARE,
-            missed(
+            missed_by(
                 "at most 5 % with the deceleration that all laws share",
                 over,
                 NEAR_BOUND_SHARE,
@@ -292,10 +292,10 @@ def judged(cells: Sequence[EnergyCell], nominal: EnergyCell) -> tuple[CaseRow, .
 
 def share_row(case: str, paper: object, found: float, least: float, criterion: str, why: str = "") -> CaseRow:
     """A share that must not be below another, in percent."""
-    return CaseRow(case, paper, percent(found), found >= least, missed(criterion, least, found, why))
+    return CaseRow(case, paper, percent(found), found >= least, missed_by(criterion, least, found, why))
 
 
-def missed(criterion: str, least: float, found: float, why: str = "") -> str:
+def missed_by(criterion: str, least: float, found: float, why: str = "") -> str:
     """The criterion, and by how much it is missed where it is, and why."""
     short = least - found
     if short <= 0.0:
@@ -475,7 +475,7 @@ def experiment(options: Options) -> Findings:
     cells = [cell for gradient in gradients for cell in run_cells(gradient, orders_s)]
     nominal = next(cell for cell in cells if (cell.gradient_permille, cell.asked_s) == NOMINAL)
     return Findings(
-        (*judged(cells, nominal), *open_rows(), *map(row_of, cells)),
+        (*judged_claims(cells, nominal), *open_rows(), *map(row_of, cells)),
         parameters(),
         REMARKS,
         figures(nominal),

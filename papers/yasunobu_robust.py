@@ -113,7 +113,7 @@ def scattered_hops(seed: int, count: int) -> Rows:
     return hops
 
 
-def scattered(law: str, hops: Rows, law_settings: Record | None = None) -> Scattered:
+def scattered_stops(law: str, hops: Rows, law_settings: Record | None = None) -> Scattered:
     """Make these stops under a law. One that never came to rest has no place, and makes the spread infinite."""
     outcomes, _ = paper_hops(law, law_settings=law_settings).run(hops.copy())
     stands = outcomes["time_s"] < NONE_S
@@ -159,7 +159,7 @@ def hold_row(hops: Rows, fuzzy: Scattered) -> CaseRow:
     told: dict[str, object] = {}
     for hold_s in HOLDS_S:
         own = settings(pid=Pid(notch_hold_s=hold_s))
-        found = scattered(PID, hops, own)
+        found = scattered_stops(PID, hops, own)
         told[f"{hold_s:g} s"] = {
             "sigma_m": round(found.sigma_m, 3),
             "fuzzy_over_it": round(fuzzy.sigma_m / found.sigma_m, 2),
@@ -219,7 +219,7 @@ def figures(hops: Rows, fuzzy: Scattered, pid: Scattered) -> tuple[UnjudgedFigur
         figure
         for name, own in TAKEN_AWAY.items()
         for figure in (
-            _figure(f"fuzzy without {name}", scattered(FUZZY, hops, settings(fuzzy=own))),
+            _figure(f"fuzzy without {name}", scattered_stops(FUZZY, hops, settings(fuzzy=own))),
             UnjudgedFigure(
                 f"descent before the mark, fuzzy without {name}, worst of five orders, m past it",
                 round(worst_drop_miss_m(settings(fuzzy=own)), 3),
@@ -231,7 +231,7 @@ def figures(hops: Rows, fuzzy: Scattered, pid: Scattered) -> tuple[UnjudgedFigur
         figure
         for name, own in OTHER_PIDS.items()
         for figure in (
-            _figure(f"PID {name}", scattered(PID, hops, settings(pid=own))),
+            _figure(f"PID {name}", scattered_stops(PID, hops, settings(pid=own))),
             UnjudgedFigure(
                 f"descent before the mark, PID {name}, m past it",
                 round(drop_miss_m(PID, settings(pid=own)), 3),
@@ -301,7 +301,7 @@ def experiment(options: Options) -> Findings:
     """Run the descent and the scattered stops."""
     stops = STOPS_QUICK if options.quick else STOPS
     hops = scattered_hops(options.seed, stops)
-    fuzzy, pid = scattered(FUZZY, hops), scattered(PID, hops)
+    fuzzy, pid = scattered_stops(FUZZY, hops), scattered_stops(PID, hops)
     return Findings(
         (*drop_rows(), *scatter_rows(fuzzy, pid), hold_row(hops, fuzzy)),
         parameters(options, stops),

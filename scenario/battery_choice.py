@@ -33,7 +33,7 @@ def check_battery(
             raise InputError(file, f"battery.beyond_after.{number}", number, expected)
 
 
-def heated(trains: Mapping[str, TrainType], battery: BatterySettings | None) -> dict[str, TrainType]:
+def heated_trains(trains: Mapping[str, TrainType], battery: BatterySettings | None) -> dict[str, TrainType]:
     """Trains with the auxiliaries of the scenario's day."""
     if battery is None or battery.heating_kw == 0.0:
         return dict(trains)

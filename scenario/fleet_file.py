@@ -19,7 +19,7 @@ from onboard.driving.tuning import Learned, learned_from
 from onboard.driving_settings import Driving
 from onboard.localisation.marker_patterns import PATTERNS
 from onboard.unit_records import UnitParameters
-from simulation.design import overrated
+from simulation.design import overrated_brake
 from simulation.events import WORLD
 from simulation.scatter import ScatterSettings
 from simulation.settings import Interlocking, Operation, PositionSensor, Sensors, Tuning, Vision
@@ -99,7 +99,7 @@ def check_vision(file: str, vision: Vision, stations: Collection[str]) -> None:
 def check_grip(file: str, driving: Driving, trains: Mapping[str, TrainType], line_max_mps: float) -> None:
     """No brake is guaranteed more than the design adhesion gives it on this line, or InputError."""
     for stock_id, train in trains.items():
-        found = overrated(driving, train, line_max_mps)
+        found = overrated_brake(driving, train, line_max_mps)
         if found is None:
             continue
         key, asked_mps2, grip_mps2 = found

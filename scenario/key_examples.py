@@ -13,7 +13,7 @@ from importlib.resources import files
 from typing import Any, Final
 
 from network.files.raw import is_row, is_table
-from network.files.schema_walk import resolved
+from network.files.schema_walk import resolved_node
 
 FOLDER: Final = "examples"
 
@@ -23,16 +23,16 @@ def written_example(kind: str) -> dict[str, Any]:
     return tomllib.loads((files("scenario") / FOLDER / f"{kind}.toml").read_text("utf-8"))
 
 
-def filled(schema: Mapping[str, Any], example: Mapping[str, Any]) -> dict[str, Any]:
+def filled_example(schema: Mapping[str, Any], example: Mapping[str, Any]) -> dict[str, Any]:
     """An example in which each plain key of a single table that it leaves out has its default, where it has one."""
     own = deepcopy(dict(example))
-    _fill(schema, resolved(schema, schema), own)
+    _fill(schema, resolved_node(schema, schema), own)
     return own
 
 
 def _fill(schema: Mapping[str, Any], node: Mapping[str, Any], own: dict[str, Any]) -> None:
     for key, field in node["properties"].items():
-        table = resolved(schema, field)
+        table = resolved_node(schema, field)
         if "properties" in table:
             if key in own or not table.get("required"):
                 _fill(schema, table, own.setdefault(key, {}))
@@ -45,23 +45,23 @@ def _fill(schema: Mapping[str, Any], node: Mapping[str, Any], own: dict[str, Any
 def with_examples(schema: Mapping[str, Any], example: Mapping[str, Any]) -> dict[str, Any]:
     """A JSON Schema with `examples` at every key that an example of the file has, in the order of the file."""
     own = deepcopy(dict(schema))
-    _put(own, resolved(own, own), (example,))
+    _put(own, resolved_node(own, own), (example,))
     return own
 
 
 def child_of(schema: Mapping[str, Any], node: Mapping[str, Any]) -> Mapping[str, Any] | None:
     """The table that a key holds, one or many or by name; None for a plain value."""
-    field = resolved(schema, node)
+    field = resolved_node(schema, node)
     if "properties" in field:
         return field
     below = field.get("items", field.get("additionalProperties"))
     if not is_table(below):
         return None
-    child = resolved(schema, below)
+    child = resolved_node(schema, below)
     return child if "properties" in child else None
 
 
-def below(entries: tuple[Mapping[str, Any], ...], key: str) -> Iterator[Mapping[str, Any]]:
+def tables_below(entries: tuple[Mapping[str, Any], ...], key: str) -> Iterator[Mapping[str, Any]]:
     """The tables that some entries have under a key: one, a list of them, or several by name."""
     for entry in entries:
         value = entry.get(key)
@@ -78,7 +78,7 @@ def _put(schema: Mapping[str, Any], node: Mapping[str, Any], entries: tuple[Mapp
     for key, own in node["properties"].items():
         child = child_of(schema, own)
         if child is not None:
-            _put(schema, child, tuple(below(entries, key)))
+            _put(schema, child, tuple(tables_below(entries, key)))
         for entry in entries:
             if key in entry and entry[key] not in own.setdefault("examples", []) and child is None:
                 own["examples"].append(entry[key])

@@ -151,11 +151,11 @@ def _patch_table(data: Data, name: str, asked: PatchInFile, written: dict[str, t
             patched.remove(name, index, f"{asked.key}.remove")
     for path, value in words.values.items():
         key = f'{asked.key}.set."{path}"'
-        patched.set(f"{name}.{path}", value, key)
+        patched.set_value(f"{name}.{path}", value, key)
         written[_as_told(f"{name}.{path}")] = (asked.file, key)
     for path, factor in words.times.items():
         key = f'{asked.key}.times."{path}"'
-        patched.times(f"{name}.{path}", factor, key)
+        patched.multiply(f"{name}.{path}", factor, key)
         written[_as_told(f"{name}.{path}")] = (asked.file, key)
     if isinstance(words, ListPatch):
         for i, row in enumerate(words.add):

@@ -22,7 +22,7 @@ from network.files.text_input import existing_file
 from network.files.timetable_patch import patched_timetable
 from network.files.toml_input import one_of
 from network.timetable import Timetable
-from scenario.battery_choice import check_battery, heated
+from scenario.battery_choice import check_battery, heated_trains
 from scenario.belief import belief_of
 from scenario.curvature_choice import curvature_map_of
 from scenario.fleet_file import (
@@ -97,7 +97,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     check_parties(str(file), str(line_file), line, timetable)
     stock, loaded = _trains(path, model, timetable, pile)
     tables = model.tables
-    trains = heated({stock_id: loaded[name][0] for stock_id, name in stock.items()}, tables.battery)
+    trains = heated_trains({stock_id: loaded[name][0] for stock_id, name in stock.items()}, tables.battery)
     lengths_m = {stock_id: float(train.row[0]["length_m"]) for stock_id, train in trains.items()}
     validate_train_fits(line, lengths_m, timetable, str(path))
     check_scatter(str(path), tables.scatter, trains)

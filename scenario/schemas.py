@@ -15,7 +15,7 @@ from network.files.raw import is_row
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import one_of
 from network.making.station_list import StationListFile
-from scenario.key_examples import filled, with_examples, written_example
+from scenario.key_examples import filled_example, with_examples, written_example
 from scenario.scenario_file import ScenarioFile
 from scenario.sweep_file import SweepFile
 from vehicle.train_file import UNITS, TrainFile
@@ -34,7 +34,7 @@ class FileKind:
 
     def example(self) -> dict[str, Any]:
         """Every key with a value: as the file of examples writes it, else its default."""
-        return filled(self.model.model_json_schema(), written_example(self.name))
+        return filled_example(self.model.model_json_schema(), written_example(self.name))
 
     def schema(self) -> dict[str, Any]:
         """The JSON Schema with examples."""

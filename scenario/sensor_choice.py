@@ -44,6 +44,6 @@ def _each_once(file: str, key: str, carries: Sequence[PositionSensor]) -> None:
         raise InputError(file, key, [str(one) for one in carries], "each sensor once")
 
 
-def carrying(setup: Setup, *carries: PositionSensor) -> Setup:
+def carrying_these(setup: Setup, *carries: PositionSensor) -> Setup:
     """The same run with every stock carrying these sensors and no others."""
     return replace(setup, sensors=setup.sensors.model_copy(update={"carries": carries, "carries_of": {}}))

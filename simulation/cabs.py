@@ -81,7 +81,7 @@ class Cabs:
             self._crew.on_sight.discard(slot)
             return
         self._books.look_for_arrival(slot, step / STEPS_PER_S)
-        shown = self._on_board.shown(slot)
+        shown = self._on_board.shown_to_driver(slot)
         (self._crew.on_sight.add if shown.on_sight or shown.sweeps else self._crew.on_sight.discard)(slot)
         self._crew.look_ahead(slot)
         self._keep_looking(slot, step)
@@ -150,7 +150,7 @@ class Cabs:
         if self._crew.sees_train(slot):
             return "the track ahead: the driver sees a train on it"
         others = "".join(f"; {device}: {_LOST}" for device in sorted(self._wayside.uncommissioned))
-        return self._on_board.shown(slot).waits_for + others
+        return self._on_board.shown_to_driver(slot).waits_for + others
 
     # crews ----------------------------------------------------------------------------------------------------------
 
@@ -200,7 +200,7 @@ class Cabs:
 
     def crew_watches(self, slot: int) -> bool:
         """Whether the crew stands before points and looks again until they lie right, or sees to its vehicle."""
-        return self._on_board.ails(slot) or (slot in self._looking and self._crew.watches(slot))
+        return self._on_board.is_out_of_order(slot) or (slot in self._looking and self._crew.watches(slot))
 
     def keys_back(self, slot: int, step: int) -> None:
         """A crew that has no more use for a key of points gives it back: the rear may have left a piece of track."""
@@ -208,7 +208,7 @@ class Cabs:
             self._begins(Pause.KEY, slot, step)
 
     def _keep_looking(self, slot: int, step: int) -> None:
-        asked = self._on_board.drives_on_sight(slot) or self._on_board.shown(slot).confirm
+        asked = self._on_board.drives_on_sight(slot) or self._on_board.shown_to_driver(slot).confirm
         if slot in self._looking or not asked:
             return
         self._looking.add(slot)

@@ -20,7 +20,9 @@ def design_grip_mps2(driving: Driving, train: TrainType, speed_mps: float) -> fl
     return float(grip_mps2(train.row[0], driving.design_adhesion_share, speed_mps))
 
 
-def overrated(driving: Driving, train: TrainType, line_max_mps: float) -> tuple[str, float, float] | None:
+def overrated_brake(
+    driving: Driving, train: TrainType, line_max_mps: float
+) -> tuple[str, float, float] | None:
     """The first brake that is guaranteed more than the design adhesion gives it at the train's greatest speed.
 
     The key of its share, what is guaranteed and what there is, m/s^2; None where each has the grip that it needs.

@@ -61,7 +61,7 @@ class Duties:
         sections = world.setup.line.sections.values()
         self._portals: Final = {section.id for section in sections if section.kind is SectionKind.PORTAL}
         self._due: dict[tuple[Pause, int], int] = {}  # the step at which a crew does something, by slot
-        cabs.told.add(self.told)
+        cabs.told.add(self.unit_tells)
 
     def open(self, step: int) -> None:
         """The controller says which stock is outside; stock stabled on the line is put there."""
@@ -97,7 +97,7 @@ class Duties:
             return True
         return self._trains.plants[slot].speed_mps <= 0.0 and duty.train.number in self._books.arrived
 
-    def bound(self, slot: int) -> bool:
+    def has_duty(self, slot: int) -> bool:
         """Whether the stock has something to do: it is on the line, or outside its portal and wants in."""
         return self._stage[slot] in (StockStage.WAITING, StockStage.ON_LINE)
 
@@ -113,7 +113,7 @@ class Duties:
         """Trains that have not finished: where they are, and what they wait for."""
         waiting: list[Waiting] = []
         for slot, stock_id in enumerate(self._trains.stock_ids):
-            if not self.bound(slot):
+            if not self.has_duty(slot):
                 continue
             number = self._duties[stock_id][self._next[stock_id] - 1].train.number
             stands = bool(self._trains.plants[slot].speed_mps == 0.0)
@@ -247,7 +247,7 @@ class Duties:
             case _:
                 pass  # a sign-on that nobody waits for any more; the rest is no crew's
 
-    def told(self, slot: int, told: Told, step: int) -> None:
+    def unit_tells(self, slot: int, told: Told, step: int) -> None:
         """What a unit tells its driver."""
         match told:
             case EntryAllowed() if self._stage[slot] is StockStage.WAITING:
@@ -331,7 +331,7 @@ class Duties:
             self._charging.leaves(slot, step)
         portals = [s for s in self._trains.sections_under()[stock_id] if s in self._portals]
         self._trains.remove(slot)
-        self._checkers.left(stock_id)
+        self._checkers.train_left(stock_id)
         self._journal.write(step / STEPS_PER_S, WORLD, Left(unit_id=stock_id))
         for portal in portals:
             self._wayside.input(step, MANAGER_ID, BoundaryPassed(portal))

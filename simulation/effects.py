@@ -34,11 +34,11 @@ class Effects:
         self._charging, self._cabs, self._duties, self._platforms = world.charging, cabs, duties, platforms
 
     @singledispatchmethod
-    def put(self, fault: Fault[Any], value: Any, _step: int) -> None:  # noqa: ANN401 - of the fault's own type
+    def put_effect(self, fault: Fault[Any], value: Any, _step: int) -> None:  # noqa: ANN401 - of the fault's own type
         """Make it so."""
-        disorder.put(fault, self._trains, value)
+        disorder.put_fault(fault, self._trains, value)
 
-    @put.register
+    @put_effect.register
     def _power(self, fault: PowerFault, on: bool, step: int) -> None:
         slot = self._trains.slot_of.get(fault.target)
         if slot is None:
@@ -48,7 +48,7 @@ class Effects:
         else:
             self._cabs.power_off(slot, step)
 
-    @put.register
+    @put_effect.register
     def _store(self, fault: LostStore, on: bool, step: int) -> None:
         self._power(fault, on, step)
         if on:
@@ -58,7 +58,7 @@ class Effects:
         else:
             self._wayside.lose_store(fault.target)
 
-    @put.register
+    @put_effect.register
     def _frozen(self, fault: Frozen, frozen: bool, step: int) -> None:
         slot = self._trains.slot_of.get(fault.target)
         if slot is None:
@@ -66,7 +66,7 @@ class Effects:
         else:
             self._cabs.freeze(slot, step, frozen=frozen)
 
-    @put.register
+    @put_effect.register
     def _clock(self, fault: ClockFault, clock: Clock, step: int) -> None:
         slot = self._trains.slot_of.get(fault.target)
         if slot is None:
@@ -74,15 +74,15 @@ class Effects:
         else:
             self._cabs.set_clock(slot, step, clock)
 
-    @put.register
+    @put_effect.register
     def _claims(self, fault: SpeechFault, section_ids: tuple[str, ...], step: int) -> None:
         self._cabs.claim_besides(self._trains.slot_of[fault.target], step, section_ids)
 
-    @put.register
+    @put_effect.register
     def _cable(self, _fault: CableFault, cuts: tuple[CableCut, ...], _step: int) -> None:
         self._wayside.cable.cut(cuts)
 
-    @put.register
+    @put_effect.register
     def _points(self, fault: PointsFault, condition: Condition, step: int) -> None:
         changed = replace(
             self._wayside.machines[fault.target],
@@ -92,7 +92,7 @@ class Effects:
         )
         self._wayside.set_machine(step, changed)
 
-    @put.register
+    @put_effect.register
     def _charger(self, fault: ChargerFault, works: bool, step: int) -> None:
         """Every unit is asked anew whether its train can go on."""
         if self._charging is not None:
@@ -100,17 +100,17 @@ class Effects:
             for slot in self._trains.active():
                 self._cabs.tell(slot, step, (Looked(),))
 
-    @put.register
+    @put_effect.register
     def _doors(self, fault: DoorsFault, closed: bool, step: int) -> None:
         self._platforms.fault(self._trains.slot_of[fault.target], step, closed=closed)
 
-    @put.register
+    @put_effect.register
     def _brake(self, fault: BrakeFault, brake: BrakeState, step: int) -> None:
         slot = self._trains.slot_of[fault.target]
         self._trains.set_brake(slot, brake.reserve)
         self._cabs.vehicle_shows(slot, step, "brake_good", brake.good)
 
-    @put.register
+    @put_effect.register
     def _motors(self, fault: MotorsFault, cut_out: int, step: int) -> None:
         slot = self._trains.slot_of[fault.target]
         self._cabs.vehicle_shows(slot, step, "motors_share", self._trains.set_motors(slot, cut_out))

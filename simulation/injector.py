@@ -20,7 +20,7 @@ from simulation.pauses import Pauses
 from simulation.people import Pause
 from simulation.platforms import Platforms
 from simulation.setup import STEPS_PER_S, step_not_before
-from simulation.world.disorder import onset
+from simulation.world.disorder import fault_onset
 from simulation.world.stage import World
 from wayside.config import MANAGER_ID
 from wayside.register import ReentryStage
@@ -130,7 +130,7 @@ class Injector:
         self._courses[key] = ItemCourse(failure, step / STEPS_PER_S)
         self._write(FaultBegan, failure)
         chance = generator(self._seed, "fault", str(key))
-        self._in_force.begin(key, failure.fault, onset(self._trains, step / STEPS_PER_S, chance))
+        self._in_force.begin(key, failure.fault, fault_onset(self._trains, step / STEPS_PER_S, chance))
         self._put(failure)
         if failure.fault.momentary:
             self._end(key)
@@ -149,7 +149,7 @@ class Injector:
         self._put(failure)
 
     def _put(self, changed: ScriptedFault) -> None:
-        self._effects.put(changed.fault, self._in_force.value(changed.fault), self._step)
+        self._effects.put_effect(changed.fault, self._in_force.value(changed.fault), self._step)
 
     def _end_all(self, changes: str, target: str) -> None:
         """A person ends all faults of one quantity of a target."""
@@ -227,8 +227,8 @@ class Injector:
         holder = {
             section_id: stock_id
             for slot, stock_id in enumerate(self._trains.stock_ids)
-            if self._on_board.shown(slot).on_line  # who has not been accepted holds nothing yet
-            for section_id in self._on_board.shown(slot).held
+            if self._on_board.shown_to_driver(slot).on_line  # who has not been accepted holds nothing yet
+            for section_id in self._on_board.shown_to_driver(slot).held
         }
         holder |= {s: stock_id for stock_id, under in self._trains.sections_under().items() for s in under}
         entries = [EnterSection(s, holder.get(s), act.person) for s in self._wayside.section_ids]

@@ -166,11 +166,11 @@ class Simulation:
         next_due = self._agenda.next_step()
         return horizon if next_due is None else min(horizon, next_due)
 
-    def done(self, stock_id: str) -> bool:
+    def has_finished(self, stock_id: str) -> bool:
         """Whether nothing follows for a stock."""
         return self._duties.finished(self.trains.slot_of[stock_id])
 
-    def happens(self, script: Script) -> None:
+    def carry_out(self, script: Script) -> None:
         """From now on a script is carried out, as if it had been that of the setup, which must have had none."""
         self.injector.take_up(script, self._step)
 
@@ -257,7 +257,7 @@ class Simulation:
         for slot in charging.moved_connected():
             self._unsafe(slot, Danger.PANTOGRAPH_UP)
         for slot in charging.look(self._step):
-            if self.on_board.shown(slot).on_sight:
+            if self.on_board.shown_to_driver(slot).on_sight:
                 self._cabs.tell(slot, self._step, (Looked(),))
 
     def _observe(self, slots: list[int]) -> list[Truth]:
@@ -275,7 +275,7 @@ class Simulation:
         trains = self.trains
         trains.compare(slots, seen)
         for slot, (out_m, step, *stated) in zip(slots, self._sheet.worst[: len(slots)].tolist(), strict=True):
-            if not trains.premises.broken(slot) and out_m != -math.inf:
+            if not trains.premises.is_false(slot) and out_m != -math.inf:
                 self.checkers.bounds(step / STEPS_PER_S, trains.stock_ids[slot], *stated)
 
     def _collided(self) -> None:
@@ -326,7 +326,7 @@ class Simulation:
         self._books.look_for_departure(slot, self.now_s)
         self._books.look_for_arrival(slot, self.now_s)
         if self._charging is not None:
-            self._charging.passed(slot, passed, step)
+            self._charging.note_passed(slot, passed, step)
         if passed & PASSED_TAG:
             tag_id, read_id, odometer_m = trains.read_tag(slot)
             self.journal.write(self.now_s, WORLD, TagPassed(unit_id=trains.stock_ids[slot], tag_id=tag_id))
@@ -336,7 +336,7 @@ class Simulation:
                 if any(isinstance(what, TagBelieved) for what in sensed):
                     trains.position_fixed(slot)
         if events:
-            sensed = self.on_board.ticked(slot, events)
+            sensed = self.on_board.tick_events(slot, events)
             cabs.tell(slot, step, sensed)
             if any(isinstance(what, TagBelieved | FoundByOtherSensor) for what in sensed):
                 trains.position_fixed(slot)

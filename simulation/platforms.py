@@ -103,7 +103,7 @@ class Platforms:
         there = duty is not None and duty.train.number == held.number
         if not there or now_s >= held.until_s or self._books.stands_at(slot) != held.at:
             return
-        shown = self._on_board.shown(slot)
+        shown = self._on_board.shown_to_driver(slot)
         if not (self._cabs.answers(slot) and shown.at_mark and shown.at == held.at):
             self._put(now_s + LOOKS_AGAIN_S, OPEN, slot)
             return

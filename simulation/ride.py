@@ -123,7 +123,7 @@ def count_motion(
     ride.jerk_squared_m2ps5 += jerk_mps3 * jerk_mps3 * step_s
 
 
-def taken(row: RideRow) -> Ride:
+def cut_ride(row: RideRow) -> Ride:
     """What has been counted since the last cut, which is made here."""
     ride = Ride(
         int(row.power_changes),
@@ -141,7 +141,7 @@ def taken(row: RideRow) -> Ride:
     return ride
 
 
-def together(rides: Iterable[Ride]) -> Ride:
+def joined_rides(rides: Iterable[Ride]) -> Ride:
     """Several runs as one."""
     whole = tuple(rides)
     return Ride(

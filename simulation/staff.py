@@ -296,7 +296,7 @@ class Staff:
         under = self._trains.sections_under().get(self._trains.stock_ids[slot])
         if under is None:
             return ()  # outside
-        held = under.union(self._on_board.shown(slot).held, self._granted_ahead(slot))
+        held = under.union(self._on_board.shown_to_driver(slot).held, self._granted_ahead(slot))
         return tuple(section for section in self._setup.line.sections if section in held)
 
 

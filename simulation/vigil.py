@@ -42,7 +42,7 @@ class Vigil:
         return TrainAndDisplay(
             stock_id,
             self._duties.place(slot),
-            self._duties.bound(slot) and cabs.answers(slot),
+            self._duties.has_duty(slot) and cabs.answers(slot),
             float(trains.plants[slot].travelled_m),
             timer=cabs.wakes(slot),
             pulls=bool(trains.units[slot].notch > 0.0),

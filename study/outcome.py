@@ -10,7 +10,7 @@ from enum import Enum
 from typing import Final
 
 from host.parties import PartyBug, PartyError
-from network.errors import InputError, wanting
+from network.errors import InputError, is_want_of_resources
 from simulation.carriers.lost import CarrierLostError
 
 SIGNALLED: Final = 128  # plus the number of the signal, as shells have it
@@ -93,7 +93,7 @@ def outcome_of(error: BaseException) -> Outcome:
         case PartyError() | CarrierLostError() | CutShortError():
             return Outcome.COULD_NOT_RUN
         case _:
-            return Outcome.COULD_NOT_RUN if wanting(error) else Outcome.BUG
+            return Outcome.COULD_NOT_RUN if is_want_of_resources(error) else Outcome.BUG
 
 
 def text_of(error: BaseException) -> str:

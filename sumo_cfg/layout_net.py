@@ -34,19 +34,19 @@ def plain_of(layout: ForeignLayout) -> PlainXml:
     nodes, edges, connections = (ET.Element(name) for name in ("nodes", "edges", "connections"))
     for node_id, place in places.items():
         x, y = place or (0.0, 0.0)
-        ET.SubElement(nodes, "node", id=fit(node_id), x=f"{x:.3f}", y=f"{y:.3f}", type="unregulated")
+        ET.SubElement(nodes, "node", id=sumo_id(node_id), x=f"{x:.3f}", y=f"{y:.3f}", type="unregulated")
     normal_at: dict[str, list[str]] = {track.id: [] for track in layout.tracks}
     for points in layout.points:
-        normal_at[points.normal].append(fit(points.node_id))
+        normal_at[points.normal].append(sumo_id(points.node_id))
     for track in layout.tracks:
         for sign, ends, shape in (
             ("+", (track.low_node, track.high_node), track.shape),
             ("-", (track.high_node, track.low_node), track.shape[::-1]),
         ):
             attributes = {
-                "id": fit(track.id) + sign,
-                "from": fit(ends[0]),
-                "to": fit(ends[1]),
+                "id": sumo_id(track.id) + sign,
+                "from": sumo_id(ends[0]),
+                "to": sumo_id(ends[1]),
                 "numLanes": "1",
                 "allow": "rail",
                 "spreadType": "center",
@@ -76,7 +76,7 @@ def write_layout_net(layout: ForeignLayout, out: Path) -> None:
         raise InputError(str(out), "", None, f"a writable path ({error.strerror})") from error
 
 
-def fit(name: str) -> str:
+def sumo_id(name: str) -> str:
     """A name without what SUMO takes in no id."""
     return _UNFIT.sub("_", name)
 
@@ -86,7 +86,7 @@ def _movements(layout: ForeignLayout) -> Iterator[tuple[str, str]]:
     for track in layout.tracks:
         ends[track.low_node].append((track, False))
         ends[track.high_node].append((track, True))
-        yield from ((fit(track.id) + a, fit(track.id) + b) for a, b in ("+-", "-+"))
+        yield from ((sumo_id(track.id) + a, sumo_id(track.id) + b) for a, b in ("+-", "-+"))
     stems = {points.node_id: points.stem for points in layout.points}
     kinds = {node.id: node.kind for node in layout.nodes}
     for node, there in ends.items():
@@ -121,11 +121,11 @@ def _pairs(
 
 
 def _into(end: tuple[LayoutTrack, bool]) -> str:
-    return fit(end[0].id) + ("+" if end[1] else "-")
+    return sumo_id(end[0].id) + ("+" if end[1] else "-")
 
 
 def _out_of(end: tuple[LayoutTrack, bool]) -> str:
-    return fit(end[0].id) + ("-" if end[1] else "+")
+    return sumo_id(end[0].id) + ("-" if end[1] else "+")
 
 
 def _document(root: ET.Element) -> bytes:

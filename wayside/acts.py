@@ -90,7 +90,7 @@ def spoke(register: Register, unit_id: str, message: AnyMessage) -> Step:
 def _bar(register: Register, event: BarUnit | UnbarUnit) -> Step:
     """Barred, or not any more, when a second person says the same; what it held stays its own."""
     unit_id, before = event.unit_id, register.bars
-    bars = barring.said(before, unit_id, event.person, bar=isinstance(event, BarUnit))
+    bars = barring.bars_after_word(before, unit_id, event.person, bar=isinstance(event, BarUnit))
     register = replace(register, bars=bars)
     if bars.barred == before.barred:
         why = "a second person must say the same" if bars.words != before.words else "it is so already"
@@ -337,7 +337,9 @@ def _as_changed(before: Register, after: Register) -> Register:
 
 def _new_contradictions(before: Register, after: Register) -> tuple[Show, ...]:
     known = reentry.contradictions(before)
-    return tuple(reentry.shown(found) for found in reentry.contradictions(after) if found not in known)
+    return tuple(
+        reentry.shown_contradiction(found) for found in reentry.contradictions(after) if found not in known
+    )
 
 
 _SECOND_PERSON: Final = "it may be on the line; a second person must say the same"

@@ -28,7 +28,7 @@ def person_key(name: str) -> str:
     return " ".join(name.split()).casefold()
 
 
-def said(bars: Bars, unit_id: str, name: str, *, bar: bool) -> Bars:
+def bars_after_word(bars: Bars, unit_id: str, name: str, *, bar: bool) -> Bars:
     """After a person's word that the unit is to be barred, or not; what is so already takes their other word back."""
     word = unit_id, person_key(name)
     rest = tuple(other for other in bars.words if other != word)
@@ -40,7 +40,7 @@ def said(bars: Bars, unit_id: str, name: str, *, bar: bool) -> Bars:
     return Bars(tuple(sorted(barred)), tuple(other for other in rest if other[0] != unit_id))
 
 
-def remembered(kept: bytes) -> Bars:
+def bars_kept(kept: bytes) -> Bars:
     """What a device kept; nothing of one that never ran. InputError if it is damaged: it may have forgotten a bar."""
     try:
         return msgspec.msgpack.decode(kept, type=Bars) if kept else NO_BARS

@@ -88,7 +88,7 @@ def step(register: Register, event: Event, now_s: float) -> Step:
 
 def wake_at_s(register: Register) -> float | None:
     """When the manager wants to ask again; None while the line is defined and every unit speaks for itself."""
-    return register.ask_at_s if register.asked() or register.in_dispute else None
+    return register.ask_at_s if register.units_asked() or register.in_dispute else None
 
 
 def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
@@ -111,7 +111,7 @@ def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
 
 
 def _ask(register: Register, now_s: float) -> Step:
-    asked = register.asked()
+    asked = register.units_asked()
     if not (asked or register.in_dispute) or now_s < register.ask_at_s:
         return register, ()
     in_vain = {unit_id: times + 1 for unit_id, times in register.doubted.items()}
@@ -142,7 +142,7 @@ def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
     shown: tuple[Action, ...] = ()
     if against is not None or not set(heard.message.section_ids) <= set(held):
         asked = DispatchRequest(heard.unit_id, heard.message.route_id)
-        register, against, shown = dispatch.weigh(register, asked, against)
+        register, against, shown = dispatch.weigh_request(register, asked, against)
     answer = _grant(register, heard, held) if against is None else _refuse_route(register, heard, *against)
     return answer[0], (*shown, *answer[1])
 
@@ -379,7 +379,7 @@ def _enter(
     elif conflict is not None:
         against = (RefusalReason.HELD, *conflict)
     asked = DispatchRequest(unit_id, portal=next(iter(portals), ""))
-    register, against, shown = dispatch.weigh(register, asked, against)
+    register, against, shown = dispatch.weigh_request(register, asked, against)
     if against is None:
         register, actions = _accept_claim(register, heard, portals)
     else:
@@ -444,7 +444,7 @@ def _claim_leaving(register: Register, heard: Heard[Claim]) -> Step:
     if not heard.fresh:
         return challenge(register, heard)
     if claimed == ():
-        return leaving.left(register, unit_id) if same_boot else (register, ())
+        return leaving.left_line(register, unit_id) if same_boot else (register, ())
     if same_boot and claimed == register.held_by(unit_id):
         return register, ()
     return _take_claim(register, heard)

@@ -49,7 +49,7 @@ class CertificateAnswer:
     steps: int = 0
 
 
-def finish(trains: Sequence[Train], steps_max: int = STEPS_MAX) -> CertificateAnswer:
+def finishing_order(trains: Sequence[Train], steps_max: int = STEPS_MAX) -> CertificateAnswer:
     """An order in which all trains can finish; what is due first goes first where it can."""
     return _Search(trains).run(steps_max)
 

@@ -18,7 +18,7 @@ from typing import Final
 from network.clock import clock
 from radio.messages import RefusalReason
 from wayside.actions import Show
-from wayside.certificate import STEPS_MAX, CertificateAnswer, CertificateProof, finish, follows
+from wayside.certificate import STEPS_MAX, CertificateAnswer, CertificateProof, finishing_order, follows
 from wayside.config import OrderRule
 from wayside.journeys import DayProgress, Days, LastCertificate, LastSearch, Stands, next_hop
 from wayside.moves import Train
@@ -47,7 +47,7 @@ class DispatchRequest:
     portal: str = ""
 
 
-def weigh(
+def weigh_request(
     register: Register, asked: DispatchRequest, against: Against | None
 ) -> tuple[Register, Against | None, tuple[Show, ...]]:
     """The register with what is known of the days; why not now, if so, and what the journal is told.
@@ -127,7 +127,7 @@ class _Weighing:
         steps = STEPS_MAX
         if sought is not None and again and sought.found.proof is CertificateProof.UNKNOWN:
             steps = min(MORE_STEPS * sought.steps, LAST_STEPS)
-        found = finish(self._trains, steps)
+        found = finishing_order(self._trains, steps)
         if found.proof is CertificateProof.ORDER:
             kept = LastCertificate(stands.at, stands.holds, found.order)
             self._register = replace(register, kept=kept, sought=None)
@@ -173,7 +173,9 @@ class _Weighing:
         good, bad, tried = 0, len(times), 0
         while bad - good > 1:
             middle = (good + bad) // 2 if good else max(1, bad - 1 - tried * tried // 8)
-            found = finish(stands.trains(days, times[middle]), steps if middle == 1 else SHORTER_STEPS)
+            found = finishing_order(
+                stands.trains(days, times[middle]), steps if middle == 1 else SHORTER_STEPS
+            )
             if found.proof is CertificateProof.ORDER:
                 kept, good = LastCertificate(stands.at, stands.holds, found.order, times[middle]), middle
             else:
@@ -223,11 +225,11 @@ class _Weighing:
         while near < len(rest):  # it is enough to come to where the order before comes, too
             counts = [rest[:near].count(index) for index in range(len(trains))]
             few = [Train(t.holds, t.ahead[:count]) for t, count in zip(trains, counts, strict=True)]
-            found = finish(few, NEAR_STEPS)
+            found = finishing_order(few, NEAR_STEPS)
             if found.proof is CertificateProof.ORDER:
                 return CertificateAnswer(CertificateProof.ORDER, (*found.order, *rest[near:]))
             near *= 4
-        return finish(trains, STEPS_MAX)
+        return finishing_order(trains, STEPS_MAX)
 
     def _no_way_on(self, before: tuple[int, ...], after: CertificateAnswer) -> Against:
         """Refused: behind which train it waits, and where that will have come when it is let on."""

@@ -40,7 +40,7 @@ def sign_off(register: Register, heard: Heard[SignOff]) -> Step:
     return register, (*shows, Send(unit_id, SignOffAccepted(), heard.correlation))
 
 
-def left(register: Register, unit_id: str) -> Step:
+def left_line(register: Register, unit_id: str) -> Step:
     """Its whole train is off the line: it holds nothing any more."""
     unit, held = register.unit(unit_id), register.held_by(unit_id)
     register = reentry.released(register.with_held(unit_id, ()), unit_id, held)
@@ -62,7 +62,7 @@ def boundary_passed(register: Register, portal: str) -> Step:
         return register, ()
     standing, held = register.unit(unit_id).standing, register.held_by(unit_id)
     if standing is UnitStanding.LEAVING or (standing in _HOLDING and held == (portal,)):
-        return left(register, unit_id)
+        return left_line(register, unit_id)
     why = "a train has left by this portal, and its holder may be elsewhere"
     return register, (Show(Contradicted(unit_id=unit_id, section_ids=held, why=why)),)
 
@@ -91,9 +91,9 @@ def sign_off_not_signed_on(register: Register, heard: Heard[SignOff]) -> Step:
 
 def asked_later(before: Register, after: Register, now_s: float) -> Register:
     """A train that has just been let go has its time to leave before its unit is asked."""
-    if before.units is after.units or before.asked():
+    if before.units is after.units or before.units_asked():
         return after
-    newly = after.asked()
+    newly = after.units_asked()
     if not newly or any(after.unit(unit_id).standing is not UnitStanding.LEAVING for unit_id in newly):
         return after
     return replace(after, ask_at_s=max(after.ask_at_s, now_s + after.plan.ask_interval_s))

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from wayside.certificate import CertificateProof, finish
+from wayside.certificate import CertificateProof, finishing_order
 from wayside.config import OrderRule
 from wayside.journeys import Days, PlannedMove, Stands
 from wayside.moves import bits_of
@@ -182,7 +182,7 @@ def _delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[in
     after = stands
     for mover in begins:
         after = after.after(days, mover)
-    found = finish(after.trains(days), ORDER_STEPS)
+    found = finishing_order(after.trains(days), ORDER_STEPS)
     if found.proof is not CertificateProof.ORDER:
         return None
     until_s = register.now_s + AHEAD_S

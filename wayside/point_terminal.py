@@ -142,7 +142,7 @@ def step(terminal: Terminal, event: TerminalEvent, now_s: float) -> TerminalStep
 def _bar(terminal: Terminal, event: BarUnit | UnbarUnit) -> TerminalStep:
     """Its commands are refused, or taken again, once a second person says the same; what is locked stays locked."""
     before, bar = terminal.memory.bars, isinstance(event, BarUnit)
-    bars = barring.said(before, event.unit_id, event.person, bar=bar)
+    bars = barring.bars_after_word(before, event.unit_id, event.person, bar=bar)
     terminal = replace(terminal, memory=msgspec.structs.replace(terminal.memory, bars=bars))
     if bars.barred == before.barred:
         return terminal, ()

@@ -198,7 +198,7 @@ def _contradictions_at(register: Register, section_id: str) -> list[Contradictio
     return found
 
 
-def shown(found: Contradiction) -> Show:
+def shown_contradiction(found: Contradiction) -> Show:
     """The contradiction as the operator and the journal get it."""
     return Show(
         Contradicted(
@@ -212,7 +212,7 @@ def shown(found: Contradiction) -> Show:
 
 def shown_against(register: Register, unit_id: str) -> tuple[Action, ...]:
     """What was entered otherwise than the unit claims, for the journal."""
-    return tuple(shown(found) for found in contradictions(register) if found.unit_id == unit_id)
+    return tuple(shown_contradiction(found) for found in contradictions(register) if found.unit_id == unit_id)
 
 
 def missing(register: Register) -> Missing:

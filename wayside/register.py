@@ -181,7 +181,7 @@ class Register:
         blocking = (UnitStanding.UNKNOWN, UnitStanding.DISPUTED)
         return tuple(unit_id for unit_id in self.plan.unit_ids if self.unit(unit_id).standing in blocking)
 
-    def asked(self) -> tuple[str, ...]:
+    def units_asked(self) -> tuple[str, ...]:
         """Units that are asked what they hold: those that block, that leave, or that count by persons' word alone.
 
         While one is looked for, those that hold what it may be in, too: with the answer they hear what to sweep.

@@ -41,7 +41,7 @@ class Services:
 
     by_id: Mapping[str, _Service]
 
-    def on(self, date: int) -> frozenset[str]:
+    def running_on(self, date: int) -> frozenset[str]:
         """Ids of the services that run on a date, YYYYMMDD."""
         return frozenset(name for name, service in self.by_id.items() if service.runs_on(date))
 
@@ -49,9 +49,9 @@ class Services:
 def read_services(feed: Feed) -> Services:
     """Read both tables, of which a feed has one at least. Raises InputError."""
     services: dict[str, _Service] = {}
-    if not feed.has("calendar.txt") and not feed.has("calendar_dates.txt"):
+    if not feed.has_table("calendar.txt") and not feed.has_table("calendar_dates.txt"):
         raise InputError(str(feed.path), "calendar.txt", None, "this table, or calendar_dates.txt")
-    if feed.has("calendar.txt"):
+    if feed.has_table("calendar.txt"):
         file = f"{feed.path}: calendar.txt"
         for row in feed.rows("calendar.txt", ("service_id", *WEEKDAYS, "start_date", "end_date")):
             name, *days, first, last = row.texts
@@ -64,7 +64,7 @@ def read_services(feed: Feed) -> Services:
                 date_of(file, f"{key}.start_date", first),
                 date_of(file, f"{key}.end_date", last),
             )
-    if feed.has("calendar_dates.txt"):
+    if feed.has_table("calendar_dates.txt"):
         file = f"{feed.path}: calendar_dates.txt"
         for row in feed.rows("calendar_dates.txt", ("service_id", "date", "exception_type")):
             name, date, kind = row.texts

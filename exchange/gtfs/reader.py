@@ -131,7 +131,7 @@ class _Left:
 def read_gtfs(path: Path, choice: GtfsChoice | None = None) -> GtfsDay:
     """Read one day of a feed, a zip archive or a folder. Raises InputError, one for whatever is wrong with it."""
     wanted = choice or GtfsChoice()
-    feed = Feed.of(path)
+    feed = Feed.at_path(path)
     routes = _routes(feed)
     trips = _trips(feed, routes)
     stops = read_stops(feed)
@@ -298,7 +298,7 @@ def _of_day(feed: Feed, trips: Sequence[_GtfsTrip], wanted: GtfsChoice, left: _L
     services = read_services(feed)
     if wanted.date:
         date = date_of(COMMAND_LINE, "--date", wanted.date)
-        today, tomorrow = services.on(date), services.on(next_date(date))
+        today, tomorrow = services.running_on(date), services.running_on(next_date(date))
     else:
         counts: dict[str, int] = {}
         for trip in trips:
@@ -335,7 +335,7 @@ def _whole(
 ) -> list[_GtfsTrip]:
     """Trips with a time of their own and two stations at least, and none twice; in order of time."""
     headway: set[str] = set()
-    if feed.has("frequencies.txt"):
+    if feed.has_table("frequencies.txt"):
         headway = {row.texts[0] for row in feed.rows("frequencies.txt", ("trip_id",))}
     kept: list[_GtfsTrip] = []
     for trip in trips:
@@ -426,7 +426,7 @@ def _long_runs(trains: Iterable[PublishedTrain]) -> list[str]:
 def _tables_left(feed: Feed) -> list[str]:
     """Tables that nothing here reads."""
     known = ("shapes.txt", "transfers.txt", "fare_attributes.txt", "pathways.txt")
-    found = [name for name in known if feed.has(name)]
+    found = [name for name in known if feed.has_table(name)]
     return [f"tables: {', '.join(found)}"] if found else []
 
 

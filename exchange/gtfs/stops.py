@@ -70,7 +70,7 @@ def read_stops(feed: Feed) -> GtfsStops:
 
 def _translations(feed: Feed, stops: Mapping[str, GtfsStop]) -> dict[str, dict[str, str]]:
     """Names by stop id and language; a table names stops by id or by the name that is translated."""
-    if not feed.has("translations.txt"):
+    if not feed.has_table("translations.txt"):
         return {}
     wanted = ("table_name", "field_name", "language", "translation", "record_id", "field_value")
     found: dict[str, dict[str, str]] = {}

@@ -50,7 +50,7 @@ class Feed:
     names: frozenset[str]
 
     @staticmethod
-    def of(path: Path) -> Feed:
+    def at_path(path: Path) -> Feed:
         """Look at a feed. Raises InputError for what is neither an archive nor a folder with tables."""
         file = str(path)
         try:
@@ -76,7 +76,7 @@ class Feed:
             )
         return Feed(path, names)
 
-    def has(self, table: str) -> bool:
+    def has_table(self, table: str) -> bool:
         """Whether a table is in it."""
         return table in self.names
 

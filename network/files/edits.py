@@ -92,11 +92,11 @@ class Patched:
     def write_all(self, words: FilePatch) -> None:
         """Set and multiply; where an entry that is added goes is the file's own business."""
         for path, value in words.values.items():
-            self.set(path, deepcopy(value))
+            self.set_value(path, deepcopy(value))
         for path, factor in words.times.items():
-            self.times(path, factor)
+            self.multiply(path, factor)
 
-    def set(self, path: str, value: object, key: str = "") -> None:
+    def set_value(self, path: str, value: object, key: str = "") -> None:
         """Write one value; the schema, not this, knows which keys a table may have. `key` is the patch's own."""
         key = key or f'{self.key}.set."{path}"'
         if is_table(value):
@@ -105,7 +105,7 @@ class Patched:
             node[step] = deepcopy(value)
             self.origins[id(node), step] = key
 
-    def times(self, path: str, factor: float, key: str = "") -> None:
+    def multiply(self, path: str, factor: float, key: str = "") -> None:
         """Multiply a number, or every number of a list."""
         key = key or f'{self.key}.times."{path}"'
         for node, step in self._places(key, path):
@@ -123,7 +123,7 @@ class Patched:
             rows = node.get(step)
             if not is_list(rows):
                 raise InputError(self.file, key, table, f"a list, one of {', '.join(_lists(node))}")
-            names = [called(row, i) for i, row in enumerate(rows)]
+            names = [entry_name(row, i) for i, row in enumerate(rows)]
             if name not in names:
                 raise InputError(self.file, key, name, one_of(names, name))
             del rows[names.index(name)]
@@ -169,7 +169,7 @@ class Patched:
     def _step(self, key: str, node: object, rest: str) -> tuple[str | int, str]:
         """The key or index of `node` that `rest` begins with, and what remains; an entry needs a key of it."""
         if is_list(node):
-            names = {called(item, i): i for i, item in enumerate(node)}
+            names = {entry_name(item, i): i for i, item in enumerate(node)}
             # Ids may hold dots and begin like one another: the longest that fits is meant.
             fitting = [name for name in names if f"{rest}.".startswith(f"{name}.")]
             if not fitting:
@@ -199,7 +199,7 @@ def words_of(asked: PatchInFile, model: type[WordsT]) -> WordsT:
         raise InputError(asked.file, f"{asked.key}.{error.key}", error.value, error.expected) from error
 
 
-def called(item: object, index: int) -> str:
+def entry_name(item: object, index: int) -> str:
     """What an entry of a list is called in a key path: by its id, name, …, or else its index."""
     if is_table(item):
         for key in _CALLED_BY:
@@ -214,8 +214,8 @@ def differences(file: str, old: object, new: object, path: str = "") -> Iterator
         for key in dict.fromkeys((*old, *new)):
             yield from differences(file, old.get(key), new.get(key), f"{path}.{key}" if path else str(key))
     elif is_list(old) and is_list(new) and all(is_table(i) for i in (*old, *new)):
-        befores = {called(item, i): item for i, item in enumerate(old)}
-        afters = {called(item, i): item for i, item in enumerate(new)}
+        befores = {entry_name(item, i): item for i, item in enumerate(old)}
+        afters = {entry_name(item, i): item for i, item in enumerate(new)}
         named = all(any(key in item for key in _CALLED_BY) for item in (*old, *new))
         if named or len(old) == len(new):
             yield from differences(file, befores, afters, path)

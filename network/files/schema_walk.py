@@ -13,7 +13,7 @@ Schema = Mapping[str, Any]
 _AS_THEY_STAND_MAX: Final = 12
 
 
-def resolved(schema: Schema, node: Schema) -> Schema:
+def resolved_node(schema: Schema, node: Schema) -> Schema:
     """A node with its reference followed, and the choice that is a table or list where there are several."""
     while True:
         if "$ref" in node:
@@ -30,15 +30,15 @@ def resolved(schema: Schema, node: Schema) -> Schema:
 
 def node_at(schema: Schema, location: Iterable[int | str]) -> tuple[Schema, tuple[int | str, ...]]:
     """The node that a path of keys and indices leads to, and the path without what is no key or index."""
-    node: Schema = resolved(schema, schema)
+    node: Schema = resolved_node(schema, schema)
     path: list[int | str] = []
     for part in location:
         if isinstance(part, int):
-            node = resolved(schema, node.get("items", {}))
+            node = resolved_node(schema, node.get("items", {}))
         elif part in node.get("properties", {}):
-            node = resolved(schema, node["properties"][part])
+            node = resolved_node(schema, node["properties"][part])
         elif is_table(node.get("additionalProperties")):
-            node = resolved(schema, node["additionalProperties"])
+            node = resolved_node(schema, node["additionalProperties"])
         elif "properties" in node:
             node = {}
         else:

@@ -20,7 +20,16 @@ from pydantic import Field
 
 from network.clock import clock
 from network.errors import InputError
-from network.files.edits import Change, Data, FilePatch, Patched, PatchInFile, called, differences, words_of
+from network.files.edits import (
+    Change,
+    Data,
+    FilePatch,
+    Patched,
+    PatchInFile,
+    differences,
+    entry_name,
+    words_of,
+)
 from network.files.kinds import TimeOfDay, about
 from network.files.quantities import Stretch
 from network.files.timetable_schema import TimetableFile
@@ -92,7 +101,7 @@ def _leave_diagrams(data: Data, gone: set[str]) -> None:
 
 def _scale(patched: Patched, scale: ScaleTable, key: str) -> None:
     """Stretch the runs of all trains that are meant; InputError for a train that is not there."""
-    trains = {called(train, i): train for i, train in enumerate(patched.data["trains"])}
+    trains = {entry_name(train, i): train for i, train in enumerate(patched.data["trains"])}
     for i, number in enumerate(scale.trains or ()):
         if number not in trains:
             raise InputError(patched.file, f"{key}.trains[{i}]", number, one_of(trains, number))

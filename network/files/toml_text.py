@@ -31,7 +31,7 @@ def steps_of(key: str, file: str, where: str) -> tuple[str, ...]:
     return tuple(steps)
 
 
-def put(tables: dict[str, Any], steps: Sequence[str], value: object) -> None:
+def put_value(tables: dict[str, Any], steps: Sequence[str], value: object) -> None:
     """Lay a value over what the tables have at a key path; tables key by key, all else in place of what is there."""
     node = tables
     for step in steps[:-1]:
@@ -43,7 +43,7 @@ def put(tables: dict[str, Any], steps: Sequence[str], value: object) -> None:
         merged = dict(old)
         node[last] = merged
         for key, item in value.items():
-            put(merged, (key,), item)
+            put_value(merged, (key,), item)
     else:
         node[last] = deepcopy(value)
 

@@ -47,7 +47,7 @@ def line_toml(words: LineHeader, alignment: Alignment, layout: LineLayout, rule:
     return f"{comment}\n{tags_toml(line, lay_tags(line, rule.tags))}\n{bare}\n"
 
 
-def quoted(text: str) -> str:
+def toml_string(text: str) -> str:
     """A text as a TOML string: what JSON escapes in a line, TOML escapes alike."""
     return json.dumps(text, ensure_ascii=False)
 
@@ -61,18 +61,18 @@ def km_text(position_m: float) -> str:
 
 def _head(words: LineHeader) -> Iterable[str]:
     yield "[line]"
-    yield f"id = {quoted(words.id)}"
-    yield f"name = {quoted(words.name)}"
+    yield f"id = {toml_string(words.id)}"
+    yield f"name = {toml_string(words.name)}"
     if words.name_ja:
-        yield f"name_ja = {quoted(words.name_ja)}"
+        yield f"name_ja = {toml_string(words.name_ja)}"
     yield f"max_speed_kmh = {words.max_speed_kmh:g}"
     for key, texts in (("sources", words.sources), ("assumed", words.assumed)):
         if texts:
-            yield from (f"{key} = [", *(f"  {quoted(text)}," for text in texts), "]")
+            yield from (f"{key} = [", *(f"  {toml_string(text)}," for text in texts), "]")
 
 
 def _alignment(line: Alignment, layout: LineLayout) -> Iterable[str]:
-    yield from ("", "[[alignments]]", f"id = {quoted(line.id)}")
+    yield from ("", "[[alignments]]", f"id = {toml_string(line.id)}")
     yield f"from_km = {km_text(line.from_m)}"
     yield f"to_km = {km_text(line.to_m)}"
     yield f"x_m = {line.x_m}"
@@ -147,9 +147,9 @@ def _joints(layout: LineLayout) -> Iterable[str]:
 
 def _station(station: LaidStation, rule: LayoutRule) -> Iterable[str]:
     listed = station.listed
-    yield from ("", "[[stations]]", f'id = "{listed.id}"', f"name = {quoted(listed.name)}")
+    yield from ("", "[[stations]]", f'id = "{listed.id}"', f"name = {toml_string(listed.name)}")
     if listed.name_ja:
-        yield f"name_ja = {quoted(listed.name_ja)}"
+        yield f"name_ja = {toml_string(listed.name_ja)}"
     yield f"km = {km_text(station.place_m)}"
     yield f"halt = {'true' if listed.is_halt else 'false'}"
     half_m = rule.halt_half_m if listed.is_halt else rule.platform_half_m

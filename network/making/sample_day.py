@@ -18,7 +18,7 @@ from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
 from network.files.json_input import write_aside
 from network.files.names import IDENTIFIER_HELP, is_identifier
-from network.making.line_text import quoted
+from network.making.line_text import toml_string
 from network.model import Direction, Line, SectionKind, Station
 
 STAND_IN_TRAIN: Final = "br642"
@@ -92,7 +92,7 @@ def timetable_toml(line: Line, timetable_id: str) -> str:
     rows = [
         "[timetable]",
         f'id = "{timetable_id}"',
-        f"name = {quoted(f'A first try of {line.name}'[:200])}",
+        f"name = {toml_string(f'A first try of {line.name}'[:200])}",
         f'line = "{line.id}"',
         f"dwell_min_s = {DWELL_S}",
         "assumed = [",
@@ -112,9 +112,9 @@ def timetable_toml(line: Line, timetable_id: str) -> str:
 def scenario_toml(line: Line, scenario_id: str, line_name: str, timetable_name: str) -> str:
     """A scenario with a stand-in train and the shipped scenarios' air."""
     return f"""id = "{scenario_id}"
-name = {quoted(f"A first try of {line.name}"[:200])}
-line = {quoted(line_name)}
-timetable = {quoted(timetable_name)}
+name = {toml_string(f"A first try of {line.name}"[:200])}
+line = {toml_string(line_name)}
+timetable = {toml_string(timetable_name)}
 seed = 1
 assumed = [
   "train: BR 642 as a stand-in, a two-part diesel railcar of 41.7 m",

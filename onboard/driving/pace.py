@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from onboard.driving.laws.table import LAWS, LawsRow
 from onboard.driving.planner.arrivals import ArrivalAims, TrainOnMap, arrivals_s
-from onboard.driving.planner.plan import PlanOnPath, PlanRequest, planned
+from onboard.driving.planner.plan import PlanOnPath, PlanRequest, plan_in_time
 from onboard.driving.planner.wish import PLAIN, Planning
 from onboard.duty.mission import Mission, Passing, Target
 from onboard.duty.timekeeping import cruise_for
@@ -130,7 +130,7 @@ class Pace:
             row.due_s - now_s,
             float(self._law.settings.regeneration_share),
         )
-        self._laid = found = planned(ahead, self._planning)
+        self._laid = found = plan_in_time(ahead, self._planning)
         if found is None:
             return False
         row.plan_due_s = now_s + found.takes_s

@@ -13,7 +13,7 @@ import numpy as np
 
 from onboard.driving.stopping import WAVE_STEPS, WaveRow
 from onboard.driving.tasc import WHOLE_LAW, DesignRow, StopVerdict, TascRow
-from onboard.driving.tuning import Learned, StopDecelerations, approximate, disturbance, learn
+from onboard.driving.tuning import Learned, StopDecelerations, approximate, disturbance, learned_after_stop
 from onboard.notes import LearnedFromStop
 from onboard.records import BehaviourRow
 from vehicle.records import TrainRow
@@ -61,14 +61,16 @@ class StopKeeper:
         """Whether the present stop is possible."""
         return StopVerdict(int(self.tasc.verdict))
 
-    def stopped(self, train: TrainRow, behaviour: BehaviourRow, load_share: float) -> LearnedFromStop | None:
+    def learn_from_stop(
+        self, train: TrainRow, behaviour: BehaviourRow, load_share: float
+    ) -> LearnedFromStop | None:
         """Learn from the stop just made and use it from the next one on; what the journal says of it."""
         record = self.record(load_share)
         if not self.learns or record is None:
             return None
         fit = approximate(record, self.learned.centre)
         why = disturbance(record, fit)
-        self.learned = learn(self.learned, record, fit)
+        self.learned = learned_after_stop(self.learned, record, fit)
         if why is None:
             self.last = record
         fill_design(self.design, train, behaviour, self.learned)

@@ -125,7 +125,7 @@ def stop_command_mps2(unit: UnitRow, tasc: TascRow, design: DesignRow, own_mps2:
 
 
 @compiled
-def hold(tasc: TascRow, wave: WaveRow) -> None:
+def stop_anew(tasc: TascRow, wave: WaveRow) -> None:
     """The train stands with its brakes applied: the next stop begins from nothing."""
     if tasc.head != 0 or tasc.braking != 0:
         reset(tasc)
@@ -134,7 +134,7 @@ def hold(tasc: TascRow, wave: WaveRow) -> None:
 
 
 @compiled
-def issued(
+def take_up_command(
     unit: UnitRow,
     train: TrainRow,
     tasc: TascRow,

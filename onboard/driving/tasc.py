@@ -207,7 +207,9 @@ def pattern_through(design: DesignRow, speed_mps: float, distance_m: float) -> f
 
 
 @compiled
-def predicted(tasc: TascRow, design: DesignRow, speed_mps: float, own_mps2: float) -> tuple[float, float]:
+def predicted_motion(
+    tasc: TascRow, design: DesignRow, speed_mps: float, own_mps2: float
+) -> tuple[float, float]:
     """Speed (m/s) when a command given now begins to act, and the distance run until then, m.
 
     Follows the commands under way through dead time, then through the lag with the last of them held.
@@ -230,7 +232,7 @@ def predicted(tasc: TascRow, design: DesignRow, speed_mps: float, own_mps2: floa
 
 
 @compiled
-def followed(
+def pattern_demand_mps2(
     tasc: TascRow, design: DesignRow, speed_mps: float, distance_m: float, own_mps2: float, moved_m: float
 ) -> float:
     """Brake demand, m/s^2, that follows the pattern from a predicted speed and distance.
@@ -347,9 +349,9 @@ def tasc_step(
     all other steps), `own_mps2` the deceleration by gradient and running resistance.
     """
     strength = brake_strength(tasc, design, speed_mps, own_mps2)
-    later_mps, run_m = predicted(tasc, design, speed_mps, own_mps2)
+    later_mps, run_m = predicted_motion(tasc, design, speed_mps, own_mps2)
     left_m = distance_m - run_m
-    demand = followed(tasc, design, later_mps, left_m, own_mps2, moved_m)
+    demand = pattern_demand_mps2(tasc, design, later_mps, left_m, own_mps2, moved_m)
     strongest = expected_mps2(design, design.brake_max_mps2)
     room_m, energy = left_m + WEAK_TOLERANCE_M, later_mps**2 / 2.0
     weak = (strength * strongest + own_mps2) * room_m < energy

@@ -95,7 +95,7 @@ class Quadratic(NamedTuple):
     f: float
 
 
-def smoothed(wave: Wave) -> Wave:
+def smoothed_wave(wave: Wave) -> Wave:
     """The waveform under a Hann window of `SMOOTHING_S`; same length, ends held."""
     half = round(SMOOTHING_S / STEP_S / 2.0)
     weights = np.hanning(2 * half + 3)[1:-1]
@@ -106,7 +106,7 @@ def smoothed(wave: Wave) -> Wave:
 def waves(record: StopDecelerations) -> tuple[Wave, Wave, Wave]:
     """Designed and actual deceleration, m/s^2, and the share of time a brake is asked for; all smoothed."""
     asked = (record.designed_mps2 > 0.0).astype(np.float64)
-    return smoothed(record.designed_mps2), smoothed(record.actual_mps2), smoothed(asked)
+    return smoothed_wave(record.designed_mps2), smoothed_wave(record.actual_mps2), smoothed_wave(asked)
 
 
 @compiled
@@ -292,7 +292,7 @@ def disturbance(record: StopDecelerations, fit: CharacteristicFit | None) -> str
     return None
 
 
-def learn(learned: Learned, record: StopDecelerations, fit: CharacteristicFit | None) -> Learned:
+def learned_after_stop(learned: Learned, record: StopDecelerations, fit: CharacteristicFit | None) -> Learned:
     """What the train knows after one more stop, fitted by `search` or `approximate`."""
     if fit is None or disturbance(record, fit) is not None:
         return replace(learned, left_out=learned.left_out + 1)

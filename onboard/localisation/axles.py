@@ -71,7 +71,7 @@ def compare(unit: UnitRow, run_m: float, last_m: float) -> tuple[float, float]:
 
 
 @compiled
-def alike(unit: UnitRow, shown_mps: float, last_mps: float) -> bool:
+def turn_alike(unit: UnitRow, shown_mps: float, last_mps: float) -> bool:
     """Whether two axles turn as fast as each other."""
     return bool(abs(shown_mps - last_mps) <= unit.axles_differ_share * last_mps + ALIKE_MPS)
 
@@ -89,7 +89,7 @@ def come_apart(unit: UnitRow, shown_mps: float, last_mps: float, last_m: float) 
         if max(unit.short_m, unit.long_m) > APART_M:
             contradict(unit, shown_mps, last_mps)
         return bool(unit.apart != 0)
-    unit.agree_m = unit.agree_m + last_m if alike(unit, shown_mps, last_mps) else 0.0
+    unit.agree_m = unit.agree_m + last_m if turn_alike(unit, shown_mps, last_mps) else 0.0
     if unit.agree_m >= AGREES_M:
         unit.apart, unit.liar = 0, NO_LIAR
         unit.short_m = unit.short_most_m = unit.long_m = unit.long_most_m = 0.0

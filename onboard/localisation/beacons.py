@@ -16,7 +16,17 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Protocol
 
-from onboard.localisation.fix import FOREIGN, MISSED, NOTHING, REFUSED, TAKEN, leant, missed_m, taken, trusted
+from onboard.localisation.fix import (
+    FOREIGN,
+    MISSED,
+    NOTHING,
+    REFUSED,
+    TAKEN,
+    fix_by_rule,
+    missed_m,
+    move_estimate,
+    trusted,
+)
 from onboard.localisation.sighting import carry_slack
 from onboard.records import PLACE_BEACON, Chart, UnitRow
 from vehicle.compiled import compiled
@@ -82,7 +92,7 @@ def half_window_m(own: BeaconsRow, unit: UnitRow, chart: Chart) -> float:
 
 
 @compiled
-def begin(own: BeaconsRow, unit: UnitRow, chart: Chart) -> None:
+def expect_first(own: BeaconsRow, unit: UnitRow, chart: Chart) -> None:
     """At a known place: the next beacon of the path is due."""
     own.path, own.misses, own.from_m = unit.paths_taken_up, 0, unit.position_m
     own.slack_m = own.bounds_m = (unit.bound_ahead_m + unit.bound_behind_m) / 2.0
@@ -108,13 +118,13 @@ def taken_for(own: BeaconsRow, reading: BeaconReading, unit: UnitRow, chart: Cha
         return trusted(unit, front_m, within_m, within_m)
     if reading.told != 0:
         within_m += own.placed_within_m
-        outcome = taken(unit, front_m, within_m, within_m)
+        outcome = fix_by_rule(unit, front_m, within_m, within_m)
         carry_slack(own, unit)
         return outcome
     misses = missed_m(unit, front_m, within_m, within_m) > 0.0
     if misses or abs(front_m - unit.position_m) > own.slack_m + within_m:
         return REFUSED
-    own.slack_m = leant(unit, own.slack_m, front_m, within_m)
+    own.slack_m = move_estimate(unit, own.slack_m, front_m, within_m)
     return TAKEN
 
 
@@ -176,7 +186,7 @@ def beacons(own: BeaconsRow, reading: BeaconReading, unit: UnitRow, chart: Chart
         own.path = 0
         return NOTHING
     if own.path != unit.paths_taken_up:
-        begin(own, unit, chart)
+        expect_first(own, unit, chart)
     if own.failed_on == unit.paths_taken_up:
         return NOTHING
     outcome = NOTHING

@@ -15,7 +15,7 @@ Samples = NDArray[np.float64] | list[float]  # a part of a record is an array, a
 
 
 @compiled
-def apart(known: Samples, first: int, seen: Samples, begin: int, count: int, away: float) -> float:
+def difference_sum(known: Samples, first: int, seen: Samples, begin: int, count: int, away: float) -> float:
     """Equation (2) for one shift: the sum of |map - run - away| over `count` metres from `known[first]`, `seen[begin]`.
 
     Four sums side by side: the order of adding stays the same, and the processor has something to do meanwhile.
@@ -67,13 +67,13 @@ def all_squares(
 
 
 @compiled
-def nearest(
+def least_shift(
     known: Samples, seen: Samples, begin: int, count: int, low: int, high: int, away: float, sums: Samples
 ) -> float:
     """The shift from `low` to `high` at which equation (2) is least, between metres by the parabola through three."""
     best = low
     for shift in range(low, high + 1):
-        sums[shift] = apart(known, shift, seen, begin, count, away)
+        sums[shift] = difference_sum(known, shift, seen, begin, count, away)
         if sums[shift] < sums[best]:
             best = shift
     if best in (low, high):
@@ -84,7 +84,7 @@ def nearest(
 
 
 @compiled
-def crossing(free: Samples, inside: int, outside: int, limit: float) -> float:
+def limit_crossing(free: Samples, inside: int, outside: int, limit: float) -> float:
     """Where between two neighbouring shifts the sum passes a limit."""
     rise = free[outside] - free[inside]
     share = (limit - free[inside]) / rise if rise > 0.0 else 1.0
@@ -92,7 +92,7 @@ def crossing(free: Samples, inside: int, outside: int, limit: float) -> float:
 
 
 @compiled
-def explained(
+def explained_shifts(
     free: Samples, span: int, least: int, near: int, limit: float, far_limit: float
 ) -> tuple[float, float]:
     """The hull of all shifts that noise explains: at most `limit` within `near` of the least, `far_limit` beyond."""
@@ -103,6 +103,6 @@ def explained(
             low, high = min(low, shift), max(high, shift)
     low_limit = limit if least - low < near else far_limit
     high_limit = limit if high - least < near else far_limit
-    from_m = float(low) if low == 0 else crossing(free, low, low - 1, low_limit)
-    to_m = float(high) if high == span else crossing(free, high, high + 1, high_limit)
+    from_m = float(low) if low == 0 else limit_crossing(free, low, low - 1, low_limit)
+    to_m = float(high) if high == span else limit_crossing(free, high, high + 1, high_limit)
     return from_m, to_m

@@ -22,7 +22,7 @@ from typing import Final
 
 import numpy as np
 
-from onboard.localisation.collation import Samples, all_squares, explained, nearest
+from onboard.localisation.collation import Samples, all_squares, explained_shifts, least_shift
 from onboard.localisation.curvature_bounds import (
     BLOCK_M,
     WHITE_PER_M,
@@ -33,10 +33,10 @@ from onboard.localisation.curvature_bounds import (
     explains,
     learn_bias,
     noise_of,
-    weigh,
+    weigh_shift,
     without_jump,
 )
-from onboard.localisation.curvature_ring import begin_anew, measure, ran, stand
+from onboard.localisation.curvature_ring import begin_anew, measure, stand, take_up_run
 from onboard.localisation.curvature_row import (
     MARGIN_M,
     WINDOW_MAX,
@@ -78,7 +78,7 @@ def lay_map(own: CurvatureRow, unit: UnitRow, chart: Chart, from_m: float, count
 
 
 @compiled
-def comparable(own: CurvatureRow, longest: int) -> tuple[int, int]:
+def comparable_metres(own: CurvatureRow, longest: int) -> tuple[int, int]:
     """Metres of the ring that the wheels' scale stretches by little, and those of them since the last slide or slip.
 
     Of the latter the first are what the filter makes of those before: no fix goes by them.
@@ -117,7 +117,7 @@ def lay_window(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
     own.whole = 0
     if unit.bound_ahead_m + unit.bound_behind_m > 2.0 * own.search_m:
         return 0
-    longest, since = comparable(own, min(own.metres, int(own.window_m)))
+    longest, since = comparable_metres(own, min(own.metres, int(own.window_m)))
     own.low = -math.ceil(unit.bound_behind_m) - MARGIN_M
     own.span = math.ceil(unit.bound_ahead_m) + MARGIN_M - own.low
     newest_m = unit.position_m - (own.along_m - own.metre)
@@ -132,7 +132,7 @@ def lay_window(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
 
 
 @compiled
-def collate(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
+def collate_with_map(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
     """Compare the last metres with the map; a fix, FOREIGN, or NOTHING where there is nothing to go by."""
     most = lay_window(own, unit, chart)
     if own.whole == 0:
@@ -157,7 +157,7 @@ def fix_by(own: CurvatureRow, unit: UnitRow, count: int) -> int:
     least = all_squares(known, own.bent_per_m, begin, count, own.span, own.energy, own.free)
     known_mean = np.mean(known[least : least + count])
     own.mean_per_m = float(known_mean - np.mean(own.bent_per_m[begin : begin + count]))
-    weigh(own, least, count)
+    weigh_shift(own, least, count)
     # what is left beyond what is stated counts as white noise: a gyro that has gone worse
     beyond = own.free[least] / count - WORSE * own.rail_variance_per_m2 - own.misfit / count
     white = max(beyond, 0.0) / WHITE_PER_M
@@ -167,10 +167,10 @@ def fix_by(own: CurvatureRow, unit: UnitRow, count: int) -> int:
         return NOTHING
     limit = own.free[least] + own.sure_sigmas * own.sure_sigmas * noise
     far = own.sure_sigmas * math.sqrt(own.rail_peak + noise) + math.sqrt(own.misfit)
-    hull = explained(own.free, own.span, least, NEAR_M, limit, own.free[least] + far * far)
+    hull = explained_shifts(own.free, own.span, least, NEAR_M, limit, own.free[least] + far * far)
     from_m, to_m = hull
     first, last = math.floor(from_m), min(math.ceil(to_m), own.span)
-    shift_m = nearest(known, own.bent_per_m, begin, count, first, last, own.mean_per_m, own.energy)
+    shift_m = least_shift(known, own.bent_per_m, begin, count, first, last, own.mean_per_m, own.energy)
     shift_m = min(max(shift_m, from_m), to_m)
     if own.metre >= own.bias_metre + count and count > 2 * BLOCK_M:
         learn_bias(own, count)
@@ -230,7 +230,7 @@ def curvature(
     if own.path != unit.paths_taken_up:
         begin_anew(own, unit)
         return NOTHING
-    run_m = ran(own, unit)
+    run_m = take_up_run(own, unit)
     own.bias_radps2 += own.bias_walk_radps * own.bias_walk_radps * 2.0 * step_s / own.bias_walk_s
     # wheels that show nothing may be locked
     if run_m == 0.0 and unit.speed_mps == 0.0 and unit.may_run_mps <= 0.0:
@@ -241,4 +241,4 @@ def curvature(
     if own.along_m < own.next_m or unit.position_known == 0 or own.same > 0:
         return NOTHING
     own.next_m = own.along_m + own.every_m
-    return collate(own, unit, chart)
+    return collate_with_map(own, unit, chart)

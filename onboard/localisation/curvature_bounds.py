@@ -21,7 +21,7 @@ import numpy as np
 
 from onboard.localisation.collation import Samples
 from onboard.localisation.curvature_row import BY_SPACE, RISES_M, WINDOW_MAX, CurvatureRow
-from onboard.localisation.spatial_filter import shift
+from onboard.localisation.spatial_filter import shift_filter
 from onboard.records import UnitRow
 from vehicle.compiled import compiled
 
@@ -90,7 +90,7 @@ def late_m(own: CurvatureRow, slow_s_per_m: float) -> float:
 
 
 @compiled
-def weigh(own: CurvatureRow, shift: int, count: int) -> None:
+def weigh_shift(own: CurvatureRow, shift: int, count: int) -> None:
     """What the map holds at a shift of the last `count` metres, and what pulls a fix by it: the wheels' run since,
     gain, a bias over changing speed, delay. Fills `slope2` to `pull_behind_m`.
     """
@@ -199,7 +199,7 @@ def turn_to_bias(own: CurvatureRow, bias_radps: float) -> None:
     for i in range(2 * WINDOW_MAX):
         own.bent_per_m[i] += less_radps * own.slow_s_per_m[i]
     if own.filtered == BY_SPACE:
-        shift(own.numbers, own.kept, less_radps * own.slow_s_per_m[own.at + WINDOW_MAX - 1])
+        shift_filter(own.numbers, own.kept, less_radps * own.slow_s_per_m[own.at + WINDOW_MAX - 1])
 
 
 @compiled

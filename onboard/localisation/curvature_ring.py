@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Final
 
 from onboard.localisation.curvature_row import BY_SPACE, BY_TIME, WINDOW_MAX, CurvatureRow
-from onboard.localisation.spatial_filter import SETTLES_M, passed, settle
+from onboard.localisation.spatial_filter import SETTLES_M, filtered_sample, settle_filter
 from onboard.records import UnitRow
 from vehicle.compiled import compiled
 
@@ -48,7 +48,7 @@ def doubt_of_scale(own: CurvatureRow, unit: UnitRow) -> tuple[float, float]:
 
 
 @compiled
-def ran(own: CurvatureRow, unit: UnitRow) -> float:
+def take_up_run(own: CurvatureRow, unit: UnitRow) -> float:
     """Take up the wheels' run of this step and how wrong it may be; returns it, m.
 
     While the unit doubts its wheels, what was learned of them is worth nothing: they may have lied then already.
@@ -94,13 +94,13 @@ def stand(own: CurvatureRow, yaw_radps: float, step_s: float) -> None:
 
 
 @compiled
-def keep(own: CurvatureRow, bent_per_m: float, slow_s_per_m: float) -> None:
+def keep_metre(own: CurvatureRow, bent_per_m: float, slow_s_per_m: float) -> None:
     """One metre into the ring."""
     value = bent_per_m
     if own.filtered == BY_SPACE:
         if own.settling_m < 0.0:
-            settle(own.numbers, own.kept, bent_per_m)
-        value = passed(own.numbers, own.kept, bent_per_m)
+            settle_filter(own.numbers, own.kept, bent_per_m)
+        value = filtered_sample(own.numbers, own.kept, bent_per_m)
     if own.settling_m < 0.0:
         own.settling_m = SETTLES_M
     own.settling_m = max(own.settling_m - 1.0, 0.0)
@@ -125,7 +125,9 @@ def measure(own: CurvatureRow, unit: UnitRow, yaw_radps: float, step_s: float) -
     if speed_mps < HOLD_MPS:
         turned_rad = own.held_per_m * max(gained_m, 0.0)
     elif own.filtered == BY_TIME:
-        turned_rad = passed(own.numbers, own.kept, turned_rad / (speed_mps * step_s)) * max(gained_m, 0.0)
+        turned_rad = filtered_sample(own.numbers, own.kept, turned_rad / (speed_mps * step_s)) * max(
+            gained_m, 0.0
+        )
     before_rad = own.heading_rad
     own.heading_rad += turned_rad
     if gained_m <= 0.0:
@@ -136,5 +138,5 @@ def measure(own: CurvatureRow, unit: UnitRow, yaw_radps: float, step_s: float) -
         here_rad = before_rad + (own.metre - own.reached_m) / gained_m * turned_rad
         own.held_per_m = here_rad - own.metre_rad
         own.metre_rad = here_rad
-        keep(own, own.held_per_m, slow_s_per_m)
+        keep_metre(own, own.held_per_m, slow_s_per_m)
     own.reached_m = to_m

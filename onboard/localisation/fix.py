@@ -4,12 +4,12 @@ Invariant: where two intervals both contain the true front, their intersection c
 does not overlap the bounds is refused, because one of the two is wrong and nobody knows which. A unit without a
 position takes the fix as it is.
 
-To `cut` the bounds is to narrow them to their intersection with the fix's interval. The new estimate lies between the
-old one and the fix, weighted by the inverse squares of their greatest errors, inside the new bounds. Readers of
-`onboard.localisation.table` do this by `taken` in the compiled tick, event-driven ones by `take`. A tag may be wrong,
-and so may the tachometer since the tag before, unnoticed: after a tag the bounds span it and what the tags before it
-say (`onboard.localisation.tags`). A sensor that can be deceived (a camera) only moves the estimate inside the bounds
-(`leant`). The bounds stay as they are, so safety never depends on such a sensor.
+To cut the bounds (`cut_interval`) is to narrow them to their intersection with the fix's interval. The new estimate
+lies between the old one and the fix, weighted by the inverse squares of their greatest errors, inside the new bounds.
+Readers of `onboard.localisation.table` do this by `fix_by_rule` in the compiled tick, event-driven ones by
+`take_interval`. A tag may be wrong, and so may the tachometer since the tag before, unnoticed: after a tag the bounds
+span it and what the tags before it say (`onboard.localisation.tags`). A sensor that can be deceived (a camera) only
+moves the estimate inside the bounds (`move_estimate`). The bounds stay as they are, so safety never depends on it.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def missed_m(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -
 
 
 @compiled
-def cut(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> float:
+def cut_interval(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> float:
     """Cut the present interval with that about `position_m`; returns `missed_m`, the row stays if positive."""
     return float(cut_towards(row, position_m, behind_m, ahead_m, weight_of(row, behind_m, ahead_m)))
 
@@ -113,7 +113,7 @@ def cut_towards(row: UnitRow, position_m: float, behind_m: float, ahead_m: float
 
 
 @compiled
-def taken(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> int:
+def fix_by_rule(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> int:
     """A fix from a reader of the table, by the rule; what came of it."""
     return int(taken_towards(row, position_m, behind_m, ahead_m, weight_of(row, behind_m, ahead_m)))
 
@@ -135,7 +135,7 @@ def trusted(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) ->
     if row.position_known != 0:
         row.fix_correction_m += position_m - row.position_m
     row.position_known = 0
-    cut(row, position_m, behind_m, ahead_m)
+    cut_interval(row, position_m, behind_m, ahead_m)
     return TAKEN
 
 
@@ -153,7 +153,7 @@ def keep_narrowest(unit: UnitRow) -> None:
 
 
 @compiled
-def told(unit: UnitRow, reader: int) -> int:
+def virtual_tag_bits(unit: UnitRow, reader: int) -> int:
     """What a reading of an absolute sensor means for virtual tags; event bits."""
     if unit.fix_came == FIX_CUT:
         unit.missed_fixes = 0
@@ -172,7 +172,7 @@ def told(unit: UnitRow, reader: int) -> int:
 
 
 @compiled
-def leant(row: UnitRow, slack_m: float, position_m: float, within_m: float) -> float:
+def move_estimate(row: UnitRow, slack_m: float, position_m: float, within_m: float) -> float:
     """Move the estimate towards a fix about `position_m` and leave both ends of the bounds where they are.
 
     `slack_m` and `within_m` say what estimate and fix may be wrong by, m; returns the estimate's afterwards. The two
@@ -198,7 +198,7 @@ def missed_by_m(row: UnitRow, fix: Fix) -> float:
     return float(missed_m(row, fix.position_m, fix.behind_m, fix.ahead_m))
 
 
-def within(row: UnitRow, low_m: float, high_m: float) -> None:
+def bring_within(row: UnitRow, low_m: float, high_m: float) -> None:
     """The front lies in this interval, m, for reasons the row knows nothing of: the estimate only moves into it."""
     estimate_m = min(max(row.position_m, low_m), high_m)
     row.fix_correction_m += estimate_m - row.position_m
@@ -206,15 +206,15 @@ def within(row: UnitRow, low_m: float, high_m: float) -> None:
     row.bound_behind_m, row.bound_ahead_m = estimate_m - low_m, high_m - estimate_m
 
 
-def take(row: UnitRow, fix: Fix, span_m: tuple[float, float] | None = None) -> TakenFix | RefusedFix:
+def take_interval(row: UnitRow, fix: Fix, span_m: tuple[float, float] | None = None) -> TakenFix | RefusedFix:
     """Cut the present interval with the fix's; `span_m`: or let the bounds be that, which holds the fix's whole.
 
     The row is left alone where the fix is refused.
     """
     known, before_m = row.position_known, float(row.position_m)
-    away_m = cut(row, fix.position_m, fix.behind_m, fix.ahead_m)
+    away_m = cut_interval(row, fix.position_m, fix.behind_m, fix.ahead_m)
     if not away_m <= 0.0:
         return RefusedFix(f"{fix.source} misses the bounds by {away_m:.3f} m")
     if span_m is not None:
-        within(row, *span_m)
+        bring_within(row, *span_m)
     return TakenFix(float(row.position_m) - before_m if known else 0.0)

@@ -36,7 +36,16 @@ from typing import Annotated, Final, Protocol
 
 import numpy as np
 
-from onboard.localisation.fix import FIX_MISSED, MISSED, NOTHING, REFUSED, TAKEN, leant, missed_m, taken
+from onboard.localisation.fix import (
+    FIX_MISSED,
+    MISSED,
+    NOTHING,
+    REFUSED,
+    TAKEN,
+    fix_by_rule,
+    missed_m,
+    move_estimate,
+)
 from onboard.records import Chart, UnitRow
 from vehicle.compiled import compiled
 
@@ -287,18 +296,18 @@ def outcome_of(own: GnssRow, unit: UnitRow, protection_m: float) -> int:
 
 
 @compiled
-def leans(own: GnssRow, unit: UnitRow, at_m: float, within_m: float, protection_m: float) -> int:
+def move_by_fix(own: GnssRow, unit: UnitRow, at_m: float, within_m: float, protection_m: float) -> int:
     """Lean the estimate on a fix that may not cut; one that misses the bounds is passed over."""
     if unit.position_known == 0 or not missed_m(unit, at_m, within_m, within_m) <= 0.0:
         return NOTHING
     if abs(at_m - unit.position_m) > own.slack_m + within_m:
         return NOTHING
-    own.slack_m = leant(unit, own.slack_m, at_m, within_m)
+    own.slack_m = move_estimate(unit, own.slack_m, at_m, within_m)
     return outcome_of(own, unit, protection_m)
 
 
 @compiled
-def used(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: float) -> int:
+def use_fix(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: float) -> int:
     """A fix that is sound: it cuts the bounds under an open sky once borne out, else it leans the estimate."""
     at_m, wheels_m = front_by_fix(own, reading, unit, step_s)
     protection_m, sky_open = reading.protection_m, reading.open_sky != 0
@@ -311,11 +320,11 @@ def used(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: float) -> in
     least_m, most_m = lie_m(own, unit)
     within_m = protection_m + wheels_m
     if not sky_open or own.agreeing < (BORNE_OUT if unit.position_known == 1 else FIRST_FIXES):
-        return leans(own, unit, at_m, within_m + max(most_m, -least_m), protection_m)
+        return move_by_fix(own, unit, at_m, within_m + max(most_m, -least_m), protection_m)
     if not meets:
         unit.fix_came = FIX_MISSED
         return REFUSED
-    came = taken(unit, at_m, within_m + most_m, within_m - least_m)
+    came = fix_by_rule(unit, at_m, within_m + most_m, within_m - least_m)
     return outcome_of(own, unit, protection_m) if came == TAKEN else REFUSED
 
 
@@ -332,4 +341,4 @@ def gnss(own: GnssRow, reading: GnssReading, unit: UnitRow, _chart: Chart, step_
     sound = np.isfinite(reading.position_m) and reading.protection_m > 0.0
     if not (sound and 0.0 <= reading.age_s <= OLDEST_S):
         return REFUSED
-    return used(own, reading, unit, step_s)
+    return use_fix(own, reading, unit, step_s)

@@ -17,7 +17,7 @@ from typing import Annotated, Final, Protocol
 
 import numpy as np
 
-from onboard.localisation.fix import MISSED, NOTHING, REFUSED, missed_m, taken
+from onboard.localisation.fix import MISSED, NOTHING, REFUSED, fix_by_rule, missed_m
 from onboard.localisation.lidar_points import (
     CYCLE_S,
     FARTHEST_M,
@@ -72,7 +72,7 @@ class LidarRow(Protocol):
 
 
 @compiled
-def silent(own: SpeedRow) -> None:
+def see_nothing(own: SpeedRow) -> None:
     """There is nothing to be seen: the means hold zeros, as after so many cycles without a point."""
     own.last_m, own.cycles, own.detected_mps, own.speed_mps = -1.0, 0, 0.0, 0.0
     for k in range(MEANS):
@@ -168,9 +168,9 @@ def lidar(own: LidarRow, reading: LidarReading, unit: UnitRow, chart: Chart, _st
     outcome = NOTHING
     if reading.looks == 0:
         if own.speed.cycles > 0 or own.speed.speed_mps > 0.0:
-            silent(own.speed)
+            see_nothing(own.speed)
     else:
-        outcome = looked(own, reading, unit, chart)
+        outcome = take_points(own, reading, unit, chart)
     if unit.position_known == 1 and unit.position_m - unit.bound_behind_m > own.expected_m + PASSED_BY_M:
         if outcome == NOTHING and own.read_m != own.expected_m:
             outcome = MISSED
@@ -179,7 +179,7 @@ def lidar(own: LidarRow, reading: LidarReading, unit: UnitRow, chart: Chart, _st
 
 
 @compiled
-def looked(own: LidarRow, reading: LidarReading, unit: UnitRow, chart: Chart) -> int:
+def take_points(own: LidarRow, reading: LidarReading, unit: UnitRow, chart: Chart) -> int:
     """Take one step's points: the speed, and the fix of the last moment at which the pattern shows."""
     ahead_m, age_s = np.nan, 0.0
     for k in range(SPOTS):
@@ -199,4 +199,4 @@ def looked(own: LidarRow, reading: LidarReading, unit: UnitRow, chart: Chart) ->
     if not np.isfinite(place_m):
         return REFUSED
     own.read_m = place_m
-    return taken(unit, place_m - ahead_m, within_m, within_m)
+    return fix_by_rule(unit, place_m - ahead_m, within_m, within_m)

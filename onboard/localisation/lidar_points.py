@@ -12,7 +12,7 @@ from typing import Annotated, Any, Final, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from onboard.localisation.marker_patterns import ROW_M, ROWS, recognised
+from onboard.localisation.marker_patterns import ROW_M, ROWS, recognised_pattern
 from vehicle.compiled import compiled
 from vehicle.record import dtype_of
 
@@ -90,7 +90,7 @@ def mean_distance_m(x_m: Floats, first: int, end: int) -> float:
 
 
 @compiled
-def moved(x_m: Floats, time_s: Floats, first: int, end: int, now_s: float, speed_mps: float) -> Floats:
+def places_now(x_m: Floats, time_s: Floats, first: int, end: int, now_s: float, speed_mps: float) -> Floats:
     """Where points are now that were taken at their times: equation 2."""
     out = np.empty(end - first)
     for i in range(first, end):
@@ -133,7 +133,7 @@ def passage(time_s: Floats, x_m: Floats, y_m: Floats, own: SpeedRow, used: Point
         if end == first or mean_m > last_m + LOOKED_FOR_M:
             continue
         speed_mps = own.speed_mps if used.smoothed else own.detected_mps
-        at_m = moved(x_m, time_s, first, end, now_s, speed_mps if used.corrected else 0.0)
+        at_m = places_now(x_m, time_s, first, end, now_s, speed_mps if used.corrected else 0.0)
         if last_m <= np.mean(at_m) <= last_m + READ_FROM_M - NEAREST_M:
-            number, row_m = recognised(at_m, y_m[first:end], used.spacing_m)
+            number, row_m = recognised_pattern(at_m, y_m[first:end], used.spacing_m)
             cycles[c, 3], cycles[c, 4] = float(number), row_m

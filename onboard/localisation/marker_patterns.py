@@ -83,7 +83,7 @@ def phase_m(x_m: Floats, spacing_m: float) -> float:
 
 
 @compiled
-def counted(x_m: Floats, y_m: Floats, spacing_m: float, counts: Ints) -> float:
+def count_cells(x_m: Floats, y_m: Floats, spacing_m: float, counts: Ints) -> float:
     """Fill `counts` (ROWS_LOOKED * COLUMNS) with the points of each cell; returns where row 0 lies, m."""
     counts[:] = 0
     phase = phase_m(x_m, spacing_m)
@@ -97,7 +97,7 @@ def counted(x_m: Floats, y_m: Floats, spacing_m: float, counts: Ints) -> float:
 
 
 @compiled
-def recognised(x_m: Floats, y_m: Floats, spacing_m: float) -> tuple[int, float]:
+def recognised_pattern(x_m: Floats, y_m: Floats, spacing_m: float) -> tuple[int, float]:
     """The pattern that points on markers show (places along the track and left of its middle, m), and its first row.
 
     UNREAD where it is not exactly one of the catalogue.
@@ -105,7 +105,7 @@ def recognised(x_m: Floats, y_m: Floats, spacing_m: float) -> tuple[int, float]:
     if len(x_m) < MARKERS * LEAST_POINTS:
         return UNREAD, 0.0
     counts = np.zeros(ROWS_LOOKED * COLUMNS, dtype=np.int64)
-    first_m = counted(x_m, y_m, spacing_m, counts)
+    first_m = count_cells(x_m, y_m, spacing_m, counts)
     order = np.argsort(-counts, kind="mergesort")
     weakest, other = counts[order[MARKERS - 1]], counts[order[MARKERS]]
     if weakest < LEAST_POINTS or weakest <= CLEARLY * other:

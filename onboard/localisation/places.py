@@ -17,7 +17,13 @@ from typing import Final
 
 from network.model import TagPurpose
 from onboard.duty.mission import PathTag
-from onboard.localisation.wheel_scale import FrontAtCount, WheelScale, carried, held, narrowest
+from onboard.localisation.wheel_scale import (
+    FrontAtCount,
+    WheelScale,
+    carried_interval,
+    front_interval,
+    narrowest,
+)
 from onboard.records import UnitRow
 from onboard.unit_records import UnitParameters
 
@@ -63,7 +69,7 @@ class Places:
         ahead = (tag.position_m for tag in self._tags[self._asked :] if tag.purpose in ASKS_AHEAD)
         return next(ahead, math.inf)
 
-    def proved(self) -> Iterator[tuple[int, PathTag]]:
+    def tags_proved(self) -> Iterator[tuple[int, PathTag]]:
         """The tags whose places fixes prove to be behind the front since the last call, in their order."""
         while self._proved < len(self._tags) and self._tags[self._proved].position_m <= self._row.sure_m:
             yield self._proved, self._tags[self._proved]
@@ -71,7 +77,7 @@ class Places:
         self._measure()
         self._watch()
 
-    def reached(self) -> Iterator[int]:
+    def tags_reached(self) -> Iterator[int]:
         """The tags that ask for something ahead, and at whose places the estimate now is."""
         while self._asked < len(self._tags) and self._tags[self._asked].position_m <= self._row.position_m:
             if self._tags[self._asked].purpose in ASKS_AHEAD:
@@ -111,7 +117,7 @@ class Places:
         row, before = self._row, self._before
         if not math.isfinite(row.fix_at_m):
             return
-        here = held(row, float(row.fix_low_m), float(row.fix_high_m))
+        here = front_interval(row, float(row.fix_low_m), float(row.fix_high_m))
         if self._in_doubt:
             if before is None:
                 self._before = here
@@ -119,7 +125,7 @@ class Places:
             if here.low_m - before.high_m < AGREES_OVER_M:
                 return
             self._before = here
-            low_m, high_m = carried(row, before, self._wheel.scales)
+            low_m, high_m = carried_interval(row, before, self._wheel.scales)
             if low_m > here.high_m or high_m < here.low_m:
                 return
             self._wheel.learn(before)

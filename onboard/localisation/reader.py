@@ -105,7 +105,9 @@ def window_id(items: NDArray[np.int64], first: int, last: int, agree: int) -> in
 
 
 @compiled
-def judged(items: NDArray[np.int64], window_items: int, agree: int, step_items: int) -> tuple[int, int]:
+def judged_windows(
+    items: NDArray[np.int64], window_items: int, agree: int, step_items: int
+) -> tuple[int, int]:
     """Id (or REFUSED) and the number of items read, by the first window that passes.
 
     A passage of fewer items than a window is one window; otherwise no window is cut short.
@@ -145,5 +147,5 @@ def decode(telegram: int) -> tuple[int | None, int | None]:
 def judge(items: Sequence[int | None], rule: IdAgreement = PAPER_RULE) -> Judgement:
     """Judge the data items of one passage in order of reading, refused ones (None) in their places."""
     numbers = np.array([REFUSED if item is None else item for item in items], dtype=np.int64)
-    tag_id, items_read = judged(numbers, rule.window_items, rule.agree, rule.step_items)
+    tag_id, items_read = judged_windows(numbers, rule.window_items, rule.agree, rule.step_items)
     return Judgement(None if tag_id == REFUSED else int(tag_id), int(items_read))

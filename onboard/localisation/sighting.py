@@ -15,7 +15,7 @@ from typing import Annotated, Final, Protocol
 
 import numpy as np
 
-from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN, leant, missed_m
+from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN, missed_m, move_estimate
 from onboard.records import Chart, UnitRow
 from vehicle.compiled import compiled
 
@@ -89,7 +89,7 @@ def begin_slack(own: SignRow, unit: UnitRow, slack_m: float) -> None:
 
 
 @compiled
-def sighted(own: SignRow, unit: UnitRow, front_m: float, within_m: float) -> int:
+def sign_sighted(own: SignRow, unit: UnitRow, front_m: float, within_m: float) -> int:
     """One frame that shows a sign, so that the front is at `front_m` or within so much of it.
 
     TAKEN, or REFUSED where it contradicts the bounds or the sightings before it.
@@ -102,7 +102,7 @@ def sighted(own: SignRow, unit: UnitRow, front_m: float, within_m: float) -> int
             return REFUSED
         own.slack_m = unit.bound_ahead_m + unit.bound_behind_m
     own.contradictions = 0
-    own.slack_m = leant(unit, own.slack_m, front_m, within_m)
+    own.slack_m = move_estimate(unit, own.slack_m, front_m, within_m)
     return TAKEN
 
 
@@ -121,7 +121,7 @@ def sign(own: SignRow, reading: SignReading, unit: UnitRow, _chart: Chart, _step
     outcome = NOTHING
     if np.isfinite(reading.distance_m) and unit.position_known == 1:
         front_m, within_m = front_by_frame(unit, own.mark_m + SIGN_BEYOND_MARK_M, reading.distance_m)
-        outcome = sighted(own, unit, front_m, within_m)
+        outcome = sign_sighted(own, unit, front_m, within_m)
     if outcome == TAKEN:
         own.seen = 1
     if own.seen == 0 and sign_is_missing(own.mark_m, unit.position_m):

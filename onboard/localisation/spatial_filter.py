@@ -46,7 +46,7 @@ def delay_m(corner_m: float = CORNER_M) -> float:
     return DELAY_RAD * corner_m / (2.0 * math.pi)
 
 
-def gain(wave_m: Floats, corner_m: float = CORNER_M) -> Floats:
+def filter_gain(wave_m: Floats, corner_m: float = CORNER_M) -> Floats:
     """What is left of waves of those lengths (m), as a share."""
     numbers, z = sections(corner_m), np.exp(-2.0j * np.pi / wave_m)
     left = np.ones_like(z)
@@ -57,7 +57,7 @@ def gain(wave_m: Floats, corner_m: float = CORNER_M) -> Floats:
 
 
 @compiled
-def settle(numbers: Numbers, kept: Numbers, value: float) -> None:
+def settle_filter(numbers: Numbers, kept: Numbers, value: float) -> None:
     """As if `value` had come in for ever."""
     for i in range(2):
         b1, b2 = numbers[SECTION * i + 1], numbers[SECTION * i + 2]
@@ -67,7 +67,7 @@ def settle(numbers: Numbers, kept: Numbers, value: float) -> None:
 
 
 @compiled
-def shift(numbers: Numbers, kept: Numbers, by: float) -> None:
+def shift_filter(numbers: Numbers, kept: Numbers, by: float) -> None:
     """As if all that has come in for ever had been greater by so much."""
     for i in range(2):
         b1, b2 = numbers[SECTION * i + 1], numbers[SECTION * i + 2]
@@ -77,7 +77,7 @@ def shift(numbers: Numbers, kept: Numbers, by: float) -> None:
 
 
 @compiled
-def passed(numbers: Numbers, kept: Numbers, value: float) -> float:
+def filtered_sample(numbers: Numbers, kept: Numbers, value: float) -> float:
     """One sample through both sections (direct form II, transposed); what comes out."""
     for i in range(2):
         b0, b1, b2 = numbers[SECTION * i], numbers[SECTION * i + 1], numbers[SECTION * i + 2]
@@ -102,16 +102,16 @@ def pass_all(numbers: Floats, values: Floats) -> Floats:
             settled = False
             continue
         if not settled:
-            settle(numbers, kept, values[i])
+            settle_filter(numbers, kept, values[i])
             since, settled = 0.0, True
-        value = passed(numbers, kept, values[i])
+        value = filtered_sample(numbers, kept, values[i])
         since += 1.0
         if since > SETTLES_M:
             out[i] = value
     return out
 
 
-def rises(numbers: Floats) -> Floats:
+def step_response(numbers: Floats) -> Floats:
     """What the filter makes of a step of 1, sample by sample, RISES_M of them."""
     kept = np.zeros(4)
-    return np.array([passed(numbers, kept, 1.0) for _ in range(RISES_M)])
+    return np.array([filtered_sample(numbers, kept, 1.0) for _ in range(RISES_M)])

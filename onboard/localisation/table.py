@@ -1,8 +1,8 @@
 """What reads each sensor on board, in the compiled tick. A new one is a file of its own and one entry in READERS.
 
 A reader is a compiled function of its own row, what its sensor shows, the unit, what units know of their ways and the
-length of the step: it gives its fix to `onboard.localisation.fix.taken` and returns what came of it. The sensor fills
-`sensed.readings.<name>`.
+length of the step: it gives its fix to `onboard.localisation.fix.fix_by_rule` and returns what came of it. The
+sensor fills `sensed.readings.<name>`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, cast
 from onboard.localisation.beacons import BeaconReading, BeaconsRow, beacons
 from onboard.localisation.curvature import curvature
 from onboard.localisation.curvature_row import CurvatureReading, CurvatureRow
-from onboard.localisation.fix import NOTHING, TAKEN, told
+from onboard.localisation.fix import NOTHING, TAKEN, virtual_tag_bits
 from onboard.localisation.gnss import GnssReading, GnssRow, gnss
 from onboard.localisation.lidar import LidarReading, LidarRow, lidar
 from onboard.localisation.sighting import SignReading, SignRow, sign
@@ -81,7 +81,7 @@ ReadAll = Callable[[ReadersRow, ReadingsRow, UnitRow, Chart, float], int]
 
 
 @compiled
-def noted(readers: ReadersRow, number: int, outcome: int, moved_m: float) -> int:
+def note_reading(readers: ReadersRow, number: int, outcome: int, moved_m: float) -> int:
     """Keep what came of a reading; an event where it is another than before."""
     if outcome == NOTHING:
         return 0
@@ -103,7 +103,9 @@ def _read_all() -> ReadAll:
             lines += [f"    events |= told(unit, {number})"]
     lines += ["    return events"]
     names = {reader.name: reader.function for reader in READERS}
-    return cast("ReadAll", compiled_lines(lines, {**names, "noted": noted, "told": told}, __name__))
+    return cast(
+        "ReadAll", compiled_lines(lines, {**names, "noted": note_reading, "told": virtual_tag_bits}, __name__)
+    )
 
 
 read_all: Final = _read_all()

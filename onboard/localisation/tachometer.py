@@ -16,12 +16,12 @@ from onboard.localisation.axles import (
     NO_AXLE_MPS,
     SURE_BRAKE_MPS2,
     TACHOMETER_LIES,
-    alike,
     come_apart,
     compare,
     contradict,
     last_run_m,
     speed_to_go_by_mps,
+    turn_alike,
 )
 from onboard.records import EVENT_SAFE_REAR, EVENT_TACHOMETER, EVENT_TAG_OVERDUE, UnitRow
 from vehicle.compiled import compiled
@@ -59,22 +59,22 @@ def locate(
             short_m, long_m = max(last_m - run_m, 0.0), max(run_m - last_m - unit.pulse_m, 0.0)
     if unit.apart == 0:
         events |= doubt_tachometer(unit, train, shown_mps, step_s)
-        if shown and events != 0 and not alike(unit, shown_mps, last_mps):
+        if shown and events != 0 and not turn_alike(unit, shown_mps, last_mps):
             contradict(unit, shown_mps, last_mps)
     speed_mps = speed_to_go_by_mps(unit, shown_mps, last_mps, step_s) if shown else shown_mps
     if unit.liar == TACHOMETER_LIES:
         unit.odometer_off_m += last_m - run_m
         run_m, short_m, long_m = last_m, 0.0, 0.0
     unit.odometer_m = odometer_m + unit.odometer_off_m
-    run(unit, train, run_m, speed_mps, step_s, short_m, long_m)
+    count_run(unit, train, run_m, speed_mps, step_s, short_m, long_m)
     smoothing = step_s / (ACCELERATION_SMOOTHING_S + step_s)
     unit.acceleration_mps2 += smoothing * ((speed_mps - unit.speed_mps) / step_s - unit.acceleration_mps2)
     unit.speed_mps = speed_mps
-    return events | passed(unit, train)
+    return events | passed_bits(unit, train)
 
 
 @compiled
-def run(
+def count_run(
     unit: UnitRow,
     train: TrainRow,
     run_m: float,
@@ -110,7 +110,7 @@ def run(
 
 
 @compiled
-def passed(unit: UnitRow, train: TrainRow) -> int:
+def passed_bits(unit: UnitRow, train: TrainRow) -> int:
     """What the front or the rear has surely passed; event bits."""
     events = 0
     if unit.position_known == 1:

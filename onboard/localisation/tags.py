@@ -26,7 +26,7 @@ from typing import Final
 
 from onboard.duty.mission import PathTag
 from onboard.localisation.axles import forget_axles
-from onboard.localisation.fix import Fix, FixSource, TakenFix, missed_by_m, take, within
+from onboard.localisation.fix import Fix, FixSource, TakenFix, bring_within, missed_by_m, take_interval
 from onboard.localisation.tachometer import calibrated_scale
 from onboard.localisation.wheel_scale import (
     LEARNED_OVER_M,
@@ -34,8 +34,8 @@ from onboard.localisation.wheel_scale import (
     FrontAtCount,
     Scales,
     WheelScale,
-    carried,
-    held,
+    carried_interval,
+    front_interval,
     narrowest,
     way_between,
 )
@@ -110,7 +110,7 @@ class TagDoubt:
         """The unit's row that it sets."""
         return self._row
 
-    def placed(self) -> None:
+    def position_told(self) -> None:
         """The crew has told where the train stands, or that the unit has just started."""
         forget_axles(self._row)
         self._read.clear()
@@ -126,7 +126,9 @@ class TagDoubt:
         kept: list[FrontAtCount] = []
         for low_m, high_m in (self._now(one) for one in self._read):
             behind_m, ahead_m = row.position_m - low_m, high_m - row.position_m
-            kept.append(held(row, -ahead_m, behind_m) if turned else held(row, -behind_m, ahead_m))
+            kept.append(
+                front_interval(row, -ahead_m, behind_m) if turned else front_interval(row, -behind_m, ahead_m)
+            )
         return kept
 
     def new_path(self, tags: tuple[PathTag, ...], kept: Sequence[FrontAtCount] = ()) -> None:
@@ -141,7 +143,7 @@ class TagDoubt:
         self._told.clear()
         self._wheel.forget_places()
 
-    def begin(self, wheels: Wheels = Wheels.DOUBTED) -> None:
+    def begin_doubt(self, wheels: Wheels = Wheels.DOUBTED) -> None:
         """A position fault: what was run since the last tag, or since the mission began, may be false.
 
         Where the wheels are sound it is the tag that is false, or the place: bounds grow as before.
@@ -150,7 +152,7 @@ class TagDoubt:
         if wheels is Wheels.FALSE:
             self._before = None
         elif row.position_known and self._parameters.tags_wrong_together:
-            self._before = held(row, *bounds_of(row))
+            self._before = front_interval(row, *bounds_of(row))
         elif self._read:  # a tag was read since the fault before: one of the two is right
             self._before = self._read[-1]
         self._doubting = self._doubting or bool(row.position_known)
@@ -198,7 +200,7 @@ class TagDoubt:
         fix = self._read[-1]._replace(
             low_m=row.fix_low_m, high_m=row.fix_high_m, odometer_m=row.fix_odometer_m
         )
-        return carried(row, fix, Scales(row.odometer_scale - share, row.odometer_scale + share))
+        return carried_interval(row, fix, Scales(row.odometer_scale - share, row.odometer_scale + share))
 
     def release_margin_m(self, *, standing: bool) -> float:
         """How much a tachometer out of order may have shown too much since the last tag, m: nothing is freed on it.
@@ -236,7 +238,7 @@ class TagDoubt:
         self._suspect = (tag, odometer_m) if self._doubting else None
         return not self._doubting
 
-    def hear(self, tag: PathTag, odometer_m: float) -> tuple[TagOutcome, float]:
+    def tag_read(self, tag: PathTag, odometer_m: float) -> tuple[TagOutcome, float]:
         """A tag was read when the tachometer stood at `odometer_m`: position, bounds and wheels by it.
 
         Returns what came of it, and by how much it moved the estimate, m.
@@ -248,15 +250,15 @@ class TagDoubt:
         believed, span_m = self.believes(tag, odometer_m), self.span_m(fix)
         if not believed:
             if row.position_known:
-                within(row, *span_m)
+                bring_within(row, *span_m)
             self._doubted += 1
-            self.remember(fix)
+            self.remember_fix(fix)
             return TagOutcome.DOUBTED, 0.0
-        self._place_told(held(row, fix.position_m - fix.behind_m, fix.position_m + fix.ahead_m))
-        self.take(tag, odometer_m)
+        self._place_told(front_interval(row, fix.position_m - fix.behind_m, fix.position_m + fix.ahead_m))
+        self.believe_tag(tag, odometer_m)
         self._doubted = 0
-        taken = take(record, fix, span_m)
-        self.remember(fix)
+        taken = take_interval(record, fix, span_m)
+        self.remember_fix(fix)
         return TagOutcome.BELIEVED, taken.correction_m if isinstance(taken, TakenFix) else 0.0
 
     def span_m(self, fix: Fix) -> tuple[float, float]:
@@ -267,7 +269,7 @@ class TagDoubt:
             return low_m, high_m
         earlier = [self._now(one) for one in self._read]
         if self._before is not None:
-            earlier.insert(0, carried(row, self._before, self._wheel.scales))
+            earlier.insert(0, carried_interval(row, self._before, self._wheel.scales))
         least_m, most_m = bounds_of(row) if row.position_known else (-math.inf, math.inf)
         if row.position_known and len(earlier) < together:
             earlier.append((least_m, most_m))
@@ -276,7 +278,7 @@ class TagDoubt:
                 low_m, high_m = min(low_m, max(lower_m, least_m)), max(high_m, min(upper_m, most_m))
         return low_m, high_m
 
-    def take(self, tag: PathTag, odometer_m: float) -> None:
+    def believe_tag(self, tag: PathTag, odometer_m: float) -> None:
         """A tag is believed: calibrate the tachometer over the way since the last one."""
         row, parameters = self._row, self._parameters
         scale = row.odometer_scale
@@ -296,20 +298,20 @@ class TagDoubt:
         self._last = (tag, odometer_m)
         self._anchor_m = tag.position_m
 
-    def remember(self, fix: Fix) -> None:
+    def remember_fix(self, fix: Fix) -> None:
         """A tag was read, believed or not, and the bounds have taken it up."""
         row = self._row
-        self._read.append(held(row, fix.position_m - fix.behind_m, fix.position_m + fix.ahead_m))
+        self._read.append(front_interval(row, fix.position_m - fix.behind_m, fix.position_m + fix.ahead_m))
         if self._before is not None and len(self._read) >= self._parameters.tags_wrong_together:
             self._before = None
         if row.position_known and not self._wide:
-            self._wheel.read(self._read[-1])
-            self._wheel.learn(held(row, *bounds_of(row)))
+            self._wheel.tag_read(self._read[-1])
+            self._wheel.learn(front_interval(row, *bounds_of(row)))
             self._wheel.apply(row.odometer_scale)
 
     def _now(self, one: FrontAtCount) -> tuple[float, float]:
         """Where the front is by what a tag said then, m; were the wheels out of order, the newest tag would be true."""
-        return carried(self._row, one, self._wheel.scales)
+        return carried_interval(self._row, one, self._wheel.scales)
 
     def _fits(self, tag: PathTag, odometer_m: float) -> bool:
         """Whether the last tag believed, or one doubted since, agrees with this one as far as the wheels are known."""
@@ -319,7 +321,7 @@ class TagDoubt:
         low_m, high_m = fix.position_m - fix.behind_m, fix.position_m + fix.ahead_m
         share, scale = self._parameters.doubt_error_share, self._row.odometer_scale
         scales = Scales(scale - share, scale + share) if self._wide else self._wheel.scales
-        earlier = (carried(self._row, one, scales) for one in list(self._read)[-1 - self._doubted :])
+        earlier = (carried_interval(self._row, one, scales) for one in list(self._read)[-1 - self._doubted :])
         return any(lower_m <= high_m and upper_m >= low_m for lower_m, upper_m in earlier)
 
     def watch(self) -> None:

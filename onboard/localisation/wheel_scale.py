@@ -41,7 +41,7 @@ class Scales(NamedTuple):
     high: float
 
 
-def held(row: UnitRow, low_m: float, high_m: float) -> FrontAtCount:
+def front_interval(row: UnitRow, low_m: float, high_m: float) -> FrontAtCount:
     """The front lies in this interval now."""
     return FrontAtCount(low_m, high_m, row.odometer_m, row.slid_ahead_m, row.slipped_behind_m)
 
@@ -49,7 +49,7 @@ def held(row: UnitRow, low_m: float, high_m: float) -> FrontAtCount:
 def narrowest(row: UnitRow) -> FrontAtCount:
     """The narrowest fix of an absolute sensor since the last that was asked for here; without one the last of all."""
     if not row.narrow:
-        return held(row, float(row.fix_low_m), float(row.fix_high_m))
+        return front_interval(row, float(row.fix_low_m), float(row.fix_high_m))
     row.narrow = 0
     return FrontAtCount(
         float(row.narrow_low_m),
@@ -60,7 +60,7 @@ def narrowest(row: UnitRow) -> FrontAtCount:
     )
 
 
-def carried(row: UnitRow, before: FrontAtCount, scales: Scales) -> tuple[float, float]:
+def carried_interval(row: UnitRow, before: FrontAtCount, scales: Scales) -> tuple[float, float]:
     """The interval in which the front lies now, m, if it was in `before` then."""
     run_m = max(row.odometer_m - before.odometer_m, 0.0)
     low_m = before.low_m + run_m * scales.low - (row.slipped_behind_m - before.behind_m)
@@ -141,7 +141,7 @@ class WheelScale:
             del self._places[1]
         self._places.append(here)
 
-    def read(self, tag: FrontAtCount) -> None:
+    def tag_read(self, tag: FrontAtCount) -> None:
         """A tag was read that says the front is in this interval now; it may lie."""
         before, self._tag = self._tag, tag
         if before is not None:

@@ -71,7 +71,7 @@ class PlainTrack:
         self._collisions: dict[tuple[str, str], str] = {}
 
     @staticmethod
-    def of(line: Line, step_s: float, look: Look = Look.AS_SUMO) -> PlainTrack:
+    def of_line(line: Line, step_s: float, look: Look = Look.AS_SUMO) -> PlainTrack:
         """The track of a line."""
 
         def before(piece_id: str, direction: Direction) -> str | None:

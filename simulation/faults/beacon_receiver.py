@@ -17,7 +17,7 @@ class DeafReceiver(SensorFault[bool]):
     def base(self) -> bool:
         return False
 
-    def over(self, _deaf: bool) -> bool:
+    def applied_to(self, _deaf: bool) -> bool:
         return True
 
 
@@ -31,5 +31,5 @@ class FalseBeacon(UnitFault[bool]):
     def base(self) -> bool:
         return False
 
-    def over(self, _deceived: bool) -> bool:
+    def applied_to(self, _deceived: bool) -> bool:
         return True

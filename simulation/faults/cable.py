@@ -65,5 +65,5 @@ class CutCable(CableFault):
         description="place of the cut, as a share of the way from the first station to the second",
     )
 
-    def over(self, cuts: tuple[CableCut, ...]) -> tuple[CableCut, ...]:
+    def applied_to(self, cuts: tuple[CableCut, ...]) -> tuple[CableCut, ...]:
         return (*cuts, CableCut(self.target, self.along_share))

@@ -29,5 +29,5 @@ class ChargerDead(ChargerFault):
 
     kind = "charger_dead"
 
-    def over(self, _works: bool) -> bool:
+    def applied_to(self, _works: bool) -> bool:
         return False

@@ -43,10 +43,10 @@ class WrongClock(ClockFault):
     )
     _since_s: float = PrivateAttr(default=0.0)
 
-    def begun(self, onset: Onset) -> Self:
+    def taking_hold(self, onset: Onset) -> Self:
         begun = self.model_copy()
         begun._since_s = onset.t_s
         return begun
 
-    def over(self, clock: Clock) -> Clock:
+    def applied_to(self, clock: Clock) -> Clock:
         return clock.wrong(self.offset_s, self.drift_ppm * 1e-6, self._since_s)

@@ -33,7 +33,7 @@ class PowerFault(DeviceFault):
     def base(self) -> bool:
         return True
 
-    def over(self, _on: bool) -> bool:
+    def applied_to(self, _on: bool) -> bool:
         return False
 
 
@@ -65,5 +65,5 @@ class Frozen(DeviceFault):
     def base(self) -> bool:
         return False
 
-    def over(self, _frozen: bool) -> bool:
+    def applied_to(self, _frozen: bool) -> bool:
         return True

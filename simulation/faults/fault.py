@@ -2,7 +2,7 @@
 in which they began; one that ends takes nothing but itself away.
 
 A fault is a type: its fields are its table in a file, with bounds, its family says what it may aim at and which
-quantity it changes, `over` is its effect on that. All of it is data: what makes trains and track so is
+quantity it changes, `applied_to` is its effect on that. All of it is data: what makes trains and track so is
 `simulation.world.disorder`, what makes devices and units so `simulation.effects`. `simulation.faults.table` finds the
 types. Faults that overlap are folded: each makes of the value what it makes of it, from the base up. Nothing is ever
 set back; it is computed again.
@@ -75,7 +75,7 @@ class Fault(Record, Generic[V]):
         """By key of its own, what should stand in place of a name that does not exist."""
         return {}
 
-    def begun(self, _onset: Onset, /) -> Self:
+    def taking_hold(self, _onset: Onset, /) -> Self:
         """The fault as it takes hold; a kind that keeps something of the moment returns a copy that has it."""
         return self
 
@@ -83,7 +83,7 @@ class Fault(Record, Generic[V]):
         """The quantity without any fault."""
         raise NotImplementedError
 
-    def over(self, value: V, /) -> V:
+    def applied_to(self, value: V, /) -> V:
         """What the fault makes of the quantity."""
         raise NotImplementedError
 
@@ -115,10 +115,10 @@ class SensorFault(UnitFault[V], Generic[V]):
     field: ClassVar[str]
 
 
-def fold(base: V, faults: Iterable[Fault[V]]) -> V:
+def folded_value(base: V, faults: Iterable[Fault[V]]) -> V:
     """The value in force: what the faults, in their order, make of the base."""
     for fault in faults:
-        base = fault.over(base)
+        base = fault.applied_to(base)
     return base
 
 
@@ -133,7 +133,7 @@ class InForce:
 
     def begin(self, key: int, fault: Fault[Any], onset: Onset) -> None:
         """A fault takes hold."""
-        self._faults[key] = fault.begun(onset)
+        self._faults[key] = fault.taking_hold(onset)
 
     def end(self, key: int) -> None:
         """A fault is over; the others of its place stay in force."""
@@ -141,13 +141,13 @@ class InForce:
 
     def value(self, fault: Fault[V]) -> V:
         """What the quantity that a fault changes is now."""
-        now: V = fold(fault.base(), [self._faults[key] for key in self.at(fault.place)])
+        now: V = folded_value(fault.base(), [self._faults[key] for key in self.at(fault.place)])
         return now
 
     def at(self, place: tuple[str, str]) -> list[int]:
         """Numbers of the faults in force on one quantity of one target."""
         return [key for key, fault in self._faults.items() if fault.place == place]
 
-    def of(self, kind: type[Fault[V]]) -> list[Fault[V]]:
+    def in_family(self, kind: type[Fault[V]]) -> list[Fault[V]]:
         """Those of a family, in order."""
         return [fault for fault in self._faults.values() if isinstance(fault, kind)]

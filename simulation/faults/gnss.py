@@ -35,7 +35,7 @@ class GnssAntenna(GnssFault):
 
     kind = "gnss_antenna"
 
-    def over(self, reception: Reception) -> Reception:
+    def applied_to(self, reception: Reception) -> Reception:
         return replace(reception, no_signals=True)
 
 
@@ -44,7 +44,7 @@ class GnssJammed(GnssFault):
 
     kind = "gnss_jammed"
 
-    def over(self, reception: Reception) -> Reception:
+    def applied_to(self, reception: Reception) -> Reception:
         return replace(reception, no_signals=True)
 
 
@@ -55,7 +55,7 @@ class GnssReflections(GnssFault):
     bias_m: ReceiverBias = Field(description="error along the train's way")
     over_m: CorrelationWay = Field(default=80.0, description="distance over which it builds up and goes away")
 
-    def over(self, reception: Reception) -> Reception:
+    def applied_to(self, reception: Reception) -> Reception:
         return replace(reception, bias_m=reception.bias_m + self.bias_m, over_m=self.over_m)
 
 
@@ -65,7 +65,7 @@ class GnssJump(GnssFault):
     kind = "gnss_jump"
     bias_m: ReceiverBias = Field(description="jump along the train's way")
 
-    def over(self, reception: Reception) -> Reception:
+    def applied_to(self, reception: Reception) -> Reception:
         return replace(reception, bias_m=reception.bias_m + self.bias_m, over_m=0.0)
 
 
@@ -75,7 +75,7 @@ class GnssTimeTag(GnssFault):
     kind = "gnss_time_tag"
     late_s: ReceiverLatency = Field(description="additional age")
 
-    def over(self, reception: Reception) -> Reception:
+    def applied_to(self, reception: Reception) -> Reception:
         return replace(reception, late_s=reception.late_s + self.late_s)
 
 
@@ -84,5 +84,5 @@ class GnssFrozen(GnssFault):
 
     kind = "gnss_frozen"
 
-    def over(self, reception: Reception) -> Reception:
+    def applied_to(self, reception: Reception) -> Reception:
         return replace(reception, frozen=True)

@@ -24,7 +24,7 @@ class LidarBlind(LidarFault):
 
     kind = "lidar_blind"
 
-    def over(self, _visibility_m: float) -> float:
+    def applied_to(self, _visibility_m: float) -> float:
         return 0.0
 
 
@@ -34,7 +34,7 @@ class LidarFog(LidarFault):
     kind = "lidar_fog"
     visibility_m: VisibilityM = Field(description="visibility for people")
 
-    def over(self, visibility_m: float) -> float:
+    def applied_to(self, visibility_m: float) -> float:
         return min(visibility_m, self.visibility_m)
 
 
@@ -53,5 +53,5 @@ class MarkerMissing(Fault[bool]):
     def base(self) -> bool:
         return True
 
-    def over(self, _whole: bool) -> bool:
+    def applied_to(self, _whole: bool) -> bool:
         return False

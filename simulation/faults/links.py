@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr
 from network.files.quantities import AddedDelay, Distance, Probability, Share
 from network.files.toml_input import one_of
 from radio.air import STEPS_PER_S, Delivery
-from simulation.faults.fault import Fault, InForce, Names, Onset, fold
+from simulation.faults.fault import Fault, InForce, Names, Onset, folded_value
 
 ANY: Final = "*"
 BOTH_WAYS: Final = " <-> "
@@ -55,7 +55,7 @@ class FaultyLink:
 
 
 class LinkFault(Fault[Telegram]):
-    """What a link does to telegrams; `over` is asked for each one that is sent."""
+    """What a link does to telegrams; `applied_to` is asked for each one that is sent."""
 
     aims_at = "link"
     changes = "link"
@@ -73,7 +73,7 @@ class LinkFault(Fault[Telegram]):
                 return f"a link between {one_of(parties[:-1], end)}, or '*'"
         return ""
 
-    def begun(self, onset: Onset) -> Self:
+    def taking_hold(self, onset: Onset) -> Self:
         copy = self.model_copy()
         copy._chance = onset.chance
         return copy
@@ -88,7 +88,7 @@ class LinkFault(Fault[Telegram]):
     def base(self) -> Telegram:
         return ()
 
-    def over(self, telegram: Telegram) -> Telegram:
+    def applied_to(self, telegram: Telegram) -> Telegram:
         return tuple(
             changed
             for delivery in telegram
@@ -201,13 +201,15 @@ class DeadZone(Fault[tuple[LineStretch, ...]]):
     def base(self) -> tuple[LineStretch, ...]:
         return ()
 
-    def over(self, dead: tuple[LineStretch, ...]) -> tuple[LineStretch, ...]:
+    def applied_to(self, dead: tuple[LineStretch, ...]) -> tuple[LineStretch, ...]:
         return (*dead, LineStretch(self.target, self.from_share, self.length_m))
 
 
 def disturbed(in_force: InForce, source: str, destination: str, deliveries: Telegram) -> Telegram:
     """What the link faults in force make of a telegram on its way."""
-    return fold(deliveries, [f for f in in_force.of(LinkFault) if f.target.joins(source, destination)])
+    return folded_value(
+        deliveries, [f for f in in_force.in_family(LinkFault) if f.target.joins(source, destination)]
+    )
 
 
 def _later(delivery: Delivery, seconds: float) -> Delivery:

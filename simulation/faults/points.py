@@ -39,7 +39,7 @@ class Stuck(PointsFault):
 
     kind = "stuck"
 
-    def over(self, condition: Condition) -> Condition:
+    def applied_to(self, condition: Condition) -> Condition:
         return replace(condition, stuck=True)
 
 
@@ -48,7 +48,7 @@ class NoDetection(PointsFault):
 
     kind = "no_detection"
 
-    def over(self, condition: Condition) -> Condition:
+    def applied_to(self, condition: Condition) -> Condition:
         return replace(condition, detection_fault=True)
 
 
@@ -58,5 +58,5 @@ class Slow(PointsFault):
     kind = "slow"
     factor: Slowness = Field(description="throw time as a multiple of that in the line file")
 
-    def over(self, condition: Condition) -> Condition:
+    def applied_to(self, condition: Condition) -> Condition:
         return replace(condition, throw_factor=condition.throw_factor * self.factor)

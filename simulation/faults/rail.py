@@ -23,5 +23,5 @@ class Slippery(RailFault):
     kind = "slippery"
     factor: Share = Field(description="adhesion as a share of that of the weather")
 
-    def over(self, share: float) -> float:
+    def applied_to(self, share: float) -> float:
         return share * self.factor

@@ -34,5 +34,5 @@ class FalseClaims(SpeechFault):
         known = self.section in names.sections
         return {} if known else {"section": f"a section: {one_of(names.sections, self.section)}"}
 
-    def over(self, claimed: tuple[str, ...]) -> tuple[str, ...]:
+    def applied_to(self, claimed: tuple[str, ...]) -> tuple[str, ...]:
         return tuple(dict.fromkeys((*claimed, self.section)))

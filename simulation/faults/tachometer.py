@@ -37,7 +37,7 @@ class Scale(ShownByTachometer):
     kind = "scale"
     factor: ReadingFactor = Field(description="shown speed as a multiple of the real speed")
 
-    def over(self, reading: Reading) -> Reading:
+    def applied_to(self, reading: Reading) -> Reading:
         return replace(reading, gain=reading.gain * self.factor)
 
 
@@ -46,7 +46,7 @@ class NoOutput(ShownByTachometer):
 
     kind = "no_output"
 
-    def over(self, _reading: Reading) -> Reading:
+    def applied_to(self, _reading: Reading) -> Reading:
         return Reading(gain=0.0)
 
 
@@ -56,10 +56,10 @@ class StuckOutput(ShownByTachometer):
     kind = "stuck_output"
     _shown_mps: float = PrivateAttr(default=0.0)
 
-    def begun(self, onset: Onset) -> Self:
+    def taking_hold(self, onset: Onset) -> Self:
         copy = self.model_copy()
         copy._shown_mps = onset.shown_mps(self.target)
         return copy
 
-    def over(self, reading: Reading) -> Reading:
+    def applied_to(self, reading: Reading) -> Reading:
         return replace(reading, stuck_mps=self._shown_mps)

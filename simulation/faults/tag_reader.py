@@ -28,7 +28,7 @@ class Miss(TagFault):
 
     kind = "miss"
 
-    def over(self, _read_id: int | None) -> None:
+    def applied_to(self, _read_id: int | None) -> None:
         return None
 
 
@@ -38,5 +38,5 @@ class WrongId(TagFault):
     kind = "wrong_id"
     id: TagId = Field(description="the id read")
 
-    def over(self, read_id: int | None) -> int | None:
+    def applied_to(self, read_id: int | None) -> int | None:
         return None if read_id is None else self.id

@@ -31,7 +31,7 @@ class Doors(DoorsFault):
 
     kind = "doors"
 
-    def over(self, _closed: bool) -> bool:
+    def applied_to(self, _closed: bool) -> bool:
         return False
 
 
@@ -61,7 +61,7 @@ class Brake(BrakeFault):
         description="remaining share of the force beyond the guaranteed one; 1: only the reading is wrong",
     )
 
-    def over(self, brake: BrakeState) -> BrakeState:
+    def applied_to(self, brake: BrakeState) -> BrakeState:
         return BrakeState(good=False, reserve=brake.reserve * self.reserve)
 
 
@@ -83,5 +83,5 @@ class Motors(MotorsFault):
     kind = "motors"
     cut_out: MotorCount = Field(description="number of motors cut out, at most all of the train")
 
-    def over(self, cut_out: int) -> int:
+    def applied_to(self, cut_out: int) -> int:
         return cut_out + self.cut_out

@@ -35,7 +35,7 @@ class GyroDead(GyroFault):
 
     kind = "gyro_dead"
 
-    def over(self, gyro: Gyro) -> Gyro:
+    def applied_to(self, gyro: Gyro) -> Gyro:
         return replace(gyro, is_silent=True)
 
 
@@ -44,7 +44,7 @@ class GyroStuck(GyroFault):
 
     kind = "gyro_stuck"
 
-    def over(self, gyro: Gyro) -> Gyro:
+    def applied_to(self, gyro: Gyro) -> Gyro:
         return replace(gyro, is_stuck=True)
 
 
@@ -54,7 +54,7 @@ class GyroBias(GyroFault):
     kind = "gyro_bias"
     jump_degps: YawRateDegps = Field(description="added to the bias, to the right")
 
-    def over(self, gyro: Gyro) -> Gyro:
+    def applied_to(self, gyro: Gyro) -> Gyro:
         return replace(gyro, jump_radps=gyro.jump_radps + math.radians(self.jump_degps))
 
 
@@ -64,5 +64,5 @@ class GyroNoise(GyroFault):
     kind = "gyro_noise"
     factor: NoiseFactor = Field(description="multiple of the standard deviation of its noise")
 
-    def over(self, gyro: Gyro) -> Gyro:
+    def applied_to(self, gyro: Gyro) -> Gyro:
         return replace(gyro, noise_factor=gyro.noise_factor * self.factor)

@@ -110,10 +110,10 @@ class Checkers:
             raise ValueError(f"{unit_id} entered on no edge")
         for edge_id in edges_under:
             self._track.piece_of(edge_id)
-        self.left(unit_id)
+        self.train_left(unit_id)
         self._bodies[unit_id] = Body(unit_id, length_m, list(edges_under))
 
-    def left(self, unit_id: str) -> None:
+    def train_left(self, unit_id: str) -> None:
         """A train is off the line; what its unit held and had proven is over with it."""
         body = self._bodies.pop(unit_id, None)
         if body is None:
@@ -122,7 +122,7 @@ class Checkers:
             self._occupants[section_id].discard(unit_id)
         self._own.pop(unit_id, None)
         self._proofs.pop(unit_id, None)
-        self._locking.over(unit_id)
+        self._locking.forget_losses(unit_id)
         self._forgetful.discard(unit_id)
 
     def reversed(self, t_s: float, unit_id: str) -> None:
@@ -132,7 +132,7 @@ class Checkers:
         """
         body = self._bodies[unit_id]
         self._proofs.pop(unit_id, None)
-        self._locking.over(unit_id)
+        self._locking.forget_losses(unit_id)
         if body.speed_mps > 0.0:
             text = f"{unit_id} changed ends at {body.speed_mps:.1f} m/s"
             self._log.note(t_s, Checker.NO_JUMP, unit_id, text)
@@ -151,7 +151,7 @@ class Checkers:
         elif edge_id != body.turned_from:
             self._settle(t_s, body, edge_id, lane_position_m)
         if speed_mps == 0.0:
-            self._rail.stood(unit_id)
+            self._rail.train_stood(unit_id)
         for points_id in self._locking.observe(body):
             self._lock_failed(t_s, unit_id, points_id, "did not brake as it is guaranteed to")
 
@@ -196,7 +196,7 @@ class Checkers:
             self._log.note(t_s, Checker.NO_JUMP, body.unit_id, text)
             return
         was, pieces, sections = body.path[-1], body.pieces, body.sections
-        on_points = self._points.under(body)
+        on_points = self._points.points_under(body)
         if not self._track.follow(body, edge_id, front_m):
             text = f"{body.unit_id} was on {was} and is at {front_m:.3f} m of {edge_id}: no train runs so"
             self._log.note(t_s, Checker.NO_JUMP, body.unit_id, text)
@@ -208,8 +208,8 @@ class Checkers:
             self._check_entry(t_s, body, piece_id, on_points)
         if body.pieces != pieces:
             self._points.check(t_s, body)
-            for points_id in on_points - self._points.under(body):
-                self._locking.off(body, points_id)
+            for points_id in on_points - self._points.points_under(body):
+                self._locking.is_clear_of(body, points_id)
         if body.sections != sections:
             self._check_alone(t_s, body, sections)
         self._check_held(t_s, body)
@@ -313,7 +313,7 @@ class Checkers:
                 | PointsUnlocked(points_id=points_id)
                 | PointsForced(points_id=points_id)
             ):
-                for unit_id in self._locking.stirred(points_id):
+                for unit_id in self._locking.points_stirred(points_id):
                     self._lock_failed(t_s, unit_id, points_id, "they did not stay locked")
             case _:
                 pass
@@ -325,7 +325,7 @@ class Checkers:
             case PointsUnlocked(points_id=points_id):
                 self._points.unlocked(t_s, points_id, bodies)
             case PointsForced(points_id=points_id):
-                self._points.lost(t_s, points_id, bodies)
+                self._points.points_lost(t_s, points_id, bodies)
             case Unsafe(unit_id=unit_id):
                 body = self._bodies.get(unit_id)
                 if self._rail.outside(t_s, unit_id) or (body is not None and body.overrun):
@@ -344,7 +344,7 @@ class Checkers:
                 self._reported(t_s, unit_id, frozenset(section_ids))
             case Proven(points_id=points_id, position=position, token=token):
                 self._proofs.setdefault(unit_id, {})[points_id] = ProvenPoints(position, token)
-                self._locking.over(unit_id, (points_id,))
+                self._locking.forget_losses(unit_id, (points_id,))
             case ProofDropped(points_id=points_id):
                 self._lost(unit_id, (points_id,))
             case UnitRestarted():
@@ -366,7 +366,7 @@ class Checkers:
         for points_id in [p for p in proofs if self._points.section_of(p) not in sections]:
             del proofs[points_id]
         gone = [p for p in self._points.ids if self._points.section_of(p) not in sections]
-        self._locking.over(unit_id, gone)
+        self._locking.forget_losses(unit_id, gone)
         self._check_release(t_s, unit_id, before - sections, "drops")
         self._note_change(t_s, unit_id)
 
@@ -376,7 +376,7 @@ class Checkers:
         lost = {points_id: proofs.pop(points_id) for points_id in points_ids if points_id in proofs}
         body = self._bodies.get(unit_id)
         if body is not None:
-            self._locking.lost(body, lost)
+            self._locking.proofs_lost(body, lost)
 
     def _lock_failed(self, t_s: float, unit_id: str, points_id: str, why: str) -> None:
         """`proven-before-entry` once more: a train came onto points by a proof that it had lost, and that fails it."""

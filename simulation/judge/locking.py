@@ -65,7 +65,7 @@ class RouteLocking:
         self._track = track
         self._losses: dict[str, dict[str, _Loss]] = {}
 
-    def lost(self, body: Body, proofs: Mapping[str, ProvenPoints]) -> None:
+    def proofs_lost(self, body: Body, proofs: Mapping[str, ProvenPoints]) -> None:
         """The unit has no proofs any more of these points."""
         if body.unit_id in self._brakes and body.speed_mps > 0.0:
             losses = self._losses.setdefault(body.unit_id, {})
@@ -73,14 +73,14 @@ class RouteLocking:
             for points_id, proof in proofs.items():
                 losses[points_id] = _Loss(proof, body.speed_mps, body.acceleration_mps2, run_m, height_m)
 
-    def over(self, unit_id: str, points_ids: Iterable[str] | None = None) -> None:
+    def forget_losses(self, unit_id: str, points_ids: Iterable[str] | None = None) -> None:
         """Losses of these points, or of all, count no more."""
         if points_ids is None:
             self._losses.pop(unit_id, None)
         for points_id in points_ids or ():
             self._losses.get(unit_id, {}).pop(points_id, None)
 
-    def stirred(self, points_id: str) -> list[str]:
+    def points_stirred(self, points_id: str) -> list[str]:
         """The lock of points opened, or they moved; the units that came onto them by a loss, to which that is new."""
         found: list[str] = []
         for unit_id, losses in self._losses.items():
@@ -96,7 +96,7 @@ class RouteLocking:
         if not losses:
             return []
         if body.speed_mps == 0.0:
-            self.over(body.unit_id)
+            self.forget_losses(body.unit_id)
             return []
         found: list[str] = []
         for points_id, loss in losses.items():
@@ -130,11 +130,11 @@ class RouteLocking:
         loss = self._losses.get(unit_id, {}).get(points_id)
         return None if loss is None else loss.proof
 
-    def off(self, body: Body, points_id: str) -> None:
+    def is_clear_of(self, body: Body, points_id: str) -> None:
         """The train is wholly off points that it had come onto."""
         loss = self._losses.get(body.unit_id, {}).get(points_id)
         if loss is not None and loss.entered:
-            self.over(body.unit_id, (points_id,))
+            self.forget_losses(body.unit_id, (points_id,))
 
     def _limit2(self, body: Body, loss: _Loss, at_m: float) -> float:
         """Square of the speed that the guaranteed brake lets the train have at a place on its run."""

@@ -86,7 +86,7 @@ class PointsWatch:
         self._machines[points_id].locked = False
         self._check_all(t_s, points_id, bodies)
 
-    def lost(self, t_s: float, points_id: str, bodies: Iterable[Body]) -> None:
+    def points_lost(self, t_s: float, points_id: str, bodies: Iterable[Body]) -> None:
         """The points are in no position and not locked: forced open, or broken."""
         self._set(points_id, None, False)
         self._check_all(t_s, points_id, bodies)
@@ -134,7 +134,7 @@ class PointsWatch:
         )
         self._log.note(t_s, Checker.PROVEN_BEFORE_ENTRY, f"{points_id} {unit_id}", text, outside=outside)
 
-    def under(self, body: Body) -> set[str]:
+    def points_under(self, body: Body) -> set[str]:
         """The points that a train is on."""
         return {need[0] for piece in body.pieces if (need := self._needs.get(piece)) is not None}
 

@@ -50,7 +50,7 @@ class RailWatch:
             if brake is not None and speed_mps > 0.0:
                 self._until_s[unit_id] = t_s + brake.reaction_s + speed_mps / brake.deceleration_mps2
 
-    def stood(self, unit_id: str) -> None:
+    def train_stood(self, unit_id: str) -> None:
         """The train stands: what it does next it does by the rail as it is then."""
         self._until_s.pop(unit_id, None)
 

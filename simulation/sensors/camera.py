@@ -16,7 +16,7 @@ import numpy as np
 
 from onboard.localisation.vision import Image, ImageWindow
 from radio.chance import generator
-from simulation.sensors.camera_pixels import BLUE, RED, draw_board, draw_tunnel, expose
+from simulation.sensors.camera_pixels import BLUE, RED, draw_board, draw_tunnel, expose_image
 from simulation.sensors.camera_surroundings import (
     TEXTURE_CELLS,
     Floats,
@@ -263,7 +263,7 @@ class Renderer:
             factor = light.level * (1.0 + light.flicker_share * flicker)
             read_grey, shot_grey = camera.noise_grey, 0.0
         out = np.empty(image.shape, dtype=np.uint8)
-        expose(image, factor, self._noise, int(rng.integers(NOISE_BANK)), read_grey, shot_grey, out)
+        expose_image(image, factor, self._noise, int(rng.integers(NOISE_BANK)), read_grey, shot_grey, out)
         return out
 
     def exposure(self, air: OpenAir) -> CameraExposure:

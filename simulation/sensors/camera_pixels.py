@@ -173,7 +173,7 @@ def draw_board(
 
 
 @compiled
-def expose(
+def expose_image(
     image: Singles,
     light: Floats,
     noise: Singles,

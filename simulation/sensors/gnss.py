@@ -103,7 +103,7 @@ def gnss_receiver(own: GnssReceiverRow, _sensors: Any, scene: SceneRow, sensed: 
     if scene.sky == NO_SKY or own.no_signals != 0:
         own.lost_step = scene.step
     if scene.step % own.every_steps == 0 and scene.step - own.lost_step > own.reacquire_steps:
-        take(own, scene)
+        draw_fix(own, scene)
     of_step = scene.step - own.latency_steps - own.late_steps
     slot = of_step // own.every_steps % RING
     if of_step % own.every_steps != 0 or own.taken_step[slot] != of_step:
@@ -117,7 +117,7 @@ def gnss_receiver(own: GnssReceiverRow, _sensors: Any, scene: SceneRow, sensed: 
 
 
 @compiled
-def take(own: GnssReceiverRow, scene: SceneRow) -> None:
+def draw_fix(own: GnssReceiverRow, scene: SceneRow) -> None:
     """One fix: its error, and whether it was taken under an open sky."""
     slot = scene.step // own.every_steps % RING
     own.taken_step[slot], own.taken_run_m[slot] = scene.step, own.run_m
@@ -129,7 +129,7 @@ def take(own: GnssReceiverRow, scene: SceneRow) -> None:
     own.taken_open[slot] = 1
     if scene.sky < OPEN_SKY:
         own.taken_open[slot] = 0
-        error_m += own.multipath_sigma_m * reflected(own, scene.kilometrage_m, scene.now_s)
+        error_m += own.multipath_sigma_m * reflection_sigmas(own, scene.kilometrage_m, scene.now_s)
     own.error_m = scene.down * error_m + own.bias_m
     if own.frozen != 0:
         own.error_m = own.frozen_error_m - (own.run_m - own.frozen_run_m)
@@ -137,7 +137,7 @@ def take(own: GnssReceiverRow, scene: SceneRow) -> None:
 
 
 @compiled
-def reflected(own: GnssReceiverRow, kilometrage_m: float, now_s: float) -> float:
+def reflection_sigmas(own: GnssReceiverRow, kilometrage_m: float, now_s: float) -> float:
     """What reflections add at a place and a time, in standard deviations: smooth in both, the same for who comes again.
 
     Standard normal numbers at knots of place and time, blended by the cosine so that the variance is 1 everywhere.

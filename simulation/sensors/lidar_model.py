@@ -16,12 +16,12 @@ from onboard.localisation.lidar_points import (
     KEPT_S,
     NEAREST_M,
     READ_FROM_M,
-    moved,
+    places_now,
     window,
 )
-from onboard.localisation.marker_patterns import HALF_M, PATTERNS, ROW_M, recognised
+from onboard.localisation.marker_patterns import HALF_M, PATTERNS, ROW_M, recognised_pattern
 from radio.chance import generator
-from simulation.sensors.lidar_scan import MarkerMotion, ScanPoints, distance_m, laid, scan, scan_row
+from simulation.sensors.lidar_scan import MarkerMotion, ScanPoints, distance_m, marker_places, scan, scan_row
 from simulation.sensors.line_scans import PLACES_M, SMEARS_M, Floats, Scans
 
 FROM_M: Final = 34.0
@@ -50,7 +50,13 @@ def measure(speed_mps: float, passages: int, seed: int, least_readings: int = 0)
         rng = generator(seed, "lidar model", f"{speed_mps:g}", str(number))
         motion = MarkerMotion(FROM_M + float(rng.uniform(0.0, speed_mps * KEPT_S)) - HALF_M, speed_mps, 0.0)
         duration_s = (motion.from_m + HALF_M - TO_M) / speed_mps
-        _cycles(sums, scan(row, laid(pattern, ROW_M), motion, duration_s, rng), motion, duration_s, pattern)
+        _cycles(
+            sums,
+            scan(row, marker_places(pattern, ROW_M), motion, duration_s, rng),
+            motion,
+            duration_s,
+            pattern,
+        )
         number += 1
     return sums
 
@@ -83,15 +89,17 @@ def _read(
     sums.readings += 1
     for index, smear_m in enumerate(SMEARS_M):
         by_mps = smear_m / KEPT_S * (1.0 if sums.readings % 2 else -1.0)
-        at_m = moved(points.x_m, points.time_s, first, end, now[0], now[1] + by_mps)
-        number, row_m = recognised(at_m, points.y_m[first:end], ROW_M)
+        at_m = places_now(points.x_m, points.time_s, first, end, now[0], now[1] + by_mps)
+        number, row_m = recognised_pattern(at_m, points.y_m[first:end], ROW_M)
         sums.read[index] += float(number == pattern)
         sums.wrong += int(number not in (0, pattern))
         if number == pattern and index == 0:
             sums.rows_m.append(row_m - now[2])
 
 
-def fit(speeds_mps: tuple[float, ...], passages: int, seed: int, least_readings: int) -> tuple[Scans, int]:
+def fit_model(
+    speeds_mps: tuple[float, ...], passages: int, seed: int, least_readings: int
+) -> tuple[Scans, int]:
     """The figures of these speeds, and how many readings gave a wrong pattern."""
     found = [measure(speed_mps, passages, seed, least_readings) for speed_mps in speeds_mps]
     return (

@@ -183,7 +183,7 @@ def scan_row(
     return row
 
 
-def laid(pattern: int, spacing_m: float, missing: int = -1) -> Floats:
+def marker_places(pattern: int, spacing_m: float, missing: int = -1) -> Floats:
     """Places of a pattern's markers (MARKERS, 2): behind the first row and left of the middle, m.
 
     `missing`: the index of one that has gone; the result then has one row less.

@@ -94,23 +94,23 @@ def sign_camera(own: SignCameraRow, _sensors: Any, scene: SceneRow, sensed: Sens
     shown.taken = 1
     shown.distance_m = np.inf
     first = light_at(own, scene.now_s) * PLACES
-    deceived = own.taken_falsely + between(own.false_share, first, ahead_m)
+    deceived = own.taken_falsely + figure_at(own.false_share, first, ahead_m)
     chance = uniform(own.seen_source, scene.step)
     if chance < deceived:
         shown.distance_m = NEAREST_M + (SEEN_FROM_M - NEAREST_M) * uniform(own.false_source, scene.step)
         return
     visible = NEAREST_M <= ahead_m <= own.hidden_beyond_m
-    if not visible or chance >= deceived + between(own.seen_share, first, ahead_m):
+    if not visible or chance >= deceived + figure_at(own.seen_share, first, ahead_m):
         return
     sigmas = own.moving_sigma_m if scene.speed_mps > 0.0 else own.sigma_m
-    error_m = between(own.bias_m, first, ahead_m)
-    error_m += between(sigmas, first, ahead_m) * normal(own.source, scene.step)
-    exposed_m = scene.speed_mps * between(own.exposed_after_s, first, ahead_m)
+    error_m = figure_at(own.bias_m, first, ahead_m)
+    error_m += figure_at(sigmas, first, ahead_m) * normal(own.source, scene.step)
+    exposed_m = scene.speed_mps * figure_at(own.exposed_after_s, first, ahead_m)
     shown.distance_m = ahead_m + error_m - exposed_m
 
 
 @compiled
-def between(values: Any, first: int, at_m: float) -> float:  # noqa: ANN401 - a field of a row
+def figure_at(values: Any, first: int, at_m: float) -> float:  # noqa: ANN401 - a field of a row
     """The value at a distance between the places of the light whose figures begin at `first`, by proportion."""
     upper = 1
     while upper < PLACES - 1 and PLACES_AT[upper] < at_m:

@@ -24,7 +24,7 @@ from onboard.localisation.reader import (
     IdAgreement,
     item_id,
     item_word,
-    judged,
+    judged_windows,
 )
 from vehicle.compiled import compiled
 
@@ -73,7 +73,7 @@ class Channel:
         count = 2 * self.shift_bits_max
         return np.array([[1.0 - q, *[q / count] * count] if count else [1.0] for q in one])
 
-    def raised(self, factor: float) -> Channel:
+    def with_errors(self, factor: float) -> Channel:
         """The same channel with all bit-error rates times `factor`, at most one half."""
         rates = tuple(min(0.5, factor * p) for p in self.bit_error_rates)
         return Channel(rates, self.head_bits, self.shift_bits_max, self.shift_factor)
@@ -87,7 +87,7 @@ def channel_at(speed_mps: float, factor: float) -> Channel:
     """
     speeds_kmh = sorted(BIT_ERROR_RATES)
     reached = next((kmh for kmh in speeds_kmh if kmh >= speed_mps * 3.6), speeds_kmh[-1])
-    return Channel(BIT_ERROR_RATES[reached]).raised(factor)
+    return Channel(BIT_ERROR_RATES[reached]).with_errors(factor)
 
 
 def shifted_words(words: tuple[int, int, int, int], shift: int) -> tuple[int, int]:
@@ -122,7 +122,7 @@ def error_pattern(rng: np.random.Generator, bit_error_rate: float) -> int:
 
 
 @compiled
-def drawn(rng: np.random.Generator, cumulative: Floats) -> int:
+def drawn_index(rng: np.random.Generator, cumulative: Floats) -> int:
     """An index drawn by its cumulative probability."""
     value = rng.random()
     low, high = 0, len(cumulative) - 1
@@ -145,7 +145,7 @@ def receive(
     """
     for telegram in range(len(items) // 2):
         place = telegram % len(bit_error_rates)
-        shift = drawn(rng, shift_cumulative[place])
+        shift = drawn_index(rng, shift_cumulative[place])
         for i in range(2):
             word = received[shift, i] ^ error_pattern(rng, bit_error_rates[place])
             items[2 * telegram + i] = item_id(word, CHECKS[i])
@@ -167,5 +167,5 @@ def read_bits(
         np.array(channel.bit_error_rates),
         items,
     )
-    found, _ = judged(items, rule.window_items, rule.agree, rule.step_items)
+    found, _ = judged_windows(items, rule.window_items, rule.agree, rule.step_items)
     return None if found == REFUSED else int(found)

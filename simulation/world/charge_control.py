@@ -52,7 +52,7 @@ CHARGING: Final = dtype_of(ChargingRow)
 
 
 @compiled
-def fits(battery: BatteryRow, charging: ChargingRow) -> None:
+def reset_charging(battery: BatteryRow, charging: ChargingRow) -> None:
     """A set that begins its day: nothing connected, nothing asked for."""
     charging.leaves_s = math.inf
     charging.needed_j = charging.spare_j = 0.0
@@ -68,7 +68,7 @@ def is_full(battery: BatteryRow) -> bool:
 
 
 @compiled
-def enough(battery: BatteryRow, charging: ChargingRow, spare_j: float) -> bool:
+def has_enough(battery: BatteryRow, charging: ChargingRow, spare_j: float) -> bool:
     """Whether the battery has what its unit asks for, and so much more, unless it takes no more."""
     return available_j(battery) >= charging.needed_j + (0.0 if is_full(battery) else spare_j)
 
@@ -98,12 +98,12 @@ def steer(
     lowers_s = charging.leaves_s - ahead_s - charging.disconnect_s - READY_S
     if state == DOWN and held != 0 and charging.power_w > 0.0:
         worth = now_s + charging.connect_s + WORTH_S <= lowers_s
-        if worth or not enough(battery, charging, 0.0):
+        if worth or not has_enough(battery, charging, 0.0):
             state, charging.moves_until_s = RISING, now_s + charging.connect_s
     elif state == RISING and now_s >= charging.moves_until_s:
         state = UP
     elif state == UP and (
-        (now_s >= lowers_s and enough(battery, charging, charging.spare_j)) or charging.power_w <= 0.0
+        (now_s >= lowers_s and has_enough(battery, charging, charging.spare_j)) or charging.power_w <= 0.0
     ):
         state, charging.moves_until_s = FALLING, now_s + charging.disconnect_s
     elif state == FALLING and now_s >= charging.moves_until_s:
@@ -113,7 +113,7 @@ def steer(
 
 
 @compiled
-def offer(battery: BatteryRow, plant: PlantRow, dt_s: float) -> None:
+def offer_power(battery: BatteryRow, plant: PlantRow, dt_s: float) -> None:
     """Say what the battery, and a charger beside it, can give and take in the step that follows."""
     plant.source_gives_w = gives_max_w(battery, dt_s) + battery.supply_w
     plant.source_takes_w = takes_max_w(battery, battery.pack.regeneration_max_w, dt_s)

@@ -19,7 +19,16 @@ from simulation.battery_settings import BatterySettings, Beyond, Departure
 from simulation.result import BatteryEvent, BatteryRecord
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.world.books import Books
-from simulation.world.charge_control import DOWN, MOVED, READY_S, TOLD, UP, ChargingRow, fits, is_full
+from simulation.world.charge_control import (
+    DOWN,
+    MOVED,
+    READY_S,
+    TOLD,
+    UP,
+    ChargingRow,
+    is_full,
+    reset_charging,
+)
 from simulation.world.records import PASSED_FROM_A_STAND, PASSED_TO_A_STAND
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
@@ -126,7 +135,7 @@ class Charging:
             row[name] = kind.battery[name][0]
         share = self._settings.start_of.get(stock_id, self._settings.start_share)
         charge_to(row, share)
-        fits(row, self._trains.stock["charging"][slot])
+        reset_charging(row, self._trains.stock["charging"][slot])
         auxiliary_w = float(self._setup.believed_train(stock_id).row[0]["auxiliary_power_w"])
         settings = self._settings
         rules = ChargeRules(
@@ -137,7 +146,7 @@ class Charging:
         gauge = self._gauges[slot] = BatteryGauge(row, self._control[slot], auxiliary_w)
         self._watches[slot] = ChargeWatch(self._setup.believed_line, self._ways[stock_id], rules, gauge)
 
-    def has(self, slot: int) -> bool:
+    def has_battery(self, slot: int) -> bool:
         """Whether a set runs on a battery."""
         return bool(self._batteries[slot].fitted)
 
@@ -147,14 +156,14 @@ class Charging:
         """A charger fails or is mended: sets that stand there see it, all crews are told."""
         (self._dead.discard if works else self._dead.add)(station_id)
         for watch in self._watches.values():
-            watch.told(self._dead)
+            watch.hear_of_dead(self._dead)
         for slot in self._trains.active():
             if self._trains.plants[slot].speed_mps == 0.0:
                 self.stands(slot, step)
 
     def stands(self, slot: int, step: int) -> None:
         """A set has come to a stand, or takes up a train where it stands: is there a charger?"""
-        if not self.has(slot):
+        if not self.has_battery(slot):
             return
         charger, control = self._charger(slot), self._control[slot]
         works = charger is not None and charger.station_id not in self._dead
@@ -175,14 +184,14 @@ class Charging:
         """What a set's unit watches its charge by; None where it runs from a wire."""
         return self._watches.get(slot)
 
-    def now(self, slot: int, now_s: float) -> None:
+    def unit_looks(self, slot: int, now_s: float) -> None:
         """A set's unit is about to look, at a time of its own clock."""
         if slot in self._watches:
             self._watches[slot].now_s = self._gauges[slot].now_s = now_s
 
     def empty(self, slot: int) -> bool:
         """Whether a battery has nothing left above its window."""
-        return self.has(slot) and available_j(self._rows[slot]) <= 0.0
+        return self.has_battery(slot) and available_j(self._rows[slot]) <= 0.0
 
     def stranded(self, slots: Sequence[int]) -> bool:
         """Whether all of these stand with an empty battery, whatever their units ask of the motors."""
@@ -192,7 +201,7 @@ class Charging:
 
     def leaves(self, slot: int, step: int) -> None:
         """A set leaves the line after its train."""
-        if self.has(slot):
+        if self.has_battery(slot):
             self._write(slot, step, BatteryEvent.LEAVES)
             self._off[slot] = _Off(self._number[slot], step / STEPS_PER_S)
             self._control[slot].power_w = 0.0
@@ -200,7 +209,7 @@ class Charging:
 
     def enters(self, slot: int, step: int) -> None:
         """A set comes onto the line, after what it did off it, if it was here before."""
-        if not self.has(slot):
+        if not self.has_battery(slot):
             return
         off = self._off.pop(slot, None)
         if off is not None:
@@ -236,9 +245,9 @@ class Charging:
         self._number[slot] = duty.train.number
         self.stands(slot, step)
 
-    def passed(self, slot: int, passed: int, step: int) -> None:
+    def note_passed(self, slot: int, passed: int, step: int) -> None:
         """What a set passed in the last step: it may have come to a stand, or begun to move."""
-        if self.has(slot) and passed & PASSED_FROM_A_STAND:
+        if self.has_battery(slot) and passed & PASSED_FROM_A_STAND:
             self._write(slot, step, BatteryEvent.DEPARTS)
         elif passed & PASSED_TO_A_STAND:
             self.stands(slot, step)
@@ -258,7 +267,7 @@ class Charging:
         now_s = step / STEPS_PER_S
         lowered: list[int] = []
         for slot in self._trains.active():
-            if not self.has(slot):
+            if not self.has_battery(slot):
                 continue
             before, state = self._pantograph[slot], self._control[slot].pantograph
             self._pantograph[slot] = state
@@ -275,7 +284,7 @@ class Charging:
     def close(self, step: int) -> None:
         """The run is over."""
         for slot in self._trains.active():
-            if self.has(slot):
+            if self.has_battery(slot):
                 self._write(slot, step, BatteryEvent.NONE)
 
     def _write(self, slot: int, step: int, event: BatteryEvent) -> None:

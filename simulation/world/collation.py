@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from network.path import Path
 from onboard.localisation.curvature_map import SIMPSON, CurvatureMap, Mounting, design_map, laid_per_m
 from onboard.localisation.curvature_row import BY_SPACE, BY_TIME, UNFILTERED, CurvatureRow
-from onboard.localisation.spatial_filter import CORNER_M, delay_m, gain, rises, sections
+from onboard.localisation.spatial_filter import CORNER_M, delay_m, filter_gain, sections, step_response
 from onboard.unit_records import UnitParameters
 from simulation.sensor_settings import Curvature, Filter
 from simulation.sensors.yaw_gyro import CUT_SIGMAS
@@ -47,7 +47,7 @@ class LaidCurvatureMap:
         return self._laid[key]
 
 
-def charted(setup: Setup, mounting: Mounting) -> LaidCurvatureMap | None:
+def map_of_run(setup: Setup, mounting: Mounting) -> LaidCurvatureMap | None:
     """The map of a run; None where no stock carries a gyro."""
     if not setup.sensors.any_gyro:
         return None
@@ -69,7 +69,7 @@ def fit(own: CurvatureRow, setup: Setup, stock_id: str, mounting: Mounting) -> N
     corner = CORNER_M / (given.filter_speed_mps * STEP_S) if given.filter is Filter.TIME else CORNER_M
     own.numbers[:] = sections(corner)
     by_space = given.filter is Filter.SPACE
-    own.rises[:] = rises(np.array(sections(corner))) if by_space else np.ones(len(own.rises))
+    own.rises[:] = step_response(np.array(sections(corner))) if by_space else np.ones(len(own.rises))
     for name in (
         "window_m",
         "window_least_m",
@@ -114,7 +114,7 @@ def _state_rails(own: CurvatureRow, given: Curvature, mounting: Mounting, *, mea
         body += weight * np.exp(-1j * waves_radpm * share * mounting.bogie_base_m)
     left = np.abs(body)
     if given.filter is not Filter.OFF:
-        left = left * gain(2.0 * math.pi / waves_radpm)
+        left = left * filter_gain(2.0 * math.pi / waves_radpm)
     both = 2.0 if measured else 1.0
     heading = both * heading_density(waves_radpm, given.rails) * left**2
     curvature = heading * waves_radpm**2

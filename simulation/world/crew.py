@@ -63,9 +63,9 @@ class Crew:
         truth, plan, duty = self._trains.truths[slot], self._on_board.plan(slot), self._trains.duties[slot]
         truth.sight_m = self._obstacle_m(slot)
         powered = slot not in self._on_board.unpowered
-        if not (powered and self._on_board.shown(slot).on_sight) or plan is None or duty is None:
+        if not (powered and self._on_board.shown_to_driver(slot).on_sight) or plan is None or duty is None:
             return
-        front_m, shown = float(truth.position_m), self._on_board.shown(slot)
+        front_m, shown = float(truth.position_m), self._on_board.shown_to_driver(slot)
         spans = duty.mission.spans
         stops = [spans[index].start_m for index, _ in self._unproven(slot, plan, shown)]
         marks_m = [target.mark_m for target in duty.mission.targets[shown.at + 1 :]]
@@ -85,7 +85,7 @@ class Crew:
         duty = self._trains.duties[slot]
         if duty is None or not self.on_sight or not self._trains.truths[slot].active:
             return math.inf
-        ahead_m, shown = self._trains.train_ahead_m(slot), self._on_board.shown(slot)
+        ahead_m, shown = self._trains.train_ahead_m(slot), self._on_board.shown_to_driver(slot)
         if ahead_m - float(self._trains.truths[slot].position_m) > SEES_TRAIN_M:
             return math.inf
         held = shown.on_sight or duty.mission.span_at(ahead_m).section_id in shown.held
@@ -99,7 +99,7 @@ class Crew:
 
     def has_to_look(self, slot: int) -> bool:
         """Whether a train stands, and its crew has to look where or before what."""
-        shown, on_sight = self._on_board.shown(slot), self._on_board.drives_on_sight(slot)
+        shown, on_sight = self._on_board.shown_to_driver(slot), self._on_board.drives_on_sight(slot)
         stands = self._trains.plants[slot].speed_mps == 0.0
         return stands and (on_sight or shown.confirm or self._at_end(slot))
 
@@ -107,12 +107,12 @@ class Crew:
         """Whether the track ends before a train that has a stop to run to."""
         truth = self._trains.truths[slot]
         ends = bool(truth.track_end_m - truth.position_m < STOPS_SHORT_M)
-        return self._on_board.shown(slot).target is not None and ends
+        return self._on_board.shown_to_driver(slot).target is not None and ends
 
     def stand(self, slot: int, now_s: float) -> list[Person]:
         """A train on sight stands: what the crew finds, and enters. It looks again every `LOOKS_AGAIN_S`."""
         plan, duty = self._on_board.plan(slot), self._trains.duties[slot]
-        shown, on_sight = self._on_board.shown(slot), self._on_board.drives_on_sight(slot)
+        shown, on_sight = self._on_board.shown_to_driver(slot), self._on_board.drives_on_sight(slot)
         front_m = float(self._trains.truths[slot].position_m)
         if not self.has_to_look(slot) or plan is None or duty is None:
             return []
@@ -162,7 +162,7 @@ class Crew:
     def _look_at_points(self, slot: int, plan: DutyPlan, mission: Mission, now_s: float) -> list[Person]:
         """Standing before points that are not proven to its unit, the crew sees how they lie."""
         front_m = float(self._trains.truths[slot].position_m)
-        found = self._at_points(slot, plan, self._on_board.shown(slot))
+        found = self._at_points(slot, plan, self._on_board.shown_to_driver(slot))
         if found is None:
             return []
         start_m, needed = found
@@ -180,7 +180,7 @@ class Crew:
         plan = self._on_board.plan(slot)
         if plan is None or not self._on_board.drives_on_sight(slot):
             return False
-        found = self._at_points(slot, plan, self._on_board.shown(slot))
+        found = self._at_points(slot, plan, self._on_board.shown_to_driver(slot))
         if found is None:
             return False
         machine = self._wayside.machines[found[1].points_id]
@@ -229,7 +229,7 @@ class Crew:
         if not truth.active:
             return True
         same = duty is not None and duty.mission is passage.mission
-        if not same or passage.section_id not in self._on_board.shown(passage.slot).held:
+        if not same or passage.section_id not in self._on_board.shown_to_driver(passage.slot).held:
             return not self._trains.stands_in(passage.section_id)
         rear_m = float(truth.position_m) - float(self._trains.bodies[passage.slot].length_m)
         mission = passage.mission

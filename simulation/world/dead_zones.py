@@ -14,7 +14,7 @@ class DeadZonesInForce:
         self._line = line
         self._by_section: dict[str, list[tuple[str, float, float]]] = {}  # alignment, from and to, m
 
-    def put(self, section_id: str, stretches: tuple[LineStretch, ...]) -> None:
+    def put_stretches(self, section_id: str, stretches: tuple[LineStretch, ...]) -> None:
         """These are the stretches that are named after a section."""
         pieces = [self._line.pieces[piece_id] for piece_id in self._line.sections[section_id].piece_ids]
         low_m, high_m = min(piece.from_m for piece in pieces), max(piece.to_m for piece in pieces)

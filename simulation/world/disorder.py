@@ -22,7 +22,7 @@ from simulation.sensors.gnss import put_reception
 from simulation.world.trains import Trains
 
 
-def onset(trains: Trains, t_s: float, chance: np.random.Generator) -> Onset:
+def fault_onset(trains: Trains, t_s: float, chance: np.random.Generator) -> Onset:
     """What a fault that takes hold now may keep of it."""
     return Onset(t_s, chance, partial(_shown_mps, trains))
 
@@ -37,12 +37,12 @@ def _shown_mps(trains: Trains, stock_id: str) -> float:
 
 
 @singledispatch
-def put(fault: Fault[Any], _trains: Trains, _value: Any) -> None:  # noqa: ANN401 - of the fault's own type
+def put_fault(fault: Fault[Any], _trains: Trains, _value: Any) -> None:  # noqa: ANN401 - of the fault's own type
     """Make the quantity that a fault changes so."""
     raise NotImplementedError(f"nothing says where the world has {fault.changes}")
 
 
-@put.register
+@put_fault.register
 def _tachometer(fault: ShownByTachometer, trains: Trains, reading: Reading) -> None:
     slot = trains.slot_of[fault.target]
     tachometer = trains.tachometers[slot]
@@ -51,7 +51,7 @@ def _tachometer(fault: ShownByTachometer, trains: Trains, reading: Reading) -> N
     trains.premises.fault(slot, in_force=reading != Reading())
 
 
-@put.register
+@put_fault.register
 def _tag(fault: TagFault, trains: Trains, read_id: int | None) -> None:
     tag_id = int(fault.target)
     if read_id == tag_id:
@@ -60,51 +60,51 @@ def _tag(fault: TagFault, trains: Trains, read_id: int | None) -> None:
         trains.tag_faults[tag_id] = read_id
 
 
-@put.register(SensorFault)
+@put_fault.register(SensorFault)
 def _sensor(fault: SensorFault[Any], trains: Trains, value: float) -> None:
     setattr(trains.sensors[fault.sensor][trains.slot_of[fault.target]], fault.field, value)
 
 
-@put.register
+@put_fault.register
 def _deceived(fault: FalseBeacon, trains: Trains, deceived: bool) -> None:
     if deceived:  # once; the receiver forgets it with the step
         trains.sensors["beacon_receiver"][trains.slot_of[fault.target]].deceived = 1
 
 
-@put.register
+@put_fault.register
 def _gnss(fault: GnssFault, trains: Trains, reception: Reception) -> None:
     put_reception(trains.sensors["gnss_receiver"][trains.slot_of[fault.target]], reception)
 
 
-@put.register
+@put_fault.register
 def _gyro(fault: GyroFault, trains: Trains, gyro: Gyro) -> None:
     own = trains.sensors["yaw_gyro"][trains.slot_of[fault.target]]
     own.state = yaw_gyro.DEAD if gyro.is_silent else yaw_gyro.STUCK if gyro.is_stuck else yaw_gyro.IN_ORDER
     own.jump_radps, own.noise_factor = gyro.jump_radps, gyro.noise_factor
 
 
-@put.register
+@put_fault.register
 def _lidar(fault: LidarFault, trains: Trains, visibility_m: float) -> None:
     own = trains.lidars[trains.slot_of[fault.target]]
     own.visibility_m = min(visibility_m, trains.setup.lidar.visibility_m)
     own.blind = int(own.visibility_m <= 0.0)
 
 
-@put.register
+@put_fault.register
 def _markers(fault: MarkerMissing, trains: Trains, whole: bool) -> None:
     trains.pool.lay_markers(int(fault.target), whole=whole)
 
 
-@put.register
+@put_fault.register
 def _rail(fault: RailFault, trains: Trains, share: float) -> None:
     trains.set_rail(trains.slot_of[fault.target], share)
 
 
-@put.register
+@put_fault.register
 def _coverage(fault: DeadZone, trains: Trains, dead: tuple[LineStretch, ...]) -> None:
-    trains.dead_zones.put(fault.target, dead)
+    trains.dead_zones.put_stretches(fault.target, dead)
 
 
-@put.register
+@put_fault.register
 def _link(_fault: LinkFault, _trains: Trains, _value: Telegram) -> None:
     """Nothing now: each telegram is folded when it is sent."""

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from simulation.result import COUNTED, EnergyPhase, EnergyRecord
-from simulation.ride import NO_RIDE, taken
+from simulation.ride import NO_RIDE, cut_ride
 from simulation.setup import STEP_S, STEPS_PER_S
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
@@ -49,7 +49,7 @@ class EnergyBook:
         """A stock has taken up a train and stands at its first target."""
         phase = EnergyPhase.HELD if duty.mission.targets[0].station_id is None else EnergyPhase.LAYOVER
         self._accounts[slot] = Account(duty, phase, 0, step, self._counters(slot))
-        taken(self._trains.rides[slot])  # whatever was before it is of no run
+        cut_ride(self._trains.rides[slot])  # whatever was before it is of no run
 
     def moves(self, slot: int, step: int) -> None:
         """A stock has moved in this step."""
@@ -113,7 +113,7 @@ class EnergyBook:
             step / STEPS_PER_S,
             now.travelled_m - since.travelled_m,
             {name: joules - since.counted_j[name] for name, joules in now.counted_j.items()},
-            taken(self._trains.rides[slot]) if account.phase is EnergyPhase.RUNNING else NO_RIDE,
+            cut_ride(self._trains.rides[slot]) if account.phase is EnergyPhase.RUNNING else NO_RIDE,
         )
         (account.leg if on_leg else self.records).append(record)
         account.since_step, account.since = step, now

@@ -18,7 +18,7 @@ from simulation.result import TRACE_EVERY_STEPS
 from simulation.ride import count_motion, count_notches
 from simulation.sensors.scene import NO_TAG_M
 from simulation.sensors.table import sense_all
-from simulation.world.charge_control import drain, offer, steer
+from simulation.world.charge_control import drain, offer_power, steer
 from simulation.world.records import (
     PASSED_FROM_A_STAND,
     PASSED_FRONT,
@@ -111,7 +111,7 @@ def track_under(truth: TruthRow, profile: Rows, length_m: float) -> tuple[float,
 
 
 @compiled
-def passed(truth: TruthRow, tag_positions_m: NDArray[np.float64], length_m: float) -> int:
+def passed_in_step(truth: TruthRow, tag_positions_m: NDArray[np.float64], length_m: float) -> int:
     """What the train's front and rear passed in this step, as bits."""
     found = 0
     now_m = truth.position_m
@@ -219,7 +219,7 @@ def used_adhesion(plant: PlantRow, body: TrainRow) -> float:
 
 
 @compiled
-def look(row: StockRow, tag_beyond_m: float, wheel_before_m: float, step: int, step_s: float) -> None:
+def show_scene(row: StockRow, tag_beyond_m: float, wheel_before_m: float, step: int, step_s: float) -> None:
     """Show the row's sensors what there is to be sensed after its body has moved."""
     scene, plant = row.scene, row.plant
     scene.step, scene.now_s, scene.step_s = step, step * step_s, step_s
@@ -252,7 +252,7 @@ def step_one(row: StockRow, track: PathArrays, step: int) -> tuple[int, int]:
     battery = row.battery
     traction_j, regenerated_j = plant.energy_traction_j, plant.energy_regenerated_j
     if battery.fitted != 0:
-        offer(battery, plant, step_s)
+        offer_power(battery, plant, step_s)
     move(plant, row.body, notch, emergency, gradient, curvature, step_s)
     if battery.fitted != 0:
         drain(battery, plant, row.body, traction_j, regenerated_j, step_s)
@@ -267,7 +267,7 @@ def step_one(row: StockRow, track: PathArrays, step: int) -> tuple[int, int]:
         row.scene.used_adhesion = used_adhesion(plant, row.body)
     if truth.carries_more != 0:
         look_around(row, track, before_m, curvature)
-    found = passed(truth, track.tag_positions_m, row.body.length_m)
+    found = passed_in_step(truth, track.tag_positions_m, row.body.length_m)
     if before_mps > 0.0 and plant.speed_mps == 0.0:
         found |= PASSED_TO_A_STAND
     elif before_mps == 0.0 and plant.speed_mps > 0.0:
@@ -275,7 +275,7 @@ def step_one(row: StockRow, track: PathArrays, step: int) -> tuple[int, int]:
     beyond_m = NO_TAG_M
     if found & PASSED_TAG != 0:
         beyond_m = truth.position_m - track.tag_positions_m[truth.tag_next]
-    look(row, beyond_m, wheel_before_m, step, step_s)
+    show_scene(row, beyond_m, wheel_before_m, step, step_s)
     if dead:
         return found, 0
     events = tick(row.board, row.sensed, Chart(track.pattern, track.known_places), track.plan)
@@ -326,7 +326,7 @@ def sample(trace: TraceRow, row: StockRow, step: int, slot: int) -> None:
 
 
 @compiled
-def movers(stock: Rows, sheet: Sheet) -> int:
+def list_movers(stock: Rows, sheet: Sheet) -> int:
     """Write down the slots that drive or roll as a stretch begins; returns their number."""
     count = 0
     for slot in range(stock.size):
@@ -355,7 +355,7 @@ def advance(
     slot. Nothing else has to be read from `stock` after a stretch in which nothing happened. The first movement of
     stock that stood ends the stretch, so whoever moves in it has all its speeds in the sheet.
     """
-    moving = movers(stock, sheet)
+    moving = list_movers(stock, sheet)
     told = moving
     steps = min(steps, MOVING_STEPS_MAX if moving > 0 else STANDING_STEPS_MAX)
     sheet.worst[:, 0] = -np.inf

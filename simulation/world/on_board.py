@@ -119,7 +119,7 @@ class OnBoard:
         own_s = clock.shows(now_s)
         self._trains.truths[slot].clock_ahead_s = own_s - now_s
         if self._charging is not None:
-            self._charging.now(slot, own_s)
+            self._charging.unit_looks(slot, own_s)
         by_eye = [told for event in happened if isinstance(event, AtMark) for told in motion.at_mark(event)]
         report = Report(motion.place(), (*happened, *by_eye), self.claims_besides.get(slot, ()))
         answer = self._units.advance(self._trains.stock_ids[slot], own_s, telegrams, report)
@@ -159,7 +159,7 @@ class OnBoard:
         """The reader read a tag."""
         return [] if self._deaf(slot) else self._motions[slot].tag_read(tag_id, odometer_m)
 
-    def ticked(self, slot: int, bits: int) -> list[Sensed]:
+    def tick_events(self, slot: int, bits: int) -> list[Sensed]:
         """The compiled tick reported."""
         return [] if self._deaf(slot) else self._motions[slot].events(bits)
 
@@ -167,7 +167,7 @@ class OnBoard:
         """Whether sensors tell the unit nothing: it is off, or knows of no path on which to look for anything."""
         return slot in self.unpowered or slot in self.numberless
 
-    def ails(self, slot: int) -> bool:
+    def is_out_of_order(self, slot: int) -> bool:
         """Whether something of the vehicle is not in order, as its inputs show it."""
         return bool(self._motions[slot].vehicle.unfit)
 
@@ -234,7 +234,7 @@ class OnBoard:
 
     # what the driver sees -----------------------------------------------------------------------------------------
 
-    def shown(self, slot: int) -> DrivingCommand:
+    def shown_to_driver(self, slot: int) -> DrivingCommand:
         """What the unit shows its driver."""
         return self._motions[slot].command
 
@@ -246,7 +246,7 @@ class OnBoard:
     def drives_on_sight(self, slot: int) -> bool:
         """Whether the driver drives on sight: the unit shows that it does not know where it is."""
         powered = slot not in self.unpowered
-        return powered and self.shown(slot).on_sight and not self._trains.units[slot].position_known
+        return powered and self.shown_to_driver(slot).on_sight and not self._trains.units[slot].position_known
 
     def learned(self) -> dict[str, Learned]:
         """What the trains know of their brakes, by stock id; empty where none learns."""

@@ -48,7 +48,7 @@ class FalsePositions:
         lie = self._lies.get(slot)
         return lie is not None and lie.in_force
 
-    def broken(self, slot: int) -> bool:
+    def is_false(self, slot: int) -> bool:
         """Whether the position is false now; asked after each stretch in which the train could move."""
         lie = self._lies.get(slot)
         if lie is None:
@@ -61,14 +61,14 @@ class FalsePositions:
             del self._lies[slot]
         return lie.false
 
-    def fixed(self, slot: int, *, holds: bool) -> None:
+    def note_fix(self, slot: int, *, holds: bool) -> None:
         """A fix has told the position anew; whether the bounds that it left hold the true front."""
         lie = self._lies.get(slot)
         if lie is not None:
             lie.fixes += 1
             lie.false = lie.false and not holds and lie.fixes < FIXES_MAX
 
-    def placed(self, slot: int) -> None:
+    def position_told(self, slot: int) -> None:
         """The crew has told where the train stands, as it is put on the line."""
         if slot in self._lies:
             self._lies[slot].false = False

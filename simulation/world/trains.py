@@ -31,8 +31,8 @@ from simulation.sensors.tag_reader import TagReaderRow
 from simulation.settings import PositionSensor
 from simulation.setup import Setup, behaviour_rows
 from simulation.subscribers import Subscribers
-from simulation.world.collation import charted
 from simulation.world.collation import fit as fit_collation
+from simulation.world.collation import map_of_run
 from simulation.world.dead_zones import DeadZonesInForce
 from simulation.world.irregularities import Irregularities
 from simulation.world.path_pool import PathPool, PathRows
@@ -111,7 +111,7 @@ class Trains:
         rails = None
         if setup.sensors.any_gyro:
             rails = Irregularities(setup.line, setup.curvature.rails, setup.seed, setup.today)
-        self.pool = PathPool(setup.line, setup.believed_line, rails, charted(setup, MOUNTING))
+        self.pool = PathPool(setup.line, setup.believed_line, rails, map_of_run(setup, MOUNTING))
         self.paths: list[Path | None] = [None] * n  # the true path, which wrong points change
         self.duties: list[Duty | None] = [None] * n
         self.premises = FalsePositions(self.tachometers, self.units)
@@ -153,7 +153,7 @@ class Trains:
         """A fix has told the unit's position anew."""
         unit = self.units[slot]
         beyond_m = float(self.truths[slot].position_m - unit.position_m)
-        self.premises.fixed(slot, holds=bool(-unit.bound_behind_m <= beyond_m <= unit.bound_ahead_m))
+        self.premises.note_fix(slot, holds=bool(-unit.bound_behind_m <= beyond_m <= unit.bound_ahead_m))
 
     # where trains are ------------------------------------------------------------------------------------------
 
@@ -210,7 +210,7 @@ class Trains:
         stock_id = self.stock_ids[slot]
         position_m = mission.targets[0].mark_m
         self.truths[slot].active = 1
-        self.premises.placed(slot)
+        self.premises.position_told(slot)
         self._enter_path(slot, duty, position_m)
         pieces = self.true_path(slot).piece_ids
         step = mission.path.step_at(position_m)

@@ -117,7 +117,7 @@ class Compared:
         return max((o.waited_s for o in own if o.begin_s <= pair.run.end_s), default=0.0)
 
 
-def compared(theory: Iterable[Occupation], run: Iterable[Occupation]) -> Compared:
+def theory_and_run(theory: Iterable[Occupation], run: Iterable[Occupation]) -> Compared:
     """Theory beside a run, in the order of the run."""
     left = {_key(one): one for one in theory}
     pairs: list[ComparedOccupation] = []

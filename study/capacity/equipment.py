@@ -18,7 +18,7 @@ from simulation.setup import Setup
 from study.capacity.cut import cut_of
 from study.capacity.headway import HeadwayCase, HeadwayKind, line_cases
 from study.capacity.legs import legs_of, places_of
-from study.capacity.line_capacity import CompressionTerms, day_of, fullest, rates_of
+from study.capacity.line_capacity import CompressionTerms, day_of, fullest_part, rates_of
 from study.capacity.occupation import OccupationCost
 from study.capacity.rules import MINIMAL, Rules
 from study.capacity.theory import occupations
@@ -105,7 +105,7 @@ class LeverWorth:
         }
 
 
-def measured(setup: Setup, rules: Rules = MINIMAL) -> Measured:
+def measured_by_rules(setup: Setup, rules: Rules = MINIMAL) -> Measured:
     """The headways and the occupancy of a setup by rules."""
     dwell_min_s, is_place = setup.unit.dwell_min_s, places_of(setup.line)
     most = _following(setup, rules)
@@ -125,7 +125,7 @@ def measured(setup: Setup, rules: Rules = MINIMAL) -> Measured:
     rates = rates_of(
         legs, cut_of(setup.line, "crossing"), (day_of(legs),), CompressionTerms(dwell_min_s=dwell_min_s)
     )
-    full = fullest(rates)
+    full = fullest_part(rates)
     return Measured(
         math.nan if most is None else most.headway.least_s,
         "" if most is None else most.headway.section_id,
@@ -149,7 +149,7 @@ def _following(setup: Setup, rules: Rules) -> HeadwayCase | None:
 
 def worth_of(setup: Setup, levers: Sequence[Lever] | None = None) -> tuple[LeverWorth, ...]:
     """Every lever from end to end, the one that moves the headway most first."""
-    base = measured(setup)
+    base = measured_by_rules(setup)
     found = [
         LeverWorth(
             lever.name,
@@ -157,8 +157,8 @@ def worth_of(setup: Setup, levers: Sequence[Lever] | None = None) -> tuple[Lever
             lever.low,
             lever.high,
             base,
-            measured(*lever.at(setup, False)),
-            measured(*lever.at(setup, True)),
+            measured_by_rules(*lever.at(setup, False)),
+            measured_by_rules(*lever.at(setup, True)),
         )
         for lever in (LEVERS if levers is None else levers)
     ]

@@ -164,7 +164,7 @@ def rates_of(
     return tuple(rate_of(legs, part, period, terms) for period in periods for part in cut.parts)
 
 
-def fullest(rates: Iterable[Rate], kind: PartKind = PartKind.LINE) -> Rate | None:
+def fullest_part(rates: Iterable[Rate], kind: PartKind = PartKind.LINE) -> Rate | None:
     """The part of a kind with the highest rate: by that a line is judged."""
     some = [rate for rate in rates if rate.part.kind is kind and rate.trains]
     return max(some, key=lambda rate: (rate.occupied_share, rate.part.name), default=None)

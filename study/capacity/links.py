@@ -24,7 +24,7 @@ class Links:
     answer_s: float = 0.0
 
     @staticmethod
-    def of(air: AirParameters) -> Links:
+    def of_air(air: AirParameters) -> Links:
         """Those of an air, away from places where it does not reach."""
         lost = min(air.loss_p, 0.99)  # nothing gets through beyond that, and no mean says how long it takes
         return Links(air.mean_delay_s(), REPEAT_S * lost / (1.0 - lost), lost * REPEAT_S / (1.0 - lost) ** 2)

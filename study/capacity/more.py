@@ -14,9 +14,9 @@ from network.clock import clock
 from simulation.setup import Setup
 from study.capacity.legs import SetLeg, legs_of, places_of
 from study.capacity.line_capacity import Period
-from study.capacity.room import OccupiedSpans, PathSearch, Placed, fill
+from study.capacity.room import OccupiedSpans, PathSearch, Placed, fill_period
 from study.capacity.rules import Rules
-from study.capacity.standard import Added, StandardPath, added, alone, extended, standard_paths
+from study.capacity.standard import Added, StandardPath, added_path, extended_day, path_alone, standard_paths
 from study.capacity.theory import occupations
 from study.feasibility.check import feasibility
 
@@ -68,9 +68,9 @@ class AddedTrains:
 def more_trains(setup: Setup, period: Period, search: PathSearch) -> AddedTrains:
     """As many standard paths as fit into a period of the day and hold when the day is judged; see `fill`."""
     paths = standard_paths(setup)
-    taken = OccupiedSpans.of(occupations(setup))
+    taken = OccupiedSpans.of_occupations(occupations(setup))
     templates = [template(setup, path) for path in paths]
-    placed = fill(templates, (period.from_s, period.to_s), taken, search)
+    placed = fill_period(templates, (period.from_s, period.to_s), taken, search)
     found = [_made(setup, paths, templates, one, number) for number, one in enumerate(placed, start=1)]
     dropped: list[str] = []
     for _ in range(ROUNDS_MAX):
@@ -93,7 +93,7 @@ def more_trains(setup: Setup, period: Period, search: PathSearch) -> AddedTrains
 
 def template(setup: Setup, path: StandardPath) -> tuple[SetLeg, ...]:
     """The legs of a standard path alone on its line."""
-    return legs_of(occupations(alone(setup, path), STANDARD), places_of(setup.line))
+    return legs_of(occupations(path_alone(setup, path), STANDARD), places_of(setup.line))
 
 
 def _made(
@@ -104,7 +104,7 @@ def _made(
     number: int,
 ) -> tuple[MorePath, Added, StandardPath]:
     path = paths[templates.index(placed.legs)]
-    one = added(setup, path, number, placed.moves_s)
+    one = added_path(setup, path, number, placed.moves_s)
     numbers = tuple(train.number for train in one.trains)
     departs_s = float(one.trains[0].calls[0].last_s)
     arrives_s = float(one.trains[-1].calls[-1].first_s)
@@ -116,5 +116,5 @@ def _impossible(setup: Setup, more: Sequence[tuple[Added, StandardPath]]) -> set
     if not more:
         return set()
     before = {(f.kind, f.trains) for f in feasibility(setup).impossible}
-    after = feasibility(extended(setup, more)).impossible
+    after = feasibility(extended_day(setup, more)).impossible
     return {number for f in after if (f.kind, f.trains) not in before for number in f.trains}

@@ -32,7 +32,7 @@ PART_OF: Final = {
 }
 
 
-def observed(result: RunResult, line: Line, holds: Sequence[SectionHold]) -> tuple[Occupation, ...]:
+def occupations_run(result: RunResult, line: Line, holds: Sequence[SectionHold]) -> tuple[Occupation, ...]:
     """The blocking times that the holds of a run make up, in order of their begin."""
     standing = _standing(result, line, holds)
     ends_s = result.end_step / STEPS_PER_S

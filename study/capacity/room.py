@@ -48,7 +48,7 @@ class OccupiedSpans:
     spans: dict[str, list[tuple[float, float]]] = field(default_factory=dict[str, list[tuple[float, float]]])
 
     @staticmethod
-    def of(occupations: Iterable[Occupation]) -> OccupiedSpans:
+    def of_occupations(occupations: Iterable[Occupation]) -> OccupiedSpans:
         """What trains that run take."""
         taken = OccupiedSpans()
         for one in occupations:
@@ -135,7 +135,7 @@ def _begin_s(start: Occupation, leg: SetLeg) -> float:
     return start.begin_s if math.isfinite(start.begin_s) else leg.occupations[0].begin_s
 
 
-def take(placed: Placed, taken: OccupiedSpans) -> None:
+def take_sections(placed: Placed, taken: OccupiedSpans) -> None:
     """The sections of a path, taken; its places from when it is let in to when it has left."""
     for index, (leg, move_s) in enumerate(zip(placed.legs, placed.moves_s, strict=True)):
         if index == 0 and leg.start is not None:
@@ -146,7 +146,7 @@ def take(placed: Placed, taken: OccupiedSpans) -> None:
             taken.add(one.section_id, one.begin_s + move_s, end_s)
 
 
-def fill(
+def fill_period(
     paths: Sequence[Sequence[SetLeg]],
     period_s: tuple[float, float],
     taken: OccupiedSpans,
@@ -168,7 +168,7 @@ def fill(
         if not some:
             return tuple(found)
         _, kind, best = min(some, key=lambda one: one[:2])
-        take(best, taken)
+        take_sections(best, taken)
         next_s[kind] += step_s
         found.append(best)
 

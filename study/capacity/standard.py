@@ -114,7 +114,7 @@ def _there_and_back(own: _Ends, back: _Ends) -> tuple[TimetableTrain, ...]:
 def _timed(setup: Setup, path: StandardPath) -> StandardPath:
     """With the least times: running as units drive, shortest stops, changing ends with the points of the way out."""
     spread = _spread(path.trains)
-    planned = planned_day(alone(setup, replace(path, trains=spread))).trains["+"]
+    planned = planned_day(path_alone(setup, replace(path, trains=spread))).trains["+"]
     at_s, trains = ORIGIN_S, list[TimetableTrain]()
     for index, (train, own) in enumerate(zip(spread, planned, strict=True)):
         if index:
@@ -153,7 +153,7 @@ def _least_times(setup: Setup, calls: Sequence[Call], own: PlannedTrain, departs
     return tuple(found)
 
 
-def alone(setup: Setup, path: StandardPath) -> Setup:
+def path_alone(setup: Setup, path: StandardPath) -> Setup:
     """A day with nothing but one standard path, run by the set `+`."""
     return _with(setup, {}, (), [("+", path.trains)], path.kind_of_stock)
 
@@ -166,7 +166,7 @@ class Added:
     trains: tuple[TimetableTrain, ...]
 
 
-def added(setup: Setup, path: StandardPath, number: int, moves_s: Sequence[float]) -> Added:
+def added_path(setup: Setup, path: StandardPath, number: int, moves_s: Sequence[float]) -> Added:
     """A path with each leg moved, s: from place to place, beginning with that from the portal; the n-th of the day."""
     leg, names = 0, {train.number: f"X{number}{train.number}" for train in path.trains}
     trains: list[TimetableTrain] = []
@@ -198,7 +198,7 @@ def added(setup: Setup, path: StandardPath, number: int, moves_s: Sequence[float
     return Added(f"X{number}", tuple(trains))
 
 
-def extended(setup: Setup, more: Iterable[tuple[Added, StandardPath]]) -> Setup:
+def extended_day(setup: Setup, more: Iterable[tuple[Added, StandardPath]]) -> Setup:
     """The day with the paths put in, each run by a set of its own."""
     for one, path in more:
         sets = [(one.stock_id, one.trains)]

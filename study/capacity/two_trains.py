@@ -72,7 +72,7 @@ class TwoTrains:
         return day_of(self.setup, alone)
 
 
-def undisturbed(setup: Setup) -> Setup:
+def undisturbed_setup(setup: Setup) -> Setup:
     """A setup in which nothing is drawn: the air, people and passengers as they are on average, wheels as new.
 
     Units know their wheels from the first metre on as well as else after some stations.
@@ -147,7 +147,7 @@ def _asks_late(setup: Setup, headway: Headway, second: SingleLegTrains, times: T
     Who asks sooner is refused, and asks again at fixed intervals: every unit asks so many of them sooner that the way
     of each can be set meanwhile. A train comes to its portal in time to sign on as late as it can.
     """
-    links, people = Links.of(setup.air), setup.people
+    links, people = Links.of_air(setup.air), setup.people
     wants_s = [_wants_s(leg) for leg in headway.claims.behind]
     wants_s[deciding_leg(headway)] -= times.spared_s
     own_s = wants_s[deciding_leg(headway) if times.asks is None else times.asks]

@@ -39,7 +39,7 @@ class ChargeWindow:
     soc_kept: float
 
     @classmethod
-    def of(cls, row: Any, settings: BatterySettings) -> ChargeWindow:  # noqa: ANN401
+    def of_battery(cls, row: Any, settings: BatterySettings) -> ChargeWindow:  # noqa: ANN401
         """That of a BATTERY record."""
         pack = row["pack"]
         low_j, high_j = (float(stored_j(row, pack[name])) for name in ("soc_low", "soc_high"))
@@ -56,7 +56,7 @@ def windows_of(setup: Setup) -> dict[str, ChargeWindow]:
         return {}
     batteries = {stock_id: kind.battery for stock_id, kind in setup.trains.items()}
     return {
-        stock_id: ChargeWindow.of(battery[0], settings)
+        stock_id: ChargeWindow.of_battery(battery[0], settings)
         for stock_id, battery in batteries.items()
         if battery is not None
     }

@@ -26,7 +26,7 @@ class StockMake:
     regenerated_to: RegenerationReceiver
 
     @classmethod
-    def of(cls, kind: TrainType) -> StockMake:
+    def of_kind(cls, kind: TrainType) -> StockMake:
         """That of a kind of train."""
         return cls(round(float(kind.row[0]["cars"])), kind.regenerated_to)
 

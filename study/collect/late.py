@@ -53,8 +53,8 @@ def late_part(setup: Setup) -> PagePart | None:
     counted = ", ".join(f"{number} from {source}" for source, number in counts_of(day).items())
     caption = phrase(
         "Seed {seed} draws this, and the same again: {counted}. When: the planned time that it is about."
-    ).of(seed=setup.seed, counted=counted)
-    folded = phrase("{count} things drawn").of(count=len(day.drawn))
+    ).fill(seed=setup.seed, counted=counted)
+    folded = phrase("{count} things drawn").fill(count=len(day.drawn))
     title = phrase("What was drawn for this day")
     return PagePart(
         title.en,

@@ -27,7 +27,7 @@ class Passed:
     time_s: float | None
 
 
-def passed(
+def passings_timed(
     passings: Sequence[PlannedPassing], spans: Iterable[tuple[TraceSpan, NDArray[np.void]]]
 ) -> tuple[Passed, ...]:
     """When each front passed, between the rows of its trajectory; `spans` are those of `rows_by_span`."""

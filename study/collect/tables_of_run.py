@@ -15,11 +15,11 @@ from radio.noted import TelegramDropped
 from simulation.result import RunResult, TraceSpan
 from simulation.setup import STEPS_PER_S
 from study.capacity.blocking_table import blocking_table, blocks_table
-from study.capacity.observed import observed
+from study.capacity.observed import occupations_run
 from study.collect.energy import StockMake, energy_tables
 from study.collect.energy_hours import energy_hours_of
 from study.collect.margins import margins_of
-from study.collect.stops import passed, stops_table
+from study.collect.stops import passings_timed, stops_table
 from study.measures.passings import PlannedPassing
 from study.measures.register_holds import SectionHold
 from study.measures.running_times import PlannedLeg
@@ -44,12 +44,12 @@ def tables_of(
     the rest what was planned.
     """
     spans = [(span, rows) for span, rows in rows_by_span(result) if rows.size]
-    stops = stops_table(result.stops, passed(passings, spans))
-    return RunTables.of(
+    stops = stops_table(result.stops, passings_timed(passings, spans))
+    return RunTables.with_tables(
         trajectory=_trajectory(result, spans),
         stops=stops,
         blocks=blocks_table(holds),
-        blocking=blocking_table(observed(result, line, holds)),
+        blocking=blocking_table(occupations_run(result, line, holds)),
         telegrams=_telegrams(result),
         **energy_tables(result.energy, fleet),
         energy_hours=energy_hours_of(result.energy, fleet),

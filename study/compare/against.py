@@ -34,7 +34,7 @@ def base_of(directory: Path, line: Line) -> ComparedRun:
     return of_read(read, directory.resolve().name)
 
 
-def against(run: FinishedRun, base: ComparedRun, over_s: float) -> Against:
+def changes_from_base(run: FinishedRun, base: ComparedRun, over_s: float) -> Against:
     """What changed from the run that was kept to the one that has just ended."""
     label = run.scenario.id
     found = compare((base, of_run(run, label if label != base.label else f"{label} (now)")), over_s)

@@ -15,7 +15,7 @@ from study.compare.times import ComparedTimes, compare_times
 from study.record.tables import RunTables
 from study.wording import compared as words
 from study.wording.catalogue import phrase
-from study.wording.phrase import Phrase, joined
+from study.wording.phrase import Phrase, joined_phrases
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,18 +141,18 @@ def verdict_said(found: RunComparison) -> tuple[Phrase, ...]:
     """What changed, in sentences: what a planner wants to know first."""
     if found.nothing_differs:
         inputs = words.SAME_INPUTS if found.same_inputs else words.OTHER_INPUTS
-        return (words.NOTHING_AT_ALL.of(inputs=inputs),)
+        return (words.NOTHING_AT_ALL.fill(inputs=inputs),)
     times = found.times
     told = [_moved(found)]
     for numbers, where in ((times.only_new, found.new), (times.only_base, found.base)):
         if numbers:
-            told.append(words.ONLY_IN.of(where=where, trains=_trains(numbers)))
+            told.append(words.ONLY_IN.fill(where=where, trains=_trains(numbers)))
     if times.once:
-        told.append(words.CAME_ONCE.of(count=_count(len(times.once), _TIME)))
+        told.append(words.CAME_ONCE.fill(count=_count(len(times.once), _TIME)))
     told.append(_meets(found.meets))
     for texts, where in ((found.broken_new, found.new), (found.broken_base, found.base)):
         if texts:
-            told.append(words.BROKEN_ONLY.of(where=where, texts="; ".join(texts)))
+            told.append(words.BROKEN_ONLY.fill(where=where, texts="; ".join(texts)))
     return tuple(told)
 
 
@@ -161,13 +161,13 @@ def _moved(found: RunComparison) -> Phrase:
     times = found.times
     if not times.compared:
         return words.NONE_COMPARED
-    over = words.SECONDS.of(over_s=found.over_s)
-    both = words.BOTH.of(count=f"{times.compared:,}")
-    largest = words.LARGEST.of(largest_s=times.largest_s)
+    over = words.SECONDS.fill(over_s=found.over_s)
+    both = words.BOTH.fill(count=f"{times.compared:,}")
+    largest = words.LARGEST.fill(largest_s=times.largest_s)
     if not times.moved:
-        return words.NOTHING_MOVED.of(over=over, both=both, largest=largest)
+        return words.NOTHING_MOVED.fill(over=over, both=both, largest=largest)
     later = sum(moved.by_s > 0.0 for moved in times.moved)
-    return words.MOVED.of(
+    return words.MOVED.fill(
         count=f"{len(times.moved):,}",
         both=both,
         over=over,
@@ -183,14 +183,14 @@ def _meets(meets: Sequence[MeetChange]) -> Phrase:
     if not meets:
         return words.NO_MEET
     counts = Counter(change.fate for change in meets)
-    each = joined(FATES[fate].of(count=count) for fate, count in counts.items())
-    return words.MEETS.of(count=_count(len(meets), _MEET), each=each)
+    each = joined_phrases(FATES[fate].fill(count=count) for fate, count in counts.items())
+    return words.MEETS.fill(count=_count(len(meets), _MEET), each=each)
 
 
 def _trains(numbers: Sequence[str]) -> Phrase:
     shown, rest = ", ".join(numbers[:8]), len(numbers) - 8
     form = words.ONE_TRAIN if len(numbers) == 1 else words.MORE_TRAINS if rest > 0 else words.TRAINS
-    return form.of(shown=shown, rest=rest)
+    return form.fill(shown=shown, rest=rest)
 
 
 FATES: Final[Mapping[MeetFate, Phrase]] = {
@@ -209,4 +209,4 @@ _MEET: Final = (phrase("{count} meet", "counted"), phrase("{count} meets", "coun
 
 
 def _count(count: int, names: tuple[Phrase, Phrase]) -> Phrase:
-    return names[count != 1].of(count=f"{count:,}")
+    return names[count != 1].fill(count=f"{count:,}")

@@ -17,7 +17,7 @@ from study.compare.grids import columns_of, measures_grid
 from study.compare.measures import TABLES, columns_in
 from study.compare.parts import parts_against
 from study.compare.times import MovedTime, UnmatchedTime
-from study.record.directory import COMPARE_FILE, replaced
+from study.record.directory import COMPARE_FILE, replacing_folder
 from study.record.parts import PagePart
 from study.report.face import FACE, japanese_face
 from study.report.style import drawing
@@ -33,7 +33,7 @@ _ONCE: Final = tuple(field.name for field in fields(UnmatchedTime))
 _CSVS: Final = ("measures", "inputs", "times", "once", "meets", *TABLES)
 
 
-def owns(name: str) -> bool:
+def owns_file(name: str) -> bool:
     """Whether a file of that name may stand in the directory of a comparison."""
     number, dot, ending = name.removeprefix(GRAPH).partition(".")
     picture = name.startswith(GRAPH) and number.isdecimal() and f"{dot}{ending}" in _PICTURES
@@ -45,7 +45,7 @@ def write_comparison(found: Comparisons, out: Path) -> Path:
 
     Raises InputError for a directory that holds anything else or cannot be written.
     """
-    with replaced(out, owns, "a comparison") as folder:
+    with replacing_folder(out, owns_file, "a comparison") as folder:
         folder.mkdir()
         (folder / COMPARE_FILE).write_text(json_text(found), "utf-8")
         _write_tables(found, folder)

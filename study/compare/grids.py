@@ -14,11 +14,11 @@ from study.compare.side import ComparedRun
 from study.compare.times import MovedTime, What
 from study.record.driving import EARLY
 from study.record.figure import Figure, Kind, ShownIn, seen_in
-from study.record.parts import TextTable, signed
+from study.record.parts import TextTable, signed_number
 from study.record.tables import ROWS
 from study.report.data import place_said
 from study.wording.compared import EARLIER, HEADING, LATER, compared_name
-from study.wording.phrase import Language, Phrase, joined
+from study.wording.phrase import Language, Phrase, joined_phrases
 from study.wording.telegrams import telegram
 
 SAME: Final = "="
@@ -42,7 +42,7 @@ def measures_grid(found: Comparisons, language: Language = "en", *, changed_only
     labels = [side.label for side in found.sides]
     rows: list[tuple[str, ...]] = []
     for measure in found.measures:
-        if changed_only and not changed(measure):
+        if changed_only and not any_run_differs(measure):
             continue
         unit = f", {compared_name(measure.unit).in_(language)}" if measure.unit else ""
         cells = [
@@ -62,7 +62,7 @@ def measures_grid(found: Comparisons, language: Language = "en", *, changed_only
     return TextTable(header, tuple(rows), numbers_from=2)
 
 
-def changed(measure: Measure) -> bool:
+def any_run_differs(measure: Measure) -> bool:
     """Whether any run differs from the first by what can be read."""
     return any(_by(measure, index) != SAME for index in range(1, len(measure.values)))
 
@@ -92,7 +92,9 @@ def moved_grid(
             _clock(moved.old_s),
             _clock(moved.new_s),
             _later(moved.by_s).in_(language),
-            NONE if moved.plan_by_s is None else signed(moved.plan_by_s, 0, compared_name("s").in_(language)),
+            NONE
+            if moved.plan_by_s is None
+            else signed_number(moved.plan_by_s, 0, compared_name("s").in_(language)),
         )
         for moved in listed
     )
@@ -143,7 +145,7 @@ def meets_grid(
     def place(side: ComparedRun, meet: RunMeet | None) -> str:
         if meet is None:
             return NONE
-        where = joined((place_said(side.run, at) for at in meet.at), " – ", "～")
+        where = joined_phrases((place_said(side.run, at) for at in meet.at), " – ", "～")
         return f"{where.in_(language)} {_clock(meet.time_s)}"
 
     def later(change: MeetChange) -> str:
@@ -183,7 +185,7 @@ def rows_grid(found: RunComparison, table: str, new: ComparedRun, language: Lang
     headings = [
         text
         for said in shown.values()
-        for text in (HEADING.of(what=said.heading).in_(language), *_heads(language, "new", "by"))
+        for text in (HEADING.fill(what=said.heading).in_(language), *_heads(language, "new", "by"))
     ]
     titles = [said.name.in_(language) for said in names_in(table).values()]
     return TextTable((*titles, *headings), rows, numbers_from=len(titles))
@@ -211,7 +213,7 @@ def columns_of(table: str) -> tuple[str, ...]:
     )
 
 
-def cut(grid: TextTable, most: int) -> tuple[TextTable, int]:
+def first_rows(grid: TextTable, most: int) -> tuple[TextTable, int]:
     """The first rows of a grid, and how many were left out."""
     return TextTable(grid.header, grid.rows[:most], grid.numbers_from, grid.numbers_to), max(
         len(grid.rows) - most, 0
@@ -247,7 +249,7 @@ def _by(measure: Measure, index: int) -> str:
 
 
 def _difference(by: float, digits: int) -> str:
-    return signed(by, digits) if abs(by) >= 0.5 * 10.0**-digits else SAME
+    return signed_number(by, digits) if abs(by) >= 0.5 * 10.0**-digits else SAME
 
 
 def _number(value: Value, digits: int) -> str:
@@ -259,13 +261,13 @@ def _cell(moved: Mapping[What, MovedTime]) -> str:
     if not moved:
         return ""
     if What.PASSING in moved:
-        return signed(moved[What.PASSING].by_s, 0)
+        return signed_number(moved[What.PASSING].by_s, 0)
     ends = (What.ARRIVAL, What.DEPARTURE)
-    return " / ".join(signed(moved[what].by_s, 0) if what in moved else "·" for what in ends)
+    return " / ".join(signed_number(moved[what].by_s, 0) if what in moved else "·" for what in ends)
 
 
 def _later(by_s: float) -> Phrase:
-    return (LATER if by_s > 0 else EARLIER).of(by_s=abs(by_s))
+    return (LATER if by_s > 0 else EARLIER).fill(by_s=abs(by_s))
 
 
 def _clock(time_s: float) -> str:

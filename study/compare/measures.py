@@ -13,7 +13,7 @@ from simulation.result import DRAWN
 from study.compare.meets import meets_of
 from study.compare.side import ComparedRun
 from study.compare.times import What
-from study.measures.driving import driven
+from study.measures.driving import driving_sums
 from study.measures.missing import planned_times
 from study.measures.summary import arrived_trains, energy_summary
 from study.record.driving import EARLY, DrivenHop
@@ -23,7 +23,7 @@ from study.record.tables import ROWS
 from study.record.told import TelegramsOfWay
 from study.report.data import place_said
 from study.wording import compared as words
-from study.wording.phrase import NOTHING, Phrase, joined
+from study.wording.phrase import NOTHING, Phrase, joined_phrases
 
 # Minutes as punctuality is told in, and the 15 s in which Japanese timetables are planned.
 NOT_LATE_S: Final = (
@@ -139,7 +139,7 @@ def _punctuality(side: ComparedRun, what: What) -> Iterator[RunFigure]:
     for most_s in WITHIN_S:
         kept = came.filter(late <= most_s).height
         form = words.NOT_LATE if most_s == NOT_LATE_S else words.AT_MOST
-        name = form.of(most=words.span(most_s)).en
+        name = form.fill(most=words.span(most_s)).en
         yield RunFigure(group, name, "%", 1, 100.0 * kept / planned.height if planned.height else None)
     yield RunFigure(group, "never came", "", 0, float(planned.height - came.height))
     yield RunFigure(group, "mean lateness", "s", 1, _number(planned["late_s"].mean()))
@@ -180,8 +180,8 @@ def _energy(side: ComparedRun) -> Iterator[RunFigure]:
 
 
 def _driving(side: ComparedRun) -> Iterator[RunFigure]:
-    """Means over the hops as `study.measures.driving.driven` has them; none of a run without any."""
-    whole = driven(rows_in(DrivenHop, side.run.tables.driving))
+    """Means over the hops as `study.measures.driving.driving_sums` has them; none of a run without any."""
+    whole = driving_sums(rows_in(DrivenHop, side.run.tables.driving))
     for name, said in (*seen_in(DrivenHop, ShownIn.TOTALS_COMPARED).items(), ("early_s", EARLY)):
         value = None if whole is None else whole[name]
         yield RunFigure("driving", said.name.en, said.unit, said.digits, value)
@@ -205,15 +205,17 @@ def _at_station(side: ComparedRun, stops: pl.DataFrame) -> Phrase:
     """Train and station of the first row."""
     if stops.is_empty():
         return NOTHING
-    return words.AT_STATION.of(train=stops["train"][0], place=place_said(side.run, stops["station"][0]))
+    return words.AT_STATION.fill(train=stops["train"][0], place=place_said(side.run, stops["station"][0]))
 
 
 def _on_hop(side: ComparedRun, margins: pl.DataFrame) -> Phrase:
     """Train and hop of the first row."""
     if margins.is_empty():
         return NOTHING
-    ends = joined((place_said(side.run, margins[f"{end}_station"][0]) for end in ("from", "to")), " – ", "～")
-    return joined((Phrase(margins["train"][0]), ends), " ", " ")
+    ends = joined_phrases(
+        (place_said(side.run, margins[f"{end}_station"][0]) for end in ("from", "to")), " – ", "～"
+    )
+    return joined_phrases((Phrase(margins["train"][0]), ends), " ", " ")
 
 
 TABLES: Final = ("margins", "energy", "driving", "telegrams", "stops")  # what is compared row by row

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from network.model import Direction, Line
 from study.report.data import ReportedRun
 from study.wording import compared as words
-from study.wording.phrase import NOTHING, Phrase, joined
+from study.wording.phrase import NOTHING, Phrase, joined_phrases
 
 Floats: TypeAlias = NDArray[np.float64]
 Pair: TypeAlias = tuple[str, str]  # the train that runs down, and the one that runs up
@@ -168,8 +168,8 @@ def _change(
     ran = {number for _, number in missing_in.courses}
     absent = [number for number in pair if number not in ran]
     which = words.compared_name("new" if new is None else "base")
-    trains = joined(map(Phrase, absent), words.AND.en, words.AND.ja)
-    why = words.DID_NOT_RUN.of(trains=trains, which=which) if absent else NOTHING
+    trains = joined_phrases(map(Phrase, absent), words.AND.en, words.AND.ja)
+    why = words.DID_NOT_RUN.fill(trains=trains, which=which) if absent else NOTHING
     return MeetChange(*pair, MeetFate.GONE if new is None else MeetFate.NEW, old, new, why)
 
 

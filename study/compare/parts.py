@@ -23,7 +23,7 @@ from study.record.parts import PagePart, TextTable
 from study.report.style import svg_of
 from study.wording import compared as words
 from study.wording.catalogue import phrase
-from study.wording.phrase import NOTHING, Language, Phrase, joined
+from study.wording.phrase import NOTHING, Language, Phrase, joined_phrases
 
 OPEN_ROWS: Final = 40  # longer tables are folded
 _GRAPH_HELP: Final = (
@@ -70,8 +70,8 @@ def parts_against(found: Comparisons, index: int = 0, *, graphs: bool = True) ->
     pair, base, new = found.pairs[index], found.sides[0], found.sides[index + 1]
     two = found.of_two(index)
     first = _part(
-        words.CHANGED.of(label=base.label),
-        joined(verdict_said(pair), " ", ""),
+        words.CHANGED.fill(label=base.label),
+        joined_phrases(verdict_said(pair), " ", ""),
         lambda language: measures_grid(two, language),
     )
     if pair.nothing_differs:
@@ -80,7 +80,9 @@ def parts_against(found: Comparisons, index: int = 0, *, graphs: bool = True) ->
     listed = [
         _part(_INPUTS, _inputs_text(pair), lambda language: inputs_grid(pair, language)),
         _part(
-            _MOVED, _MOVED_HELP.of(over=over, label=seen), lambda language: moved_matrix(pair, new, language)
+            _MOVED,
+            _MOVED_HELP.fill(over=over, label=seen),
+            lambda language: moved_matrix(pair, new, language),
         ),
         _part(_EVERY_TIME, NOTHING, lambda language: moved_grid(pair, new, language)),
         _part(_ONCE, _ONCE_HELP, lambda language: once_grid(pair, new, language)),
@@ -116,10 +118,10 @@ def _of_table(pair: RunComparison, table: str, new: ComparedRun) -> PagePart:
 def _folded(part: PagePart) -> PagePart:
     """A long table is folded; its line says how long."""
     count = len(part.grids[0].rows)
-    folded = words.ROWS.of(count=f"{count:,}")
+    folded = words.ROWS.fill(count=f"{count:,}")
     return part if count <= OPEN_ROWS else replace(part, folded=folded.en, folded_ja=folded.in_("ja"))
 
 
 def _inputs_text(pair: RunComparison) -> Phrase:
     count = len(pair.inputs)
-    return words.ONE_DIFFERENCE if count == 1 else words.DIFFERENCES.of(count=f"{count:,}")
+    return words.ONE_DIFFERENCE if count == 1 else words.DIFFERENCES.fill(count=f"{count:,}")

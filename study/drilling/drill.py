@@ -24,14 +24,14 @@ from simulation.setup import STEPS_PER_S
 from study.drilling.scores import Scores, score
 from study.drilling.verdict import ExpectationVerdict, judge
 from study.record.directory import Reserved
-from study.record.fault_place import where
+from study.record.fault_place import place_of_fault
 from study.record.marks import DrillShown, Mark, MarkKind, mark_of
 from study.record.tables import RunTables, make_table
 from study.record.told import EventTold
 from study.runner.outcome import unfinished
 from study.runner.run import FinishedRun, PartyLink, UnitsAt, execute, fill_run
 from study.wording import outcome as words
-from study.wording.phrase import Phrase, joined
+from study.wording.phrase import Phrase, joined_phrases
 from study.wording.script import item_text
 
 
@@ -137,10 +137,10 @@ def run_drill(
 
 def fill_drill(drill: Drill, place: Reserved) -> Path:
     """Write a drill into the directory reserved, its report showing it. Returns the path of the report."""
-    return fill_run(drill.run, place, shown(drill))
+    return fill_run(drill.run, place, drill_shown(drill))
 
 
-def shown(drill: Drill) -> DrillShown:
+def drill_shown(drill: Drill) -> DrillShown:
     """What the report shows."""
     result, setup = drill.run.result, drill.run.scenario.setup
     end_s = result.end_step / STEPS_PER_S
@@ -154,7 +154,7 @@ def shown(drill: Drill) -> DrillShown:
             to_s = end_s if over_s is None else over_s
             mark = mark_of(kind, number, item_text(course.item), course.begun_s, to_s, over)
             if isinstance(course.item, ScriptedFault):
-                mark = replace(mark, where=where(course.item.fault, setup.line, result.stock_ids))
+                mark = replace(mark, where=place_of_fault(course.item.fault, setup.line, result.stock_ids))
             marks.append(mark)
     for number, verdict in enumerate(drill.verdicts, 1):
         bounded = math.isfinite(verdict.from_s) or math.isfinite(verdict.to_s)
@@ -171,13 +171,13 @@ def score_text(scores: Scores) -> Phrase:
     """The scores in a sentence."""
     late = words.NO_TRAIN
     if scores.late_s_max is not None:
-        late = words.LATEST.of(late_s=scores.late_s_max)
+        late = words.LATEST.fill(late_s=scores.late_s_max)
     if scores.normal_after_s is None or scores.healed_s is None:
-        return joined((late, words.NO_NORMAL.of(why=scores.why)), " ", "")
-    normal = words.NORMAL.of(
+        return joined_phrases((late, words.NO_NORMAL.fill(why=scores.why)), " ", "")
+    normal = words.NORMAL.fill(
         normal_s=scores.normal_after_s, healed=clock(int(scores.healed_s)), tolerance_s=scores.on_time_s
     )
-    return joined((late, normal), " ", "")
+    return joined_phrases((late, normal), " ", "")
 
 
 def expectations_dict(verdicts: tuple[ExpectationVerdict, ...]) -> list[dict[str, Any]]:
@@ -195,7 +195,7 @@ def _with_verdicts(tables: RunTables, verdicts: tuple[ExpectationVerdict, ...], 
     told: list[EventTold] = []
     for v in verdicts:
         met = words.MET if v.passed else words.NOT_MET
-        said = words.VERDICT.of(met=met, text=v.expected, happened=v.said)
+        said = words.VERDICT.fill(met=met, text=v.expected, happened=v.said)
         at_s = min(v.to_s, end_s) if v.at_s is None else v.at_s
         told.append(EventTold(at_s, "drill", "expectation", said.en, said.in_("ja")))
     events = pl.concat([tables.events, make_table("events", told)]).sort("t_s", maintain_order=True)

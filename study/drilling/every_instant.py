@@ -22,7 +22,7 @@ from simulation.setup import STEPS_PER_S, Setup, step_not_before
 from simulation.world.roster import drawn_up
 from study.drilling.forks import CopyDied, Forks
 from study.drilling.outcome_class import SweptRun, swept_run_of, swept_run_of_death
-from study.runner.run import simulated
+from study.runner.run import simulation_of
 
 NOTHING: Final = Script()
 LEAD_S: Final = 10.0  # a sweep begins this long before the first train of interest
@@ -146,7 +146,7 @@ def sweep(
         len(steps if variation.instants is None else variation.instants)
         for variation, steps in zip(variations, planned, strict=True)
     )
-    with simulated(replace(setup, script=beside)) as simulation, Forks(SweptRun, jobs) as copies:
+    with simulation_of(replace(setup, script=beside)) as simulation, Forks(SweptRun, jobs) as copies:
         simulation.begin()
         while any(course.open for course in courses) and not simulation.settle():
             for course in courses:
@@ -155,7 +155,7 @@ def sweep(
                     copies.start((variation.name, step), partial(_end_of, simulation, variation.at(step)))
                     if progress is not None:
                         progress(len(copies.results), total)
-                if window.to_s is None and all(map(simulation.done, variation.stocks)):
+                if window.to_s is None and all(map(simulation.has_finished, variation.stocks)):
                     course.close(simulation.step)
             simulation.advance()
         if window.to_s is None:
@@ -172,7 +172,7 @@ def sweep(
 
 def _end_of(simulation: Simulation, script: Script) -> SweptRun:
     """In a copy: what becomes of it all with this script."""
-    simulation.happens(script)
+    simulation.carry_out(script)
     return swept_run_of(simulation.finish(), script)
 
 

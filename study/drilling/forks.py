@@ -20,7 +20,7 @@ from typing import Final, Generic, NoReturn, Self, TypeVar
 
 import msgspec
 
-from study.runner.crash import named
+from study.runner.crash import exception_line
 
 T = TypeVar("T")
 Key = tuple[str, int]
@@ -125,7 +125,7 @@ class Forks(Generic[T]):
         return found
 
 
-def alone(kind: type[T], work: Callable[[], T]) -> T:
+def result_of_copy(kind: type[T], work: Callable[[], T]) -> T:
     """The result of one copy. RuntimeError where it has none."""
     with Forks(kind, 1) as one:
         one.start(("", 0), work)
@@ -149,7 +149,7 @@ def _work(work: Callable[[], object], to_parent: int) -> NoReturn:
         said = _Done(msgspec.msgpack.encode(work()))
     except BaseException as error:
         cause = error.__cause__ or error
-        said = CopyDied(type(cause).__name__, named(error))
+        said = CopyDied(type(cause).__name__, exception_line(error))
     data = memoryview(msgspec.msgpack.encode(said))
     while data:
         data = data[os.write(to_parent, data) :]

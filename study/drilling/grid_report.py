@@ -52,7 +52,7 @@ class OutcomeClass:
         }
 
 
-def owns(name: str) -> bool:
+def owns_file(name: str) -> bool:
     """Whether a file of that name may stand in the directory of a sweep."""
     return name in (CSV_FILE, JSON_FILE) or (name.startswith(REPLAY) and name.endswith(".toml"))
 

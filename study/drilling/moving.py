@@ -24,8 +24,8 @@ from simulation.faults.table import FAULTS
 from simulation.faults.tag_reader import WrongId
 from simulation.setup import STEPS_PER_S, Setup, step_not_before
 from study.drilling.every_instant import Variation
-from study.drilling.forks import alone
-from study.runner.run import simulated
+from study.drilling.forks import result_of_copy
+from study.runner.run import simulation_of
 from study.wording.script import item_text
 
 NO_TIME: Final = Trigger()
@@ -39,7 +39,7 @@ class MovedDrill:
     left_out: tuple[str, ...]
 
 
-def moved(scenario: Scenario) -> MovedDrill:
+def what_is_moved(scenario: Scenario) -> MovedDrill:
     """What a sweep of a drill moves. InputError where there is nothing, or no fault begins in the drill itself."""
     setup, script = scenario.setup, scenario.setup.script
     if not script.faults and not script.acts:
@@ -81,12 +81,12 @@ def _steps(setup: Setup) -> list[int | None]:
     """When each fault and act begins in the drill itself; None for never."""
     triggers = [item.trigger for item in _items(setup.script)]
     if any(trigger.at_s is None for trigger in triggers):
-        return alone(list[int | None], partial(_begun, setup))
+        return result_of_copy(list[int | None], partial(_begun, setup))
     return [step_not_before((trigger.at_s or 0.0) + trigger.after_s) for trigger in triggers]
 
 
 def _begun(setup: Setup) -> list[int | None]:
-    with simulated(setup) as simulation:
+    with simulation_of(setup) as simulation:
         courses = simulation.run().courses
     step_of = {id(course.item): round(course.begun_s * STEPS_PER_S) for course in courses}
     return [step_of.get(id(item)) for item in _items(setup.script)]
@@ -161,7 +161,7 @@ def single_faults(setup: Setup, kinds: Sequence[str] = ()) -> tuple[Variation, .
     names = names_of(setup)
     wanted = tuple(kinds or SINGLES)
     of_tags = any(FAULTS[kind].aims_at == "tag" for kind in wanted)
-    passages = alone(list[tuple[int, int]], partial(_passages, setup)) if of_tags else []
+    passages = result_of_copy(list[tuple[int, int]], partial(_passages, setup)) if of_tags else []
     variations: list[Variation] = []
     for kind in wanted:
         single, fault = SINGLES[kind], FAULTS[kind]
@@ -207,6 +207,6 @@ def _another(tag: str, names: Names) -> int:
 
 def _passages(setup: Setup) -> list[tuple[int, int]]:
     """Which tag is passed at which step when nothing fails."""
-    with simulated(replace(setup, script=Script())) as simulation:
+    with simulation_of(replace(setup, script=Script())) as simulation:
         entries = simulation.run().journal.entries
     return [(round(e.t_s * STEPS_PER_S), e.event.tag_id) for e in entries if isinstance(e.event, TagPassed)]

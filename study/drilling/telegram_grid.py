@@ -27,10 +27,10 @@ from simulation.faults.script import Act, ScriptedFault
 from simulation.faults.table import FAULTS
 from simulation.setup import STEPS_PER_S, Setup, latest_end_s
 from study.drilling.every_instant import InstantWindow, SweepOutcomes, Variation
-from study.drilling.forks import alone
+from study.drilling.forks import result_of_copy
 from study.drilling.moving import NO_TIME, SINGLES, single_faults
 from study.drilling.outcome_class import OutcomeKind, SweptRun, swept_run_of
-from study.runner.run import simulated
+from study.runner.run import simulation_of
 
 BEFORE_S: Final = 60.0  # of what the script does first, and
 AFTER_S: Final = 300.0  # after the last of it
@@ -112,15 +112,15 @@ def _runs(variations: Iterable[Variation]) -> int:
 def grid_of(setup: Setup, chosen: FaultChoice, window: InstantWindow) -> TelegramGrid:
     """The grid of a setup; `window` may give the first and the last instant."""
     if (known_s := _last_known_s(setup, window)) is not None:
-        setup = shortened(setup, known_s + FOLLOWS_S)
-    course = alone(_WrittenRun, partial(_course, setup))
+        setup = shortened_setup(setup, known_s + FOLLOWS_S)
+    course = result_of_copy(_WrittenRun, partial(_course, setup))
     steps = [step for step, _, _ in course.telegrams] or [0]
     first_s = min(course.script_s) - BEFORE_S if course.script_s else min(steps) / STEPS_PER_S - 1.0
     last_s = max(course.script_s) + AFTER_S if course.script_s else first_s + LASTS_S
     first_s = first_s if window.from_s is None else window.from_s
     last_s = last_s if window.to_s is None else window.to_s
     own = _own(setup, course)
-    setup = shortened(setup, last_s + FOLLOWS_S)
+    setup = shortened_setup(setup, last_s + FOLLOWS_S)
     names = names_of(setup)
     parties = frozenset((*names.units, *names.devices))
     within = [
@@ -139,7 +139,7 @@ def grid_of(setup: Setup, chosen: FaultChoice, window: InstantWindow) -> Telegra
 
 
 def _course(setup: Setup) -> _WrittenRun:
-    with simulated(setup) as simulation:
+    with simulation_of(setup) as simulation:
         result = simulation.run()
     own = (*setup.script.faults, *setup.script.acts)  # and nothing that staff did of themselves
     telegrams = [
@@ -169,7 +169,11 @@ def _own(setup: Setup, course: _WrittenRun) -> tuple[SweptRun, ...]:
         return ()
     people = setup.people.model_copy(update={"react": False})
     stated = (SweptRun(OutcomeKind.BROKEN, f"invariant {rule}") for e in wrong for rule in e.rules)
-    return course.own, alone(_WrittenRun, partial(_course, replace(setup, people=people))).own, *stated
+    return (
+        course.own,
+        result_of_copy(_WrittenRun, partial(_course, replace(setup, people=people))).own,
+        *stated,
+    )
 
 
 def _faults(setup: Setup, chosen: FaultChoice, telegrams: list[tuple[int, str, str]]) -> Iterator[Variation]:
@@ -220,7 +224,7 @@ def _goes_on(diagram: Diagram, kept: Mapping[str, TimetableTrain]) -> Iterator[s
                 yield after
 
 
-def shortened(setup: Setup, until_s: float) -> Setup:
+def shortened_setup(setup: Setup, until_s: float) -> Setup:
     """The setup without trains that begin after a time; stock that would become one of them stays where it is, if no
     other train comes there: else it has to go on, and so have those in its way.
     """

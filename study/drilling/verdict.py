@@ -17,7 +17,7 @@ from simulation.setup import STEPS_PER_S
 from study.record.tables import RunTables
 from study.runner.outcome import missing_said, outside_said, rules_said
 from study.wording import outcome as words
-from study.wording.phrase import Phrase, joined
+from study.wording.phrase import Phrase, joined_phrases
 from study.wording.script import expectation_text, matcher_text
 
 KMH_PER_MPS: Final = 3.6
@@ -100,7 +100,7 @@ def _window(expectation: Expectation, seen: _Journal) -> tuple[float, float] | P
             return _never(expectation.until)
         to_s = min(to_s, end_s)
     if to_s < from_s:
-        return words.BACKWARDS.of(at=_clock(to_s))
+        return words.BACKWARDS.fill(at=_clock(to_s))
     return from_s, to_s
 
 
@@ -112,14 +112,14 @@ def _judge_event(expectation: Expectation, seen: _Journal) -> ExpectationVerdict
         raise ValueError("an expectation of an event has none")
     at_s = seen.first(expectation.event, *window)
     if expectation.absent:
-        happened = words.DID_NOT if at_s is None else words.HAPPENED.of(at=_clock(at_s))
+        happened = words.DID_NOT if at_s is None else words.HAPPENED.fill(at=_clock(at_s))
         return ExpectationVerdict(expectation_text(expectation), at_s is None, happened, at_s, *window)
     if at_s is not None:
         return ExpectationVerdict(
-            expectation_text(expectation), True, words.AT.of(at=_clock(at_s)), at_s, *window
+            expectation_text(expectation), True, words.AT.fill(at=_clock(at_s)), at_s, *window
         )
     ever_s = seen.first(expectation.event, -math.inf, math.inf)
-    happened = words.NEVER if ever_s is None else words.TOO_LATE.of(at=_clock(ever_s))
+    happened = words.NEVER if ever_s is None else words.TOO_LATE.fill(at=_clock(ever_s))
     return ExpectationVerdict(expectation_text(expectation), False, happened, ever_s, *window)
 
 
@@ -129,7 +129,7 @@ def _judge_property(expectation: Expectation, seen: _Journal, tables: RunTables)
         return _judge_safety(expectation, result)
     if expectation.holds is Property.EVERYONE_ARRIVES:
         missing = missing_said(result)
-        happened = joined(missing, "; ", "；") if missing else words.ALL_ARRIVED
+        happened = joined_phrases(missing, "; ", "；") if missing else words.ALL_ARRIVED
         return ExpectationVerdict(
             expectation_text(expectation), (not missing) is not expectation.absent, happened
         )
@@ -145,8 +145,8 @@ def _judge_safety(expectation: Expectation, result: RunResult) -> ExpectationVer
     """No broken invariant, no collision, nothing that the world calls unsafe; or some, and none but those named."""
     broken = rules_said(result)
     excused = [v for v in result.violations if v.checker in expectation.rules]
-    outside = [words.OUTSIDE_DESIGN.of(what=what) for what in outside_said(result)]
-    none = joined((words.NONE_BROKEN, *outside), "; ", "；")
+    outside = [words.OUTSIDE_DESIGN.fill(what=what) for what in outside_said(result)]
+    none = joined_phrases((words.NONE_BROKEN, *outside), "; ", "；")
     at_s, happened = min(broken, key=lambda found: (found[0], found[1].en), default=(None, none))
     only = not expectation.rules or len(broken) == len(excused)
     passed = bool(broken) is expectation.absent and only
@@ -164,7 +164,7 @@ def _judge_speed(
     fastest_kmh = float(rows["speed_mps"].max() or 0.0) * KMH_PER_MPS  # type: ignore[arg-type]
     passed = fastest_kmh <= expectation.kmh + SPEED_TOLERANCE_KMH
     return ExpectationVerdict(
-        expectation_text(expectation), passed, words.AT_MOST.of(kmh=fastest_kmh), None, from_s, to_s
+        expectation_text(expectation), passed, words.AT_MOST.fill(kmh=fastest_kmh), None, from_s, to_s
     )
 
 
@@ -181,12 +181,12 @@ def _judge_entry(
         return ExpectationVerdict(expectation_text(expectation), True, words.NOT_ENTERED, None, from_s, to_s)
     at_s = float(rows["entered_s"][0])
     return ExpectationVerdict(
-        expectation_text(expectation), False, words.ENTERED.of(at=_clock(at_s)), at_s, from_s, to_s
+        expectation_text(expectation), False, words.ENTERED.fill(at=_clock(at_s)), at_s, from_s, to_s
     )
 
 
 def _never(matcher: Matcher) -> Phrase:
-    return words.NO_STRETCH.of(what=Phrase(matcher.text, matcher_text(matcher)))
+    return words.NO_STRETCH.fill(what=Phrase(matcher.text, matcher_text(matcher)))
 
 
 def _clock(t_s: float) -> str:

@@ -18,7 +18,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from onboard.localisation.curvature import collate
+from onboard.localisation.curvature import collate_with_map
 from onboard.localisation.curvature_row import WINDOW_MAX
 from onboard.records import Chart
 from scenario.scenario import load_scenario
@@ -39,7 +39,7 @@ FIX_MS_MAX: Final = 0.2
 RATIO_MAX: Final = 1.5  # of the day without it
 
 
-def carrying(setup: Setup, what: str) -> Setup:
+def setup_carrying(setup: Setup, what: str) -> Setup:
     """The setup with every train carrying that."""
     sensors = setup.sensors.model_copy(update={"carries": CARRIED[what], "carries_of": {}})
     return replace(setup, sensors=sensors)
@@ -47,7 +47,7 @@ def carrying(setup: Setup, what: str) -> Setup:
 
 def fix_ms(scenario: str, fixes: int = FIXES) -> tuple[float, int]:
     """Milliseconds of one comparison at the widest window, and at how many shifts it looks."""
-    setup = carrying(load_scenario(scenario).setup, WITH)
+    setup = setup_carrying(load_scenario(scenario).setup, WITH)
     lengths_m = {piece.id: round(piece.length_m, 6) for piece in setup.line.pieces.values()}
     trains = Trains(setup, PlainTrack(lengths_m, STEP_S))
     unit, own, pool = trains.units[SLOT], trains.readers[SLOT].curvature, trains.pool
@@ -67,7 +67,7 @@ def fix_ms(scenario: str, fixes: int = FIXES) -> tuple[float, int]:
     for _ in range(fixes + 1):
         unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = float(front), float(half), float(half)
         begun_s = time.perf_counter()
-        collate(own, unit, chart)
+        collate_with_map(own, unit, chart)
         taken_s.append(time.perf_counter() - begun_s)
     return 1e3 * statistics.median(taken_s[1:]), int(own.span) + 1
 
@@ -76,7 +76,7 @@ def run_child(what: str, scenario: str) -> dict[str, Any]:
     """One timed day in this process: wall time, s, and the digest of its journal."""
     for name in (WARMED_BY, scenario):
         loaded = load_scenario(name)
-        run = execute(replace(loaded, setup=carrying(loaded.setup, what)), PartyLink.SIMULATED)
+        run = execute(replace(loaded, setup=setup_carrying(loaded.setup, what)), PartyLink.SIMULATED)
     return {"wall_s": float(run.summary["wall_s"]), "digest": run.summary["digest"]}
 
 

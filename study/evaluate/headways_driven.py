@@ -20,7 +20,7 @@ from simulation.setup import STEP_S, Setup
 from study.capacity.claims import Event, LegRun
 from study.capacity.headway import HeadwayCase
 from study.capacity.legs import SetLeg, legs_of, places_of
-from study.capacity.observed import observed
+from study.capacity.observed import occupations_run
 from study.capacity.occupation import TOUCH_S
 from study.capacity.two_trains import (
     NoSuchDayError,
@@ -33,7 +33,7 @@ from study.capacity.two_trains import (
     ways_to_ask,
 )
 from study.measures.register_holds import section_holds
-from study.runner.run import TEMPORARY, CarrierKind, RunOptions, carrier_factory, through
+from study.runner.run import TEMPORARY, CarrierKind, RunOptions, carrier_factory, run_to_end
 from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import read_net
 
@@ -117,7 +117,7 @@ class Drives:
         self._map = read_net(net)
         self._is_place = places_of(line)
 
-    def driven(self, case: HeadwayCase, *, searched: bool = True) -> Driven:
+    def drive_headway(self, case: HeadwayCase, *, searched: bool = True) -> Driven:
         """A headway driven; what a run needs instead is looked for where it differs, if that is asked for."""
         try:
             drive = _Drive(self, two_trains(self.setup, case.headway))
@@ -129,9 +129,10 @@ class Drives:
         """The legs of a day, as run."""
         with scratch(TEMPORARY, self._folder) as folder:
             course = RunOptions(self._make, self._map, folder)
-            setup, result = through(replace(self._scenario, setup=setup), course)
+            setup, result = run_to_end(replace(self._scenario, setup=setup), course)
         return legs_of(
-            observed(result, setup.line, section_holds(result, setup.line, setup.lengths_m)), self._is_place
+            occupations_run(result, setup.line, section_holds(result, setup.line, setup.lengths_m)),
+            self._is_place,
         )
 
 

@@ -87,7 +87,7 @@ def _one(way: str, scenario: str, file: str, net: str) -> Generator[Callable[[],
 def _begun(scenario: str, carrier: str, first: int, days: int) -> Generator[tuple[SweepPlan, SweepDirectory]]:
     """A sweep over seeds alone, in a directory of its own."""
     from study.sweep.plan import load_plan
-    from study.sweep.store import opened
+    from study.sweep.store import opened_sweep
 
     with scratch("branchline-bench-") as folder:
         tables = {"id": "bench", "name": "What a sweep takes", "scenario": scenario, "carrier": carrier}
@@ -96,19 +96,19 @@ def _begun(scenario: str, carrier: str, first: int, days: int) -> Generator[tupl
         file = folder / "sweep.toml"
         file.write_text("\n".join(lines), "utf-8")
         plan = load_plan(str(file))
-        with opened(plan, folder / "out") as store:
+        with opened_sweep(plan, folder / "out") as store:
             yield plan, store
 
 
-def swept(scenario: str, jobs: int, days: int) -> dict[str, Any]:
+def real_sweep(scenario: str, jobs: int, days: int) -> dict[str, Any]:
     """A real sweep on plain track, every tenth day on SUMO too, in processes of this one: its share of the cores."""
-    from study.sweep.go import begun, go
+    from study.sweep.go import run_missing, sweep_begun
     from study.sweep.local import LocalPump
 
     with _begun(scenario, CARRIED_BY[ON_PLAIN], 1, days) as (plan, store):
-        state = begun(plan, store, anyway=False)
+        state = sweep_begun(plan, store, anyway=False)
         began_s, before_s = time.perf_counter(), _spent_s()
-        go(state, store, LocalPump(jobs))
+        run_missing(state, store, LocalPump(jobs))
         wall_s = time.perf_counter() - began_s
     share = (_spent_s() - before_s) / (wall_s * jobs)
     return {
@@ -196,5 +196,5 @@ def _same(rounds: Sequence[dict[str, Any]]) -> bool:
 
 if __name__ == "__main__":
     what, *rest = sys.argv[1:]
-    done = swept(rest[0], int(rest[1]), int(rest[2])) if what == "sweep" else run_child(what, *rest)
+    done = real_sweep(rest[0], int(rest[1]), int(rest[2])) if what == "sweep" else run_child(what, *rest)
     sys.stdout.write(json.dumps(done) + "\n")

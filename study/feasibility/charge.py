@@ -18,7 +18,7 @@ from simulation.setup import Setup
 from simulation.world.charge_control import READY_S
 from simulation.world.roster import Duty
 from simulation.world.ways import ways_of
-from study.feasibility.finding import Finding, FindingKind, Severity, lasting, minute, severity_of
+from study.feasibility.finding import Finding, FindingKind, Severity, length_of_time, minute, severity_of
 from study.feasibility.planned import PlannedDay
 from vehicle.battery import available_j, charge_to, soc_of, stand, window_j
 
@@ -159,7 +159,7 @@ def _looks(one: _SetCharge, duty: Duty, at: int, hops: Sequence[BatteryHop]) -> 
     if waits_s is None:
         remedy = "more charging before that"
         return Finding(FindingKind.CHARGE, Severity.IMPOSSIBLE, trains, place, departs_s, text, remedy)
-    text = f"{text}: it charges there for {lasting(waits_s)} longer"
+    text = f"{text}: it charges there for {length_of_time(waits_s)} longer"
     severity = severity_of(waits_s, target.departure_s)
     return Finding(
         FindingKind.CHARGE, severity, trains, place, departs_s, text, "more charging before that", waits_s

@@ -13,7 +13,15 @@ from study.feasibility.charge import charge_of
 from study.feasibility.climbs import climbs_of
 from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of
 from study.feasibility.equipment import equipment_of
-from study.feasibility.finding import LATE_S, Feasibility, Finding, FindingKind, Severity, lasting, minute
+from study.feasibility.finding import (
+    LATE_S,
+    Feasibility,
+    Finding,
+    FindingKind,
+    Severity,
+    length_of_time,
+    minute,
+)
 from study.feasibility.holdings import clashes_of, holds_of
 from study.feasibility.meets import day_meets
 from study.feasibility.passings import passings_of
@@ -179,7 +187,8 @@ def _lateness(day: PlannedDay, late: Sequence[RehearsedLateness]) -> Iterator[Fi
             worst[one.train.number] = one
     for number, one in worst.items():
         name = day.line.stations[one.station_id].name
-        text = f"{number} would come to {name} at {clock(round(one.due_s + one.late_s))}, {lasting(one.late_s)} late"
+        at = clock(round(one.due_s + one.late_s))
+        text = f"{number} would come to {name} at {at}, {length_of_time(one.late_s)} late"
         if one.behind:
             text += f", behind {' and '.join(one.behind)}"
         severity = Severity.IMPOSSIBLE if one.late_s >= LATE_S else Severity.TIGHT

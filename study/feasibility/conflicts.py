@@ -13,7 +13,7 @@ from study.feasibility.finding import (
     FindingKind,
     PlannedMeet,
     Severity,
-    lasting,
+    length_of_time,
     minute,
     severity_of,
 )
@@ -134,7 +134,7 @@ def _later(clash: HoldingConflict, what: str) -> str:
     """The remedy of waiting, where there is an end to it."""
     if not math.isfinite(clash.wait_s):
         return "one of them needs another track, or has to leave first"
-    return f"{what} {lasting(clash.wait_s)} later, at {_until(clash.first.to_s)}"
+    return f"{what} {length_of_time(clash.wait_s)} later, at {_until(clash.first.to_s)}"
 
 
 def _meeting(line: Line, clash: HoldingConflict, meet: PlannedMeet) -> Finding:

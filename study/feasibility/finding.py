@@ -159,7 +159,7 @@ def minute(time_s: float) -> str:
     return clock(time_s // 60 * 60)[:-3]
 
 
-def lasting(time_s: float) -> str:
+def length_of_time(time_s: float) -> str:
     """A length of time, s, as people say it: seconds up to two minutes, whole minutes beyond; rounded up."""
     whole_s = math.ceil(time_s)
     return f"{whole_s} s" if whole_s <= SAID_IN_SECONDS_S else f"{math.ceil(time_s / 60.0)} min"

@@ -15,7 +15,7 @@ from network.clock import clock
 from network.model import Line
 from onboard.duty.mission import Mission
 from simulation.setup import Setup
-from study.feasibility.finding import Finding, FindingKind, lasting, minute, severity_of
+from study.feasibility.finding import Finding, FindingKind, length_of_time, minute, severity_of
 from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedStop, PlannedTrain, due_s
 from study.feasibility.run_times import RunTimes
 
@@ -163,7 +163,7 @@ def _layover(setup: Setup, before: PlannedTrain, after: PlannedTrain) -> Iterato
         f"the set of {before.number} has left by {before.nodes[-1].section_id} at {clock(round(left_s))} at the"
         f" earliest, and cannot come back as {after.number} for {minute(first.arrives_s)}"
     )
-    remedy = f"{after.number} comes {lasting(short_s)} later"
+    remedy = f"{after.number} comes {length_of_time(short_s)} later"
     severity = severity_of(short_s, first.target.arrival_s, first.target.departure_s)
     trains, place = (before.number, after.number), before.nodes[-1].section_id
     yield Finding(FindingKind.LAYOVER, severity, trains, place, first.arrives_s, text, remedy, short_s)

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from network.errors import COMMAND_LINE, InputError
 from network.files.raw import is_table
-from network.files.schema_walk import resolved
+from network.files.schema_walk import resolved_node
 from network.files.text_input import existing_file
 from network.files.toml_input import read_text
 from scenario.schemas import schema_of
@@ -124,6 +124,6 @@ def _explained(row: str, meaning: str) -> str:
 def _meaning(schema: Mapping[str, Any], table: str, key: str) -> str:
     properties = schema["properties"]
     if table:
-        properties = resolved(schema, properties[table]).get("properties", {})
+        properties = resolved_node(schema, properties[table]).get("properties", {})
     node = properties.get(key, {})
     return str(node.get("description", "")) if is_table(node) else ""

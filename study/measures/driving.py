@@ -17,10 +17,10 @@ from network.units import J_PER_KWH
 from onboard.driving.laws.table import LAW_NAMES
 from simulation.result import EnergyPhase, EnergyRecord, RunResult
 from simulation.ride import BRAKES, COASTS, CRUISES, Ride
-from simulation.ride import together as rides_together
+from simulation.ride import joined_rides as rides_together
 from simulation.setup import Setup
 from study.record.driving import DrivenHop
-from study.record.figure import rows_in, together
+from study.record.figure import rows_in, summed_figures
 from study.record.tables import make_table
 from vehicle.train_file import RegenerationReceiver
 
@@ -109,14 +109,14 @@ def driving_table(
     return make_table("driving", driven_hops(result.energy, stocks, late_s, error_m))
 
 
-def driven(hops: Sequence[DrivenHop]) -> dict[str, Any] | None:
+def driving_sums(hops: Sequence[DrivenHop]) -> dict[str, Any] | None:
     """Hops together, by figure, with their number, how many were late, and mean earliness; None of none."""
     if not hops:
         return None
     late = [hop.late_s for hop in hops if hop.late_s is not None]
     return {
         "hops": len(hops),
-        **together(hops),
+        **summed_figures(hops),
         "early_s": -fmean(late) if late else None,
         "late_hops": sum(time_s > 0.0 for time_s in late),
     }
@@ -125,8 +125,8 @@ def driven(hops: Sequence[DrivenHop]) -> dict[str, Any] | None:
 def driving_summary(table: pl.DataFrame) -> dict[str, Any] | None:
     """For summary.json: all hops together, and by law where there are several; None of a run without any hop."""
     hops = rows_in(DrivenHop, table)
-    whole = driven(hops)
+    whole = driving_sums(hops)
     if whole is None:
         return None
     laws = sorted({hop.law for hop in hops})
-    return {**whole, "by_law": {law: driven([hop for hop in hops if hop.law == law]) for law in laws}}
+    return {**whole, "by_law": {law: driving_sums([hop for hop in hops if hop.law == law]) for law in laws}}

@@ -21,9 +21,9 @@ from vehicle.optimum.journey import (
     journey_times,
 )
 from vehicle.optimum.least import least_time_bound_s
-from vehicle.optimum.mesh import laid
+from vehicle.optimum.mesh import laid_course
 from vehicle.optimum.pareto import HopCurve, ParetoPoint, curve_of, proportional_curve
-from vehicle.optimum.proof import proven
+from vehicle.optimum.proof import proven_run
 from vehicle.optimum.samples import STRETCHES
 from vehicle.running_time import laid_down_s
 
@@ -44,7 +44,7 @@ class SampledHop:
     _fastest_j: float = field(init=False)
 
     def __post_init__(self) -> None:
-        found = laid(self.course)
+        found = laid_course(self.course)
         self.least_s, self._fastest_j = found.least_s, fastest_j(found)
         for stretch in (*NEAR_LEAST, *STRETCHES):
             self.energy_j(stretch * self.least_s)
@@ -55,7 +55,7 @@ class SampledHop:
             return self._fastest_j
         if time_s not in self.points:
             try:
-                found = proven(self.course, time_s)
+                found = proven_run(self.course, time_s)
             except TooShort:
                 return self._fastest_j
             price_w = max(float(found.optimum.price_w), 0.0)  # the one of the bound's line, too

@@ -82,7 +82,7 @@ class Least:
     bound_kwh: float
 
     @classmethod
-    def of(cls, hops: Iterable[HopLeast]) -> Least:
+    def sum_of(cls, hops: Iterable[HopLeast]) -> Least:
         """Their sums."""
         whole = tuple(hops)
         return cls(

@@ -52,7 +52,7 @@ def late_stretches(
         from_s = (train.calls[-1] if number in by_train else train.calls[0]).last_s + LATE_S
         if train.calls[-1].station_id not in came and from_s < end_s:
             found.append(LateStretch(from_s, end_s, over=False))
-    return joined(found)
+    return joined_stretches(found)
 
 
 def _of_train(stops: Sequence[StopRecord], last_id: str, end_s: float) -> list[LateStretch]:
@@ -74,7 +74,7 @@ def _of_train(stops: Sequence[StopRecord], last_id: str, end_s: float) -> list[L
     return found
 
 
-def joined(stretches: Iterable[LateStretch]) -> tuple[LateStretch, ...]:
+def joined_stretches(stretches: Iterable[LateStretch]) -> tuple[LateStretch, ...]:
     """Stretches that overlap or meet made one."""
     found: list[LateStretch] = []
     for one in sorted(stretches, key=lambda stretch: stretch.from_s):

@@ -111,7 +111,7 @@ def at_time(time_s: float) -> str:
 
 def text_of(wait: Wait, names: Names | None = None) -> Phrase:
     """The wait in one sentence; `names` of stations by id, without which the ids stand in it."""
-    return _SENTENCES[wait.cause].of(**_parts(wait, names or {}))
+    return _SENTENCES[wait.cause].fill(**_parts(wait, names or {}))
 
 
 def _parts(wait: Wait, names: Names) -> dict[str, object]:
@@ -130,8 +130,8 @@ def _parts(wait: Wait, names: Names) -> dict[str, object]:
         "section": wait.section,
         "points": wait.points,
         "party": f"{wait.party_train} ({wait.party})" if wait.party_train else wait.party or MANAGER_ID,
-        "since": NOTHING if wait.since_s is None else since.of(at=at_time(wait.since_s)),
-        "until": NOTHING if wait.until_s is None else until.of(at=at_time(wait.until_s)),
+        "since": NOTHING if wait.since_s is None else since.fill(at=at_time(wait.since_s)),
+        "until": NOTHING if wait.until_s is None else until.fill(at=at_time(wait.until_s)),
         "until_at": "" if wait.until_s is None else at_time(wait.until_s),
         "asked": _ASKED[wait.asked],
         "reason": reason(wait.reason),
@@ -142,13 +142,13 @@ def _parts(wait: Wait, names: Names) -> dict[str, object]:
 def _place(wait: Wait, names: Names) -> Phrase:
     if wait.place in names:
         name = names[wait.place]
-        return _AT.of(place=Phrase(name.en, name.in_("ja").removesuffix(_STATION) + _STATION))
+        return _AT.fill(place=Phrase(name.en, name.in_("ja").removesuffix(_STATION) + _STATION))
     if wait.place:
-        return _AT.of(place=wait.place)
+        return _AT.fill(place=wait.place)
     if wait.at_m is not None:
-        where = phrase("km {km}", "place").of(km=f"{wait.at_m / 1000.0:.3f}")
-        return where if wait.cause is Cause.STOP_LIMIT else _AT.of(place=where)
-    return phrase("outside section {section}").of(section=wait.section)
+        where = phrase("km {km}", "place").fill(km=f"{wait.at_m / 1000.0:.3f}")
+        return where if wait.cause is Cause.STOP_LIMIT else _AT.fill(place=where)
+    return phrase("outside section {section}").fill(section=wait.section)
 
 
 def _why(wait: Wait, parts: Mapping[str, object]) -> Phrase:
@@ -156,5 +156,5 @@ def _why(wait: Wait, parts: Mapping[str, object]) -> Phrase:
     if wait.reason in _REASONS:
         return _REASONS[wait.reason]
     limited = _LIMITED_BY.get(wait.reason)
-    said = reason(wait.reason) if limited is None else limited.of(**parts)
-    return phrase(": {said}").of(said=said) if said.en else NOTHING
+    said = reason(wait.reason) if limited is None else limited.fill(**parts)
+    return phrase(": {said}").fill(said=said) if said.en else NOTHING

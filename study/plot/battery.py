@@ -40,7 +40,7 @@ NARROW_S: Final = 720.0  # a name above a charge has no room in less
 
 def battery_table(run: ChosenRun) -> pl.DataFrame:
     """The batteries at every moment written down, of the time chosen."""
-    return run.within(run.tables.battery, "t_s")
+    return run.rows_in_window(run.tables.battery, "t_s")
 
 
 def draw_battery(run: ChosenRun) -> Figure | None:

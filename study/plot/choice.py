@@ -53,7 +53,7 @@ class ChosenRun(ReportedRun):
         known = self.names.get(station_id)
         return station_id if known is None else known.in_(self.choice.language)
 
-    def shown(self, frame: pl.DataFrame) -> pl.DataFrame:
+    def chosen_rows(self, frame: pl.DataFrame) -> pl.DataFrame:
         """The rows of a table that are of the train and the station chosen, where it has such columns."""
         choice = self.choice
         if choice.train is not None and "train" in frame.columns:
@@ -62,7 +62,7 @@ class ChosenRun(ReportedRun):
             frame = frame.filter(pl.col("station") == choice.station)
         return frame
 
-    def within(self, frame: pl.DataFrame, *columns: str) -> pl.DataFrame:
+    def rows_in_window(self, frame: pl.DataFrame, *columns: str) -> pl.DataFrame:
         """The rows with any of these times in the window, or with none at all; all of them if nobody chose one."""
         if self.choice.from_s is None and self.choice.to_s is None:
             return frame
@@ -77,7 +77,7 @@ class ChosenRun(ReportedRun):
         return None if self.choice.station is None else self.line.stations[self.choice.station]
 
 
-def seen(read: RunRead, choice: Choice) -> ChosenRun:
+def chosen_run(read: RunRead, choice: Choice) -> ChosenRun:
     """A run through a choice. InputError for a train, station or time that the run does not have."""
     ran = {str(train) for train in read.tables.stops["train"].unique()}
     planned = [number for number in read.timetable.trains if number in ran]

@@ -69,7 +69,7 @@ CAUSE_COLOURS: Final[Mapping[Cause, str]] = {
 
 def waits_table(run: ChosenRun) -> pl.DataFrame:
     """The table of waits of the choice, with the sentence of each in the language chosen; running is left out."""
-    rows = run.within(run.shown(run.tables.waits), "from_s", "to_s").filter(
+    rows = run.rows_in_window(run.chosen_rows(run.tables.waits), "from_s", "to_s").filter(
         pl.col("cause") != Cause.RUNS.value
     )
     if run.choice.station is not None:

@@ -90,7 +90,7 @@ def draw_energy_hours(run: ChosenRun) -> Figure | None:
 
 def draw_energy_legs(run: ChosenRun) -> Figure | None:
     """Net energy of each leg, a panel a direction: a dot a train, a bar at the mean."""
-    legs = run.shown(run.tables.energy_legs)
+    legs = run.chosen_rows(run.tables.energy_legs)
     panels: list[tuple[Direction, list[tuple[str, str]], pl.DataFrame]] = []
     at_m = {station.id: station.position_m for station in run.stations}
     for direction in Direction:

@@ -31,7 +31,7 @@ def draw_energy_parts(run: ChosenRun) -> Figure | None:
     directions = pl.Series(
         "direction", [int(run.directions[train]) for train in run.tables.energy_legs["train"]]
     )
-    legs = run.shown(run.tables.energy_legs.with_columns(directions))
+    legs = run.chosen_rows(run.tables.energy_legs.with_columns(directions))
     at_m = {station.id: station.position_m for station in run.stations}
     panels: list[tuple[Direction, list[dict[str, float | str]]]] = []
     for direction in Direction:

@@ -58,12 +58,12 @@ def _marks(run: ChosenRun) -> tuple[Mark, ...]:
 
 
 def _times_of_stops(run: ChosenRun) -> pl.DataFrame:
-    stops = run.shown(run.tables.stops)
-    return run.within(stops, "planned_arrival_s", "planned_departure_s", "arrival_s", "departure_s")
+    stops = run.chosen_rows(run.tables.stops)
+    return run.rows_in_window(stops, "planned_arrival_s", "planned_departure_s", "arrival_s", "departure_s")
 
 
 def _run_curve_table(run: ChosenRun) -> pl.DataFrame:
-    return run.shown(run.tables.trajectory)
+    return run.chosen_rows(run.tables.trajectory)
 
 
 def _run_curve(run: ChosenRun) -> Figure | None:
@@ -72,7 +72,9 @@ def _run_curve(run: ChosenRun) -> Figure | None:
 
 
 def _blocks_table(run: ChosenRun) -> pl.DataFrame:
-    return run.within(run.shown(run.tables.blocks), "granted_s", "released_s", "entered_s", "cleared_s")
+    return run.rows_in_window(
+        run.chosen_rows(run.tables.blocks), "granted_s", "released_s", "entered_s", "cleared_s"
+    )
 
 
 def _running_times_table(run: ChosenRun) -> pl.DataFrame:
@@ -143,14 +145,14 @@ _KINDS: Final = (
     PlotKind(
         "energy-leg",
         phrase("Net energy by leg"),
-        lambda run: run.shown(run.tables.energy_legs),
+        lambda run: run.chosen_rows(run.tables.energy_legs),
         energy.draw_energy_legs,
         _TRAIN,
     ),
     PlotKind(
         "energy-parts",
         phrase("Where the energy of each leg went"),
-        lambda run: run.shown(run.tables.energy_legs),
+        lambda run: run.chosen_rows(run.tables.energy_legs),
         draw_energy_parts,
         _TRAIN,
     ),
@@ -187,7 +189,7 @@ _KINDS: Final = (
     PlotKind(
         "margins",
         phrase("Margins by hop"),
-        lambda run: run.shown(run.tables.margins),
+        lambda run: run.chosen_rows(run.tables.margins),
         draw_margins,
         _TRAIN,
     ),
@@ -222,7 +224,7 @@ _KINDS: Final = (
     PlotKind(
         "stop-errors",
         phrase("Stop errors"),
-        lambda run: run.shown(run.tables.stops).filter(pl.col("stop_error_m").is_not_null()),
+        lambda run: run.chosen_rows(run.tables.stops).filter(pl.col("stop_error_m").is_not_null()),
         _stop_errors,
     ),
     PlotKind(

@@ -14,7 +14,7 @@ from study.report.style import DIRECTION_COLOUR, PALE, RED, RULE, WIDTH_IN, dots
 
 def draw_margins(run: ChosenRun) -> Figure | None:
     """A panel a direction, a column a hop: the margin of every train as planned, and what was left on its arrival."""
-    table = run.shown(run.tables.margins)
+    table = run.chosen_rows(run.tables.margins)
     at_m = {station.id: station.position_m for station in run.stations}
     panels: list[tuple[Direction, list[tuple[str, str]], pl.DataFrame]] = []
     for direction in Direction:

@@ -31,7 +31,7 @@ MARKS: Final = {  # kind of event: marker, colour, its words
 def position_table(run: ChosenRun) -> pl.DataFrame:
     """The trajectory with the half-width of the bounds, of the train chosen."""
     columns = ("t_s", "unit", "train", "kilometrage_m", "piece", "speed_mps", "estimate_error_m")
-    return run.shown(run.tables.trajectory).select(*columns, "bound_ahead_m", "bound_behind_m", HALF_M)
+    return run.chosen_rows(run.tables.trajectory).select(*columns, "bound_ahead_m", "bound_behind_m", HALF_M)
 
 
 def draw_position(run: ChosenRun) -> Figure | None:

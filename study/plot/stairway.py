@@ -21,7 +21,7 @@ def _shown(run: ChosenRun) -> tuple[Occupation, ...]:
 
 def stairway_table(run: ChosenRun) -> pl.DataFrame:
     """A row an occupation, a column a part."""
-    return run.within(blocking_times(_shown(run)), "begin_s", "end_s")
+    return run.rows_in_window(blocking_times(_shown(run)), "begin_s", "end_s")
 
 
 def draw_stairway_of(run: ChosenRun) -> Figure | None:

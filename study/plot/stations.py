@@ -49,7 +49,7 @@ def occupation_table(run: ChosenRun) -> pl.DataFrame:
         rows = rows.filter((pl.col("train") == run.choice.train) | (pl.col("next_train") == run.choice.train))
     if run.choice.station is not None:
         rows = rows.filter(pl.col("station") == run.choice.station)
-    return run.within(rows, "planned_from_s", "planned_to_s", "from_s", "to_s")
+    return run.rows_in_window(rows, "planned_from_s", "planned_to_s", "from_s", "to_s")
 
 
 def draw_occupation(run: ChosenRun) -> Figure | None:
@@ -87,7 +87,7 @@ def draw_occupation(run: ChosenRun) -> Figure | None:
 
 def _track_name(run: ChosenRun, station: Station, track: str) -> str:
     name = run.name(station.id)
-    return phrase("{name}, track {track}").of(name=name, track=track).in_(run.choice.language)
+    return phrase("{name}, track {track}").fill(name=name, track=track).in_(run.choice.language)
 
 
 def _draw_stays(
@@ -153,8 +153,8 @@ def _number(
 
 def timetable_table(run: ChosenRun) -> pl.DataFrame:
     """Station timetable of the choice."""
-    rows = run.shown(station_timetable(run.tables.stops, run.line, run.timetable))
-    return run.within(rows, "planned_departure_s", "planned_arrival_s", "departure_s", "arrival_s")
+    rows = run.chosen_rows(station_timetable(run.tables.stops, run.line, run.timetable))
+    return run.rows_in_window(rows, "planned_departure_s", "planned_arrival_s", "departure_s", "arrival_s")
 
 
 def draw_timetable(run: ChosenRun) -> Figure | None:
@@ -237,7 +237,7 @@ def _short(name: str) -> str:
 
 def punctuality_table(run: ChosenRun) -> pl.DataFrame:
     """Punctuality by station, of the choice."""
-    times = run.within(planned_times(run.tables.stops, run.timetable), "planned_s")
+    times = run.rows_in_window(planned_times(run.tables.stops, run.timetable), "planned_s")
     if run.choice.train is not None:
         times = times.filter(pl.col("train") == run.choice.train)
     found = punctuality(times, run.line)

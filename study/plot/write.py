@@ -15,7 +15,7 @@ from network.errors import InputError
 from network.files.json_input import write_bytes_aside
 from network.files.toml_input import one_of
 from study.measures.wait_text import at_time
-from study.plot.choice import Choice, ChosenRun, seen
+from study.plot.choice import Choice, ChosenRun, chosen_run
 from study.plot.kinds import PlotKind, PlotOption
 from study.plot.words import translate
 from study.record.read_back import RunRead
@@ -50,7 +50,7 @@ def write_plot(read: RunRead, kind: PlotKind, choice: Choice, form: Format, out:
     be written.
     """
     _check_taken(kind, choice)
-    run = seen(read, choice)
+    run = chosen_run(read, choice)
     _check_needed(run, kind, choice, form)
     data = csv_of(kind.table(run)) if form is Format.CSV else _picture(run, kind, form)
     write_bytes_aside(out, data)

@@ -53,6 +53,6 @@ def kwh(
     return Figure(phrase(name, context), "kWh", digits, Adds.SUM, seen=seen, kind=kind)
 
 
-def said(name: str, seen: ShownIn = ShownIn.REPORT, context: str = "") -> Figure:
+def said_in_both(name: str, seen: ShownIn = ShownIn.REPORT, context: str = "") -> Figure:
     """A text in both languages."""
     return Figure(phrase(name, context), seen=seen, kind=Kind.SAID)

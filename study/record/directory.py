@@ -82,7 +82,7 @@ def check_out(out: Path, owns: Callable[[str], bool] = RUN_FILES.__contains__, w
 
 
 @contextmanager
-def replaced(
+def replacing_folder(
     out: Path, owns: Callable[[str], bool] = RUN_FILES.__contains__, what: str = "a run"
 ) -> Generator[Path]:
     """A path at which a folder is to be made; it takes the place of `out` when the context ends well.
@@ -129,12 +129,12 @@ class Reserved:
         while self._held:
             self._held.pop().unlink(missing_ok=True)
 
-    def put(self) -> None:
+    def put_in_place(self) -> None:
         """The run is whole: it takes its place."""
         (self.folder / INCOMPLETE_FILE).unlink()
         _put(self._aside, self.out)
 
-    def keep(self, why: str) -> Path | None:
+    def keep_cut_short(self, why: str) -> Path | None:
         """The run was cut short: journal and whole tables stay, under a name of their own. None if it had not begun.
 
         Where its report alone could not be written, all else stays, and the report can be made of it.
@@ -188,7 +188,10 @@ def reserved(out: Path) -> Generator[Reserved]:
         except Exception as error:
             if isinstance(error, OSError) and error.errno and not error.filename:  # of an open file
                 error.filename = str(out)
-            if outcome_of(error) is not Outcome.COULD_NOT_RUN or (kept := place.keep(text_of(error))) is None:
+            if (
+                outcome_of(error) is not Outcome.COULD_NOT_RUN
+                or (kept := place.keep_cut_short(text_of(error))) is None
+            ):
                 raise
             raise CutShortError(text_of(error), str(kept)) from error
 

@@ -24,7 +24,7 @@ def _changes(name: str, seen: ShownIn) -> Figure:
 
 def _share(name: str, over: str, seen: ShownIn = ShownIn.NOWHERE) -> Figure:
     of = phrase("{what}, of the time" if over == "run_s" else "{what}, of the way")
-    return Figure(of.of(what=phrase(name)), "%", 1, Adds.WEIGHED_MEAN, over, seen)
+    return Figure(of.fill(what=phrase(name)), "%", 1, Adds.WEIGHED_MEAN, over, seen)
 
 
 @dataclass(frozen=True, slots=True)

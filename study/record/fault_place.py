@@ -18,7 +18,7 @@ from study.record.marks import Where
 TO_SEE_M = 60.0  # what is at one place is shown as so long a stretch
 
 
-def where(fault: Fault[Any], line: Line, unit_ids: Iterable[str]) -> Where:
+def place_of_fault(fault: Fault[Any], line: Line, unit_ids: Iterable[str]) -> Where:
     """Where a fault is. What is nowhere in particular, as the block manager is, is on the whole line."""
     if isinstance(fault, LinkFault):
         return _of_parties((fault.target.source, fault.target.destination), line, unit_ids)

@@ -76,7 +76,7 @@ class Figure:
     def heading(self) -> Phrase:
         """Name and unit, as columns are headed."""
         return (
-            phrase("{what}, {unit}").of(what=self.name, unit=phrase_or_name(self.unit))
+            phrase("{what}, {unit}").fill(what=self.name, unit=phrase_or_name(self.unit))
             if self.unit
             else self.name
         )
@@ -160,7 +160,7 @@ def _of_words(row: type) -> Mapping[str, type[Enum]]:
     return {name: kind for name, kind in _types(row).items() if issubclass(kind, Enum)}
 
 
-def together(rows: Sequence[object]) -> dict[str, float | None]:
+def summed_figures(rows: Sequence[object]) -> dict[str, float | None]:
     """The figures of several rows of one type, by field, as far as they add up; None where no row has it."""
     row: type = type(rows[0])
     of = figures_of(row)

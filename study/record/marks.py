@@ -69,22 +69,22 @@ class DrillShown:
     score: str
     score_ja: str = ""
 
-    def of(self, *kinds: MarkKind) -> tuple[Mark, ...]:
+    def of_kinds(self, *kinds: MarkKind) -> tuple[Mark, ...]:
         """Marks of some kinds, in order."""
         return tuple(mark for mark in self.marks if mark.kind in kinds)
 
     def unmet(self) -> tuple[Phrase, ...]:
         """Expectations that were not met, and what happened."""
         return tuple(
-            words.UNMET.of(text=mark.said, happened=mark.became)
-            for mark in self.of(MarkKind.EXPECTATION)
+            words.UNMET.fill(text=mark.said, happened=mark.became)
+            for mark in self.of_kinds(MarkKind.EXPECTATION)
             if not mark.passed
         )
 
     def verdict(self) -> Phrase:
         """Passed or not, in words."""
-        judged, unmet = len(self.of(MarkKind.EXPECTATION)), len(self.unmet())
-        return words.FAILED.of(count=unmet, all=judged) if unmet else words.PASSED.of(count=judged)
+        judged, unmet = len(self.of_kinds(MarkKind.EXPECTATION)), len(self.unmet())
+        return words.FAILED.fill(count=unmet, all=judged) if unmet else words.PASSED.fill(count=judged)
 
 
 def mark_of(kind: MarkKind, number: int, said: Phrase, from_s: float, to_s: float, became: Phrase) -> Mark:

@@ -45,7 +45,7 @@ class PagePart:
     folded_ja: str = ""
 
 
-def signed(value: float, digits: int = 0, unit: str = "") -> str:
+def signed_number(value: float, digits: int = 0, unit: str = "") -> str:
     """A number with its sign, as it is set: +3 s, −12 s."""
     text = f"{value:+,.{digits}f}"
     return f"{text} {unit}".rstrip().replace("-", "−")

@@ -77,7 +77,7 @@ def read_run(directory: Path) -> RunRead:
     _check_finished(directory)
     file = str(directory / INPUTS_FILE)
     inputs = read_inputs(directory / INPUTS_FILE)
-    line, timetable, trains, settings = parsed(inputs, file)
+    line, timetable, trains, settings = parsed_inputs(inputs, file)
     summary = _summary(directory, settings)
     shown = read_shown(directory / SHOWN_FILE)
     _check_tables(directory, shown)
@@ -87,7 +87,7 @@ def read_run(directory: Path) -> RunRead:
     return RunRead(directory, line, timetable, trains, settings, inputs, summary, tables, learned, shown)
 
 
-def parsed(inputs: Inputs, file: str) -> tuple[Line, Timetable, dict[str, TrainType], ScenarioFile]:
+def parsed_inputs(inputs: Inputs, file: str) -> tuple[Line, Timetable, dict[str, TrainType], ScenarioFile]:
     """Line, timetable, kind of train by stock id and settings of a run; `file` names its inputs in InputErrors."""
     kinds: dict[str, TrainType] = {}
     with _table_of(file, "line"):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scenario.battery_choice import heated
+from scenario.battery_choice import heated_trains
 from scenario.scenario import run_tables
 from simulation.setup import Setup
 from study.record.read_back import RunRead
@@ -15,7 +15,7 @@ def setup_of(read: RunRead) -> Setup:
         read.name,
         read.line,
         read.timetable,
-        heated(dict(read.trains), tables.battery),
+        heated_trains(dict(read.trains), tables.battery),
         seed=settings.seed,
         load=settings.trains,
         **run_tables(tables, read.timetable),

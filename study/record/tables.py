@@ -57,7 +57,7 @@ class RunTables:
                 raise ValueError(f"table {name}: {problem}")
 
     @staticmethod
-    def of(**frames: pl.DataFrame) -> RunTables:
+    def with_tables(**frames: pl.DataFrame) -> RunTables:
         """Some tables, and the others empty."""
         return RunTables(**{name: make_table(name) for name in ROWS} | frames)
 

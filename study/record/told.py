@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Final
 
-from study.record.columns import said
+from study.record.columns import said_in_both
 from study.record.figure import Adds, Figure, Kind, ShownIn
 from study.wording.catalogue import phrase
 
@@ -21,9 +21,9 @@ def _count(name: str, seen: ShownIn = _FILES) -> Figure:
 class TelegramsOfWay:
     """One source, destination and kind."""
 
-    source: Annotated[str, said("sent by")]
-    destination: Annotated[str, said("sent to")]
-    kind: Annotated[str, said("kind", ShownIn.REPORT | ShownIn.ROWS_NAMED)]
+    source: Annotated[str, said_in_both("sent by")]
+    destination: Annotated[str, said_in_both("sent to")]
+    kind: Annotated[str, said_in_both("kind", ShownIn.REPORT | ShownIn.ROWS_NAMED)]
     sent: Annotated[int, _count("sent", _LISTED)]
     delivered: Annotated[int, _count("delivered")]
     lost: Annotated[int, _count("lost", _LISTED), "by the air"]
@@ -36,9 +36,9 @@ class EventTold:
     """One intervention, refusal, fault: what a person should hear of."""
 
     t_s: Annotated[float, Figure(phrase("time"), "", 1, seen=ShownIn.REPORT, kind=Kind.CLOCK)]
-    source: Annotated[str, said("source")]
-    kind: Annotated[str, said("kind")]
-    text: Annotated[str, said("text")]
+    source: Annotated[str, said_in_both("source")]
+    kind: Annotated[str, said_in_both("kind")]
+    text: Annotated[str, said_in_both("text")]
     text_ja: Annotated[str, "the same in Japanese"] = ""
 
 
@@ -46,12 +46,12 @@ class EventTold:
 class ComparedFigure:
     """One figure of ours beside another's."""
 
-    figure: Annotated[str, said("figure")]
+    figure: Annotated[str, said_in_both("figure")]
     ours: Annotated[float, Figure(phrase("ours"), "", 2, seen=ShownIn.REPORT)]
     theirs: Annotated[float, Figure(phrase("theirs"), "", 2, seen=ShownIn.REPORT)]
-    unit: Annotated[str, said("unit")]
+    unit: Annotated[str, said_in_both("unit")]
     difference_percent: Annotated[
         float, Figure(phrase("difference"), "%", 1, seen=ShownIn.REPORT, kind=Kind.SIGNED), "of theirs"
     ]
-    source: Annotated[str, said("source")]
-    comparable: Annotated[str, said("what is comparable, what not")]
+    source: Annotated[str, said_in_both("source")]
+    comparable: Annotated[str, said_in_both("what is comparable, what not")]

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from network.model import Alignment, Direction, Line
 from network.timetable import AtPortal, BecomesTrain, FromTrain, Stabled
 from study.report.data import ReportedRun, limits_mps, sections_in_order
-from study.report.packing import packed, places_in
-from study.report.thinning import kept, strands
+from study.report.packing import packed_column, places_in
+from study.report.thinning import kept_samples, strands
 
 Floats = NDArray[np.float64]
 KMH_PER_MPS: Final = 3.6
@@ -66,8 +66,8 @@ def bare_courses_shown(run: ReportedRun, fineness: Fineness, trains: Collection[
         if train not in trains:
             continue
         t_s, at_m = course["t_s"].to_numpy(), course["kilometrage_m"].to_numpy()
-        held = kept(t_s, at_m[:, None], tolerance)
-        times, places = packed(t_s[held], _TIME_PER_S), packed(at_m[held], _PLACE_PER_M)
+        held = kept_samples(t_s, at_m[:, None], tolerance)
+        times, places = packed_column(t_s[held], _TIME_PER_S), packed_column(at_m[held], _PLACE_PER_M)
         found.append({"unit": unit, "train": train, "t": times, "m": places})
     return found
 
@@ -92,7 +92,7 @@ def _course(
     for part in strands(t_s, axis):
         cuts.append([len(chosen), int(axis[part.start])])
         curves = np.column_stack([at_m[part], speed_kmh[part]])
-        chosen += (kept(t_s[part], curves, tolerances) + part.start).tolist()
+        chosen += (kept_samples(t_s[part], curves, tolerances) + part.start).tolist()
     braked = course["intervention"].to_numpy() != 0
     began = np.flatnonzero(braked & ~np.concatenate(([False], braked[:-1])))
     top_kmh = _SHOWN_ABOVE_MAX * run.line.max_speed_mps * KMH_PER_MPS
@@ -100,9 +100,9 @@ def _course(
         "unit": unit,
         "train": train,
         "direction": int(run.directions[train]),
-        "t": packed(t_s[chosen], _TIME_PER_S),
-        "m": packed(at_m[chosen], _PLACE_PER_M),
-        "v": packed(speed_kmh[chosen], _SPEED_PER_KMH),
+        "t": packed_column(t_s[chosen], _TIME_PER_S),
+        "m": packed_column(at_m[chosen], _PLACE_PER_M),
+        "v": packed_column(speed_kmh[chosen], _SPEED_PER_KMH),
         "axes": cuts,
         "braked": [round(float(t), 1) for t in t_s[began]],
     }
@@ -122,10 +122,13 @@ def _curve(t_s: Floats, values: Floats, tolerance: float, per_unit: int) -> dict
         if times:
             times.append(times[-1])
             found.append(None)
-        held = kept(t_s[part], values[part][:, None], np.array([tolerance - 0.5 / per_unit])) + part.start
+        held = (
+            kept_samples(t_s[part], values[part][:, None], np.array([tolerance - 0.5 / per_unit]))
+            + part.start
+        )
         times += t_s[held].tolist()
         found += values[held].tolist()
-    return {"t": packed(times, _TIME_PER_S), "v": packed(found, per_unit)}
+    return {"t": packed_column(times, _TIME_PER_S), "v": packed_column(found, per_unit)}
 
 
 def trains_shown(run: ReportedRun) -> list[dict[str, Any]]:
@@ -169,7 +172,7 @@ def _train(run: ReportedRun, number: str, went: list[dict[str, Any]], unit: str 
         "track": list(columns[1]),
         "kind": list(columns[2]),
         **{
-            name: packed(values, 1000 if name == "error" else 10)
+            name: packed_column(values, 1000 if name == "error" else 10)
             for name, values in zip(("pa", "pd", "a", "d", "error"), columns[3:], strict=True)
         },
     }
@@ -218,7 +221,7 @@ def blocks_shown(run: ReportedRun) -> dict[str, Any]:
         "section": at,
         "unit": by,
         "train": of,
-        "granted": packed(blocks["granted_s"], 1),
+        "granted": packed_column(blocks["granted_s"], 1),
         **{name: _plain(blocks[f"{name}_s"]) for name in ("released", "entered", "cleared")},
     }
 

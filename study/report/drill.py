@@ -35,7 +35,7 @@ _TEXT_MAX: Final = 46
 _TAG_GAP_SHARE: Final = 0.02  # least distance of the numbers on the graph, share of the panel's width
 
 
-def shows(mark: Mark, band: TimeBand) -> bool:
+def falls_in_panel(mark: Mark, band: TimeBand) -> bool:
     """Whether any of a mark falls in the panel."""
     if band.meets(mark.from_s, mark.to_s):
         return True
@@ -110,7 +110,7 @@ def draw_strip(axes: Axes, marks: Sequence[Mark], band: TimeBand, grid: TimeGrid
     draw_clock_axis(axes, band, grid)
     axes.tick_params(axis="x", labeltop=False, labelbottom=False)
     axes.set_ylim(len(marks) - 0.5, -0.5)
-    axes.set_yticks(range(len(marks)), [f"{m.label}  {shortened(m.text)}" for m in marks], fontsize=7)
+    axes.set_yticks(range(len(marks)), [f"{m.label}  {shortened_name(m.text)}" for m in marks], fontsize=7)
     axes.tick_params(axis="y", length=0)
     for row, (mark, label) in enumerate(zip(marks, axes.get_yticklabels(), strict=True)):
         axes.axhline(row + 0.5, color=RULE, lw=0.4, zorder=0.4)
@@ -137,6 +137,6 @@ def _draw_expectation(axes: Axes, row: int, mark: Mark, band: TimeBand) -> None:
         dots(axes, [at_s], [row], style, size, colour, mew=0, clip_on=False, zorder=4)
 
 
-def shortened(text: str) -> str:
+def shortened_name(text: str) -> str:
     """At most so many characters that stations' names beside the graph keep their room."""
     return text if len(text) <= _TEXT_MAX else text[: _TEXT_MAX - 1].rstrip() + "…"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from study.measures.driving import driven
+from study.measures.driving import driving_sums
 from study.record.columns import FROM, TO, TRAINS
 from study.record.driving import EARLY, LAW, DrivenHop
 from study.record.figure import Adds, Figure, ShownIn, rows_in, seen_in
@@ -41,8 +41,8 @@ def driving_tables(run: ReportedRun) -> tuple[Table, ...]:
 
 
 def _row(hops: list[DrivenHop]) -> dict[str, Any]:
-    """One row: energy of the mean train, the rest as `study.measures.driving.driven` has it."""
-    first, whole = hops[0], driven(hops) or {}
+    """One row: energy of the mean train, the rest as `study.measures.driving.driving_sums` has it."""
+    first, whole = hops[0], driving_sums(hops) or {}
     return {
         **{
             name: whole[name] / len(hops) if said.adds is Adds.SUM else whole[name]

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import polars as pl
 
-from study.record.columns import FROM, TO, TRAIN, TRAINS, said
+from study.record.columns import FROM, TO, TRAIN, TRAINS, said_in_both
 from study.record.energy import PARTS, TAKEN, LayoverEnergy, LegEnergy, Taken, TrainEnergy
 from study.record.figure import Figure, Kind, ShownIn, figures_of, seen_in
 from study.record.told import ComparedFigure
@@ -94,7 +94,7 @@ def _sums(facts: Mapping[str, Any]) -> tuple[Table, ...]:
         "energy_sums",
         phrase("Energy of the day"),
         (
-            Column("phase", said("phase"), [phase.both for phase in PHASES.values()]),
+            Column("phase", said_in_both("phase"), [phase.both for phase in PHASES.values()]),
             *(
                 Column(
                     name,
@@ -114,7 +114,7 @@ def _sums(facts: Mapping[str, Any]) -> tuple[Table, ...]:
         if energy[key]["all"] is not None
     ]
     headings = (
-        ("per", said("per")),
+        ("per", said_in_both("per")),
         ("km", Figure(Phrase("km"), digits=1)),
         ("net_trains", Figure(phrase("net kWh, trains"), digits=2)),
         ("net_all", Figure(phrase("with layovers"), digits=2)),
@@ -129,7 +129,7 @@ def _sums(facts: Mapping[str, Any]) -> tuple[Table, ...]:
         "energy_taken",
         phrase("Regenerated energy is taken by"),
         (
-            Column("taken_by", said("taken by"), [RECEIVERS[receiver].both for receiver in taken]),
+            Column("taken_by", said_in_both("taken by"), [RECEIVERS[receiver].both for receiver in taken]),
             Column("kwh", _KWH, list(taken.values())),
         ),
     )
@@ -148,7 +148,7 @@ def _parts(facts: Mapping[str, Any]) -> Table:
         "energy_parts",
         phrase("Where the net energy went"),
         (
-            Column("part", said("part"), [figures[name].heading.both for name in rows]),
+            Column("part", said_in_both("part"), [figures[name].heading.both for name in rows]),
             Column("kwh", _KWH, list(rows.values())),
             Column(
                 "percent_of_net",
@@ -236,16 +236,16 @@ def meanings(compared: list[Mapping[str, Any]]) -> tuple[Phrase, ...]:
     if traction is not None:
         kwh, percent = traction["ours"] - traction["theirs"], traction["difference_percent"]
         more = words.MORE if kwh >= 0.0 else words.LESS
-        found.append(words.TRACTION.of(kwh=abs(kwh), percent=abs(percent), more=more))
+        found.append(words.TRACTION.fill(kwh=abs(kwh), percent=abs(percent), more=more))
     for row in compared:
         ours, theirs = row["ours"], row["theirs"]
         if row["figure"].endswith("less than"):
             form = words.WITHIN if ours < theirs else words.ABOVE_BOUND
-            found.append(form.of(ours=ours, theirs=theirs))
+            found.append(form.fill(ours=ours, theirs=theirs))
         elif row["unit"] == "kWh per car-km":
             which = words.BELOW if ours < theirs else words.ABOVE
             percent, figure = abs(row["difference_percent"]), words.opinion(row["figure"])
-            found.append(words.PER_CAR.of(percent=percent, which=which, figure=figure))
+            found.append(words.PER_CAR.fill(percent=percent, which=which, figure=figure))
     if not any(row["unit"] == "kWh per car-km" for row in compared):
         found.append(words.NONE)
     return tuple(found)

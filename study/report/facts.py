@@ -12,13 +12,13 @@ from study.measures.summary import OFF_MARK_M
 from study.record.energy import PARTS, TrainEnergy
 from study.record.figure import figures_of
 from study.record.marks import DrillShown
-from study.record.parts import Fact, signed
+from study.record.parts import Fact, signed_number
 from study.record.told import TelegramsOfWay
 from study.report.data import ReportedRun, place_said
 from study.report.style import clock
 from study.wording.catalogue import phrase
 from study.wording.outcome import EXPECTED, OUTSIDE_LINE, ending_text
-from study.wording.phrase import NOTHING, Phrase, joined
+from study.wording.phrase import NOTHING, Phrase, joined_phrases
 from vehicle.train_file import RegenerationReceiver
 
 _NOT_RECORDED: Final = phrase("not recorded")
@@ -34,12 +34,12 @@ def headline(run: ReportedRun, facts: Mapping[str, Any], drill: DrillShown | Non
     planned, arrived = facts["trains_planned"], facts["trains_arrived"]
     telegrams = facts["telegrams"]
     counts = [
-        phrase("{count} {what}").of(count=f"{telegrams[name]:,}", what=said.name)
+        phrase("{count} {what}").fill(count=f"{telegrams[name]:,}", what=said.name)
         for name, said in figures_of(TelegramsOfWay).items()
         if name in telegrams
     ]
     parties = ", ".join(str(party) for party in facts.get("parties", ()))
-    arrived_said = phrase("{arrived} of {planned} planned").of(arrived=arrived, planned=planned)
+    arrived_said = phrase("{arrived} of {planned} planned").fill(arrived=arrived, planned=planned)
     return (
         *(() if drill is None else (Fact(phrase("Drill"), drill.verdict(), not drill.passed),)),
         Fact(phrase("Trains arrived"), arrived_said, arrived < planned),
@@ -50,7 +50,7 @@ def headline(run: ReportedRun, facts: Mapping[str, Any], drill: DrillShown | Non
         _stops(run, facts),
         energy_fact(facts, run.tables.energy),
         parts_fact(facts),
-        Fact(phrase("Telegrams"), joined(counts)),
+        Fact(phrase("Telegrams"), joined_phrases(counts)),
         Fact(phrase("Parties"), Phrase(parties) if parties else _NOT_RECORDED),
         *(
             Fact(name, Phrase(str(facts[key])) if key in facts else _NOT_RECORDED)
@@ -66,7 +66,7 @@ def _lateness(run: ReportedRun, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
         if at is None:
             return NOTHING
         place = place_said(run, at["station"])
-        return phrase(", {what} of {train} at {place}").of(
+        return phrase(", {what} of {train} at {place}").fill(
             what=phrase(at["what"]), train=at["train"], place=place
         )
 
@@ -77,15 +77,17 @@ def _lateness(run: ReportedRun, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
     else:
         at = where(facts.get("late_at"))
         latest = (
-            phrase("{late_s:.0f} s{where}").of(late_s=late_s, where=at)
+            phrase("{late_s:.0f} s{where}").fill(late_s=late_s, where=at)
             if late_s > 0.0
             else phrase("none late")
         )
         if missing:
             one = phrase("; {count} train did not arrive")
-            latest = joined((latest, (one if missing == 1 else _SOME_MISSING).of(count=missing)), "", "")
+            latest = joined_phrases(
+                (latest, (one if missing == 1 else _SOME_MISSING).fill(count=missing)), "", ""
+            )
     at = where(facts.get("early_at"))
-    early = phrase("{early_s:.0f} s before plan{where}").of(early_s=early_s, where=at)
+    early = phrase("{early_s:.0f} s before plan{where}").fill(early_s=early_s, where=at)
     return (
         Fact(phrase("Worst lateness"), latest, late_s is None or missing > 0),
         Fact(phrase("Earliest departure"), early if early_s else phrase("none before plan"), early_s >= 1),
@@ -101,7 +103,7 @@ def _invariants(facts: Mapping[str, Any]) -> Fact:
     all_of_them = max(int(facts.get("invariants_broken", named)), named)
     missing = all_of_them - named
     broken = phrase("{count}, {missing} of them that a train has not arrived" if missing else "{count}")
-    said = broken.of(count=all_of_them, missing=missing) if all_of_them else phrase("none")
+    said = broken.fill(count=all_of_them, missing=missing) if all_of_them else phrase("none")
     return Fact(phrase("Invariants broken"), said, all_of_them > 0)
 
 
@@ -122,7 +124,7 @@ def _margin(run: ReportedRun, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
     said = _hop_named(run, least)
     tightest = margins.get("smallest_margin_percent", least)
     if _hop(tightest) != _hop(least):
-        said = phrase("{least}; in percent {tightest}").of(least=said, tightest=_hop_named(run, tightest))
+        said = phrase("{least}; in percent {tightest}").fill(least=said, tightest=_hop_named(run, tightest))
     return (Fact(phrase("Smallest margin"), said, least["margin_s"] < 0.0),)
 
 
@@ -132,9 +134,9 @@ def _hop(row: Mapping[str, Any]) -> tuple[str, str, str]:
 
 def _hop_named(run: ReportedRun, row: Mapping[str, Any]) -> Phrase:
     percent = row["margin_percent"]
-    return phrase("{seconds} s{share}, {train} {here} – {there}").of(
-        seconds=signed(row["margin_s"]),
-        share="" if percent is None else f" ({signed(percent, 0, '%')})",
+    return phrase("{seconds} s{share}, {train} {here} – {there}").fill(
+        seconds=signed_number(row["margin_s"]),
+        share="" if percent is None else f" ({signed_number(percent, 0, '%')})",
         train=row["train"],
         here=place_said(run, row["from_station"]),
         there=place_said(run, row["to_station"]),
@@ -148,14 +150,14 @@ def _stops(run: ReportedRun, facts: Mapping[str, Any]) -> Fact:
     sigma = "" if sigma_m is None else f", σ {sigma_m:.3f} m"
     at, more = facts["stop_off_at"], NOTHING
     if at is not None:
-        more = phrase("; {count} more than {off_m:g} m off, the worst {train} at {place}").of(
+        more = phrase("; {count} more than {off_m:g} m off, the worst {train} at {place}").fill(
             count=facts["stops_off"],
             off_m=OFF_MARK_M,
             train=at["train"],
             place=place_said(run, at["station"]),
         )
-    said = phrase("{count}: mean {mean}{sigma}, worst {worst_m:.3f} m from the mark{more}").of(
-        count=facts["stops"], mean=signed(mean_m, 3, "m"), sigma=sigma, worst_m=worst_m, more=more
+    said = phrase("{count}: mean {mean}{sigma}, worst {worst_m:.3f} m from the mark{more}").fill(
+        count=facts["stops"], mean=signed_number(mean_m, 3, "m"), sigma=sigma, worst_m=worst_m, more=more
     )
     return Fact(phrase("Stops"), said, at is not None)
 
@@ -166,8 +168,8 @@ def energy_fact(facts: Mapping[str, Any], energy_table: pl.DataFrame) -> Fact:
     said = phrase(
         "{net:,.1f} kWh net {at}: traction {traction:,.1f}, auxiliary {auxiliary:,.1f},"
         " regenerated {regenerated:,.1f}"
-    ).of(at=drawn_at(energy_table), **energy["all"])
-    return Fact(phrase("Energy"), joined((said, net_by_distance(energy)), "; ", "；"))
+    ).fill(at=drawn_at(energy_table), **energy["all"])
+    return Fact(phrase("Energy"), joined_phrases((said, net_by_distance(energy)), "; ", "；"))
 
 
 # Parts that say what of the others is lost, or that nothing is.
@@ -182,11 +184,11 @@ def parts_fact(facts: Mapping[str, Any]) -> Fact:
     told = [(of[name].name, parts[name.removesuffix("_kwh")]) for name in PARTS if name not in _NO_PARTS]
     told = [(said, kwh) for said, kwh in sorted(told, key=lambda row: -row[1]) if abs(kwh) >= 0.05]
     told.insert(0, (of["auxiliary_kwh"].name, auxiliary))
-    said = joined(phrase("{what} {kwh:,.1f}").of(what=what, kwh=kwh) for what, kwh in told)
+    said = joined_phrases(phrase("{what} {kwh:,.1f}").fill(what=what, kwh=kwh) for what, kwh in told)
     if parts["rejected"] >= 0.05:
-        lost = phrase("{kwh:,.1f} could have come back and was not taken").of(kwh=parts["rejected"])
-        said = joined((said, lost), "; ", "；")
-    return Fact(phrase("Where it went"), phrase("{parts} kWh").of(parts=said))
+        lost = phrase("{kwh:,.1f} could have come back and was not taken").fill(kwh=parts["rejected"])
+        said = joined_phrases((said, lost), "; ", "；")
+    return Fact(phrase("Where it went"), phrase("{parts} kWh").fill(parts=said))
 
 
 def net_by_distance(energy: Mapping[str, Any]) -> Phrase:
@@ -196,7 +198,7 @@ def net_by_distance(energy: Mapping[str, Any]) -> Phrase:
         return NOTHING
     return phrase(
         "{trains:.2f} kWh/train-km ({car_trains:.2f} per car-km), {all:.2f} ({car_all:.2f}) with layovers"
-    ).of(trains=per_km["trains"], car_trains=per_car["trains"], all=per_km["all"], car_all=per_car["all"])
+    ).fill(trains=per_km["trains"], car_trains=per_car["trains"], all=per_km["all"], car_all=per_car["all"])
 
 
 def drawn_at(energy: pl.DataFrame) -> Phrase:
@@ -214,8 +216,8 @@ def broken_lines(facts: Mapping[str, Any]) -> tuple[Phrase, ...]:
     return (
         *(_violation(item) for item in facts.get("violations", ())),
         *(phrase_of(text) for text in facts.get("broken", ())),
-        *(OUTSIDE_LINE.of(what=phrase_of(text)) for text in facts.get("outside_design", ())),
-        *(EXPECTED.of(what=phrase_of(text)) for text in facts.get("broken_expectations", ())),
+        *(OUTSIDE_LINE.fill(what=phrase_of(text)) for text in facts.get("outside_design", ())),
+        *(EXPECTED.fill(what=phrase_of(text)) for text in facts.get("broken_expectations", ())),
     )
 
 

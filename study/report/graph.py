@@ -17,7 +17,7 @@ from network.model import Station
 from network.timetable import TimetableTrain
 from study.record.marks import Mark
 from study.report.data import ReportedRun
-from study.report.drill import draw_strip, mark_graph, mark_legend, shows, strip_height_in
+from study.report.drill import draw_strip, falls_in_panel, mark_graph, mark_legend, strip_height_in
 from study.report.labels import Box, Number, place_numbers
 from study.report.style import (
     DIRECTION_COLOUR,
@@ -52,7 +52,7 @@ def draw_train_graph(run: ReportedRun, marks: Sequence[Mark] = ()) -> tuple[Figu
     The marks of a drill stand on the panels, and in a strip of rows under each.
     """
     bands, grid = time_bands(*run.window_s)
-    shown = [[mark for mark in marks if shows(mark, band)] for band in bands]
+    shown = [[mark for mark in marks if falls_in_panel(mark, band)] for band in bands]
     heights_in = [h for part in shown for h in (_PANEL_IN, strip_height_in(part)) if h]
     figure = Figure(figsize=(WIDTH_IN, sum(heights_in) + 0.2), layout="constrained")
     panels = iter(figure.subplots(len(heights_in), 1, squeeze=False, height_ratios=heights_in)[:, 0])

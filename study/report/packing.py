@@ -17,7 +17,7 @@ import msgspec
 Packed = dict[str, Any]
 
 
-def packed(values: Iterable[float | None], per_unit: int) -> Packed:
+def packed_column(values: Iterable[float | None], per_unit: int) -> Packed:
     """A column: each value in `per_unit`ths of its unit, less the one before it; null where there is none.
 
     What comes back is within half a `per_unit`th of the value. What is not finite counts as none.

@@ -14,7 +14,7 @@ from study.measures.missing import planned_times
 from study.measures.punctuality import punctuality
 from study.measures.station_papers import track_occupation
 from study.record.calls import CALL, TRACK, CallAsRun
-from study.record.columns import FROM, STATION, TO, TRAIN, TRAINS, UNIT, clock, said, seconds
+from study.record.columns import FROM, STATION, TO, TRAIN, TRAINS, UNIT, clock, said_in_both, seconds
 from study.record.figure import Adds, Figure, Kind, ShownIn, figures_of, seen_in
 from study.record.margins import HopMargin
 from study.record.marks import DrillShown, Mark, MarkKind
@@ -81,7 +81,7 @@ def _occupation(run: ReportedRun) -> Table:
 
 _PUNCTUALITY: Final = {
     "station": STATION,
-    "what": said("what"),
+    "what": said_in_both("what"),
     "planned": Figure(phrase("planned", "count")),
     "came": Figure(phrase("came")),
     "on_time_percent": Figure(phrase("less than 1 min late"), "%", 1),
@@ -90,7 +90,7 @@ _PUNCTUALITY: Final = {
     "p95_s": seconds("95 %", 1, Kind.SIGNED),
     "worst_s": seconds("worst", 1, Kind.SIGNED),
     "worst_train": replace(TRAIN, name=phrase("of train")),
-    "plan_in": said("plan in"),
+    "plan_in": said_in_both("plan in"),
 }
 
 
@@ -113,17 +113,19 @@ def _punctuality(run: ReportedRun) -> Table:
 
 def _drill(drill: DrillShown) -> tuple[Table, ...]:
     """What was done to the line, what was expected, and what became of it."""
-    items, judged = drill.of(MarkKind.FAULT, MarkKind.ACT), drill.of(MarkKind.EXPECTATION)
+    items, judged = drill.of_kinds(MarkKind.FAULT, MarkKind.ACT), drill.of_kinds(MarkKind.EXPECTATION)
 
     def named(marks: Sequence[Mark]) -> tuple[Column, Column]:
         return (
             Column("mark", Figure(NOTHING, kind=Kind.TEXT), [mark.label for mark in marks]),
-            Column("what", said("what", context="drill"), [mark.said.both for mark in marks]),
+            Column("what", said_in_both("what", context="drill"), [mark.said.both for mark in marks]),
         )
 
     over = [["–", "–"] if mark.kind is MarkKind.ACT else mark.became.both for mark in items]
-    verdicts = Column("verdict", said("verdict"), [(MET if mark.passed else NOT_MET).both for mark in judged])
-    happened = Column("happened", said("what happened"), [mark.became.both for mark in judged])
+    verdicts = Column(
+        "verdict", said_in_both("verdict"), [(MET if mark.passed else NOT_MET).both for mark in judged]
+    )
+    happened = Column("happened", said_in_both("what happened"), [mark.became.both for mark in judged])
     found = [
         Table(
             "expectations",
@@ -139,7 +141,7 @@ def _drill(drill: DrillShown) -> tuple[Table, ...]:
             Table(
                 "drill_items",
                 phrase("Faults and acts"),
-                (*named(items), begun, Column("over", said("over"), over)),
+                (*named(items), begun, Column("over", said_in_both("over"), over)),
             ),
         )
     return tuple(found)
@@ -155,7 +157,7 @@ def _changes(changes: Sequence[Mapping[str, Any]]) -> tuple[Table, ...]:
         return ()
     shown = changes[:CHANGES_SHOWN]
     rest = len(changes) - len(shown)
-    notes = (_MORE_IN.of(count=f"{rest:,}", file="summary.json"),)
+    notes = (_MORE_IN.fill(count=f"{rest:,}", file="summary.json"),)
     written = [
         {
             **{key: str(change[key]) for key in ("file", "key")},
@@ -173,7 +175,7 @@ def _value(value: object) -> str:
 
 def _between(name: str, form: str) -> Figure:
     """The least or the most of a time of several trains, s."""
-    return Figure(phrase(form).of(time=_MARGIN[name].name), "s")
+    return Figure(phrase(form).fill(time=_MARGIN[name].name), "s")
 
 
 _LEAST, _MOST = "{time}, least", "{time}, most"
@@ -231,7 +233,7 @@ def _cannot_be_kept(run: ReportedRun, margins: pl.DataFrame) -> tuple[Phrase, ..
         phrase(
             "The plan cannot be kept: {train} {here} – {there}, {planned_s:.0f} s planned,"
             " at least {least_s:.0f} s needed."
-        ).of(
+        ).fill(
             train=row["train"],
             here=place_said(run, row["from_station"]),
             there=place_said(run, row["to_station"]),
@@ -316,7 +318,7 @@ def _events(events: pl.DataFrame) -> Table:
         keep = ~lesser | (lesser.cum_sum() <= room)
         shown = known.filter(keep).head(EVENTS_SHOWN_MAX)
     rest = len(known) - len(shown)
-    notes = (_MORE_IN.of(count=f"{rest:,}", file="events.parquet"),)
+    notes = (_MORE_IN.fill(count=f"{rest:,}", file="events.parquet"),)
     rows = [
         {
             "t_s": row["t_s"],

@@ -28,10 +28,10 @@ from study.report.courses import (
     trains_shown,
 )
 from study.report.data import ReportedRun
-from study.report.packing import packed, places_in
+from study.report.packing import packed_column, places_in
 from study.report.papers import ROWS_OF_THE_PAGE, tables_shown
 from study.report.stairway import stairway_shown
-from study.report.tabular import headed
+from study.report.tabular import headed_column
 from study.report.tasc import KMHPS_PER_MPS2, most_telling, response_surface, waves_shown
 from study.wording.catalogue import phrase
 from study.wording.outcome import checker_name
@@ -72,7 +72,7 @@ def payload_of(run: ReportedRun, facts: Mapping[str, Any], shows: PageContents) 
         "columns": {
             name: {
                 "title": title.both,
-                "columns": [headed(label, figure) for label, figure in figures.items()],
+                "columns": [headed_column(label, figure) for label, figure in figures.items()],
             }
             for name, (title, figures) in ROWS_OF_THE_PAGE.items()
         },
@@ -141,8 +141,8 @@ def waits_shown(run: ReportedRun) -> dict[str, Any]:
         "said": [sentence.both for sentence in distinct],
         "units": units,
         "unit": of,
-        "from": packed([wait.from_s for wait in waits], 1),
-        "to": packed([wait.to_s for wait in waits], 1),
+        "from": packed_column([wait.from_s for wait in waits], 1),
+        "to": packed_column([wait.to_s for wait in waits], 1),
         "text": [place[sentence] for sentence in said],
     }
 
@@ -163,7 +163,7 @@ def _tuning(tuned: Mapping[str, LearnedTrain]) -> dict[str, Any] | None:
         "step_kmhps": round(OFFSET_STEP_MPS2 * KMHPS_PER_MPS2, 6),
         "zero": OFFSET_ZERO,
         "surface": [[round(float(value), 7) for value in row] for row in surface],
-        "designed": packed(designed, 1000),
-        "actual": packed(actual, 1000),
-        "smooth": packed(smooth, 1000),
+        "designed": packed_column(designed, 1000),
+        "actual": packed_column(actual, 1000),
+        "smooth": packed_column(smooth, 1000),
     }

@@ -19,7 +19,7 @@ from matplotlib.patches import Patch, Rectangle
 from study.capacity.blocking_table import read_blocking
 from study.capacity.occupation import Conflict, Occupation, OccupationPart
 from study.report.data import ReportedRun, section_name, sections_in_order
-from study.report.packing import packed, places_in
+from study.report.packing import packed_column, places_in
 from study.report.style import INK, RED, RULE, WIDTH_IN, TimeBand, centred, draw_clock_axis, time_bands
 from study.wording.catalogue import phrase
 from study.wording.phrase import Language
@@ -177,8 +177,8 @@ def stairway_shown(run: ReportedRun) -> dict[str, Any]:
         "section": at,
         "train": of,
         "part": what,
-        "from": packed([begin_s for *_, begin_s, _ in slices], 1),
-        "to": packed([end_s for *_, end_s in slices], 1),
+        "from": packed_column([begin_s for *_, begin_s, _ in slices], 1),
+        "to": packed_column([end_s for *_, end_s in slices], 1),
     }
 
 

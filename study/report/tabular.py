@@ -24,13 +24,13 @@ class Column:
         values = list(self.values)
         if self.figure.kind in _NUMBERS:
             values = [_rounded(value, self.figure.digits) for value in values]
-        return {**headed(self.label, self.figure), "values": values}
+        return {**headed_column(self.label, self.figure), "values": values}
 
 
 _NUMBERS: Final = (Kind.NUMBER, Kind.SIGNED, Kind.CLOCK)
 
 
-def headed(label: str, figure: Figure) -> dict[str, Any]:
+def headed_column(label: str, figure: Figure) -> dict[str, Any]:
     """A column without values, for the page: heading in both languages, kind, digits."""
     return {
         "label": label,

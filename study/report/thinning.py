@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-def kept(t_s: Floats, values: Floats, tolerances: Floats) -> NDArray[np.int64]:
+def kept_samples(t_s: Floats, values: Floats, tolerances: Floats) -> NDArray[np.int64]:
     """Indices of the samples to keep, the first and the last among them.
 
     `t_s` (n) does not fall; `values` (n, k) are k curves over it, each with its tolerance (k). Between two samples

@@ -15,7 +15,7 @@ from network.errors import InputError
 from simulation.loop import Simulation
 from simulation.setup import STEPS_PER_S
 from study.outcome import Outcome, outcome_of
-from study.record.directory import CRASH_FILE, JOURNAL_FILE, replaced
+from study.record.directory import CRASH_FILE, JOURNAL_FILE, replacing_folder
 
 
 class Crashed(RuntimeError):  # noqa: N818 - names what happened
@@ -23,7 +23,7 @@ class Crashed(RuntimeError):  # noqa: N818 - names what happened
 
     def __init__(self, error: Exception, scenario: str, seed: int, step: int, journal: bytes) -> None:
         where = f"scenario {scenario}, seed {seed}, step {step}, simulated time {_clock(step)}"
-        super().__init__(f"{named(error)}; {where}")
+        super().__init__(f"{exception_line(error)}; {where}")
         self.scenario = scenario
         self.journal = journal
         self.out: Path | None = None  # the run directory, where one was asked for
@@ -48,19 +48,19 @@ def bugs_named(scenario: str, simulation: Simulation, *, processes: bool) -> Gen
         raise Crashed(error, scenario, setup.seed, simulation.step, journal) from error
 
 
-def named(error: BaseException) -> str:
+def exception_line(error: BaseException) -> str:
     """An exception in one line."""
     return " ".join(f"{type(error).__name__}: {error}".split())
 
 
-def keep(crashed: Crashed) -> Path:
+def keep_crashed(crashed: Crashed) -> Path:
     """Write the journal so far and the traceback into the run directory; returns where they are.
 
     Without one they go to runs/<scenario>-crash, and where nothing can be written to a folder for temporary files.
     """
     out = crashed.out or (Path("runs") / f"{crashed.scenario}-crash").resolve()
     try:
-        with replaced(out) as folder:
+        with replacing_folder(out) as folder:
             folder.mkdir()
             _fill(crashed, folder)
     except (InputError, OSError):

@@ -26,7 +26,7 @@ def rules_said(result: RunResult) -> list[tuple[float, Phrase]]:
     collided = words.checker_name(Checker.SUMO_COLLISION.value).ja
     broken = [(result.end_step / STEPS_PER_S, Phrase(text, collided)) for text in result.collisions]
     unsafe = [
-        (entry.t_s, words.DANGER.of(unit=entry.event.unit_id, how=words.unsafe_text(entry.event)))
+        (entry.t_s, words.DANGER.fill(unit=entry.event.unit_id, how=words.unsafe_text(entry.event)))
         for entry in result.journal.entries
         if isinstance(entry.event, Unsafe)
     ]
@@ -53,16 +53,16 @@ def outside_said(result: RunResult) -> tuple[Phrase, ...]:
         until = words.THE_END if last_s is None else Phrase(clock(int(last_s)))
         count = len(stretches)
         told.append(
-            words.SLIPPERY.of(
+            words.SLIPPERY.fill(
                 unit=unit_id,
-                times=words.ONCE if count == 1 else words.TIMES.of(count=count),
+                times=words.ONCE if count == 1 else words.TIMES.fill(count=count),
                 since=clock(int(stretches[0].from_s)),
                 until=until,
                 least=min(s.least for s in stretches),
             )
         )
     followed = (
-        words.OUTSIDE.of(at=clock(int(v.t_s)), what=words.rule_text(v)) for v in result.outside_design
+        words.OUTSIDE.fill(at=clock(int(v.t_s)), what=words.rule_text(v)) for v in result.outside_design
     )
     return (*told, *followed)
 
@@ -76,14 +76,14 @@ def missing_said(result: RunResult) -> tuple[Phrase, ...]:
     """What is missing for a run that reached its end: trains, stocks, the end itself; empty where nothing is."""
     planned = (*result.trains_planned, *result.empty_planned)
     missing = [n for n in planned if n not in (*result.trains_arrived, *result.empty_arrived)]
-    told = [words.MISSING.of(count=len(missing), trains=", ".join(missing))] if missing else []
-    told += [words.NOT_HOME.of(unit=stock_id) for stock_id in result.unfinished]
+    told = [words.MISSING.fill(count=len(missing), trains=", ".join(missing))] if missing else []
+    told += [words.NOT_HOME.fill(unit=stock_id) for stock_id in result.unfinished]
     if result.ended_because is not Ending.FINISHED:
-        told.append(words.CUT_SHORT.of(why=words.ending_text(result.ended_because.value)))
+        told.append(words.CUT_SHORT.fill(why=words.ending_text(result.ended_because.value)))
     return tuple(told)
 
 
 def waiting_said(waiting: Waiting) -> Phrase:
     """Who stands where and waits for what, in a sentence."""
     form = words.STANDS if waiting.stands else words.ON_ITS_WAY
-    return form.of(train=waiting.number, unit=waiting.stock_id, place=waiting.place, what=waiting.waits_for)
+    return form.fill(train=waiting.number, unit=waiting.stock_id, place=waiting.place, what=waiting.waits_for)

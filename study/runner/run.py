@@ -137,7 +137,7 @@ class RunOptions:
     journal: Callable[[], Journal] = Journal
 
 
-def through(
+def run_to_end(
     scenario: Scenario, course: RunOptions, progress: Progress | None = None
 ) -> tuple[Setup, RunResult]:
     """Run a scenario to its end: the setup of its last day, and what that left behind. Raises Crashed for a bug."""
@@ -208,9 +208,9 @@ def execute(
             watch,
             lambda: Journal(journal),
         )
-        setup, result = through(scenario, course, progress)
+        setup, result = run_to_end(scenario, course, progress)
         wall_s = time.perf_counter() - started
-    fleet = {stock_id: StockMake.of(kind) for stock_id, kind in setup.trains.items()}
+    fleet = {stock_id: StockMake.of_kind(kind) for stock_id, kind in setup.trains.items()}
     holds = section_holds(result, setup.line, setup.lengths_m)
     booked = tables_of(result, setup.line, fleet, holds, planned_legs(setup), planned_passings(setup))
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
@@ -253,7 +253,7 @@ def execute(
 
 
 @contextmanager
-def simulated(setup: Setup) -> Generator[Simulation]:
+def simulation_of(setup: Setup) -> Generator[Simulation]:
     """A simulation on SUMO with all parties in this process, ready to `begin`; its carrier is released at the end."""
     with scratch(TEMPORARY) as folder:
         net = net_for(setup.line, folder)
@@ -306,7 +306,7 @@ def fill_run(
 ) -> Path:
     """Write a run into the directory reserved, and put that in its place. Returns the path of the report."""
     _write_files(run, place, drill, more)
-    place.put()
+    place.put_in_place()
     if run.result.journal.file == place.journal:
         run.result.journal.moved(place.out / JOURNAL_FILE)
     return place.out / REPORT_FILE
@@ -400,7 +400,7 @@ def carrier_factory(
         return lambda begin_s: SumoCarrier(net, begin_s)
     from simulation.carriers.plain_track import PlainTrack
 
-    return lambda _begin_s: PlainTrack.of(line, STEP_S)
+    return lambda _begin_s: PlainTrack.of_line(line, STEP_S)
 
 
 @contextmanager

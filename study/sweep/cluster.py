@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from network.errors import InputError
-from study.sweep.local import GivenUpError, failed_by, filed
+from study.sweep.local import GivenUpError, failed_by, filed_by_client
 from study.sweep.store import check_shared, day_name
 from study.sweep.worker import RETRIES, FiledDay, Task, crashed, task_done
 
@@ -103,7 +103,9 @@ class ClusterPump:
         if error is None:
             return msgspec.msgpack.decode(self._result(future), type=FiledDay)
         begun = msgspec.structs.replace(task, tries=RETRIES + 1)
-        return filed(crashed(begun, " ".join(f"{type(error).__name__}: {error}".split())), self._out)
+        return filed_by_client(
+            crashed(begun, " ".join(f"{type(error).__name__}: {error}".split())), self._out
+        )
 
     def _result(self, future: Future) -> bytes:
         """What a worker has sent back, by way of the scheduler; the day itself is on disk by now."""
@@ -132,7 +134,9 @@ class ClusterPump:
             threads: dict[str, int] = client.nthreads()
             new = sorted(threads.keys() - self._workers)
             said = (
-                client.run(sees, str(self._out), self._token, workers=new, on_error="return") if new else {}
+                client.run(missing_on_worker, str(self._out), self._token, workers=new, on_error="return")
+                if new
+                else {}
             )
         except (OSError, CancelledError) as error:
             raise self._gone() from error
@@ -159,7 +163,7 @@ def run_there(packed: bytes) -> bytes:
         raise FailedDayError(failed.why) from None
 
 
-def sees(out: str, token: str) -> str:
+def missing_on_worker(out: str, token: str) -> str:
     """On a worker: empty if it sees the client's directory, else what it sees."""
     try:
         check_shared(Path(out), token)

@@ -28,9 +28,9 @@ from simulation.result import Ending, RunResult
 from simulation.setup import Setup
 from study.measures.day_figures import EVENTS, DayFigures, day_figures
 from study.outcome import Outcome, outcome_of
-from study.runner.crash import named
+from study.runner.crash import exception_line
 from study.runner.outcome import broken_rules, unfinished, waiting_said
-from study.runner.run import TEMPORARY, CarrierKind, RunOptions, carrier_factory, through
+from study.runner.run import TEMPORARY, CarrierKind, RunOptions, carrier_factory, run_to_end
 from study.sweep.records import DayOutcome, DayRecord, DaySpec
 from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import NetMap, read_net
@@ -126,7 +126,7 @@ def run_day(spec: DaySpec, index: int, warm: ProcessCache) -> DayRecord:
     except Exception as error:
         if outcome_of(error) is not Outcome.BUG:
             raise
-        why = f"{named(error)}; again: {warm.replay_of(spec)}"
+        why = f"{exception_line(error)}; again: {warm.replay_of(spec)}"
         return DayRecord(spec, index, DayOutcome.CRASHED, why, None)
     finally:
         for carrier in made:
@@ -144,7 +144,7 @@ def _run(spec: DaySpec, index: int, warm: ProcessCache, made: list[Carrier]) -> 
 
     with scratch(TEMPORARY) as folder:
         course = RunOptions(noted, seen, folder, journal=lambda: Journal(kept=KEPT_EVENTS))
-        setup, result = through(scenario, course)
+        setup, result = run_to_end(scenario, course)
     return record_of(spec, index, result, setup)
 
 

@@ -110,7 +110,7 @@ class SweepProgress:
         """Days of those that are there."""
         return sum(course.there for course in self.courses)
 
-    def counted(self, point: GridPoint) -> tuple[DayRecord, ...]:
+    def days_counted(self, point: GridPoint) -> tuple[DayRecord, ...]:
         """The days of a point that count and are there, by seed."""
         course = self.courses[point.number]
         return tuple(self.records[name] for name in course.names[: course.days] if name in self.records)
@@ -155,17 +155,17 @@ class SweepProgress:
 
     def _counted(self) -> Iterator[tuple[str, DayRecord]]:
         for point in self.plan.points:
-            for record in self.counted(point):
+            for record in self.days_counted(point):
                 yield point.label, record
 
 
 Show = Callable[[SweepProgress], None]
 
 
-def begun(plan: SweepPlan, store: SweepDirectory, *, anyway: bool) -> SweepProgress:
+def sweep_begun(plan: SweepPlan, store: SweepDirectory, *, anyway: bool) -> SweepProgress:
     """What there is already. InputError for days that other code has run, unless they are to count `anyway`."""
     courses = tuple(_PointProgress(plan, point) for point in plan.points)
-    found: FiledDays = store.found({name for course in courses for name in course.names})
+    found: FiledDays = store.days_found({name for course in courses for name in course.names})
     codes = {record.code for record in found.records.values()} - {code_digest()}
     if codes and not anyway:
         shown = ", ".join(sorted(code[:CODE_SHOWN] for code in codes))
@@ -181,7 +181,7 @@ def begun(plan: SweepPlan, store: SweepDirectory, *, anyway: bool) -> SweepProgr
     return state
 
 
-def go(
+def run_missing(
     state: SweepProgress, store: SweepDirectory, pump: Pump, show: Show | None = None, runner: str = RUNNER
 ) -> None:
     """Run what is missing. Raises GivenUpError; whatever ends it, the days that are filed stay."""
@@ -218,7 +218,7 @@ def _tasks(state: SweepProgress, store: SweepDirectory, runner: str) -> Iterator
                 store.token,
                 plan.spec(course.point, index),
                 index,
-                plan.again(index),
+                plan.runs_twice(index),
                 tuple(plan.table.keep),
                 runner=runner,
             )

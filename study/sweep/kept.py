@@ -8,8 +8,8 @@ from typing import Final
 
 from network.errors import InputError
 from study.outcome import Outcome, outcome_of
-from study.record.directory import JOURNAL_FILE, replaced
-from study.runner.crash import named
+from study.record.directory import JOURNAL_FILE, replacing_folder
+from study.runner.crash import exception_line
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute, write_run
 from study.sweep.day import ProcessCache, record_of
 from study.sweep.records import DayOutcome, DayRecord, DaySpec
@@ -27,7 +27,7 @@ def kept_day(spec: DaySpec, index: int, out: Path, keep: tuple[str, ...], warm: 
     except Exception as error:
         if outcome_of(error) is not Outcome.BUG:
             raise
-        why = f"{named(error)}; again: {warm.replay_of(spec)}"
+        why = f"{exception_line(error)}; again: {warm.replay_of(spec)}"
         return DayRecord(spec, index, DayOutcome.CRASHED, why, None)
     _keep(run, out / RUNS / day_name(spec, index).removesuffix(".json"), keep)
     setup = run.scenario.setup
@@ -40,7 +40,7 @@ def _keep(run: FinishedRun, out: Path, keep: tuple[str, ...]) -> None:
         if REPORT in keep:
             write_run(run, out)
             return
-        with replaced(out) as folder:
+        with replacing_folder(out) as folder:
             folder.mkdir()
             if JOURNAL in keep:
                 (folder / JOURNAL_FILE).write_bytes(run.result.journal.to_bytes())

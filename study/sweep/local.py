@@ -19,9 +19,9 @@ from typing import Final, Protocol, cast
 
 import msgspec
 
-from network.errors import wanting
+from network.errors import is_want_of_resources
 from study.outcome import StoppedError, text_of
-from study.runner.crash import named
+from study.runner.crash import exception_line
 from study.sweep.records import DayRecord
 from study.sweep.store import NotSharedError, write_day
 from study.sweep.worker import RETRIES, FiledDay, Task, crashed, task_done
@@ -181,14 +181,14 @@ class LocalPump:
         if begun.tries <= RETRIES:
             self._lost.append(begun)
             return None
-        return filed(crashed(begun, why), Path(task.out))
+        return filed_by_client(crashed(begun, why), Path(task.out))
 
     def _end(self, worker: _Worker) -> str:
         self._workers.remove(worker)
         return worker.end()
 
 
-def filed(record: DayRecord, out: Path) -> FiledDay:
+def filed_by_client(record: DayRecord, out: Path) -> FiledDay:
     """A day filed by the client, which no process came to the end of."""
     write_day(out, record)
     return FiledDay(record, 0.0, 0.0, 0, 0, "client")
@@ -216,6 +216,6 @@ def serve(pipe: Connection) -> None:
 
 def failed_by(error: BaseException) -> Failed:
     """What a failure means: of the machine and of what is shared no day can come, a bug is of this day alone."""
-    if isinstance(error, NotSharedError) or wanting(error):
+    if isinstance(error, NotSharedError) or is_want_of_resources(error):
         return Failed(text_of(error), given_up=True)
-    return Failed(named(error), given_up=False)
+    return Failed(exception_line(error), given_up=False)

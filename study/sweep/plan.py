@@ -95,7 +95,7 @@ class SweepPlan:
         drawn = tuple((draw.key, drawn_value(draw, seed)) for draw in self.table.draw)
         return DaySpec(self.scenario, point.inputs, point.said, seed, self.carrier.value, drawn)
 
-    def again(self, index: int) -> bool:
+    def runs_twice(self, index: int) -> bool:
         """Whether a day is run a second time, on SUMO."""
         return self.carrier is CarrierKind.PLAIN and index % AGAIN_EVERY == 0
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from network.files.names import IDENTIFIER_LENGTH_MAX, title_of
-from network.files.toml_text import put, steps_of, toml_of
+from network.files.toml_text import put_value, steps_of, toml_of
 from scenario.scenario import Scenario, load_scenario
 from study.sweep.records import DaySpec
 
@@ -34,7 +34,7 @@ def scenario_text(spec: DaySpec, *, seeded: bool = True) -> str:
     if seeded:
         head["seed"] = spec.seed
     for key, value in said:
-        put(head, steps_of(key, _FILE, key), value)
+        put_value(head, steps_of(key, _FILE, key), value)
     return toml_of(head)
 
 

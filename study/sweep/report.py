@@ -84,11 +84,11 @@ def _page(state: SweepProgress, parts: Sequence[PagePart]) -> str:
 def _headline(state: SweepProgress) -> PagePart:
     """What became of the days, and whether the sweep holds."""
     counts = {
-        outcome: sum(r.outcome is outcome for p in state.plan.points for r in state.counted(p))
+        outcome: sum(r.outcome is outcome for p in state.plan.points for r in state.days_counted(p))
         for outcome in DayOutcome
     }
     rows = [(outcome.value, str(count)) for outcome, count in counts.items()]
-    again = sum(bool(r.again) for p in state.plan.points for r in state.counted(p))
+    again = sum(bool(r.again) for p in state.plan.points for r in state.days_counted(p))
     rows.append(("run again on SUMO", str(again)))
     if state.others:
         rows.append(("days of other points or seeds that lie in the directory", str(state.others)))
@@ -107,7 +107,11 @@ def _figure_parts(state: SweepProgress, rows: Sequence[PointRow], out: Path) -> 
         figure = FIGURES[name]
         found = effects(state, name)
         days = [
-            [value for record in state.counted(row.point) if (value := value_of(record, name)) is not None]
+            [
+                value
+                for record in state.days_counted(row.point)
+                if (value := value_of(record, name)) is not None
+            ]
             for row in rows
         ]
         pictures = {

@@ -99,7 +99,7 @@ class SweepDirectory:
         self.out: Final = out
         self.token: Final = token
 
-    def found(self, wanted: Collection[str]) -> FiledDays:
+    def days_found(self, wanted: Collection[str]) -> FiledDays:
         """Every day that there is, of those wanted by name."""
         records: dict[str, DayRecord] = {}
         refused: list[UnusableFile] = []
@@ -121,7 +121,7 @@ class SweepDirectory:
 
 
 @contextmanager
-def opened(plan: SweepPlan, out: Path) -> Generator[SweepDirectory]:
+def opened_sweep(plan: SweepPlan, out: Path) -> Generator[SweepDirectory]:
     """The directory of a plan, made or found, while no other client has it. InputError for any other directory."""
     before = _header(out, plan.table.id)
     try:

@@ -91,13 +91,13 @@ def point_rows(state: SweepProgress) -> tuple[PointRow, ...]:
     """All points, in the order of the grid."""
     if not state.plan.points:
         return ()
-    first = {record.index: record for record in state.counted(state.plan.points[0])}
+    first = {record.index: record for record in state.days_counted(state.plan.points[0])}
     return tuple(_point_row(state, point, first) for point in state.plan.points)
 
 
 def _point_row(state: SweepProgress, point: GridPoint, first: Mapping[int, DayRecord]) -> PointRow:
     confidence = state.plan.confidence
-    records = state.counted(point)
+    records = state.days_counted(point)
     counts = Counter(record.outcome for record in records)
     rows: dict[str, FigureRow] = {}
     for name, figure in FIGURES.items():
@@ -128,7 +128,7 @@ def effects(state: SweepProgress, name: str) -> tuple[Effect, ...]:
     by_point = [
         {
             record.index: value
-            for record in state.counted(point)
+            for record in state.days_counted(point)
             if (value := value_of(record, name)) is not None
         }
         for point in state.plan.points
@@ -166,7 +166,7 @@ def summary_of(state: SweepProgress, out: Path) -> dict[str, Any]:
         "days_run": state.run,
         "days_of_others": state.others,
         "refused": [f"{refused.name}: {refused.why}" for refused in state.refused],
-        "again_on_sumo": sum(bool(r.again) for p in plan.points for r in state.counted(p)),
+        "again_on_sumo": sum(bool(r.again) for p in plan.points for r in state.days_counted(p)),
         "failures": list(state.failures),
         "points": [row.as_dict() for row in point_rows(state)],
         "effects": [
@@ -188,7 +188,7 @@ def days_csv(state: SweepProgress) -> str:
     def rows() -> Iterable[Sequence[object]]:
         for point in state.plan.points:
             places = [axis.places[n].label for axis, n in zip(state.plan.axes, point.places, strict=True)]
-            for record in state.counted(point):
+            for record in state.days_counted(point):
                 figures = [value_of(record, name) for name in FIGURES]
                 yield (
                     *(point.number, *places, record.index, record.spec.seed, record.outcome.name.lower()),

@@ -60,7 +60,7 @@ def write_replays(days: tuple[NotableDay, ...], out: Path) -> None:
 
 def _all(state: SweepProgress) -> Iterator[tuple[str, GridPoint, DayRecord]]:
     points = state.plan.points
-    days = {point.number: state.counted(point) for point in points}
+    days = {point.number: state.days_counted(point) for point in points}
     for point in points:
         differing = [record for record in days[point.number] if record.differs]
         yield from (("another day on SUMO", point, record) for record in differing[:EACH_MAX])

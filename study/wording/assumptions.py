@@ -10,7 +10,7 @@ from typing import Final
 
 from network.model import Line
 from study.wording.catalogue import phrase, phrases_of
-from study.wording.forms import found
+from study.wording.forms import phrase_by_form
 from study.wording.phrase import Phrase
 
 MINUTES: Final = phrase("{count} min").ja.removeprefix("{count}")
@@ -24,4 +24,4 @@ def assumption(text: str, line: Line) -> Phrase:
         names = value.replace(" and ", ", ").split(", ")
         return Phrase(value, "、".join(japanese.get(name, name) for name in names).replace(" min", MINUTES))
 
-    return found(phrases_of("assumption").values(), text, said) or Phrase(text)
+    return phrase_by_form(phrases_of("assumption").values(), text, said) or Phrase(text)

@@ -46,16 +46,16 @@ _SPANS: Final = (5, 15, 60, 180, 300)
 def span(seconds: int) -> Phrase:
     """So many seconds, as people say it."""
     return (
-        phrase("{count} s").of(count=seconds)
+        phrase("{count} s").fill(count=seconds)
         if seconds < 60
-        else phrase("{count} min").of(count=seconds // 60)
+        else phrase("{count} min").fill(count=seconds // 60)
     )
 
 
 _WITHIN: Final = {
     name.en: name
     for seconds in _SPANS
-    for name in (NOT_LATE.of(most=span(seconds)), AT_MOST.of(most=span(seconds)))
+    for name in (NOT_LATE.fill(most=span(seconds)), AT_MOST.fill(most=span(seconds)))
 }
 
 

@@ -140,7 +140,9 @@ TOLD: Final[Mapping[EventType, EventWording]] = {
 def event_text(event: Noted, names: Names) -> Phrase:
     """An event as a sentence, with the names of stations."""
     told = TOLD[type(event)]
-    return told.words.of(**{name: _part(told, name, value) for name, value in _values(event, names).items()})
+    return told.words.fill(
+        **{name: _part(told, name, value) for name, value in _values(event, names).items()}
+    )
 
 
 def _part(told: EventWording, name: str, value: object) -> object:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from study.wording.phrase import Phrase
 
 
-def found(forms: Iterable[Phrase], text: str, said: Callable[[str], Phrase]) -> Phrase | None:
+def phrase_by_form(forms: Iterable[Phrase], text: str, said: Callable[[str], Phrase]) -> Phrase | None:
     """The form that a text is made by, with what stands in it said by `said`; None where it is made by none."""
     for form in forms:
         values = _values(form.en, text)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from study.wording.catalogue import phrase, phrases_of
-from study.wording.forms import found
+from study.wording.forms import phrase_by_form
 from study.wording.phrase import Phrase
 
 MORE: Final = phrase("more")
@@ -32,4 +32,4 @@ NONE: Final = phrase("A day on which not every train arrived is compared with no
 
 def opinion(text: str) -> Phrase:
     """A text of the table of opinions in both languages."""
-    return found(phrases_of("opinion").values(), text, Phrase) or Phrase(text)
+    return phrase_by_form(phrases_of("opinion").values(), text, Phrase) or Phrase(text)

@@ -69,7 +69,7 @@ def violation_text(violation: Violation) -> Phrase:
 
 def rule_text(violation: Violation) -> Phrase:
     """A broken rule by its name, and how."""
-    return RULE.of(checker=checker_name(violation.checker), text=violation_text(violation))
+    return RULE.fill(checker=checker_name(violation.checker), text=violation_text(violation))
 
 
 def checker_name(checker: str) -> Phrase:
@@ -79,7 +79,7 @@ def checker_name(checker: str) -> Phrase:
 
 def unsafe_text(event: Unsafe) -> Phrase:
     """What happened to a train that must never happen, without whose it is."""
-    return phrase(event.danger.value, "danger").of(points=event.points_id)
+    return phrase(event.danger.value, "danger").fill(points=event.points_id)
 
 
 def ending_text(ending: str) -> Phrase:

@@ -22,7 +22,7 @@ class Phrase:
         """The words in a language."""
         return (self.ja or self.en) if language == "ja" else self.en
 
-    def of(self, **parts: object) -> Phrase:
+    def fill(self, **parts: object) -> Phrase:
         """The template filled in, with parts that may be phrases themselves."""
         return Phrase(self.en.format(**_parts(parts, "en")), self.ja.format(**_parts(parts, "ja")))
 
@@ -36,7 +36,7 @@ Names = Mapping[str, Phrase]  # of stations, by id
 NOTHING = Phrase("", "")
 
 
-def joined(phrases: Iterable[Phrase], en: str = ", ", ja: str = "、") -> Phrase:
+def joined_phrases(phrases: Iterable[Phrase], en: str = ", ", ja: str = "、") -> Phrase:
     """Phrases one after the other; empty ones are left out."""
     said = [phrase for phrase in phrases if phrase.en]
     return Phrase(en.join(phrase.en for phrase in said), ja.join(phrase.in_("ja") for phrase in said))

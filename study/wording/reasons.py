@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from typing import Final
 
 from study.wording.catalogue import phrases_of
-from study.wording.forms import found
+from study.wording.forms import phrase_by_form
 from study.wording.parties import party
-from study.wording.phrase import NOTHING, Phrase, joined
+from study.wording.phrase import NOTHING, Phrase, joined_phrases
 
 # What parties note down in fewer words than a person needs.
 _SAID_IN_FULL: Final[Mapping[str, str]] = {
@@ -65,7 +65,7 @@ def reason(why: str) -> Phrase:
     known = reasons.get(_SAID_IN_FULL.get(word, word))
     if known is not None:
         return known
-    named = found(reasons.values(), why, _said)
+    named = phrase_by_form(reasons.values(), why, _said)
     if named is not None:
         return named
     head, colon, rest = why.partition(":")
@@ -73,7 +73,7 @@ def reason(why: str) -> Phrase:
         of, about = _said(head), _said(rest)
         return Phrase(f"{of.en} ({about.en})", f"{of.in_('ja')}（{about.in_('ja')}）")
     if "," in why:
-        return joined(map(_said, why.split(",")))
+        return joined_phrases(map(_said, why.split(",")))
     return phrases_of("telegram").get(why) or party(why)
 
 

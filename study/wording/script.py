@@ -14,7 +14,7 @@ from simulation.faults.script import Act, Expectation, Matcher, ScriptedFault
 from study.wording.catalogue import phrase, phrase_or_name, phrases_of
 from study.wording.event_names import EVENT_NAMES
 from study.wording.parties import party
-from study.wording.phrase import NOTHING, Phrase, joined
+from study.wording.phrase import NOTHING, Phrase, joined_phrases
 from study.wording.reasons import reason
 
 LEVELS: Final[Mapping[int, Phrase]] = {
@@ -34,7 +34,7 @@ def fault_text(kind: str, target: object, parameters: Mapping[str, Any]) -> Phra
         for name, value in parameters.items()
     ]
     head = Phrase(f"{kind} {target}", f"{_kind_of_fault(kind).in_('ja')}（{_target(target)}）")
-    return joined((head, *figures))
+    return joined_phrases((head, *figures))
 
 
 def act_text(
@@ -90,7 +90,7 @@ def expectation_text(expectation: Expectation) -> Phrase:
 
 def _expected(form: str, **parts: object) -> str:
     """What is expected, in Japanese: the English stands in the drill's file."""
-    return phrase(form, "expected").of(**parts).ja
+    return phrase(form, "expected").fill(**parts).ja
 
 
 def matcher_text(matcher: Matcher) -> str:
@@ -109,7 +109,7 @@ def value_text(field: str, value: object) -> Phrase:
     """A field of an event in words."""
     if is_row(value):
         each = [value_text(field, item) for item in value]
-        return joined(each, " ", "・")
+        return joined_phrases(each, " ", "・")
     if isinstance(value, Enum):
         return value_text(field, value.value)
     if value is None or value == "":
@@ -123,7 +123,7 @@ def value_text(field: str, value: object) -> Phrase:
 def _target(target: object) -> str:
     if isinstance(target, FaultyLink):
         link = phrase("between {a} and {b}" if target.both_ways else "from {a} to {b}")
-        return link.of(a=party(target.source), b=party(target.destination)).in_("ja")
+        return link.fill(a=party(target.source), b=party(target.destination)).in_("ja")
     text = str(target)
     if BOTH_WAYS in text or "->" in text:
         return _target(FaultyLink.parse(text))

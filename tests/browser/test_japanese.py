@@ -13,7 +13,7 @@ import pytest
 from study.compare.comparison import compare
 from study.compare.parts import parts_against
 from study.compare.side import of_run
-from study.drilling.drill import Drill, run_drill, shown
+from study.drilling.drill import Drill, drill_shown, run_drill
 from study.record.shown import shown_of
 from study.report.report import write_report
 from study.report.style import drawing
@@ -63,7 +63,7 @@ def report(drills: tuple[Drill, Drill], tmp_path_factory: pytest.TempPathFactory
     setup = new.run.scenario.setup
     with drawing(), mpl.rc_context():
         parts = parts_against(compare([of_run(base.run, "A"), of_run(new.run, "B")], 1.0), graphs=False)
-    drill = shown(new)
+    drill = drill_shown(new)
     kept = shown_of(new.run.result, new.run.failures, (), drill, {})
     facts = kept.facts(new.run.summary, new.run.scenario.inputs)
     folder = tmp_path_factory.mktemp("japanese")

@@ -12,7 +12,7 @@ import pytest
 from documents.files import UNIT_OF, pages, tables_of
 from network.errors import InputError
 from network.files.line_schema import LineFile
-from network.files.schema_walk import resolved
+from network.files.schema_walk import resolved_node
 from network.files.shipped import shipped_line
 from scenario import schemas
 from scenario.scenario import shipped_scenarios
@@ -105,7 +105,7 @@ def test_the_schemas_name_the_keys_of_the_shipped_files() -> None:
     for file in TRAINS_FOLDER.glob("*.toml"):
         for name, values in tomllib.loads(file.read_text("utf-8")).items():
             if isinstance(values, dict) and name != "provenance":
-                table = resolved(train, train["properties"][name])
+                table = resolved_node(train, train["properties"][name])
                 assert set(values) <= set(table["properties"]), (file, name)
     assert shipped_scenarios()
     assert "patch" in ScenarioFile.model_json_schema()["properties"]

@@ -10,7 +10,7 @@ from typing import get_args
 
 import pytest
 
-from documents.interlocking import TableLine, document, invariant_of, merged, table
+from documents.interlocking import TableLine, document, invariant_of, merged_rows, table
 from documents.interlocking_defects import CAUGHT, GuardedRule
 from documents.interlocking_hazards import HAZARDS
 from onboard.authority import machine as authority
@@ -63,7 +63,7 @@ def test_rows_with_the_same_outcome_are_one_line() -> None:
         TableCell("busy", "Go", "g", "y"),
         TableCell("held", "Go", "f", "x"),
     )
-    assert merged(rows) == (TableLine(("free", "held"), "Go", "x"), TableLine(("busy",), "Go", "y"))
+    assert merged_rows(rows) == (TableLine(("free", "held"), "Go", "x"), TableLine(("busy",), "Go", "y"))
 
 
 def test_a_cell_may_have_a_bar() -> None:

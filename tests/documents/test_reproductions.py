@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from documents.reproductions import cell_text, document, kept, kept_of
+from documents.reproductions import cell_text, document, kept_of, kept_outcomes
 from papers.reproduction import CaseRow, NullMethod, Reproduction
 from papers.specification import REPRODUCTIONS
 
@@ -46,7 +46,7 @@ def test_the_page_says_what_misses_and_what_it_hangs_on() -> None:
 
 
 def test_what_is_kept_fails_without_its_idea() -> None:
-    found = kept()
+    found = kept_outcomes()
     assert set(found) <= set(REPRODUCTIONS)
     assert [name for name, one in found.items() if not one["null_held"]] == []
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from documents.explored import explore
-from documents.explored_unit import event_name, following, phase_name, steps
-from documents.state_diagrams import DIAGRAMS, diagram, drawn
+from documents.explored_unit import event_name, events_from, phase_name, steps
+from documents.state_diagrams import DIAGRAMS, diagram, machine_diagram
 from onboard.authority import machine as authority
 from onboard.duty import machine as duty
 from onboard.duty.records import AtMark, DutyPhase
@@ -47,14 +47,16 @@ def test_every_phase_and_every_standing_is_drawn() -> None:
 
 
 def names(machine: str) -> set[str]:
-    return {line.split('"')[1] for line in drawn(machine).splitlines() if line.startswith("    state ")}
+    return {
+        line.split('"')[1] for line in machine_diagram(machine).splitlines() if line.startswith("    state ")
+    }
 
 
 def test_a_row_switched_off_is_an_arrow_less(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert "on_sight --> finished: AtMark" in drawn("On-board unit: duty")
+    assert "on_sight --> finished: AtMark" in machine_diagram("On-board unit: duty")
     table = {key: handler for key, handler in duty.TABLE.items() if key != (DutyPhase.ON_SIGHT, AtMark)}
     monkeypatch.setattr(duty, "TABLE", table)
-    assert "AtMark" not in drawn("On-board unit: duty")
+    assert "AtMark" not in machine_diagram("On-board unit: duty")
 
 
 def test_a_diagram_is_the_same_each_time() -> None:
@@ -82,6 +84,6 @@ def test_what_is_drawn_is_what_follows() -> None:
     found, _ = DIAGRAMS["On-board unit: duty"]
     edges = found().edges
     for run in list(found().states)[:200]:
-        for event, after in following(run):
+        for event, after in events_from(run):
             if phase_name(after) != phase_name(run):
                 assert (phase_name(run), event, phase_name(after)) in edges

@@ -65,9 +65,9 @@ def test_the_timetables_are_those_of_the_page() -> None:
 def test_a_minute_less_is_too_little() -> None:
     """The rule that decides: where a stretch is taken for longer than the interval no timetable is made."""
     legs = second_loop.legs_of(second_loop.line_with("NIT"), load_train(shipped_train(second_loop.TRAIN)))
-    assert second_loop.good(second_loop.even(legs, 26 * 60), hours=2)
+    assert second_loop.is_possible(second_loop.even_timetable(legs, 26 * 60), hours=2)
     with pytest.raises(ValueError, match="OGN - KRS is taken for 1530 s"):
-        second_loop.even(legs, 25 * 60)
+        second_loop.even_timetable(legs, 25 * 60)
 
 
 def test_headways_are_those_of_the_page() -> None:

@@ -11,7 +11,7 @@ import pytest
 READ = """
 import json
 from study.compare.measures import TABLES, columns_in
-from study.measures.driving import driven
+from study.measures.driving import driving_sums
 from study.record.driving import DrivenHop
 from study.record.figure import figures_of, schema_of
 from tests.study.measures.test_driving import hops
@@ -19,7 +19,7 @@ print(json.dumps({
     "column": list(schema_of(DrivenHop))[-1],
     "heading": figures_of(DrivenHop)["mean_kmh"].heading.en,
     "hops": [hop.mean_kmh for hop in hops()],
-    "together": driven(hops())["mean_kmh"],
+    "together": driving_sums(hops())["mean_kmh"],
 }))
 """
 

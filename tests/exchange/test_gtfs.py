@@ -175,9 +175,9 @@ def test_exceptions_of_a_calendar(tmp_path: Path) -> None:
     ]
     assert [t.number for t in read(tmp_path, tables, date="20261116").published.trains] == ["9"]
     del tables["calendar.txt"]
-    services = read_services(Feed.of(write(tmp_path / "dates.zip", tables)))
-    assert services.on(20261117) == {"WE"}
-    assert services.on(20261116) == frozenset()
+    services = read_services(Feed.at_path(write(tmp_path / "dates.zip", tables)))
+    assert services.running_on(20261117) == {"WE"}
+    assert services.running_on(20261116) == frozenset()
 
 
 def test_the_day_after() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from exchange.joined import over, prolonged, read_gradients, read_limits
+from exchange.joined import joined_limits, prolonged_axis, read_gradients, read_limits
 from exchange.new_line import NewLine, NewLineOptions, make_line
 from network.errors import InputError
 from network.making.kana import romanised
@@ -151,7 +151,7 @@ def test_limits_have_directions(tmp_path: Path) -> None:
 def test_a_limit_that_is_known_counts_before_a_derived_one() -> None:
     derived = [SpeedLimit(1000.0, 2000.0, 15.0, (DOWN, UP))]
     known = [SpeedLimit(1200.0, 1500.0, 20.0, (DOWN, UP)), SpeedLimit(1800.0, 3000.0, 18.0, (DOWN,))]
-    assert over(derived, known) == (
+    assert joined_limits(derived, known) == (
         SpeedLimit(1000.0, 1200.0, 15.0, (DOWN, UP)),
         known[0],
         SpeedLimit(1500.0, 1800.0, 15.0, (DOWN, UP)),
@@ -164,7 +164,7 @@ def test_an_axis_is_prolonged_straight_on() -> None:
     axis = Alignment(
         "main", 0.0, 100.0, 10.0, 20.0, 90.0, 0.0, (), (Curve(5.0, 90.0, 300.0, 20.0, 0.0),), (), ()
     )
-    longer = prolonged(axis, -50.0, 70.0)
+    longer = prolonged_axis(axis, -50.0, 70.0)
     assert (longer.from_m, longer.to_m) == (-50.0, 100.0)
     assert (longer.x_m, longer.y_m) == pytest.approx((-40.0, 20.0))
 

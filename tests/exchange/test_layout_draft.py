@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exchange.layout import LayoutPoints, LayoutTrack
-from exchange.layout_draft import JoinedEnds, carried, km_rows, merged
+from exchange.layout_draft import JoinedEnds, carried_kilometrage, km_rows, merged_pieces
 
 Cuts = st.lists(st.tuples(st.integers(1, 500), st.booleans()), min_size=1, max_size=12)
 
@@ -37,7 +37,7 @@ def test_a_track_cut_anywhere_and_turned_is_whole_again(
         truth.append((f"p{number}", turned, km_m, float(length_m)))
         km_m += length_m
     order.shuffle(pieces)  # type: ignore[attr-defined]
-    done = merged(pieces, frozenset())
+    done = merged_pieces(pieces, frozenset())
     (track,) = done.tracks
     assert track.length_m == sum(length_m for length_m, _ in cuts)
     assert {track.low_node, track.high_node} == {"n0", f"n{len(cuts)}"}
@@ -50,19 +50,19 @@ def test_a_track_cut_anywhere_and_turned_is_whole_again(
 
 def test_tracks_stay_apart_at_fixed_nodes_other_names_and_where_three_meet() -> None:
     line = [piece("a", "x", "y", 10), piece("b", "y", "z", 20)]
-    assert len(merged(line, frozenset()).tracks) == 1
-    assert len(merged(line, frozenset({"y"})).tracks) == 2
+    assert len(merged_pieces(line, frozenset()).tracks) == 1
+    assert len(merged_pieces(line, frozenset({"y"})).tracks) == 2
     named = LayoutTrack("b", "2", "main", "y", "z", 20)
-    assert len(merged([line[0], named], frozenset()).tracks) == 2
-    assert len(merged([*line, piece("c", "y", "w", 30)], frozenset()).tracks) == 3
+    assert len(merged_pieces([line[0], named], frozenset()).tracks) == 2
+    assert len(merged_pieces([*line, piece("c", "y", "w", 30)], frozenset()).tracks) == 3
 
 
 def test_a_ring_is_walked_once() -> None:
     ring = [piece("a", "x", "y", 10), piece("b", "y", "z", 20), piece("c", "z", "x", 30)]
-    (track,) = merged(ring, frozenset()).tracks
+    (track,) = merged_pieces(ring, frozenset()).tracks
     assert (track.length_m, track.low_node) == (60.0, track.high_node)
     loop = [piece("a", "x", "x", 10)]
-    assert merged(loop, frozenset()).tracks == loop
+    assert merged_pieces(loop, frozenset()).tracks == loop
 
 
 def test_kilometrage_without_a_change_keeps_its_sense() -> None:
@@ -92,7 +92,7 @@ def test_kilometrage_is_carried_over_points_in_its_sense() -> None:
     normal = piece("normal", "toe", "b", 200.0, ((0.0, 1000.0), (200.0, 1200.0)))
     reverse = piece("reverse", "c", "toe", 210.0)
     points = [LayoutPoints("P", "P", "toe", "stem", "normal", "reverse")]
-    tracks, given_to = carried([stem, normal, reverse], points)
+    tracks, given_to = carried_kilometrage([stem, normal, reverse], points)
     assert sorted(given_to) == ["reverse", "stem"]
     rows = {track.id: track.kilometrage for track in tracks}
     assert rows["stem"] == ((0.0, 900.0), (100.0, 1000.0))
@@ -108,7 +108,7 @@ def test_a_loop_is_stretched_between_its_ends() -> None:
         piece("out", "q", "b", 100.0, ((0.0, 500.0), (100.0, 600.0))),
     ]
     points = [LayoutPoints("P", "", "p", "in", "one", "two"), LayoutPoints("Q", "", "q", "out", "one", "two")]
-    found = {track.id: track.kilometrage for track in carried(tracks, points)[0]}
+    found = {track.id: track.kilometrage for track in carried_kilometrage(tracks, points)[0]}
     assert found["two"] == ((0.0, 100.0), (404.0, 500.0))
 
 
@@ -116,14 +116,16 @@ def test_one_lines_kilometrage_goes_to_no_other_line() -> None:
     known = LayoutTrack("a", "7", "main", "x", "y", 10.0, (), ((0.0, 0.0), (10.0, 10.0)))
     yard = LayoutTrack("b", "", "yard", "y", "z", 10.0)
     other = LayoutTrack("c", "8", "branch", "z", "w", 10.0)
-    assert carried([known, yard, other], [], names_are_lines=True)[1] == ["b"]
-    assert carried([known, yard, other], [])[1] == ["b", "c"]
+    assert carried_kilometrage([known, yard, other], [], names_are_lines=True)[1] == ["b"]
+    assert carried_kilometrage([known, yard, other], [])[1] == ["b", "c"]
 
 
 def test_no_kilometrage_crosses_a_crossing() -> None:
     known = piece("a", "x", "k", 10.0, ((0.0, 0.0), (10.0, 10.0)))
     assert (
-        carried([known, piece("b", "k", "y", 10), piece("c", "k", "z", 10), piece("d", "k", "w", 5)], [])[1]
+        carried_kilometrage(
+            [known, piece("b", "k", "y", 10), piece("c", "k", "z", 10), piece("d", "k", "w", 5)], []
+        )[1]
         == []
     )
 
@@ -139,4 +141,4 @@ def test_ends_joined_are_one_node(pairs: list[tuple[int, int]]) -> None:
             groups[member] = whole
     for a in range(10):
         for b in range(10):
-            assert (joined.of((f"t{a}", 0)) == joined.of((f"t{b}", 0))) == (b in groups[a])
+            assert (joined.node_end((f"t{a}", 0)) == joined.of((f"t{b}", 0))) == (b in groups[a])

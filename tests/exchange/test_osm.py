@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exchange.layout import ForeignLayout, NodeKind, TurnoutSide
-from exchange.layout_geometry import parted
+from exchange.layout_geometry import stem_and_legs
 from exchange.osm import read_osm
 from network.errors import InputError
 from tests.exchange.layouts import OSM, osm_node, osm_way
@@ -161,7 +161,7 @@ def test_stem_and_legs_are_found_however_points_lie(
 ) -> None:
     sign = 1 if left else -1
     angles = [turn + math.pi, turn + bend, turn + sign * leads_off]  # stem, straight leg, branch
-    found = parted([(math.cos(angles[i]), math.sin(angles[i])) for i in order])
+    found = stem_and_legs([(math.cos(angles[i]), math.sin(angles[i])) for i in order])
     assert found is not None
     assert [order[i] for i in (found.stem, found.straight, found.branch)] == [0, 1, 2]
     assert found.side is (TurnoutSide.LEFT if left else TurnoutSide.RIGHT)

@@ -51,14 +51,14 @@ def test_a_device_gets_no_keys_but_its_own() -> None:
 def test_records_survive_their_way() -> None:
     told = DeviceTold((ConfirmOutside("u", "x"), PointsDetected("p", None, False)))
     said = DeviceSaid((StartThrow("p", Position.REVERSE),), (Started(epoch=3),))
-    assert CODEC.told(CODEC.encode(told)) == told
-    assert CODEC.said(CODEC.encode(said)) == said
+    assert CODEC.decode_told(CODEC.encode(told)) == told
+    assert CODEC.decode_said(CODEC.encode(said)) == said
 
 
 @pytest.mark.parametrize("data", [b"", b"\xc1", b"\x91\x01"])
 def test_bytes_that_are_no_record_are_bad_input(data: bytes) -> None:
     with pytest.raises(InputError, match="a record of this role"):
-        CODEC.told(data)
+        CODEC.decode_told(data)
 
 
 @pytest.mark.parametrize(

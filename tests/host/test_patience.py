@@ -18,13 +18,13 @@ def patience(limit_s: float, *times_s: float) -> Patience:
 
 def test_what_is_waited_counts() -> None:
     waiting = patience(2.0, 0.0, 0.5, 1.0, 1.9, 2.0)
-    assert [waiting.over() for _ in range(4)] == [False, False, False, True]
+    assert [waiting.is_over() for _ in range(4)] == [False, False, False, True]
 
 
 @pytest.mark.parametrize("slept_s", [1.1, 60.0, 1e6])
 def test_sleep_does_not(slept_s: float) -> None:
     waiting = patience(2.0, 0.0, 0.9, 0.9 + slept_s, 1.8 + slept_s, 2.1 + slept_s)
-    assert [waiting.over() for _ in range(4)] == [False, False, False, True]
+    assert [waiting.is_over() for _ in range(4)] == [False, False, False, True]
 
 
 @given(st.lists(st.floats(0.0, 100.0), min_size=1, max_size=50), st.floats(0.0, 20.0))
@@ -33,7 +33,7 @@ def test_it_is_over_after_the_limit_of_time_awake(gaps_s: list[float], limit_s: 
     for gap_s in gaps_s:
         times_s.append(times_s[-1] + gap_s)
     waiting = patience(limit_s, *times_s)
-    over = [waiting.over() for _ in gaps_s]
+    over = [waiting.is_over() for _ in gaps_s]
     awake_s = 0.0
     for was_over, before_s, now_s in zip(over, times_s, times_s[1:], strict=False):
         awake_s += now_s - before_s if now_s - before_s <= 1.0 else 0.0

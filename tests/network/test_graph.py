@@ -40,10 +40,10 @@ def test_two_pieces_follow_at_a_toe_normal_first_and_one_when_trailing() -> None
 
 def test_graph_is_built_once_a_line() -> None:
     other = parse_line(SAMPLE, "sample.toml")
-    assert Graph.of(LINE) is Graph.of(LINE)
-    assert Graph.of(other) is not Graph.of(LINE)
+    assert Graph.of_line(LINE) is Graph.of_line(LINE)
+    assert Graph.of_line(other) is not Graph.of_line(LINE)
     for _ in range(20):
-        assert Graph.of(parse_line(SAMPLE, "sample.toml")).down == Graph.of(LINE).down
+        assert Graph.of_line(parse_line(SAMPLE, "sample.toml")).down == Graph.of_line(LINE).down
 
 
 def test_route_over_facing_and_trailing_points() -> None:

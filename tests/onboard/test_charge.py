@@ -130,10 +130,10 @@ def test_told_of_a_dead_charger_it_reckons_anew() -> None:
     down, _ = missions()
     own = watch(Gauge(has=70.0 * KWH))
     assert own.why_not(down, 1) is None
-    own.told({"KRS"})
+    own.hear_of_dead({"KRS"})
     why = own.why_not(down, 1)
     assert why is not None and why.station == "HSK"
-    own.told(())
+    own.hear_of_dead(())
     assert own.why_not(down, 1) is None
 
 

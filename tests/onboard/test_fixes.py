@@ -28,7 +28,7 @@ from onboard.duty.records import (
     TagReached,
 )
 from onboard.fixes import EYE_WITHIN_M
-from onboard.localisation.fix import MISSED_MAX, REFUSED, TAKEN, taken, told
+from onboard.localisation.fix import MISSED_MAX, REFUSED, TAKEN, fix_by_rule, virtual_tag_bits
 from onboard.motion import NO_ROOM, UnitMotion
 from onboard.records import (
     EVENT_CONTRADICTED,
@@ -79,9 +79,9 @@ def fix(motion: UnitMotion, low_m: float, high_m: float) -> int:
     """A fix of an absolute sensor, as the compiled tick takes it; event bits."""
     row, half_m = motion.row, (high_m - low_m) / 2.0
     known, row.fix_came = row.position_known, 0
-    taken(motion._record, low_m + half_m, half_m, half_m)
+    fix_by_rule(motion._record, low_m + half_m, half_m, half_m)
     row.found = int(not known and row.position_known)
-    return int(told(motion._record, 0)) | (EVENT_FOUND if row.found else 0)
+    return int(virtual_tag_bits(motion._record, 0)) | (EVENT_FOUND if row.found else 0)
 
 
 def run_to(motion: UnitMotion, position_m: float, bound_m: float) -> None:
@@ -301,7 +301,7 @@ def test_a_tag_goes_before_what_is_found_in_the_same_step(motion: UnitMotion, mi
     """What a receiver says 50 m further on is no reason to doubt the tag, and is not found any more."""
     with_a_reader(motion, mission)
     lose(motion)
-    motion._doubt.placed()
+    motion._doubt.position_told()
     motion._doubt._doubting = False
     bits, tag = fix(motion, 500.0, 520.0), mission.tags[APPROACH]
     assert motion.tag_read(tag.tag_id, float(motion.row.odometer_m)) == [TagBelieved(APPROACH, found=True)]
@@ -351,15 +351,15 @@ def test_what_leans_without_cutting_proves_nothing(motion: UnitMotion) -> None:
     """A camera leans the estimate and tells TAKEN all the same."""
     run_to(motion, 640.0, 20.0)
     motion.row.fix_came = 0
-    assert told(motion._record, 0) == 0
+    assert virtual_tag_bits(motion._record, 0) == 0
     assert motion.row.sure_m == -math.inf
 
 
 def test_outcomes_of_the_rule_are_told_apart(motion: UnitMotion) -> None:
     row = motion._record
     run_to(motion, 300.0, 5.0)
-    assert taken(row, 300.0, 2.0, 2.0) == TAKEN
-    assert taken(row, 400.0, 2.0, 2.0) == REFUSED
+    assert fix_by_rule(row, 300.0, 2.0, 2.0) == TAKEN
+    assert fix_by_rule(row, 400.0, 2.0, 2.0) == REFUSED
 
 
 # no room to go on -------------------------------------------------------------------------------------------------

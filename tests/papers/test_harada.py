@@ -90,15 +90,15 @@ def test_harada_loop_track_and_without_the_mismatch_rule_it_is_not_noticed() -> 
 def test_harada_accuracy_on_a_short_line_and_without_curvature_it_fails() -> None:
     """One run over the first stations; by wheels alone the errors grow with the way."""
     bench = harada_accuracy.bench_of(1, 3, 1)
-    space = bench.of("")
+    space = bench.runs_of_case("")
     assert space.sigma_m <= harada_accuracy.SIGMA_MAX_M
     assert float(np.abs(space.errors_m).max()) <= harada_accuracy.WITHIN_M
     wheels = replace(
         space.rides[0].trip, carries=(PositionSensor.LIDAR,), wheels=None
     ).run()  # of no use here: no markers lie there
     assert float(np.abs(wheels.errors_m).max()) > harada_accuracy.WITHIN_M
-    space = bench.of("", new_wheels=True)  # wheels that are known would do for so short a way
-    off = bench.of("", new_wheels=True, filter=Filter.OFF)
+    space = bench.runs_of_case("", new_wheels=True)  # wheels that are known would do for so short a way
+    off = bench.runs_of_case("", new_wheels=True, filter=Filter.OFF)
     assert off.rides[0].result.out_m <= 0.0
     rows = harada_accuracy.rows_of(off, [space], [], "")
     assert "the same with " in missed(rows)  # what is worse than the filter off is not the filter in space

@@ -14,7 +14,7 @@ from papers.journeys import (
     line_cases,
     missed_by_s,
     row_of,
-    solved,
+    solved_case,
     styled_j,
     track_cases,
     write_seconds,
@@ -68,7 +68,7 @@ def test_windows_that_cannot_be_kept_are_told_with_stop_and_seconds(cases: list[
     least_s = sum(hop.least_s for hop in free.hops) + sum(stop.dwell_min_s for stop in free.stops[1:-1])
     start_s = free.stops[0].departure.earliest_s
     short = JourneyStop("KRS", TimeWindow(latest_s=start_s + least_s - 7.0))
-    row = row_of(solved("short", free.hops, (*free.stops[:-1], short)))
+    row = row_of(solved_case("short", free.hops, (*free.stops[:-1], short)))
     assert not row.passed
     assert row.ours == "not possible: arrival at KRS 7.0 s after its latest time, at best"
 

@@ -125,7 +125,7 @@ HOP: Final = HopLeast("T1", "A", "B", 100.0, 5.0, 4.1, 4.0, False)
 
 
 def test_hops_beside_their_bounds_by_hand() -> None:
-    both = Least.of((HOP, replace(HOP, running_kwh=-1.0, least_kwh=-1.5, bound_kwh=-1.5)))
+    both = Least.sum_of((HOP, replace(HOP, running_kwh=-1.0, least_kwh=-1.5, bound_kwh=-1.5)))
     assert (both.hops, both.running_kwh, both.bound_kwh) == (2, 4.0, 2.5)
     assert both.above_bound_percent == pytest.approx(60.0)
 
@@ -133,7 +133,7 @@ def test_hops_beside_their_bounds_by_hand() -> None:
 def test_no_run_of_the_slice_is_below_its_bound(present: LawDay, best: LawDay) -> None:
     """Every hop as driven takes more than the bound of anything a train here may do."""
     for day in (present, best):
-        found = day.least(Allowed.anything(day.run.scenario.setup))
+        found = day.least_of_hops(Allowed.anything(day.run.scenario.setup))
         assert len(found) == sum(hop.late_s is not None for hop in day.hops) > 10
         assert [hop for hop in found if hop.running_kwh < hop.bound_kwh] == []
         assert all(hop.bound_kwh <= hop.least_kwh + 1e-6 for hop in found)
@@ -141,10 +141,12 @@ def test_no_run_of_the_slice_is_below_its_bound(present: LawDay, best: LawDay) -
 
 def test_less_time_costs_more_and_lower_limits_too(present: LawDay) -> None:
     setup = present.run.scenario.setup
-    same = Least.of(present.least(Allowed.as_units_drive(setup)))
-    more_s = {hop.key: hop.time_s * 1.1 for hop in present.least(Allowed.as_units_drive(setup))}
-    assert Least.of(present.least(Allowed.as_units_drive(setup), more_s)).bound_kwh < same.bound_kwh
-    assert Least.of(present.least(Allowed.anything(setup))).bound_kwh < same.bound_kwh
+    same = Least.sum_of(present.least_of_hops(Allowed.as_units_drive(setup)))
+    more_s = {hop.key: hop.time_s * 1.1 for hop in present.least_of_hops(Allowed.as_units_drive(setup))}
+    assert (
+        Least.sum_of(present.least_of_hops(Allowed.as_units_drive(setup), more_s)).bound_kwh < same.bound_kwh
+    )
+    assert Least.sum_of(present.least_of_hops(Allowed.anything(setup))).bound_kwh < same.bound_kwh
 
 
 @pytest.mark.nightly

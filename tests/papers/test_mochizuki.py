@@ -14,8 +14,8 @@ from papers.mochizuki_patterns import (
     OWN_TIME,
     RAW,
     PatternReadings,
-    fewer,
-    less,
+    fisher_p,
+    mcnemar_p,
     share_rows,
     spacing_for,
     told_at,
@@ -122,10 +122,10 @@ def test_with_every_points_own_time_36_is_told_like_25(told: dict[float, dict[st
 
 
 def test_the_tests_tell_a_difference_and_none(told: dict[float, dict[str, PatternReadings]]) -> None:
-    assert fewer(told[25.3][RAW], told[25.3][MOVED]) < 1e-6
-    assert fewer(told[25.3][MOVED], told[25.3][MOVED]) == 1.0
-    assert less(told[25.3][RAW], told[25.3][MOVED]) < 1e-6
-    assert less(told[25.3][MOVED], told[25.3][MOVED]) > 0.5
+    assert mcnemar_p(told[25.3][RAW], told[25.3][MOVED]) < 1e-6
+    assert mcnemar_p(told[25.3][MOVED], told[25.3][MOVED]) == 1.0
+    assert fisher_p(told[25.3][RAW], told[25.3][MOVED]) < 1e-6
+    assert fisher_p(told[25.3][MOVED], told[25.3][MOVED]) > 0.5
 
 
 def test_faster_trains_need_rows_further_apart() -> None:

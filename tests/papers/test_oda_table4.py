@@ -11,17 +11,17 @@ from onboard.localisation.vision import frame_rate_error_m
 from papers.oda_table4 import OTHER_BEACONS_M, agreeing_patterns_mps2, reproduce
 from papers.reproduction import Options, Reproduction
 from papers.single_run import Rows
-from papers.table4_parts import ABLATIONS, without
+from papers.table4_parts import ABLATIONS, controller_without
 from papers.table4_stops import (
     CASES,
     FRAME_RATE_FPS,
     FRAME_S,
     NOT_IN_THE_PAPER,
     SignRun,
+    agrees_with_cell,
     best_gain_per_s,
     controller,
     impossible_stops,
-    passes,
     stop_of,
 )
 from scenario.scenario import load_scenario
@@ -71,11 +71,11 @@ def test_the_gain_comes_from_stops_without_position_error() -> None:
 
 def test_a_cell_passes_only_with_the_papers_verdict() -> None:
     good, bad = SignRun(2, True, 20.0, 0.19), SignRun(1, False, 20.0, 6.11)
-    assert passes(good, -0.25)
-    assert not passes(good, 0.26)
-    assert passes(bad, 3.7)
-    assert not passes(bad, 3.6)
-    assert not passes(bad, 0.2)
+    assert agrees_with_cell(good, -0.25)
+    assert not agrees_with_cell(good, 0.26)
+    assert agrees_with_cell(bad, 3.7)
+    assert not agrees_with_cell(bad, 3.6)
+    assert not agrees_with_cell(bad, 0.2)
 
 
 def test_everything_passes_and_names_its_origins(result: Reproduction) -> None:
@@ -89,7 +89,7 @@ def test_the_papers_own_controller_stands_beside_ours(result: Reproduction) -> N
     cells = result.rows[: len(CASES)]
     assert result.as_dict()["rows"][0][result.beside] == cells[0].beside
     by_paper = [abs(float(str(row.beside))) for row in cells]
-    assert all(passes(case, figure) for case, figure in zip(CASES, by_paper, strict=True))
+    assert all(agrees_with_cell(case, figure) for case, figure in zip(CASES, by_paper, strict=True))
     # the paper's mean is 0.16 m; its controller without our additions comes as near to it as within a half
     own_m = np.mean([m for case, m in zip(CASES, by_paper, strict=True) if case.paper_m < 1.0])
     assert own_m == pytest.approx(PAPERS_MEAN_M, rel=0.5)
@@ -104,7 +104,7 @@ def test_the_papers_own_controller_is_the_one_law_with_parts_left_out() -> None:
 def test_every_part_and_the_gain_is_left_out_once() -> None:
     left_out = [ablation.without for ablation in ABLATIONS if ablation.without]
     assert sorted(left_out) == sorted(StopLawPart)
-    without_gain = [without(ablation, 0.6) for ablation in ABLATIONS if not ablation.without]
+    without_gain = [controller_without(ablation, 0.6) for ablation in ABLATIONS if not ablation.without]
     assert [float(bench.design.gain_per_s) for bench in without_gain] == [0.0]
 
 

@@ -18,9 +18,9 @@ from papers.oda_tuning import (
     a_stop,
     by_the_mean,
     hidden_train,
+    interval_reaches,
     is_full,
     is_right,
-    reaches,
     reproduce,
     stop_rows,
     tune,
@@ -110,9 +110,9 @@ def test_the_mean_of_what_was_learned() -> None:
 
 def test_counts_of_trains_are_judged_by_their_interval() -> None:
     """Of 100 trains 90 may be 95 % (interval to 0.951), 89 not; all of 12 may."""
-    assert reaches(90, 100)
-    assert not reaches(89, 100)
-    assert reaches(12, 12)
+    assert interval_reaches(90, 100)
+    assert not interval_reaches(89, 100)
+    assert interval_reaches(12, 12)
 
 
 def test_right_means_within_one_step_of_the_grid() -> None:

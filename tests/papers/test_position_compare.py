@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from papers import position_sets
-from papers.charts import written
+from papers.charts import write_figure
 from papers.position_compare import (
     FAR_M,
     Measures,
     acting_row,
     draw_comparison,
     far_from_a_fix,
-    measured,
+    measures_of,
     numbers,
     reproduce,
     row_of,
@@ -29,11 +29,11 @@ from papers.position_sets import (
     SETS,
     TROUBLES,
     Ran,
-    concern,
     moments_of,
     on_the_track,
     path_of_run,
     setup_of,
+    troubles_concerning,
 )
 from papers.reproduction import Options
 from simulation.faults.fault import InForce
@@ -67,15 +67,15 @@ def test_every_trouble_is_a_fault_or_lies_on_the_track() -> None:
     assert all(not trouble.kind or trouble.kind in FAULTS for trouble in TROUBLES)
     for trouble in TROUBLES:
         assert len(moments_of(trouble, "V1", 0, InForce())) == (2 if trouble.kind else 0)
-    everything = concern(SETS[-1])
+    everything = troubles_concerning(SETS[-1])
     assert {trouble.concerns for trouble in everything} == {None, *SETS[-1].carries}
-    assert not any(trouble.held for trouble in concern(SETS[-1], held=False))
+    assert not any(trouble.held for trouble in troubles_concerning(SETS[-1], held=False))
 
 
 def test_what_was_moved_is_moved_on_the_line_alone() -> None:
     setup = setup_of(SETS[-1], seed=1)
     path, line = path_of_run(setup), setup.line
-    so = on_the_track(line, path, concern(SETS[-1]))
+    so = on_the_track(line, path, troubles_concerning(SETS[-1]))
     moved = [(line.tags[key], tag) for key, tag in so.tags.items() if tag != line.tags[key]]
     assert moved
     for before, after in moved:
@@ -89,7 +89,7 @@ def test_what_was_moved_is_moved_on_the_line_alone() -> None:
 
 
 def test_the_measures_of_a_run() -> None:
-    found = measured(run_of([0.0, 3.0, -4.0, 0.0], [5.0, 5.0, 3.0, 5.0]))
+    found = measures_of(run_of([0.0, 3.0, -4.0, 0.0], [5.0, 5.0, 3.0, 5.0]))
     assert found.sigma_m == pytest.approx(2.5)
     assert found.error_most_m == 4.0
     assert found.outside_s == 1
@@ -123,12 +123,12 @@ def test_a_fault_that_changes_nothing_is_found_out() -> None:
 
 def test_table_and_plot_are_written(tmp_path: Path) -> None:
     plain = run_of([0.0, 1.0, 0.5], [2.0, 2.0, 3.0])
-    troubled = replace(plain, troubles=concern(SETS[0]))
-    with write_table([measured(plain), measured(troubled)], tmp_path).open(encoding="utf-8") as stream:
+    troubled = replace(plain, troubles=troubles_concerning(SETS[0]))
+    with write_table([measures_of(plain), measures_of(troubled)], tmp_path).open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     assert [row["case"] for row in rows] == ["nothing fails", "all of these in turn"]
     assert float(rows[0]["error_most_m"]) == 1.0
-    files = written("compared", lambda: draw_comparison([plain, troubled]), tmp_path)
+    files = write_figure("compared", lambda: draw_comparison([plain, troubled]), tmp_path)
     assert all(file.stat().st_size > 1000 for file in files)
     assert list(numbers().values()) == list(range(1, len(numbers()) + 1))
 

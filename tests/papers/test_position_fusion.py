@@ -40,11 +40,11 @@ from papers.position_fusion import (
     NO_GROWTH,
     WITH_CURVATURE,
     RuleOutcomes,
-    again,
     beside_rows,
     broken_row,
     curved_row,
     held_row,
+    how_to_repeat,
     median_row,
     reproduce,
     wider_row,
@@ -68,7 +68,7 @@ ONCE_BROKEN = (15,)  # by wheels that slipped and slid by turns, while only slip
 @pytest.mark.parametrize("number", sorted({*SHORT, *ONCE_BROKEN}))
 def test_the_truth_stays_inside(number: int) -> None:
     found = RuleOutcomes(AS_UNITS_ARE, (outcome(1, number),))
-    assert held_row(found).passed, again(found.outcomes[0])
+    assert held_row(found).passed, how_to_repeat(found.outcomes[0])
 
 
 def test_what_is_drawn_is_the_same_again_and_another_by_number() -> None:
@@ -106,13 +106,13 @@ def test_on_the_line_as_it_stands_bounds_are_narrow_enough() -> None:
 @pytest.mark.parametrize("number", [*JOINT_SHORT, *ONCE_BROKEN_JOINT])
 def test_the_truth_stays_inside_while_several_sensors_fail_at_once(number: int) -> None:
     found = RuleOutcomes(JOINT, (joint_outcome(JOINT_SEED, number, JOINT),))
-    assert held_row(found).passed, again(found.outcomes[0])
+    assert held_row(found).passed, how_to_repeat(found.outcomes[0])
 
 
 @pytest.mark.parametrize("number", ONCE_BROKEN_REVIEWED)
 def test_nor_does_it_leave_them_in_runs_of_another_seed(number: int) -> None:
     found = RuleOutcomes(JOINT, (joint_outcome(REVIEWED_SEED, number, JOINT),))
-    assert held_row(found).passed, again(found.outcomes[0])
+    assert held_row(found).passed, how_to_repeat(found.outcomes[0])
 
 
 @pytest.mark.parametrize(("seed", "number"), [(JOINT_SEED, ONCE_FORGIVEN), (REVIEWED_SEED, 260)])

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from onboard.localisation.places import Places
-from papers.charts import written
+from papers.charts import write_figure
 from papers.position_cases import CASES, LATER_S, PositionCase
 from papers.position_operations import BASE, Quantiles, SensorDay, day_of, draw_cases, reproduce, rows_of
 from papers.reproduction import Options
@@ -55,7 +55,7 @@ def test_what_is_judged_can_fail() -> None:
 
 def test_a_picture_is_written(tmp_path: Path) -> None:
     days = {case.name: a_day(case, {("1", "A"): 1.0}).as_dict() for case in CASES}
-    files = written("days", lambda: draw_cases(days), tmp_path)
+    files = write_figure("days", lambda: draw_cases(days), tmp_path)
     assert [path.suffix for path in files] == [".svg", ".png"]
     assert all(path.stat().st_size > 10_000 for path in files)
 
@@ -68,10 +68,10 @@ def test_without_virtual_tags_a_train_that_goes_by_satellites_is_released_later(
     case = case_named("gnss_20")
     tags, sound = day_of(case_named("tags"), options), day_of(case, options)
     assert case.later_s is not None
-    assert Quantiles.of(sound.later_than(tags)).p95 <= case.later_s  # type: ignore[operator]
-    monkeypatch.setattr(Places, "proved", lambda _self: iter(()))
+    assert Quantiles.of_values(sound.later_than(tags)).p95 <= case.later_s  # type: ignore[operator]
+    monkeypatch.setattr(Places, "tags_proved", lambda _self: iter(()))
     without = day_of(case, options)
-    assert Quantiles.of(without.later_than(tags)).p95 > case.later_s  # type: ignore[operator]
+    assert Quantiles.of_values(without.later_than(tags)).p95 > case.later_s  # type: ignore[operator]
 
 
 @pytest.mark.nightly

@@ -15,9 +15,9 @@ from papers.specification import (
     Findings,
     Specification,
     at_most,
-    equal,
+    equal_figure,
     none_of,
-    reported,
+    reported_figure,
     reproduction,
 )
 
@@ -90,8 +90,8 @@ def test_rows_of_a_kind_say_what_they_ask_for() -> None:
     )
     assert not at_most("far, m", None, 1.300001, 1.3).passed
     assert [none_of("lost", count).passed for count in (0, 1)] == [True, False]
-    assert [equal("items", 12, count).passed for count in (12, 11)] == [True, False]
-    assert reported("width", 3, "told").criterion.endswith("not judged")
+    assert [equal_figure("items", 12, count).passed for count in (12, 11)] == [True, False]
+    assert reported_figure("width", 3, "told").criterion.endswith("not judged")
 
 
 def test_what_is_drawn_evenly_is_what_is_printed() -> None:

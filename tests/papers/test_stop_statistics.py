@@ -10,7 +10,7 @@ from papers.stop_statistics import (
     SLIPPERY,
     Factor,
     StopStatistics,
-    drawn,
+    drawn_factors,
     effects_m,
     first_order_share,
     reproduce,
@@ -36,7 +36,7 @@ def test_first_order_shares_of_a_sum_are_its_parts() -> None:
 
 
 def test_factors_are_drawn_over_their_ranges() -> None:
-    values = drawn(2000, 1, FACTORS)
+    values = drawn_factors(2000, 1, FACTORS)
     assert values["last_beacon"].min() == pytest.approx(10.0, abs=0.02)
     assert values["last_beacon"].max() == pytest.approx(20.0, abs=0.02)
     assert values["brake"].std() == pytest.approx(0.02, rel=0.02)

@@ -16,11 +16,11 @@ from papers.stop_set import (
     SPEED_LEAST_MPS,
     WINDOW_M,
     StopSet,
-    bench,
     beyond_the_grid_m,
     lowest_shares,
     outer_distances_m,
     random_brakes,
+    stop_bench,
     stop_set,
     stops_from,
 )
@@ -76,7 +76,7 @@ def test_nothing_nearer_than_what_any_law_needs_is_in_the_set(found: StopSet) ->
     weakest = (RANGES["dead_time"].high, RANGES["lag"].high, RANGES["brake"].low)
     speeds = np.array([8.0, 12.0, 16.0])
     nearer = found.distance_m(np.zeros(3), speeds) - 0.5
-    outcomes, _ = bench().run(
+    outcomes, _ = stop_bench().run(
         stops_from(nearer, speeds, np.tile(np.array(weakest), (3, 1)), np.full(3, RANGES["adhesion"].low))
     )
     assert (outcomes["error_m"] > WINDOW_M).all()
@@ -112,7 +112,7 @@ def test_whatever_the_brake_a_stop_from_the_set_ends_in_the_window(
         within.low + place * (within.high - within.low)
         for within, place in zip(RANGES.values(), places, strict=True)
     ]
-    outcomes, _ = bench().run(stops_from(distance, speed, np.array([values[:3]]), np.array(values[3:])))
+    outcomes, _ = stop_bench().run(stops_from(distance, speed, np.array([values[:3]]), np.array(values[3:])))
     assert abs(float(outcomes["error_m"][0])) <= WINDOW_M
 
 
@@ -130,7 +130,7 @@ def test_a_dead_time_is_the_whole_steps_nearest_to_it(found: StopSet) -> None:
     speed = np.full(3, 10.0)
     distance = found.distance_m(np.full(3, 0.8), speed)
     brakes = np.array([[0.96, 0.3, 1.0], [1.0, 0.3, 1.0], [1.04, 0.3, 1.0]])
-    outcomes, _ = bench().run(stops_from(distance, speed, brakes, np.ones(3)))
+    outcomes, _ = stop_bench().run(stops_from(distance, speed, brakes, np.ones(3)))
     assert len(set(outcomes["error_m"].tolist())) == 1
 
 

@@ -13,7 +13,7 @@ from papers.reproduction import Options
 from papers.ttobench import CROSS_CHECKS, CROSS_TRAIN, MeshPair, cross_row, pair_of, reproduce, row_of
 from papers.ttobench_files import course_of, read_track, read_tracks, read_train, read_trains
 from vehicle.optimum import least_time
-from vehicle.optimum.proof import proven
+from vehicle.optimum.proof import proven_run
 
 SHARED = Path(__file__).resolve().parents[2] / "../shared/data/ttobench"
 needs_shared = pytest.mark.skipif(not SHARED.is_dir(), reason="TTOBench (../shared/data/ttobench) absent")
@@ -90,7 +90,7 @@ def test_tunnels_cost(tmp_path: Path) -> None:
     open_air = {key: value for key, value in TRACK.items() if key != "tunnels"}
     outside = course_of(read_track(written(tmp_path, open_air)), train, perfect=False)
     time_s = 1.2 * float(least_time(inside).time_s[-1])
-    assert proven(inside, time_s).bound_j > proven(outside, time_s).energy_j
+    assert proven_run(inside, time_s).bound_j > proven_run(outside, time_s).energy_j
 
 
 @pytest.mark.parametrize(

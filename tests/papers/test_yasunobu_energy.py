@@ -15,8 +15,8 @@ from papers.yasunobu_energy import (
     PUNCTUAL_S,
     DrivingWay,
     EnergyCell,
-    judged,
-    missed,
+    judged_claims,
+    missed_by,
     reproduce,
     row_of,
     run_cells,
@@ -50,7 +50,7 @@ def test_every_law_keeps_the_time_and_none_is_below_the_bound(level: list[Energy
 def test_fuzzy_saves_and_without_c_2_it_does_not(
     level: list[EnergyCell], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    rows = {row.case: row for row in judged(level, level[0])}
+    rows = {row.case: row for row in judged_claims(level, level[0])}
     worse = rows["without C-2 fuzzy needs more at level, 85 s, %"]
     assert worse.passed
     assert level[0].saving() > 0.05
@@ -60,7 +60,7 @@ def test_fuzzy_saves_and_without_c_2_it_does_not(
         lambda way: settings_of(DrivingWay.WITHOUT) if way is DrivingWay.FUZZY else None,
     )
     swapped = run_cells(0.0, (NOMINAL_S,))
-    rows = {row.case: row for row in judged(swapped, swapped[0])}
+    rows = {row.case: row for row in judged_claims(swapped, swapped[0])}
     assert not rows["without C-2 fuzzy needs more at level, 85 s, %"].passed
     assert not rows["fuzzy saves on average, %"].passed
 
@@ -78,7 +78,7 @@ def test_what_c_2_is_worth_does_not_depend_on_who_took_longer(level: list[Energy
     cell = level[0]
     over = {**cell.over_bound, DrivingWay.WITHOUT: cell.over_bound[DrivingWay.FUZZY]}
     assert replace(cell, over_bound=over).without_costs == pytest.approx(0.0)
-    rows = {row.case: row for row in judged([cell], replace(cell, over_bound=over))}
+    rows = {row.case: row for row in judged_claims([cell], replace(cell, over_bound=over))}
     assert not rows["without C-2 fuzzy needs more at level, 85 s, %"].passed
 
 
@@ -104,10 +104,10 @@ def test_without_c_2_the_rows_of_savings_fail(
 
 
 def test_a_missed_row_says_by_how_much(level: list[EnergyCell]) -> None:
-    for row in judged(level, level[0]):
+    for row in judged_claims(level, level[0]):
         assert row.passed != ("missed by" in row.criterion)
-    assert missed("at least 10 %", 0.10, 0.072) == "at least 10 %; missed by 2.8 points"
-    assert missed("at least 10 %", 0.10, 0.2) == "at least 10 %"
+    assert missed_by("at least 10 %", 0.10, 0.072) == "at least 10 %; missed by 2.8 points"
+    assert missed_by("at least 10 %", 0.10, 0.2) == "at least 10 %"
 
 
 def test_a_time_that_is_impossible_says_the_least() -> None:

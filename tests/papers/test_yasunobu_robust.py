@@ -65,21 +65,22 @@ def test_without_its_estimate_it_does_not_cope() -> None:
     assert abs(robust.worst_drop_miss_m(own)) > robust.FUZZY_MISS_M
     hops = robust.scattered_hops(1, robust.STOPS_QUICK)
     assert (
-        robust.scattered(robust.FUZZY, hops, own).sigma_m > 3.0 * robust.scattered(robust.FUZZY, hops).sigma_m
+        robust.scattered_stops(robust.FUZZY, hops, own).sigma_m
+        > 3.0 * robust.scattered_stops(robust.FUZZY, hops).sigma_m
     )
 
 
 def test_without_t_1_the_row_of_notch_changes_would_be_missed() -> None:
     hops = robust.scattered_hops(1, 20)
     own = robust.settings(fuzzy=PredictiveFuzzy(t_1=False))
-    without, pid = robust.scattered(robust.FUZZY, hops, own), robust.scattered(robust.PID, hops)
-    fuzzy = robust.scattered(robust.FUZZY, hops)
+    without, pid = robust.scattered_stops(robust.FUZZY, hops, own), robust.scattered_stops(robust.PID, hops)
+    fuzzy = robust.scattered_stops(robust.FUZZY, hops)
     assert fuzzy.brake_changes <= robust.CHANGES_SHARE * pid.brake_changes < without.brake_changes
 
 
 def test_a_train_that_never_stops_makes_the_spread_infinite() -> None:
     own = robust.settings(fuzzy=PredictiveFuzzy(c_2=False, c_3=False, c_4=False, c_5=False))
-    assert robust.scattered(robust.FUZZY, new_hops(ORDERS_S[:1]), own).sigma_m == float("inf")
+    assert robust.scattered_stops(robust.FUZZY, new_hops(ORDERS_S[:1]), own).sigma_m == float("inf")
 
 
 def test_the_draws_are_the_seeds() -> None:

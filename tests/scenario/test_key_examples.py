@@ -12,9 +12,9 @@ import pytest
 from documents.files import tables_of
 from network.errors import InputError
 from network.files.raw import is_row, is_table
-from network.files.schema_walk import resolved
+from network.files.schema_walk import resolved_node
 from network.files.toml_input import CHOICES_CHARACTERS_MAX, one_of, validate
-from scenario.key_examples import child_of, filled, with_examples
+from scenario.key_examples import child_of, filled_example, with_examples
 from scenario.schemas import FILES, KINDS, LINE, FileKind, schema_of
 
 EVERY = pytest.mark.parametrize("kind", FILES, ids=lambda kind: kind.name)
@@ -51,7 +51,7 @@ def test_every_row_of_the_page_has_an_example(kind: FileKind) -> None:
 
 def test_a_key_that_no_file_has_is_found_out() -> None:
     schema = {"properties": {"id": {"type": "string"}, "strange": {"type": "string"}}}
-    own = with_examples(schema, filled(schema, {"id": "slow_morning"}))
+    own = with_examples(schema, filled_example(schema, {"id": "slow_morning"}))
     assert own["properties"]["id"]["examples"] == ["slow_morning"]
     assert "examples" not in own["properties"]["strange"]
 
@@ -62,7 +62,7 @@ def test_a_default_is_the_example_of_a_key_that_the_file_leaves_out() -> None:
         "properties": {"other": plain, "table": {"$ref": "#/$defs/T"}},
         "$defs": {"T": {"properties": {"own": plain}}},
     }
-    assert filled(schema, {"other": 3.0}) == {"other": 3.0, "table": {"own": 2.0}}
+    assert filled_example(schema, {"other": 3.0}) == {"other": 3.0, "table": {"own": 2.0}}
 
 
 def test_an_example_of_another_unit_is_the_same_figure() -> None:
@@ -89,14 +89,14 @@ def places(
         if key not in node.get("properties", {}):
             continue
         own = node["properties"][key]
-        field, child = resolved(schema, own), child_of(schema, own)
+        field, child = resolved_node(schema, own), child_of(schema, own)
         if child is not None:
             for where, item in below(value, (*path, key)):
                 yield from places(schema, child, item, where)
         elif choices(field):
             yield (*path, key), choices(field)
-        elif is_table(field.get("items")) and choices(resolved(schema, field["items"])):
-            yield (*path, key, 0), choices(resolved(schema, field["items"]))
+        elif is_table(field.get("items")) and choices(resolved_node(schema, field["items"])):
+            yield (*path, key, 0), choices(resolved_node(schema, field["items"]))
 
 
 def below(value: object, path: Path) -> Iterator[tuple[Path, Mapping[str, Any]]]:

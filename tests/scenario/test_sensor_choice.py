@@ -8,7 +8,7 @@ import pytest
 
 from network.errors import InputError
 from scenario.scenario import load_scenario
-from scenario.sensor_choice import AT_LEAST_ONE, carrying
+from scenario.sensor_choice import AT_LEAST_ONE, carrying_these
 from simulation.settings import PositionSensor
 
 BASE = 'extends = "karasuyama_weekday"\nid = "s"\nname = "s"\n[sensors]\n'
@@ -66,5 +66,5 @@ def test_who_carries_nothing_in_general_may_carry_something_each(tmp_path: Path)
 def test_every_stock_is_given_the_same() -> None:
     setup = load_scenario("karasuyama_position").setup
     assert {setup.sensors.carried_by(s) for s in setup.trains} != {frozenset({PositionSensor.TAGS})}
-    same = carrying(setup, PositionSensor.TAGS)
+    same = carrying_these(setup, PositionSensor.TAGS)
     assert {same.sensors.carried_by(s) for s in same.trains} == {frozenset({PositionSensor.TAGS})}

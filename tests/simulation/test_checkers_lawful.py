@@ -207,7 +207,7 @@ class Lawful:
         if runner.held != [PIECES[runner.way[-1][0]][0]] or self.unheard:
             return
         self.run(unit, 1.0)
-        self.checkers.left(unit)
+        self.checkers.train_left(unit)
         self.register[unit] = []
         self.entry(MANAGER, Freed(unit_id=unit, section_ids=tuple(runner.held)))
         self.t_s -= 1.0  # the manager writes both in one moment

@@ -11,7 +11,7 @@ import pytest
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from onboard.driving_settings import Driving
-from simulation.design import design_grip_mps2, overrated
+from simulation.design import design_grip_mps2, overrated_brake
 from simulation.setup import STEP_S, behaviour_row
 from vehicle.dynamics import step
 from vehicle.train_file import TrainType, load_train, new_plant, shipped_train
@@ -35,21 +35,21 @@ def test_grip_is_the_weight_of_all_axles_times_the_coefficient(train: TrainType)
 def test_a_guarantee_is_refused_as_soon_as_it_needs_more_than_the_design_adhesion(train: TrainType) -> None:
     needed = Driving().design_adhesion_share * 1.0 / design_grip_mps2(Driving(), train, LINE_MPS)
     assert needed == pytest.approx(1.08 * (1.0 + 0.03 * 65 / 3.6) / (0.245 * 9.81), abs=1e-4)  # 0.693
-    assert overrated(Driving(design_adhesion_share=needed + 1e-6), train, LINE_MPS) is None
-    found = overrated(Driving(design_adhesion_share=needed - 1e-3), train, LINE_MPS)
+    assert overrated_brake(Driving(design_adhesion_share=needed + 1e-6), train, LINE_MPS) is None
+    found = overrated_brake(Driving(design_adhesion_share=needed - 1e-3), train, LINE_MPS)
     assert found is not None
     assert found[:2] == ("emergency_guaranteed_share", pytest.approx(1.0))
     service = Driving(design_adhesion_share=0.3, emergency_guaranteed_share=0.2)
-    assert (overrated(service, train, LINE_MPS) or ("",))[0] == "service_guaranteed_share"
+    assert (overrated_brake(service, train, LINE_MPS) or ("",))[0] == "service_guaranteed_share"
 
 
 def test_the_slower_of_line_and_train_counts(train: TrainType) -> None:
     driving = Driving(design_adhesion_share=0.65)
-    assert overrated(driving, train, LINE_MPS) is not None
-    assert overrated(driving, train, 12.5) is None
+    assert overrated_brake(driving, train, LINE_MPS) is not None
+    assert overrated_brake(driving, train, 12.5) is None
     slow = replace(train, row=train.row.copy())
     slow.row["speed_max_mps"] = 12.5
-    assert overrated(driving, slow, LINE_MPS) is None
+    assert overrated_brake(driving, slow, LINE_MPS) is None
 
 
 def stops_in_m(train: TrainType, adhesion: float, *, emergency: bool) -> float:

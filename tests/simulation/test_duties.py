@@ -95,7 +95,7 @@ class Yard:
         raise AssertionError("no duty is due")
 
     def accept(self, slot: int, step: int) -> None:
-        self.duties.told(slot, EntryAllowed("T1"), step)
+        self.duties.unit_tells(slot, EntryAllowed("T1"), step)
 
     def crews_to(self, step: int) -> None:
         """Have crews do what is due by a step; nothing else goes on."""
@@ -204,10 +204,10 @@ def test_an_acceptance_moves_nobody_who_is_on_the_line(yard: Yard) -> None:
 
 def test_who_is_told_that_the_line_is_left_is_taken_off_it(yard: Yard) -> None:
     yard.duties.take_up(0, AT)
-    yard.duties.told(0, LeftLine("T1"), AT)  # not on the line: nothing to leave
+    yard.duties.unit_tells(0, LeftLine("T1"), AT)  # not on the line: nothing to leave
     assert yard.stage(0) is StockStage.WAITING
     yard.accept(0, AT)
-    yard.duties.told(0, LeftLine("T1"), AT + 100)
+    yard.duties.unit_tells(0, LeftLine("T1"), AT + 100)
     assert yard.trains.active() == []
     assert yard.stage(0) is StockStage.DONE
     assert any(isinstance(entry.event, Left) for entry in yard.journal.entries)
@@ -217,7 +217,7 @@ def test_who_is_told_that_the_line_is_left_is_taken_off_it(yard: Yard) -> None:
 def test_a_journey_that_ends_on_the_line_is_done(yard: Yard) -> None:
     yard.duties.take_up(0, AT)
     yard.accept(0, AT)
-    yard.duties.told(0, Finished("T1"), AT + 100)
+    yard.duties.unit_tells(0, Finished("T1"), AT + 100)
     assert yard.duties.finished(0)
     assert yard.trains.active() == [0]
 
@@ -253,7 +253,7 @@ def test_a_train_comes_in_some_time_after_it_may_and_leaves_some_time_after_it_h
     assert slow.trains.active() == []
     slow.crews_to(AT + 205)
     assert slow.trains.active() == [0]
-    slow.duties.told(0, LeftLine("T1"), AT + 300)
+    slow.duties.unit_tells(0, LeftLine("T1"), AT + 300)
     slow.crews_to(AT + 399)
     assert slow.trains.active() == [0]
     slow.crews_to(AT + 400)
@@ -296,7 +296,7 @@ def test_a_train_whose_unit_dies_before_it_has_left_does_not_leave(slow: Yard) -
     slow.crews_to(AT + 100)
     slow.accept(0, AT + 100)
     slow.crews_to(AT + 200)
-    slow.duties.told(0, LeftLine("T1"), AT + 300)
+    slow.duties.unit_tells(0, LeftLine("T1"), AT + 300)
     slow.cabs.power_off(0, AT + 350)
     slow.cabs.power_on(0, AT + 360)
     slow.duties.powered_on(0, AT + 360)

@@ -14,10 +14,10 @@ from onboard.records import MODE_DRIVE, MODE_HOLD, UNIT, UnitRow
 from scenario.scenario import load_scenario
 from simulation import ride as counted
 from simulation.result import EnergyPhase
-from simulation.ride import ACCELERATES, BRAKES, COASTS, CRUISES, Ride, RideRow, taken, together
+from simulation.ride import ACCELERATES, BRAKES, COASTS, CRUISES, Ride, RideRow, cut_ride, joined_rides
 from simulation.world.energy_book import EnergyBook
 from study.drilling.drill import find_drill
-from study.runner.run import simulated
+from study.runner.run import simulation_of
 from vehicle.record import dtype_of
 from vehicle.records import PLANT, PlantRow
 
@@ -51,7 +51,7 @@ def driven(
 def test_a_hop_worked_out_by_hand() -> None:
     # Power 1 and 2, even speed, coasting, brake 3 and 1, and a stand from 0.05 m/s.
     steps = [(1.0, 0.5), (2.0, 1.0), (1.0, 0.0), (0.0, -0.5), (-3.0, -0.5), (-1.0, -0.45), (-1.0, -0.5)]
-    made = taken(driven(steps))
+    made = cut_ride(driven(steps))
     assert made.power_changes == 4  # 1, 2, 1, 0
     assert made.brake_changes == 2  # 3, 1
     # Jerks, m/s3: 5, 5, -10, -5, 0, 0.5; the step that ends in the stand is left out.
@@ -99,8 +99,8 @@ def test_of_whole_notches_every_change_counts(notches: list[int]) -> None:
 
 def test_a_cut_begins_anew_and_keeps_the_notch() -> None:
     ride = driven([(2.0, 1.0)] * 3)
-    assert taken(ride).power_changes == 1
-    assert taken(ride) == Ride()
+    assert cut_ride(ride).power_changes == 1
+    assert cut_ride(ride) == Ride()
     assert driven([(2.0, 1.0)] * 3, ride=ride).power_changes == 0
 
 
@@ -108,13 +108,13 @@ def test_two_runs_of_one_hop_go_together() -> None:
     one = Ride(3, 1, 0.5, 2.0, 0.3, (1.0, 2.0, 3.0, 4.0), (10.0, 20.0, 30.0, 40.0))
     two = Ride(1, 4, 0.7, 1.0, 0.2, (1.0, 1.0, 1.0, 1.0), (1.0, 1.0, 1.0, 1.0))
     both = Ride(4, 5, 0.7, 3.0, 0.3, (2.0, 3.0, 4.0, 5.0), (11.0, 21.0, 31.0, 41.0))
-    assert together((one, two)) == both
-    assert together(()) == Ride()
+    assert joined_rides((one, two)) == both
+    assert joined_rides(()) == Ride()
 
 
 def uncounted(drill: str) -> tuple[float, float]:
     """How far time (s) and way (m) that were counted are from what the records say; the worst of a drill's runs."""
-    with simulated(load_scenario(drill).setup) as simulation:
+    with simulation_of(load_scenario(drill).setup) as simulation:
         records = simulation.run().energy
     runs = [r for r in records if r.phase is EnergyPhase.RUNNING]
     assert runs

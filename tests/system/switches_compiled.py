@@ -59,8 +59,8 @@ COMPILED_SWITCHES: Final[dict[str, Edit]] = {
     ),
     "sightings_cut_the_bounds": Edit(
         _SIGHTING,
-        "    own.slack_m = leant(unit, own.slack_m, front_m, within_m)\n",
-        "    own.slack_m = leant(unit, own.slack_m, front_m, within_m)\n"
+        "    own.slack_m = move_estimate(unit, own.slack_m, front_m, within_m)\n",
+        "    own.slack_m = move_estimate(unit, own.slack_m, front_m, within_m)\n"
         "    unit.bound_ahead_m = min(unit.bound_ahead_m, own.slack_m)\n"
         "    unit.bound_behind_m = min(unit.bound_behind_m, own.slack_m)\n",
     ),

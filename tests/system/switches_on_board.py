@@ -31,7 +31,7 @@ from onboard.duty.records import (
     StopLimit,
 )
 from onboard.localisation import tags
-from onboard.localisation.fix import Fix, RefusedFix, TakenFix, take
+from onboard.localisation.fix import Fix, RefusedFix, TakenFix, take_interval
 from onboard.localisation.wheel_scale import WheelScale
 from onboard.motion import UnitMotion
 from onboard.notes import Claimed
@@ -185,10 +185,10 @@ def claims_only_where_it_stands(patch: pytest.MonkeyPatch) -> None:
 def believes_any_tag(patch: pytest.MonkeyPatch) -> None:
     def take_any(row: UnitRow, fix: Fix, _span_m: tuple[float, float]) -> TakenFix | RefusedFix:
         row.position_known = 0  # so that nothing is compared
-        return take(row, fix)
+        return take_interval(row, fix)
 
     patch.setattr(tags, "missed_by_m", lambda *_: 0.0)
-    patch.setattr(tags, "take", take_any)
+    patch.setattr(tags, "take_interval", take_any)
     patch.setattr(tags.TagDoubt, "believes", lambda *_: True)
 
 

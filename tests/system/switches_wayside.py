@@ -120,7 +120,7 @@ def frees_a_portal_at_the_sign_off(patch: pytest.MonkeyPatch) -> None:
         state, said = leaving.sign_off(state, heard)
         if state.unit(heard.unit_id).standing is not UnitStanding.LEAVING:
             return state, said
-        state, freed = leaving.left(state, heard.unit_id)
+        state, freed = leaving.left_line(state, heard.unit_id)
         return state, (*said, *freed)
 
     table = {**block_manager.TELEGRAMS, (UnitStanding.REPORTED, SignOff): signed_off}
@@ -143,7 +143,7 @@ def one_person_suffices(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def bars_nobody(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(barring, "said", lambda bars, *_, **__: bars)
+    patch.setattr(barring, "bars_after_word", lambda bars, *_, **__: bars)
 
 
 @switch

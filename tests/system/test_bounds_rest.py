@@ -74,5 +74,5 @@ def test_they_do_not_rest_for_a_fault_that_they_promise_to_cover(
 def test_judged_without_a_rest_the_false_position_is_a_breach(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(FalsePositions, "broken", lambda _self, _slot: False)
+    monkeypatch.setattr(FalsePositions, "is_false", lambda _self, _slot: False)
     assert {v.checker for v in run(tmp_path, 0.9).result.violations} == {"within-bounds"}

@@ -29,7 +29,7 @@ from study.measures.wait_text import text_of
 from study.measures.waits import CABLE_CUT, waits_of
 from study.record.wait import Cause
 from study.runner.outcome import broken_rules, unfinished
-from study.runner.run import simulated
+from study.runner.run import simulation_of
 from wayside.said import Granted
 
 pytestmark = pytest.mark.system
@@ -52,7 +52,7 @@ def run(interlocking: Interlocking, *cuts: tuple[str, float, float, float]) -> R
         ScriptedFault(CutCable(target=stretch, along_share=along), Trigger(at_s=TEN_S + at_s), for_s)
         for stretch, along, at_s, for_s in cuts
     )
-    with simulated(replace(two_trains(interlocking), script=Script(failures))) as simulation:
+    with simulation_of(replace(two_trains(interlocking), script=Script(failures))) as simulation:
         return simulation.run()
 
 

@@ -22,7 +22,7 @@ from onboard.duty import fitness
 from onboard.duty.mission import Mission
 from onboard.duty.records import DrivingCommand, Sensed
 from onboard.fixes import Fixes
-from onboard.localisation.fix import Fix, RefusedFix, TakenFix, take
+from onboard.localisation.fix import Fix, RefusedFix, TakenFix, take_interval
 from onboard.localisation.places import Places
 from onboard.localisation.tags import TagDoubt
 from onboard.motion import UnitMotion
@@ -160,7 +160,7 @@ def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:
 
     def take_any(row: UnitRow, fix: Fix, _span_m: tuple[float, float]) -> TakenFix | RefusedFix:
         row.position_known = 0  # so that nothing is compared
-        return take(row, fix)
+        return take_interval(row, fix)
 
     patch.setattr("onboard.localisation.tags.missed_by_m", lambda *_: 0.0)
     patch.setattr("onboard.localisation.tags.take", take_any)
@@ -168,7 +168,7 @@ def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:
 
 
 def has_no_virtual_tags(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(Places, "proved", lambda _self: iter(()))
+    patch.setattr(Places, "tags_proved", lambda _self: iter(()))
 
 
 def believes_no_fix_after_a_restart(patch: pytest.MonkeyPatch) -> None:

@@ -7,7 +7,7 @@ import pytest
 from scenario.scenario import load_scenario
 from simulation.result import PARTS, REJECTED, EnergyPhase, RunResult
 from study.collect.energy import StockMake, energy_tables
-from study.runner.run import simulated
+from study.runner.run import simulation_of
 from tests.system.energy_apart import Balance, Part, balances, figures_of
 
 pytestmark = pytest.mark.system
@@ -18,7 +18,7 @@ LEGS_LEAST = 200
 
 @pytest.fixture(scope="module")
 def day() -> RunResult:
-    with simulated(load_scenario("karasuyama_weekday").setup) as simulation:
+    with simulation_of(load_scenario("karasuyama_weekday").setup) as simulation:
         return simulation.run()
 
 
@@ -53,7 +53,7 @@ def test_the_records_close_by_themselves(day: RunResult) -> None:
 
 def test_the_tables_carry_what_the_records_have(day: RunResult) -> None:
     setup = load_scenario("karasuyama_weekday").setup
-    made = energy_tables(day.energy, {stock: StockMake.of(kind) for stock, kind in setup.trains.items()})
+    made = energy_tables(day.energy, {stock: StockMake.of_kind(kind) for stock, kind in setup.trains.items()})
     for table in ("energy", "energy_legs"):
         for row in made[table].iter_rows(named=True):
             found = sum(row[f"{name}_kwh"] for name in PARTS) + row["auxiliary_kwh"] + row["residual_kwh"]

@@ -17,7 +17,7 @@ from simulation.faults.script import ActKind, Script
 from simulation.result import Ending, RunResult
 from study.drilling.drill import find_drill
 from study.runner.outcome import broken_rules, unfinished
-from study.runner.run import simulated
+from study.runner.run import simulation_of
 
 pytestmark = pytest.mark.system
 
@@ -33,7 +33,7 @@ def run(drill: str, back_s: float) -> RunResult:
     script = setup.script
     cut = replace(script.faults[0], duration_s=back_s - CUT_S)
     moved = Script((cut, *script.faults[1:]), script.acts, script.expectations)
-    with simulated(replace(setup, script=moved)) as simulation:
+    with simulation_of(replace(setup, script=moved)) as simulation:
         return simulation.run()
 
 

@@ -32,7 +32,7 @@ start = "09:59:00"
 @pytest.fixture(autouse=True)
 def judged_throughout(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bounds are judged whatever the tachometer does."""
-    monkeypatch.setattr(FalsePositions, "broken", lambda _self, _slot: False)
+    monkeypatch.setattr(FalsePositions, "is_false", lambda _self, _slot: False)
 
 
 def test_a_fifth_of_the_speed_is_doubted_in_the_first_seconds_and_the_front_stays_inside(

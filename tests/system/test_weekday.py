@@ -20,7 +20,7 @@ from network.timetable import AtPortal, Timetable, load_timetable
 from scenario.scenario import load_scenario
 from simulation.journal import encode_entry, read_journal
 from study.capacity.blocking_table import read_blocking
-from study.capacity.compared import compared
+from study.capacity.compared import theory_and_run
 from study.capacity.occupation import OccupationPart, conflicts_of
 from study.capacity.theory import occupations
 from study.record.tables import RunTables
@@ -229,7 +229,7 @@ def test_theory_says_when_each_section_is_whose(branchline: Callable[..., Any], 
     ended = branchline("run", "means.toml", "--json", cwd=tmp_path)
     assert ended.code == 0, ended.err
     run = read_blocking(RunTables.read(Path(ended.figures()["out"])).blocking)
-    both = compared(occupations(load_scenario("karasuyama_weekday").setup), run)
+    both = theory_and_run(occupations(load_scenario("karasuyama_weekday").setup), run)
     assert (both.only_theory, both.only_run) == ((), ())
     mean_s, worst_s = both.whole_s()
     assert abs(mean_s) < 2.0

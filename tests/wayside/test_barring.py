@@ -28,7 +28,7 @@ from radio.messages import (
 )
 from tests.wayside.manager_desk import CONFIG, Desk, defined
 from wayside import acts, barring, block_manager, point_terminal, reentry
-from wayside.barring import NO_BARS, Bars, said
+from wayside.barring import NO_BARS, Bars, bars_after_word
 from wayside.config import PointsEntry, TerminalConfig
 from wayside.point_terminal import Commanded, TerminalMemory
 from wayside.register import Register, UnitStanding
@@ -65,16 +65,16 @@ def in_dispute() -> Desk:
 
 
 def test_two_different_persons_bar_and_unbar() -> None:
-    one = said(NO_BARS, "u1", "Sato", bar=True)
-    assert said(one, "u1", " sato ", bar=True) == one, "one person in two spellings is one"
-    assert said(one, "u1", "Sato", bar=False) == NO_BARS, "and may take the word back"
-    both = said(one, "u1", "Mori", bar=True)
+    one = bars_after_word(NO_BARS, "u1", "Sato", bar=True)
+    assert bars_after_word(one, "u1", " sato ", bar=True) == one, "one person in two spellings is one"
+    assert bars_after_word(one, "u1", "Sato", bar=False) == NO_BARS, "and may take the word back"
+    both = bars_after_word(one, "u1", "Mori", bar=True)
     assert both == Bars(("u1",))
-    assert said(said(both, "u1", "Mori", bar=False), "u1", "Sato", bar=True) == Bars(
+    assert bars_after_word(bars_after_word(both, "u1", "Mori", bar=False), "u1", "Sato", bar=True) == Bars(
         ("u1",), (("u1", "mori"),)
     )
-    assert said(said(both, "u1", "Mori", bar=False), "u1", "Sato", bar=False) == NO_BARS
-    assert said(one, "u2", "Mori", bar=True).barred == (), "they must mean the same unit"
+    assert bars_after_word(bars_after_word(both, "u1", "Mori", bar=False), "u1", "Sato", bar=False) == NO_BARS
+    assert bars_after_word(one, "u2", "Mori", bar=True).barred == (), "they must mean the same unit"
 
 
 def test_a_false_claim_stops_the_line_until_its_unit_is_barred_and_two_persons_say_where_it_is() -> None:
@@ -209,7 +209,7 @@ def test_no_restart_forgets_a_bar() -> None:
     assert Refused(unit_id="u1", why="barred") in done.notes
     assert "u1" not in {destination for destination, _ in done.telegrams}
     with pytest.raises(InputError, match="barred units"):
-        barring.remembered(b"\xff")
+        barring.bars_kept(b"\xff")
 
 
 def test_a_terminal_obeys_a_barred_unit_no_more() -> None:
@@ -229,7 +229,11 @@ def test_a_terminal_obeys_a_barred_unit_no_more() -> None:
 
 
 SWITCHES = {
-    "two persons": (barring, "said", lambda _, unit_id, __, *, bar: Bars((unit_id,) if bar else ())),
+    "two persons": (
+        barring,
+        "bars_after_word",
+        lambda _, unit_id, __, *, bar: Bars((unit_id,) if bar else ()),
+    ),
     "barring frees nothing": (
         acts,
         "_shut_out",

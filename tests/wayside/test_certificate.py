@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from radio.messages import RefusalReason, RouteGranted, RouteRefused, SignOnRefused
 from tests.wayside.loop_line import Play, can_finish, config_of, random_case
-from wayside.certificate import CertificateProof, finish, follows
+from wayside.certificate import CertificateProof, finishing_order, follows
 from wayside.moves import Move, Train
 from wayside.said import Certified, Granted, HeldBack, NoOrderKnown
 
@@ -82,7 +82,7 @@ def test_the_search_finds_an_order_exactly_where_there_is_one(data: st.DataObjec
 
     moves = st.builds(move, ends, st.booleans(), st.floats(0, 9))
     trains = [Train(1 << bit, tuple(data.draw(st.lists(moves, max_size=4)))) for bit in starts]
-    found = finish(trains)
+    found = finishing_order(trains)
     assert found.proof is not CertificateProof.UNKNOWN
     assert (found.proof is CertificateProof.ORDER) is _exists(trains, (0,) * len(trains), {})
     if found.proof is CertificateProof.ORDER:
@@ -197,7 +197,7 @@ def test_two_trains_that_cannot_finish_are_found_among_many_that_could_go_on_for
         Train(1 << (8 + k), tuple(Move(1 << (8 + k), 1 << (8 + k), float(n)) for n in range(20)))
         for k in range(10)
     ]
-    found = finish([*lost, *others])
+    found = finishing_order([*lost, *others])
     assert (found.proof, found.circle) == (CertificateProof.NONE, (0, 1))
     assert found.steps < 2 * sum(
         len(train.ahead) for train in others
@@ -209,6 +209,6 @@ def test_a_train_that_ends_where_another_must_pass_goes_last(held: int) -> None:
     """Whatever is due first: a stabled train is in the way for ever."""
     stays = Train(held << 1, (Move(4, 4, 0.0),))
     passes = Train(1, (Move(4, 4, 5.0), Move(8, 8, 6.0)))
-    found = finish([stays, passes])
+    found = finishing_order([stays, passes])
     assert found.proof is CertificateProof.ORDER
     assert found.order[-1] == 0

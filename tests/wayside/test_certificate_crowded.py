@@ -115,7 +115,7 @@ def test_people_are_told_when_it_is_looked_for_no_more(monkeypatch: pytest.Monke
         steps.append(steps_max)
         return CertificateAnswer(CertificateProof.UNKNOWN, (), (0, 1), steps_max)
 
-    monkeypatch.setattr(dispatch, "finish", runs_out)
+    monkeypatch.setattr(dispatch, "finishing_order", runs_out)
     case = crowded_play(next(number for number, can, _ in lines_with_order() if can))
     assert case is not None
     play = case[0]

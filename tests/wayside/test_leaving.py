@@ -159,12 +159,12 @@ def test_the_manager_started_again_learns_it_from_the_unit() -> None:
 def _frees(register: Register, heard: Heard[SignOff]) -> Step:
     register, actions = leaving.sign_off(register, heard)
     if register.unit(heard.unit_id).standing is UnitStanding.LEAVING:
-        register, _ = leaving.left(register, heard.unit_id)
+        register, _ = leaving.left_line(register, heard.unit_id)
     return register, actions
 
 
 def _any_boot(register: Register, heard: Heard[Claim]) -> Step:
-    return (register, ()) if heard.message.section_ids else leaving.left(register, heard.unit_id)
+    return (register, ()) if heard.message.section_ids else leaving.left_line(register, heard.unit_id)
 
 
 SWITCHES: dict[str, tuple[tuple[UnitStanding, type], Callable[..., Step]]] = {

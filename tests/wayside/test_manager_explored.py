@@ -251,7 +251,7 @@ def check_told_again(step_: Step) -> None:
     for unit_id in UNITS:
         contested = step_.before.contested(unit_id) and unit_id not in step_.before.bars.barred
         assert bool(contested) == ((unit_id, Contested) in said)
-        assert (unit_id in step_.before.asked()) == ((unit_id, ClaimQuery) in said)
+        assert (unit_id in step_.before.units_asked()) == ((unit_id, ClaimQuery) in said)
 
 
 def check_barred(step_: Step) -> None:

@@ -43,7 +43,7 @@ from vehicle.optimum.cells import Cells, cells_of, corners_mps
 from vehicle.optimum.course import Course, Optimum
 from vehicle.optimum.laws import PULL, RESIST, STEP_MPS
 from vehicle.optimum.local import Mesh, costs_at, local
-from vehicle.optimum.mesh import CourseOnMesh, laid, mesh_of
+from vehicle.optimum.mesh import CourseOnMesh, laid_course, mesh_of
 from vehicle.optimum.way import WayTable
 from vehicle.resistance import KMH_PER_MPS, STARTING_BAND_KMH
 
@@ -101,7 +101,7 @@ class CellEnds(NamedTuple):
 
 
 @compiled
-def spent(over: float, bend: float, curve: float, most: float) -> float:
+def least_of_curve(over: float, bend: float, curve: float, most: float) -> float:
     """Least of curve max(p - bend, 0)^2 - over p for p up to `most`; `most` may be below 0."""
     p = most
     if curve > 0.0:
@@ -111,7 +111,7 @@ def spent(over: float, bend: float, curve: float, most: float) -> float:
 
 
 @compiled
-def capped(
+def least_of_cell(
     width: float,
     bend: float,
     over: float,
@@ -129,8 +129,8 @@ def capped(
     slope = abs(most.high - most.low) / width + abs(bowed) * width
     more = bend + over * max(bowed, 0.0) + 2.0 * curve * slope * slope
     low = min(
-        rest.low + spent(over, knee, curve, most.low),
-        rest.high + spent(over, knee, curve, most.high),
+        rest.low + least_of_curve(over, knee, curve, most.low),
+        rest.high + least_of_curve(over, knee, curve, most.high),
     )
     return low - max(more, 0.0) * width * width / 8.0
 
@@ -148,8 +148,8 @@ def least_pulling(
     motors = CellEnds(cells.pull[j, 0], cells.pull[j, 1])
     held = CellEnds(stretch.held_down + resist.low, stretch.held_down + resist.high)
     return max(
-        capped(w - v, bend, over, knee, curve, rest, motors, 0.0),
-        capped(w - v, bend, over, knee, curve, rest, held, -bend_r),
+        least_of_cell(w - v, bend, over, knee, curve, rest, motors, 0.0),
+        least_of_cell(w - v, bend, over, knee, curve, rest, held, -bend_r),
     )
 
 
@@ -175,8 +175,8 @@ def least_braking(
     )
     if mu >= 0.0:
         return max(
-            capped(w - v, bend, gain - mu, knee, curve, rest, motors, 0.0),
-            capped(w - v, bend, gain - mu, knee, curve, rest, held, bend_r),
+            least_of_cell(w - v, bend, gain - mu, knee, curve, rest, motors, 0.0),
+            least_of_cell(w - v, bend, gain - mu, knee, curve, rest, held, bend_r),
         )
     best = -math.inf
     for whole in range(2):
@@ -185,8 +185,8 @@ def least_braking(
         )
         both = CellEnds(rest.low + mu * low, rest.high + mu * high)
         more = bend - mu * bend_r * whole
-        best = max(best, capped(w - v, more, gain, knee, curve, both, motors, 0.0))
-        best = max(best, capped(w - v, more, gain, knee, curve, both, held, bend_r))
+        best = max(best, least_of_cell(w - v, more, gain, knee, curve, both, motors, 0.0))
+        best = max(best, least_of_cell(w - v, more, gain, knee, curve, both, held, bend_r))
     return best
 
 
@@ -264,7 +264,7 @@ def dual(
 
 
 @compiled
-def around(table: Floats, law: int, speed_mps: float) -> tuple[float, float]:
+def values_around(table: Floats, law: int, speed_mps: float) -> tuple[float, float]:
     """The lesser and the greater of a law's values at the table's speeds below and above."""
     i = min(int(speed_mps / STEP_MPS), len(table) - 2)
     return min(table[i, law, 0], table[i + 1, law, 0]), max(table[i, law, 0], table[i + 1, law, 0])
@@ -276,22 +276,22 @@ def ceilings(way: WayTable, table: Floats) -> Floats:
     n = len(way.limit)
     most = np.empty(n + 1)
     most[0] = way.first
-    band = around(table, RESIST, BAND_MPS)[0]
+    band = values_around(table, RESIST, BAND_MPS)[0]
     for i in range(n):
         h = way.at_m[i + 1] - way.at_m[i]
         grade = (way.lift[i + 1] - way.lift[i]) / h
         v = math.sqrt(2.0 * most[i])
         w = math.sqrt(2.0 * (most[i] + h * max(way.acceleration, 0.0)))
         w = min(w, math.sqrt(2.0 * way.limit[i]))
-        pull = max(around(table, PULL, v)[1], around(table, PULL, w)[1])
-        resist = min(around(table, RESIST, v)[0], around(table, RESIST, w)[0], band)
+        pull = max(values_around(table, PULL, v)[1], values_around(table, PULL, w)[1])
+        resist = min(values_around(table, RESIST, v)[0], values_around(table, RESIST, w)[0], band)
         rate = pull - resist - grade
         if (
             rate < 0.0
         ):  # what loses speed is pulled harder at the end, if it has fallen as far as with this rate
             u = math.sqrt(2.0 * max(most[i] + h * rate, 0.0))
-            pull = max(pull, around(table, PULL, u)[1])
-            rate = pull - min(resist, around(table, RESIST, u)[0]) - grade
+            pull = max(pull, values_around(table, PULL, u)[1])
+            rate = pull - min(resist, values_around(table, RESIST, u)[0]) - grade
         rate = min(rate, way.acceleration)
         top = way.limit[i] if i + 1 >= n else min(way.limit[i], way.limit[i + 1])
         most[i + 1] = min(max(most[i] + h * rate, 0.0), top)
@@ -337,7 +337,7 @@ def slope_of(
     return slope
 
 
-def graded(at_m: Floats, z: Floats) -> Floats:
+def graded_mesh(at_m: Floats, z: Floats) -> Floats:
     """The mesh's points and, towards a stand, ever nearer ones: the costate grows there without end."""
     shares = 0.5 ** np.arange(1, GRADES + 1)
     more = [at_m]
@@ -390,7 +390,7 @@ def choice(
 
 
 @compiled
-def joined(prices: Prices, limits: Floats) -> None:
+def join_costate(prices: Prices, limits: Floats) -> None:
     """Close the jumps of the costate in place, but where the limit changes: on one limit its price is spread evenly."""
     for k in range(1, len(limits)):
         if limits[k] == limits[k - 1]:
@@ -444,7 +444,7 @@ def laid_under(way: WayTable, most: Floats, pull_most: float, at_m: Floats) -> t
 
 def lower_bound_j(course: Course, optimum: Optimum, time_s: float) -> float:
     """No run of the course within `time_s` needs less at the wire, J; the optimum only says where to look."""
-    found = laid(course)
+    found = laid_course(course)
     return bound_of(found, optimum, time_s)
 
 
@@ -455,14 +455,14 @@ def bound_of(found: CourseOnMesh, optimum: Optimum, time_s: float, left_out: Ter
     second = optimum.price_w / found.inertia_kg
     z = 0.5 * optimum.speed_mps**2
     at_m = optimum.position_m
-    fine_m = graded(at_m, z)
+    fine_m = graded_mesh(at_m, z)
     prices = choice(mesh, found.table, at_m, z, optimum.costate, second, fine_m)
     limits = np.unique(np.sqrt(2.0 * way.limit))
     cells = cells_of(course.train, course.load_share, corners_mps(course.train, course.load_share, limits))
     stretches, tops, pulled = laid_under(
         way, ceilings(way, found.table), float(found.table[:, PULL, 0].max()), fine_m
     )
-    joined(prices, stretches[:, 5])
+    join_costate(prices, stretches[:, 5])
     costs = CostsBesideForces(mesh.auxiliary, way.brake_extra, course.regeneration)
     ends = np.array([way.first, way.last])
     left = NONE_LEFT_OUT if left_out is None else int(left_out)

@@ -18,7 +18,7 @@ from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2
 from vehicle.optimum.course import Course, Profile, TooShort
 from vehicle.optimum.laws import ALL_MOTORS, ELECTRIC, PULL, RESIST, law_value
-from vehicle.optimum.mesh import CourseOnMesh, laid, mesh_of, places_m
+from vehicle.optimum.mesh import CourseOnMesh, laid_course, mesh_of, places_m
 from vehicle.optimum.way import HALVINGS, WayTable, times_s
 from vehicle.records import TrainRow
 from vehicle.wire import wire_power_w
@@ -60,7 +60,7 @@ def coast_run(course: Course, time_s: float) -> CoastRun:
     ValueError where the train cannot get to the stop. The speed is looked for on fewer points: a percent may be left;
     the place of shutting off is a metre of the grid, so the running time is short of `time_s` by what one metre makes.
     """
-    return coast_on(laid(course), time_s)
+    return coast_on(laid_course(course), time_s)
 
 
 def coast_on(found: CourseOnMesh, time_s: float) -> CoastRun:
@@ -86,7 +86,7 @@ def coast_profile(course: Course, time_s: float) -> Profile:
 
 def cruise_run(course: Course, time_s: float) -> CoastRun:
     """The run that holds the lowest constant speed that is fast enough; errors as `coast_run`."""
-    return cruise_on(laid(course), time_s)
+    return cruise_on(laid_course(course), time_s)
 
 
 def cruise_on(found: CourseOnMesh, time_s: float) -> CoastRun:
@@ -98,7 +98,9 @@ def cruise_on(found: CourseOnMesh, time_s: float) -> CoastRun:
 def fastest_j(found: CourseOnMesh) -> float:
     """Energy of the fastest run of a course laid out, J."""
     course, way = found.course, found.way
-    spent_j = spent(course.train, found.inertia_kg, course.regeneration, found.table, way, found.fastest)[1]
+    spent_j = time_and_energy(
+        course.train, found.inertia_kg, course.regeneration, found.table, way, found.fastest
+    )[1]
     auxiliary_w = float(course.train["auxiliary_power_w"]) if course.auxiliaries else 0.0
     return float(spent_j[-1]) + auxiliary_w * found.least_s
 
@@ -139,17 +141,17 @@ def _bisected(found: CourseOnMesh, time_s: float, low: float, high: float) -> tu
 
 
 def _fast_enough(found: CourseOnMesh, time_s: float, speed_mps: float) -> bool:
-    z = held(found.table, found.way, found.fastest, 0.5 * speed_mps * speed_mps)
+    z = cruising_run(found.table, found.way, found.fastest, 0.5 * speed_mps * speed_mps)
     return bool(z[-2] > 0.0 and times_s(found.way.at_m, z)[-1] <= time_s)
 
 
 def _ways(found: CourseOnMesh, cruise: float) -> Ways:
     """The course with the run that holds this v^2/2."""
     train, regeneration = found.course.train, found.course.regeneration
-    holding = held(found.table, found.way, found.fastest, cruise)
+    holding = cruising_run(found.table, found.way, found.fastest, cruise)
     laws = (train, found.inertia_kg, regeneration, found.table, found.way)
-    fast_s, fast_j, _ = spent(*laws, found.fastest)
-    hold_s, hold_j, _ = spent(*laws, holding)
+    fast_s, fast_j, _ = time_and_energy(*laws, found.fastest)
+    hold_s, hold_j, _ = time_and_energy(*laws, holding)
     begin = brakes_from(found.table, found.way, found.fastest)
     return Ways(*laws, found.fastest, fast_s, fast_j, begin, holding, hold_s, hold_j)
 
@@ -182,11 +184,11 @@ def _least_between(found: CourseOnMesh, low: float, high: float, time_s: float) 
 def _told(found: CourseOnMesh, cruise: float, shut_off: int) -> CoastRun:
     """The run with these two figures."""
     way, course = found.way, found.course
-    z = held(found.table, way, found.fastest, cruise)
+    z = cruising_run(found.table, way, found.fastest, cruise)
     if shut_off < len(way.limit):
         coast_down(found.table, way, found.fastest, z, shut_off)
     train: Any = course.train
-    _, energy, rim = spent(train, found.inertia_kg, course.regeneration, found.table, way, z)
+    _, energy, rim = time_and_energy(train, found.inertia_kg, course.regeneration, found.table, way, z)
     profile = Profile(way.at_m, np.sqrt(2.0 * z), times_s(way.at_m, z))
     auxiliary_w = float(train["auxiliary_power_w"]) if course.auxiliaries else 0.0
     return CoastRun(
@@ -199,7 +201,7 @@ def _told(found: CourseOnMesh, cruise: float, shut_off: int) -> CoastRun:
 
 
 @compiled
-def powered(table: Floats, way: WayTable, i: int, z: float, share: float) -> float:
+def powered_stretch(table: Floats, way: WayTable, i: int, z: float, share: float) -> float:
     """v^2/2 after a stretch with a share of the full pull."""
     h = way.at_m[i + 1] - way.at_m[i]
     grade = (way.lift[i + 1] - way.lift[i]) / h
@@ -213,15 +215,15 @@ def powered(table: Floats, way: WayTable, i: int, z: float, share: float) -> flo
 
 
 @compiled
-def held(table: Floats, way: WayTable, fastest: Floats, cruise: float) -> Floats:
+def cruising_run(table: Floats, way: WayTable, fastest: Floats, cruise: float) -> Floats:
     """v^2/2 at each point of the run that holds one speed to the end; brakes hold it on descents."""
     z = np.empty(len(fastest))
     z[0] = way.first
     for i in range(len(way.limit)):
         if z[i] <= cruise:
-            after = min(powered(table, way, i, z[i], 1.0), cruise)
+            after = min(powered_stretch(table, way, i, z[i], 1.0), cruise)
         else:  # too fast at the start: let it fall
-            after = max(min(powered(table, way, i, z[i], 0.0), z[i]), cruise)
+            after = max(min(powered_stretch(table, way, i, z[i], 0.0), z[i]), cruise)
         z[i + 1] = min(max(after, 0.0), fastest[i + 1])
     return z
 
@@ -230,7 +232,7 @@ def held(table: Floats, way: WayTable, fastest: Floats, cruise: float) -> Floats
 def coast_down(table: Floats, way: WayTable, fastest: Floats, z: Floats, first: int) -> None:
     """Coast from a point on, braking where limits and stop ask for it: v^2/2 at the points beyond, in place."""
     for i in range(first, len(way.limit)):
-        z[i + 1] = min(max(powered(table, way, i, z[i], 0.0), 0.0), fastest[i + 1])
+        z[i + 1] = min(max(powered_stretch(table, way, i, z[i], 0.0), 0.0), fastest[i + 1])
 
 
 @compiled
@@ -258,7 +260,7 @@ def stretch_cost(
 
 
 @compiled
-def spent(
+def time_and_energy(
     train: TrainRow, inertia_kg: float, regeneration: float, table: Floats, way: WayTable, z: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """Time, s, and energy at the wire, J, up to each point; what motors and brakes give on each stretch, m/s^2."""
@@ -273,7 +275,7 @@ def spent(
 def brakes_from(table: Floats, way: WayTable, fastest: Floats) -> int:
     """The point from which the fastest run brakes to the end: who coasts there brakes with it."""
     i = len(way.limit)
-    while i > 0 and powered(table, way, i - 1, fastest[i - 1], 0.0) >= fastest[i]:
+    while i > 0 and powered_stretch(table, way, i - 1, fastest[i - 1], 0.0) >= fastest[i]:
         i -= 1
     return i
 
@@ -304,7 +306,7 @@ def coasting(ways: Ways, first: int) -> tuple[float, float]:
     for i in range(first, last):
         if i >= ways.brakes_from and z >= ways.fastest[i]:
             return time_s + ways.fast_s[last] - ways.fast_s[i], energy_j + ways.fast_j[last] - ways.fast_j[i]
-        after = min(powered(ways.table, ways.way, i, z, 0.0), ways.fastest[i + 1])
+        after = min(powered_stretch(ways.table, ways.way, i, z, 0.0), ways.fastest[i + 1])
         if after <= 0.0 and (i + 1 < last or ways.way.last > 0.0 or z <= 0.0):
             return math.inf, math.inf
         after = max(after, 0.0)

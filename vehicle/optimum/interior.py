@@ -62,7 +62,7 @@ class InteriorPoint(NamedTuple):
 
 
 @compiled
-def begun(mesh: Mesh, table: Floats, z: Floats, weight: float) -> InteriorPoint:
+def starting_slacks(mesh: Mesh, table: Floats, z: Floats, weight: float) -> InteriorPoint:
     """Slacks at a start, off their edges, with the prices that the weight asks for."""
     n = len(mesh.h_m)
     slack, price = np.ones((n, LIMITS)), np.zeros((n, LIMITS))
@@ -211,7 +211,7 @@ def edge(share: float, value: float, change: float) -> float:
 
 
 @compiled
-def moved(
+def slack_steps(
     mesh: Mesh,
     table: Floats,
     z: Floats,
@@ -266,7 +266,7 @@ def moved(
 
 
 @compiled
-def stepped(mesh: Mesh, table: Floats, z: Floats, inner: InteriorPoint) -> tuple[float, float, float]:
+def newton_step(mesh: Mesh, table: Floats, z: Floats, inner: InteriorPoint) -> tuple[float, float, float]:
     """One step of everything, in place: the residual before it, the shares taken of primal and dual step."""
     n = len(mesh.h_m)
     length = np.sum(mesh.h_m)
@@ -284,7 +284,7 @@ def stepped(mesh: Mesh, table: Floats, z: Floats, inner: InteriorPoint) -> tuple
         found = assembled(mesh, table, z, inner, True)
         solved_for(found, constant, price / spare, out)
     ds, dy, shares = np.empty((n, LIMITS)), np.empty((n, LIMITS)), np.empty(2)
-    moved(mesh, table, z, inner, out, ds, dy, shares)
+    slack_steps(mesh, table, z, inner, out, ds, dy, shares)
     primal, dual = shares[0], shares[1]
     change_s = 0.0
     top_ds, top_dy = np.zeros(n + 1), np.zeros(n + 1)
@@ -331,11 +331,11 @@ def complementarity(mesh: Mesh, inner: InteriorPoint) -> float:
 
 
 @compiled
-def followed(mesh: Mesh, table: Floats, z: Floats, inner: InteriorPoint) -> int:
+def follow_path(mesh: Mesh, table: Floats, z: Floats, inner: InteriorPoint) -> int:
     """Step until weight and residual are at their last, `z` and `inner` in place; steps, 0 if it did not get there."""
     at_last = 0
     for step in range(STEPS_MAX):
-        residual, primal, dual = stepped(mesh, table, z, inner)
+        residual, primal, dual = newton_step(mesh, table, z, inner)
         mean = complementarity(mesh, inner)
         if mean < 2.0 * WEIGHT_LAST and min(primal, dual) > 0.9:
             at_last += 1
@@ -350,7 +350,7 @@ def followed(mesh: Mesh, table: Floats, z: Floats, inner: InteriorPoint) -> int:
 
 
 @compiled
-def told(
+def forces_and_energy(
     mesh: Mesh, table: Floats, train: TrainRow, inertia_kg: float, regeneration: float, z: Floats
 ) -> tuple[Floats, Floats, float]:
     """Forces of motors and air brake on each stretch, N, and the energy at the wire, J, auxiliaries apart."""

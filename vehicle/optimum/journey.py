@@ -121,7 +121,7 @@ def journey_times(hops: Sequence[HopCurve], stops: Sequence[JourneyStop]) -> Tim
         before.append(cost)
         window = event.window
         try:
-            cost = cost.joined(event.since).within(
+            cost = cost.joined_with(event.since).in_window(
                 window.earliest_s, min(window.latest_s, FOREVER_S), TOLERANCE_S
             )
         except NoTimeLeft as empty:
@@ -149,7 +149,7 @@ def _read_back(
     times_s, prices_w = [time_s], list[float]()
     price_w = 0.0
     for sooner, event in zip(reversed(before), reversed(events), strict=True):
-        low, high = sooner.joined(event.since).prices_w(time_s)
+        low, high = sooner.joined_with(event.since).prices_w(time_s)
         price_w = min(max(price_w, low), high)  # where several will do, that of the hop beyond
         at = np.array([price_w])
         most_s = float(event.since.last_s(at)[0])

@@ -11,7 +11,7 @@ from vehicle.compiled import compiled
 from vehicle.optimum.bound import ceilings
 from vehicle.optimum.course import Course
 from vehicle.optimum.laws import PULL
-from vehicle.optimum.mesh import laid
+from vehicle.optimum.mesh import laid_course
 from vehicle.optimum.way import WayTable
 
 Floats = NDArray[np.float64]
@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 
 def least_time_bound_s(course: Course) -> float:
     """No run of the course is faster, s. ValueError where the train cannot get to the stop."""
-    found = laid(course)
+    found = laid_course(course)
     pull_most = float(found.table[:, PULL, 0].max())
     return float(time_under_s(found.way, ceilings(found.way, found.table), pull_most))
 

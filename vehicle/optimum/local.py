@@ -229,7 +229,7 @@ def own_terms(mesh: Mesh, x: Local, paid: ForceCosts, s: Floats, y: Floats, weig
 
 
 @compiled
-def pushed(slack: float, price: float, value: float, weight: float) -> tuple[float, float]:
+def barrier_terms(slack: float, price: float, value: float, weight: float) -> tuple[float, float]:
     """Slope and curvature by its value that a limit leaves when its slack is eliminated."""
     return -(weight - price * (value - slack)) / slack, price / slack
 
@@ -240,14 +240,14 @@ def terms(
 ) -> LocalSlopes:
     """All of a stretch: costs, greatest pull, all brakes, deceleration and acceleration."""
     own = own_terms(mesh, x, paid, s, y, weight)
-    t, d = pushed(s[STRONG], y[STRONG], x.pull - x.f, weight)
+    t, d = barrier_terms(s[STRONG], y[STRONG], x.pull - x.f, weight)
     by_f, ff, paid_f = own.by_f - t, own.ff + d, own.paid_f + y[STRONG]
     by_z = own.by_z + t * x.pull_z
     fz = own.fz - d * x.pull_z
     zz = own.zz + d * x.pull_z * x.pull_z - y[STRONG] * x.pull_zz
     paid_z = own.paid_z - y[STRONG] * x.pull_z
     if mesh.brake_extra < math.inf:
-        t, d = pushed(s[WEAK], y[WEAK], x.f + x.elec + mesh.brake_extra, weight)
+        t, d = barrier_terms(s[WEAK], y[WEAK], x.f + x.elec + mesh.brake_extra, weight)
         by_f, ff, paid_f = by_f + t, ff + d, paid_f - y[WEAK]
         by_z += t * x.elec_z
         fz += d * x.elec_z
@@ -255,9 +255,9 @@ def terms(
         paid_z -= y[WEAK] * x.elec_z
     az = ff * x.f_z + fz
     zz += ff * x.f_z * x.f_z + 2.0 * x.f_z * fz + paid_f * x.f_zz
-    t, d = pushed(s[SLOWING], y[SLOWING], a + mesh.deceleration, weight)
+    t, d = barrier_terms(s[SLOWING], y[SLOWING], a + mesh.deceleration, weight)
     by_a, aa, paid_a = by_f + t, ff + d, paid_f - y[SLOWING]
     if mesh.acceleration < math.inf:
-        t, d = pushed(s[SPEEDING], y[SPEEDING], mesh.acceleration - a, weight)
+        t, d = barrier_terms(s[SPEEDING], y[SPEEDING], mesh.acceleration - a, weight)
         by_a, aa, paid_a = by_a - t, aa + d, paid_a + y[SPEEDING]
     return LocalSlopes(by_a, by_z + by_f * x.f_z, aa, az, zz, paid_a, paid_z + paid_f * x.f_z)

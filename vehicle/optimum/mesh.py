@@ -38,7 +38,7 @@ class CourseOnMesh:
         return float(times_s(self.way.at_m, self.fastest)[-1])
 
 
-def laid(course: Course) -> CourseOnMesh:
+def laid_course(course: Course) -> CourseOnMesh:
     """Lay a course out; ValueError where the train cannot get to the stop."""
     train = course.train
     inertia = equivalent_mass_kg(train, course.load_share)

@@ -70,7 +70,7 @@ class PriceGraph:
         share = (time_s - begin) / (end - begin)
         return float(self.price_w[at - 1] + (self.price_w[at] - self.price_w[at - 1]) * share)
 
-    def joined(self, other: PriceGraph) -> PriceGraph:
+    def joined_with(self, other: PriceGraph) -> PriceGraph:
         """The least sum of both costs over all ways to part a time between them: times add at equal prices."""
         prices = np.unique(np.concatenate((self.price_w, other.price_w)))[::-1]
         first = self.first_s(prices) + other.first_s(prices)
@@ -79,7 +79,7 @@ class PriceGraph:
         times[0::2], times[1::2] = first, np.maximum(first, last)
         return PriceGraph(np.maximum.accumulate(times), np.repeat(prices, 2))
 
-    def within(self, earliest_s: float, latest_s: float, tolerance_s: float) -> PriceGraph:
+    def in_window(self, earliest_s: float, latest_s: float, tolerance_s: float) -> PriceGraph:
         """The same cost for times in a window alone. `NoTimeLeft` where no time is left by more than the tolerance."""
         first, last = float(self.time_s[0]), float(self.time_s[-1])
         if first > latest_s + tolerance_s:

@@ -20,8 +20,8 @@ from vehicle.compiled import compiled
 from vehicle.optimum.bound import bound_of
 from vehicle.optimum.course import Course, EndsNotKept, Optimum, TooShort
 from vehicle.optimum.laws import ALL_MOTORS, laws_at
-from vehicle.optimum.mesh import laid, places_m
-from vehicle.optimum.solve import solved
+from vehicle.optimum.mesh import laid_course, places_m
+from vehicle.optimum.solve import optimum_of
 from vehicle.optimum.way import times_s
 from vehicle.records import TrainRow
 from vehicle.wire import wire_power_w
@@ -63,7 +63,7 @@ def pieces_m(way_m: Floats, at_m: Floats, stands: tuple[bool, bool]) -> Floats:
 
 
 @compiled
-def possible(
+def possible_speeds2(
     train: TrainRow,
     load_share: float,
     inertia_kg: float,
@@ -122,13 +122,13 @@ def consumed_j(
     return total
 
 
-def proven(course: Course, time_s: float, points: int = 300) -> ProvenRun:
+def proven_run(course: Course, time_s: float, points: int = 300) -> ProvenRun:
     """The optimum of a course as a run that is possible within `time_s`, and its bound.
 
     TooShort where the time is below the least, or so near to it that no such run is found on the mesh; EndsNotKept
     where the run that is possible is slower at an end than asked for: its energy would be that of another course.
     """
-    found = laid(course)
+    found = laid_course(course)
     way, train, inertia = found.way, course.train, found.inertia_kg
     at_m = places_m(found, points)
     asked_s = time_s
@@ -145,9 +145,9 @@ def proven(course: Course, time_s: float, points: int = 300) -> ProvenRun:
     metre = np.clip(np.searchsorted(way.at_m, fine, side="right") - 1, 0, len(way.limit) - 1)
     ceiling = np.minimum(way.limit[metre], way.limit[np.maximum(metre - (fine <= way.at_m[metre]), 0)])
     for _ in range(TRIES):
-        optimum = solved(found, asked_s, at_m)
+        optimum = optimum_of(found, asked_s, at_m)
         line = np.minimum(np.interp(fine, at_m, 0.5 * optimum.speed_mps**2) - bowed, ceiling)
-        z = possible(train, course.load_share, inertia, fine, held, limits, line)
+        z = possible_speeds2(train, course.load_share, inertia, fine, held, limits, line)
         took_s = float(times_s(fine, z)[-1])
         if time_s * (1.0 - EARLY) <= took_s <= time_s:
             break

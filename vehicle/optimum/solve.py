@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicle.optimum.course import Course, NotFound, Optimum, Profile, TooShort
-from vehicle.optimum.interior import begun, followed, told
-from vehicle.optimum.mesh import CourseOnMesh, laid, mesh_of, places_m
+from vehicle.optimum.interior import follow_path, forces_and_energy, starting_slacks
+from vehicle.optimum.mesh import CourseOnMesh, laid_course, mesh_of, places_m
 from vehicle.optimum.way import times_s
 
 Floats = NDArray[np.float64]
@@ -22,7 +22,7 @@ WEIGHTS_FIRST: Final = (0.02, 0.2, 0.002)  # tried in turn
 
 def least_time(course: Course) -> Profile:
     """The fastest run; ValueError where the train cannot get there."""
-    found = laid(course)
+    found = laid_course(course)
     return Profile(found.way.at_m, np.sqrt(2.0 * found.fastest), times_s(found.way.at_m, found.fastest))
 
 
@@ -31,11 +31,11 @@ def least_energy(course: Course, time_s: float, points: int = 300, warm: Optimum
 
     `warm` is the optimum of a course much like this one; it saves some of the steps.
     """
-    found = laid(course)
-    return solved(found, time_s, places_m(found, points), warm)
+    found = laid_course(course)
+    return optimum_of(found, time_s, places_m(found, points), warm)
 
 
-def solved(found: CourseOnMesh, time_s: float, at_m: Floats, warm: Optimum | None = None) -> Optimum:
+def optimum_of(found: CourseOnMesh, time_s: float, at_m: Floats, warm: Optimum | None = None) -> Optimum:
     """The optimum of a course laid out, on these points."""
     if time_s <= found.least_s:
         raise TooShort(time_s, found.least_s)
@@ -43,16 +43,18 @@ def solved(found: CourseOnMesh, time_s: float, at_m: Floats, warm: Optimum | Non
     rounds = 0
     for weight in WEIGHTS_FIRST:
         z = _slower(at_m, fast, time_s) if warm is None else _like(at_m, fast, warm)
-        inner = begun(mesh, found.table, z, weight)
-        rounds = followed(mesh, found.table, z, inner)
+        inner = starting_slacks(mesh, found.table, z, weight)
+        rounds = follow_path(mesh, found.table, z, inner)
         if rounds:
             break
     else:
         if warm is not None or time_s < EASY_SHARE * found.least_s:
             raise NotFound(time_s, found.least_s)
-        return solved(found, time_s, at_m, solved(found, 0.5 * (time_s + found.least_s), at_m))
+        return optimum_of(found, time_s, at_m, optimum_of(found, 0.5 * (time_s + found.least_s), at_m))
     course = found.course
-    motors, air, energy_j = told(mesh, found.table, course.train, found.inertia_kg, course.regeneration, z)
+    motors, air, energy_j = forces_and_energy(
+        mesh, found.table, course.train, found.inertia_kg, course.regeneration, z
+    )
     at_s = times_s(at_m, z)
     energy_j += mesh.auxiliary * found.inertia_kg * at_s[-1]
     price_w = float(inner.ends[1]) * found.inertia_kg

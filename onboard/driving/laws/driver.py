@@ -122,7 +122,7 @@ def driver(
     if left_m <= HAND_OVER_M:
         own.asked = last_notch(own, cue, unit, train, behaviour, limit_mps)
         return own.asked
-    decide(own, unit, left_m, brake_mps2, wanted_mps - swing_mps, shut_off_mps)
+    powers_or_coasts(own, unit, left_m, brake_mps2, wanted_mps - swing_mps, shut_off_mps)
     if own.asked > 0.0 and (own.powering == 0 or own.coasting == 1):
         own.asked = 0.0  # he sees it come, and shuts off in time
     if cue.now_s < own.looks_s and unit.speed_mps > 0.0:
@@ -172,7 +172,7 @@ def brake_curve_mps(behaviour: BehaviourRow, left_m: float, brake_mps2: float) -
 
 
 @compiled
-def decide(
+def powers_or_coasts(
     own: DriverRow, unit: UnitRow, left_m: float, brake_mps2: float, low_mps: float, shut_off_mps: float
 ) -> None:
     """Whether he powers or lets it run; from a stand he powers."""

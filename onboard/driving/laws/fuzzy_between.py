@@ -16,8 +16,8 @@ from onboard.driving.laws.fuzzy_choice import (
     changed_by,
     comfort,
     half_way,
-    offer,
-    weaker,
+    offer_candidate,
+    weaker_grade,
 )
 from onboard.driving.laws.fuzzy_model import STEP_S, run_on
 from onboard.driving.laws.fuzzy_records import FuzzyRule, PredictiveFuzzyRow, Premise
@@ -127,25 +127,25 @@ def choose_between(
     in_s = limit_in_s(own, unit, behaviour, path)
     is_safe = safe(in_s, own.settings.safe_s)
     if own.settings.c_1 == 1:
-        offer(own, C_1, half_way(train, unit.notch), dangerous(in_s, own.settings.safe_s), SAFETY)
+        offer_candidate(own, C_1, half_way(train, unit.notch), dangerous(in_s, own.settings.safe_s), SAFETY)
     if own.settings.c_2 == 1:
-        grade, premise = weaker(is_safe, SAFETY, comfort(own, train, unit.notch, 0.0), COMFORT)
+        grade, premise = weaker_grade(is_safe, SAFETY, comfort(own, train, unit.notch, 0.0), COMFORT)
         saving = energy_grade(own, cue, unit, train, behaviour, path)
-        grade, premise = weaker(grade, premise, saving, ENERGY)
-        offer(own, C_2, 0.0, grade, premise)
+        grade, premise = weaker_grade(grade, premise, saving, ENERGY)
+        offer_candidate(own, C_2, 0.0, grade, premise)
     if own.best_grade >= SURE:
         return
     full = train.power_notches
     if own.settings.c_3 == 1:
-        grade, premise = weaker(is_safe, SAFETY, comfort(own, train, unit.notch, full), COMFORT)
+        grade, premise = weaker_grade(is_safe, SAFETY, comfort(own, train, unit.notch, full), COMFORT)
         speed, target = speed_off(own, cue, unit, train, behaviour, path, full)
-        grade, premise = weaker(grade, premise, runs_slowly(speed, target), SPEED)
-        offer(own, C_3, full, grade, premise)
+        grade, premise = weaker_grade(grade, premise, runs_slowly(speed, target), SPEED)
+        offer_candidate(own, C_3, full, grade, premise)
     if own.settings.c_4 == 1:
         speed, target = speed_off(own, cue, unit, train, behaviour, path, unit.notch)
         well = runs_well(speed, target, own.settings.allowed_mps)
-        grade, premise = weaker(is_safe, SAFETY, well, SPEED)
-        offer(own, C_4, unit.notch, grade, premise)
+        grade, premise = weaker_grade(is_safe, SAFETY, well, SPEED)
+        offer_candidate(own, C_4, unit.notch, grade, premise)
     if own.settings.c_5 == 0 or own.best_grade >= SURE:
         return
     try_speeds(own, cue, unit, train, behaviour, path, is_safe)
@@ -169,8 +169,8 @@ def try_speeds(
             continue
         speed, target = speed_off(own, cue, unit, train, behaviour, path, candidate)
         exact = runs_exactly(speed, target, own.settings.allowed_mps)
-        grade, premise = weaker(is_safe, SAFETY, comfort(own, train, unit.notch, candidate), COMFORT)
-        grade, premise = weaker(grade, premise, exact, SPEED)
+        grade, premise = weaker_grade(is_safe, SAFETY, comfort(own, train, unit.notch, candidate), COMFORT)
+        grade, premise = weaker_grade(grade, premise, exact, SPEED)
         if grade > best_grade or (grade == best_grade and exact > best_exact):
             best, best_grade, best_premise, best_exact = candidate, grade, premise, exact
-    offer(own, C_5, best, best_grade, best_premise)
+    offer_candidate(own, C_5, best, best_grade, best_premise)

@@ -74,7 +74,7 @@ def begin_choice(own: PredictiveFuzzyRow, notch: float) -> None:
 
 
 @compiled
-def offer(own: PredictiveFuzzyRow, rule: int, notch: float, grade: float, premise: int) -> None:
+def offer_candidate(own: PredictiveFuzzyRow, rule: int, notch: float, grade: float, premise: int) -> None:
     """Take a rule with its candidate and grade: of equal grades the one that was tried first wins."""
     if grade > own.best_grade:
         if own.best_rule != rule:
@@ -85,7 +85,7 @@ def offer(own: PredictiveFuzzyRow, rule: int, notch: float, grade: float, premis
 
 
 @compiled
-def weaker(grade: float, premise: int, other: float, others: int) -> tuple[float, int]:
+def weaker_grade(grade: float, premise: int, other: float, others: int) -> tuple[float, int]:
     """The lesser of two grades, and whose it is."""
     return (other, others) if other < grade else (grade, premise)
 

@@ -45,7 +45,7 @@ def pull_target_mps2(train: TrainRow, load_share: float, notch: float, speed_mps
 
 
 @compiled
-def forget(own: PredictiveFuzzyRow, cue: CueRow, unit: UnitRow, train: TrainRow) -> None:
+def reset_model(own: PredictiveFuzzyRow, cue: CueRow, unit: UnitRow, train: TrainRow) -> None:
     """Begin anew: what was commanded last has built up."""
     for i in range(RING):
         own.notches[i] = unit.notch

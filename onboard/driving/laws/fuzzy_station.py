@@ -16,8 +16,8 @@ from onboard.driving.laws.fuzzy_choice import (
     brake_step,
     changed_by,
     comfort,
-    offer,
-    weaker,
+    offer_candidate,
+    weaker_grade,
 )
 from onboard.driving.laws.fuzzy_model import STEP_S, run_on, stops_at_m
 from onboard.driving.laws.fuzzy_records import FuzzyRule, PredictiveFuzzyRow, Premise
@@ -78,7 +78,7 @@ def choose_at_station(
     if begun <= 0.0:
         own.stops = 0
         if own.settings.t_2_1 == 1:
-            offer(own, T_2_1, 0.0, free, RUNNING_TIME)
+            offer_candidate(own, T_2_1, 0.0, free, RUNNING_TIME)
         return train.power_notches
     brakes = unit.notch < 0.0 or own.stops == 1
     if own.stops == 1:
@@ -90,15 +90,15 @@ def choose_at_station(
         allowed_m = max(
             own.settings.stop_allowed_m, own.settings.stop_allowed_share * (mark_m - unit.position_m)
         )
-        grade, premise = weaker(begun, RUNNING_TIME, stops_well(miss_m, allowed_m), ACCURACY)
-        offer(own, T_1, min(unit.notch, 0.0), grade, premise)
+        grade, premise = weaker_grade(begun, RUNNING_TIME, stops_well(miss_m, allowed_m), ACCURACY)
+        offer_candidate(own, T_1, min(unit.notch, 0.0), grade, premise)
     if own.settings.t_2_1 == 1 and own.stops == 0:
-        grade, premise = weaker(free, RUNNING_TIME, comfort(own, train, unit.notch, 0.0), COMFORT)
-        offer(own, T_2_1, 0.0, grade, premise)
+        grade, premise = weaker_grade(free, RUNNING_TIME, comfort(own, train, unit.notch, 0.0), COMFORT)
+        offer_candidate(own, T_2_1, 0.0, grade, premise)
     first = -brake_step(train)
     if own.settings.t_2_2 == 1 and not brakes:
-        grade, premise = weaker(begun, RUNNING_TIME, comfort(own, train, unit.notch, first), COMFORT)
-        offer(own, T_2_2, first, grade, premise)
+        grade, premise = weaker_grade(begun, RUNNING_TIME, comfort(own, train, unit.notch, first), COMFORT)
+        offer_candidate(own, T_2_2, first, grade, premise)
     if own.settings.t_3 == 1 and brakes and own.best_grade < SURE:
         try_changes(own, cue, unit, train, path, mark_m, begun)
     if own.best_notch < 0.0:
@@ -125,8 +125,10 @@ def try_changes(
             continue
         miss_m = stops_at_m(own, cue, unit, train, path, candidate) - mark_m
         exact = stops_exactly(miss_m, allowed_m)
-        grade, premise = weaker(begun, RUNNING_TIME, comfort(own, train, unit.notch, candidate), COMFORT)
-        grade, premise = weaker(grade, premise, exact, ACCURACY)
+        grade, premise = weaker_grade(
+            begun, RUNNING_TIME, comfort(own, train, unit.notch, candidate), COMFORT
+        )
+        grade, premise = weaker_grade(grade, premise, exact, ACCURACY)
         if grade > best_grade or (grade == best_grade and exact > best_exact):
             best, best_grade, best_premise, best_exact = candidate, grade, premise, exact
-    offer(own, T_3, best, best_grade, best_premise)
+    offer_candidate(own, T_3, best, best_grade, best_premise)

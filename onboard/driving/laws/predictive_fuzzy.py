@@ -15,7 +15,7 @@ from onboard.driving.laws.cue import CueRow
 from onboard.driving.laws.fuzzy_between import choose_between
 from onboard.driving.laws.fuzzy_choice import forget_hop, steps_of, write_down
 from onboard.driving.laws.fuzzy_knowledge import hold_mps, look_ahead
-from onboard.driving.laws.fuzzy_model import GAP_S, STEP_S, forget, keep_up
+from onboard.driving.laws.fuzzy_model import GAP_S, STEP_S, keep_up, reset_model
 from onboard.driving.laws.fuzzy_records import PredictiveFuzzyRow
 from onboard.driving.laws.fuzzy_station import choose_at_station
 from onboard.driving.stopping import LIMIT_MARGIN_M
@@ -40,7 +40,7 @@ def predictive_fuzzy(
     plan: NDArray[np.void],
 ) -> float:
     """The notch of the rule that wins."""
-    attend(own, cue, unit, train)
+    follow_commands(own, cue, unit, train)
     mark_m = unit.position_m + aim_m(
         unit.target_stop_m - unit.position_m,
         unit.stop_limit_m - unit.position_m - unit.bound_ahead_m,
@@ -71,11 +71,11 @@ def predictive_fuzzy(
 
 
 @compiled
-def attend(own: PredictiveFuzzyRow, cue: CueRow, unit: UnitRow, train: TrainRow) -> None:
+def follow_commands(own: PredictiveFuzzyRow, cue: CueRow, unit: UnitRow, train: TrainRow) -> None:
     """Take up what was given in the last tick: the model one step on, and when a notch last changed."""
     if own.awake == 0 or not 0.0 < cue.now_s - own.last_s < GAP_S:
         own.awake = 1
-        forget(own, cue, unit, train)
+        reset_model(own, cue, unit, train)
         forget_hop(own)
         own.coasts = own.stops = 0
         own.cruise_mps = -1.0  # none yet

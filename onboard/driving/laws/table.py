@@ -18,8 +18,8 @@ from network.files.toml_input import Record
 from onboard.driving.laws.cue import CueRow
 from onboard.driving.laws.driver import DRAWN, Driver, DriverRow, driver
 from onboard.driving.laws.follow_plan import FollowPlan, FollowPlanRow, follow_plan
+from onboard.driving.laws.fuzzy_notes import fuzzy_run_note
 from onboard.driving.laws.fuzzy_records import PredictiveFuzzy, PredictiveFuzzyRow
-from onboard.driving.laws.fuzzy_told import told
 from onboard.driving.laws.hold_speed import HoldSpeedRow, hold_speed
 from onboard.driving.laws.optimal import Optimal, OptimalRow, optimal
 from onboard.driving.laws.pid import Pid, PidRow, pid
@@ -62,7 +62,7 @@ LAWS: Final = (
     Law(optimal, OptimalRow, Optimal, plans=True),
     Law(pid, PidRow, Pid, stops=True),
     Law(driver, DriverRow, Driver, drawn=DRAWN),
-    Law(predictive_fuzzy, PredictiveFuzzyRow, PredictiveFuzzy, stops=True, told=told),
+    Law(predictive_fuzzy, PredictiveFuzzyRow, PredictiveFuzzy, stops=True, told=fuzzy_run_note),
 )
 LAW_NAMES: Final = tuple(law.name for law in LAWS)
 

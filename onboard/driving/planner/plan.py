@@ -17,8 +17,8 @@ from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_FOLLOW, PLAN_HOLD
 from onboard.driving.planner.wish import PLAIN, Planning, Style
 from vehicle.optimum import Course, Optimum, Profile
 from vehicle.optimum.coast import coast_on, cruise_on
-from vehicle.optimum.mesh import CourseOnMesh, laid, places_m
-from vehicle.optimum.solve import solved
+from vehicle.optimum.mesh import CourseOnMesh, laid_course, places_m
+from vehicle.optimum.solve import optimum_of
 from vehicle.records import TrainRow
 
 LEVEL_MPS2: Final = 0.01  # assumed: a speed that changes by less is held: half of what the lowest notch gives
@@ -40,7 +40,9 @@ class PlanOnPath:
     takes_s: float
 
 
-def lay(profile: Profile | Optimum, rim_mps2: Floats, path_rows: int, idle_s: float = 0.0) -> PlanOnPath:
+def plan_rows(
+    profile: Profile | Optimum, rim_mps2: Floats, path_rows: int, idle_s: float = 0.0
+) -> PlanOnPath:
     """Rows of PLAN, one for each of the path's `path_rows` metres; none outside the profile.
 
     `rim_mps2`: acceleration that motors and brakes give between its points, resistances apart; one fewer than points.
@@ -83,7 +85,7 @@ class PlanRequest:
     regeneration_share: float = 1.0  # of what comes back that counts
 
 
-def planned(ahead: PlanRequest, planning: Planning = PLAIN) -> PlanOnPath | None:
+def plan_in_time(ahead: PlanRequest, planning: Planning = PLAIN) -> PlanOnPath | None:
     """The plan for the time that is left, or for little more than the least where that is too short.
 
     None where the train cannot get there, or no run is found.
@@ -101,14 +103,14 @@ def planned(ahead: PlanRequest, planning: Planning = PLAIN) -> PlanOnPath | None
             initial_mps=ahead.initial_mps,
             regeneration=ahead.regeneration_share,
         )
-        found = laid(course)
+        found = laid_course(course)
         free = math.isinf(ahead.available_s)
         reserve = planning.free_reserve_share if free else planning.late_reserve_share
         ordered_s = 0.0 if free else ahead.available_s - idle_s
         profile, rim_mps2 = _run(found, max(ordered_s, (1.0 + reserve) * found.least_s), planning.style)
     except ValueError:
         return None
-    return lay(profile, rim_mps2, ahead.climb_m.size, idle_s)
+    return plan_rows(profile, rim_mps2, ahead.climb_m.size, idle_s)
 
 
 def _run(found: CourseOnMesh, time_s: float, style: Style) -> tuple[Profile | Optimum, Floats]:
@@ -121,7 +123,7 @@ def _run(found: CourseOnMesh, time_s: float, style: Style) -> tuple[Profile | Op
             coasted = coast_on(found, time_s)
             return coasted.profile, coasted.rim_mps2
         case Style.OPTIMAL:
-            best = solved(found, time_s, places_m(found, POINTS))
+            best = optimum_of(found, time_s, places_m(found, POINTS))
             return best, (best.force_n - best.brake_n) / found.inertia_kg
 
 

@@ -65,7 +65,7 @@ def test_with_half_the_force_a_train_accelerates_half_as_fast_and_arrives_later(
 ) -> None:
     weak = run_drill(DRILL, PartyLink.SIMULATED)
     assert weak.passed
-    monkeypatch.setattr(listed, "over", lambda _self, share: share)
+    monkeypatch.setattr(listed, "applied_to", lambda _self, share: share)
     whole = run_drill(DRILL, PartyLink.SIMULATED)
     assert arrival_s(weak) > arrival_s(whole) + 1.0
 

@@ -17,5 +17,5 @@ class WeakTraction(UnitFault[float]):
     def base(self) -> float:
         return 1.0
 
-    def over(self, share: float) -> float:
+    def applied_to(self, share: float) -> float:
         return share * self.factor

@@ -19,5 +19,5 @@ class RadarKnocked(SensorFault[float]):
     def base(self) -> float:
         return 0.0
 
-    def over(self, off_mps: float) -> float:
+    def applied_to(self, off_mps: float) -> float:
         return off_mps + self.off_mps

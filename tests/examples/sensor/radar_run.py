@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Protocol
 
-from onboard.localisation.fix import NOTHING, REFUSED, taken
+from onboard.localisation.fix import NOTHING, REFUSED, fix_by_rule
 from onboard.records import Chart, UnitRow
 from vehicle.compiled import compiled
 
@@ -46,7 +46,7 @@ def radar_run(own: RadarRunRow, reading: RadarReading, unit: UnitRow, _chart: Ch
     own.rear_m += max(run_m - WRONG_BY_MPS * step_s, 0.0)
     own.front_m += max(run_m + WRONG_BY_MPS * step_s, 0.0)
     half_m = 0.5 * (own.front_m - own.rear_m)
-    outcome = taken(unit, own.rear_m + half_m, half_m, half_m)
+    outcome = fix_by_rule(unit, own.rear_m + half_m, half_m, half_m)
     if outcome != REFUSED:  # what a tag has cut meanwhile holds here too
         own.rear_m = unit.position_m - unit.bound_behind_m
         own.front_m = unit.position_m + unit.bound_ahead_m

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from network.errors import EXPECTED_MAX, SHOWN_MAX, InputError, shown
+from network.errors import EXPECTED_MAX, SHOWN_MAX, InputError, shown_value
 from network.files import json_input, text_input
 from network.files.json_input import read_json
 from network.files.shipped import shipped_line, shipped_timetable
@@ -175,7 +175,7 @@ VALUES: list[Any] = [
 
 @pytest.mark.parametrize("value", VALUES, ids=range(len(VALUES)))
 def test_a_message_is_one_line_with_a_value_that_is_cut(value: object) -> None:
-    assert len(shown(value)) <= SHOWN_MAX
+    assert len(shown_value(value)) <= SHOWN_MAX
     text = str(InputError("f.toml", "a.b", value, "something else"))
     assert text.isprintable() and len(text) < 150
     assert text.startswith("f.toml: a.b is ") and text.endswith("; expected something else")
@@ -190,4 +190,4 @@ def test_a_key_and_what_a_file_calls_its_own_are_cut_and_escaped_too() -> None:
     ("value", "words"), [(True, "true"), (0.5, "0.5"), ("a", "'a'"), ([1, "b"], "[1, 'b']")]
 )
 def test_values_are_shown_as_a_file_spells_them(value: object, words: str) -> None:
-    assert shown(value) == words
+    assert shown_value(value) == words

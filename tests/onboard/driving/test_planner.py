@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from onboard.driving.laws.cue import PLAN_COAST, PLAN_FOLLOW, PLAN_HOLD, PLAN_NONE
-from onboard.driving.planner.plan import lay
+from onboard.driving.planner.plan import plan_rows
 from vehicle.optimum import Profile
 
 RIM_MPS2 = np.array([1.0, 0.1, 0.0, -0.4])
@@ -23,12 +23,12 @@ def by_hand() -> Profile:
 
 
 def test_the_running_time_is_the_sum_of_its_parts(by_hand: Profile) -> None:
-    laid = lay(by_hand, RIM_MPS2, 400)
+    laid = plan_rows(by_hand, RIM_MPS2, 400)
     assert laid.takes_s == pytest.approx(10.0 + 10.0 + 10.0 + 10.0)
 
 
 def test_each_metre_has_the_speed_and_the_time_of_its_place(by_hand: Profile) -> None:
-    rows = lay(by_hand, RIM_MPS2, 400).rows
+    rows = plan_rows(by_hand, RIM_MPS2, 400).rows
     assert rows["speed_mps"][125] == pytest.approx(np.sqrt(2.0 * 24.5))
     assert rows["time_left_s"][125] == pytest.approx(40.0 - np.sqrt(2.0 * 24.5))
     assert rows["speed_mps"][200] == pytest.approx(10.0)
@@ -39,13 +39,13 @@ def test_each_metre_has_the_speed_and_the_time_of_its_place(by_hand: Profile) ->
 
 
 def test_modes_tell_power_and_brake_from_holding_and_coasting(by_hand: Profile) -> None:
-    rows = lay(by_hand, RIM_MPS2, 400).rows
+    rows = plan_rows(by_hand, RIM_MPS2, 400).rows
     modes = [int(rows["mode"][metre]) for metre in (101, 151, 251, 326)]
     assert modes == [PLAN_FOLLOW, PLAN_HOLD, PLAN_COAST, PLAN_FOLLOW]
 
 
 def test_there_is_no_plan_outside_the_profile(by_hand: Profile) -> None:
-    rows = lay(by_hand, RIM_MPS2, 400).rows
+    rows = plan_rows(by_hand, RIM_MPS2, 400).rows
     assert set(rows["mode"][:100].tolist()) == {PLAN_NONE}
     assert set(rows["mode"][352:].tolist()) == {PLAN_NONE}
     assert rows.size == 400

@@ -13,10 +13,10 @@ from onboard.driving.stop_keeper import StopKeeper, fill_design
 from onboard.driving.stopping import (
     LIMIT_MARGIN_M,
     WAVE_STEPS,
-    hold,
-    issued,
     ride_over_slide,
+    stop_anew,
     stop_command_mps2,
+    take_up_command,
 )
 from onboard.driving.tasc import StopVerdict, judge
 from onboard.driving.tuning import OFFSET_STEP_MPS2, Learned
@@ -86,7 +86,7 @@ def test_the_model_takes_up_the_emergency_brake(
 ) -> None:
     kept = keeper()
     unit.notch, unit.emergency, unit.intervention = -train.brake_notches, 1, EMERGENCY_INTERVENTION
-    issued(unit, train, kept.tasc, kept.design, kept.wave, 0.0)
+    take_up_command(unit, train, kept.tasc, kept.design, kept.wave, 0.0)
     expected = max(train.emergency_deceleration_mps2, 1.0)
     assert kept.tasc.pending_mps2[kept.tasc.head] == pytest.approx(expected)
     assert kept.wave.disturbed == 1
@@ -95,7 +95,7 @@ def test_the_model_takes_up_the_emergency_brake(
 def test_a_verdict_is_told_once(unit: UnitRow, train: TrainRow, keeper: Callable[[], StopKeeper]) -> None:
     kept = keeper()
     judge(kept.tasc, int(StopVerdict.BRAKE_TOO_WEAK))
-    events = [issued(unit, train, kept.tasc, kept.design, kept.wave, 0.0) for _ in range(3)]
+    events = [take_up_command(unit, train, kept.tasc, kept.design, kept.wave, 0.0) for _ in range(3)]
     assert events == [EVENT_VERDICT, 0, 0]
     assert StopVerdict(int(unit.stop_verdict)) is StopVerdict.BRAKE_TOO_WEAK
 
@@ -128,7 +128,7 @@ def test_a_new_target_frees_the_brake_and_the_verdict(
 def test_standing_forgets_the_stop(keeper: Callable[[], StopKeeper]) -> None:
     kept = keeper()
     kept.tasc.head, kept.tasc.braking, kept.wave.built_mps2 = 7, 1, 0.5
-    hold(kept.tasc, kept.wave)
+    stop_anew(kept.tasc, kept.wave)
     assert (kept.tasc.head, kept.tasc.braking, kept.wave.built_mps2) == (0, 0, 0.0)
 
 
@@ -143,12 +143,12 @@ def made_stop(
     for k, notch in enumerate(commands):
         kept.tasc.braking = 1 if notch < 0.0 else 0
         unit.notch = notch
-        issued(unit, train, kept.tasc, kept.design, kept.wave, own_mps2)
+        take_up_command(unit, train, kept.tasc, kept.design, kept.wave, own_mps2)
         asked = 0.6 + offset_mps2 if k >= dead_steps and commands[k - dead_steps] < 0.0 else 0.0
         built += share * (asked - built)
         unit.train_mps = max(unit.train_mps - (built + own_mps2) * STEP_S, 0.0)
         if unit.train_mps == 0.0:
-            issued(unit, train, kept.tasc, kept.design, kept.wave, own_mps2)
+            take_up_command(unit, train, kept.tasc, kept.design, kept.wave, own_mps2)
             return
 
 
@@ -170,7 +170,7 @@ def test_a_train_learns_its_own_brake(
     offset_mps2 = offset_steps * OFFSET_STEP_MPS2
     for _ in range(3):
         made_stop(unit, train, kept, dead_steps, offset_mps2, own_mps2)
-        told = kept.stopped(train, behaviour, 0.2)
+        told = kept.learn_from_stop(train, behaviour, 0.2)
         assert told is not None
         assert told.left_out is None
         kept.wave.steps = 0
@@ -186,7 +186,7 @@ def test_what_is_disturbed_teaches_nothing(
     kept.learns = True
     made_stop(unit, train, kept, 5, 0.0, 0.0)
     kept.wave.disturbed = 1
-    told = kept.stopped(train, behaviour, 0.2)
+    told = kept.learn_from_stop(train, behaviour, 0.2)
     assert told is not None
     assert told.left_out == "slide"
     assert (kept.learned.stops, kept.learned.left_out, kept.last) == (0, 1, None)

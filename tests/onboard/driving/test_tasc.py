@@ -25,11 +25,11 @@ from onboard.driving.tasc import (
     distance_by_fix_m,
     distance_by_tachometer_m,
     expected_mps2,
-    followed,
     judge,
     pattern,
+    pattern_demand_mps2,
     pattern_through,
-    predicted,
+    predicted_motion,
     reset,
     tasc_step,
 )
@@ -119,14 +119,14 @@ def test_prediction_runs_through_the_commands_under_way() -> None:
     for _ in range(10):
         tasc["head"] = tasc["head"] + 1
         tasc["pending_mps2"][int(tasc["head"])] = 0.8
-    speed, run_m = predicted(tasc, row, 10.0, 0.0)
+    speed, run_m = predicted_motion(tasc, row, 10.0, 0.0)
     # 1 s at 0.8 m/s^2: 10 - 0.8 m/s after 10 - 0.4 m
     assert speed == pytest.approx(9.2)
     assert run_m == pytest.approx(9.6)
 
 
 def test_prediction_with_own_deceleration_stops_at_zero() -> None:
-    speed, run_m = predicted(fresh()[0], design(), 0.05, 0.1)
+    speed, run_m = predicted_motion(fresh()[0], design(), 0.05, 0.1)
     assert speed == 0.0
     assert 0.0 < run_m <= 0.05
 
@@ -163,10 +163,10 @@ def test_the_model_brake_builds_up_after_the_dead_time() -> None:
 
 def test_no_brake_before_the_pattern_is_met() -> None:
     tasc = fresh()[0]
-    assert followed(tasc, design(), 10.0, 200.0, 0.0, 0.0) == 0.0
+    assert pattern_demand_mps2(tasc, design(), 10.0, 200.0, 0.0, 0.0) == 0.0
     assert tasc["braking"] == 0
     # 10 m/s needs 62.5 m at 0.8 m/s^2, and 0.9 m to build up
-    assert followed(tasc, design(), 10.0, 63.2, 0.0, 0.0) > 0.7
+    assert pattern_demand_mps2(tasc, design(), 10.0, 63.2, 0.0, 0.0) > 0.7
     assert tasc["braking"] == 1
 
 
@@ -178,7 +178,7 @@ def test_a_fix_changes_the_demand_no_more_than_the_new_distance_requires(moved_m
     tasc["pattern_mps2"] = 0.8
     speed, _ = pattern(row, 0.8, 50.0)
     left_m = 50.0 - moved_m
-    demand = followed(tasc, row, speed, left_m, 0.0, moved_m)
+    demand = pattern_demand_mps2(tasc, row, speed, left_m, 0.0, moved_m)
     assert tasc["braking"] == 1
     # constant deceleration over what is left, not a push by the gain
     expected = 0.8 if abs(moved_m) < 0.05 else speed**2 / 2.0 / left_m
@@ -189,7 +189,7 @@ def test_a_mark_much_farther_than_believed_releases_the_brake() -> None:
     tasc, row = fresh()[0], design()
     tasc["braking"] = 1
     tasc["pattern_mps2"] = 0.8
-    assert followed(tasc, row, 4.0, 60.0, 0.0, -50.0) == 0.0
+    assert pattern_demand_mps2(tasc, row, 4.0, 60.0, 0.0, -50.0) == 0.0
     assert tasc["braking"] == 0
 
 
@@ -198,7 +198,7 @@ def test_the_demand_never_lets_the_train_roll_at_the_mark() -> None:
     tasc["braking"] = 1
     tasc["pattern_mps2"] = 0.8
     downhill_mps2 = -0.1
-    assert followed(tasc, design(), 0.0, 0.5, downhill_mps2, 0.0) >= 0.1 + LEAST_BRAKE_MPS2 - 1e-12
+    assert pattern_demand_mps2(tasc, design(), 0.0, 0.5, downhill_mps2, 0.0) >= 0.1 + LEAST_BRAKE_MPS2 - 1e-12
 
 
 def test_integral_and_derivative_add_to_the_demand() -> None:
@@ -209,7 +209,7 @@ def test_integral_and_derivative_add_to_the_demand() -> None:
         tasc["pattern_mps2"] = 0.6
         tasc["integral_m"] = 0.1
         speed = pattern(row, 0.6, 50.0)[0] + 0.05
-        demands.append(followed(tasc, row, speed, 50.0, 0.0, 0.0))
+        demands.append(pattern_demand_mps2(tasc, row, speed, 50.0, 0.0, 0.0))
     assert demands[0] == pytest.approx(0.6 + 0.6 * 0.05)
     assert demands[1] == pytest.approx(demands[0] + 0.05)
     assert demands[2] == pytest.approx(demands[0] + 0.1 * 0.05 / 0.1)
@@ -224,8 +224,8 @@ def test_the_whole_law_has_every_part() -> None:
 
 
 def test_without_prediction_it_decides_on_the_present_state() -> None:
-    assert predicted(fresh()[0], without(StopLawPart.PREDICTION), 10.0, 0.1) == (10.0, 0.0)
-    assert predicted(fresh()[0], design(), 10.0, 0.1)[0] < 10.0
+    assert predicted_motion(fresh()[0], without(StopLawPart.PREDICTION), 10.0, 0.1) == (10.0, 0.0)
+    assert predicted_motion(fresh()[0], design(), 10.0, 0.1)[0] < 10.0
 
 
 def test_without_redrawing_a_fix_leaves_the_pattern_to_the_gain() -> None:
@@ -235,7 +235,9 @@ def test_without_redrawing_a_fix_leaves_the_pattern_to_the_gain() -> None:
     tasc["pattern_mps2"] = 0.8
     speed, _ = pattern(row, 0.8, 50.0)
     nearer_mps, _ = pattern(row, 0.8, 45.0)
-    assert followed(tasc, row, speed, 45.0, 0.0, 5.0) == pytest.approx(0.8 + 0.6 * (speed - nearer_mps))
+    assert pattern_demand_mps2(tasc, row, speed, 45.0, 0.0, 5.0) == pytest.approx(
+        0.8 + 0.6 * (speed - nearer_mps)
+    )
     assert tasc["pattern_mps2"] == 0.8
 
 
@@ -244,7 +246,7 @@ def test_without_feed_forward_only_what_is_off_the_pattern_is_braked() -> None:
     tasc["braking"] = 1
     tasc["pattern_mps2"] = 0.8
     speed, _ = pattern(row, 0.8, 50.0)
-    assert followed(tasc, row, speed + 0.5, 50.0, 0.0, 0.0) == pytest.approx(0.6 * 0.5)
+    assert pattern_demand_mps2(tasc, row, speed + 0.5, 50.0, 0.0, 0.0) == pytest.approx(0.6 * 0.5)
 
 
 def test_without_resistance_the_demand_is_all_of_the_pattern() -> None:
@@ -253,7 +255,7 @@ def test_without_resistance_the_demand_is_all_of_the_pattern() -> None:
         tasc = fresh()[0]
         tasc["braking"] = 1
         tasc["pattern_mps2"] = 0.8
-        demands.append(followed(tasc, row, pattern(row, 0.8, 50.0)[0], 50.0, 0.05, 0.0))
+        demands.append(pattern_demand_mps2(tasc, row, pattern(row, 0.8, 50.0)[0], 50.0, 0.05, 0.0))
     assert demands == pytest.approx([0.75, 0.8])
 
 

@@ -20,12 +20,12 @@ from onboard.driving.tuning import (
     StopDecelerations,
     approximate,
     disturbance,
-    learn,
+    learned_after_stop,
     learned_from,
     minimum_of,
     quadratic_through,
     search,
-    smoothed,
+    smoothed_wave,
     window,
 )
 
@@ -106,13 +106,13 @@ def test_from_the_design_the_approximation_comes_to_the_truth_within_a_few_stops
     learned = Learned("A", 1.0)
     for _ in range(6):
         stop = record(16, 4)
-        learned = learn(learned, stop, approximate(stop, learned.centre))
+        learned = learned_after_stop(learned, stop, approximate(stop, learned.centre))
     assert learned.centre == (16, OFFSET_ZERO + 4)
     assert learned.offset_mps2 * 3.6 == pytest.approx(0.4)
 
 
 def test_smoothing_keeps_a_level_and_a_length() -> None:
-    assert smoothed(np.full(50, 0.7)) == pytest.approx(np.full(50, 0.7))
+    assert smoothed_wave(np.full(50, 0.7)) == pytest.approx(np.full(50, 0.7))
 
 
 def test_a_stop_without_brake_or_too_short_says_nothing() -> None:
@@ -137,14 +137,14 @@ def test_a_stop_without_brake_or_too_short_says_nothing() -> None:
 def test_disturbed_stops_are_left_out_and_counted(stop: StopDecelerations, why: str | None) -> None:
     fit = search(stop)
     assert disturbance(stop, fit) == why
-    learned = learn(Learned("A", 1.0), stop, fit)
+    learned = learned_after_stop(Learned("A", 1.0), stop, fit)
     assert (learned.stops, learned.left_out) == ((1, 0) if why is None else (0, 1))
 
 
 def test_the_mode_counts_not_the_mean() -> None:
     learned = Learned("A", 1.0)
     for delay in (8, 8, 8, 20, 20):
-        learned = learn(learned, record(10, 0), CharacteristicFit(delay, OFFSET_ZERO, 0.0, 441))
+        learned = learned_after_stop(learned, record(10, 0), CharacteristicFit(delay, OFFSET_ZERO, 0.0, 441))
     assert learned.dead_time_s == pytest.approx(0.8)
 
 
@@ -154,7 +154,7 @@ def test_a_new_train_has_its_design() -> None:
 
 
 def test_what_is_learned_is_kept_between_days() -> None:
-    learned = learn(Learned("A", 1.0), record(13, -3), search(record(13, -3)))
+    learned = learned_after_stop(Learned("A", 1.0), record(13, -3), search(record(13, -3)))
     kept = json.loads(json.dumps(learned.as_dict()))
     assert learned_from("A.json", kept) == learned
     assert learned_from("A.json", json.loads(json.dumps(Learned("B", 0.5).as_dict()))) == Learned("B", 0.5)

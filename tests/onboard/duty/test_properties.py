@@ -22,8 +22,8 @@ from documents.explored_unit import (
     Step,
     X,
     course,
+    events_from,
     first,
-    following,
     may_start,
     phase_name,
     steps,
@@ -223,7 +223,7 @@ def check(before: ExploredRun, step: Step) -> None:
 
 @pytest.fixture(scope="module")
 def explored() -> Explored[ExploredRun]:
-    return explore(first(), following, phase_name, 3000)
+    return explore(first(), events_from, phase_name, 3000)
 
 
 def test_every_state_reached_first_keeps_the_rules(explored: Explored[ExploredRun]) -> None:
@@ -296,7 +296,7 @@ SWITCHES: Final[dict[str, tuple[object, str, object]]] = {
 @pytest.mark.parametrize("off", SWITCHES)
 def test_a_rule_switched_off_is_found(off: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(*SWITCHES[off])
-    found = explore(course(), following, phase_name, 1000)
+    found = explore(course(), events_from, phase_name, 1000)
     with pytest.raises(AssertionError):
         for run in found.states:
             for step in steps(run):

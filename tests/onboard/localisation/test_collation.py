@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from onboard.localisation.collation import all_squares, apart, explained, nearest
+from onboard.localisation.collation import all_squares, difference_sum, explained_shifts, least_shift
 
 COUNT, SPAN = 300, 60
 
@@ -34,8 +34,10 @@ def test_the_sums_are_those_of_the_paper() -> None:
     known, seen = rng.normal(size=COUNT + SPAN), rng.normal(size=COUNT + 7)
     for shift, begin, count in ((0, 0, COUNT), (13, 7, 99), (SPAN, 3, 1)):
         away = known[shift : shift + count] - seen[begin : begin + count]
-        assert apart(known, shift, seen, begin, count, 0.0) == pytest.approx(np.abs(away).sum())
-        assert apart(known, shift, seen, begin, count, 0.2) == pytest.approx(np.abs(away - 0.2).sum())
+        assert difference_sum(known, shift, seen, begin, count, 0.0) == pytest.approx(np.abs(away).sum())
+        assert difference_sum(known, shift, seen, begin, count, 0.2) == pytest.approx(
+            np.abs(away - 0.2).sum()
+        )
         energy, free = np.zeros(SPAN + 1), np.zeros(SPAN + 1)
         least = all_squares(known, seen, begin, count, SPAN, energy, free)
         assert energy[shift] == pytest.approx((away**2).sum())
@@ -48,7 +50,7 @@ def test_the_least_is_where_the_run_was_also_between_metres(seed: int, shift: fl
     known = alignment(np.random.default_rng(seed), COUNT + SPAN)
     seen = np.interp(np.arange(float(COUNT)) + shift, np.arange(float(known.size)), known)
     least, _ = summed(known, seen)
-    found = nearest(known, seen, 0, COUNT, 0, SPAN, 0.0, np.zeros(SPAN + 1))
+    found = least_shift(known, seen, 0, COUNT, 0, SPAN, 0.0, np.zeros(SPAN + 1))
     assert abs(least - shift) <= 1.0 and abs(found - shift) <= 0.5
 
 
@@ -69,7 +71,7 @@ def test_the_hull_holds_the_truth_whatever_line_and_noise(seed: int, sigma: floa
     seen = known[truth : truth + COUNT] + rng.normal(0.0, sigma, COUNT)
     least, free = summed(known, seen)
     limit = free[least] + (5.0 * sigma) ** 2
-    low, high = explained(free, SPAN, least, 8, limit, limit)
+    low, high = explained_shifts(free, SPAN, least, 8, limit, limit)
     assert low <= truth <= high
 
 
@@ -80,7 +82,7 @@ def test_without_room_for_noise_the_hull_misses() -> None:
         known = alignment(rng, COUNT + SPAN)
         seen = known[30 : 30 + COUNT] + rng.normal(0.0, 3e-4, COUNT)
         least, free = summed(known, seen)
-        low, high = explained(free, SPAN, least, 8, free[least], free[least])
+        low, high = explained_shifts(free, SPAN, least, 8, free[least], free[least])
         missed += not low <= 30 <= high
     assert missed > 10
 
@@ -90,5 +92,5 @@ def test_curves_that_look_alike_give_a_wide_hull() -> None:
     known = np.tile(one, 10)
     seen = known[20 : 20 + COUNT]
     least, free = summed(known, seen)
-    low, high = explained(free, SPAN, least, 8, free[least] + 1e-9, free[least] + 1e-9)
+    low, high = explained_shifts(free, SPAN, least, 8, free[least] + 1e-9, free[least] + 1e-9)
     assert low <= 20 and high >= 60 - 1e-9

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from onboard.localisation.collation import all_squares, explained
+from onboard.localisation.collation import all_squares, explained_shifts
 from onboard.localisation.curvature import take_fix
 from onboard.localisation.curvature_bounds import explained_by_jump, turn_to_bias, without_jump
-from onboard.localisation.curvature_ring import keep, keep_within
+from onboard.localisation.curvature_ring import keep_metre, keep_within
 from onboard.localisation.curvature_row import BY_SPACE, WINDOW_MAX, CurvatureRow
-from onboard.localisation.fix import REFUSED, TAKEN, taken
-from onboard.localisation.spatial_filter import CORNER_M, passed, rises, sections
+from onboard.localisation.fix import REFUSED, TAKEN, fix_by_rule
+from onboard.localisation.spatial_filter import CORNER_M, filtered_sample, sections, step_response
 from onboard.localisation.table import READERS_ROW
 from onboard.records import UnitRow
 
@@ -69,7 +69,7 @@ def test_by_the_rule_for_all_other_readers_a_weak_fix_moves_it(own: CurvatureRow
         own.within_m = 6.0
         assert take_fix(own, unit, 506.0, 8.0, 8.0, 8.0) == TAKEN
         assert unit.position_m == 500.0
-    assert taken(unit, 506.0, 8.0, 8.0) == TAKEN
+    assert fix_by_rule(unit, 506.0, 8.0, 8.0) == TAKEN
     assert unit.position_m > 501.0
 
 
@@ -90,13 +90,13 @@ def test_another_bias_leaves_no_step_in_the_ring(own: CurvatureRow) -> None:
     bias_radps = 1.5e-3
     slow_s_per_m = 1.0 / (15.0 + 5.0 * np.sin(np.arange(1200.0) / 300.0))
     for slow in slow_s_per_m[:1000]:
-        keep(own, bias_radps * slow, slow)
+        keep_metre(own, bias_radps * slow, slow)
     before = np.array(own.bent_per_m[own.at + WINDOW_MAX - 300 : own.at + WINDOW_MAX])
     assert np.abs(before).min() > 5e-5
     turn_to_bias(own, own.bias_radps + bias_radps)
     assert own.bias_radps == bias_radps
     for slow in slow_s_per_m[1000:]:
-        keep(own, 0.0, slow)
+        keep_metre(own, 0.0, slow)
     after = np.array(own.bent_per_m[own.at + WINDOW_MAX - 600 : own.at + WINDOW_MAX])
     # the filter's own delay over the changing speed is all that is left
     assert np.abs(after).max() < 0.05 * np.abs(before).max()
@@ -107,7 +107,7 @@ SEEN_M, SPAN_M, TRUE = 300, 40, 20
 
 def seen_with_a_jump(own: CurvatureRow, first: int, jump_radps: float) -> np.ndarray:
     """A run on a straight before a curve, in which the gyro's bias jumps from metre `first` on; returns the map."""
-    own.rises[:] = rises(np.array(own.numbers))
+    own.rises[:] = step_response(np.array(own.numbers))
     own.span = SPAN_M
     own.slow_s_per_m[:] = 0.1
     known = np.interp(
@@ -116,7 +116,7 @@ def seen_with_a_jump(own: CurvatureRow, first: int, jump_radps: float) -> np.nda
     step = np.zeros(SEEN_M)
     step[first:] = 0.1 * jump_radps
     kept = np.zeros(4)
-    filtered = np.array([passed(np.array(own.numbers), kept, value) for value in step])
+    filtered = np.array([filtered_sample(np.array(own.numbers), kept, value) for value in step])
     begin = own.at + WINDOW_MAX - SEEN_M
     own.bent_per_m[begin : begin + SEEN_M] = known[TRUE : TRUE + SEEN_M] + filtered
     return known
@@ -141,7 +141,7 @@ def test_a_jump_that_looks_like_a_curve_hides_no_shift(own: CurvatureRow) -> Non
     begin = own.at + WINDOW_MAX - SEEN_M
     least = all_squares(known, own.bent_per_m, begin, SEEN_M, SPAN_M, energy, free)
     limit = 2e-8
-    hull = explained(free, SPAN_M, least, 8, free[least] + limit, free[least] + limit)
+    hull = explained_shifts(free, SPAN_M, least, 8, free[least] + limit, free[least] + limit)
     assert not hull[0] <= TRUE <= hull[1]
     most = without_jump(own, known, SEEN_M, least) + limit
     from_m, to_m = explained_by_jump(own, known, SEEN_M, hull, most)

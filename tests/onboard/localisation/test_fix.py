@@ -6,7 +6,16 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from onboard.localisation.fix import Fix, FixSource, RefusedFix, TakenFix, missed_by_m, take, taken, told
+from onboard.localisation.fix import (
+    Fix,
+    FixSource,
+    RefusedFix,
+    TakenFix,
+    fix_by_rule,
+    missed_by_m,
+    take_interval,
+    virtual_tag_bits,
+)
 from onboard.localisation.wheel_scale import narrowest
 from onboard.records import UnitRow
 
@@ -24,7 +33,7 @@ def test_two_intervals_that_hold_the_truth_leave_one_that_holds_it(
     unit.fix_correction_m = 0.0
     before_m = float(unit.position_m)
     fix = Fix(true_m + its_share * its_m, its_m, its_m, source)
-    taken = take(unit, fix)
+    taken = take_interval(unit, fix)
     assert isinstance(taken, TakenFix)
     assert unit.position_m == pytest.approx(before_m + taken.correction_m)
     assert unit.fix_correction_m == pytest.approx(taken.correction_m)
@@ -41,18 +50,18 @@ def test_a_fix_that_misses_the_bounds_is_refused_and_changes_nothing(unit: UnitR
     before = unit.copy()  # type: ignore[attr-defined]
     fix = Fix(at_m, 0.5, 0.5, FixSource.TAG)
     assert missed_by_m(unit, fix) == pytest.approx(0.1)
-    refused = take(unit, fix)
+    refused = take_interval(unit, fix)
     assert refused == RefusedFix("tag misses the bounds by 0.100 m")
     assert unit == before
 
 
 def test_what_is_no_number_is_refused(unit: UnitRow) -> None:
-    assert isinstance(take(unit, Fix(float("nan"), 0.5, 0.5, FixSource.TAG)), RefusedFix)
+    assert isinstance(take_interval(unit, Fix(float("nan"), 0.5, 0.5, FixSource.TAG)), RefusedFix)
 
 
 def test_a_unit_without_a_position_takes_the_fix_as_it_is(unit: UnitRow) -> None:
     unit.position_known, unit.position_m = 0, 7.0
-    assert take(unit, Fix(5000.0, 0.5, 1.5, FixSource.TAG)) == TakenFix(0.0)
+    assert take_interval(unit, Fix(5000.0, 0.5, 1.5, FixSource.TAG)) == TakenFix(0.0)
     assert (unit.position_known, unit.position_m) == (1, 5000.0)
     assert (unit.bound_behind_m, unit.bound_ahead_m) == (0.5, 1.5)
     assert unit.fix_correction_m == 0.0  # nothing to correct
@@ -61,14 +70,14 @@ def test_a_unit_without_a_position_takes_the_fix_as_it_is(unit: UnitRow) -> None
 def test_the_surer_of_two_counts_more(unit: UnitRow) -> None:
     """By the squares: 4 m against 1 m moves the estimate by 16 parts of 17."""
     unit.position_m, unit.bound_behind_m, unit.bound_ahead_m = 100.0, 4.0, 4.0
-    assert take(unit, Fix(101.0, 1.0, 1.0, FixSource.TAG)) == TakenFix(pytest.approx(16.0 / 17.0))
+    assert take_interval(unit, Fix(101.0, 1.0, 1.0, FixSource.TAG)) == TakenFix(pytest.approx(16.0 / 17.0))
 
 
 def fix_taken(unit: UnitRow, within_m: float) -> None:
     """A fix that has the front where the estimate is, within that either way."""
     unit.bound_behind_m = unit.bound_ahead_m = 50.0
-    taken(unit, unit.position_m, within_m, within_m)
-    told(unit, 0)
+    fix_by_rule(unit, unit.position_m, within_m, within_m)
+    virtual_tag_bits(unit, 0)
 
 
 @pytest.mark.parametrize(("run_m", "kept"), [(400.0, True), (600.0, False)])

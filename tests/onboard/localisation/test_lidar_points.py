@@ -16,7 +16,7 @@ from onboard.localisation.lidar_points import (
     SPEED,
     detect,
     mean_distance_m,
-    moved,
+    places_now,
     read_window_m,
     window,
 )
@@ -36,8 +36,8 @@ def test_points_on_one_marker_come_together_at_the_true_speed(
 ) -> None:
     times = np.sort(now_s - np.array(ages_s))
     seen_m = 5.0 + speed_mps * (now_s - times)  # further off, the longer ago
-    assert moved(seen_m, times, 0, times.size, now_s, speed_mps) == pytest.approx(5.0, abs=1e-9)
-    spread_m = np.ptp(moved(seen_m, times, 0, times.size, now_s, 0.0))
+    assert places_now(seen_m, times, 0, times.size, now_s, speed_mps) == pytest.approx(5.0, abs=1e-9)
+    spread_m = np.ptp(places_now(seen_m, times, 0, times.size, now_s, 0.0))
     assert spread_m == pytest.approx(speed_mps * np.ptp(times), abs=1e-9)
 
 

@@ -21,7 +21,7 @@ from onboard.localisation.marker_patterns import (
     WORDS,
     is_marked,
     pattern_of,
-    recognised,
+    recognised_pattern,
 )
 
 
@@ -71,7 +71,7 @@ def test_points_about_the_markers_give_the_pattern_and_its_first_row(
     pattern: int, counts: list[int], spacing_m: float, first_m: float, seed: int
 ) -> None:
     x_m, y_m = points_on(cells_of(pattern), counts, spacing_m, first_m, seed, 0.2 * spacing_m)
-    number, row_m = recognised(x_m, y_m, spacing_m)
+    number, row_m = recognised_pattern(x_m, y_m, spacing_m)
     assert number == pattern
     assert row_m == pytest.approx(first_m, abs=0.2 * spacing_m)
 
@@ -91,7 +91,7 @@ def test_up_to_three_markers_in_wrong_places_or_gone_never_give_another_pattern(
         cells[index] = cell
     cells = sorted(set(cells))[lost:] if lost else sorted(set(cells))
     x_m, y_m = points_on(cells, [points] * len(cells), 0.25, 5.0, 1, 0.05)
-    assert recognised(x_m, y_m, 0.25)[0] in (UNREAD, pattern)
+    assert recognised_pattern(x_m, y_m, 0.25)[0] in (UNREAD, pattern)
 
 
 @pytest.mark.parametrize("lost", range(MARKERS))
@@ -99,19 +99,19 @@ def test_a_marker_that_is_missing_hides_the_pattern(lost: int) -> None:
     cells = cells_of(7)
     del cells[lost]
     x_m, y_m = points_on(cells, [8] * len(cells), 0.25, 5.0, 1, 0.05)
-    assert recognised(x_m, y_m, 0.25)[0] == UNREAD
+    assert recognised_pattern(x_m, y_m, 0.25)[0] == UNREAD
 
 
 def test_points_spread_over_half_a_row_more_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """They fill cells between; without the demand that others show clearly less, something is told."""
     x_m, y_m = points_on(cells_of(3), [30] * MARKERS, 0.25, 5.0, 2, 0.2)
-    assert recognised(x_m, y_m, 0.25)[0] == UNREAD
+    assert recognised_pattern(x_m, y_m, 0.25)[0] == UNREAD
     counts = np.zeros(module.ROWS_LOOKED * COLUMNS, dtype=np.int64)
-    module.counted(x_m, y_m, 0.25, counts)
+    module.count_cells(x_m, y_m, 0.25, counts)
     assert np.count_nonzero(counts >= 5) > MARKERS
 
 
 def test_too_few_points_show_nothing() -> None:
-    assert recognised(np.zeros(0), np.zeros(0), 0.25)[0] == UNREAD
+    assert recognised_pattern(np.zeros(0), np.zeros(0), 0.25)[0] == UNREAD
     x_m, y_m = points_on(cells_of(3), [1] * MARKERS, 0.25, 5.0, 2, 0.0)
-    assert recognised(x_m, y_m, 0.25)[0] == UNREAD
+    assert recognised_pattern(x_m, y_m, 0.25)[0] == UNREAD

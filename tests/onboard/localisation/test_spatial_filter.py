@@ -11,7 +11,7 @@ from onboard.localisation.spatial_filter import (
     PASSED_M,
     SETTLES_M,
     delay_m,
-    gain,
+    filter_gain,
     pass_all,
     sections,
 )
@@ -28,13 +28,13 @@ def amplitude(wave_m: float, numbers: np.ndarray) -> float:
 
 @pytest.mark.parametrize("wave_m", [200.0, 80.0, PASSED_M, DAMPED_M, 12.0])
 def test_what_runs_through_is_what_the_gain_says(wave_m: float) -> None:
-    assert amplitude(wave_m, NUMBERS) == pytest.approx(float(gain(np.array([wave_m]))[0]), abs=0.01)
+    assert amplitude(wave_m, NUMBERS) == pytest.approx(float(filter_gain(np.array([wave_m]))[0]), abs=0.01)
 
 
 def test_waves_over_50_m_pass_and_those_under_25_m_are_damped() -> None:
-    assert np.all(gain(np.array([50.0, 60.0, 100.0, 500.0])) > 0.96)
-    assert np.all(gain(np.array([25.0, 20.0, 10.0, 4.0])) < 0.25)
-    assert gain(np.array([DAMPED_M]), corner_m=10.0)[0] > 0.9  # another corner does not
+    assert np.all(filter_gain(np.array([50.0, 60.0, 100.0, 500.0])) > 0.96)
+    assert np.all(filter_gain(np.array([25.0, 20.0, 10.0, 4.0])) < 0.25)
+    assert filter_gain(np.array([DAMPED_M]), corner_m=10.0)[0] > 0.9  # another corner does not
 
 
 def test_a_constant_passes_at_once_and_a_ramp_comes_late_by_the_delay() -> None:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from onboard.localisation.fix import TakenFix, take
+from onboard.localisation.fix import TakenFix, take_interval
 from onboard.localisation.tachometer import SURE_BRAKE_MPS2, calibrated_scale, locate
 from onboard.localisation.tags import tag_fix
 from onboard.records import EVENT_SAFE_REAR, EVENT_TAG_OVERDUE, UNIT, UnitRow
@@ -51,7 +51,7 @@ def test_the_truth_lies_within_the_bounds_for_any_wheel_error_within_the_growth(
         assert true_m <= unit.position_m + unit.bound_ahead_m + 1e-6
         assert true_m >= unit.position_m - unit.bound_behind_m - 1e-6
         if index == len(shares) // 2:
-            take(unit, tag_fix(unit, true_m, odometer_m + tag_error_m, ACCURACY_M))
+            take_interval(unit, tag_fix(unit, true_m, odometer_m + tag_error_m, ACCURACY_M))
             assert true_m <= unit.position_m + unit.bound_ahead_m + 1e-6
             assert true_m >= unit.position_m - unit.bound_behind_m - 1e-6
 
@@ -94,7 +94,7 @@ def test_a_tag_is_accepted_where_it_can_have_been_read(train: TrainRow, tag_m: f
     """After 1000 m the bound is 0.5 m + 20 m, and the tag itself is read to 0.5 m."""
     unit = new_unit()
     locate(unit, train, 1000.0, 20.0, STEP_S)
-    assert isinstance(take(unit, tag_fix(unit, tag_m, 1000.0, ACCURACY_M)), TakenFix) is accepted
+    assert isinstance(take_interval(unit, tag_fix(unit, tag_m, 1000.0, ACCURACY_M)), TakenFix) is accepted
 
 
 def test_without_a_position_none_is_overdue(train: TrainRow) -> None:

@@ -26,13 +26,13 @@ def doubt(unit: np.recarray) -> TagDoubt:
     unit.bound_ahead_m = unit.bound_behind_m = PARAMETERS.tag_accuracy_m
     tags = TagDoubt(unit, PARAMETERS)
     tags.new_path((FIRST, SECOND, THIRD, FOURTH))
-    tags.take(FIRST, FIRST.position_m)
+    tags.believe_tag(FIRST, FIRST.position_m)
     return tags
 
 
 def fault_at(doubt: TagDoubt, unit: np.recarray, position_m: float) -> None:
     unit.position_m = unit.odometer_m = position_m
-    doubt.begin()
+    doubt.begin_doubt()
     unit.position_known = 0
 
 
@@ -89,11 +89,11 @@ def test_an_ambiguous_tag_fixes_nothing(doubt: TagDoubt, unit: np.recarray) -> N
 def test_the_bounds_stay_wide_until_tags_and_tachometer_agree(doubt: TagDoubt, unit: np.recarray) -> None:
     fault_at(doubt, unit, SECOND.position_m)
     unit.position_known = 1
-    doubt.take(SECOND, 300.0)
+    doubt.believe_tag(SECOND, 300.0)
     assert unit.bound_growth == PARAMETERS.doubt_error_share
-    doubt.take(THIRD, 300.0 + 0.9 * 50.0)  # a tenth too little
+    doubt.believe_tag(THIRD, 300.0 + 0.9 * 50.0)  # a tenth too little
     assert unit.bound_growth == PARAMETERS.doubt_error_share
-    doubt.take(FOURTH, 345.0 + 200.0)
+    doubt.believe_tag(FOURTH, 345.0 + 200.0)
     assert unit.bound_growth == pytest.approx(PARAMETERS.wheel_error_share)
 
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from network.model import TagPurpose
 from onboard.duty.mission import PathTag
 from onboard.localisation.tags import TagDoubt, TagOutcome, Wheels
-from onboard.localisation.wheel_scale import LEARNED_OVER_M, WheelScale, held
+from onboard.localisation.wheel_scale import LEARNED_OVER_M, WheelScale, front_interval
 from onboard.records import UNIT
 from onboard.unit_records import UnitParameters
 
@@ -40,7 +40,7 @@ class Ride:
         self.row.position_m = self.true_m
         self.row.bound_ahead_m = self.row.bound_behind_m = self.parameters.tag_accuracy_m
         self.doubt = TagDoubt(self.row, self.parameters)
-        self.doubt.placed()
+        self.doubt.position_told()
         self.doubt.new_path(self.tags)
 
     @property
@@ -63,9 +63,9 @@ class Ride:
 
     def read(self, tag: PathTag, error_m: float = 0.0) -> TagOutcome:
         """The reader reads what calls itself `tag`; what the driving part makes of it."""
-        heard, _ = self.doubt.hear(tag, float(self.row.odometer_m) + error_m)
+        heard, _ = self.doubt.tag_read(tag, float(self.row.odometer_m) + error_m)
         if heard is TagOutcome.OUT:
-            self.doubt.begin()
+            self.doubt.begin_doubt()
             self.row.position_known = 0
         self.heard.append(heard)
         return heard
@@ -202,7 +202,7 @@ def test_after_a_fault_told_by_a_tag_the_bounds_before_it_are_spanned_too() -> N
 
 
 def lose_to_a_tag_of_another_path(ride: Ride) -> None:
-    ride.doubt.begin(Wheels.SOUND)
+    ride.doubt.begin_doubt(Wheels.SOUND)
     ride.row.position_known = 0
 
 
@@ -224,7 +224,7 @@ def test_of_two_faults_one_after_the_other_the_tag_between_is_spanned() -> None:
     """Read in doubt, and right: the fault after it says nothing against it, and the next tag may lie."""
     ride = Ride(tags_at(400.0, 425.0, 460.0, 800.0, 1500.0))
     ride.run_to(350.0)
-    ride.doubt.begin()
+    ride.doubt.begin_doubt()
     ride.row.position_known = 0
     ride.run_to(425.0)
     assert ride.read(ride.tags[1]) is TagOutcome.DOUBTED
@@ -264,7 +264,7 @@ def test_wheels_that_are_worth_something_else_since_stay_in_doubt() -> None:
 
 def test_nor_does_what_was_known_come_back_where_the_tachometer_shows_what_no_slide_explains() -> None:
     ride = measured(6_000.0)
-    ride.doubt.begin(Wheels.FALSE)
+    ride.doubt.begin_doubt(Wheels.FALSE)
     ride.run_to(6_000.0)
     assert ride.read(ride.tags[5]) is TagOutcome.BELIEVED
     assert ride.row.bound_growth == PARAMETERS.doubt_error_share
@@ -313,7 +313,7 @@ def test_wheels_are_doubted_for_what_they_could_err_by_since_a_fix(off_m: float,
 def test_wheels_that_are_out_of_order_say_nothing_of_where_it_is() -> None:
     ride = Ride(tags_at(150.0, 400.0))
     ride.run_to(160.0)
-    ride.doubt.begin(Wheels.FALSE)
+    ride.doubt.begin_doubt(Wheels.FALSE)
     ride.row.position_known = 0
     ride.run_to(400.0)
     assert ride.read(ride.tags[1]) is TagOutcome.BELIEVED
@@ -350,11 +350,11 @@ def test_the_wheels_worth_stays_within_what_is_learned(
 ) -> None:
     ride = Ride(())
     wheel = WheelScale(ride.row, PARAMETERS)
-    wheel.learn(held(ride.row, ride.true_m - 1.0, ride.true_m + 1.0))
+    wheel.learn(front_interval(ride.row, ride.true_m - 1.0, ride.true_m + 1.0))
     ride.worn = worn
     for run_m, more, half_m in way:
         ride.run_to(ride.true_m + run_m, more)
-        wheel.learn(held(ride.row, ride.true_m - half_m, ride.true_m + half_m))
+        wheel.learn(front_interval(ride.row, ride.true_m - half_m, ride.true_m + half_m))
         low, high = wheel.scales
         assert low <= worn - 0.0049 or low <= worn
         assert low + 0.005 <= worn + 1e-9
@@ -367,12 +367,12 @@ def test_what_contradicts_the_wheels_makes_it_begin_anew() -> None:
     ride = Ride(())
     wheel = WheelScale(ride.row, PARAMETERS)
     stated = wheel.scales
-    wheel.learn(held(ride.row, 99.0, 101.0))
+    wheel.learn(front_interval(ride.row, 99.0, 101.0))
     ride.run_to(100.0 + 10.0 * LEARNED_OVER_M)
-    wheel.learn(held(ride.row, 1099.0, 1101.0))
+    wheel.learn(front_interval(ride.row, 1099.0, 1101.0))
     assert wheel.scales.high - wheel.scales.low < stated.high - stated.low
     ride.run_to(1100.0 + 10.0 * LEARNED_OVER_M)
-    wheel.learn(held(ride.row, 2199.0, 2201.0))
+    wheel.learn(front_interval(ride.row, 2199.0, 2201.0))
     assert wheel.scales == stated
 
 
@@ -382,7 +382,7 @@ def test_fixes_that_are_wide_measure_the_wheels_from_the_first_of_a_path_on() ->
     wheels = [WheelScale(ride.row, PARAMETERS, keeps_first=first) for first in (True, False)]
     for place in range(67):
         for wheel in wheels:
-            wheel.learn(held(ride.row, ride.true_m - 20.0, ride.true_m + 20.0))
+            wheel.learn(front_interval(ride.row, ride.true_m - 20.0, ride.true_m + 20.0))
         if place < 66:
             ride.run_to(ride.true_m + 300.0)
     kept, forgotten = ((wheel.worth.high - wheel.worth.low) / 2.0 for wheel in wheels)

@@ -36,7 +36,7 @@ def on_sumo(tmp_path_factory: pytest.TempPathFactory) -> Carry:
 
 
 def on_plain(trains: tuple[Going, ...], stretch: int = 50, look: Look = Look.AS_SUMO) -> Came:
-    return carried(PlainTrack.of(LINE, STEP_S, look), trains, stretch)
+    return carried(PlainTrack.of_line(LINE, STEP_S, look), trains, stretch)
 
 
 @dataclass(frozen=True)
@@ -202,7 +202,7 @@ def test_sumo_has_no_eyes_for_trains_beside_each_other(on_sumo: Carry) -> None:
 
 
 def test_a_train_that_is_gone_is_run_into_no_more() -> None:
-    track = PlainTrack.of(LINE, STEP_S)
+    track = PlainTrack.of_line(LINE, STEP_S)
     track.insert("K1", ("west",), DOWN, 100.0, 18.0)
     track.insert("K2", ("west",), DOWN, 60.0, 18.0)
     track.remove("K1")
@@ -217,7 +217,7 @@ def test_a_train_that_is_gone_is_run_into_no_more() -> None:
 def test_the_rear_is_where_the_train_came_from() -> None:
     """Its body is over the reverse leg: what stands there is hit, what stands on the normal leg is not."""
     for side, hit in ((0, 0), (1, 1)):
-        track = PlainTrack.of(LINE, STEP_S)
+        track = PlainTrack.of_line(LINE, STEP_S)
         track.insert("K1", ("stem1", "reverse1", "track2"), DOWN, 5.0, 60.0)
         track.run([("K1", [10.0] * 30)], 30)
         track.reroute("K1", ("reverse1", "track2"), DOWN)

@@ -134,7 +134,7 @@ class Stage:
         return self
 
     def leave(self, unit: str) -> Stage:
-        self.checkers.left(unit)
+        self.checkers.train_left(unit)
         return self
 
     def stand(self, for_s: float, *, timer: bool) -> Stage:

@@ -18,7 +18,7 @@ from simulation.sensors.scene import NO_TAG_M, SCENE
 from simulation.sensors.table import SENSORS_ROW
 from simulation.settings import PositionSensor, Sensors
 from simulation.setup import STEP_S, Setup
-from simulation.world.disorder import put
+from simulation.world.disorder import put_fault
 from simulation.world.trains import Trains
 
 CARRIES = Sensors(carries=(PositionSensor.TAGS, PositionSensor.BEACONS))
@@ -67,12 +67,12 @@ def test_faults_of_the_receiver(rtri_setup: Setup) -> None:
     pieces_m = {piece.id: piece.length_m for piece in setup.line.pieces.values()}
     trains = Trains(setup, PlainTrack(pieces_m, STEP_S))
     row = trains.stock.view(np.recarray)[0].sensors
-    put(DeafReceiver(target="K1"), trains, True)
+    put_fault(DeafReceiver(target="K1"), trains, True)
     assert not shown(row, 1.0).noticed
-    put(DeafReceiver(target="K1"), trains, False)
+    put_fault(DeafReceiver(target="K1"), trains, False)
     assert shown(row, 1.0).noticed
     fault = FalseBeacon(target="K1")
-    put(fault, trains, fault.over(fault.base()))
+    put_fault(fault, trains, fault.applied_to(fault.base()))
     assert [int(shown(row, NO_TAG_M).noticed) for _ in range(3)] == [1, 0, 0]
 
 

@@ -21,7 +21,7 @@ from simulation.sensors.gnss import (
     fit,
     gnss_receiver,
     put_reception,
-    reflected,
+    reflection_sigmas,
 )
 from simulation.sensors.scene import SCENE
 from simulation.sensors.table import SENSORS_ROW
@@ -111,17 +111,19 @@ def test_no_fix_in_a_tunnel_and_for_a_time_after(rtri_setup: Setup) -> None:
 def test_reflections_come_again_where_the_satellites_do(rtri_setup: Setup) -> None:
     own = receiver_of(rtri_setup)
     places = np.arange(0.0, 40_000.0, 40.0)
-    now = np.array([reflected(own, place, 36_000.0) for place in places])
+    now = np.array([reflection_sigmas(own, place, 36_000.0) for place in places])
     assert np.std(now) == pytest.approx(1.0, abs=0.12)
-    soon = np.array([reflected(own, place, 36_060.0) for place in places])
-    later = np.array([reflected(own, place, 36_000.0 + 2.0 * SIDEREAL_DAY_S / HOURS) for place in places])
+    soon = np.array([reflection_sigmas(own, place, 36_060.0) for place in places])
+    later = np.array(
+        [reflection_sigmas(own, place, 36_000.0 + 2.0 * SIDEREAL_DAY_S / HOURS) for place in places]
+    )
     assert np.corrcoef(now, soon)[0, 1] > 0.95
     assert abs(np.corrcoef(now, later)[0, 1]) < 0.15
     tomorrow = receiver_of(rtri_setup, day=2)
     earlier_s = 86_400.0 - SIDEREAL_DAY_S
-    again = np.array([reflected(tomorrow, place, 36_000.0 - earlier_s) for place in places])
+    again = np.array([reflection_sigmas(tomorrow, place, 36_000.0 - earlier_s) for place in places])
     assert np.allclose(now, again)
-    near = np.array([reflected(own, place + 4.0, 36_000.0) for place in places])
+    near = np.array([reflection_sigmas(own, place + 4.0, 36_000.0) for place in places])
     assert np.corrcoef(now, near)[0, 1] > 0.95
 
 
@@ -152,15 +154,15 @@ def test_what_faults_do(rtri_setup: Setup) -> None:
         return Ride(receiver).errors(30.0)
 
     assert faulty(Reception(no_signals=True)) == []
-    jumped = faulty(GnssJump(target="K1", bias_m=30.0).over(Reception()))
+    jumped = faulty(GnssJump(target="K1", bias_m=30.0).applied_to(Reception()))
     assert np.subtract(jumped, plain) == pytest.approx(30.0)
     crept = np.subtract(
-        faulty(GnssReflections(target="K1", bias_m=30.0, over_m=300.0).over(Reception())), plain
+        faulty(GnssReflections(target="K1", bias_m=30.0, over_m=300.0).applied_to(Reception())), plain
     )
     assert crept[0] < 5.0
     assert np.diff(crept).max() == pytest.approx(2.0, abs=0.2)  # 20 m/s, 0.1 m a metre
     assert crept[-1] == pytest.approx(30.0)
-    late = faulty(GnssTimeTag(target="K1", late_s=1.0).over(Reception()))
+    late = faulty(GnssTimeTag(target="K1", late_s=1.0).applied_to(Reception()))
     assert np.mean(late) == pytest.approx(np.mean(plain) - SPEED_MPS, abs=0.3)
 
 
@@ -178,7 +180,7 @@ def test_a_frozen_receiver_shows_one_place_for_ever(rtri_setup: Setup) -> None:
 
 
 def test_faults_that_overlap_are_folded_and_a_bias_goes_as_it_came(rtri_setup: Setup) -> None:
-    both = GnssJump(target="K1", bias_m=5.0).over(GnssAntenna(target="K1").over(Reception()))
+    both = GnssJump(target="K1", bias_m=5.0).applied_to(GnssAntenna(target="K1").applied_to(Reception()))
     assert both == Reception(no_signals=True, bias_m=5.0)
     receiver = receiver_of(rtri_setup)
     put_reception(receiver, Reception(bias_m=30.0, over_m=300.0))

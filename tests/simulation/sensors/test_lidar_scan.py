@@ -19,7 +19,7 @@ from simulation.sensors.lidar_scan import (
     ScanPoints,
     coverage,
     distance_m,
-    laid,
+    marker_places,
     scan,
     scan_row,
 )
@@ -32,7 +32,7 @@ def points_of(
     motion: MarkerMotion, duration_s: float, seed: int = 1, least: float = WHITE, pattern: int = 1
 ) -> ScanPoints:
     rng = np.random.default_rng(seed)
-    return scan(scan_row(least_reading=least), laid(pattern, 0.25), motion, duration_s, rng)
+    return scan(scan_row(least_reading=least), marker_places(pattern, 0.25), motion, duration_s, rng)
 
 
 def test_half_a_second_covers_98_percent_of_the_field() -> None:
@@ -48,7 +48,7 @@ def test_a_scan_that_repeats_covers_less() -> None:
 
 
 def test_points_of_a_standing_train_lie_on_the_markers() -> None:
-    points, places = points_of(MarkerMotion(5.0, 0.0, 0.0), 1.0), laid(1, 0.25)
+    points, places = points_of(MarkerMotion(5.0, 0.0, 0.0), 1.0), marker_places(1, 0.25)
     assert points.time_s.size > 300
     assert np.all(np.diff(points.time_s) > 0.0)
     away = np.min(
@@ -90,7 +90,7 @@ def test_the_track_reads_darker_than_white_and_markers_brighter() -> None:
 
 def test_markers_that_scatter_like_white_are_not_found() -> None:
     dull = scan_row(plate=Plate(retroreflection=1.0 / np.pi))
-    points = scan(dull, laid(1, 0.25), MarkerMotion(5.0, 0.0, 0.0), 0.3, np.random.default_rng(1))
+    points = scan(dull, marker_places(1, 0.25), MarkerMotion(5.0, 0.0, 0.0), 0.3, np.random.default_rng(1))
     assert points.time_s.size == 0
 
 
@@ -103,4 +103,4 @@ def test_the_seed_decides_everything() -> None:
 
 def test_a_pattern_that_is_not_in_the_catalogue_is_refused() -> None:
     with pytest.raises(ValueError, match=f"1 to {PATTERNS}"):
-        laid(PATTERNS + 1, 0.25)
+        marker_places(PATTERNS + 1, 0.25)

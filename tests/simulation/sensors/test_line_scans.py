@@ -12,7 +12,7 @@ from documents.scans import PASSAGES, READINGS
 from onboard.localisation.lidar import NOISE_WITHIN_MPS, ROW_WITHIN_M
 from onboard.localisation.lidar_points import FILLED
 from papers.marker_passages import USES, pass_markers
-from simulation.sensors.lidar_model import fit
+from simulation.sensors.lidar_model import fit_model
 from simulation.sensors.line_scans import COLUMNS, PLACES_M, SMEARS_M, SPEEDS_MPS, Scans, line_scans
 from vehicle.compiled import INTERPRETED
 
@@ -50,7 +50,7 @@ def objections(kept: Scans, fresh: Scans, speed_mps: float, index: int) -> list[
 
 @pytest.fixture(scope="module")
 def fresh() -> Scans:
-    found, wrong = fit(FRESH_MPS, COUNT, 8, LEAST)
+    found, wrong = fit_model(FRESH_MPS, COUNT, 8, LEAST)
     assert wrong == 0
     return found
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from documents.sightings import IMAGES, fitted
+from documents.sightings import IMAGES, fitted_model
 from simulation.sensors import line_sightings as module
 from simulation.sensors.camera import LINE_CAMERA, Renderer
 from simulation.sensors.line_sightings import LIGHTS, PLACES_M, line_sightings
@@ -21,7 +21,7 @@ SIGMAS = 4.0
 
 def objections(light: Light, renderer: Renderer) -> list[str]:
     """Which committed figures fresh images contradict by more than four standard errors of both samples."""
-    fresh = fitted(renderer, light, 8, COUNT, FRESH_PLACES_M)
+    fresh = fitted_model(renderer, light, 8, COUNT, FRESH_PLACES_M)
     kept = line_sightings()[light]
     found: list[str] = []
     for index, place_m in enumerate(FRESH_PLACES_M):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from simulation.faults.fault import fold
+from simulation.faults.fault import folded_value
 from simulation.faults.table import FAULTS
 from simulation.faults.yaw_gyro import Gyro, GyroBias, GyroDead, GyroNoise, GyroStuck
 from simulation.sensors.scene import SCENE
@@ -110,8 +110,8 @@ def test_faults_that_overlap_are_folded() -> None:
         GyroNoise(target="K1", factor=2.0),
         GyroStuck(target="K1"),
     ]
-    found = fold(Gyro(), faults)
+    found = folded_value(Gyro(), faults)
     assert (found.is_silent, found.is_stuck, found.noise_factor) == (False, True, 6.0)
     assert found.jump_radps == pytest.approx(np.radians(0.1))
-    assert fold(found, [GyroDead(target="K1")]).is_silent
+    assert folded_value(found, [GyroDead(target="K1")]).is_silent
     assert {"gyro_dead", "gyro_stuck", "gyro_bias", "gyro_noise"} <= set(FAULTS)

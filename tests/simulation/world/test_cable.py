@@ -12,7 +12,7 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.model import Line
 from simulation.faults.cable import WHOLE, CableCut, CutCable, stretches_of
-from simulation.faults.fault import fold
+from simulation.faults.fault import folded_value
 from simulation.settings import Interlocking, Operation
 from simulation.world.cable import Cable, centre_of
 from wayside.config import MANAGER_ID
@@ -90,6 +90,6 @@ def test_cuts_that_overlap_are_one_quantity(given_cuts: list[tuple[str, float]],
     """Each takes away what it takes alone, and one that ends leaves the others."""
     faults = [CutCable(target=stretch, along_share=along) for stretch, along in given_cuts]
     assert len({fault.place for fault in faults}) <= 1
-    cuts: tuple[CableCut, ...] = fold((), faults)
+    cuts: tuple[CableCut, ...] = folded_value((), faults)
     alone = [cable_of(cut).carries(unit_m, MANAGER_ID) for cut in cuts]
     assert cable_of(*cuts).carries(unit_m, MANAGER_ID) is all(alone)

@@ -17,8 +17,8 @@ from simulation.world.charge_control import (
     RISING,
     UP,
     drain,
-    fits,
-    offer,
+    offer_power,
+    reset_charging,
     steer,
 )
 from vehicle.battery import available_j, stand
@@ -37,7 +37,7 @@ class Stood:
         self.battery: NDArray[np.void] = row.copy()
         self.battery["charge_c"] = soc * self.battery["full_c"]
         self.charging = np.zeros(1, dtype=CHARGING)
-        fits(self.battery[0], self.charging[0])
+        reset_charging(self.battery[0], self.charging[0])
         self.charging["power_w"], self.charging["connect_s"], self.charging["disconnect_s"] = 4e5, 20.0, 15.0
         self.charging["leaves_s"], self.charging["needed_j"] = leaves_s, needed_j
         self.charging["spare_j"] = 1.0 * KWH
@@ -135,7 +135,7 @@ def braked(limit_w: float) -> tuple[float, NDArray[np.void], NDArray[np.void]]:
     own["pack"]["regeneration_max_w"] = limit_w
     most_w = 0.0
     while plant["speed_mps"][0] > 0.0:
-        offer(own[0], plant[0], 0.1)
+        offer_power(own[0], plant[0], 0.1)
         traction_j, back_j = float(plant["energy_traction_j"][0]), float(plant["energy_regenerated_j"][0])
         taken_j = float(own["flows"]["taken_j"][0])
         step(plant[0], train.row[0], -7.0, False, 0.0, 0.0, 0.1)

@@ -15,7 +15,7 @@ def test_a_front_is_hidden_within_the_stretch_on_either_track_and_not_beyond(kar
     sections = [line.sections[name] for name in ("OGN.1", "OGN.2")]
     piece = line.pieces[sections[0].piece_ids[0]]
     length_m = 0.25 * (piece.to_m - piece.from_m)
-    zones.put("OGN.1", (LineStretch("OGN.1", 0.5, length_m),))
+    zones.put_stretches("OGN.1", (LineStretch("OGN.1", 0.5, length_m),))
     for section in sections:
         own = line.pieces[section.piece_ids[0]]
         path = path_of(line, section.piece_ids, Direction.DOWN)
@@ -23,6 +23,6 @@ def test_a_front_is_hidden_within_the_stretch_on_either_track_and_not_beyond(kar
         assert zones.hides(path, path.to_path_m(own.id, middle_m))
         assert not zones.hides(path, path.to_path_m(own.id, own.from_m + 1.0))
         assert not zones.hides(path, path.to_path_m(own.id, own.to_m - 1.0))
-    zones.put("OGN.1", ())
+    zones.put_stretches("OGN.1", ())
     path = path_of(line, sections[0].piece_ids, Direction.DOWN)
     assert not zones.hides(path, path.to_path_m(piece.id, piece.from_m + 0.6 * (piece.to_m - piece.from_m)))

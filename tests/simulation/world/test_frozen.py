@@ -32,7 +32,7 @@ class Parties:
         self.given: list[tuple[tuple[bytes, ...], int]] = []
 
     def advance(self, _party: str, _now_s: float, telegrams: list[bytes], told: bytes) -> Advance:
-        self.given.append((tuple(telegrams), len(CODEC.told(told).inputs)))
+        self.given.append((tuple(telegrams), len(CODEC.decode_told(told).inputs)))
         return Advance((), CODEC.encode(DeviceSaid()), None)
 
     def kill(self, _party: str) -> None: ...

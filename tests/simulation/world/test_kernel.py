@@ -10,7 +10,7 @@ from network.profile import PROFILE
 from onboard.records import EVENT_MOVING, EVENT_STOPPED, MODE_DRIVE, MODE_HOLD
 from simulation.carriers.plain_track import PlainTrack
 from simulation.setup import STEP_S, Setup, unit_configs
-from simulation.world.kernel import advance, new_sheet, passed, track_under
+from simulation.world.kernel import advance, new_sheet, passed_in_step, track_under
 from simulation.world.on_board import OnBoard
 from simulation.world.records import (
     PASSED_FROM_A_STAND,
@@ -187,12 +187,12 @@ def test_what_front_and_rear_pass() -> None:
     truth = truth_at(100.4, 300)
     truth.tag_end = 2
     truth.front_boundary_m, truth.rear_boundary_m = 100.4, 60.5
-    assert passed(truth, tags_m, 40.0) == PASSED_TAG | PASSED_FRONT
+    assert passed_in_step(truth, tags_m, 40.0) == PASSED_TAG | PASSED_FRONT
     truth.tag_next, truth.front_boundary_m, truth.rear_boundary_m = 1, np.inf, 60.4
-    assert passed(truth, tags_m, 40.0) == PASSED_REAR
+    assert passed_in_step(truth, tags_m, 40.0) == PASSED_REAR
     truth.tag_next = 2
     truth.position_m, truth.rear_boundary_m = 200.0, np.inf
-    assert passed(truth, tags_m, 40.0) == 0  # no tag left
+    assert passed_in_step(truth, tags_m, 40.0) == 0  # no tag left
 
 
 def test_stock_that_stood_without_driving_tells_the_carrier_how_it_begins_to_move(rtri_setup: Setup) -> None:

@@ -88,7 +88,7 @@ def test_nothing_reaches_a_dead_unit(cab: Cab) -> None:
     before = cab.belief()
     assert cab.on_board.tell(0, 1.0, ()) is None
     assert cab.on_board.tag_read(0, 601, 10.0) == []
-    assert cab.on_board.ticked(0, 255) == []
+    assert cab.on_board.tick_events(0, 255) == []
     assert cab.belief() == before
     with pytest.raises(KeyError):
         cab.units.advance("K1", 1.0, (), None)  # type: ignore[arg-type]
@@ -135,7 +135,7 @@ def test_what_the_vehicle_shows_outlives_a_boot_of_its_unit(cab: Cab) -> None:
 
 
 def test_the_driver_is_shown_what_the_unit_says(cab: Cab) -> None:
-    shown = cab.on_board.shown(0)
+    shown = cab.on_board.shown_to_driver(0)
     assert shown.waits_for == "signing on: no answer from the block manager"
     assert not shown.drive
     assert shown.held == ("3",)  # what it stands in it claims

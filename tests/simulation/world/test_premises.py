@@ -24,12 +24,12 @@ class Cab:
         return self
 
     def fix(self, *, holds: bool = True) -> Cab:
-        self.premises.fixed(0, holds=holds)
+        self.premises.note_fix(0, holds=holds)
         return self
 
     @property
     def judged(self) -> bool:
-        return not self.premises.broken(0)
+        return not self.premises.is_false(0)
 
 
 def test_without_a_fault_bounds_are_judged_however_wrong_the_wheels_are() -> None:
@@ -89,7 +89,7 @@ def test_a_fault_in_which_no_metre_was_run_makes_nothing_false() -> None:
 def test_one_that_is_stuck_runs_on_while_the_train_stands() -> None:
     cab = Cab().show(stuck_mps=5.0).show()
     assert not cab.judged
-    cab.premises.placed(0)
+    cab.premises.position_told(0)
     assert cab.judged
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from scenario.scenario import load_scenario
 from simulation.result import RunResult
 from simulation.setup import Setup
-from study.capacity.observed import observed
+from study.capacity.observed import occupations_run
 from study.capacity.occupation import Occupation
 from study.measures.register_holds import section_holds
 
@@ -91,6 +91,6 @@ def two_blocks(folder: Path, *, throw_share: float = 1.0, delay_s: float = 0.1) 
     return load_scenario(str(file)).setup
 
 
-def occupations_run(result: RunResult, setup: Setup) -> tuple[Occupation, ...]:
+def occupations_of_run(result: RunResult, setup: Setup) -> tuple[Occupation, ...]:
     """The blocking times of a run."""
-    return observed(result, setup.line, section_holds(result, setup.line, setup.lengths_m))
+    return occupations_run(result, setup.line, section_holds(result, setup.line, setup.lengths_m))

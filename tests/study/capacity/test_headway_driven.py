@@ -27,13 +27,13 @@ from study.capacity.legs import legs_of, places_of
 from study.capacity.occupation import TOUCH_S
 from study.capacity.orders import DayOfLegs
 from study.capacity.rules import MINIMAL
-from study.capacity.standard import StandardPath, added, extended, standard_paths
+from study.capacity.standard import StandardPath, added_path, extended_day, standard_paths
 from study.capacity.theory import occupations
-from study.capacity.two_trains import two_trains, undisturbed
+from study.capacity.two_trains import two_trains, undisturbed_setup
 from study.evaluate import headways_driven
 from study.evaluate.headways_driven import LATE_S, Drives
 from study.runner.run import CarrierKind, PartyLink, execute
-from tests.study.capacity.by_hand import occupations_run
+from tests.study.capacity.by_hand import occupations_of_run
 
 LEAD_S = 0.5  # a unit that asks no sooner than it must has no time to ask again
 FAR_S = 14_400
@@ -55,9 +55,9 @@ class Pair:
 
     def setup(self, apart_s: int) -> Setup:
         setup, legs = self.scenario.setup, 100
-        both = [added(setup, self.path, n, [apart_s if n == 2 else 0] * legs) for n in (1, 2)]
+        both = [added_path(setup, self.path, n, [apart_s if n == 2 else 0] * legs) for n in (1, 2)]
         bare = replace(setup, timetable=replace(setup.timetable, trains={}, diagrams=()))
-        return extended(bare, [(one, self.path) for one in both])
+        return extended_day(bare, [(one, self.path) for one in both])
 
     def run(self, apart_s: int) -> tuple[Setup, RunResult]:
         setup = self.setup(apart_s)
@@ -92,7 +92,7 @@ def greatest_s(
     setup: Setup, result: RunResult, apart_s: int, kinds: Collection[HeadwayKind] = FOLLOWS
 ) -> float:
     """How near the second may be by all headways of some kinds, the first before the second wherever they go."""
-    cases = line_cases(setup.line, occupations_run(result, setup), setup.unit.dwell_min_s)
+    cases = line_cases(setup.line, occupations_of_run(result, setup), setup.unit.dwell_min_s)
     found = [c.closest.buffer_s for c in cases if c.closest is not None and c.headway.kind in kinds]
     return apart_s - min(found)
 
@@ -155,7 +155,7 @@ def test_no_least_headway_is_below_what_a_run_needs(name: str) -> None:
 def drives_of(name: str) -> Generator[tuple[Drives, tuple[HeadwayCase, ...]]]:
     """The headways of a scenario's timetable in which nothing is drawn, and what drives them."""
     scenario = load_scenario(name)
-    setup = undisturbed(scenario.setup)
+    setup = undisturbed_setup(scenario.setup)
     cases = line_cases(setup.line, occupations(setup, MINIMAL), setup.unit.dwell_min_s)
     with scratch("branchline-") as folder:
         yield Drives(replace(scenario, setup=setup), folder), cases
@@ -181,7 +181,7 @@ def test_a_row_of_each_kind_can_be_driven_and_a_second_less_is_late() -> None:
             ("KNY", HeadwayKind.ARRIVAL_DEPARTURE, "up, KNY.2", "down, KNY.1"),
             ("KNN", HeadwayKind.DEPARTURE_ARRIVAL, "up, KNN.1", "down, KNN.1"),
         ):
-            found = drives.driven(row(cases, *key))
+            found = drives.drive_headway(row(cases, *key))
             assert found.agrees, (key, found.text)
 
 
@@ -193,7 +193,9 @@ def test_one_leg_back_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     with drives_of("isumi_weekday") as (drives, cases):
         whole = row(cases, "KNN", HeadwayKind.FOLLOWING, "up, KNN.1", "up, KNN.1")
-        found = drives.driven(replace(whole, headway=replace(whole.headway, least_s=short.headway.least_s)))
+        found = drives.drive_headway(
+            replace(whole, headway=replace(whole.headway, least_s=short.headway.least_s))
+        )
         assert short.headway.least_s < whole.headway.least_s - 1000.0
         assert found.kept_s > LATE_S
 
@@ -214,7 +216,7 @@ def test_without_its_stand_a_last_train_would_have_passed_its_terminus(
 def test_the_first_waits_for_the_second_at_a_meet(monkeypatch: pytest.MonkeyPatch) -> None:
     """At Ogane: who has turned goes on when the second has come there, and that comes back when the first is gone."""
     key = "OGN", HeadwayKind.DEPARTURE_ARRIVAL, "down, OGN.1", "up, OGN.2"
-    setup = undisturbed(load_scenario("karasuyama_weekday").setup)
+    setup = undisturbed_setup(load_scenario("karasuyama_weekday").setup)
     day = occupations(setup, MINIMAL)
     dwell_s = setup.unit.dwell_min_s
     cases = line_cases(setup.line, day, dwell_s)
@@ -271,11 +273,11 @@ def test_what_is_driven_otherwise_than_predicted_counts(monkeypatch: pytest.Monk
     """The first comes to Karasuyama 1.5 s sooner than predicted; without that a second less is not late."""
     key = "OGN", HeadwayKind.FOLLOWING, "down, OGN.1", "down, OGN.1"
     with drives_of("karasuyama_weekday") as (drives, cases):
-        found = drives.driven(row(cases, *key))
+        found = drives.drive_headway(row(cases, *key))
         monkeypatch.setattr(headways_driven, "DRIVING_COUNTS", False)
         assert found.agrees
         assert 0.0 < abs(found.driving_s) < driving_s_max(found.case)
-        assert drives.driven(row(cases, *key)).driving_s == 0.0
+        assert drives.drive_headway(row(cases, *key)).driving_s == 0.0
 
 
 def driving_s_max(case: HeadwayCase) -> float:
@@ -295,7 +297,7 @@ def asks_again_s(case: HeadwayCase) -> float:
 def test_every_row_of_every_shipped_line_is_what_a_run_needs(name: str) -> None:
     """With what its two trains take as driven; and they take nearly what is predicted."""
     with drives_of(name) as (drives, cases):
-        driven = [drives.driven(case) for case in cases]
+        driven = [drives.drive_headway(case) for case in cases]
     assert driven
     assert not [one.text for one in driven if one.why]
     off = [one for one in driven if not one.agrees]

@@ -21,7 +21,7 @@ from study.capacity.equipment import (
     LEVERS,
     Measured,
     fewer_tags,
-    measured,
+    measured_by_rules,
     with_loss,
     with_throw,
     with_wheel_error,
@@ -35,7 +35,7 @@ from study.capacity.line_capacity import (
     Rate,
     costs_of,
     day_of,
-    fullest,
+    fullest_part,
     peak_of,
     rates_of,
 )
@@ -139,7 +139,7 @@ def test_the_cut_changes_the_answer(morning: Setup) -> None:
         way: rates_of(legs, cut_of(morning.line, way), (day,), terms)
         for way in ("whole", "crossing", "interval")
     }
-    full = {way: fullest(found) for way, found in rates.items()}
+    full = {way: fullest_part(found) for way, found in rates.items()}
     shares = [one.occupied_share for one in full.values() if one is not None]
     assert shares[0] > shares[1] > shares[2] > 0.0
     for rate in rates["crossing"]:
@@ -167,7 +167,7 @@ def brute_more(rate: Rate) -> int:
 
 def test_throw_moves_the_meet_by_as_much(morning: Setup) -> None:
     """A meet waits for one throw: 6 s more of it are 6 s more, and every train needs its points longer."""
-    base, slow = measured(morning), measured(with_throw(morning, 12.0))
+    base, slow = measured_by_rules(morning), measured_by_rules(with_throw(morning, 12.0))
     assert slow.meet_s - base.meet_s == pytest.approx(6.0, abs=0.15)
     assert slow.occupied_share > base.occupied_share
     assert base.block_headway_s < base.headway_s
@@ -198,7 +198,7 @@ def test_a_tornado_has_the_widest_on_top_and_is_drawn(
         headway_s = 100.0 if rules.by_section else 900.0 + throw_s
         return Measured(headway_s, "HSK-OGN", 200.0, setup.air.delay_mean_s, 0.5, "Hoshakuji - Ogane")
 
-    monkeypatch.setattr(equipment, "measured", made_up)
+    monkeypatch.setattr(equipment, "measured_by_rules", made_up)
     levers = [
         lever for lever in LEVERS if lever.name in {"throw time", "radio delay", "clear section by section"}
     ]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from network.model import Direction
 from study.capacity import room
-from study.capacity.room import OccupiedSpans, PathSearch, fill, place
+from study.capacity.room import OccupiedSpans, PathSearch, fill_period, place
 from tests.study.capacity.hand_made import Made, legs
 from tests.study.capacity.test_compression import days
 
@@ -21,7 +21,7 @@ THROUGH_S = 810.0
 
 
 def taken_by(made: list[Made]) -> OccupiedSpans:
-    return OccupiedSpans.of(o for leg in legs(made) for o in leg.held)
+    return OccupiedSpans.of_occupations(o for leg in legs(made) for o in leg.held)
 
 
 def overlaps(taken: OccupiedSpans) -> int:
@@ -43,7 +43,7 @@ def test_a_train_waits_in_the_loop_for_the_one_that_comes() -> None:
 
 def test_as_many_fit_one_after_another_as_the_closest_section_lets_in() -> None:
     """Down trains alone: M.1 lets one in every 295 s, L.1 every 10 + 300 + 60 + 15 s; on whole minutes every 420 s."""
-    found = fill(STANDARD[:1], (0.0, 3600.0), taken_by([]), PathSearch(wait_s_max=0.0))
+    found = fill_period(STANDARD[:1], (0.0, 3600.0), taken_by([]), PathSearch(wait_s_max=0.0))
     assert [p.departs_s for p in found] == [420.0 * i for i in range(7)]
     assert found[-1].arrives_s == 6 * 420.0 + THROUGH_S
 
@@ -53,7 +53,7 @@ def test_as_many_fit_one_after_another_as_the_closest_section_lets_in() -> None:
 def test_nothing_overlaps_what_is_put_in(made: list[Made], buffer_s: float, both: bool) -> None:
     taken = taken_by(made)
     before = overlaps(taken)
-    fill(STANDARD if both else STANDARD[:1], (0.0, 12_000.0), taken, PathSearch(buffer_s=buffer_s))
+    fill_period(STANDARD if both else STANDARD[:1], (0.0, 12_000.0), taken, PathSearch(buffer_s=buffer_s))
     assert overlaps(taken) == before
 
 
@@ -66,5 +66,5 @@ def test_without_looking_they_overlap(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(room.OccupiedSpans, "until_s", free)
     placed = place(STANDARD[0], 1000.0, taken, PathSearch())
     assert placed is not None
-    room.take(placed, taken)
+    room.take_sections(placed, taken)
     assert overlaps(taken) > 0

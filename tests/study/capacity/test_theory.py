@@ -236,11 +236,11 @@ def test_charging_is_part_of_the_occupation() -> None:
 )
 def test_mean_delay_counts_whole_steps(air: AirParameters, mean_s: float) -> None:
     assert air.mean_delay_s() == pytest.approx(mean_s, abs=1e-6)
-    assert Links.of(air).delay_s == pytest.approx(mean_s, abs=1e-6)
+    assert Links.of_air(air).delay_s == pytest.approx(mean_s, abs=1e-6)
 
 
 def test_lost_telegrams_cost_repeats() -> None:
-    half = Links.of(AirParameters(loss_good_p=0.5))
+    half = Links.of_air(AirParameters(loss_good_p=0.5))
     assert half.request_s == pytest.approx(2.0)  # as many again as get through, 2 s each
     assert half.answer_s == pytest.approx(4.0)
 

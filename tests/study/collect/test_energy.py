@@ -16,7 +16,7 @@ from simulation.result import COUNTED, DRAWN, EnergyPhase, EnergyRecord
 from simulation.world.energy_book import EnergyBook
 from study.collect.energy import StockMake, energy_tables, stays_of
 from study.drilling.drill import find_drill
-from study.runner.run import simulated
+from study.runner.run import simulation_of
 from vehicle.train_file import RegenerationReceiver
 
 FLEET: Final = dict.fromkeys(("K1", "K2"), StockMake(2, RegenerationReceiver.BATTERY))
@@ -117,7 +117,7 @@ TURN_BACK: Final = find_drill("rtri/02_turn_back")
 
 def unbooked_kwh(drill: str) -> float:
     """What the plants of a drill have counted and no record has, or the other way round; the worst of all kinds."""
-    with simulated(load_scenario(drill).setup) as simulation:
+    with simulation_of(load_scenario(drill).setup) as simulation:
         result = simulation.run()
         plants = simulation.trains.stock["plant"]
         counted = {kind: float(plants[f"energy_{kind}_j"].sum()) for kind in DRAWN}

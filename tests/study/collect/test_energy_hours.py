@@ -63,6 +63,6 @@ def test_the_shares_of_a_stretch_sum_to_one(begin_s: float, length_s: float) -> 
 )
 def test_the_sum_over_all_hours_is_that_of_the_records(records: list[EnergyRecord]) -> None:
     found = energy_hours_of(records, FLEET)
-    for kind in ("traction", "regenerated", "auxiliary"):
-        booked = sum(getattr(one, f"{kind}_j") for one in records) / J_PER_KWH
+    for kind in DRAWN:
+        booked = sum(one.counted_j[kind] for one in records) / J_PER_KWH
         assert found[f"{kind}_kwh"].sum() == pytest.approx(booked, abs=1e-9)

@@ -14,7 +14,7 @@ from network.errors import InputError
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from study.compare.comparison import Comparisons, compare, verdict_of
-from study.compare.files import owns, write_comparison
+from study.compare.files import owns_file, write_comparison
 from study.compare.graph import draw_both
 from study.compare.parts import parts_against
 from study.compare.side import ComparedRun, check_same_line, labels_of
@@ -110,7 +110,7 @@ def test_the_directory_is_whole_opens_offline_and_is_replaced_by_the_next(
         "train_graph_1.svg",
         "train_graph_1.png",
     }
-    assert all(owns(name) for name in names)
+    assert all(owns_file(name) for name in names)
     html = page.read_text("utf-8")
     assert not re.search(r"""(?:src|href)\s*=\s*["'](?!#|data:)""", html)
     assert not re.search(r"@import|url\(\s*['\"]?(?!data:|#)|\bfetch\(|XMLHttpRequest|<link\b|<script", html)
@@ -137,7 +137,11 @@ def test_somebodys_work_is_not_replaced(moved: Comparisons, tmp_path: Path) -> N
     with pytest.raises(InputError, match=r"a comparison and nothing else; it holds thesis\.txt"):
         write_comparison(moved, tmp_path / "out")
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["thesis.txt"]
-    assert not owns("train_graph_x.svg") and not owns("train_graph_1.pdf") and not owns("summary.json")
+    assert (
+        not owns_file("train_graph_x.svg")
+        and not owns_file("train_graph_1.pdf")
+        and not owns_file("summary.json")
+    )
 
 
 def test_text_of_files_cannot_leave_its_place_in_the_page(weekday: ReportedRun, tmp_path: Path) -> None:

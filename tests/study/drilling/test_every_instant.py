@@ -24,9 +24,9 @@ from simulation.setup import STEPS_PER_S
 from simulation.world import kernel
 from study.drilling.drill import find_drill, run_drill
 from study.drilling.every_instant import InstantWindow, SweepOutcomes, Variation, sweep
-from study.drilling.forks import CopyDied, Forks, alone
+from study.drilling.forks import CopyDied, Forks, result_of_copy
 from study.drilling.grid_report import classes_of, ranges_of, replay_of
-from study.drilling.moving import SINGLES, moved, single_faults
+from study.drilling.moving import SINGLES, single_faults, what_is_moved
 from study.drilling.outcome_class import OutcomeKind
 from study.runner.run import PartyLink
 
@@ -96,7 +96,7 @@ def test_copies_are_gone_when_the_context_ends() -> None:
 def test_a_forked_run_is_the_run_of_its_replay_to_the_byte(name: str, tmp_path: Path) -> None:
     """Faults with a duration, acts after them, events made times; instants at a stand and on the way."""
     scenario = load_scenario(find_drill(name))
-    variation = moved(scenario).variation
+    variation = what_is_moved(scenario).variation
     swept = sweep_of(scenario, variation, every_s=23.7, from_s=TEN - 12.3, to_s=TEN + 70.0)
     runs = swept.outcomes[scenario.id]
     assert len(runs) == 4
@@ -113,7 +113,7 @@ def test_a_forked_run_is_the_run_of_its_replay_to_the_byte(name: str, tmp_path: 
 def test_a_drill_is_moved_as_one_piece() -> None:
     """`rtri/09`: the fault waits for T1's departure, 5 s after it, and the act has a time of its own, 10:05:30."""
     scenario = load_scenario(find_drill("rtri/09_manager_power"))
-    found = moved(scenario)
+    found = what_is_moved(scenario)
     departed_s = next(
         e.t_s
         for e in run_drill("rtri/09_manager_power", PartyLink.SIMULATED).run.result.journal.entries
@@ -141,7 +141,7 @@ def test_what_an_act_does_before_the_fault_is_moved_with_it(two_trains: Scenario
 
 def test_what_cannot_be_moved_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="that can be moved"):
-        moved(load_scenario(find_drill("rtri/01_normal")))
+        what_is_moved(load_scenario(find_drill("rtri/01_normal")))
     file = tmp_path / "never.toml"
     file.write_text(
         'extends = "rtri_test_line"\nid = "never"\nname = "never"\n[[fault]]\nkind = "restart"\ntarget = "K1"\n'
@@ -149,7 +149,7 @@ def test_what_cannot_be_moved_is_refused(tmp_path: Path) -> None:
         "utf-8",
     )
     with pytest.raises(InputError, match=r"fault\[0\].start.*happens in the drill itself"):
-        moved(load_scenario(str(file)))
+        what_is_moved(load_scenario(str(file)))
 
 
 # a unit that starts again as its train begins to move -----------------------------------------------------------------
@@ -169,7 +169,7 @@ def test_without_being_told_the_carrier_disagrees(
     """The switch of the test above: only stock that drives or rolls as a stretch begins is told of."""
 
     def untold(stock: Any, track: Any, sheet: kernel.Sheet, *rest: Any) -> tuple[int, int, int]:  # noqa: ANN401
-        told = kernel.movers(stock, sheet)
+        told = kernel.list_movers(stock, sheet)
         done, used, _ = kernel.advance(stock, track, sheet, *rest)
         return done, used, told
 
@@ -285,7 +285,7 @@ def test_the_classes_of_a_sweep_have_the_gravest_last(two_trains: Scenario) -> N
 
 def test_a_copy_that_fails_where_one_result_is_needed_says_so() -> None:
     with pytest.raises(RuntimeError, match="ValueError: planted here"):
-        alone(int, fails)
+        result_of_copy(int, fails)
 
 
 def test_a_day_on_which_something_fails_by_itself_is_not_swept(two_trains: Scenario) -> None:

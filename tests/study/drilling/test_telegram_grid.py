@@ -20,8 +20,8 @@ from study.drilling.every_instant import InstantWindow, sweep
 from study.drilling.grid_report import replay_of, table_of
 from study.drilling.moving import staffed
 from study.drilling.outcome_class import OutcomeKind, SweptRun
-from study.drilling.telegram_grid import FaultChoice, grid_of, shortened
-from study.runner.run import PartyLink, simulated
+from study.drilling.telegram_grid import FaultChoice, grid_of, shortened_setup
+from study.runner.run import PartyLink, simulation_of
 
 pytestmark = pytest.mark.system
 
@@ -146,17 +146,17 @@ def replace_label(run: SweptRun, label: str) -> SweptRun:
 
 def test_trains_that_come_later_are_left_out() -> None:
     day = load_scenario("karasuyama_weekday").setup
-    assert shortened(day, 1e9) is day
-    cut = shortened(day, 7.0 * 3600.0)
+    assert shortened_setup(day, 1e9) is day
+    cut = shortened_setup(day, 7.0 * 3600.0)
     assert 0 < len(cut.timetable.trains) < len(day.timetable.trains)
     assert {d.stock_id for d in cut.timetable.diagrams} == set(cut.trains)
 
 
 def test_no_train_that_is_left_out_stands_in_the_way_of_one_that_is_kept() -> None:
     """325M begins before the cut and needs the track from which 326M leaves after it."""
-    cut = shortened(load_scenario("karasuyama_weekday").setup, 7.5 * 3600.0)
+    cut = shortened_setup(load_scenario("karasuyama_weekday").setup, 7.5 * 3600.0)
     assert {"325M", "326M"} <= set(cut.timetable.trains)
-    with simulated(cut) as simulation:
+    with simulation_of(cut) as simulation:
         result = simulation.run()
     assert set(result.trains_arrived) == set(cut.timetable.trains)
     assert result.unfinished == ()

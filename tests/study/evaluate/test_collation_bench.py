@@ -8,7 +8,7 @@ import pytest
 
 from scenario.scenario import load_scenario
 from simulation.settings import PositionSensor
-from study.evaluate.collation import WITH, WITHOUT, bench, carrying, report
+from study.evaluate.collation import WITH, WITHOUT, bench, report, setup_carrying
 from study.evaluate.parts import part_of
 
 
@@ -27,5 +27,8 @@ def test_budgets_are_judged(ms: float, wall_s: float, kept: list[bool]) -> None:
 def test_the_part_is_listed_and_puts_a_gyro_on_every_train() -> None:
     assert part_of("collation") is bench
     setup = load_scenario("rtri_test_line").setup
-    assert carrying(setup, WITH).sensors.carried_by("K1") == {PositionSensor.TAGS, PositionSensor.CURVATURE}
-    assert carrying(setup, WITHOUT).sensors.carried_by("K1") == {PositionSensor.TAGS}
+    assert setup_carrying(setup, WITH).sensors.carried_by("K1") == {
+        PositionSensor.TAGS,
+        PositionSensor.CURVATURE,
+    }
+    assert setup_carrying(setup, WITHOUT).sensors.carried_by("K1") == {PositionSensor.TAGS}

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from study.evaluate import sweep_bench
-from study.evaluate.sweep_bench import EXECUTE, ON_PLAIN, ON_SUMO, SUMO, report, swept
+from study.evaluate.sweep_bench import EXECUTE, ON_PLAIN, ON_SUMO, SUMO, real_sweep, report
 
 
 def figures(
@@ -62,7 +62,7 @@ def test_another_digest_is_named() -> None:
 
 @pytest.mark.nightly
 def test_a_real_sweep_is_counted() -> None:
-    found = swept("rtri_test_line", jobs=1, days=2)
+    found = real_sweep("rtri_test_line", jobs=1, days=2)
     assert (found["days"], found["differ"]) == (2, 0)
     assert 0.0 < found["at_hand"] <= 1.0
     assert 0.0 < found["share"] <= 1.5  # of one core, this process beside it

@@ -15,7 +15,7 @@ from scenario.scenario import load_scenario, shipped_scenarios
 from simulation.settings import Operation
 from simulation.world.books import CALLS_SHORT_M
 from study.feasibility.check import PlanRefusedError, feasibility, refuse
-from study.feasibility.finding import FindingKind, Severity, lasting, minute, severity_of
+from study.feasibility.finding import FindingKind, Severity, length_of_time, minute, severity_of
 from study.feasibility.planned import planned_day
 from study.feasibility.rehearsal import Rehearsal
 from study.measures.running_times import planned_legs
@@ -252,7 +252,7 @@ def test_a_track_is_a_terminal_one_at_an_end_of_the_line_alone(track: str, told:
     [(0.4, "1 s"), (120.0, "120 s"), (120.5, "3 min"), (180.0, "3 min"), (9220.0, "154 min")],
 )
 def test_long_times_are_said_in_minutes(time_s: float, said: str) -> None:
-    assert lasting(time_s) == said
+    assert length_of_time(time_s) == said
 
 
 def test_a_wait_of_hours_is_told_in_minutes() -> None:

@@ -13,7 +13,7 @@ from simulation.result import RunResult
 from simulation.setup import Setup
 from study.feasibility.check import feasibility
 from study.runner.outcome import broken_rules, unfinished
-from study.runner.run import simulated
+from study.runner.run import simulation_of
 from tests.study.feasibility.broken_plans import BREAKS, good
 from tests.study.feasibility.good_plans import good_plan
 from tests.study.feasibility.moved_plans import moved_plan
@@ -27,7 +27,7 @@ BY_NIGHT = [name for name in BREAKS if name not in (*IN_PASSING, "no_way")]
 
 
 def run(setup: Setup) -> RunResult:
-    with simulated(setup) as simulation:
+    with simulation_of(setup) as simulation:
         return simulation.run()
 
 

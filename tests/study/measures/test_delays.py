@@ -34,7 +34,7 @@ from simulation.result import Ending, RunResult, StopRecord, Waiting
 from simulation.setup import Setup
 from study.measures.deadlock import deadlocked
 from study.measures.delays import LatenessGrowth, delays_of
-from study.measures.recovery import LateStretch, joined, late_stretches, recoveries_s
+from study.measures.recovery import LateStretch, joined_stretches, late_stretches, recoveries_s
 from vehicle.train_file import load_train, shipped_train
 from wayside.said import Granted, Refused
 
@@ -184,7 +184,7 @@ SPANS = st.lists(st.tuples(st.integers(0, 100), st.integers(0, 30)), max_size=8)
 
 @given(SPANS)
 def test_joined_stretches_cover_the_same_moments_once(spans: list[tuple[int, int]]) -> None:
-    found = joined(LateStretch(float(at), float(at + length)) for at, length in spans)
+    found = joined_stretches(LateStretch(float(at), float(at + length)) for at, length in spans)
     moments = {at + i for at, length in spans for i in range(length + 1)}
     assert {m for m in range(140) if any(one.from_s <= m <= one.to_s for one in found)} == moments
     assert all(before.to_s < after.from_s for before, after in pairwise(found))

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from network.units import J_PER_KWH
 from simulation.result import COUNTED, DRAWN, EnergyPhase, EnergyRecord
 from simulation.ride import Ride
-from study.measures.driving import Stock, driven, driven_hops, driving_summary
+from study.measures.driving import Stock, driven_hops, driving_summary, driving_sums
 from study.record.driving import DrivenHop
 from study.record.figure import rows_in, schema_of
 from study.record.tables import ROWS, make_table
@@ -84,7 +84,7 @@ def test_hops_worked_out_by_hand() -> None:
 
 
 def test_hops_together() -> None:
-    whole = driven(hops())
+    whole = driving_sums(hops())
     assert whole is not None
     assert (whole["hops"], whole["late_hops"]) == (3, 1)
     assert whole["running_kwh"] == pytest.approx(3.0 + 5.0 + 5.0)
@@ -93,7 +93,7 @@ def test_hops_together() -> None:
     assert whole["coasting_way_percent"] == pytest.approx(100.0 * 1200.0 / 3500.0)
     assert whole["coasting_time_percent"] == pytest.approx(100.0 * 90.0 / 400.0)
     assert whole["jerk_rms_mps3"] == pytest.approx((6.0 / 400.0) ** 0.5)
-    assert driven(()) is None
+    assert driving_sums(()) is None
 
 
 def test_the_table_says_what_the_hops_are() -> None:

@@ -14,9 +14,9 @@ from matplotlib.text import Text
 from network.errors import InputError
 from scenario.scenario import load_scenario
 from study.measures.wait_text import at_time
-from study.plot.choice import Choice, seen, time_of
+from study.plot.choice import Choice, chosen_run, time_of
 from study.plot.kinds import KINDS, PlotKind, PlotOption, kind_of
-from study.plot.words import word
+from study.plot.words import plot_word
 from study.plot.write import DPI, Format, default_name, figure_of, format_of, write_plot
 from study.record.read_back import RunRead, read_run
 from study.report.style import drawing
@@ -109,7 +109,7 @@ def cut_texts(figure: Figure) -> list[str]:
 @pytest.mark.parametrize("language", ["en", "ja"])
 def test_no_text_of_a_picture_is_cut(read: RunRead, name: str, language: str) -> None:
     kind = kind_for(read, name)
-    run = seen(read, Choice(*needed(read, kind), language="ja" if language == "ja" else "en"))
+    run = chosen_run(read, Choice(*needed(read, kind), language="ja" if language == "ja" else "en"))
     with drawing():
         assert not cut_texts(figure_of(run, kind))
 
@@ -117,7 +117,7 @@ def test_no_text_of_a_picture_is_cut(read: RunRead, name: str, language: str) ->
 @EVERY
 def test_a_japanese_picture_keeps_no_english_words(read: RunRead, name: str) -> None:
     kind = kind_for(read, name)
-    run = seen(read, Choice(*needed(read, kind), language="ja"))
+    run = chosen_run(read, Choice(*needed(read, kind), language="ja"))
     with drawing():
         figure = figure_of(run, kind)
     texts = {text.get_text() for text in figure.findobj(Text) if isinstance(text, Text)}
@@ -130,17 +130,17 @@ def test_a_japanese_picture_keeps_no_english_words(read: RunRead, name: str) -> 
 
 
 def test_a_text_of_a_picture_is_said_in_japanese_and_a_name_is_not() -> None:
-    assert word("mean +0.016 m", "ja") == "平均 +0.016 m"
-    assert word("speed, km/h", "en") == "speed, km/h"
-    assert word("down trains", "ja") == "下り列車"
-    assert word("321M", "ja") == "321M"
+    assert plot_word("mean +0.016 m", "ja") == "平均 +0.016 m"
+    assert plot_word("speed, km/h", "en") == "speed, km/h"
+    assert plot_word("down trains", "ja") == "下り列車"
+    assert plot_word("321M", "ja") == "321M"
 
 
 def test_a_stretch_of_time_is_all_that_is_shown(read: RunRead) -> None:
     if read.settings.id != "karasuyama_round_trip":
         return
     choice = Choice(from_s=6 * 3600.0, to_s=6.5 * 3600.0)
-    run = seen(read, choice)
+    run = chosen_run(read, choice)
     for name in ("waits", "track-occupation", "station-timetable"):
         table = kind_of(name).table(run)
         times = [c for c in table.columns if c.endswith("_s") and c not in ("since_s", "until_s")]
@@ -155,7 +155,7 @@ def test_a_stretch_of_time_is_all_that_is_shown(read: RunRead) -> None:
 
 def test_sentences_stand_in_the_table_of_waits(read: RunRead) -> None:
     for language, ends in (("en", "."), ("ja", "。")):
-        table = kind_of("waits").table(seen(read, Choice(language="ja" if language == "ja" else "en")))
+        table = kind_of("waits").table(chosen_run(read, Choice(language="ja" if language == "ja" else "en")))
         assert len(table)
         assert all(sentence.endswith(ends) for sentence in table["sentence"])
 
@@ -183,7 +183,7 @@ def test_a_choice_that_makes_no_sense_is_refused(
 
 def test_trains_to_choose_from_stand_in_the_order_of_the_timetable(read: RunRead) -> None:
     with pytest.raises(InputError) as refused:
-        seen(read, Choice(train="999"))
+        chosen_run(read, Choice(train="999"))
     ran = set(read.tables.stops["train"])
     assert refused.value.expected == f"one of {', '.join(n for n in read.timetable.trains if n in ran)}"
 
@@ -211,7 +211,7 @@ def test_a_time_that_is_none_and_a_kind_that_is_none() -> None:
 
 def test_a_stretch_of_time_that_is_none_of_the_run_is_refused_as_typed(read: RunRead, tmp_path: Path) -> None:
     """Back to front; after the run, which would give an empty graph; before it."""
-    begins_s, ends_s = seen(read, Choice()).window_s
+    begins_s, ends_s = chosen_run(read, Choice()).window_s
     whole = f"goes from {at_time(begins_s)} to {at_time(ends_s)}"
     for from_s, to_s, key, typed, why in (
         (36_000.0, 32_400.0, "--to", "09:00", "a time after --from, 10:00"),
@@ -227,7 +227,7 @@ def test_a_stretch_of_time_that_is_none_of_the_run_is_refused_as_typed(read: Run
         assert (refused.value.key, refused.value.value) == (key, typed)
         assert why in refused.value.expected
     assert list(tmp_path.iterdir()) == []
-    partly = seen(read, Choice(from_s=begins_s - 60.0, to_s=begins_s + 60.0))
+    partly = chosen_run(read, Choice(from_s=begins_s - 60.0, to_s=begins_s + 60.0))
     assert partly.window_s == (begins_s - 60.0, begins_s + 60.0)
 
 
@@ -244,16 +244,16 @@ def test_settings_of_matplotlib_come_back(read: RunRead, tmp_path: Path) -> None
 def test_one_hop_is_drawn_of_several_runs_and_a_run_of_another_line_is_refused(read: RunRead) -> None:
     kind = kind_of("laws")
     train, station = OF_ONE_TRAIN[str(read.settings.id)]
-    table = kind.table(seen(read, Choice(train, station, beside=(read, read))))
-    assert len(table) == 3 * len(kind.table(seen(read, Choice(train, station))))
+    table = kind.table(chosen_run(read, Choice(train, station, beside=(read, read))))
+    assert len(table) == 3 * len(kind.table(chosen_run(read, Choice(train, station))))
     with drawing():
-        figure = figure_of(seen(read, Choice(train, beside=(read,))), kind)
+        figure = figure_of(chosen_run(read, Choice(train, beside=(read,))), kind)
         assert not cut_texts(figure)
     assert len(figure.axes) == 4  # speed, gradient, and the notches of each
     names = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
     assert sum("kWh" in name for name in names) == 2
     other = replace(read, line=replace(read.line, id="elsewhere"))
     with pytest.raises(InputError, match="a run of the line"):
-        seen(read, Choice(train, beside=(other,)))
+        chosen_run(read, Choice(train, beside=(other,)))
     with pytest.raises(InputError, match="--with"):
         write_plot(read, kind_of("margins"), Choice(beside=(read,)), Format.CSV, Path("never.csv"))

@@ -51,7 +51,7 @@ def test_while_it_is_filled_nothing_has_its_name(tmp_path: Path) -> None:
         simulate(place)
         assert not out.exists()
         assert "under way" in (place.folder / INCOMPLETE_FILE).read_text("utf-8")
-        place.put()
+        place.put_in_place()
     assert [path.name for path in out.iterdir()] == [JOURNAL_FILE]
     assert [path.name for path in tmp_path.rglob("*")] == ["a", "run", JOURNAL_FILE]
 
@@ -156,7 +156,7 @@ def killing(self, target):
 Path.rename = killing
 with reserved(Path(sys.argv[1])) as place:
     (place.folder / "summary.json").write_text("the run after")
-    place.put()
+    place.put_in_place()
 """
 
 

@@ -9,7 +9,7 @@ import pytest
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from simulation.faults.table import FAULTS
-from study.record.fault_place import TO_SEE_M, where
+from study.record.fault_place import TO_SEE_M, place_of_fault
 from study.record.marks import Where
 
 LINE = load_line(shipped_line("karasuyama"))
@@ -17,7 +17,7 @@ OGANE_M = LINE.stations["OGN"].position_m
 
 
 def place(kind: str, target: str, **figures: Any) -> Where:  # noqa: ANN401 - of the kind's own fields
-    return where(FAULTS[kind](target=target, **figures), LINE, ("V1", "V2"))
+    return place_of_fault(FAULTS[kind](target=target, **figures), LINE, ("V1", "V2"))
 
 
 def test_a_train_carries_its_fault_along() -> None:

@@ -20,11 +20,11 @@ import study.runner.run
 from network.errors import InputError
 from scenario.inputs import read_inputs
 from scenario.scenario import load_scenario, shipped_scenarios
-from study.drilling.drill import run_drill, shown
+from study.drilling.drill import drill_shown, run_drill
 from study.outcome import CutShortError
 from study.record.directory import INCOMPLETE_FILE, SHOWN_FILE, TABLE_FILES, digests_of_tables
 from study.record.parts import PagePart, TextTable
-from study.record.read_back import parsed, read_run
+from study.record.read_back import parsed_inputs, read_run
 from study.record.tables import RunTables
 from study.report.report import report_again
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute, write_run
@@ -86,9 +86,9 @@ def test_the_report_made_again_from_the_directory_alone_is_the_same(directory: P
 
 def test_so_is_that_of_a_drill_with_its_marks_and_of_trains_that_learn(tmp_path: Path) -> None:
     drill = run_drill("rtri/09_manager_power", PartyLink.SIMULATED)
-    first = write_run(drill.run, tmp_path / "drill", shown(drill))
+    first = write_run(drill.run, tmp_path / "drill", drill_shown(drill))
     read = read_run(first.parent)
-    assert read.shown.drill == shown(drill)
+    assert read.shown.drill == drill_shown(drill)
     assert report_again(read, tmp_path / "again").read_bytes() == first.read_bytes()
 
     file = tmp_path / "learns.toml"
@@ -109,7 +109,7 @@ def test_the_inputs_of_every_scenario_say_what_it_runs(name: str, tmp_path: Path
     scenario = load_scenario(name, seed=17)
     (tmp_path / "inputs.json").write_text(scenario.inputs.as_json(), "utf-8")
     inputs = read_inputs(tmp_path / "inputs.json")
-    line, timetable, trains, settings = parsed(inputs, "inputs.json")
+    line, timetable, trains, settings = parsed_inputs(inputs, "inputs.json")
     assert (line, timetable) == (scenario.setup.line, scenario.setup.timetable)
     assert {stock: kind.row.tobytes() for stock, kind in trains.items()} == {
         stock: kind.row.tobytes() for stock, kind in scenario.setup.trains.items()

@@ -18,7 +18,7 @@ from network.model import Direction
 from network.timetable import Call, Stabled, Timetable, TimetableTrain
 from study.measures.summary import arrived_trains, summarise
 from study.record.energy import PARTS
-from study.record.figure import Adds, Figure, schema_of, together
+from study.record.figure import Adds, Figure, schema_of, summed_figures
 from study.record.tables import ROWS, RunTables, make_table
 from study.report.data import ReportedRun
 from study.wording.phrase import Phrase
@@ -256,12 +256,12 @@ def test_rows_add_up_as_their_figures_say() -> None:
         Drop(3.0, 5.0, 6.0, 1.0, 8.0, 5.0, 9.0),
         Drop(7.0, *[None] * 6),
     )
-    assert together(rows) == {
+    assert summed_figures(rows) == {
         "summed": 6.0,
         "mean": 4.0,
         "largest": 3.0,
         "weighed": 7.0,  # (4 + 3 * 8) / 4
         "square": pytest.approx((84.0 / 4.0) ** 0.5),  # (9 + 3 * 25) / 4
     }
-    assert together(rows[2:]) == dict.fromkeys(("summed", "mean", "largest", "weighed", "square"))
+    assert summed_figures(rows[2:]) == dict.fromkeys(("summed", "mean", "largest", "weighed", "square"))
     assert Figure(Phrase("late", "遅れ"), "s", 1).heading == Phrase("late, s", "遅れ 秒")

@@ -12,7 +12,7 @@ from matplotlib.text import Text
 
 from study.record.marks import DrillShown, Mark, MarkKind, Where
 from study.report.data import ReportedRun
-from study.report.drill import PLACE, draw_strip, mark_graph, shortened, shows
+from study.report.drill import PLACE, draw_strip, falls_in_panel, mark_graph, shortened_name
 from study.report.graph import draw_train_graph
 from study.report.report import write_report
 from study.report.style import TimeBand, drawing, time_grid
@@ -94,14 +94,14 @@ def test_each_mark_has_its_row_and_what_was_not_met_stands_out() -> None:
 
 def test_a_mark_shows_only_where_any_of_it_falls() -> None:
     (fault, act, *_) = marks(1)
-    assert shows(fault, BAND) and shows(act, BAND)
+    assert falls_in_panel(fault, BAND) and falls_in_panel(act, BAND)
     later = TimeBand(BAND.to_s, BAND.to_s + 3600.0)
-    assert not shows(fault, later) and not shows(act, later)
+    assert not falls_in_panel(fault, later) and not falls_in_panel(act, later)
 
 
 def test_a_text_is_cut_only_if_it_must_be() -> None:
-    assert shortened("it arrives") == "it arrives"
-    assert LONG.startswith(shortened(LONG)[:-1]) and len(shortened(LONG)) < len(LONG)
+    assert shortened_name("it arrives") == "it arrives"
+    assert LONG.startswith(shortened_name(LONG)[:-1]) and len(shortened_name(LONG)) < len(LONG)
 
 
 def test_the_graph_has_a_strip_in_the_panels_that_the_marks_meet(weekday: ReportedRun) -> None:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study.report.packing import deflated, inflated, packed, places_in, unpacked
+from study.report.packing import deflated, inflated, packed_column, places_in, unpacked
 
 values_of_columns = st.lists(st.none() | st.floats(-1e6, 1e6) | st.just(math.nan) | st.just(math.inf))
 texts = st.recursive(
@@ -20,7 +20,7 @@ texts = st.recursive(
 
 @given(values=values_of_columns, per_unit=st.sampled_from([1, 10, 1000]))
 def test_a_column_comes_back_to_half_a_step(values: list[float | None], per_unit: int) -> None:
-    column = packed(values, per_unit)
+    column = packed_column(values, per_unit)
     assert all(step is None or isinstance(step, int) for step in column["d"])
     back = unpacked(column)
     assert len(back) == len(values)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from study.report.data import ReportedRun
-from study.report.thinning import kept, strands
+from study.report.thinning import kept_samples, strands
 
 TOLERANCES = np.array([5.0, 1.5])
 Floats = NDArray[np.float64]
@@ -30,7 +30,7 @@ def test_what_is_left_out_is_within_tolerance(t_s: Floats, data: st.DataObject) 
     count = len(t_s)
     both = [data.draw(st.lists(numbers, min_size=count, max_size=count)) for _ in range(2)]
     values = np.array(both, dtype=np.float64).T
-    indices = kept(t_s, values, TOLERANCES)
+    indices = kept_samples(t_s, values, TOLERANCES)
     assert indices[0] == 0 and indices[-1] == count - 1
     assert (np.diff(indices) > 0).all()
     assert (worst_shares(t_s, values, indices) <= 1.0 + 1e-9).all()
@@ -40,21 +40,22 @@ def test_what_is_left_out_is_within_tolerance(t_s: Floats, data: st.DataObject) 
 def test_of_a_straight_line_the_ends_are_kept(t_s: Floats, slope: float, at: float) -> None:
     line = at + slope * t_s
     assert (
-        kept(t_s, np.column_stack([line, 0.01 * line]), TOLERANCES).tolist() == [0, len(t_s) - 1][: len(t_s)]
+        kept_samples(t_s, np.column_stack([line, 0.01 * line]), TOLERANCES).tolist()
+        == [0, len(t_s) - 1][: len(t_s)]
     )
 
 
 def test_a_jump_at_one_time_is_kept() -> None:
     t_s = np.array([0.0, 10.0, 10.0, 20.0])
     values = np.array([[0.0, 0.0], [0.0, 0.0], [100.0, 0.0], [100.0, 0.0]])
-    assert kept(t_s, values, TOLERANCES).tolist() == [0, 1, 2, 3]
+    assert kept_samples(t_s, values, TOLERANCES).tolist() == [0, 1, 2, 3]
 
 
 def test_a_real_course_needs_a_tenth_of_its_samples(weekday: ReportedRun) -> None:
     course = max(weekday.courses.values(), key=len)
     t_s = course["t_s"].to_numpy()
     values = np.column_stack([course["kilometrage_m"].to_numpy(), course["speed_mps"].to_numpy() * 3.6])
-    indices = kept(t_s, values, TOLERANCES)
+    indices = kept_samples(t_s, values, TOLERANCES)
     assert (worst_shares(t_s, values, indices) <= 1.0 + 1e-9).all()
     assert len(indices) < 0.12 * len(t_s)
 

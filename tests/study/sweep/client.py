@@ -7,10 +7,10 @@ from pathlib import Path
 
 from study.sweep import cluster
 from study.sweep.cluster import ClusterPump
-from study.sweep.go import begun, go
+from study.sweep.go import run_missing, sweep_begun
 from study.sweep.local import LocalPump
 from study.sweep.plan import load_plan
-from study.sweep.store import opened
+from study.sweep.store import opened_sweep
 from tests.study.sweep.planted import RUNNER
 
 cluster.CONNECT_S = 8.0  # so long it tries to find a scheduler again that the test has killed
@@ -18,9 +18,9 @@ cluster.CONNECT_S = 8.0  # so long it tries to find a scheduler again that the t
 
 def main(file: str, out: Path, address: str) -> None:
     plan = load_plan(file)
-    with opened(plan, out) as store:
+    with opened_sweep(plan, out) as store:
         pump = ClusterPump(address, out, store.token) if address else LocalPump(2)
-        go(begun(plan, store, anyway=False), store, pump, runner=RUNNER)
+        run_missing(sweep_begun(plan, store, anyway=False), store, pump, runner=RUNNER)
 
 
 if __name__ == "__main__":

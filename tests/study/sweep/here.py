@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator
 from pathlib import Path
 
-from study.sweep.go import Show, SweepProgress, begun, go
+from study.sweep.go import Show, SweepProgress, run_missing, sweep_begun
 from study.sweep.local import Pump
 from study.sweep.plan import load_plan
-from study.sweep.store import opened
+from study.sweep.store import opened_sweep
 from study.sweep.table import days_csv
 from study.sweep.worker import FiledDay, Task, run_task
 from tests.study.sweep.planted import RUNNER
@@ -35,16 +35,16 @@ def swept(
 ) -> SweepProgress:
     """Run what is missing."""
     plan = load_plan(str(file), days)
-    with opened(plan, out) as store:
-        state = begun(plan, store, anyway=False)
-        go(state, store, pump or Here(), show, runner=RUNNER)
+    with opened_sweep(plan, out) as store:
+        state = sweep_begun(plan, store, anyway=False)
+        run_missing(state, store, pump or Here(), show, runner=RUNNER)
         return state
 
 
 def table(file: Path, out: Path) -> str:
     """The table of what is on disk, read anew: nothing is run."""
     plan = load_plan(str(file))
-    with opened(plan, out) as store:
-        state = begun(plan, store, anyway=False)
+    with opened_sweep(plan, out) as store:
+        state = sweep_begun(plan, store, anyway=False)
     assert state.done
     return days_csv(state)

@@ -16,10 +16,10 @@ import pytest
 from network.errors import InputError
 from study.sweep import cluster as cluster_pump
 from study.sweep.cluster import AHEAD, ClusterPump, run_there
-from study.sweep.go import SweepProgress, begun, go
+from study.sweep.go import SweepProgress, run_missing, sweep_begun
 from study.sweep.local import GivenUpError
 from study.sweep.plan import load_plan
-from study.sweep.store import opened
+from study.sweep.store import opened_sweep
 from tests.study.sweep.conftest import WAIT_S, Held
 from tests.study.sweep.here import swept, table
 from tests.study.sweep.planted import RUNNER, begun_counts
@@ -90,9 +90,9 @@ def test_same_table_by_a_scheduler(sweep_file: Path, out: Path, expected: str) -
 
     with LocalCluster(n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None) as cluster:
         plan = load_plan(str(sweep_file))
-        with opened(plan, out) as store:
-            state = begun(plan, store, anyway=False)
-            go(state, store, ClusterPump(cluster.scheduler_address, out, store.token), runner=RUNNER)
+        with opened_sweep(plan, out) as store:
+            state = sweep_begun(plan, store, anyway=False)
+            run_missing(state, store, ClusterPump(cluster.scheduler_address, out, store.token), runner=RUNNER)
     assert state.run == 24
     assert table(sweep_file, out) == expected
 
@@ -158,9 +158,9 @@ def run_on(scheduler: Growing, file: Path, out: Path, patch: pytest.MonkeyPatch)
     def taken(_: SweepProgress) -> None:
         scheduler.taken += 1
 
-    with opened(load_plan(str(file)), out) as store:
-        state = begun(load_plan(str(file)), store, anyway=False)
-        go(state, store, ClusterPump("scheduler", out, store.token), taken, runner=RUNNER)
+    with opened_sweep(load_plan(str(file)), out) as store:
+        state = sweep_begun(load_plan(str(file)), store, anyway=False)
+        run_missing(state, store, ClusterPump("scheduler", out, store.token), taken, runner=RUNNER)
     return state.run
 
 

@@ -16,7 +16,7 @@ from network.errors import InputError
 from study.sweep.local import GivenUpError, LocalPump
 from study.sweep.plan import load_plan
 from study.sweep.records import DayOutcome
-from study.sweep.store import day_name, opened, write_day
+from study.sweep.store import day_name, opened_sweep, write_day
 from study.sweep.table import days_csv
 from study.sweep.worker import RETRIES, Task, task_done
 from tests.study.sweep.conftest import WAIT_S, Held
@@ -60,7 +60,7 @@ def test_day_that_kills_its_worker_is_filed_as_crashed(sweep_file: Path, out: Pa
     (control_of(out) / "die-1").touch()
     (control_of(out) / "fail-2").touch()
     state = swept(sweep_file, out, LocalPump(2), days=4)
-    records = [record for point in state.plan.points for record in state.counted(point)]
+    records = [record for point in state.plan.points for record in state.days_counted(point)]
     assert len(records) == 8
     crashed = {record.index: record for record in records if record.outcome is DayOutcome.CRASHED}
     assert set(crashed) == {1, 2}
@@ -113,7 +113,7 @@ def test_order_of_days_changes_nothing(sweep_file: Path, out: Path, expected: st
 
 def test_day_that_was_filed_before_its_worker_died_is_not_begun_again(sweep_file: Path, out: Path) -> None:
     plan = load_plan(str(sweep_file))
-    with opened(plan, out) as store:
+    with opened_sweep(plan, out) as store:
         spec = plan.spec(plan.points[0], 0)
         task = Task(str(out), store.token, spec, 0, again=False, runner=RUNNER)
         first = task_done(task)

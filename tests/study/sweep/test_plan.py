@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from network.errors import InputError
 from network.files.toml_input import parse_table
-from network.files.toml_text import put, steps_of, toml_of
+from network.files.toml_text import put_value, steps_of, toml_of
 from scenario.scenario import load_scenario
 from scenario.sweep_file import DrawTable
 from study.sweep.digest import inputs_digest
@@ -47,8 +47,8 @@ def test_points_and_days(tmp_path: Path) -> None:
     assert first.drawn == second.drawn  # the same chance at every point
     assert first.key != second.key
     assert plan.spec(plan.points[0], 5).drawn != first.drawn
-    assert [plan.again(index) for index in (0, 1, 9, 10)] == [True, False, False, True]
-    assert not plan_of(tmp_path, SWEEP, carrier="sumo").again(0)
+    assert [plan.runs_twice(index) for index in (0, 1, 9, 10)] == [True, False, False, True]
+    assert not plan_of(tmp_path, SWEEP, carrier="sumo").runs_twice(0)
 
 
 def test_point_is_the_scenario_written_by_hand(tmp_path: Path) -> None:
@@ -178,6 +178,6 @@ def test_text_of_tables_reads_back(table: dict[str, Any]) -> None:
 
 def test_put_lays_tables_over_one_another() -> None:
     table: dict[str, Any] = {"a": {"b": 1, "c": {"d": 2}}}
-    put(table, steps_of('a.c."e.f"', "", ""), 3)
-    put(table, ("a",), {"b": {"x": 1}, "g": 4})
+    put_value(table, steps_of('a.c."e.f"', "", ""), 3)
+    put_value(table, ("a",), {"b": {"x": 1}, "g": 4})
     assert table == {"a": {"b": {"x": 1}, "c": {"d": 2, "e.f": 3}, "g": 4}}

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from network.errors import InputError
-from study.sweep.go import SweepProgress, begun
+from study.sweep.go import SweepProgress, sweep_begun
 from study.sweep.plan import load_plan
-from study.sweep.store import NotSharedError, check_shared, opened
+from study.sweep.store import NotSharedError, check_shared, opened_sweep
 from study.sweep.table import days_csv
 from tests.study.sweep.here import OneByOne, swept, table
 from tests.study.sweep.planted import control_of
@@ -51,20 +51,26 @@ def test_directory_of_something_else_is_left_alone(sweep_file: Path, tmp_path: P
     work = tmp_path / "work"
     work.mkdir()
     (work / "thesis.txt").write_text("years", "utf-8")
-    with pytest.raises(InputError, match="a new directory, or that of the sweep tiny"), opened(plan, work):
+    with (
+        pytest.raises(InputError, match="a new directory, or that of the sweep tiny"),
+        opened_sweep(plan, work),
+    ):
         pass
     assert [path.name for path in work.iterdir()] == ["thesis.txt"]
     sweep_file.write_text(sweep_file.read_text("utf-8").replace('id = "tiny"', 'id = "other"'), "utf-8")
     swept(sweep_file, tmp_path / "out")
-    with pytest.raises(InputError, match="it is that of the sweep other"), opened(plan, tmp_path / "out"):
+    with (
+        pytest.raises(InputError, match="it is that of the sweep other"),
+        opened_sweep(plan, tmp_path / "out"),
+    ):
         pass
 
 
 def test_one_client_at_a_time(sweep_file: Path, out: Path) -> None:
     plan = load_plan(str(sweep_file))
-    with opened(plan, out), pytest.raises(InputError, match="no other client"), opened(plan, out):
+    with opened_sweep(plan, out), pytest.raises(InputError, match="no other client"), opened_sweep(plan, out):
         pass
-    with opened(plan, out):
+    with opened_sweep(plan, out):
         pass
 
 
@@ -77,13 +83,13 @@ def test_days_of_other_code_count_only_if_asked(
     with pytest.raises(InputError, match="--anyway"):
         swept(sweep_file, out, days=3)
     plan = load_plan(str(sweep_file), 3)
-    with opened(plan, out) as store:
-        assert begun(plan, store, anyway=True).before == 4
+    with opened_sweep(plan, out) as store:
+        assert sweep_begun(plan, store, anyway=True).before == 4
 
 
 def test_worker_of_another_directory_is_refused(sweep_file: Path, out: Path, tmp_path: Path) -> None:
     plan = load_plan(str(sweep_file))
-    with opened(plan, out) as store:
+    with opened_sweep(plan, out) as store:
         check_shared(out, store.token)
         with pytest.raises(NotSharedError, match="has no sweep"):
             check_shared(tmp_path / "elsewhere", store.token)
@@ -122,7 +128,7 @@ def test_point_ends_where_the_rule_says_in_any_order(sweep_file: Path, out: Path
     backwards = swept(sweep_file, tmp_path / "backwards")
     assert days_csv(one_by_one) == days_csv(backwards)
     first = one_by_one.plan.points[0]
-    count = len(one_by_one.counted(first))
+    count = len(one_by_one.days_counted(first))
     assert 5 <= count < 25
     assert one_by_one.stopped_early(first)
     assert one_by_one.run < backwards.run == 50

@@ -43,7 +43,7 @@ from study.wording.assumptions import assumption
 from study.wording.catalogue import phrases_of
 from study.wording.compared import compared_name
 from study.wording.events import TOLD, event_text
-from study.wording.forms import found
+from study.wording.forms import phrase_by_form
 from study.wording.phrase import Phrase
 from study.wording.reasons import reason
 from wayside.reentry import PictureClash
@@ -278,9 +278,9 @@ def test_what_a_shipped_line_rests_on_is_said_in_japanese(line_id: str) -> None:
 def test_a_sentence_is_found_by_its_form_with_its_figures(form: Phrase) -> None:
     count = form.en.count("{}")
     values = [str(11 * (i + 1)) for i in range(count)]
-    said = found(
+    said = phrase_by_form(
         [*phrases_of("assumption").values(), *phrases_of("opinion").values()], form.en.format(*values), Phrase
     )
     assert said is not None and said.en == form.en.format(*values)
     assert all(value in said.ja for value in values) or "times:" in form.en
-    assert found(phrases_of("assumption").values(), "something else", Phrase) is None
+    assert phrase_by_form(phrases_of("assumption").values(), "something else", Phrase) is None

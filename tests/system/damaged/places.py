@@ -16,7 +16,7 @@ from pydantic import BaseModel
 
 from network.files.quantities import BY_NAME
 from network.files.quantity import Quantity
-from network.files.schema_walk import resolved
+from network.files.schema_walk import resolved_node
 from simulation.faults.table import FAULTS
 from vehicle.train_file import UNITS, TrainFile
 
@@ -67,13 +67,13 @@ class Place:
 def places_of(model: type[BaseModel], data: Mapping[str, Any]) -> Iterator[Place]:
     """Every figure that `data` has, by the model's schema."""
     schema = model.model_json_schema()
-    yield from _places(schema, resolved(schema, schema), data, (), model is TrainFile)
+    yield from _places(schema, resolved_node(schema, schema), data, (), model is TrainFile)
 
 
 def _places(
     schema: Mapping[str, Any], node: Mapping[str, Any], value: object, path: Path, train: bool
 ) -> Iterator[Place]:
-    node = resolved(schema, node)
+    node = resolved_node(schema, node)
     if isinstance(value, Mapping):
         for key, inner in value.items():
             own, factor = node.get("properties", {}).get(key), 1.0

@@ -14,7 +14,7 @@ from simulation.faults.script import ActKind, ScriptedFault, Trigger
 from simulation.setup import STEPS_PER_S
 from study.drilling.drill import find_drill, shipped_drills
 from study.drilling.every_instant import InstantWindow, Variation
-from study.drilling.moving import moved, single_faults, staffed
+from study.drilling.moving import single_faults, staffed, what_is_moved
 
 Sweeps = Callable[[Scenario, Sequence[Variation], InstantWindow], list[str]]
 
@@ -53,7 +53,7 @@ def test_single_faults_of_every_kind_at_every_second(two_trains: Scenario, bad_i
 @pytest.mark.parametrize("name", MOVABLE)
 def test_every_drill_at_every_second(name: str, bad_in: Sweeps) -> None:
     scenario = load_scenario(find_drill(name))
-    assert bad_in(scenario, (moved(scenario).variation,), InstantWindow(1.0)) == []
+    assert bad_in(scenario, (what_is_moved(scenario).variation,), InstantWindow(1.0)) == []
 
 
 @pytest.mark.parametrize("departure_s", [36_000.0, 36_300.0, 36_420.0])

@@ -16,8 +16,8 @@ from vehicle.optimum.bound import ceilings
 from vehicle.optimum.cells import cells_of, corners_mps
 from vehicle.optimum.course import EndsNotKept
 from vehicle.optimum.laws import law_table, laws_at
-from vehicle.optimum.mesh import laid
-from vehicle.optimum.proof import proven
+from vehicle.optimum.mesh import laid_course
+from vehicle.optimum.proof import proven_run
 from vehicle.optimum.way import WayTable
 
 Rows = NDArray[np.void]
@@ -81,6 +81,6 @@ def test_a_run_that_would_be_slower_at_its_end_is_refused(ev_e301: Rows) -> None
         return Course(ev_e301[0], LOAD_SHARE, np.zeros(402), limit_mps, 0.0, 400.0, 0.7, 3.0, final_mps)
 
     slow, fast = run(5.0), run(0.9 * 16.5)
-    assert proven(slow, 1.2 * laid(slow).least_s).gap < 0.02
+    assert proven_run(slow, 1.2 * laid_course(slow).least_s).gap < 0.02
     with pytest.raises(EndsNotKept, match="speeds asked for at its ends"):
-        proven(fast, 1.2 * laid(fast).least_s)
+        proven_run(fast, 1.2 * laid_course(fast).least_s)

@@ -12,8 +12,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vehicle.optimum import Course, TooShort, least_energy, least_time
-from vehicle.optimum.coast import coast_down, coast_profile, coast_run, cruise_run, held, spent
-from vehicle.optimum.mesh import laid
+from vehicle.optimum.coast import (
+    coast_down,
+    coast_profile,
+    coast_run,
+    cruise_run,
+    cruising_run,
+    time_and_energy,
+)
+from vehicle.optimum.mesh import laid_course
 from vehicle.train_file import load_train, shipped_train
 
 TRAIN: Any = load_train(shipped_train("ev_e301")).row[0]
@@ -48,7 +55,7 @@ def test_it_keeps_its_time_and_costs_no_less_than_the_optimum_nor_more_than_a_he
     least_s = float(least_time(asked).time_s[-1])
     run, plain = coast_run(asked, stretch * least_s), cruise_run(asked, stretch * least_s)
     assert run.time_s <= stretch * least_s * (1.0 + 1e-9)
-    assert np.all(run.profile.speed_mps <= np.sqrt(2.0 * laid(asked).fastest) + 1e-9)
+    assert np.all(run.profile.speed_mps <= np.sqrt(2.0 * laid_course(asked).fastest) + 1e-9)
     assert run.profile.speed_mps[-1] == pytest.approx(0.0, abs=1e-6)
     assert run.energy_j <= plain.energy_j + 1e-6 * abs(plain.energy_j)
     if stretch > 1.0:
@@ -68,15 +75,15 @@ def test_beyond_the_place_of_shutting_off_nothing_pulls() -> None:
 @pytest.mark.parametrize("name", ["level", "over a hill", "through a dip"])
 def test_no_other_speed_and_place_is_cheaper(name: str) -> None:
     asked = COURSES[name]
-    found = laid(asked)
+    found = laid_course(asked)
     time_s = 1.15 * found.least_s
     best_j = math.inf
     laws = (TRAIN, found.inertia_kg, 1.0, found.table, found.way)
     for speed, place in itertools.product(np.linspace(8.0, 20.0, 25), range(0, 2000, 50)):
-        z = held(found.table, found.way, found.fastest, 0.5 * float(speed) ** 2)
+        z = cruising_run(found.table, found.way, found.fastest, 0.5 * float(speed) ** 2)
         coast_down(found.table, found.way, found.fastest, z, place)
         if np.all(z[1:-1] > 0.0):
-            taken_s, energy_j, _ = spent(*laws, z)
+            taken_s, energy_j, _ = time_and_energy(*laws, z)
             if taken_s[-1] <= time_s:
                 best_j = min(best_j, float(energy_j[-1]))
     assert coast_run(asked, time_s).energy_j <= best_j * 1.01

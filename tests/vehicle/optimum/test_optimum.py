@@ -14,8 +14,8 @@ from vehicle.mass import equivalent_mass_kg
 from vehicle.optimum import Course, Optimum, TooShort, least_energy, least_time
 from vehicle.optimum.bound import Term, bound_of, lower_bound_j
 from vehicle.optimum.laws import laws_at
-from vehicle.optimum.mesh import laid, shares_of
-from vehicle.optimum.proof import consumed_j, possible, proven
+from vehicle.optimum.mesh import laid_course, shares_of
+from vehicle.optimum.proof import consumed_j, possible_speeds2, proven_run
 from vehicle.optimum.way import times_s
 from vehicle.running_time import predicted_run
 from vehicle.train_file import load_train, shipped_train
@@ -67,7 +67,7 @@ def test_without_resistance_it_is_the_least_speed_that_makes_the_time(
     # T = S / v + v (1 / 2a + 1 / 2b)
     speed = (time_s - math.sqrt(time_s**2 - 4.0 * both * 3000.0)) / (2.0 * both)
     closed_j = 0.5 * equivalent_mass_kg(row[0], 0.3) * speed**2 / 0.85
-    proof = proven(run, time_s)
+    proof = proven_run(run, time_s)
     assert proof.bound_j <= closed_j <= proof.energy_j * (1.0 + 1e-9)
     assert proof.energy_j <= 1.005 * closed_j
     assert proof.bound_j >= 0.995 * closed_j
@@ -77,7 +77,7 @@ def test_on_the_level_without_losses_the_bound_meets_a_steady_speed(ev_e301: Row
     row = changed(ev_e301, efficiency_traction=1.0, efficiency_regeneration=1.0)
     run = course(row, 5000, initial_mps=15.0, final_mps=15.0)
     resist_n, _, _ = laws_at(row[0], 0.3, 15.0)
-    proof = proven(run, 5000.0 / 15.0)
+    proof = proven_run(run, 5000.0 / 15.0)
     assert proof.energy_j == pytest.approx(resist_n * 5000.0, rel=1e-3)
     assert proof.bound_j == pytest.approx(resist_n * 5000.0, rel=1e-3)
     assert proof.bound_j <= resist_n * 5000.0 * (1.0 + 1e-12)
@@ -88,14 +88,14 @@ def test_on_the_level_without_losses_the_bound_meets_a_steady_speed(ev_e301: Row
 
 def slower_run(run: Course, rng: np.random.Generator) -> tuple[float, float]:
     """Time and energy of a random run that the train can make: the fastest one with its speeds cut at random."""
-    found = laid(run)
+    found = laid_course(run)
     way = found.way
     knots = np.sort(rng.uniform(way.at_m[0], way.at_m[-1], 6))
     cut = np.interp(way.at_m, knots, rng.uniform(0.2, 1.0, 6))
     line = found.fastest * cut * cut
     held = np.stack((np.diff(way.lift) / np.diff(way.at_m), way.drag), axis=1)
     limits = np.array([way.brake_extra, way.deceleration, way.acceleration])
-    z = possible(run.train, run.load_share, found.inertia_kg, way.at_m, held, limits, line)
+    z = possible_speeds2(run.train, run.load_share, found.inertia_kg, way.at_m, held, limits, line)
     energy_j = consumed_j(run.train, run.load_share, found.inertia_kg, run.regeneration, way.at_m, held, z)
     return float(times_s(way.at_m, z)[-1]), energy_j
 
@@ -136,7 +136,7 @@ def test_no_cruise_of_the_running_time_model_is_below_the_bound(seed: int, cruis
 def test_bound_and_possible_run_are_close(seed: int, share: float, name: str) -> None:
     run = hilly(load_train(shipped_train(name)).row, np.random.default_rng(seed))
     time_s = share * float(least_time(run).time_s[-1])
-    proof = proven(run, time_s)
+    proof = proven_run(run, time_s)
     assert proof.time_s <= time_s
     assert proof.bound_j <= proof.energy_j
     # Of what is spent in all, as downhill the net may be about nothing.
@@ -157,9 +157,9 @@ def test_a_term_left_out_is_found_out(ev_e301: Rows, term: Term) -> None:
     limits[1200:1500] = 10.0
     run = course(ev_e301, 2000, climb_m=falls, limit_mps=limits)
     time_s = 1.1 * float(least_time(run).time_s[-1])
-    proof = proven(run, time_s)
-    assert bound_of(laid(run), proof.optimum, time_s) <= proof.energy_j
-    assert bound_of(laid(run), proof.optimum, time_s, left_out=term) > proof.energy_j
+    proof = proven_run(run, time_s)
+    assert bound_of(laid_course(run), proof.optimum, time_s) <= proof.energy_j
+    assert bound_of(laid_course(run), proof.optimum, time_s, left_out=term) > proof.energy_j
 
 
 # --- a dynamic programme, which shares only the laws
@@ -202,7 +202,7 @@ def test_a_dynamic_programme_lies_between_the_bound_and_a_little_above_the_optim
     rises = np.concatenate((np.zeros(401), 0.015 * np.arange(1, 401), np.full(402, 6.0)))
     run = course(row, 1200, climb_m=rises)
     time_s = share * float(least_time(run).time_s[-1])
-    proof = proven(run, time_s)
+    proof = proven_run(run, time_s)
     price_w = proof.optimum.price_w
     speeds = np.sqrt(np.linspace(0.0, (65 / 3.6) ** 2, 300))
     by_programme_j = programmed(run, price_w, 20.0, speeds)

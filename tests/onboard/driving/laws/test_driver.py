@@ -8,7 +8,7 @@ import pytest
 from onboard.driving.laws.driver import DRAWN, Driver
 from onboard.driving.laws.settings import LawTables
 from onboard.records import NO_INTERVENTION
-from papers.driver_scatter import DEFAULT_FACTOR, SIGMAS, DriverScatter, scatter, widened
+from papers.driver_scatter import DEFAULT_FACTOR, SIGMAS, DriverScatter, scatter, widened_habits
 from papers.single_hop import HopBench, one_gradient
 from papers.single_run import STEPS_MAX, Rows, new_hops
 from papers.yasunobu_train import HOP_M, paper_bench
@@ -22,7 +22,7 @@ def ridden(
     **drawn: float,
 ) -> tuple[np.void, Rows]:
     """A hop of a driver whose habits are that many deviations off the mean."""
-    tables = LawTables.model_validate({"driver": habits or widened(1.0)})
+    tables = LawTables.model_validate({"driver": habits or widened_habits(1.0)})
     bench = paper_bench("driver", tables, lambda _law, field: drawn.get(field, 0.0))
     outcomes, trace = HopBench(bench, one_gradient(length_m, gradient_permille)).run(
         new_hops([order_s]), STEPS_MAX
@@ -37,7 +37,9 @@ def forty() -> DriverScatter:
 
 def test_the_defaults_are_the_calibrated_ones() -> None:
     for name in SIGMAS:
-        assert getattr(Driver(), name) == pytest.approx(getattr(widened(DEFAULT_FACTOR), name), abs=1e-9)
+        assert getattr(Driver(), name) == pytest.approx(
+            getattr(widened_habits(DEFAULT_FACTOR), name), abs=1e-9
+        )
 
 
 def test_drivers_scatter_by_about_a_tenth_at_equal_punctuality_and_without_spread_not_at_all(
@@ -45,7 +47,7 @@ def test_drivers_scatter_by_about_a_tenth_at_equal_punctuality_and_without_sprea
 ) -> None:
     assert 0.07 <= forty.sigma_share <= 0.13
     assert forty.late <= 2
-    assert scatter(widened(0.0), 3).sigma_share == 0.0
+    assert scatter(widened_habits(0.0), 3).sigma_share == 0.0
 
 
 def test_the_same_seed_draws_the_same_drivers() -> None:
@@ -80,7 +82,7 @@ def test_a_driver_who_is_late_takes_power_again() -> None:
     """His time passes while he runs on a climb with soft power: he hurries, unless he does not catch up at all."""
     hurried, trace = ridden(10.0, 85.0, power_drawn=-2.0)
     calm, _ = ridden(
-        10.0, 85.0, Driver(**{**widened(1.0).model_dump(), "catches_up": False}), power_drawn=-2.0
+        10.0, 85.0, Driver(**{**widened_habits(1.0).model_dump(), "catches_up": False}), power_drawn=-2.0
     )
     assert hurried["speed_max_mps"] > calm["speed_max_mps"] + 0.5
     assert hurried["power_changes"] > calm["power_changes"]

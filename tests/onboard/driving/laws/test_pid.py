@@ -14,7 +14,7 @@ from network.files.toml_input import validate
 from onboard.driving.laws.pid import Pid
 from onboard.driving.laws.settings import LawTables
 from onboard.records import NO_INTERVENTION
-from papers.pid_tuning import itae_ms, ranked, tried
+from papers.pid_tuning import itae_ms, ranked_settings, tried_setting
 from papers.single_hop import HopWay, one_gradient
 from papers.single_run import STEPS_MAX, Rows, new_hops
 from papers.yasunobu_train import HOP_M, paper_hops
@@ -42,13 +42,13 @@ def test_a_slice_of_the_tuning_ends_in_the_defaults() -> None:
         for integral in (0.0, 0.1)
         for derivative in (0.4, 0.8)
     ]
-    assert ranked(beside)[0].settings == Pid()
+    assert ranked_settings(beside)[0].settings == Pid()
 
 
 def test_without_integral_or_derivative_it_tracks_worse() -> None:
-    whole = tried(Pid()).itae_ms
-    assert tried(Pid(integral_gain_per_s2=0.0)).itae_ms > 1.1 * whole
-    assert tried(Pid(derivative_gain=0.0)).itae_ms > 1.1 * whole
+    whole = tried_setting(Pid()).itae_ms
+    assert tried_setting(Pid(integral_gain_per_s2=0.0)).itae_ms > 1.1 * whole
+    assert tried_setting(Pid(derivative_gain=0.0)).itae_ms > 1.1 * whole
 
 
 def test_itae_of_a_train_that_is_on_its_pattern_is_nothing_and_grows_with_time() -> None:
@@ -97,7 +97,7 @@ def test_power_and_brake_change_over_by_way_of_0_and_a_notch_is_held() -> None:
 
 
 def test_a_dead_band_spares_notches() -> None:
-    whole, none = tried(Pid()), tried(Pid(dead_band_mps2=0.0))
+    whole, none = tried_setting(Pid()), tried_setting(Pid(dead_band_mps2=0.0))
     assert none.notch_changes > 1.2 * whole.notch_changes
 
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from onboard.driving.laws.fuzzy_choice import changed_by, half_way, steps_of
+from onboard.driving.laws.fuzzy_notes import fuzzy_run_note
 from onboard.driving.laws.fuzzy_records import KEPT_CHANGES, FuzzyRule, PredictiveFuzzy
 from onboard.driving.laws.fuzzy_station import choose_at_station
-from onboard.driving.laws.fuzzy_told import told
 from onboard.driving.laws.settings import LawTables
 from onboard.driving_settings import Driving
 from papers.parameter_sets import LINE, TABLE_1
@@ -104,7 +104,7 @@ def test_the_account_of_a_hop_agrees_with_its_trace(drive: Drive) -> None:
 
 def test_the_journal_tells_which_rule_won_and_why(drive: Drive) -> None:
     hop = drive()
-    note = told(hop.own)
+    note = fuzzy_run_note(hop.own)
     assert note is not None
     assert note.law == "predictive_fuzzy"
     assert {held.rule for held in note.held} >= {"C-2", "C-3", "T-1", "T-2.2", "T-3"}
@@ -115,7 +115,7 @@ def test_the_journal_tells_which_rule_won_and_why(drive: Drive) -> None:
     assert (begins.premise, begins.notch) == ("running time", -1.0)
     assert all(after.rule != before.rule for before, after in pairwise(note.won))
     hop.own.changes = 0
-    assert told(hop.own) is None
+    assert fuzzy_run_note(hop.own) is None
 
 
 def test_without_c_2_it_holds_its_cruise_and_costs_more(drive: Drive) -> None:
