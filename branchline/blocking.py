@@ -29,13 +29,13 @@ def blocking(
     theory: Annotated[
         bool,
         typer.Option(
-            "--theory", help="From running times, without a run; of a run directory both, and compared."
+            "--theory", help="Compute from running times, without a run; for a run directory both, compared."
         ),
     ] = False,
     out: Annotated[Path | None, typer.Option("--out", help="Write the table as CSV to this file.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Blocking times (閉そく占有時分) by train and section, what they go into and cost, and conflicts.
+    """Show blocking times (閉そく占有時分) by train and section, what they consist of, and conflicts.
 
     A scenario is run; with --theory it is not. A run directory is read back.
     """
@@ -69,8 +69,9 @@ def blocking(
 
 def source_of(source: str, *, runs: bool) -> tuple[Setup, tuple[Occupation, ...] | None]:
     """The setup and the blocking times of a run directory, or of a scenario that is run if asked for."""
+    from study.capacity.blocking_table import read_blocking
+
     if Path(source).is_dir():
-        from study.capacity.blocking_table import read_blocking
         from study.record.read_back import read_run
         from study.record.setup_back import setup_of
 
@@ -81,14 +82,13 @@ def source_of(source: str, *, runs: bool) -> tuple[Setup, tuple[Occupation, ...]
     loaded = load_scenario(source)
     if not runs:
         return loaded.setup, None
-    from study.capacity.observed import observed
     from study.feasibility.check import refuse
     from study.runner.run import PartyLink, execute
 
     refuse(source, loaded.setup, anyway=False)
     with crashes_into(Path("runs") / loaded.id), progress_of(loaded.id) as progress:
         done = execute(loaded, PartyLink.SIMULATED, progress=progress)
-    return loaded.setup, observed(done.result, loaded.setup)
+    return loaded.setup, read_blocking(done.tables.blocking)
 
 
 def _planned(setup: Setup) -> tuple[Occupation, ...]:

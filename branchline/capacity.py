@@ -31,22 +31,31 @@ def capacity(
         str, typer.Option("--cut", help="How the line is cut: whole, crossing, interval, section, or all.")
     ] = ALL,
     from_time: Annotated[
-        str | None, typer.Option("--from", help="From this time on, HH:MM, in place of day and peak.")
+        str | None,
+        typer.Option("--from", help="From this time, HH:MM, instead of the whole day and the peak."),
     ] = None,
-    to_time: Annotated[str | None, typer.Option("--to", help="Up to this time, HH:MM.")] = None,
+    to_time: Annotated[str | None, typer.Option("--to", help="Until this time, HH:MM.")] = None,
     traffic: Annotated[
-        str, typer.Option("--traffic", help="Whose limits stand beside it: mixed, suburban, high-speed.")
+        str,
+        typer.Option(
+            "--traffic", help="Kind of traffic whose limits are shown: mixed, suburban, high-speed."
+        ),
     ] = "mixed",
     stops: Annotated[
-        str, typer.Option("--stops", help="Trains stand as planned (kept), or as short as they can (least).")
+        str, typer.Option("--stops", help="Stops as planned (kept), or as short as possible (least).")
     ] = "kept",
     buffer_s: Annotated[
         float,
-        typer.Option("--buffer", min=0.0, max=3600.0, help="Between a further train and the others, s."),
+        typer.Option(
+            "--buffer", min=0.0, max=3600.0, help="Time kept between an added train and the others, s."
+        ),
     ] = 0.0,
     theory: ByTheory = False,
     equipment: Annotated[
-        bool, typer.Option("--equipment", help="Also what tags, radio, points and bounds are worth; theory.")
+        bool,
+        typer.Option(
+            "--equipment", help="Also show what tags, radio, points and bounds are worth, by theory."
+        ),
     ] = False,
     out: Annotated[
         Path | None,
@@ -54,7 +63,7 @@ def capacity(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Occupancy of each part of a line by compression (UIC 406), the limits beside it, and room for more trains."""
+    """Show how full each part of a line is (compression, UIC 406), and how many more trains fit."""
     from study.capacity.compression import ContradictionError
     from study.capacity.cut import WAYS, cut_of
     from study.capacity.legs import legs_of, places_of

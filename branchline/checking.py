@@ -21,7 +21,7 @@ def check(
     scenario: ScenarioName,
     as_json: Json = False,
 ) -> None:
-    """Read a scenario with all that it names: where its trains meet, what cannot work and what is tight; runs nothing.
+    """Check a plan without running it: where trains meet, what cannot work, what is tight.
 
     Exit code 1 if the plan cannot work: `branchline run` refuses it.
     """

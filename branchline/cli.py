@@ -1,4 +1,4 @@
-"""The command `branchline`: every command is a function of a module of its own, listed here.
+"""The command `branchline`: every command is a function of a module of its own, listed here in its group.
 
 Heavy imports are inside the commands, so that help is quick. How a command ends: `branchline.ending`.
 """
@@ -18,9 +18,10 @@ from branchline.blocking import blocking
 from branchline.capacity import capacity
 from branchline.checking import check
 from branchline.comparing import compare
+from branchline.describing import schema
 from branchline.drilling import drill
 from branchline.duties import duties
-from branchline.ending import ended, print_json, stop_by_signals
+from branchline.ending import ended, stop_by_signals
 from branchline.exporting import exporters
 from branchline.headways import headway
 from branchline.importing import importers
@@ -36,31 +37,33 @@ from study.outcome import Outcome
 
 app = typer.Typer(
     name="branchline",
-    help="Line-level traffic and interlocking simulator for single-track branch lines.",
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-COMMANDS: Final[tuple[Callable[..., None], ...]] = (
-    run,
-    drill,
-    bench,
-    reproduce,
-    check,
-    report,
-    compare,
-    plot,
-    duties,
-    sweep,
-    blocking,
-    headway,
-    capacity,
-    running_times,
+PREPARE, RUN, READ = "Prepare: lines, timetables, trains, scenarios", "Run", "Read a finished run"
+ANALYSE, RESEARCH = "Analyse: running times, headways, capacity", "Research"
+COMMANDS: Final[tuple[tuple[str, Callable[..., None]], ...]] = (
+    (PREPARE, check),
+    (PREPARE, schema),
+    (RUN, run),
+    (RUN, drill),
+    (RUN, sweep),
+    (READ, report),
+    (READ, compare),
+    (READ, plot),
+    (ANALYSE, duties),
+    (ANALYSE, running_times),
+    (ANALYSE, headway),
+    (ANALYSE, capacity),
+    (ANALYSE, blocking),
+    (RESEARCH, reproduce),
+    (RESEARCH, bench),
 )
-for command in COMMANDS:
-    app.command(command.__name__.replace("_", "-"))(command)
-app.add_typer(importers, name="import")
-app.add_typer(makers, name="new")
-app.add_typer(exporters, name="export")
+for group, command in COMMANDS:
+    app.command(command.__name__.replace("_", "-"), rich_help_panel=group)(command)
+app.add_typer(makers, name="new", rich_help_panel=PREPARE)
+app.add_typer(importers, name="import", rich_help_panel=PREPARE)
+app.add_typer(exporters, name="export", rich_help_panel=READ)
 
 
 def main() -> None:
@@ -92,19 +95,7 @@ def _of_all_commands(
         bool, typer.Option("--version", help="Print the version.", callback=_print_version, is_eager=True)
     ] = False,
 ) -> None:
-    """Line-level traffic and interlocking simulator for single-track branch lines."""
-
-
-@app.command()
-def schema(
-    kind: Annotated[
-        str | None, typer.Argument(help="line, timetable, train, scenario, drill, sweep, station_list.")
-    ] = None,
-) -> None:
-    """Print the JSON Schema of a kind of file; without one, of all kinds by name."""
-    from scenario.schemas import KINDS, schema_of
-
-    print_json({name: schema_of(name) for name in KINDS} if kind is None else schema_of(kind))
+    """Simulate the traffic and the interlocking of a single-track branch line."""
 
 
 if __name__ == "__main__":

@@ -24,9 +24,7 @@ if TYPE_CHECKING:
 WIDTH_IN_FILE: Final = 160  # characters
 OVER_S: Final = 1.0  # what moved by no more is not listed
 SHOWN: Final = 20  # rows of a table on the terminal; the files have all
-Over = Annotated[
-    float, typer.Option("--over", help="Times that moved by no more than this, s, are not listed.")
-]
+Over = Annotated[float, typer.Option("--over", help="List only times that moved by more than this, s.")]
 
 
 def compare(
@@ -38,7 +36,7 @@ def compare(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Say what changed from one run to others: inputs, times, meets, punctuality, margins, energy, telegrams."""
+    """Compare finished runs: inputs, times, meets, punctuality, margins, energy, telegrams."""
     check_over(over)
     from study.compare.comparison import compare as compared
     from study.compare.files import write_comparison

@@ -33,49 +33,54 @@ def drill(
         bool,
         typer.Option(
             "--sweep",
-            help="Move its faults and acts, as one piece, over the run: one line for each class of outcome. Its own"
-            " expectations make no sense at other instants: what counts is that everyone arrives, that no invariant"
-            " is broken, and that nothing crashes.",
+            help="Move the drill's faults and acts, as one piece, over all instants of the run, and print one line for"
+            " each class of outcome. A run is good if every train arrives, no invariant is broken and nothing crashes;"
+            " the drill's own expectations are not judged.",
         ),
     ] = False,
     sweep_kinds: Annotated[
         bool,
-        typer.Option("--sweep-kinds", help="FILE is a scenario: sweep single faults of every kind over it."),
+        typer.Option(
+            "--sweep-kinds", help="FILE is a scenario: try single faults of every kind at all instants."
+        ),
     ] = False,
     at: Annotated[
         str | None,
         typer.Option(
             "--at",
-            help="telegrams: of FILE as it is, or of each shipped drill of a folder ('rtri'), with single faults beside"
-            " its own, each just before and just after every telegram that it may have to do with is sent or takes"
-            " effect, and with staff who react.",
+            help="'telegrams': add a single fault just before and just after every telegram that it may concern is sent"
+            " or takes effect, with staff who react. FILE is a drill, or a folder of shipped drills ('rtri').",
         ),
     ] = None,
     faults: Annotated[
         str,
         typer.Option(
-            "--faults", help="Of --at telegrams: power of each party, links (each cut one way), or all kinds."
+            "--faults", help="With --at: power of each party, links (each cut one way), or all kinds."
         ),
     ] = "power",
     sample: Annotated[
         int | None,
-        typer.Option(
-            "--sample", min=1, help="Of --at telegrams: an even sample of so many runs; default all."
-        ),
+        typer.Option("--sample", min=1, help="With --at: run an even sample of this size; default all."),
     ] = None,
-    every: Annotated[float, typer.Option("--every", min=0.1, help="Of a sweep: its step, s.")] = 1.0,
+    every: Annotated[
+        float,
+        typer.Option("--every", min=0.1, help="With --sweep or --sweep-kinds: step between instants, s."),
+    ] = 1.0,
     from_time: Annotated[
         str | None,
-        typer.Option("--from", help="Of a sweep: first instant; default just before the trains hit begin."),
+        typer.Option("--from", help="First instant, HH:MM; default just before the trains concerned begin."),
     ] = None,
     to_time: Annotated[
-        str | None, typer.Option("--to", help="Of a sweep: last instant; default where their day has ended.")
+        str | None, typer.Option("--to", help="Last instant, HH:MM; default when their day has ended.")
     ] = None,
     jobs: Annotated[
-        int | None, typer.Option("--jobs", min=1, help="Of a sweep: runs at a time; default one a processor.")
+        int | None, typer.Option("--jobs", min=1, help="Runs at a time; default one per processor.")
     ] = None,
 ) -> None:
-    """Run a drill and print it expectation by expectation; exit code 1 if one is not met, or a swept run is bad."""
+    """Run a drill and print the verdict on each of its expectations.
+
+    Exit code 1: an expectation is not met, or a run of a sweep is bad.
+    """
     if sweep or sweep_kinds or at is not None:
         from branchline.sweeping import SweepOptions, sweep_drill, sweep_telegrams
         from branchline.sweeping import sweep_kinds as sweep_all_kinds

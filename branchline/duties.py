@@ -27,7 +27,10 @@ def duties(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Which train set runs which trains (運用), where it turns and stands over; of a run, as it was."""
+    """Show which train set runs which trains (運用), and where it turns and waits.
+
+    Of a scenario as planned, of a run directory as it was run.
+    """
     line, found = _source(source)
     if out is not None:
         from study.record.directory import replaced

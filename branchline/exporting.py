@@ -1,4 +1,4 @@
-"""`branchline export`: what we have, in the forms of other programs. Each form is a module of its own, listed here."""
+"""`branchline export`: lines, timetables and runs for other programs. Each format is a module of its own."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from branchline.exporting_sumo import export_sumo_command
 from branchline.gtfs import export_gtfs
 from branchline.oudia import export_oudia
 
-exporters = typer.Typer(help="Write lines, timetables and runs in the forms of other programs.")
+exporters = typer.Typer(help="Write lines, timetables and runs for other programs.")
 exporters.command("sumo")(export_sumo_command)
 
 
 @exporters.callback()
 def _of_all_exports() -> None:
-    """Write lines, timetables and runs in the forms of other programs."""
+    """Write lines, timetables and runs for other programs."""
 
 
 exporters.command("oudia")(export_oudia)

@@ -23,7 +23,7 @@ def export_sumo_command(
     out: Annotated[Path, typer.Argument(help="Directory to write into.")],
     as_json: Json = False,
 ) -> None:
-    """Write net, trains, stations, tags, points and ends of sections for SUMO, and a .sumocfg; of a run, as it ran."""
+    """Write the net, its equipment and the trains for SUMO, with a .sumocfg; of a run directory, as they ran."""
     from study.feasibility.check import feasibility
     from study.plot.sumo_day import export_sumo, setup_as_run
 

@@ -46,11 +46,11 @@ def import_gtfs(
     line: LineName = None,
     date: Annotated[str, typer.Option("--date", help="The day, YYYY-MM-DD.")] = "",
     service: Annotated[
-        str, typer.Option("--service", help="A service id of the feed in place of a day.")
+        str, typer.Option("--service", help="A service id of the feed instead of a day.")
     ] = "",
     route: Annotated[
         list[str] | None,
-        typer.Option("--route", help="A route by id or short name; default all by rail. Again for more."),
+        typer.Option("--route", help="A route by id or short name, may be repeated; default all by rail."),
     ] = None,
     timetable_id: TimetableId = None,
     name: ByHand = None,
@@ -61,7 +61,7 @@ def import_gtfs(
     outside_min: OutsideMin = OUTSIDE_MIN_S,
     as_json: Json = False,
 ) -> None:
-    """Read the trains of a day from a GTFS feed; with a line, make its timetable file."""
+    """Read one day of a GTFS feed and, with --line, write its timetable file."""
     from exchange.gtfs.reader import GtfsChoice, read_gtfs
 
     day = read_gtfs(source, GtfsChoice(date, service, tuple(route or ())))
@@ -94,17 +94,20 @@ def export_gtfs(
     ],
     out: Annotated[Path, typer.Argument(help="Archive to write (.zip).")],
     agency: Annotated[str, typer.Option("--agency", help="Name of the operator; default the line's.")] = "",
-    url: Annotated[str, typer.Option("--agency-url", help="Its address.")] = _URL,
-    timezone: Annotated[str, typer.Option("--timezone", help="Of its times.")] = _TIMEZONE,
+    url: Annotated[str, typer.Option("--agency-url", help="Web address of the operator.")] = _URL,
+    timezone: Annotated[str, typer.Option("--timezone", help="Time zone of the timetable.")] = _TIMEZONE,
     first: Annotated[str, typer.Option("--from", help="First day, YYYYMMDD.")] = _FIRST,
     last: Annotated[str, typer.Option("--to", help="Last day, YYYYMMDD.")] = _LAST,
-    weekdays: Annotated[str, typer.Option("--weekdays", help="Seven of 0 and 1, from Monday.")] = _EVERY_DAY,
+    weekdays: Annotated[
+        str, typer.Option("--weekdays", help="Days of service from Monday: seven digits 0 or 1.")
+    ] = _EVERY_DAY,
     centre: Annotated[
-        str, typer.Option("--centre", help="LATITUDE,LONGITUDE that the plane of the line lies about.")
+        str,
+        typer.Option("--centre", help="LATITUDE,LONGITUDE of the origin of the line's plane coordinates."),
     ] = _CENTRE,
     as_json: Json = False,
 ) -> None:
-    """Write a timetable as a GTFS feed; of a run, the day as it was run."""
+    """Write a timetable as a GTFS feed; of a run directory, the day as it was run."""
     from exchange.gtfs.writer import write_gtfs
 
     facts = _facts(agency, url, timezone, (first, last), weekdays, centre)
@@ -112,7 +115,7 @@ def export_gtfs(
     rows = write_gtfs(out, line, timetable, facts)
     if centre == _CENTRE:
         tell(f"places of stations are about {_CENTRE} degrees; --centre says where the line really is")
-    figures: dict[str, Any] = {"line": line.id, "timetable": timetable.id, **rows}
+    figures: dict[str, Any] = {"line": line.id, "timetable": timetable.head.id, **rows}
     if as_json:
         print_json(figures, Outcome.GOOD)
     else:

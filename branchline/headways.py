@@ -25,19 +25,20 @@ Source = Annotated[
     str, typer.Argument(help="A shipped scenario, a scenario file (.toml), or a run directory.")
 ]
 ByTheory = Annotated[
-    bool, typer.Option("--theory", help="From running times, ways set as late as can be; nothing is run.")
+    bool,
+    typer.Option("--theory", help="Compute from running times, routes set as late as possible; run nothing."),
 ]
 
 
 def headway(
     source: Source,
-    station: Annotated[str | None, typer.Option("--station", help="At one station, by id.")] = None,
+    station: Annotated[str | None, typer.Option("--station", help="Only this station, by id.")] = None,
     theory: ByTheory = False,
     drive: Annotated[
         bool,
         typer.Option(
             "--drive",
-            help="Those of theory, each driven by its two trains alone: at it, and with a second less.",
+            help="Drive each theoretical headway with its two trains alone: at it, and one second closer.",
         ),
     ] = False,
     out: Annotated[
@@ -46,7 +47,10 @@ def headway(
     as_csv: Annotated[bool, typer.Option("--csv", help="Print the table as CSV on stdout.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Least headways (続行, 開通, 追い込み, 着発, 発着) by station and kinds of trains, with section and costs."""
+    """Show the least headways (続行, 開通, 追い込み, 着発, 発着) by station and kinds of trains.
+
+    With the section that decides each and what its seconds go into.
+    """
     from network.files.toml_input import one_of
     from study.capacity.headway import line_cases
     from study.record.directory import check_out, replaced

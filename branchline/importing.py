@@ -13,7 +13,7 @@ from branchline.importing_timetables import import_mini_tokyo
 from branchline.oudia import import_oudia
 from branchline.progress import tell
 
-importers = typer.Typer(help="Make line and timetable data from outside sources.")
+importers = typer.Typer(help="Read timetables and tracks of other programs.")
 importers.command("railml")(import_railml_command)
 importers.command("osm")(import_osm_command)
 importers.command("sumo")(import_sumo_command)
@@ -25,7 +25,7 @@ def import_geometry_command(
     stations: Annotated[Path, typer.Argument(help="Stations of the line (JSON of the same source).")],
     out: Annotated[Path, typer.Argument(help="TOML fragment to write.")],
 ) -> None:
-    """Fit kilometrage, straights, transitions and curves to a track polyline."""
+    """Fit straights, transitions, curves and kilometrage to a track polyline."""
     from exchange.geometry import import_geometry
 
     import_geometry(polyline, stations, out)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 OutList = Annotated[
     Path | None,
-    typer.Argument(help="Station list (TOML) to write, of which branchline new line makes a line."),
+    typer.Argument(help="Station list (TOML) to write, for `branchline new line`."),
 ]
 
 
@@ -27,7 +27,7 @@ def import_railml_command(
     out: OutList = None,
     as_json: Json = False,
 ) -> None:
-    """Read the tracks, points, stations and signals of a railML infrastructure."""
+    """Read tracks, points, stations and signals from a railML infrastructure file."""
     from exchange.railml import read_railml
 
     _report(read_railml(file), out, as_json=as_json)
@@ -43,7 +43,7 @@ def import_osm_command(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Read the tracks, points, stations, signals and milestones of an OpenStreetMap file."""
+    """Read tracks, points, stations, signals and milestones from an OpenStreetMap file."""
     from exchange.osm import read_osm
 
     layout = read_osm(file)
@@ -63,7 +63,7 @@ def import_sumo_command(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Read the tracks, points and stations of a SUMO net."""
+    """Read tracks, points and stations from a SUMO net."""
     from exchange.sumo_net import read_sumo_net
 
     _report(read_sumo_net(net, additional), out, as_json=as_json)

@@ -59,9 +59,9 @@ def import_mini_tokyo(
     out: TimetableOut = None,
     line: LineName = None,
     calendar: Annotated[
-        str, typer.Option("--calendar", help="Weekday, SaturdayHoliday or another one of the file.")
+        str, typer.Option("--calendar", help="Weekday, SaturdayHoliday or another calendar of the file.")
     ] = "Weekday",
-    railway: Annotated[str, typer.Option("--railway", help="Which one, where the file has several.")] = "",
+    railway: Annotated[str, typer.Option("--railway", help="Which railway, if the file has several.")] = "",
     stations: Annotated[
         Path | None, typer.Option("--stations", help="The source's file of stations, for their names (JSON).")
     ] = None,
@@ -74,7 +74,7 @@ def import_mini_tokyo(
     outside_min: OutsideMin = OUTSIDE_MIN_S,
     as_json: Json = False,
 ) -> None:
-    """Read the trains of a day from a file of mini-tokyo-3d; with a line, make its timetable file."""
+    """Read one day of a file of mini-tokyo-3d and, with --line, write its timetable file."""
     from exchange.mini_tokyo import SOURCE, read_mini_tokyo
 
     published = read_mini_tokyo(source, calendar, stations, railway)

@@ -10,7 +10,7 @@ import typer
 from branchline.making_files import new_curvature_map, new_drill, new_scenario, new_timetable, new_train
 from branchline.progress import tell
 
-makers = typer.Typer(help="Make a new file from little: it can be run, and says what it assumes.")
+makers = typer.Typer(help="Write a file to start from; it works as it stands and marks what it assumes.")
 makers.command("scenario")(new_scenario)
 makers.command("timetable")(new_timetable)
 makers.command("train")(new_train)
@@ -20,7 +20,7 @@ makers.command("curvature-map")(new_curvature_map)
 
 @makers.callback()
 def _of_all_makers() -> None:
-    """Make a new file from little: it can be run, and says what it assumes."""
+    """Write a file to start from; it works as it stands and marks what it assumes."""
 
 
 @makers.command("line")
@@ -40,7 +40,7 @@ def new_line(
         Path | None, typer.Option("--limits", help="CSV of from_km, to_km, speed_kmh, directions.")
     ] = None,
     max_speed: Annotated[
-        float | None, typer.Option("--max-speed", help="Greatest speed, km/h; default 85, assumed.")
+        float | None, typer.Option("--max-speed", help="Maximum speed, km/h; default 85, assumed.")
     ] = None,
     train_length: Annotated[
         float | None, typer.Option("--train-length", help="Longest train, m; default 40, assumed.")
@@ -53,15 +53,15 @@ def new_line(
     scenario: Annotated[
         Path | None,
         typer.Option(
-            "--scenario", help="Also write a scenario that runs two trains over it, and their times."
+            "--scenario", help="Also write a scenario that runs a few trains on it, and their timetable."
         ),
     ] = None,
 ) -> None:
-    """Make a whole line file from a list of stations: sections, points, tags, limits, and what is assumed.
+    """Write a line file from a list of stations: sections, points, tags, limits, and what is assumed.
 
     Columns of the list, of which only a name is always needed: name, name_ja, id, km, tracks, track_names, kind,
     points, normal, side, spacing_m, offset_m, end. A kind is `station`, `halt` or `signal station` (no platforms).
-    What each means: docs/make-a.md, docs/files.md.
+    docs/make-a.md explains them.
     """
     from exchange.new_line import NewLineOptions, write_line
     from network.making.sample_day import sample_timetable, write_sample

@@ -15,7 +15,7 @@ OnScenario = Annotated[str, typer.Option(help="A shipped scenario, or a scenario
 
 
 def new_scenario(out: NewFile, extends: OnScenario = "karasuyama_weekday") -> None:
-    """Make a scenario that extends another: a what-if with examples of what may be changed."""
+    """Write a what-if: a scenario that extends another, with examples of changes."""
     from study.making.scenario import new_scenario as made
 
     made(extends, out)
@@ -28,12 +28,12 @@ def new_curvature_map(
     train: Annotated[
         str | None,
         typer.Option(
-            "--train", help="Number of the train that runs first; without it the line's own design."
+            "--train", help="Number of the train that makes a first run; without it, the design of the line."
         ),
     ] = None,
     seed: Seed = None,
 ) -> None:
-    """Make a map of curvature: what a train's gyro and wheels show on a first run, between the tags."""
+    """Write a map of curvature, from the line's design or from a first run of a train."""
     from papers.first_run import new_curvature_map as made
 
     of = made(scenario, out, train, seed)
@@ -43,7 +43,7 @@ def new_curvature_map(
 
 
 def new_drill(out: NewFile, scenario: OnScenario = "rtri_test_line") -> None:
-    """Make a drill on a scenario: one fault, one act, what is expected."""
+    """Write a drill for a scenario: one fault, one act, and what is expected."""
     from study.making.scenario import new_drill as made
 
     made(scenario, out)
@@ -52,7 +52,7 @@ def new_drill(out: NewFile, scenario: OnScenario = "rtri_test_line") -> None:
 
 def new_train(
     out: NewFile,
-    like: Annotated[str, typer.Option(help="A shipped train, or a train file, to begin from.")] = "ev_e301",
+    like: Annotated[str, typer.Option(help="A shipped train, or a train file, to start from.")] = "ev_e301",
     name: Annotated[str | None, typer.Option(help="What people call it.")] = None,
     length_m: Annotated[float | None, typer.Option("--length-m", help="Length, m.")] = None,
     mass_t: Annotated[float | None, typer.Option("--mass-t", help="Empty mass, t.")] = None,
@@ -61,9 +61,11 @@ def new_train(
     force_kn: Annotated[
         float | None, typer.Option("--force-kn", help="Tractive force at a start, kN.")
     ] = None,
-    max_speed_kmh: Annotated[float | None, typer.Option("--max-speed-kmh", help="Speed, km/h.")] = None,
+    max_speed_kmh: Annotated[
+        float | None, typer.Option("--max-speed-kmh", help="Maximum speed, km/h.")
+    ] = None,
 ) -> None:
-    """Make a train file: a shipped one with its keys explained, with figures of your own where you have them."""
+    """Write a train file: a shipped one with its keys explained and with the figures that you give."""
     from study.making.train import Figures
     from study.making.train import new_train as made
 
@@ -74,17 +76,15 @@ def new_train(
 def new_timetable(
     out: NewFile,
     line: Annotated[str, typer.Option("--line", help="A shipped line, or a line file (.toml).")],
-    every: Annotated[int, typer.Option("--every", help="A train each way every so many minutes.")] = 60,
+    every: Annotated[int, typer.Option("--every", help="Minutes from one train to the next, each way.")] = 60,
     from_time: Annotated[str, typer.Option("--from", help="First departure, HH:MM.")] = "06:00",
-    to_time: Annotated[
-        str, typer.Option("--to", help="No departure from the ends after this, HH:MM.")
-    ] = "22:00",
+    to_time: Annotated[str, typer.Option("--to", help="Last departure from the ends, HH:MM.")] = "22:00",
     train: Annotated[str, typer.Option("--train", help="A shipped train, or a train file.")] = "ev_e301",
     scenario: Annotated[
         Path | None, typer.Option("--scenario", help="Also write a scenario that runs it.")
     ] = None,
 ) -> None:
-    """Make a timetable that can work: trains to and fro over the whole line at even intervals."""
+    """Write a timetable that works: trains both ways over the whole line at even intervals."""
     from network.timetable import seconds_of
     from study.making.timetable import Pattern
     from study.making.timetable import new_timetable as made

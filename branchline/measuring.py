@@ -16,18 +16,19 @@ def bench(
     scenarios: Annotated[
         list[str] | None, typer.Argument(help="Scenarios to measure; default karasuyama_weekday.")
     ] = None,
-    rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds; medians are shown.")] = 3,
+    rounds: Annotated[int, typer.Option("--rounds", min=1, help="Number of rounds; medians are shown.")] = 3,
     part: Annotated[
         list[str] | None,
         typer.Option(
-            "--part", help="links, laws, collation, certificate or sweep; may be repeated. Default: links."
+            "--part",
+            help="What to measure: links, laws, collation, certificate or sweep; may be repeated. Default: links.",
         ),
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Measure the same day: SUMO alone, full system, full system over Zenoh; by its driving laws, with curvature.
+    """Measure what a simulated day costs in time and memory.
 
-    The figures of each part are there when it is done.
+    By default: SUMO alone, the full system in one process, and the full system over Zenoh.
     """
     from study.evaluate.parts import DEFAULT, part_of
 

@@ -13,10 +13,15 @@ ScenarioName = Annotated[str, typer.Argument(help="A shipped scenario, or a scen
 Json = Annotated[
     bool, typer.Option(JSON_OPTION, help="Print one JSON object on stdout and nothing else there.")
 ]
-Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of every chance in the run.")]
+Seed = Annotated[
+    int | None, typer.Option("--seed", min=0, help="Seed of all random draws; default: that of the scenario.")
+]
 Out = Annotated[Path | None, typer.Option("--out", help="Run directory; default runs/<scenario>.")]
 LinkName = Annotated[
-    str, typer.Option("--link", help="simulated, or zenoh: a process for each wayside device.")
+    str,
+    typer.Option(
+        "--link", help="How telegrams travel: simulated, or zenoh with a process for each wayside device."
+    ),
 ]
 UnitsName = Annotated[
     str,
@@ -38,7 +43,9 @@ TimetableId = Annotated[
 ]
 ByHand = Annotated[
     list[str] | None,
-    typer.Option("--name", help="A station by hand: SOURCE=ID, or SOURCE=- to leave it out. Again for more."),
+    typer.Option(
+        "--name", help="Match a station by hand: SOURCE=ID, or SOURCE=- to leave it out; may be repeated."
+    ),
 ]
 ByHandFile = Annotated[
     Path | None, typer.Option("--names", help='TOML file of such pairs: "name in the source" = "id".')
@@ -46,17 +53,18 @@ ByHandFile = Annotated[
 Additions = Annotated[
     str | None,
     typer.Option(
-        "--add", help="Shipped additions, or a file (.toml): trains and sets that nobody publishes."
+        "--add", help="Trains and sets that the source lacks: shipped additions, or a file (.toml)."
     ),
 ]
 RunBy = Annotated[
     str | None,
     typer.Option(
         "--train",
-        help="A shipped train, or a train file (.toml): no arrival is computed before that train can be there.",
+        help="A shipped train, or a train file (.toml): computed arrivals are no earlier than it can run.",
     ),
 ]
 TurnMin = Annotated[int, typer.Option("--turn-min", min=0, max=86_400, help="Least time to turn back, s.")]
 OutsideMin = Annotated[
-    int, typer.Option("--outside-min", min=0, max=86_400, help="Least time of a set beyond a portal, s.")
+    int,
+    typer.Option("--outside-min", min=0, max=86_400, help="Least time that a set stays beyond a portal, s."),
 ]

@@ -37,7 +37,7 @@ def import_oudia(
     source: Annotated[Path, typer.Argument(help="File of OuDia (.oud) or OuDiaSecond (.oud2).")],
     out: TimetableOut = None,
     line: LineName = None,
-    dia: Annotated[str | None, typer.Option("--dia", help="Which Dia, where the file has several.")] = None,
+    dia: Annotated[str | None, typer.Option("--dia", help="Which Dia, if the file has several.")] = None,
     timetable_id: TimetableId = None,
     name: ByHand = None,
     names: ByHandFile = None,
@@ -47,7 +47,7 @@ def import_oudia(
     outside_min: OutsideMin = OUTSIDE_MIN_S,
     as_json: Json = False,
 ) -> None:
-    """Read a timetable of OuDia or OuDiaSecond; with a line, make its timetable file."""
+    """Read a file of OuDia or OuDiaSecond and, with --line, write its timetable file."""
     from exchange.oudia.nodes import read_oudia
     from exchange.oudia.published import published_of
     from exchange.oudia.route import route_of
@@ -83,7 +83,7 @@ def export_oudia(
     out: Annotated[Path, typer.Argument(help="File to write (.oud2).")],
     as_json: Json = False,
 ) -> None:
-    """Write a timetable for OuDiaSecond; of a run, the day as it was run stands beside it as a second Dia."""
+    """Write a timetable for OuDiaSecond; of a run directory also the day as run, as a second Dia."""
     from exchange.oudia.writer import AS_RUN, plan_name, write_oudia
 
     line, timetable, as_run = _source(source)
@@ -91,7 +91,7 @@ def export_oudia(
     dias = [{"name": plan_name(timetable), "trains": len(timetable.trains)}]
     dias += [{"name": AS_RUN, "trains": len(as_run)}] if as_run else []
     _say(
-        {"line": line.id, "timetable": timetable.id, "stations": len(line.stations), "dias": dias},
+        {"line": line.id, "timetable": timetable.head.id, "stations": len(line.stations), "dias": dias},
         as_json=as_json,
     )
     tell(f"wrote {out}")

@@ -19,16 +19,16 @@ LIST = "list"
 def plot(
     run: Annotated[str, typer.Argument(help="Run directory; or 'list', which shows the kinds.")],
     kind: Annotated[str | None, typer.Argument(help="What to show: see 'branchline plot list'.")] = None,
-    train: Annotated[str | None, typer.Option("--train", help="Of one train, by number.")] = None,
-    station: Annotated[str | None, typer.Option("--station", help="Of one station, by id.")] = None,
-    from_time: Annotated[str | None, typer.Option("--from", help="From this time on, HH:MM.")] = None,
-    to_time: Annotated[str | None, typer.Option("--to", help="Up to this time, HH:MM.")] = None,
+    train: Annotated[str | None, typer.Option("--train", help="Only this train, by number.")] = None,
+    station: Annotated[str | None, typer.Option("--station", help="Only this station, by id.")] = None,
+    from_time: Annotated[str | None, typer.Option("--from", help="From this time, HH:MM.")] = None,
+    to_time: Annotated[str | None, typer.Option("--to", help="Until this time, HH:MM.")] = None,
     form: Annotated[
         str | None, typer.Option("--format", help="png, svg or csv; default by --out, else png.")
     ] = None,
     beside: Annotated[
         list[Path] | None,
-        typer.Option("--with", help="Another run directory, shown with it; may be repeated."),
+        typer.Option("--with", help="Another run directory to show beside it; may be repeated."),
     ] = None,
     lang: Annotated[str, typer.Option("--lang", help="en or ja.")] = "en",
     out: Annotated[
@@ -36,7 +36,7 @@ def plot(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Draw one kind of plot of a finished run as PNG or SVG, or write its table as CSV."""
+    """Draw one picture of a finished run as PNG or SVG, or write its table as CSV."""
     from study.plot.kinds import KINDS, kind_of
 
     if run == LIST and kind is None:
@@ -78,7 +78,7 @@ def _list(*, as_json: bool) -> None:
                 "kinds": [
                     {
                         "name": kind.name,
-                        "title": kind.title,
+                        "title": kind.title.en,
                         "takes": sorted(option.value for option in kind.takes),
                         "needs": sorted(option.value for option in kind.needs),
                     }
@@ -92,4 +92,4 @@ def _list(*, as_json: bool) -> None:
             option.value + (" (needed)" if option in kind.needs else "")
             for option in sorted(kind.takes, key=lambda option: option.value)
         ]
-        sys.stdout.write(f"{kind.name:18} {kind.title:42} {', '.join(options)}\n")
+        sys.stdout.write(f"{kind.name:18} {kind.title.en:42} {', '.join(options)}\n")

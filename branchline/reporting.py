@@ -12,7 +12,10 @@ import typer
 def report(
     run: Annotated[Path, typer.Argument(help="Run directory; its journal and tables stay as they are.")],
 ) -> None:
-    """Make the report of a finished run again: where a full disk cost it, or for the page of this version."""
+    """Write the report of a finished run again.
+
+    For one that a full disk prevented, or that an older version wrote.
+    """
     from study.record.read_back import read_run
     from study.report.report import report_again
 

@@ -15,12 +15,12 @@ from branchline.options import Json, LinkName
 def reproduce(
     name: Annotated[str, typer.Argument(help="Name of a reproduction; 'list' shows them.")],
     link: LinkName = "simulated",
-    seed: Annotated[int, typer.Option("--seed", min=0)] = 1,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of all random draws.")] = 1,
     out: Annotated[
-        Path | None, typer.Option("--out", help="Directory for plots, where there are any.")
+        Path | None, typer.Option("--out", help="Directory for pictures, if there are any.")
     ] = None,
     quick: Annotated[
-        bool, typer.Option("--quick", help="A short slice; the remarks say what it leaves out.")
+        bool, typer.Option("--quick", help="Run a short part only; the remarks say what is left out.")
     ] = False,
     data: Annotated[
         Path | None, typer.Option("--data", help="Folder of reference data that is not shipped.")
@@ -28,7 +28,8 @@ def reproduce(
     as_json: Json = False,
 ) -> None:
     """Rebuild a published experiment and print the paper's figures beside ours."""
-    from papers.reproduction import REPRODUCTIONS, Options, reproduction
+    from papers.reproduction import Options
+    from papers.specification import REPRODUCTIONS, reproduction
     from study.runner.run import link_of
 
     if name == "list":

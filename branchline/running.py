@@ -25,27 +25,34 @@ def run(
     link: LinkName = "simulated",
     units: UnitsName = "simulator",
     carrier: Annotated[
-        str, typer.Option("--carrier", help="sumo, or plain: plain track without SUMO, the same run.")
+        str,
+        typer.Option("--carrier", help="What moves the trains: sumo, or plain (without SUMO; the same run)."),
     ] = "sumo",
     seed: Seed = None,
     against: Annotated[
-        Path | None, typer.Option("--against", help="Run directory of the same line: say what changed.")
+        Path | None, typer.Option("--against", help="Also say what changed since this run of the same line.")
     ] = None,
     over: Over = OVER_S,
     out: Out = None,
     anyway: Annotated[
         bool,
-        typer.Option("--anyway", help="Also run a plan that cannot work, as branchline check says it."),
+        typer.Option("--anyway", help="Run even if `branchline check` says that the plan cannot work."),
     ] = False,
     gui: Annotated[
         bool, typer.Option("--gui", help="Watch the run in sumo-gui (extra net); the result is the same.")
     ] = False,
     gui_delay: Annotated[
-        int, typer.Option("--gui-delay", min=0, max=10_000, help="Of --gui: ms for each step of 0.1 s.")
+        int,
+        typer.Option(
+            "--gui-delay", min=0, max=10_000, help="With --gui: milliseconds for each step of 0.1 s."
+        ),
     ] = 20,
     as_json: Json = False,
 ) -> None:
-    """Run a scenario and write its run directory with report.html; a plan that cannot work is refused, exit code 2."""
+    """Run a day and write its run directory with report.html.
+
+    A plan that cannot work is refused with exit code 2.
+    """
     from scenario.scenario import load_scenario
     from study.compare.against import against as compared_with
     from study.feasibility.check import refuse
@@ -147,7 +154,7 @@ def _net(energy: dict[str, Any]) -> str:
     """Net energy of the day, and by distance as the report says it."""
     from study.report.facts import net_by_distance
 
-    return "; ".join(filter(None, (f"{energy['all']['net']:,.1f} kWh", net_by_distance(energy))))
+    return "; ".join(filter(None, (f"{energy['all']['net']:,.1f} kWh", net_by_distance(energy).en)))
 
 
 def _print_run(done: FinishedRun, report: Path) -> None:

@@ -26,37 +26,39 @@ def sweep(
     file: Annotated[str, typer.Argument(help="A shipped sweep, or a sweep file (.toml): docs/sweeps.md.")],
     out: Annotated[
         Path | None,
-        typer.Option("--out", help="Directory; default sweeps/<id>. What is there is not run again."),
+        typer.Option("--out", help="Directory; default sweeps/<id>. Days that it has are not run again."),
     ] = None,
     jobs: Annotated[
-        int | None, typer.Option("--jobs", min=1, help="Processes of this machine; default one a processor.")
+        int | None,
+        typer.Option("--jobs", min=1, help="Processes on this machine; default one per processor."),
     ] = None,
     carrier: Annotated[
         str | None,
         typer.Option(
-            "--carrier", help="sumo, or plain, with every tenth day again on sumo; default as the file says."
+            "--carrier", help="sumo, or plain with every tenth day again on sumo; default as in the file."
         ),
     ] = None,
     scheduler: Annotated[
         str | None,
         typer.Option(
-            "--scheduler", help="A Dask scheduler, tcp://host:port, in place of processes of this machine."
+            "--scheduler", help="A Dask scheduler, tcp://host:port, instead of processes on this machine."
         ),
     ] = None,
     days: Annotated[
-        int | None, typer.Option("--days", help="Days of each point; default as the file says.")
+        int | None, typer.Option("--days", help="Days of each point; default as in the file.")
     ] = None,
     recycle: Annotated[
-        int, typer.Option("--recycle", min=1, help="Days after which a process of this machine is replaced.")
+        int, typer.Option("--recycle", min=1, help="Days after which a process is replaced.")
     ] = 200,
     anyway: Annotated[
-        bool, typer.Option("--anyway", help="Also go on where days were run by other code than this.")
+        bool, typer.Option("--anyway", help="Go on even if days were run by another version of the code.")
     ] = False,
     check: Annotated[bool, typer.Option("--check", help="Read everything, run and write nothing.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Run the days of a sweep that are missing and write its report; exit code 1 if SUMO carries a day otherwise, a day
-    crashes, or a rule is broken.
+    """Run the missing days of a sweep and write its report.
+
+    Exit code 1: a day crashed, broke a rule, or was another day on SUMO.
     """
     from study.drilling.forks import jobs_of
     from study.sweep.cluster import ClusterPump

@@ -27,7 +27,7 @@ def running_times(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Minimum running times (基準運転時分) by leg, train type and direction, and the margins of the timetable."""
+    """Show minimum running times (基準運転時分) by leg, train type and direction, and the margins of the timetable."""
     from scenario.scenario import load_scenario
     from study.measures.standard_times import planned_runs, standard_times
     from study.record.directory import replaced

@@ -1,4 +1,6 @@
-"""Draws the pictures of README.md: `python -m documents.pictures` takes a weekday and a reproduction, three minutes.
+"""Draws the pictures of README.md and docs/researcher.md: `python -m documents.pictures`.
+
+It runs a weekday and a reproduction, three minutes.
 
 What a picture shows follows from the scenario and its seed; the bytes also from the versions of the libraries that draw
 it, so `make check` does not compare them.
@@ -11,7 +13,8 @@ from pathlib import Path
 from shutil import copyfile
 from typing import Final
 
-from papers.reproduction import Options, reproduction
+from papers.reproduction import Options
+from papers.specification import reproduction
 from scenario.scenario import load_scenario
 from study.report.data import ReportedRun as Shown
 from study.report.graph import draw_train_graph

@@ -50,6 +50,19 @@ RULE: Final = """
 ## The one rule of fixes
 
 """
+MAP: Final = """
+## The map of curvature
+
+Trains with a yaw gyro compare their run with this map. `[curvature] map = "design"` is the line's alignment, as units
+believe it to be; otherwise it is a file beside the scenario:
+
+    branchline new curvature-map karasuyama_weekday curves.json --train 322M    # from a first run of that train
+    branchline new curvature-map karasuyama_weekday curves.json                 # the design, written to a file
+
+On a first run the train finds its position by tags and wheels, and its gyro records the curvature. The gyro's bias
+between two stands goes evenly from the one to the other. Track that the train has not passed on the first and the last
+piece is as in the alignment; other pieces are not in the map, and nothing is compared there.
+"""
 SETTINGS_HEAD: Final = "| key | default | what it is | where the default comes from |\n|---|---|---|---|"
 
 
@@ -62,13 +75,13 @@ def document() -> str:
     parts += [RULE + _prose(fix.__doc__), ""]
     for sensor in SENSORS:
         parts += _section(sensor)
-    parts += ["## The map of curvature: format and version", "", _prose(curvature_map_file.__doc__), ""]
+    parts += [MAP, _prose(curvature_map_file.__doc__), ""]
     return "\n".join(parts)
 
 
 def _means(sensor: Sensor) -> str:
     """The module that says what a sensor means to the unit."""
-    return f"onboard.localisation.{sensor.meant_by}"
+    return f"onboard.localisation.{sensor.page.meant_by}"
 
 
 def _file(what: type | Callable[..., object]) -> str:
@@ -81,22 +94,23 @@ def _overview() -> Iterator[str]:
     yield "|---|---|---|---|---|"
     for sensor in SENSORS:
         word = f"`{sensor.carried}`" if sensor.carried else "–"
-        table = f"[`[{sensor.table}]`](files/scenario.md)" if sensor.table else "–"
-        yield f"| {sensor.title} | {word} | {sensor.estimate} | {sensor.bounds} | {table} |"
+        page = sensor.page
+        tables = ", ".join(f"[`[{table}]`](files/scenario.md)" for table in page.settings) or "–"
+        yield f"| {page.title} | {word} | {page.estimate} | {page.bounds} | {tables} |"
 
 
 def _section(sensor: Sensor) -> Iterator[str]:
-    yield f"## {sensor.title}\n"
+    yield f"## {sensor.page.title}\n"
     yield f"**What it shows.** {_prose(sys.modules[sensor.function.__module__].__doc__)}\n"
-    if sensor.meant_by:
+    if sensor.page.meant_by:
         yield f"**What the unit makes of it.** {_prose(import_module(_means(sensor)).__doc__)}\n"
-    if sensor.table:
-        settings: type[BaseModel] = get_type_hints(Tables)[sensor.table]
+    for table, keys in sensor.page.settings.items():
+        settings: type[BaseModel] = get_type_hints(Tables)[table]
         yield SETTINGS_HEAD
-        for name in sensor.keys or settings.model_fields:
-            yield _setting(f"{sensor.table}.{name}", settings.model_fields[name])
+        for name in keys or settings.model_fields:
+            yield _setting(f"{table}.{name}", settings.model_fields[name])
         yield ""
-    if sensor.title.startswith("Wheels"):
+    if sensor.page.title.startswith("Wheels"):
         yield from _bounds_settings()
     kinds = [kind for kind in KINDS if _file(kind) == _file(sensor.function)]
     if kinds:

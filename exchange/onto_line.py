@@ -58,7 +58,7 @@ class OntoLine:
 
 
 @dataclass(slots=True)
-class _Cut:
+class _UntimedTrain:
     """A train of the source with its calls on the line, before its times are whole."""
 
     source: PublishedTrain
@@ -141,7 +141,7 @@ def named(names: Sequence[str]) -> str:
 
 
 def _times(
-    cuts: Sequence[_Cut], line: Line, running: Running | None, least: Running | None
+    cuts: Sequence[_UntimedTrain], line: Line, running: Running | None, least: Running | None
 ) -> KnownRunningTimes:
     """Running times that somebody gives, else those of the timetable; and the least that there can be on the line."""
     calls = [cut.calls for cut in cuts]
@@ -166,7 +166,9 @@ def _first_of(*known: Running | None) -> Running:
     return running
 
 
-def _cut_all(published: PublishedTimetable, line: Line, join: StationJoin, said: _Said) -> list[_Cut]:
+def _cut_all(
+    published: PublishedTimetable, line: Line, join: StationJoin, said: _Said
+) -> list[_UntimedTrain]:
     """Trains that run on the line, cut to it; what cannot be used is said."""
     found: list[tuple[PublishedTrain, list[PublishedCall], bool, bool]] = []
     names = {row.key: row.name for row in join.rows}
@@ -182,7 +184,7 @@ def _cut_all(published: PublishedTimetable, line: Line, join: StationJoin, said:
             said.note(f"calls at {name}, which is not on the line, are left out: {{}}", train.number)
         found.append((train, calls, before or bool(train.comes_from), after or bool(train.goes_to)))
     numbers = numbers_of((train.number, _runs_down(calls, line, join)) for train, calls, _, _ in found)
-    cuts: list[_Cut] = []
+    cuts: list[_UntimedTrain] = []
     for (train, calls, before, after), number in zip(found, numbers, strict=True):
         direction = Direction.DOWN if _runs_down(calls, line, join) else Direction.UP
         if not train.number:
@@ -194,7 +196,7 @@ def _cut_all(published: PublishedTimetable, line: Line, join: StationJoin, said:
                 [_call(call, join.ids[call.station], line, direction, said, number) for call in calls]
             )
             _check_one_way(ours, line, direction)
-            cut = _Cut(train, number, direction, ours, before, after)
+            cut = _UntimedTrain(train, number, direction, ours, before, after)
             _trim_passes(cut, line, said)
         except UntimedError as why:
             said.note(f"left out: {{}} ({why})", number)
@@ -270,7 +272,7 @@ def _check_one_way(calls: Sequence[Call], line: Line, direction: Direction) -> N
             raise UntimedError(f"it turns round at {line.stations[before.station_id].name}")
 
 
-def _trim_passes(cut: _Cut, line: Line, said: _Said) -> None:
+def _trim_passes(cut: _UntimedTrain, line: Line, said: _Said) -> None:
     """The first and the last call are stops: a train that passes the first station on the line calls at the next."""
     for end, where in ((0, "first"), (-1, "last")):
         while cut.calls and not cut.calls[end].stops:
@@ -285,7 +287,7 @@ def _trim_passes(cut: _Cut, line: Line, said: _Said) -> None:
         raise UntimedError("it stops at less than two stations of the line")
 
 
-def _timed(cut: _Cut, line: Line, times: KnownRunningTimes, said: _Said) -> TimedCalls:
+def _timed(cut: _UntimedTrain, line: Line, times: KnownRunningTimes, said: _Said) -> TimedCalls:
     """The train's calls with all times; at the ends of its run there is one time, on the way there are two."""
     calls = cut.calls
     first, last = calls[0], calls[-1]
@@ -343,7 +345,7 @@ def _spaced(
     return TimedCalls(tuple(calls), frozenset(inferred))
 
 
-def _planned(cut: _Cut, timed: TimedCalls, line: Line, said: _Said) -> TrainOnLine:
+def _planned(cut: _UntimedTrain, timed: TimedCalls, line: Line, said: _Said) -> TrainOnLine:
     """The train; where there is no platform it stands without passengers."""
     calls: list[Call] = []
     revenue = cut.source.revenue
@@ -375,7 +377,7 @@ def _without_platform(line: Line, call: Call, direction: Direction) -> bool:
         return False  # no mark in this direction: what reads the timetable file says so
 
 
-def _linked(trains: Sequence[TrainOnLine], cuts: Sequence[_Cut], said: _Said) -> list[TrainOnLine]:
+def _linked(trains: Sequence[TrainOnLine], cuts: Sequence[_UntimedTrain], said: _Said) -> list[TrainOnLine]:
     """Links between trains by the numbers that they have here; one to a number that several have is left out."""
     ours: dict[str, list[str]] = {}
     for cut in cuts:

@@ -53,7 +53,7 @@ class _OsmNode:
 
 
 @dataclass(frozen=True, slots=True)
-class _Way:
+class _OsmWay:
     id: str
     nodes: tuple[str, ...]
     tags: Mapping[str, str]
@@ -66,7 +66,7 @@ class _Source:
     file: str
     origin_deg: Place
     nodes: dict[str, _OsmNode]
-    ways: list[_Way]
+    ways: list[_OsmWay]
     cut: int = 0
     left: Counter[str] = field(default_factory=Counter)
     places_of: dict[str, list[tuple[str, float]]] = field(default_factory=lambda: defaultdict(list))
@@ -119,14 +119,14 @@ def _read(path: Path) -> _Source:
         raise InputError(
             file, "", None, f"OpenStreetMap XML, but the outermost element is {local_name(root)}"
         )
-    ways: list[_Way] = []
+    ways: list[_OsmWay] = []
     left = Counter[str]()
     for element in root.iterfind("way"):
         tags = _tags(element)
         kind = tags.get("railway", "")
         if kind in RAILS and tags.get("area") != "yes":
             refs = tuple(needed(file, nd, "ref") for nd in element.iterfind("nd"))
-            ways.append(_Way(needed(file, element, "id"), refs, tags))
+            ways.append(_OsmWay(needed(file, element, "id"), refs, tags))
         elif kind:
             left[f"way of railway={kind}"] += 1
     for element in root.iterfind("relation"):
@@ -165,7 +165,7 @@ def _tags(element: ET.Element) -> dict[str, str]:
     return {tag.get("k", ""): tag.get("v", "") for tag in element.iterfind("tag")}
 
 
-def _whole(source: _Source, ways: Iterable[_Way]) -> Iterator[_Way]:
+def _whole(source: _Source, ways: Iterable[_OsmWay]) -> Iterator[_OsmWay]:
     """Ways without the nodes that the cut has left out; one that it parts becomes several."""
     for way in ways:
         parts: list[list[str]] = [[]]

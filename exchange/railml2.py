@@ -13,9 +13,18 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Final
 
-from exchange.layout import LayoutSignal, LayoutStation, LayoutTrack, NodeKind, Platform, Spot, TurnoutSide
+from exchange.layout import (
+    LayoutPoints,
+    LayoutSignal,
+    LayoutStation,
+    LayoutTrack,
+    NodeKind,
+    Platform,
+    Spot,
+    TurnoutSide,
+)
 from exchange.layout_draft import SAME_PLACE_M, JoinedEnds, km_rows
-from exchange.railml_draft import DraftPoints, RailmlDraft, left_of, states_not_in_use
+from exchange.railml_draft import RailmlDraft, left_of, states_not_in_use
 from exchange.xml_input import local_name, needed, needed_number, number
 from network.errors import InputError
 
@@ -31,7 +40,7 @@ _TAKEN: Final = frozenset(
 
 
 @dataclass(slots=True)
-class _Cut:
+class _CutTrack:
     """A track as it is cut at its points and crossings: `offsets_m` from 0 to its length."""
 
     element: ET.Element
@@ -55,7 +64,7 @@ def draft_of_2(file: str, root: ET.Element) -> RailmlDraft:
     infrastructure = root.find(f"{_NS}infrastructure")
     if infrastructure is None:
         raise InputError(file, "infrastructure", None, "this element, which is missing")
-    reader = _Reader(file, infrastructure)
+    reader = _Railml2Reader(file, infrastructure)
     reader.read_tracks()
     reader.read_points()
     reader.read_stations()
@@ -73,12 +82,12 @@ def draft_of_2(file: str, root: ET.Element) -> RailmlDraft:
     return draft
 
 
-class _Reader:
+class _Railml2Reader:
     def __init__(self, file: str, infrastructure: ET.Element) -> None:
         self.file = file
         self.infrastructure = infrastructure
         self.draft = RailmlDraft(infrastructure.get("name", ""))
-        self.cuts: dict[str, _Cut] = {}
+        self.cuts: dict[str, _CutTrack] = {}
         self.joined = JoinedEnds()
         self.ends: dict[str, tuple[str, int]] = {}  # by id of a connection at a beginning or an end
         self.node_of: dict[tuple[str, int], str] = {}
@@ -113,7 +122,7 @@ class _Reader:
             if ref in self.ends:
                 self.joined.join(self.ends[connection], self.ends[ref])
 
-    def _cut(self, element: ET.Element) -> _Cut:
+    def _cut(self, element: ET.Element) -> _CutTrack:
         track_id = needed(self.file, element, "id")
         if track_id in self.cuts:
             raise InputError(self.file, f"track {track_id}", None, "an id of its own")
@@ -125,7 +134,7 @@ class _Reader:
         if begin_m != 0 or end_m <= 0:
             expected = "a track that begins at pos 0 and ends beyond it"
             raise InputError(self.file, f"track {track_id}", [begin_m, end_m], expected)
-        cut = _Cut(element, track_id, end_m, [0.0, end_m])
+        cut = _CutTrack(element, track_id, end_m, [0.0, end_m])
         for device in self._devices(cut):
             pos_m = self._pos(device, cut)
             if all(abs(pos_m - known) > SAME_PLACE_M for known in cut.offsets_m):
@@ -133,20 +142,20 @@ class _Reader:
         cut.offsets_m.sort()
         return cut
 
-    def _devices(self, cut: _Cut) -> Iterator[ET.Element]:
+    def _devices(self, cut: _CutTrack) -> Iterator[ET.Element]:
         found = cut.element.find(f"{_NS}trackTopology/{_NS}connections")
         for device in found if found is not None else ():
             if local_name(device) in ("switch", "crossing"):
                 yield device
 
-    def _pos(self, element: ET.Element, cut: _Cut) -> float:
+    def _pos(self, element: ET.Element, cut: _CutTrack) -> float:
         pos_m = needed_number(self.file, element, "pos")
         if not -SAME_PLACE_M <= pos_m <= cut.length_m + SAME_PLACE_M:
             key = f"{local_name(element)} {element.get('id', '')}: pos"
             raise InputError(self.file, key, pos_m, f"a place on track {cut.id}, 0 to {cut.length_m:g} m")
         return min(max(pos_m, 0.0), cut.length_m)
 
-    def _read_ends(self, cut: _Cut) -> Iterator[tuple[str, str, str]]:
+    def _read_ends(self, cut: _CutTrack) -> Iterator[tuple[str, str, str]]:
         for side, name in enumerate(("trackBegin", "trackEnd")):
             place = cut.element.find(f"{_NS}trackTopology/{_NS}{name}")
             end = (cut.piece(0 if side == 0 else len(cut.offsets_m) - 2), side)
@@ -159,7 +168,7 @@ class _Reader:
                 elif kind == "bufferStop":
                     self.draft.kinds["".join((end[0], "<>"[end[1]]))] = NodeKind.BUFFER
 
-    def _kilometrage(self, cut: _Cut) -> tuple[tuple[float, float], ...]:
+    def _kilometrage(self, cut: _CutTrack) -> tuple[tuple[float, float], ...]:
         known: list[tuple[float, float]] = []
         jumps: list[tuple[float, float, float]] = []
         for element in cut.element.iter():
@@ -191,7 +200,7 @@ class _Reader:
             for device in self._devices(cut):
                 self._read_device(cut, device)
 
-    def _node_end(self, cut: _Cut, device: ET.Element) -> tuple[str, int]:
+    def _node_end(self, cut: _CutTrack, device: ET.Element) -> tuple[str, int]:
         piece_id, inner_m = cut.at(self._pos(device, cut))
         return piece_id, 0 if inner_m < SAME_PLACE_M else 1
 
@@ -218,7 +227,7 @@ class _Reader:
             self.length_of[piece.id] = piece.length_m
         self.draft.pieces, self.draft.kinds = pieces, kinds
 
-    def _read_device(self, cut: _Cut, device: ET.Element) -> None:
+    def _read_device(self, cut: _CutTrack, device: ET.Element) -> None:
         node = self.node_of[self._node_end(cut, device)]
         meeting = self.ends_at[node]
         name = device.get("name") or device.get("id") or ""
@@ -239,7 +248,7 @@ class _Reader:
         after, before = self._after_and_before(cut, device, own)
         stem, normal = (before, after) if outgoing else (after, before)
         self.draft.points.append(
-            DraftPoints(
+            LayoutPoints(
                 needed(self.file, device, "id"),
                 name,
                 node,
@@ -252,7 +261,7 @@ class _Reader:
         )
 
     def _after_and_before(
-        self, cut: _Cut, device: ET.Element, own: list[tuple[str, int]]
+        self, cut: _CutTrack, device: ET.Element, own: list[tuple[str, int]]
     ) -> tuple[tuple[str, int], tuple[str, int]]:
         """Of the two ends that carry the track on: the one that lies on in its sense, and the one before."""
         piece_id, inner_m = cut.at(self._pos(device, cut))
@@ -295,7 +304,7 @@ class _Reader:
         if homeless:
             self.draft.left.append(f"{homeless} platforms that name no station")
 
-    def _platform(self, cut: _Cut, element: ET.Element) -> Platform:
+    def _platform(self, cut: _CutTrack, element: ET.Element) -> Platform:
         from_m = self._pos(element, cut)
         length_m = number(self.file, element, "length") or 0.0
         piece_id, inner_m = cut.at(from_m)

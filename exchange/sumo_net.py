@@ -58,7 +58,7 @@ class _Edge:
 
 
 @dataclass(slots=True)
-class _Net:
+class _NetFile:
     file: str
     edges: dict[str, _Edge] = field(default_factory=dict)
     nodes: dict[str, Place] = field(default_factory=dict)
@@ -116,8 +116,8 @@ def read_sumo_net(path: Path, additional: Path | None = None) -> ForeignLayout:
     )
 
 
-def _read(path: Path) -> _Net:
-    net = _Net(str(path))
+def _read(path: Path) -> _NetFile:
+    net = _NetFile(str(path))
     root = read_xml(path)
     if local_name(root) != "net":
         raise InputError(net.file, "", None, f"a SUMO net, but the outermost element is {local_name(root)}")
@@ -177,7 +177,7 @@ def _shape(file: str, edge_id: str, text: str) -> tuple[Place, ...]:
     return shape
 
 
-def _tracks(net: _Net) -> tuple[list[LayoutTrack], dict[str, tuple[LayoutTrack, bool]]]:
+def _tracks(net: _NetFile) -> tuple[list[LayoutTrack], dict[str, tuple[LayoutTrack, bool]]]:
     """A track for each pair of edges; and of each edge its track, True where it runs from the low node."""
     tracks: list[LayoutTrack] = []
     of_edge: dict[str, tuple[LayoutTrack, bool]] = {}
@@ -208,7 +208,7 @@ def _is_back(edge_id: str) -> bool:
 
 
 def _kind(
-    net: _Net,
+    net: _NetFile,
     node: str,
     ends: Sequence[tuple[LayoutTrack, bool]],
     of_edge: Mapping[str, tuple[LayoutTrack, bool]],
@@ -250,7 +250,7 @@ def _kind(
 
 
 def _said_normal(
-    net: _Net,
+    net: _NetFile,
     node: str,
     legs: tuple[LayoutTrack, LayoutTrack],
     of_edge: Mapping[str, tuple[LayoutTrack, bool]],
@@ -266,7 +266,7 @@ def _said_normal(
 
 
 def _stations(
-    net: _Net, additional: Path | None, of_edge: Mapping[str, tuple[LayoutTrack, bool]]
+    net: _NetFile, additional: Path | None, of_edge: Mapping[str, tuple[LayoutTrack, bool]]
 ) -> tuple[list[LayoutStation], dict[str, list[KmRow]]]:
     """Stations by the names of their stops, and the kilometrages that stops have, by track."""
     if additional is None:

@@ -39,7 +39,7 @@ from wayside.said import (
 )
 
 
-class _Machine(Protocol):
+class _ProtocolMachine(Protocol):
     """What the host needs of a protocol machine: the actions for one event, in order."""
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
@@ -53,7 +53,7 @@ class _Machine(Protocol):
         ...
 
 
-class _Spare(msgspec.Struct, frozen=True, array_like=True):
+class _ManagerMemory(msgspec.Struct, frozen=True, array_like=True):
     """What a manager keeps: the units on the line, sections not swept, how many moves of its day each unit has made."""
 
     ledger: tuple[str, ...] = ()
@@ -92,7 +92,7 @@ class _Manager:
 
     def kept(self, before: Durable) -> Durable:
         done = {unit_id: trip.done for unit_id, trip in sorted(self.register.trips.items())}
-        kept = _Spare(tuple(sorted(self.register.ledger)), tuple(sorted(self.register.unswept)), done)
+        kept = _ManagerMemory(tuple(sorted(self.register.ledger)), tuple(sorted(self.register.unswept)), done)
         bars = self.register.bars
         vital = b"" if bars == NO_BARS else msgspec.msgpack.encode(bars)
         return msgspec.structs.replace(before, vital=vital, spare=msgspec.msgpack.encode(kept))
@@ -138,12 +138,12 @@ def _memory(kept: bytes) -> TerminalMemory:
         ) from None
 
 
-def _remembered(kept: bytes | None) -> _Spare | None:
+def _remembered(kept: bytes | None) -> _ManagerMemory | None:
     """What the manager had before; nothing of one that never ran. None: lost."""
     if not kept:
-        return None if kept is None else _Spare()
+        return None if kept is None else _ManagerMemory()
     try:
-        return msgspec.msgpack.decode(kept, type=_Spare)
+        return msgspec.msgpack.decode(kept, type=_ManagerMemory)
     except msgspec.MsgspecError:
         return None
 
@@ -161,7 +161,7 @@ class DeviceHost:
         self._store = store
         self._durable = raise_epoch(store)
         self._endpoint = Endpoint(keys, self._durable.epoch, config.telegram_age_max_s)
-        self._machine: _Machine
+        self._machine: _ProtocolMachine
         if isinstance(config, ManagerConfig):
             self._machine = _Manager(config, keys, self._durable)
         else:
@@ -217,8 +217,8 @@ class DeviceHost:
     def _note_drop(self, dropped: Dropped, sends: list[Send]) -> None:
         self._notes.append(dropped.noted(self._endpoint.owner))
         # Its sender still speaks to the boot before this one: tell it, so that its next telegram counts.
-        if dropped.reason is DropReason.EARLIER_BOOT and dropped.source is not None:
-            sends.append(Send(dropped.source, Restarted()))
+        if dropped.reason is DropReason.EARLIER_BOOT and dropped.envelope is not None:
+            sends.append(Send(dropped.envelope.source, Restarted()))
 
 
 class DeviceParty:

@@ -41,7 +41,7 @@ class NotCommissioned(InputError):  # noqa: N818 - names what happened
         super().__init__(called, "durable", None, "a durable state: it is lost, so people must commission it")
 
 
-class _Head(msgspec.Struct, frozen=True, array_like=True):
+class _StoreHead(msgspec.Struct, frozen=True, array_like=True):
     """What a party cannot start without."""
 
     epoch: int
@@ -116,14 +116,14 @@ class FileStore:
         except FileNotFoundError:
             return Durable()
         split = _LENGTH_BYTES + int.from_bytes(data[:_LENGTH_BYTES])
-        head = _unsealed(data[_LENGTH_BYTES:split], _Head)
+        head = _unsealed(data[_LENGTH_BYTES:split], _StoreHead)
         if head is None:
             raise InputError(str(self._path), "", None, "an undamaged durable state of a party")
         return Durable(head.epoch, head.vital, _unsealed(data[split:], bytes), head.commissioned)
 
     def save(self, durable: Durable) -> None:
         """Write aside, sync, rename, sync the directory."""
-        head = _sealed(_Head(durable.epoch, durable.vital, durable.commissioned))
+        head = _sealed(_StoreHead(durable.epoch, durable.vital, durable.commissioned))
         spare = b"" if durable.spare is None else _sealed(durable.spare)
         aside = self._path.with_suffix(".new")
         with aside.open("wb") as file:

@@ -62,7 +62,7 @@ def unit_specs(units: Iterable[tuple[UnitConfig, KeyRing]]) -> tuple[PartySpec, 
     )
 
 
-class _Spare(msgspec.Struct, frozen=True, array_like=True):
+class _UnitMemory(msgspec.Struct, frozen=True, array_like=True):
     """What a unit keeps: whether it is, or may be, on the line."""
 
     on_line: bool = False
@@ -73,7 +73,7 @@ def _was_on_line(kept: bytes | None) -> bool:
     if not kept:
         return kept is None
     try:
-        return msgspec.msgpack.decode(kept, type=_Spare).on_line
+        return msgspec.msgpack.decode(kept, type=_UnitMemory).on_line
     except msgspec.MsgspecError:
         return True
 
@@ -111,7 +111,7 @@ class HostedUnit:
         on_line = self.state.authority.perhaps_on_line
         if on_line is not self._kept:
             self._kept = on_line
-            spare = msgspec.msgpack.encode(_Spare(on_line))
+            spare = msgspec.msgpack.encode(_UnitMemory(on_line))
             self._durable = msgspec.structs.replace(self._durable, spare=spare)
             self._store.save(self._durable)
         return answer

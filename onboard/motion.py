@@ -93,6 +93,10 @@ class UnitMotion:
         readers: ReadersRow | None = None,
         laws: LawsRow | None = None,
         planning: Planning = PLAIN,
+        *,
+        reads_tags: bool = True,
+        charge: ChargeWatch | None = None,  # of a set that runs on a battery
+        before: UnitMotion | None = None,  # the unit was switched off
     ) -> None:
         self.row: Final = cells_of(UnitRow, row)
         self._record: Final = row  # the same memory, as compiled code takes it
@@ -100,11 +104,11 @@ class UnitMotion:
         self.readers: Final[Any] = cells_of(ReadersRow, fresh)
         self.keeper: Final = keeper
         self.command = DrivingCommand()
-        self.load_share = 0.0
+        self.load_share: float = 0.0 if before is None else before.load_share
         self.adhesion_factor = 1.0  # the least of the day's weather, of the dry rail's
-        self.vehicle = IN_ORDER
-        self.charge: ChargeWatch | None = None  # of a set that runs on a battery
-        self.reads_tags = True  # a train without a reader expects none
+        self.vehicle: VehicleInputs = IN_ORDER if before is None else before.vehicle
+        self.charge = charge
+        self.reads_tags = reads_tags  # a train without a reader expects none
         self.notes: Final[list[notes.Note]] = []
         row.due_s = row.replan_s = math.inf
         row.axles_differ_share = parameters.wheel_varies_share
@@ -477,8 +481,7 @@ class UnitMotion:
             row.target_stop_m = row.mark_m = row.position_m
         if command.target is not None:
             there = mission.targets[command.target]
-            anew = self._found or self._off_plan or self._pace.passed_by(there)
-            if moved or command.orders or anew:
+            if moved or command.orders or self._found or self._off_plan or self._pace.passed_by(there):
                 self._pace.choose(mission, command.target, now_s, self.load_share)
                 self._off_plan = False
             self._aim(there.mark_m, limit_m)

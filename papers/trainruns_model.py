@@ -111,10 +111,10 @@ def running_time_s(
 
     Raises Stalled where the train cannot climb.
     """
-    return _Course(train, sections, step_m, refined).run()
+    return _RunUnderWay(train, sections, step_m, refined).run()
 
 
-class _Course:
+class _RunUnderWay:
     """One run under way: position of the front, time and speed."""
 
     def __init__(

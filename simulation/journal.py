@@ -18,14 +18,14 @@ _EVENT: Final[msgspec.json.Decoder[Event]] = msgspec.json.Decoder(Event)
 SPILL_BYTES: Final = 1 << 15
 
 
-class _Head(msgspec.Struct, frozen=True):
+class _LineHead(msgspec.Struct, frozen=True):
     """The beginning of a line."""
 
     t: float
     who: str
 
 
-_HEAD: Final = msgspec.json.Decoder(_Head)
+_HEAD: Final = msgspec.json.Decoder(_LineHead)
 
 
 class Journal:
@@ -149,7 +149,7 @@ def _joined(lines: Sequence[bytes]) -> bytes:
 
 def encode_entry(entry: JournalEntry) -> bytes:
     """The line of an entry, without its end."""
-    head = _ENCODER.encode(_Head(entry.t_s, entry.who))
+    head = _ENCODER.encode(_LineHead(entry.t_s, entry.who))
     return head[:-1] + b"," + _ENCODER.encode(entry.event)[1:]
 
 

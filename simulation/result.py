@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import astuple, dataclass, field, fields
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Final
 
@@ -19,6 +19,8 @@ from simulation.judge.checkers import Violation
 from simulation.judge.rail import LowAdhesion
 from simulation.motion_digest import motion_digest
 from simulation.ride import NO_RIDE, Ride
+from vehicle.battery import BatteryFlows
+from vehicle.records import PLANT
 
 TRACE_EVERY_STEPS: Final = 10  # a sample a second, and one at every event
 
@@ -61,38 +63,23 @@ class EnergyPhase(StrEnum):
     STABLED = "stabled"  # it stood after its last train (留置)
 
 
-@dataclass(frozen=True, slots=True)
-class EnergyParts:
-    """Where the energy of the motors went, J, as `vehicle.energy` counts it; together traction less regenerated."""
-
-    kinetic_j: float = 0.0
-    resistance_j: float = 0.0
-    gradient_j: float = 0.0
-    curve_j: float = 0.0
-    friction_j: float = 0.0
-    traction_loss_j: float = 0.0
-    regeneration_loss_j: float = 0.0
-
-    def sum_j(self) -> float:
-        """All parts together."""
-        return math.fsum(astuple(self))
-
-    def since(self, before: EnergyParts) -> EnergyParts:
-        """What came on top of `before`."""
-        pairs = zip(astuple(self), astuple(before), strict=True)
-        return EnergyParts(*(now_j - before_j for now_j, before_j in pairs))
-
-
-PARTS: Final = tuple(part.name for part in fields(EnergyParts))
+COUNTED: Final = tuple(  # what a plant counts of its energy; see `vehicle.records.PlantRow`
+    name.removeprefix("energy_").removesuffix("_j")
+    for name in PLANT.names or ()
+    if name.startswith("energy_")
+)
+DRAWN: Final = ("traction", "regenerated", "auxiliary")
+REJECTED: Final = "rejected"
+PARTS: Final = tuple(name for name in COUNTED if name not in (*DRAWN, REJECTED))
 
 
 @dataclass(frozen=True, slots=True)
 class EnergyRecord:
     """Energy of one stock over one phase, J at the wire or battery, and the distance run, m; how a run was driven.
 
-    `parts` says where it went, the auxiliaries apart. `rejected_j` could have been given back, but the source did not
-    take it, so that it is in the friction. `from_id` and `to_id` are stations, or portal sections, where the train was
-    to stop; alike where it stood at one.
+    `counted_j` has each of COUNTED: traction less regenerated went into PARTS, the auxiliaries are apart. What was
+    rejected could have been given back, but the source did not take it, so that it is in the friction. `from_id` and
+    `to_id` are stations, or portal sections, where the train was to stop; alike where it stood at one.
     """
 
     stock_id: str
@@ -104,17 +91,15 @@ class EnergyRecord:
     begin_s: float
     end_s: float
     distance_m: float
-    traction_j: float
-    regenerated_j: float
-    auxiliary_j: float
-    parts: EnergyParts = EnergyParts()
-    rejected_j: float = 0.0
+    counted_j: Mapping[str, float]
     ride: Ride = NO_RIDE
 
     @property
     def residual_j(self) -> float:
         """What the parts leave open of what the motors drew and gave back."""
-        return self.traction_j - self.regenerated_j - self.parts.sum_j()
+        counted_j = self.counted_j
+        parts_j = math.fsum(counted_j[part] for part in PARTS)
+        return counted_j["traction"] - counted_j["regenerated"] - parts_j
 
 
 class BatteryEvent(StrEnum):
@@ -134,8 +119,7 @@ class BatteryEvent(StrEnum):
 class BatteryRecord:
     """A battery at one moment: state of charge, energy between empty and that, and what its counters show, J.
 
-    `station`: where it stands; empty elsewhere. `supply_w`: what charger or wire gives at most. Given and taken are at
-    its terminals, supplied is what chargers and wires gave to the train. See `vehicle.battery.BatteryRow`.
+    `station`: where it stands; empty elsewhere. `supply_w`: what charger or wire gives at most.
     """
 
     stock_id: str
@@ -146,12 +130,7 @@ class BatteryRecord:
     soc: float
     stored_j: float
     supply_w: float
-    given_j: float
-    taken_j: float
-    lost_j: float
-    supplied_j: float
-    missing_j: float
-    spilled_j: float
+    flows: BatteryFlows
 
 
 @dataclass(frozen=True, slots=True)

@@ -87,7 +87,7 @@ class GtfsDay:
 
 
 @dataclass(slots=True)
-class _Trip:
+class _GtfsTrip:
     id: str
     route: str
     service: str
@@ -119,7 +119,7 @@ class _Left:
 
     by_reason: dict[str, list[str]] = field(default_factory=dict[str, list[str]])
 
-    def note(self, reason: str, trip: _Trip) -> None:
+    def note(self, reason: str, trip: _GtfsTrip) -> None:
         """One more."""
         self.by_reason.setdefault(reason, []).append(trip.number)
 
@@ -177,10 +177,10 @@ def _routes(feed: Feed) -> dict[str, tuple[int, str, str]]:
     return found
 
 
-def _trips(feed: Feed, routes: Mapping[str, object]) -> dict[str, _Trip]:
+def _trips(feed: Feed, routes: Mapping[str, object]) -> dict[str, _GtfsTrip]:
     file = f"{feed.path}: trips.txt"
     more = ("trip_short_name", "direction_id", "block_id", REVENUE, BEGINS, ENDS)
-    trips: dict[str, _Trip] = {}
+    trips: dict[str, _GtfsTrip] = {}
     for row in feed.rows("trips.txt", ("route_id", "service_id", "trip_id"), more):
         route, service, trip_id, number, direction, block, revenue, begins, ends = row.texts
         if route not in routes:
@@ -189,14 +189,14 @@ def _trips(feed: Feed, routes: Mapping[str, object]) -> dict[str, _Trip]:
             raise InputError(file, f"line {row.line}.trip_id", trip_id, "an id of its own")
         if direction not in ("", "0", "1"):
             raise InputError(file, f"line {row.line}.direction_id", direction, "0, 1 or nothing")
-        trips[trip_id] = _Trip(
+        trips[trip_id] = _GtfsTrip(
             trip_id, route, service, number or trip_id, direction != "1", block, revenue, begins, ends
         )
     return trips
 
 
 def _read_calls(
-    feed: Feed, trips: Mapping[str, _Trip], stops: Mapping[str, GtfsStop]
+    feed: Feed, trips: Mapping[str, _GtfsTrip], stops: Mapping[str, GtfsStop]
 ) -> tuple[set[str], int]:
     """Put the rows of stop_times to their trips, in order; stops that are called at, and how many rows there are."""
     file = f"{feed.path}: stop_times.txt"
@@ -247,7 +247,7 @@ def _seconds(file: str, key: str, text: str) -> int | None:
     return int(match[1]) * 3600 + int(match[2]) * 60 + int(match[3])
 
 
-def _check_times(file: str, trip: _Trip) -> None:
+def _check_times(file: str, trip: _GtfsTrip) -> None:
     """Times of a trip do not go back, and its first and last call have one."""
     last_s = 0
     for i, (_, call) in enumerate(trip.calls):
@@ -267,16 +267,16 @@ def _check_times(file: str, trip: _Trip) -> None:
 
 def _of_routes(
     path: Path,
-    trips: Iterable[_Trip],
+    trips: Iterable[_GtfsTrip],
     routes: Mapping[str, tuple[int, str, str]],
     wanted: Sequence[str],
     left: _Left,
-) -> list[_Trip]:
+) -> list[_GtfsTrip]:
     """Trips of the routes that are wanted, else of all by rail."""
     for name in wanted:
         if not any(name in (route_id, short) for route_id, (_, short, _) in routes.items()):
             raise InputError(COMMAND_LINE, "--route", name, one_of(routes, name))
-    kept: list[_Trip] = []
+    kept: list[_GtfsTrip] = []
     for trip in trips:
         kind, short, _ = routes[trip.route]
         if wanted:
@@ -293,7 +293,7 @@ def _of_routes(
     return kept
 
 
-def _of_day(feed: Feed, trips: Sequence[_Trip], wanted: GtfsChoice, left: _Left) -> list[_Trip]:
+def _of_day(feed: Feed, trips: Sequence[_GtfsTrip], wanted: GtfsChoice, left: _Left) -> list[_GtfsTrip]:
     """Trips of one operating day, from 03:00 to 03:00."""
     services = read_services(feed)
     if wanted.date:
@@ -306,7 +306,7 @@ def _of_day(feed: Feed, trips: Sequence[_Trip], wanted: GtfsChoice, left: _Left)
         if wanted.service and wanted.service not in counts:
             raise InputError(COMMAND_LINE, "--service", wanted.service, one_of(counts, wanted.service))
         today = tomorrow = frozenset((wanted.service or one_service(counts),))
-    kept: list[_Trip] = []
+    kept: list[_GtfsTrip] = []
     for trip in trips:
         early = bool(trip.calls) and _first_s(trip.calls[0][1]) < DAY_BEGINS_S
         if trip.service not in (tomorrow if early else today):
@@ -330,12 +330,14 @@ def _first_s(call: _Call) -> int:
     return call.arrival_s if call.arrival_s is not None else call.departure_s or 0
 
 
-def _whole(feed: Feed, trips: Iterable[_Trip], stops: Mapping[str, GtfsStop], left: _Left) -> list[_Trip]:
+def _whole(
+    feed: Feed, trips: Iterable[_GtfsTrip], stops: Mapping[str, GtfsStop], left: _Left
+) -> list[_GtfsTrip]:
     """Trips with a time of their own and two stations at least, and none twice; in order of time."""
     headway: set[str] = set()
     if feed.has("frequencies.txt"):
         headway = {row.texts[0] for row in feed.rows("frequencies.txt", ("trip_id",))}
-    kept: list[_Trip] = []
+    kept: list[_GtfsTrip] = []
     for trip in trips:
         stations = _stations_of(trip, stops)
         if trip.id in headway:
@@ -349,13 +351,13 @@ def _whole(feed: Feed, trips: Iterable[_Trip], stops: Mapping[str, GtfsStop], le
     return sorted(kept, key=lambda trip: (_first_s(trip.calls[0][1]), trip.number, trip.id))
 
 
-def _stations_of(trip: _Trip, stops: Mapping[str, GtfsStop]) -> tuple[str, ...]:
+def _stations_of(trip: _GtfsTrip, stops: Mapping[str, GtfsStop]) -> tuple[str, ...]:
     """Stations in order of travel; two calls in a row at one, as at two platforms, count once."""
     keys = [stops[call.stop].station for _, call in trip.calls]
     return tuple(key for i, key in enumerate(keys) if i == 0 or keys[i - 1] != key)
 
 
-def _numbers(trips: Iterable[_Trip]) -> list[str]:
+def _numbers(trips: Iterable[_GtfsTrip]) -> list[str]:
     """Numbers of trips; of those with the same one the second is ...-2."""
     numbers: dict[str, None] = {}
     for trip in trips:
@@ -367,7 +369,7 @@ def _numbers(trips: Iterable[_Trip]) -> list[str]:
     return list(numbers)
 
 
-def _train(trip: _Trip, number: str, stops: Mapping[str, GtfsStop], down: bool) -> PublishedTrain:
+def _train(trip: _GtfsTrip, number: str, stops: Mapping[str, GtfsStop], down: bool) -> PublishedTrain:
     plain = [call for _, call in trip.calls]
     revenue = trip.revenue != "0" if trip.revenue else not all(call.no_passengers for call in plain)
     calls = tuple(_call(call, i, len(plain), stops, revenue=revenue) for i, call in enumerate(plain))
@@ -428,7 +430,7 @@ def _tables_left(feed: Feed) -> list[str]:
     return [f"tables: {', '.join(found)}"] if found else []
 
 
-def _written(feed: Feed, trips: Mapping[str, _Trip], stops: Mapping[str, GtfsStop]) -> OwnFeed | None:
+def _written(feed: Feed, trips: Mapping[str, _GtfsTrip], stops: Mapping[str, GtfsStop]) -> OwnFeed | None:
     """What we have written into a feed ourselves, with its times as they stand there."""
     if TIMETABLE not in feed.columns("feed_info.txt"):
         return None

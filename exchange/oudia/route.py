@@ -139,7 +139,7 @@ def route_of(text: OudiaText, file: str) -> OudiaRoute:
     nodes = rosen.nodes("Dia")
     if not nodes:
         raise InputError(file, "Rosen.Dia", None, "a timetable, of which there is none")
-    reader = _Reader(file, text, stations, kinds)
+    reader = _TrainReader(file, text, stations, kinds)
     names = _dia_names(nodes)
     dias = tuple(
         OudiaDia(name, tuple(reader.trains(node, name))) for name, node in zip(names, nodes, strict=True)
@@ -202,7 +202,7 @@ def _station(node: OudiaNode) -> OudiaStation:
 
 
 @dataclass(frozen=True, slots=True)
-class _Reader:
+class _TrainReader:
     """Reads trains of a file: its generation tells where tracks and operations stand."""
 
     file: str

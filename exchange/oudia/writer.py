@@ -55,7 +55,7 @@ _KINDS_AS_RUN: Final = (
 
 
 @dataclass(frozen=True, slots=True)
-class _Place:
+class _WrittenStation:
     """A station in the file: names of its tracks, and the portals that trains which begin or end here use."""
 
     station: Station
@@ -115,8 +115,8 @@ def oudia_of(line: Line, timetable: Timetable, as_run: Sequence[TimetableTrain] 
 
 def plan_name(timetable: Timetable) -> str:
     """Name of the Dia that is the plan; not that of the day as run."""
-    name = timetable.name or timetable.id
-    return name if name != AS_RUN else timetable.id + " (plan)"
+    name = timetable.head.name or timetable.head.id
+    return name if name != AS_RUN else timetable.head.id + " (plan)"
 
 
 def station_name(station: Station) -> str:
@@ -128,7 +128,7 @@ def _route_name(line: Line) -> str:
     return line.name_ja or line.name or line.id
 
 
-def _places(line: Line, trains: Iterable[TimetableTrain]) -> tuple[_Place, ...]:
+def _places(line: Line, trains: Iterable[TimetableTrain]) -> tuple[_WrittenStation, ...]:
     outer: dict[str, set[str]] = {}
     for train in trains:
         for end, call in ((train.begins, train.calls[0]), (train.ends, train.calls[-1])):
@@ -136,7 +136,7 @@ def _places(line: Line, trains: Iterable[TimetableTrain]) -> tuple[_Place, ...]:
                 outer.setdefault(call.station_id, set()).add(end.section_id)
     stations = sorted(line.stations.values(), key=lambda station: station.position_m)
     return tuple(
-        _Place(
+        _WrittenStation(
             station,
             station_name(station),
             tuple(track.name for track in station.tracks),
@@ -147,7 +147,7 @@ def _places(line: Line, trains: Iterable[TimetableTrain]) -> tuple[_Place, ...]:
     )
 
 
-def _stations(places: Sequence[_Place]) -> Iterator[OudiaNode]:
+def _stations(places: Sequence[_WrittenStation]) -> Iterator[OudiaNode]:
     for i, place in enumerate(places):
         form = "Hatsuchaku"
         if i in (0, len(places) - 1):
@@ -156,7 +156,7 @@ def _stations(places: Sequence[_Place]) -> Iterator[OudiaNode]:
         yield OudiaNode("Eki", tuple(_station(place, form, next_m)))
 
 
-def _station(place: _Place, form: str, next_m: float) -> Iterator[OudiaEntry | OudiaNode]:
+def _station(place: _WrittenStation, form: str, next_m: float) -> Iterator[OudiaEntry | OudiaNode]:
     main = place.station.tracks and not place.station.is_halt
     yield entry("Ekimei", place.name)
     yield entry("Ekijikokukeisiki", f"Jikokukeisiki_{form}")
@@ -209,7 +209,7 @@ def _kind(name: str, short: str, colour: str, style: str) -> OudiaNode:
     )
 
 
-def _dia(dia: _Dia, places: Sequence[_Place], stock: Mapping[str, str]) -> OudiaNode:
+def _dia(dia: _Dia, places: Sequence[_WrittenStation], stock: Mapping[str, str]) -> OudiaNode:
     both = ((Direction.DOWN, DOWN), (Direction.UP, UP))
     trains = sorted(dia.trains, key=lambda train: (train.calls[0].first_s, train.number))
     return OudiaNode(
@@ -235,7 +235,7 @@ def _dia(dia: _Dia, places: Sequence[_Place], stock: Mapping[str, str]) -> Oudia
 
 
 def _train(
-    train: TimetableTrain, direction: str, dia: _Dia, places: Sequence[_Place], stock: str
+    train: TimetableTrain, direction: str, dia: _Dia, places: Sequence[_WrittenStation], stock: str
 ) -> OudiaNode:
     along = places if direction == DOWN else places[::-1]
     index = {place.station.id: i for i, place in enumerate(along)}
@@ -263,7 +263,7 @@ def _train(
     )
 
 
-def _cells(train: TimetableTrain, along: Iterable[_Place]) -> Iterator[str]:
+def _cells(train: TimetableTrain, along: Iterable[_WrittenStation]) -> Iterator[str]:
     """Stations from the first to the last; at one without a call it runs through, and nobody says when."""
     calls = {call.station_id: call for call in train.calls}
     for place in along:
@@ -300,7 +300,7 @@ def _days(train: TimetableTrain) -> int:
     return (first_s - shown_s) // DAY_S
 
 
-def _before(train: TimetableTrain, place: _Place, stock: str) -> str:
+def _before(train: TimetableTrain, place: _WrittenStation, stock: str) -> str:
     call = train.calls[0]
     time = time_text(call.first_s)
     match train.begins:
@@ -313,7 +313,7 @@ def _before(train: TimetableTrain, place: _Place, stock: str) -> str:
             return operation_text(Before.OUT.value, time, "", stock)
 
 
-def _after(train: TimetableTrain, place: _Place) -> str:
+def _after(train: TimetableTrain, place: _WrittenStation) -> str:
     call = train.calls[-1]
     time = time_text(call.last_s)
     match train.ends:

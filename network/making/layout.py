@@ -160,7 +160,7 @@ class LineLayout:
 
 
 @dataclass(frozen=True, slots=True)
-class _Place:
+class _StationExtent:
     """A station with its own tracks: how far these and its points reach, m. `key` is of the list, for errors."""
 
     listed: ListedStation
@@ -228,9 +228,11 @@ def coverage_m(layout: LineLayout) -> list[tuple[float, float]]:
     return ranges
 
 
-def _place(station: ListedStation, at_m: float, rule: LayoutRule, *, first: bool, last: bool) -> _Place:
+def _place(
+    station: ListedStation, at_m: float, rule: LayoutRule, *, first: bool, last: bool
+) -> _StationExtent:
     stub_low, stub_high = first and not station.portal, last and not station.portal
-    return _Place(
+    return _StationExtent(
         station,
         at_m,
         rule.stub_m if stub_low else rule.track_half_m,
@@ -240,12 +242,12 @@ def _place(station: ListedStation, at_m: float, rule: LayoutRule, *, first: bool
 
 def _fitted(
     file: str,
-    low: _Place,
-    high: _Place,
+    low: _StationExtent,
+    high: _StationExtent,
     halts: Sequence[tuple[ListedStation, float]],
     rule: LayoutRule,
     assumed: list[str],
-) -> tuple[_Place, _Place]:
+) -> tuple[_StationExtent, _StationExtent]:
     """Two neighbours with the tracks between them made shorter where they, or halts between them, are too near."""
     has_points = low.listed.points_high or high.listed.points_low
     wanted_m = rule.tags.train_length_m + 20.0 + (rule.approach_m if has_points else 0.0)
@@ -300,7 +302,7 @@ def _check_halts(file: str, halts: Sequence[tuple[ListedStation, float]], rule: 
 
 def _lay_sections(
     layout: LineLayout,
-    places: Sequence[_Place],
+    places: Sequence[_StationExtent],
     halts: Sequence[tuple[ListedStation, float]],
     rule: LayoutRule,
 ) -> None:
@@ -331,7 +333,7 @@ def _lay_sections(
         layout.stubs.append((last.tracks_low_m, last.at_m + rule.stub_m, "down"))
 
 
-def _lay_station(layout: LineLayout, place: _Place, before: str, after: str) -> None:
+def _lay_station(layout: LineLayout, place: _StationExtent, before: str, after: str) -> None:
     """Tracks of a station between what lies before and after it, with the points or the joint at either end."""
     station = place.listed
     low_ends_m = dict.fromkeys(station.tracks, place.tracks_low_m)
@@ -356,7 +358,7 @@ def _lay_station(layout: LineLayout, place: _Place, before: str, after: str) -> 
     layout.stations.append(LaidStation(station, place.at_m, tuple(_tracks(station, before, after))))
 
 
-def _ladder(place: _Place, stem: str, faces: str, ends_m: dict[str, float]) -> Iterator[LaidPoints]:
+def _ladder(place: _StationExtent, stem: str, faces: str, ends_m: dict[str, float]) -> Iterator[LaidPoints]:
     """Points from the stem to the tracks, one after another; `ends_m` becomes where each track ends on this side.
 
     For left-hand running the track that is left for a train that comes in is the normal leg of the first points; with
@@ -385,13 +387,13 @@ def _ladder(place: _Place, stem: str, faces: str, ends_m: dict[str, float]) -> I
         for track in (name, *((beyond,) if beyond else ())):
             ends_m[track] = far_m
         yield LaidPoints(
-            id=points_id,
-            section=f"{station.id}.{side}",
-            terminal=f"{station.id}-{side}",
-            from_m=min(from_m, far_m),
-            toe_m=from_m + sign * STEM_M,
-            to_m=max(from_m, far_m),
-            faces=faces,
+            points_id,
+            f"{station.id}.{side}",
+            f"{station.id}-{side}",
+            min(from_m, far_m),
+            from_m + sign * STEM_M,
+            max(from_m, far_m),
+            faces,
             stem=stem,
             normal=onward if straight else here,
             reverse=here if straight else onward,

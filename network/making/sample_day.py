@@ -33,7 +33,7 @@ _ROUND_S: Final = 30
 
 
 @dataclass(frozen=True, slots=True)
-class _Trip:
+class _SampleTrip:
     """One run from end to end, with the time of its first departure."""
 
     number: str
@@ -131,15 +131,15 @@ loss_good_p = 0.01
 """
 
 
-def _trips(line: Line) -> tuple[_Trip, ...]:
+def _trips(line: Line) -> tuple[_SampleTrip, ...]:
     stations = sorted(line.stations.values(), key=lambda station: station.position_m)
     legs_s = [_leg_s(line, a, b) for a, b in pairwise(stations)]
     meet = _meeting_place(line, stations, legs_s)
 
-    def trip(number: str, departs_s: int, begins: str, ends: str) -> _Trip:
+    def trip(number: str, departs_s: int, begins: str, ends: str) -> _SampleTrip:
         down = number.endswith("D")
         order = stations if down else stations[::-1]
-        return _Trip(number, order, legs_s if down else legs_s[::-1], meet, departs_s, begins, ends)
+        return _SampleTrip(number, order, legs_s if down else legs_s[::-1], meet, departs_s, begins, ends)
 
     if not meet:
         there = trip("1D", BEGIN_S, "stabled", "becomes:2U")
@@ -178,7 +178,7 @@ def _leg_s(line: Line, low: Station, high: Station) -> int:
     return _ROUND_S * math.ceil(seconds / _ROUND_S)
 
 
-def _train_toml(trip: _Trip) -> list[str]:
+def _train_toml(trip: _SampleTrip) -> list[str]:
     direction = "down" if trip.number.endswith("D") else "up"
     rows = [
         "[[trains]]",

@@ -13,8 +13,9 @@
       ]
     }
 
-A piece has one sample for each metre that it has begun. Pieces may be left out (side tracks); what is left out is not
-matched. Curvature is raw: of the track itself, neither filtered nor seen through a car.
+A piece has one sample for each metre that it has begun. `error_m` widens every fix by the map. Curvature is that of the
+track itself, neither filtered nor seen through a car. Refused are another version or line, and a piece that the line
+does not have there, that is too short, has a gap, or has a curve sharper than 10 m.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ class Places:
     def __init__(self, row: UnitRow, parameters: UnitParameters) -> None:
         self._row: Final = row
         self._parameters: Final = parameters
-        self._wheel: Final = WheelScale(row, parameters)
+        self._wheel: Final = WheelScale(row, parameters, keeps_first=True)
         self._before: FrontAtCount | None = None  # a fix in doubt, with which the next must agree
         self._tags: tuple[PathTag, ...] = ()
         self._proved = 0  # of the tags, how many by fixes

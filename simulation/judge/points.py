@@ -30,7 +30,7 @@ class ProvenPoints:
 
 
 @dataclass(slots=True)
-class _Machine:
+class _WatchedMachine:
     """Physical state; `position` is None while neither end is reached."""
 
     position: Position | None
@@ -45,7 +45,9 @@ class PointsWatch:
 
     def __init__(self, points: Mapping[str, PointsFacts], log: Log) -> None:
         self._log = log
-        self._machines = {points_id: _Machine(facts.initial, True) for points_id, facts in points.items()}
+        self._machines = {
+            points_id: _WatchedMachine(facts.initial, True) for points_id, facts in points.items()
+        }
         self._sections = {points_id: facts.section_id for points_id, facts in points.items()}
         self._needs: dict[str, tuple[str, Position | None]] = {}
         for points_id, facts in points.items():

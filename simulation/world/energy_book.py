@@ -7,9 +7,10 @@ of the parts that it went into.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from simulation.result import PARTS, EnergyParts, EnergyPhase, EnergyRecord
+from simulation.result import COUNTED, EnergyPhase, EnergyRecord
 from simulation.ride import NO_RIDE, taken
 from simulation.setup import STEP_S, STEPS_PER_S
 from simulation.world.roster import Duty
@@ -18,14 +19,10 @@ from simulation.world.trains import Trains
 
 @dataclass(frozen=True, slots=True)
 class Counters:
-    """What a plant has counted since it was made: J at the wire or battery, and m."""
+    """What a plant has counted since it was made: the way, m, and J at the wire or battery, by COUNTED."""
 
-    traction_j: float
-    regenerated_j: float
-    auxiliary_j: float
     travelled_m: float
-    parts: EnergyParts
-    rejected_j: float
+    counted_j: Mapping[str, float]
 
 
 @dataclass(slots=True)
@@ -62,8 +59,9 @@ class EnergyBook:
         # No force does work on a train that stands: the step in which it began to move belongs to the run.
         since = account.since
         step_j = float(self._trains.bodies[slot].auxiliary_power_w) * STEP_S
-        auxiliary_j = max(self._counters(slot).auxiliary_j - step_j, since.auxiliary_j)
-        stood = replace(since, auxiliary_j=auxiliary_j)
+        auxiliary_j = self._counters(slot).counted_j["auxiliary"] - step_j
+        auxiliary_j = max(auxiliary_j, since.counted_j["auxiliary"])
+        stood = replace(since, counted_j={**since.counted_j, "auxiliary": auxiliary_j})
         self._cut(slot, account, max(step - 1, account.since_step), stood)
         account.phase = EnergyPhase.RUNNING
 
@@ -114,11 +112,7 @@ class EnergyBook:
             account.since_step / STEPS_PER_S,
             step / STEPS_PER_S,
             now.travelled_m - since.travelled_m,
-            now.traction_j - since.traction_j,
-            now.regenerated_j - since.regenerated_j,
-            now.auxiliary_j - since.auxiliary_j,
-            now.parts.since(since.parts),
-            now.rejected_j - since.rejected_j,
+            {name: joules - since.counted_j[name] for name, joules in now.counted_j.items()},
             taken(self._trains.rides[slot]) if account.phase is EnergyPhase.RUNNING else NO_RIDE,
         )
         (account.leg if on_leg else self.records).append(record)
@@ -134,10 +128,5 @@ class EnergyBook:
     def _counters(self, slot: int) -> Counters:
         plant = self._trains.plants[slot]
         return Counters(
-            float(plant.energy_traction_j),
-            float(plant.energy_regenerated_j),
-            float(plant.energy_auxiliary_j),
-            float(plant.travelled_m),
-            EnergyParts(*(float(getattr(plant, f"energy_{part}")) for part in PARTS)),
-            float(plant.energy_rejected_j),
+            float(plant.travelled_m), {name: float(getattr(plant, f"energy_{name}_j")) for name in COUNTED}
         )

@@ -14,6 +14,7 @@ import msgspec
 from host.store import NotCommissioned
 from host.units import Units
 from network.path import Path
+from onboard.charge import ChargeWatch
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.driving.tuning import Learned
 from onboard.driving.tuning import StopDecelerations as StopWaves
@@ -40,10 +41,16 @@ def new_keeper(trains: Trains, slot: int, *, learns: bool) -> StopKeeper:
     return StopKeeper(trains.tascs[slot], trains.designs[slot], trains.waves[slot], learned, learns)
 
 
-def new_motion(trains: Trains, slot: int, keeper: StopKeeper) -> UnitMotion:
-    """The driving part of a unit that is switched on."""
+def new_motion(
+    trains: Trains,
+    slot: int,
+    keeper: StopKeeper,
+    charge: ChargeWatch | None = None,
+    before: UnitMotion | None = None,
+) -> UnitMotion:
+    """The driving part of a unit that is switched on, `before` the one before that."""
     setup = trains.setup
-    motion = UnitMotion(
+    return UnitMotion(
         setup.believed_line,
         setup.unit,
         trains.units[slot],
@@ -53,9 +60,10 @@ def new_motion(trains: Trains, slot: int, keeper: StopKeeper) -> UnitMotion:
         trains.readers[slot],
         trains.laws[slot],
         setup.planning,
+        reads_tags=trains.reads_tags(slot),
+        charge=charge,
+        before=before,
     )
-    motion.reads_tags = trains.reads_tags(slot)
-    return motion
 
 
 def path_data(trains: Trains, slot: int, path: Path) -> PathData:
@@ -83,9 +91,11 @@ class OnBoard:
         self._keepers = [
             new_keeper(trains, slot, learns=setup.tuning.learn) for slot in range(len(trains.stock_ids))
         ]
-        self._motions = [
-            new_motion(trains, slot, self._keepers[slot]) for slot in range(len(trains.stock_ids))
-        ]
+        self._motions = [self._new_motion(slot) for slot in range(len(trains.stock_ids))]
+
+    def _new_motion(self, slot: int, before: UnitMotion | None = None) -> UnitMotion:
+        charge = None if self._charging is None else self._charging.watch_of(slot)
+        return new_motion(self._trains, slot, self._keepers[slot], charge, before)
 
     # what people and sensors tell it ------------------------------------------------------------------------------
 
@@ -109,7 +119,6 @@ class OnBoard:
         own_s = clock.shows(now_s)
         self._trains.truths[slot].clock_ahead_s = own_s - now_s
         if self._charging is not None:
-            motion.charge = self._charging.watch_of(slot)
             self._charging.now(slot, own_s)
         by_eye = [told for event in happened if isinstance(event, AtMark) for told in motion.at_mark(event)]
         report = Report(motion.place(), (*happened, *by_eye), self.claims_besides.get(slot, ()))
@@ -202,10 +211,7 @@ class OnBoard:
             return False
         self.unpowered.discard(slot)
         self.await_number(slot)
-        before = self._motions[slot]
-        self._motions[slot] = new_motion(self._trains, slot, self._keepers[slot])
-        self._motions[slot].load_share = before.load_share
-        self._motions[slot].vehicle = before.vehicle
+        self._motions[slot] = self._new_motion(slot, before=self._motions[slot])
         return True
 
     def switch_on(

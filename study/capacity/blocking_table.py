@@ -11,8 +11,8 @@ from itertools import groupby
 
 import polars as pl
 
-from study.capacity.observed import RegisteredHolding
 from study.capacity.occupation import COST_OF, Occupation, OccupationPart, Slice
+from study.measures.register_holds import SectionHold
 from study.record.figure import rows_in
 from study.record.sections import SectionHeld, SliceOfBlocking
 from study.record.tables import make_table
@@ -23,15 +23,15 @@ def blocking_table(occupations: Iterable[Occupation]) -> pl.DataFrame:
     return make_table("blocking", [row for index, one in enumerate(occupations) for row in _rows(index, one)])
 
 
-def blocks_table(held: Iterable[RegisteredHolding]) -> pl.DataFrame:
+def blocks_table(holds: Iterable[SectionHold]) -> pl.DataFrame:
     """The table `blocks`, one row a section and grant, in the order of the grants.
 
     Where the train was there before it was first seen, it is entered then.
     """
-    return make_table("blocks", [_block(one) for one in held])
+    return make_table("blocks", [_block(one) for one in holds])
 
 
-def _block(one: RegisteredHolding) -> SectionHeld:
+def _block(one: SectionHold) -> SectionHeld:
     visit = one.visit
     entered_s, cleared_s = (math.inf, math.inf) if visit is None else (visit.enters_s, visit.rear_s)
     if visit is not None and entered_s == -math.inf:
@@ -41,7 +41,7 @@ def _block(one: RegisteredHolding) -> SectionHeld:
         one.unit,
         one.number,
         one.token,
-        one.granted_s,
+        one.asked.heard_s,
         _or_none(one.freed_s),
         _or_none(entered_s),
         _or_none(cleared_s),

@@ -13,18 +13,7 @@ from itertools import pairwise
 
 from network.model import Direction
 from study.capacity.occupation import TOUCH_S, Occupation, OccupationPart, Slice
-
-
-@dataclass(frozen=True, slots=True)
-class Throwing:
-    """Points of the section are set for the train, s: the command is sent, taken, the points lie locked, it has the
-    proof. Points that lay right are locked when the command is taken.
-    """
-
-    sent_s: float
-    taken_s: float
-    locked_s: float
-    proven_s: float
+from study.measures.register_holds import Throwing
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,8 +20,8 @@ from onboard.duty.plan import DutyPlan, PlanLeg, PlanTag
 from study.capacity.clearing import Clearing
 from study.capacity.journey import TrainJourney
 from study.capacity.links import Links
-from study.capacity.passage import Throwing
 from study.capacity.rules import Rules
+from study.measures.register_holds import Throwing
 
 
 @dataclass(frozen=True, slots=True)

@@ -112,10 +112,10 @@ def two_trains(setup: Setup, headway: Headway, times: TwoTrainTimes = TwoTrainTi
     ends, begins = len(headway.claims.ahead) - 1, len(headway.claims.behind) - 1
     claims = headway.claims
     longer_s = [wait_s + times.waits_more_s if wait_s > TOUCH_S else 0.0 for wait_s in claims.ahead_waits_s]
-    ahead = _Way(setup, claims.ahead, first.before, first.after[ends:], WAITS_S, (), longer_s)
+    ahead = _LegsOfSet(setup, claims.ahead, first.before, first.after[ends:], WAITS_S, (), longer_s)
     way_in, waits_s = claims.behind[::-1], claims.behind_waits_s[::-1]
     before = second.before[begins:]
-    behind = _Way(setup, way_in, before, second.after, COMES_S, ahead.places, waits_s)
+    behind = _LegsOfSet(setup, way_in, before, second.after, COMES_S, ahead.places, waits_s)
     alone = ahead.alone(), behind.alone()
     return TwoTrains(_asks_late(setup, headway, alone[1], times), headway, *alone)
 
@@ -216,7 +216,7 @@ def day_of(setup: Setup, alone: Sequence[SingleLegTrains]) -> Setup:
     return replace(setup, timetable=replace(setup.timetable, trains=trains, diagrams=sets), trains=kinds)
 
 
-class _Way:
+class _LegsOfSet:
     """Legs of a set, and those before (the nearest first) and after them, by which they are made whole trains.
 
     It is `waits_s` at the first of the legs, if it had to come there; it begins in none of the `taken` places. Before

@@ -10,7 +10,7 @@ import polars as pl
 
 from network.units import J_PER_KWH
 from simulation.result import EnergyPhase, EnergyRecord
-from study.collect.energy_parts import spent
+from study.collect.energy_parts import spent_kwh
 from study.record.energy import LayoverEnergy, LegEnergy, TrainEnergy
 from study.record.tables import make_table
 from vehicle.train_file import RegenerationReceiver, TrainType
@@ -22,15 +22,13 @@ ON_LEG: Final = frozenset({EnergyPhase.RUNNING, EnergyPhase.HELD})
 class StockMake:
     """What the tables say of a stock. Raises nothing; `cars` counts as the train file does."""
 
-    length_m: float
     cars: int
     regenerated_to: RegenerationReceiver
 
     @classmethod
     def of(cls, kind: TrainType) -> StockMake:
         """That of a kind of train."""
-        row = kind.row[0]
-        return cls(float(row["length_m"]), round(float(row["cars"])), kind.regenerated_to)
+        return cls(round(float(kind.row[0]["cars"])), kind.regenerated_to)
 
 
 @dataclass(slots=True)
@@ -50,7 +48,7 @@ def _ran(records: Sequence[EnergyRecord]) -> dict[str, float]:
         "running_s": sum(r.end_s - r.begin_s for r in moving),
         "standing_s": sum(r.end_s - r.begin_s for r in still),
         "distance_km": sum(r.distance_m for r in records) / 1000.0,
-        "standing_kwh": sum(r.auxiliary_j for r in still) / J_PER_KWH,
+        "standing_kwh": sum(r.counted_j["auxiliary"] for r in still) / J_PER_KWH,
     }
 
 
@@ -115,7 +113,7 @@ def _of_train(
         cars=make.cars,
         regenerated_to=make.regenerated_to,
         **_ran(records),
-        **spent(records, make.regenerated_to),
+        **spent_kwh(records, make.regenerated_to),
     )
 
 
@@ -131,7 +129,7 @@ def _of_leg(
         to_station=leg[3],
         cars=make.cars,
         **_ran(records),
-        **spent(records, make.regenerated_to),
+        **spent_kwh(records, make.regenerated_to),
     )
 
 
@@ -144,5 +142,5 @@ def _of_stay(stay: Layover, fleet: Mapping[str, StockMake]) -> LayoverEnergy:
         before_train=stay.before_train,
         from_s=first.begin_s,
         to_s=stay.records[-1].end_s,
-        **spent(stay.records, fleet[first.stock_id].regenerated_to),
+        **spent_kwh(stay.records, fleet[first.stock_id].regenerated_to),
     )

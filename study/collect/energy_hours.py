@@ -10,10 +10,9 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from network.units import J_PER_KWH
-from simulation.result import EnergyPhase, EnergyRecord
+from simulation.result import DRAWN, EnergyPhase, EnergyRecord
 from study.collect.energy import StockMake
-from study.collect.energy_parts import taken
+from study.collect.energy_parts import drawn_kwh
 from study.record.energy import HourOfEnergy
 from study.record.tables import make_table
 
@@ -27,9 +26,9 @@ def energy_hours_of(records: Iterable[EnergyRecord], fleet: Mapping[str, StockMa
     A record that reaches over a whole hour is shared out by time: it is a run between two stops, or a stand, so what is
     put into the wrong hour is at most a part of one leg. The sum over all hours is that of the records.
     """
-    sums: dict[tuple[float, str, EnergyPhase], Joules] = defaultdict(lambda: np.zeros(3))
+    sums: dict[tuple[float, str, EnergyPhase], Joules] = defaultdict(lambda: np.zeros(len(DRAWN)))
     for record in records:
-        joules = np.array([record.traction_j, record.regenerated_j, record.auxiliary_j])
+        joules = np.array([record.counted_j[name] for name in DRAWN])
         for hour_s, share in shares(record.begin_s, record.end_s):
             sums[hour_s, record.stock_id, record.phase] += share * joules
     return make_table(
@@ -39,7 +38,10 @@ def energy_hours_of(records: Iterable[EnergyRecord], fleet: Mapping[str, StockMa
                 hour_s=hour_s,
                 unit=unit,
                 phase=phase,
-                **taken((sums[hour_s, unit, phase] / J_PER_KWH).tolist(), fleet[unit].regenerated_to),
+                **drawn_kwh(
+                    dict(zip(DRAWN, sums[hour_s, unit, phase].tolist(), strict=True)),
+                    fleet[unit].regenerated_to,
+                ),
             )
             for hour_s, unit, phase in sorted(key for key, joules in sums.items() if joules.any())
         ],

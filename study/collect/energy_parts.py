@@ -3,39 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from network.units import J_PER_KWH
-from simulation.result import PARTS, EnergyRecord
+from simulation.result import COUNTED, DRAWN, REJECTED, EnergyRecord
 from vehicle.train_file import RegenerationReceiver
 
 
-def taken(drawn_kwh: Sequence[float], receiver: RegenerationReceiver) -> dict[str, float]:
-    """The fields of `study.record.energy.Taken` of traction, regenerated and auxiliary.
+def drawn_kwh(joules: Mapping[str, float], receiver: RegenerationReceiver) -> dict[str, float]:
+    """The fields of `study.record.energy.Taken` of what was counted, J by the names of DRAWN.
 
     Net is less what came back, and from resistors nothing does.
     """
-    traction_kwh, regenerated_kwh, auxiliary_kwh = drawn_kwh
-    back_kwh = 0.0 if receiver is RegenerationReceiver.RESISTORS else regenerated_kwh
-    return {
-        "traction_kwh": traction_kwh,
-        "auxiliary_kwh": auxiliary_kwh,
-        "regenerated_kwh": regenerated_kwh,
-        "net_kwh": traction_kwh + auxiliary_kwh - back_kwh,
-    }
+    kwh = {f"{name}_kwh": joules[name] / J_PER_KWH for name in DRAWN}
+    back_kwh = 0.0 if receiver is RegenerationReceiver.RESISTORS else kwh["regenerated_kwh"]
+    return kwh | {"net_kwh": kwh["traction_kwh"] + kwh["auxiliary_kwh"] - back_kwh}
 
 
-def spent(records: Sequence[EnergyRecord], receiver: RegenerationReceiver) -> dict[str, float]:
+def spent_kwh(records: Sequence[EnergyRecord], receiver: RegenerationReceiver) -> dict[str, float]:
     """The fields of `study.record.energy.Spent` of some records together.
 
     What resistors burn was braked by the motors, so it is a loss of regeneration; it could have come back.
     """
-    names = [part.removesuffix("_j") for part in PARTS]
-    burnt_j = math.fsum(r.regenerated_j for r in records if receiver is RegenerationReceiver.RESISTORS)
-    sums_j = {name: math.fsum(getattr(r.parts, f"{name}_j") for r in records) for name in names}
-    sums_j["regeneration_loss"] += burnt_j
-    sums_j["rejected"] = math.fsum(r.rejected_j for r in records) + burnt_j
-    sums_j["residual"] = math.fsum(r.residual_j for r in records)
-    drawn = ("traction_j", "regenerated_j", "auxiliary_j")
-    whole = taken([sum(getattr(r, name) for r in records) / J_PER_KWH for name in drawn], receiver)
-    return whole | {f"{name}_kwh": joules / J_PER_KWH for name, joules in sums_j.items()}
+    sums_j = {name: math.fsum(record.counted_j[name] for record in records) for name in COUNTED}
+    if receiver is RegenerationReceiver.RESISTORS:
+        sums_j["regeneration_loss"] += sums_j["regenerated"]
+        sums_j[REJECTED] += sums_j["regenerated"]
+    sums_j["residual"] = math.fsum(record.residual_j for record in records)
+    return {f"{name}_kwh": joules / J_PER_KWH for name, joules in sums_j.items()} | drawn_kwh(
+        sums_j, receiver
+    )

@@ -14,13 +14,14 @@ from network.model import Line
 from radio.noted import TelegramDropped
 from simulation.result import RunResult, TraceSpan
 from simulation.setup import STEPS_PER_S
-from study.capacity.blocking_table import blocks_table
-from study.capacity.observed import held_of
+from study.capacity.blocking_table import blocking_table, blocks_table
+from study.capacity.observed import observed
 from study.collect.energy import StockMake, energy_tables
 from study.collect.energy_hours import energy_hours_of
 from study.collect.margins import margins_of
 from study.collect.stops import passed, stops_table
 from study.measures.passings import PlannedPassing
+from study.measures.register_holds import SectionHold
 from study.measures.running_times import PlannedLeg
 from study.record.calls import TracePoint
 from study.record.figure import schema_of
@@ -35,17 +36,20 @@ def tables_of(
     result: RunResult,
     line: Line,
     fleet: Mapping[str, StockMake],
+    holds: Sequence[SectionHold],
     legs: Sequence[PlannedLeg] = (),
     passings: Sequence[PlannedPassing] = (),
 ) -> RunTables:
-    """All tables of a run but those of `execute`; `fleet` says what stock is, the rest what was planned."""
+    """All tables of a run but those of `execute`; `fleet` says what stock is, `holds` who had which section when,
+    the rest what was planned.
+    """
     spans = [(span, rows) for span, rows in rows_by_span(result) if rows.size]
-    lengths_m = {stock_id: make.length_m for stock_id, make in fleet.items()}
     stops = stops_table(result.stops, passed(passings, spans))
     return RunTables.of(
         trajectory=_trajectory(result, spans),
         stops=stops,
-        blocks=blocks_table(held_of(result, line, lengths_m)),
+        blocks=blocks_table(holds),
+        blocking=blocking_table(observed(result, line, holds)),
         telegrams=_telegrams(result),
         **energy_tables(result.energy, fleet),
         energy_hours=energy_hours_of(result.energy, fleet),

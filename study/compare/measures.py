@@ -9,12 +9,13 @@ from typing import Any, Final, TypeAlias
 
 import polars as pl
 
+from simulation.result import DRAWN
 from study.compare.meets import meets_of
 from study.compare.side import ComparedRun
 from study.compare.times import What
 from study.measures.driving import driven
 from study.measures.missing import planned_times
-from study.measures.summary import ENERGIES, arrived_trains, energy_summary
+from study.measures.summary import arrived_trains, energy_summary
 from study.record.driving import EARLY, DrivenHop
 from study.record.figure import Adds, ShownIn, rows_in, seen_in
 from study.record.figure import Figure as Said
@@ -29,6 +30,11 @@ NOT_LATE_S: Final = (
     5  # brakes take 1.4 s to release, and whole seconds are read off clocks: nobody calls that late
 )
 WITHIN_S: Final = (NOT_LATE_S, 15, 60, 180, 300)
+_COUNTED: Final = {
+    "intervention": "interventions",
+    "refusal": "refusals",
+    "fault": "faults",
+}  # kinds of events
 Value: TypeAlias = float | None
 
 
@@ -114,10 +120,8 @@ def figures_of(side: ComparedRun) -> Iterator[RunFigure]:
         )
     yield RunFigure("telegrams", "volume", "kB", 1, float(tables.telegrams["bytes"].sum()) / 1000.0)
     yield from _stop_errors(side)
-    for kind in ("intervention", "refusal", "fault"):
-        yield RunFigure(
-            "events", f"{kind}s", "", 0, float(tables.events.filter(pl.col("kind") == kind).height)
-        )
+    for kind, name in _COUNTED.items():
+        yield RunFigure("events", name, "", 0, float(tables.events.filter(pl.col("kind") == kind).height))
     for key, name in (("invariants_broken", "invariants broken"), ("collisions", "collisions")):
         yield RunFigure("safety", name, "", 0, _number(side.summary.get(key)))
 
@@ -162,7 +166,7 @@ def _margins(side: ComparedRun) -> Iterator[RunFigure]:
 def _energy(side: ComparedRun) -> Iterator[RunFigure]:
     tables = side.run.tables
     whole = energy_summary(tables)
-    for name in (*ENERGIES, "net"):
+    for name in (*DRAWN, "net"):
         yield RunFigure("energy", name, "kWh", 1, whole["all"][name])
     yield RunFigure("energy", "of it standing", "kWh", 1, whole["standing"]["net"])
     yield RunFigure("energy", "of it layovers", "kWh", 1, whole["layovers"]["net"])

@@ -71,7 +71,7 @@ class MeetChange:
 
 
 @dataclass(frozen=True, slots=True)
-class _Course:
+class _SampledTrain:
     number: str
     t_s: Floats
     at_m: Floats
@@ -84,7 +84,7 @@ class _Course:
 
 def meets_of(run: ReportedRun) -> tuple[RunMeet, ...]:
     """All meets of a run in order of time, from the true trajectories; between two samples trains run evenly."""
-    courses: dict[Direction, list[_Course]] = {Direction.DOWN: [], Direction.UP: []}
+    courses: dict[Direction, list[_SampledTrain]] = {Direction.DOWN: [], Direction.UP: []}
     for (_, number), samples in run.courses.items():
         courses[run.directions[number]].append(_course(number, samples))
     found: list[RunMeet] = []
@@ -122,11 +122,13 @@ def place_at(line: Line, at_m: float) -> tuple[str, ...]:
     return (*low, *high)
 
 
-def _course(number: str, samples: pl.DataFrame) -> _Course:
-    return _Course(number, samples["t_s"].to_numpy(), samples["kilometrage_m"].to_numpy(), samples["piece"])
+def _course(number: str, samples: pl.DataFrame) -> _SampledTrain:
+    return _SampledTrain(
+        number, samples["t_s"].to_numpy(), samples["kilometrage_m"].to_numpy(), samples["piece"]
+    )
 
 
-def _crossing(down: _Course, up: _Course) -> tuple[float, float] | None:
+def _crossing(down: _SampledTrain, up: _SampledTrain) -> tuple[float, float] | None:
     """Time (s) and kilometrage (m) at which two fronts pass each other; None where they do not."""
     from_s, to_s = max(down.t_s[0], up.t_s[0]), min(down.t_s[-1], up.t_s[-1])
     if to_s <= from_s:
@@ -143,7 +145,7 @@ def _crossing(down: _Course, up: _Course) -> tuple[float, float] | None:
     return time_s, float(np.interp(time_s, down.t_s, down.at_m))
 
 
-def _side_by_side(line: Line, down: _Course, up: _Course, time_s: float) -> bool:
+def _side_by_side(line: Line, down: _SampledTrain, up: _SampledTrain, time_s: float) -> bool:
     """Whether one kilometrage is one place: branches have kilometrages of their own, and a station may be on both."""
     pieces = [line.pieces[course.piece_at(time_s)] for course in (down, up)]
     stations = {line.sections[piece.section_id].station_id for piece in pieces}
@@ -165,7 +167,7 @@ def _change(
     missing_in = runs[1] if new is None else runs[0]
     ran = {number for _, number in missing_in.courses}
     absent = [number for number in pair if number not in ran]
-    which = words.phrase("new" if new is None else "base")
+    which = words.compared_name("new" if new is None else "base")
     trains = joined(map(Phrase, absent), words.AND.en, words.AND.ja)
     why = words.DID_NOT_RUN.of(trains=trains, which=which) if absent else NOTHING
     return MeetChange(*pair, MeetFate.GONE if new is None else MeetFate.NEW, old, new, why)

@@ -87,7 +87,7 @@ class SweepOutcomes:
         return any(outcome.bad for runs in self.outcomes.values() for outcome in runs.values())
 
 
-class _Course:
+class _VariationProgress:
     """Where the sweep of one variation is."""
 
     def __init__(self, variation: Variation, instants: Iterable[int]) -> None:
@@ -135,11 +135,13 @@ def sweep(
     if window.staggered:
         later = [n * p.step // len(planned) for n, p in enumerate(planned)]
         planned = [range(p.start + n, p.stop, p.step) for n, p in zip(later, planned, strict=True)]
-    courses: list[_Course] = []
+    courses: list[_VariationProgress] = []
     for variation, steps in zip(variations, planned, strict=True):
         # Trains may be late: without an end of its own a sweep goes on to where they have ended their day.
         endless = steps if window.to_s is not None else count(steps.start, steps.step)
-        courses.append(_Course(variation, endless if variation.instants is None else variation.instants))
+        courses.append(
+            _VariationProgress(variation, endless if variation.instants is None else variation.instants)
+        )
     total = sum(
         len(steps if variation.instants is None else variation.instants)
         for variation, steps in zip(variations, planned, strict=True)

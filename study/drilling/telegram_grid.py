@@ -51,7 +51,7 @@ class FaultChoice(StrEnum):
     ALL = "all"  # of every kind
 
 
-class _Course(msgspec.Struct, frozen=True):
+class _WrittenRun(msgspec.Struct, frozen=True):
     """The run as it is written: who told whom something, at which step, and when its script was carried out."""
 
     telegrams: list[tuple[int, str, str]]
@@ -113,7 +113,7 @@ def grid_of(setup: Setup, chosen: FaultChoice, window: InstantWindow) -> Telegra
     """The grid of a setup; `window` may give the first and the last instant."""
     if (known_s := _last_known_s(setup, window)) is not None:
         setup = shortened(setup, known_s + FOLLOWS_S)
-    course = alone(_Course, partial(_course, setup))
+    course = alone(_WrittenRun, partial(_course, setup))
     steps = [step for step, _, _ in course.telegrams] or [0]
     first_s = min(course.script_s) - BEFORE_S if course.script_s else min(steps) / STEPS_PER_S - 1.0
     last_s = max(course.script_s) + AFTER_S if course.script_s else first_s + LASTS_S
@@ -138,7 +138,7 @@ def grid_of(setup: Setup, chosen: FaultChoice, window: InstantWindow) -> Telegra
     return TelegramGrid(setup, found, own, _runs(found))
 
 
-def _course(setup: Setup) -> _Course:
+def _course(setup: Setup) -> _WrittenRun:
     with simulated(setup) as simulation:
         result = simulation.run()
     own = (*setup.script.faults, *setup.script.acts)  # and nothing that staff did of themselves
@@ -148,7 +148,7 @@ def _course(setup: Setup) -> _Course:
         if isinstance(entry.event, Sent | TookEffect)
     ]
     script_s = [course.begun_s for course in result.courses if course.item in own]
-    return _Course(telegrams, script_s, swept_run_of(result, setup.script))
+    return _WrittenRun(telegrams, script_s, swept_run_of(result, setup.script))
 
 
 def _last_known_s(setup: Setup, window: InstantWindow) -> float | None:
@@ -160,7 +160,7 @@ def _last_known_s(setup: Setup, window: InstantWindow) -> float | None:
     return script_s if window.to_s is None else window.to_s
 
 
-def _own(setup: Setup, course: _Course) -> tuple[SweptRun, ...]:
+def _own(setup: Setup, course: _WrittenRun) -> tuple[SweptRun, ...]:
     """What a drill comes to as it is written that expects what is wrong: with staff who react, and without, and what it
     says may be broken. Of any other nothing is its own.
     """
@@ -169,7 +169,7 @@ def _own(setup: Setup, course: _Course) -> tuple[SweptRun, ...]:
         return ()
     people = setup.people.model_copy(update={"react": False})
     stated = (SweptRun(OutcomeKind.BROKEN, f"invariant {rule}") for e in wrong for rule in e.rules)
-    return course.own, alone(_Course, partial(_course, replace(setup, people=people))).own, *stated
+    return course.own, alone(_WrittenRun, partial(_course, replace(setup, people=people))).own, *stated
 
 
 def _faults(setup: Setup, chosen: FaultChoice, telegrams: list[tuple[int, str, str]]) -> Iterator[Variation]:

@@ -32,6 +32,7 @@ from study.capacity.two_trains import (
     two_trains,
     ways_to_ask,
 )
+from study.measures.register_holds import section_holds
 from study.runner.run import TEMPORARY, CarrierKind, RunOptions, carrier_factory, through
 from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import read_net
@@ -129,7 +130,9 @@ class Drives:
         with scratch(TEMPORARY, self._folder) as folder:
             course = RunOptions(self._make, self._map, folder)
             setup, result = through(replace(self._scenario, setup=setup), course)
-        return legs_of(observed(result, setup), self._is_place)
+        return legs_of(
+            observed(result, setup.line, section_holds(result, setup.line, setup.lengths_m)), self._is_place
+        )
 
 
 class _Drive:

@@ -20,14 +20,14 @@ from simulation.world.roster import Duty
 from simulation.world.ways import ways_of
 from study.feasibility.finding import Finding, FindingKind, Severity, lasting, minute, severity_of
 from study.feasibility.planned import PlannedDay
-from vehicle.battery import available_j, soc_of, stand, stored_j
+from vehicle.battery import available_j, charge_to, soc_of, stand, window_j
 
 STEP_S = 5.0
 WAITS_S_MAX = 4.0 * 3600.0
 
 
 @dataclass(slots=True)
-class _Set:
+class _SetCharge:
     """One set on its day: its battery as it would be."""
 
     setup: Setup
@@ -61,16 +61,17 @@ def charge_of(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
             continue
         row = kind.battery[0].copy()
         share = settings.start_of.get(stock_id, settings.start_share)
-        row["charge_c"] = row["full_c"] * (row["soc_low"] + share * (row["soc_high"] - row["soc_low"]))
-        window_j = float(stored_j(row, row["soc_high"]) - stored_j(row, row["soc_low"]))
+        charge_to(row, share)
         rules = ChargeRules(
-            settings.departure is Departure.WAIT, settings.reserve_share * window_j, settings.prediction_share
+            settings.departure is Departure.WAIT,
+            settings.reserve_share * float(window_j(row)),
+            settings.prediction_share,
         )
         auxiliary_w = float(kind.row[0]["auxiliary_power_w"])
-        yield from _day(_Set(setup, settings, ways[stock_id], row, rules, auxiliary_w), duties)
+        yield from _day(_SetCharge(setup, settings, ways[stock_id], row, rules, auxiliary_w), duties)
 
 
-def _day(one: _Set, duties: tuple[Duty, ...]) -> Iterator[Finding]:
+def _day(one: _SetCharge, duties: tuple[Duty, ...]) -> Iterator[Finding]:
     """One set's day; it ends with the first thing that would keep it from going on."""
     left_s: float | None = None
     for duty, following in zip(duties, (*duties[1:], None), strict=True):
@@ -84,7 +85,7 @@ def _day(one: _Set, duties: tuple[Duty, ...]) -> Iterator[Finding]:
         left_s = ends.arrival_s if ends.arrival_s is not None else duty.train.calls[-1].last_s
 
 
-def _beyond(one: _Set, number: str, away_s: float) -> None:
+def _beyond(one: _SetCharge, number: str, away_s: float) -> None:
     beyond = one.settings.beyond_of(number)
     if beyond.takes_j > 0.0:  # all of it, however short the plan makes the time for it
         stand(one.battery, beyond.takes_j / beyond.runs_s, 0.0, beyond.runs_s, STEP_S)
@@ -94,7 +95,7 @@ def _beyond(one: _Set, number: str, away_s: float) -> None:
         stand(one.battery, 0.0, beyond.charge_kw * 1e3, charges_s, STEP_S)
 
 
-def _train(one: _Set, duty: Duty, following: Duty | None) -> Iterator[Finding]:
+def _train(one: _SetCharge, duty: Duty, following: Duty | None) -> Iterator[Finding]:
     """One train: at each stop charge and look whether it goes on, then the hop."""
     line, targets = one.setup.believed_line, duty.mission.targets
     dwell_s = one.setup.unit.duty.dwell_min_s
@@ -126,7 +127,7 @@ def _train(one: _Set, duty: Duty, following: Duty | None) -> Iterator[Finding]:
             return
 
 
-def _stands(one: _Set, station_id: str, time_s: float) -> None:
+def _stands(one: _SetCharge, station_id: str, time_s: float) -> None:
     """A stand as planned: with the charger, if there is one and time for it."""
     charger = one.setup.believed_line.chargers.get(station_id)
     connected_s = 0.0
@@ -136,7 +137,7 @@ def _stands(one: _Set, station_id: str, time_s: float) -> None:
     one.charge(0.0, time_s - connected_s)
 
 
-def _looks(one: _Set, duty: Duty, at: int, hops: Sequence[BatteryHop]) -> Finding | None:
+def _looks(one: _SetCharge, duty: Duty, at: int, hops: Sequence[BatteryHop]) -> Finding | None:
     """Whether the set may leave a stop; it waits there for what it lacks, if there is a charger."""
     line, target = one.setup.believed_line, duty.mission.targets[at]
     reach = to_next_charge(hops[at:], ())
@@ -165,11 +166,14 @@ def _looks(one: _Set, duty: Duty, at: int, hops: Sequence[BatteryHop]) -> Findin
     )
 
 
-def _waits_s(one: _Set, power_w: float, needed_j: float) -> float | None:
+def _waits_s(one: _SetCharge, power_w: float, needed_j: float) -> float | None:
     """How long a set must go on charging, s; None: it never has enough."""
     time_s = 0.0
     while float(available_j(one.battery)) < needed_j:
-        if time_s >= WAITS_S_MAX or float(soc_of(one.battery)) >= float(one.battery["soc_high"]) - 1e-6:
+        if (
+            time_s >= WAITS_S_MAX
+            or float(soc_of(one.battery)) >= float(one.battery["pack"]["soc_high"]) - 1e-6
+        ):
             return None
         one.charge(power_w, STEP_S)
         time_s += STEP_S

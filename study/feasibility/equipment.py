@@ -37,7 +37,7 @@ LOOK_EVERY_M: Final = 20.0  # a covered stretch shorter than this is not looked 
 
 
 @dataclass(frozen=True, slots=True)
-class _Way:
+class _TrainUnderWay:
     """One train on its way; `since_m` is how far its set ran since the last tag before this train began, and
     `measured` whether tags have measured its wheels by then.
 
@@ -157,7 +157,9 @@ def equipment_of(setup: Setup, day: PlannedDay) -> list[Finding]:
             length_m = float(setup.trains[train.stock_id].row[0]["length_m"])
             plan = plan_of(train.duty.mission, length_m)
             fixes = fixes_on(setup, train.stock_id, train.duty.mission)
-            way = _Way(setup, day.line, train, plan, 0.0 if train.duty.enters else since_m, measured, fixes)
+            way = _TrainUnderWay(
+                setup, day.line, train, plan, 0.0 if train.duty.enters else since_m, measured, fixes
+            )
             found += _position(way)
             found += _radio(way)
             end_m = way.mission.targets[-1].mark_m
@@ -188,7 +190,7 @@ def _time(finding: Finding) -> float:
 # position ----------------------------------------------------------------------------------------------------
 
 
-def _position(way: _Way) -> Iterator[Finding]:
+def _position(way: _TrainUnderWay) -> Iterator[Finding]:
     """Along the way: points that are to be thrown, and stops to be made."""
     spans = way.mission.spans
     places: list[tuple[float, int, int]] = [
@@ -199,7 +201,7 @@ def _position(way: _Way) -> Iterator[Finding]:
         yield from _mark(way, way.mission.targets[index]) if what else _points(way, index)
 
 
-def _mark(way: _Way, target: Target) -> Iterator[Finding]:
+def _mark(way: _TrainUnderWay, target: Target) -> Iterator[Finding]:
     """A stop that a unit could not make because no tag has told it where it is."""
     if target.station_id is None:
         return
@@ -230,7 +232,7 @@ def _mark(way: _Way, target: Target) -> Iterator[Finding]:
     yield way.finding(FindingKind.TAG, Severity.IMPOSSIBLE, stand, (text, remedy))
 
 
-def _wide(way: _Way, target: Target, short_m: float, off_m: float) -> Iterator[Finding]:
+def _wide(way: _TrainUnderWay, target: Target, short_m: float, off_m: float) -> Iterator[Finding]:
     """A stop that is made, but farther off its mark than a run's summary calls at it; told once a place and cause."""
     misses_m = max(short_m, off_m)
     if misses_m <= OFF_MARK_M or not way.reads_tags:
@@ -252,7 +254,7 @@ def _wide(way: _Way, target: Target, short_m: float, off_m: float) -> Iterator[F
     yield way.finding(FindingKind.STOP, Severity.TIGHT, stand, (text, remedy))
 
 
-def _to_be_brought(way: _Way, target: Target, misses_m: float, bound_m: float) -> Finding:
+def _to_be_brought(way: _TrainUnderWay, target: Target, misses_m: float, bound_m: float) -> Finding:
     """A stop that a train without a reader of tags makes on sight: its driver says where it stands."""
     stand, (_, name) = way.stand_at(target), way.place(target)
     carried = ", ".join(sorted(way.setup.sensors.carried_by(way.train.stock_id)))
@@ -265,13 +267,13 @@ def _to_be_brought(way: _Way, target: Target, misses_m: float, bound_m: float) -
     return way.finding(FindingKind.TAG, Severity.TIGHT, stand, (text, remedy))
 
 
-def _by_eye(way: _Way, target: Target) -> bool:
+def _by_eye(way: _TrainUnderWay, target: Target) -> bool:
     """Whether the driver has to confirm a stop there, which only one at its mark allows."""
     stops = zip(way.mission.targets, way.plan.stops, strict=True)
     return next(stop.by_eye for at, stop in stops if at is target)
 
 
-def _limit_m(way: _Way, target: Target) -> float:
+def _limit_m(way: _TrainUnderWay, target: Target) -> float:
     """How far a train may go when it comes to a stop: to the end of its track, at a halt to points not thrown yet."""
     spans = way.mission.spans
     at = way.mission.span_index(target.section_id)
@@ -285,7 +287,7 @@ def _limit_m(way: _Way, target: Target) -> float:
     return spans[-1].end_m
 
 
-def _spare_m(way: _Way, target: Target) -> float:
+def _spare_m(way: _TrainUnderWay, target: Target) -> float:
     """How far before its mark the whole train still stands along the platform."""
     station = way.line.stations[target.station_id or ""]
     track = next(t for t in station.tracks if t.name == target.track)
@@ -298,7 +300,7 @@ def _spare_m(way: _Way, target: Target) -> float:
 # points ------------------------------------------------------------------------------------------------------
 
 
-def _points(way: _Way, index: int) -> Iterator[Finding]:
+def _points(way: _TrainUnderWay, index: int) -> Iterator[Finding]:
     """Points that are to be thrown under way: their approach tag, and the radio to command them."""
     spans = way.mission.spans
     span = spans[index]
@@ -317,7 +319,9 @@ def _points(way: _Way, index: int) -> Iterator[Finding]:
         yield way.finding(FindingKind.COVERAGE, Severity.IMPOSSIBLE, stand, (text, remedy))
 
 
-def _without_approach_tag(way: _Way, stand: PlannedStop, span: SectionSpan, head: str) -> Iterator[Finding]:
+def _without_approach_tag(
+    way: _TrainUnderWay, stand: PlannedStop, span: SectionSpan, head: str
+) -> Iterator[Finding]:
     """The train stops before the points: it can go on if it still knows where it is, and has radio there."""
     stops_m = way.stops_before_m(span.start_m)
     bound_m = way.bound_m(stops_m)
@@ -351,7 +355,7 @@ def _group(spans: Sequence[SectionSpan], first: int) -> list[SectionSpan]:
     return group
 
 
-def _approach_tags(way: _Way, points: SectionSpan, before_m: float | None = None) -> list[float]:
+def _approach_tags(way: _TrainUnderWay, points: SectionSpan, before_m: float | None = None) -> list[float]:
     """Where approach tags of points lie on the open line before them, up to `before_m` if that is given."""
     index = way.mission.spans.index(points)
     start_m = points.start_m
@@ -366,7 +370,7 @@ def _approach_tags(way: _Way, points: SectionSpan, before_m: float | None = None
 # radio -------------------------------------------------------------------------------------------------------
 
 
-def _radio(way: _Way) -> Iterator[Finding]:
+def _radio(way: _TrainUnderWay) -> Iterator[Finding]:
     """Stands where something must be said: signing on and off, asking for a route, giving back what lies behind."""
     spans = way.mission.spans
     last = len(way.mission.targets) - 1
@@ -396,7 +400,7 @@ def _radio(way: _Way) -> Iterator[Finding]:
     yield from _passing(way)
 
 
-def _passing(way: _Way) -> Iterator[Finding]:
+def _passing(way: _TrainUnderWay) -> Iterator[Finding]:
     """Tracks that a train runs through: it asks for the way on from the approach tag on, or at the track's end."""
     for node in way.train.nodes[1:-1]:
         if node.target is not None:
@@ -419,7 +423,7 @@ def _passing(way: _Way) -> Iterator[Finding]:
         yield way.finding(FindingKind.COVERAGE, Severity.IMPOSSIBLE, stand, (text, remedy))
 
 
-def _coverage_to(way: _Way, at_m: float) -> str:
+def _coverage_to(way: _TrainUnderWay, at_m: float) -> str:
     """The nearest edge of what is covered."""
     step = way.mission.path.step_at(at_m)
     here_m = step.kilometrage_m(at_m)

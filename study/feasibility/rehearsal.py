@@ -51,7 +51,7 @@ class RehearsedLateness:
 
 
 @dataclass(slots=True)
-class _Set:
+class _RehearsedSet:
     """One set of the day. `asks` is the route of its train that it asks for, `granted` the last one granted."""
 
     stock_id: str
@@ -93,8 +93,8 @@ class Rehearsal:
         self._setup = setup
         self._slowed = slowed
         self._day = day
-        self._holder: dict[str, _Set] = {}
-        self._sets = [_Set(stock_id, trains) for stock_id, trains in day.trains.items() if trains]
+        self._holder: dict[str, _RehearsedSet] = {}
+        self._sets = [_RehearsedSet(stock_id, trains) for stock_id, trains in day.trains.items() if trains]
         self._heap: list[tuple[float, int, Callable[[float], None]]] = []
         self._count = 0
         self.late: list[RehearsedLateness] = []
@@ -134,11 +134,11 @@ class Rehearsal:
             now_s, _, what = heapq.heappop(self._heap)
             what(now_s)
 
-    def _take(self, one: _Set, sections: Sequence[str]) -> None:
+    def _take(self, one: _RehearsedSet, sections: Sequence[str]) -> None:
         self._holder.update(dict.fromkeys(sections, one))
         one.holds.update(sections)
 
-    def _give_back(self, one: _Set, keep: set[str], now_s: float) -> None:
+    def _give_back(self, one: _RehearsedSet, keep: set[str], now_s: float) -> None:
         """All but what is kept; those that wait for something ask again when it is their turn."""
         for section_id in one.holds - keep:
             del self._holder[section_id]
@@ -148,7 +148,7 @@ class Rehearsal:
                 turns = math.ceil(max(now_s - other.waits_since_s, 0.0) / REFUSED_REPEAT_S)
                 self._at(other.waits_since_s + turns * REFUSED_REPEAT_S, partial(self._try, other))
 
-    def _begin(self, one: _Set, now_s: float) -> None:
+    def _begin(self, one: _RehearsedSet, now_s: float) -> None:
         """Takes up its train where it stands."""
         train = one.train
         one.node, one.asks, one.granted, one.moving, one.behind = 0, 0, -1, False, []
@@ -158,12 +158,12 @@ class Rehearsal:
             return
         self._at(max(now_s, one.ready_s - self._setup.unit.request_lead_s), partial(self._wait, one))
 
-    def _wait(self, one: _Set, now_s: float) -> None:
+    def _wait(self, one: _RehearsedSet, now_s: float) -> None:
         """Asks for the first time; what is refused is asked for again when something becomes free."""
         one.waits_since_s = now_s
         self._try(one, now_s)
 
-    def _try(self, one: _Set, now_s: float) -> None:
+    def _try(self, one: _RehearsedSet, now_s: float) -> None:
         if one.waits_since_s is None:
             return
         taken = next((s for s in one.wants if self._holder.get(s, one) is not one), None)
@@ -183,7 +183,7 @@ class Rehearsal:
         if not one.moving:
             self._leave(one, now_s)
 
-    def _leave(self, one: _Set, granted_s: float) -> None:
+    def _leave(self, one: _RehearsedSet, granted_s: float) -> None:
         """The way from its node is granted: it leaves when its points are thrown and its time has come."""
         train, here, there = one.train, one.train.nodes[one.node], one.train.nodes[one.node + 1]
         leaves_s = max(one.ready_s, granted_s)
@@ -223,7 +223,7 @@ class Rehearsal:
         given = there.target.arrival_s is not None
         return runs_s, there.arrives_s - self._setup.unit.time_margin_s if given else -math.inf
 
-    def _arrive(self, one: _Set, now_s: float) -> None:
+    def _arrive(self, one: _RehearsedSet, now_s: float) -> None:
         """At the next track: what lies behind is given back, the next route asked for."""
         train = one.train
         one.node += 1
@@ -245,7 +245,7 @@ class Rehearsal:
             one.asks = one.node
             self._at(max(now_s, one.ready_s - self._setup.unit.request_lead_s), partial(self._wait, one))
 
-    def _note(self, one: _Set, now_s: float) -> None:
+    def _note(self, one: _RehearsedSet, now_s: float) -> None:
         node = one.train.nodes[one.node]
         if node.target is not None and node.target.station_id is not None:
             late_s = now_s - node.arrives_s
@@ -254,7 +254,7 @@ class Rehearsal:
                 RehearsedLateness(one.train, node.target.station_id, node.arrives_s, late_s, behind)
             )
 
-    def _end(self, one: _Set, now_s: float) -> None:
+    def _end(self, one: _RehearsedSet, now_s: float) -> None:
         """The train's journey is over: it leaves the line, becomes the next one, or stays."""
         follows = one.at + 1 < len(one.trains)
         if one.train.duty.leaves:
@@ -266,7 +266,7 @@ class Rehearsal:
         else:
             one.done = True
 
-    def _left(self, one: _Set, now_s: float) -> None:
+    def _left(self, one: _RehearsedSet, now_s: float) -> None:
         self._give_back(one, set(), now_s)
         one.done = one.at + 1 >= len(one.trains)
         if not one.done:

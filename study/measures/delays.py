@@ -62,7 +62,7 @@ def _spans() -> dict[str, list[Span]]:
 
 
 @dataclass(slots=True)
-class _Seen:
+class _JournalFacts:
     """What the journal says of all stocks: by stock, train, or train and station."""
 
     stock_ids: frozenset[str]
@@ -131,7 +131,10 @@ class _Moment:
 
 def delays_of(result: RunResult, setup: Setup) -> tuple[LatenessGrowth, ...]:
     """Every growth of lateness of a run, by stock and time."""
-    seen, end_s = _Seen(frozenset(result.stock_ids)), max(setup.latest_end_s, result.end_step / STEPS_PER_S)
+    seen, end_s = (
+        _JournalFacts(frozenset(result.stock_ids)),
+        max(setup.latest_end_s, result.end_step / STEPS_PER_S),
+    )
     for entry in result.journal.entries:
         seen.take(entry)
     for course in result.courses:
@@ -150,7 +153,7 @@ def delays_of(result: RunResult, setup: Setup) -> tuple[LatenessGrowth, ...]:
 
 
 def _of_stock(
-    stock_id: str, stops: Sequence[StopRecord], seen: _Seen, setup: Setup
+    stock_id: str, stops: Sequence[StopRecord], seen: _JournalFacts, setup: Setup
 ) -> Iterator[LatenessGrowth]:
     """Walks through a set's day; lateness goes on from train to train, and ends where the set leaves the line."""
     late_s = since_s = 0.0
@@ -163,7 +166,7 @@ def _of_stock(
         late_s, since_s = moment.late_s, moment.at_s
 
 
-def _moments(stops: Iterable[StopRecord], seen: _Seen, setup: Setup) -> Iterator[_Moment]:
+def _moments(stops: Iterable[StopRecord], seen: _JournalFacts, setup: Setup) -> Iterator[_Moment]:
     number = ""
     for stop in stops:
         begins, number = stop.number != number, stop.number
@@ -180,7 +183,7 @@ def _moments(stops: Iterable[StopRecord], seen: _Seen, setup: Setup) -> Iterator
             yield _Moment(stop, stop.departure_s, left_late_s, drawn_s, ready_s, comes_s)
 
 
-def _enters(number: str, seen: _Seen, setup: Setup) -> tuple[float | None, float]:
+def _enters(number: str, seen: _JournalFacts, setup: Setup) -> tuple[float | None, float]:
     """When a train that enters over a portal stands before it, s, and how late that was drawn; else None."""
     train = setup.timetable.trains[number]
     if not isinstance(train.begins, AtPortal):
@@ -189,7 +192,9 @@ def _enters(number: str, seen: _Seen, setup: Setup) -> tuple[float | None, float
     return train.calls[0].first_s - setup.operation.portal_lead_s + entry_s, entry_s
 
 
-def _never_came(stock_id: str, stops: Sequence[StopRecord], seen: _Seen, setup: Setup) -> Iterator[_Moment]:
+def _never_came(
+    stock_id: str, stops: Sequence[StopRecord], seen: _JournalFacts, setup: Setup
+) -> Iterator[_Moment]:
     """Of each train of a set that did not come to its end, the first arrival from where on it never came."""
     ran = {stop.number for stop in stops}
     came = {(stop.number, stop.station_id) for stop in stops if stop.arrival_s is not None}
@@ -215,7 +220,7 @@ def _ready_s(stop: StopRecord, held: DoorsHeld | None, setup: Setup) -> float:
     return max(stop.planned_departure_s or 0.0, dwelt_s, 0.0 if held is None else held.until_s)
 
 
-def _split(moment: _Moment, grown_s: float, since_s: float, seen: _Seen) -> LatenessGrowth:
+def _split(moment: _Moment, grown_s: float, since_s: float, seen: _JournalFacts) -> LatenessGrowth:
     """Put growth down to what was drawn, to others, to what failed."""
     stop = moment.stop
     from_s = max(since_s, moment.ready_s)

@@ -57,8 +57,9 @@ def _hop(
     run: Sequence[EnergyRecord], stock: Stock, late_s: float | None, stop_error_m: float | None
 ) -> DrivenHop:
     first, ride = run[0], rides_together(record.ride for record in run)
-    traction_kwh = sum(record.traction_j for record in run) / J_PER_KWH
-    regenerated_kwh = sum(record.regenerated_j for record in run) / J_PER_KWH
+    traction_kwh, regenerated_kwh = (
+        sum(record.counted_j[name] for record in run) / J_PER_KWH for name in ("traction", "regenerated")
+    )
     back_kwh = 0.0 if stock.regenerated_to is RegenerationReceiver.RESISTORS else regenerated_kwh
     return DrivenHop(
         first.stock_id,

@@ -7,6 +7,7 @@ from typing import Any, Final, cast
 import polars as pl
 
 from network.timetable import CallKind, Timetable
+from simulation.result import DRAWN
 from study.measures.driving import driving_summary
 from study.measures.missing import planned_times
 from study.record.energy import PARTS
@@ -17,7 +18,6 @@ from study.record.told import TelegramsOfWay
 NEVER_CAME: Final = "missing arrival"
 TELEGRAM_COUNTS: Final = tuple(seen_in(TelegramsOfWay, ShownIn.TOTALS_COMPARED))
 OFF_MARK_M: Final = 0.35  # a stop farther from its mark than this is told: doors no longer meet their places
-ENERGIES: Final = ("traction", "regenerated", "auxiliary")
 NAMED: Final = ("train", "from_station", "to_station", "planned_s", "least_s", "margin_s", "margin_percent")
 
 
@@ -63,7 +63,7 @@ def summarise(tables: RunTables, timetable: Timetable, end_s: float | None = Non
         "stop_off_at": worst_off(stops),
         "energy_kwh": {
             name: float(tables.energy[f"{name}_kwh"].sum()) + float(tables.layovers[f"{name}_kwh"].sum())
-            for name in ENERGIES
+            for name in DRAWN
         },
         "energy": energy_summary(tables),
         "margins": smallest(tables.margins),
@@ -82,8 +82,8 @@ def energy_summary(tables: RunTables) -> dict[str, Any]:
     """
     energy, layovers = tables.energy, tables.layovers
     standing = float(energy["standing_kwh"].sum())
-    trains = {name: float(energy[f"{name}_kwh"].sum()) for name in (*ENERGIES, "net")}
-    stays = {name: float(layovers[f"{name}_kwh"].sum()) for name in (*ENERGIES, "net")}
+    trains = {name: float(energy[f"{name}_kwh"].sum()) for name in (*DRAWN, "net")}
+    stays = {name: float(layovers[f"{name}_kwh"].sum()) for name in (*DRAWN, "net")}
     train_km = float(energy["distance_km"].sum())
     car_km = float((energy["distance_km"] * energy["cars"]).sum())
     whole = trains["net"] + stays["net"]

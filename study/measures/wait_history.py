@@ -14,18 +14,9 @@ from typing import Final
 
 from onboard.notes import MissionBegun
 from simulation import events
-from simulation.events import MANAGER, JournalEntry
+from simulation.events import JournalEntry
 from simulation.world.roster import Duty
-from wayside import said
-
-
-@dataclass(slots=True)
-class Tenure:
-    """A section of one stock, in the block manager's register; `to_s` infinite: to the end of the run."""
-
-    unit: str
-    from_s: float
-    to_s: float = math.inf
+from study.measures.register_holds import SectionHold, Tenure
 
 
 @dataclass(slots=True)
@@ -56,10 +47,15 @@ ON_LINE: Final = "on the line"
 
 
 class RegisterHistory:
-    """The register of sections, the points and the power of devices, as the journal of one run has them."""
+    """The register of sections, the points and the power of devices, as the journal of one run has them.
 
-    def __init__(self, entries: Iterable[JournalEntry]) -> None:
+    `holds` are those of `study.measures.register_holds`.
+    """
+
+    def __init__(self, entries: Iterable[JournalEntry], holds: Iterable[SectionHold]) -> None:
         self._tenures: dict[str, list[Tenure]] = defaultdict(list)
+        for hold in holds:
+            self._tenures[hold.section_id] += hold.tenures
         self._points: dict[str, Changes] = defaultdict(Changes)
         self._ails: dict[str, Changes] = defaultdict(Changes)
         self._trains: dict[str, Changes] = defaultdict(Changes)
@@ -91,46 +87,7 @@ class RegisterHistory:
             case events.Left(unit_id=unit):
                 self._line[unit].put(t_s, "")
             case _:
-                self._register(entry)
-
-    def _register(self, entry: JournalEntry) -> None:
-        t_s = entry.t_s
-        match entry.event:
-            case said.Granted(unit_id=unit, section_ids=sections):
-                self._gains(t_s, unit, sections)
-            case (
-                said.Accepted(unit_id=unit, section_ids=sections)
-                | said.ConfirmedByHand(unit_id=unit, section_ids=sections)
-            ):
-                self._loses(t_s, unit, [s for s in self._of(unit) if s not in sections])
-                self._gains(t_s, unit, sections)
-            case said.Freed(unit_id=unit, section_ids=sections):
-                self._loses(t_s, unit, sections)
-            case said.Outside(unit_id=unit):
-                self._loses(t_s, unit, self._of(unit))
-            case said.Started() if entry.who == MANAGER:  # it has forgotten everything
-                for unit in {x.unit for tenures in self._tenures.values() for x in tenures}:
-                    self._loses(t_s, unit, self._of(unit))
-            case _:
                 pass
-
-    def _of(self, unit: str) -> list[str]:
-        return [
-            section
-            for section, tenures in self._tenures.items()
-            if any(x.unit == unit and x.to_s == math.inf for x in tenures)
-        ]
-
-    def _gains(self, t_s: float, unit: str, sections: Iterable[str]) -> None:
-        for section in sections:
-            if not any(x.unit == unit and x.to_s == math.inf for x in self._tenures[section]):
-                self._tenures[section].append(Tenure(unit, t_s))
-
-    def _loses(self, t_s: float, unit: str, sections: Iterable[str]) -> None:
-        for section in sections:
-            for tenure in self._tenures[section]:
-                if tenure.unit == unit and tenure.to_s == math.inf:
-                    tenure.to_s = t_s
 
     def holder(self, section: str, t_s: float, but: str) -> Tenure | None:
         """Which other stock than `but` has a section at a moment."""

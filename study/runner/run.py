@@ -30,8 +30,6 @@ from simulation.journal import Journal
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult
 from simulation.setup import STEP_S, Setup, unit_configs
-from study.capacity.blocking_table import blocking_table
-from study.capacity.observed import observed
 from study.collect.battery import battery_summary, battery_tables
 from study.collect.energy import StockMake
 from study.collect.late import late_part, late_summary
@@ -40,6 +38,7 @@ from study.feasibility.check import feasibility
 from study.measures.driving import driving_table
 from study.measures.localisation import localisation_summary
 from study.measures.passings import planned_passings
+from study.measures.register_holds import section_holds
 from study.measures.running_times import planned_legs
 from study.measures.second_opinion import comparisons_of
 from study.measures.summary import summarise
@@ -212,14 +211,14 @@ def execute(
         setup, result = through(scenario, course, progress)
         wall_s = time.perf_counter() - started
     fleet = {stock_id: StockMake.of(kind) for stock_id, kind in setup.trains.items()}
-    booked = tables_of(result, setup.line, fleet, planned_legs(setup), planned_passings(setup))
+    holds = section_holds(result, setup.line, setup.lengths_m)
+    booked = tables_of(result, setup.line, fleet, holds, planned_legs(setup), planned_passings(setup))
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
     tables = replace(
         booked,
-        blocking=blocking_table(observed(result, setup)),
         driving=driving_table(result, setup, booked.margins, booked.stops),
         comparisons=opinions,
-        waits=make_table("waits", waits_of(result, setup)),
+        waits=make_table("waits", waits_of(result, setup, holds)),
         **battery_tables(result.battery, setup),
     )
     failures = broken_said(result, setup)
@@ -240,7 +239,7 @@ def execute(
         "empty_workings_arrived": len(result.empty_arrived),
         "invariants_broken": len(result.violations),
         "collisions": len(result.collisions),
-        "changes": [change.as_dict() for change in scenario.changes],
+        "changes": [change.model_dump() for change in scenario.inputs.changes],
         "violations": [f"{v.t_s:.1f} s {v.checker}: {v.text}" for v in result.violations],
         "ended_because": result.ended_because.value,
         "outside_design": list(outside_design(result)),

@@ -44,7 +44,7 @@ ReplayOf = Callable[[DaySpec], str]
 
 
 @dataclass(frozen=True, slots=True)
-class _Net:
+class _BuiltNet:
     file: Path
     map: NetMap
 
@@ -73,7 +73,7 @@ class ProcessCache:
         self.replay_of: Final = replay_of
         self._scenario_of = scenario_of
         self._scenarios: OrderedDict[tuple[object, ...], Scenario] = OrderedDict()
-        self._nets: OrderedDict[int, tuple[Line, _Net]] = OrderedDict()
+        self._nets: OrderedDict[int, tuple[Line, _BuiltNet]] = OrderedDict()
         self._stack = ExitStack()
         self._folder: Path | None = None
 
@@ -111,7 +111,7 @@ class ProcessCache:
         if held is None:
             file = net_for(line, self.folder)
             known = next((net for _, net in self._nets.values() if net.file == file), None)
-            held = (line, known or _Net(file, read_net(file)))
+            held = (line, known or _BuiltNet(file, read_net(file)))
             self._nets[id(line)] = held
             if len(self._nets) > SCENARIOS_KEPT:
                 self._nets.popitem(last=False)

@@ -25,7 +25,7 @@ CODE_SHOWN: Final = 8
 BAD: Final = (DayOutcome.BROKEN, DayOutcome.CRASHED)  # the others are what a sweep is to find out
 
 
-class _Course:
+class _PointProgress:
     """One point: its days as they come, and how far they are complete from the first one on."""
 
     def __init__(self, plan: SweepPlan, point: GridPoint) -> None:
@@ -89,7 +89,7 @@ class SweepProgress:
     """How far a sweep is. `before`: days that were there as it began; `last`: the day that came last."""
 
     plan: SweepPlan
-    courses: tuple[_Course, ...]
+    courses: tuple[_PointProgress, ...]
     records: dict[str, DayRecord]
     before: int
     refused: tuple[UnusableFile, ...] = ()
@@ -164,7 +164,7 @@ Show = Callable[[SweepProgress], None]
 
 def begun(plan: SweepPlan, store: SweepDirectory, *, anyway: bool) -> SweepProgress:
     """What there is already. InputError for days that other code has run, unless they are to count `anyway`."""
-    courses = tuple(_Course(plan, point) for point in plan.points)
+    courses = tuple(_PointProgress(plan, point) for point in plan.points)
     found: FiledDays = store.found({name for course in courses for name in course.names})
     codes = {record.code for record in found.records.values()} - {code_digest()}
     if codes and not anyway:

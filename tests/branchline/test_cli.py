@@ -13,8 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import typer
 
 import study.runner.run
+from branchline.cli import ANALYSE, PREPARE, READ, RESEARCH, RUN, app
 from host.parties import PartyError
 from study.outcome import Outcome
 
@@ -209,3 +211,21 @@ def test_check_prints_one_object(main: Callable[..., Any]) -> None:
     assert ended.code == 0
     assert ended.figures()["trains"] == 1
     assert "trains: 1" in main("check", "rtri_test_line").out
+
+
+def commands_of(group: typer.core.TyperGroup) -> Iterator[typer.core.TyperCommand | typer.core.TyperGroup]:
+    for command in group.commands.values():
+        assert isinstance(command, typer.core.TyperCommand | typer.core.TyperGroup)
+        yield command
+        if isinstance(command, typer.core.TyperGroup):
+            yield from commands_of(command)
+
+
+def test_help_begins_with_one_short_sentence_and_every_command_stands_in_a_group() -> None:
+    whole = typer.main.get_command(app)
+    assert isinstance(whole, typer.core.TyperGroup)
+    for command in commands_of(whole):
+        first = (command.help or "").partition("\n\n")[0].strip()
+        assert first.endswith(".") and ". " not in first and len(first) < 120, (command.name, first)
+    groups = {getattr(command, "rich_help_panel", None) for command in whole.commands.values()}
+    assert groups == {PREPARE, RUN, READ, ANALYSE, RESEARCH}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import tomllib
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -110,17 +109,3 @@ def test_the_schemas_name_the_keys_of_the_shipped_files() -> None:
                 assert set(values) <= set(table["properties"]), (file, name)
     assert shipped_scenarios()
     assert "patch" in ScenarioFile.model_json_schema()["properties"]
-
-
-def test_the_examples_of_the_readme_load(tmp_path: Path) -> None:
-    from scenario.scenario import load_scenario
-
-    readme = (Path(__file__).resolve().parents[2] / "README.md").read_text("utf-8")
-    blocks = [part.partition("```")[0] for part in readme.split("```toml\n")[1:]]
-    for name, text in zip(("slow_points", "heavy_morning"), blocks, strict=True):
-        assert f'id = "{name}"' in text
-        (tmp_path / f"{name}.toml").write_text(text, "utf-8")
-    changed = {change.file for change in load_scenario(str(tmp_path / "slow_points.toml")).changes}
-    assert changed == {"karasuyama.toml"}
-    changed = {change.file for change in load_scenario(str(tmp_path / "heavy_morning.toml")).changes}
-    assert changed >= {"karasuyama.toml", "karasuyama_weekday.toml", "ev_e301.toml"}

@@ -68,8 +68,7 @@ def motion(
     track: Callable[..., Rows],
 ) -> UnitMotion:
     """At the mark of section 3, without a reader of tags."""
-    motion = UnitMotion(rtri, UnitParameters(), unit, train, behaviour, keeper())
-    motion.reads_tags = False
+    motion = UnitMotion(rtri, UnitParameters(), unit, train, behaviour, keeper(), reads_tags=False)
     path = PathData(track(np.zeros(math.ceil(mission.path.length_m) + 1)), 0)
     motion.stand_at_start(mission, path, 0.0)
     motion.obey(RUN, 0.0)

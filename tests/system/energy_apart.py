@@ -60,11 +60,11 @@ def balances(result: RunResult, line: Line, train: Numbers) -> Iterator[Balance]
     for record in result.energy:
         if (
             record.phase in (EnergyPhase.RUNNING, EnergyPhase.HELD)
-            and record.distance_m + record.traction_j > 0.0
+            and record.distance_m + record.counted_j["traction"] > 0.0
         ):
             legs.setdefault((record.number, record.from_id, record.to_id), []).append(record)
     for (number, *_), records in legs.items():
-        balance = Balance(number, sum(r.traction_j + r.auxiliary_j for r in records))
+        balance = Balance(number, sum(r.counted_j["traction"] + r.counted_j["auxiliary"] for r in records))
         apart = dict.fromkeys(Part, 0.0)
         for record in records:
             _add_losses(apart, record, train)
@@ -75,10 +75,12 @@ def balances(result: RunResult, line: Line, train: Numbers) -> Iterator[Balance]
 
 
 def _add_losses(apart: dict[Part, float], record: EnergyRecord, train: Numbers) -> None:
-    apart[Part.TRACTION_LOSS] += record.traction_j * (1.0 - train["efficiency_traction"])
-    apart[Part.REGENERATION_LOSS] += record.regenerated_j * (1.0 / train["efficiency_regeneration"] - 1.0)
-    apart[Part.REGENERATED] += record.regenerated_j
-    apart[Part.FRICTION] += record.parts.friction_j
+    apart[Part.TRACTION_LOSS] += record.counted_j["traction"] * (1.0 - train["efficiency_traction"])
+    apart[Part.REGENERATION_LOSS] += record.counted_j["regenerated"] * (
+        1.0 / train["efficiency_regeneration"] - 1.0
+    )
+    apart[Part.REGENERATED] += record.counted_j["regenerated"]
+    apart[Part.FRICTION] += record.counted_j["friction"]
     apart[Part.AUXILIARY] += train["auxiliary_power_w"] * (record.end_s - record.begin_s)
 
 
@@ -104,7 +106,7 @@ def _add_work(
     apart[Part.RESISTANCE] += float(np.sum(_resistance_n(train, mass, middle_mps) * run_m))
     climb_m, turn_rad = _under(line, span, position_m, train["length_m"])
     apart[Part.GRADIENT] += mass * G_MPS2 * climb_m
-    apart[Part.CURVE] += mass * G_MPS2 * 1e-3 * train["curve_resistance_coefficient_m"] * turn_rad
+    apart[Part.CURVE] += mass * G_MPS2 * 1e-3 * train["resistance.curve_coefficient_m"] * turn_rad
 
 
 def _running_n(train: Numbers, mass: float, speed_mps: Floats) -> Floats:
@@ -112,18 +114,18 @@ def _running_n(train: Numbers, mass: float, speed_mps: Floats) -> Floats:
     kmh, weight_kn = 3.6 * speed_mps, mass * G_MPS2 / 1000.0
     share = train["motored_mass_share"]
     motored = (
-        train["resistance_motored_constant_n_per_kn"] + train["resistance_motored_linear_n_per_kn_kmh"] * kmh
+        train["resistance.motored_constant_n_per_kn"] + train["resistance.motored_linear_n_per_kn_kmh"] * kmh
     )
     trailer = (
-        train["resistance_trailer_constant_n_per_kn"] + train["resistance_trailer_linear_n_per_kn_kmh"] * kmh
+        train["resistance.trailer_constant_n_per_kn"] + train["resistance.trailer_linear_n_per_kn_kmh"] * kmh
     )
     per_kn = share * motored + (1.0 - share) * trailer
-    return np.asarray(per_kn * weight_kn + train["resistance_air_n_per_kmh2"] * kmh**2)
+    return np.asarray(per_kn * weight_kn + train["resistance.air_n_per_kmh2"] * kmh**2)
 
 
 def _resistance_n(train: Numbers, mass: float, speed_mps: Floats) -> Floats:
     """With the starting resistance: below 3 km/h a straight line from it at rest to the running resistance."""
-    at_rest_n = train["starting_resistance_n_per_kn"] * mass * G_MPS2 / 1000.0
+    at_rest_n = train["resistance.starting_n_per_kn"] * mass * G_MPS2 / 1000.0
     at_3_n = _running_n(train, mass, np.array([3.0 / 3.6]))[0]
     slow = at_rest_n + (at_3_n - at_rest_n) * speed_mps * 3.6 / 3.0
     return np.where(speed_mps * 3.6 < 3.0, slow, _running_n(train, mass, speed_mps))
@@ -172,5 +174,8 @@ def _curvature(curves: Sequence[Curve], kilometrage_m: float) -> float:
 
 
 def figures_of(row: Any) -> Numbers:  # noqa: ANN401
-    """The figures of a TRAIN record that are single numbers."""
-    return {name: float(row[name]) for name in row.dtype.names if row[name].shape == ()}
+    """The figures of a TRAIN record that are single numbers, and those of its resistance."""
+    numbers = {name: float(row[name]) for name in row.dtype.names if row.dtype[name] == np.float64}
+    return numbers | {
+        f"resistance.{name}": float(row["resistance"][name]) for name in row["resistance"].dtype.names
+    }

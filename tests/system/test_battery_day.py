@@ -93,7 +93,7 @@ def test_every_set_comes_home_with_its_reserve_and_the_energy_closes() -> None:
 def test_what_the_battery_gave_is_what_the_plant_drew() -> None:
     """Two books that share no counter: the plant's, cut by phase, and the battery's."""
     drew = sum(
-        record.traction_j - record.regenerated_j + record.auxiliary_j
+        record.counted_j["traction"] - record.counted_j["regenerated"] + record.counted_j["auxiliary"]
         for record in day().result.energy
         if record.stock_id == "V4"
     )

@@ -24,6 +24,7 @@ from simulation.settings import Interlocking
 from simulation.setup import Setup
 from simulation.world.cable import Cable
 from study.drilling.drill import find_drill
+from study.measures.register_holds import section_holds
 from study.measures.wait_text import text_of
 from study.measures.waits import CABLE_CUT, waits_of
 from study.record.wait import Cause
@@ -130,8 +131,10 @@ def test_without_the_cable_in_the_way_the_property_fails(monkeypatch: pytest.Mon
 def test_the_reason_of_a_wait_is_the_cable() -> None:
     """T1 before the points of B, T3 outside: both for the cable while it is cut, and neither after."""
     result = run(Interlocking.CENTRAL, (WHOLE, 0.5, 1.0, 300.0))
-    waits = [w for w in waits_of(result, two_trains(Interlocking.CENTRAL)) if w.reason == CABLE_CUT]
+    setup = two_trains(Interlocking.CENTRAL)
+    holds = section_holds(result, setup.line, setup.lengths_m)
+    waits = [w for w in waits_of(result, setup, holds) if w.reason == CABLE_CUT]
     assert {(w.unit, w.cause) for w in waits} >= {("K1", Cause.POINTS_PROOF), ("K2", Cause.ANSWER)}
     assert all(TEN_S < w.from_s < w.to_s < TEN_S + 310.0 for w in waits)
-    assert "the cable to the centre is cut" in text_of(waits[0], "en")
+    assert "the cable to the centre is cut" in text_of(waits[0]).en
     assert lost_in_the_cable(result) > 20

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from scenario.scenario import load_scenario
-from simulation.result import PARTS, EnergyPhase, RunResult
+from simulation.result import PARTS, REJECTED, EnergyPhase, RunResult
 from study.collect.energy import StockMake, energy_tables
 from study.runner.run import simulated
 from tests.system.energy_apart import Balance, Part, balances, figures_of
@@ -42,19 +42,20 @@ def test_a_part_left_out_is_found_out(legs: tuple[Balance, ...], part: Part) -> 
 
 def test_the_records_close_by_themselves(day: RunResult) -> None:
     for record in day.energy:
-        assert abs(record.residual_j) <= 1e-6 * (record.traction_j + record.auxiliary_j), record
+        assert abs(record.residual_j) <= 1e-6 * (
+            record.counted_j["traction"] + record.counted_j["auxiliary"]
+        ), record
         if record.phase is not EnergyPhase.RUNNING:
-            assert record.parts.sum_j() == record.rejected_j == 0.0
+            assert all(record.counted_j[part] == 0.0 for part in (*PARTS, REJECTED))
     for part in PARTS:
-        assert sum(abs(getattr(record.parts, part)) for record in day.energy) > 0.0, part
+        assert sum(abs(record.counted_j[part]) for record in day.energy) > 0.0, part
 
 
 def test_the_tables_carry_what_the_records_have(day: RunResult) -> None:
     setup = load_scenario("karasuyama_weekday").setup
     made = energy_tables(day.energy, {stock: StockMake.of(kind) for stock, kind in setup.trains.items()})
-    names = [part.removesuffix("_j") for part in PARTS]
     for table in ("energy", "energy_legs"):
         for row in made[table].iter_rows(named=True):
-            found = sum(row[f"{name}_kwh"] for name in names) + row["auxiliary_kwh"] + row["residual_kwh"]
+            found = sum(row[f"{name}_kwh"] for name in PARTS) + row["auxiliary_kwh"] + row["residual_kwh"]
             assert found == pytest.approx(row["net_kwh"], abs=1e-9), row
             assert abs(row["residual_kwh"]) <= 1e-6 * row["traction_kwh"] + 1e-12

@@ -14,6 +14,7 @@ import pytest
 from scenario.scenario import Scenario, load_scenario
 from simulation.result import Ending
 from study.drilling.drill import find_drill, run_drill, shipped_drills
+from study.measures.register_holds import section_holds
 from study.measures.wait_text import text_of
 from study.measures.waits import waits_of
 from study.record.wait import Cause
@@ -50,11 +51,12 @@ def test_with_it_all_arrive_and_it_is_told_why_each_waited(name: str, waits: str
     assert drill.run.broken == ()
     held = [e.event for e in drill.run.result.journal.entries if isinstance(e.event, HeldBack)]
     assert held and all("could not all finish" in note.why for note in held)
-    found = waits_of(drill.run.result, drill.run.scenario.setup)
+    result, setup = drill.run.result, drill.run.scenario.setup
+    found = waits_of(result, setup, section_holds(result, setup.line, setup.lengths_m))
     (told,) = {w.party: w for w in found if w.cause is Cause.NO_WAY_ON}.values()
     train, _, rest = waits.partition(" waits ")
     assert (told.train, f"for {told.party} to come to section {told.section}") == (train, rest)
-    assert "not all trains could still finish" in text_of(told, "en")
+    assert "not all trains could still finish" in text_of(told).en
 
 
 @pytest.mark.parametrize("name", WITH)

@@ -17,6 +17,7 @@ from simulation.events import MANAGER
 from simulation.result import Waiting
 from simulation.setup import STEPS_PER_S, Setup
 from study.drilling.drill import find_drill
+from study.measures.register_holds import section_holds
 from study.measures.wait_text import text_of
 from study.measures.waits import waits_of
 from study.record.wait import Asked, Cause, Wait
@@ -102,7 +103,8 @@ def observed(name: str) -> Observed:
             shown += [(simulation.now_s, waiting) for waiting in simulation._duties.waiting()]
             simulation.advance()
         result = simulation.finish()
-    waits = waits_of(result, scenario.setup)
+    setup = scenario.setup
+    waits = waits_of(result, setup, section_holds(result, setup.line, setup.lengths_m))
     return Observed(
         scenario.setup, result.begin_step / STEPS_PER_S, result.end_step / STEPS_PER_S, shown, waits
     )
@@ -158,7 +160,7 @@ def test_every_wait_is_a_sentence(name: str) -> None:
     run = observed(name)
     names = names_of(run.setup.line)
     for wait in run.waits:
-        english, japanese = text_of(wait, "en", names), text_of(wait, "ja", names)
+        english, japanese = text_of(wait, names).both
         assert english.endswith(".") and japanese.endswith("。")
         assert not re.search(r"None|\{|\}|  | \.|：。|（）", english + japanese)
         assert "\n" not in english + japanese
@@ -207,10 +209,10 @@ def test_a_route_that_another_train_holds_names_it_and_until_when() -> None:
     assert wait.until_s == wait.to_s
     assert wait.since_s is not None and wait.since_s < wait.from_s
     names = names_of(run.setup.line)
-    assert text_of(wait, "en", names).startswith(
+    assert text_of(wait, names).en.startswith(
         "T3 waits at A for its way: section 8 is held by T1 (K1) since "
     )
-    assert "8区間をT1 (K1)が" in text_of(wait, "ja", names)
+    assert "8区間をT1 (K1)が" in text_of(wait, names).ja
 
 
 @pytest.mark.system

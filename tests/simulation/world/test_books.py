@@ -142,7 +142,7 @@ def test_energy_is_booked_to_the_train_that_used_it(desk: Desk, duty: Duty) -> N
     desk.books.begin_train(0, replace(duty, train=replace(duty.train, number="T3")), 20)
     desk.trains.plants[0].energy_traction_j = 7e6
     desk.books.close_energy(0, 30)
-    assert [(e.number, e.traction_j) for e in desk.books.energy] == [("T1", 5e6), ("T3", 1e6)]
+    assert [(e.number, e.counted_j["traction"]) for e in desk.books.energy] == [("T1", 5e6), ("T3", 1e6)]
 
 
 def test_the_step_in_which_a_train_begins_to_move_is_running(desk: Desk) -> None:
@@ -153,13 +153,13 @@ def test_the_step_in_which_a_train_begins_to_move_is_running(desk: Desk) -> None
     desk.books.look_for_departure(0, 10.1)
     desk.books.close_energy(0, 101)
     stood, ran = desk.books.energy
-    assert (stood.phase, stood.auxiliary_j, stood.end_s) == (
+    assert (stood.phase, stood.counted_j["auxiliary"], stood.end_s) == (
         EnergyPhase.LAYOVER,
         pytest.approx(power_w * 10.0),
         10.0,
     )
-    assert (stood.traction_j, ran.traction_j) == (0.0, 40.0)
-    assert (ran.phase, ran.auxiliary_j) == (EnergyPhase.RUNNING, pytest.approx(power_w * STEP_S))
+    assert (stood.counted_j["traction"], ran.counted_j["traction"]) == (0.0, 40.0)
+    assert (ran.phase, ran.counted_j["auxiliary"]) == (EnergyPhase.RUNNING, pytest.approx(power_w * STEP_S))
 
 
 def test_a_leg_ends_where_the_train_truly_calls(desk: Desk) -> None:

@@ -99,6 +99,17 @@ def test_points_proven_or_looked_at_are_passed_to_the_mark(mission: Mission) -> 
     assert cab.sight_m() == pytest.approx(mission.targets[-1].mark_m + 2.0)
 
 
+@pytest.mark.parametrize("beyond_m", [-0.9, -0.1, 0.5])
+def test_a_mark_counts_until_the_driver_has_it_behind_him(mission: Mission, beyond_m: float) -> None:
+    """Whatever makes him look again in the last metre: the train has not stopped there yet."""
+    cab = Cab(mission, 0.0, "3", "5", "6", "7", "8", "10")
+    mark_m = mission.targets[-1].mark_m
+    cab.truth.position_m = mark_m + beyond_m
+    assert cab.sight_m() == pytest.approx(mark_m + 2.0)
+    cab.truth.position_m = mark_m + 2.5
+    assert cab.sight_m() > mark_m + 2.0
+
+
 def test_it_does_not_leave_what_is_held(mission: Mission) -> None:
     cab = Cab(mission, 0.0, "3")
     cab.truth.position_m = mission.targets[0].mark_m

@@ -12,7 +12,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from scenario.scenario import load_scenario
+from simulation.result import RunResult
 from simulation.setup import Setup
+from study.capacity.observed import observed
+from study.capacity.occupation import Occupation
+from study.measures.register_holds import section_holds
 
 TIMES = """
 [timetable]
@@ -85,3 +89,8 @@ def two_blocks(folder: Path, *, throw_share: float = 1.0, delay_s: float = 0.1) 
     head = SCENARIO.replace("{delay_s}", str(delay_s))
     file.write_text(head + STONE + text, "utf-8")
     return load_scenario(str(file)).setup
+
+
+def occupations_run(result: RunResult, setup: Setup) -> tuple[Occupation, ...]:
+    """The blocking times of a run."""
+    return observed(result, setup.line, section_holds(result, setup.line, setup.lengths_m))

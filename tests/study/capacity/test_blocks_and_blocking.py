@@ -7,12 +7,13 @@ import math
 import pytest
 
 from network.model import SectionKind
+from onboard.notes import MissionBegun
 from scenario.scenario import load_scenario, shipped_scenarios
 from simulation.events import Entered
-from study.capacity import observed
 from study.capacity.blocking_table import read_blocking
-from study.capacity.visits import SectionVisit
 from study.drilling.drill import find_drill
+from study.measures import register_holds
+from study.measures.visits import SectionVisit
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from wayside import said
 
@@ -37,7 +38,21 @@ def differences(run: FinishedRun) -> list[str]:
             found.append(f"{name}: released {released_s}, {one.end_s}")
         if not one.begin_s - NEAR_S <= row["granted_s"] <= one.end_s + NEAR_S:
             found.append(f"{name}: granted {row['granted_s']}, {one.begin_s} to {one.end_s}")
-    return [*found, *_against_the_journal(run)]
+    return [*found, *_against_the_journal(run), *_misnamed(run)]
+
+
+def _misnamed(run: FinishedRun) -> list[str]:
+    """Sections had by another train than the one that the unit had taken up, by its own word in the journal."""
+    found: list[str] = []
+    for row in run.tables.blocks.iter_rows(named=True):
+        begun = [
+            e.event.train
+            for e in run.result.journal.entries
+            if e.who == row["unit"] and isinstance(e.event, MissionBegun) and e.t_s <= row["granted_s"]
+        ]
+        if begun and row["train"] != begun[-1]:
+            found.append(f"{row['section']} {row['unit']}: {row['train']}, and not {begun[-1]}")
+    return found
 
 
 def _against_the_journal(run: FinishedRun) -> list[str]:
@@ -86,12 +101,12 @@ def test_a_shipped_day_has_one_occupation(name: str) -> None:
 def test_a_train_named_by_where_it_was_seen_last_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two trains of one set, the second from a portal: named by what was seen before, it bears the first one's name."""
     scenario = load_scenario(str(find_drill("rtri/03_block_held")))
-    number = observed._number
-    told: list[str] = []
+    number = register_holds._number
+    names: list[str] = []
 
-    def seen_last(hold: observed._Hold, visit: SectionVisit | None, visits: list[SectionVisit]) -> str:
-        told.append(number(hold, visit, visits))
-        return told[-2] if len(told) > 1 else ""
+    def seen_last(hold: register_holds.SectionHold, visits: list[SectionVisit]) -> str:
+        names.append(number(hold, visits))
+        return names[-2] if len(names) > 1 else ""
 
-    monkeypatch.setattr(observed, "_number", seen_last)
+    monkeypatch.setattr(register_holds, "_number", seen_last)
     assert differences(execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN))

@@ -24,7 +24,6 @@ from simulation.setup import STEP_S, Setup
 from study.capacity import claims, orders, passage
 from study.capacity.headway import HeadwayCase, HeadwayKind, headways_of, line_cases, visits_at
 from study.capacity.legs import legs_of, places_of
-from study.capacity.observed import observed
 from study.capacity.occupation import TOUCH_S
 from study.capacity.orders import DayOfLegs
 from study.capacity.rules import MINIMAL
@@ -34,6 +33,7 @@ from study.capacity.two_trains import two_trains, undisturbed
 from study.evaluate import headways_driven
 from study.evaluate.headways_driven import LATE_S, Drives
 from study.runner.run import CarrierKind, PartyLink, execute
+from tests.study.capacity.by_hand import occupations_run
 
 LEAD_S = 0.5  # a unit that asks no sooner than it must has no time to ask again
 FAR_S = 14_400
@@ -92,7 +92,7 @@ def greatest_s(
     setup: Setup, result: RunResult, apart_s: int, kinds: Collection[HeadwayKind] = FOLLOWS
 ) -> float:
     """How near the second may be by all headways of some kinds, the first before the second wherever they go."""
-    cases = line_cases(setup.line, observed(result, setup), setup.unit.dwell_min_s)
+    cases = line_cases(setup.line, occupations_run(result, setup), setup.unit.dwell_min_s)
     found = [c.closest.buffer_s for c in cases if c.closest is not None and c.headway.kind in kinds]
     return apart_s - min(found)
 

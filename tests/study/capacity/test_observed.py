@@ -12,15 +12,16 @@ from network.model import Direction
 from scenario.scenario import load_scenario, shipped_scenarios
 from simulation.result import RunResult
 from simulation.setup import Setup
-from study.capacity import observed as module
 from study.capacity.blocking_table import blocking_table, read_blocking
 from study.capacity.compared import compared
-from study.capacity.observed import observed
 from study.capacity.occupation import TOUCH_S, Occupation, OccupationPart, Slice, conflicts_of
-from study.capacity.passage import PassageStand, SectionPassage, Throwing, occupation_of
+from study.capacity.passage import PassageStand, SectionPassage, occupation_of
 from study.capacity.theory import occupations
 from study.drilling.drill import find_drill, shipped_drills
+from study.measures import register_holds as module
+from study.measures.register_holds import Throwing
 from study.runner.run import CarrierKind, PartyLink, execute
+from tests.study.capacity.by_hand import occupations_run
 
 times = st.one_of(st.floats(0.0, 1000.0), st.sampled_from([float("inf"), float("-inf")]))
 
@@ -60,7 +61,7 @@ def ran() -> tuple[RunResult, Setup]:
 
 
 def test_the_paper_s_run_is_as_theory_has_it(ran: tuple[RunResult, Setup]) -> None:
-    found = observed(*ran)
+    found = occupations_run(*ran)
     both = compared(occupations(ran[1]), found)
     assert len(both.pairs) == len(found) == 5
     assert (both.only_theory, both.only_run) == ((), ())
@@ -73,7 +74,7 @@ def test_the_paper_s_run_is_as_theory_has_it(ran: tuple[RunResult, Setup]) -> No
 
 
 def test_the_table_keeps_what_was_found(ran: tuple[RunResult, Setup]) -> None:
-    found = observed(*ran)
+    found = occupations_run(*ran)
     assert read_blocking(blocking_table(found)) == found
 
 
@@ -93,18 +94,18 @@ def test_what_is_waited_for_is_no_part(drill: str, waits: set[str], monkeypatch:
     """
     scenario = load_scenario(str(find_drill(drill)))
     result = execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN).result
-    found = observed(result, scenario.setup)
+    found = occupations_run(result, scenario.setup)
     assert conflicts_of(found) == ()
     assert {one.number for one in found if one.waited_s > 1.0} == waits
     monkeypatch.setattr(module, "COUNTS_WAITING", True)
-    assert conflicts_of(observed(result, scenario.setup))
+    assert conflicts_of(occupations_run(result, scenario.setup))
 
 
 @pytest.mark.nightly
 def test_theory_names_the_train_that_waits() -> None:
     """On the Isumi line 6D asks for its track before 5D has left it: theory's one conflict, and the run's one wait."""
     scenario = load_scenario("isumi_weekday")
-    found = observed(execute(scenario, PartyLink.SIMULATED).result, scenario.setup)
+    found = occupations_run(execute(scenario, PartyLink.SIMULATED).result, scenario.setup)
     assert {one.number for one in found if one.waited_s > 0.0} == {"6D"}
     assert {c.second.number for c in conflicts_of(occupations(scenario.setup))} == {"6D"}
 
@@ -119,7 +120,7 @@ def test_what_overlaps_is_seen() -> None:
 @pytest.mark.parametrize("name", shipped_scenarios())
 def test_no_shipped_day_has_a_section_twice(name: str) -> None:
     scenario = load_scenario(name)
-    assert conflicts_of(observed(execute(scenario, PartyLink.SIMULATED).result, scenario.setup)) == ()
+    assert conflicts_of(occupations_run(execute(scenario, PartyLink.SIMULATED).result, scenario.setup)) == ()
 
 
 @pytest.mark.nightly
@@ -127,6 +128,6 @@ def test_no_shipped_day_has_a_section_twice(name: str) -> None:
 def test_a_drill_whatever_it_breaks_has_blocking_times(name: str) -> None:
     """Runs cut short, restarts, sections freed by hand: sound occupations, and none of two stocks at once."""
     scenario = load_scenario(str(find_drill(name)))
-    found = observed(execute(scenario, PartyLink.SIMULATED).result, scenario.setup)
+    found = occupations_run(execute(scenario, PartyLink.SIMULATED).result, scenario.setup)
     assert found
     assert conflicts_of(found) == ()

@@ -12,15 +12,14 @@ from hypothesis import strategies as st
 
 from network.units import J_PER_KWH
 from scenario.scenario import load_scenario
-from simulation.result import EnergyPhase, EnergyRecord
+from simulation.result import COUNTED, DRAWN, EnergyPhase, EnergyRecord
 from simulation.world.energy_book import EnergyBook
 from study.collect.energy import StockMake, energy_tables, stays_of
 from study.drilling.drill import find_drill
 from study.runner.run import simulated
 from vehicle.train_file import RegenerationReceiver
 
-FLEET: Final = dict.fromkeys(("K1", "K2"), StockMake(40.0, 2, RegenerationReceiver.BATTERY))
-KINDS: Final = ("traction", "regenerated", "auxiliary")
+FLEET: Final = dict.fromkeys(("K1", "K2"), StockMake(2, RegenerationReceiver.BATTERY))
 
 
 def record(
@@ -33,7 +32,8 @@ def record(
 ) -> EnergyRecord:
     from_id, to_id = ends.split("-") if "-" in ends else (ends, ends)
     joules = (figure * J_PER_KWH for figure in kwh)
-    return EnergyRecord("K1", number, True, phase, from_id, to_id, *times_s, m, *joules)
+    counted_j = dict.fromkeys(COUNTED, 0.0) | dict(zip(DRAWN, joules, strict=True))
+    return EnergyRecord("K1", number, True, phase, from_id, to_id, *times_s, m, counted_j)
 
 
 DAY: Final = (
@@ -68,9 +68,7 @@ def test_a_day_worked_out_by_hand() -> None:
 
 
 def test_what_resistors_take_does_not_come_back() -> None:
-    burnt = energy_tables(DAY, dict.fromkeys(FLEET, StockMake(40.0, 2, RegenerationReceiver.RESISTORS)))[
-        "energy"
-    ]
+    burnt = energy_tables(DAY, dict.fromkeys(FLEET, StockMake(2, RegenerationReceiver.RESISTORS)))["energy"]
     assert burnt["net_kwh"].to_list() == pytest.approx([9.0 + 1.8, 6.0 + 1.1])
     assert set(burnt["regenerated_to"]) == {"resistors"}
 
@@ -105,7 +103,7 @@ def test_sums_close(parts: Sequence[tuple[str, EnergyPhase, tuple[float, float, 
         for i, (number, phase, kwh) in enumerate(parts)
     ]
     made = energy_tables(records, FLEET)
-    for index, kind in enumerate(KINDS):
+    for index, kind in enumerate(DRAWN):
         column = f"{kind}_kwh"
         booked = made["energy"][column].sum() + made["layovers"][column].sum()
         assert booked == pytest.approx(sum(kwh[index] for _, _, kwh in parts), abs=1e-6)
@@ -122,12 +120,12 @@ def unbooked_kwh(drill: str) -> float:
     with simulated(load_scenario(drill).setup) as simulation:
         result = simulation.run()
         plants = simulation.trains.stock["plant"]
-        counted = {kind: float(plants[f"energy_{kind}_j"].sum()) for kind in KINDS}
-    booked = {kind: sum(getattr(r, f"{kind}_j") for r in result.energy) for kind in KINDS}
+        counted = {kind: float(plants[f"energy_{kind}_j"].sum()) for kind in DRAWN}
+    booked = {kind: sum(r.counted_j[kind] for r in result.energy) for kind in DRAWN}
     standing = [r for r in result.energy if r.phase is not EnergyPhase.RUNNING]
-    assert all(r.traction_j == r.regenerated_j == r.distance_m == 0.0 for r in standing)
-    assert all(r.end_s >= r.begin_s and r.auxiliary_j >= 0.0 for r in result.energy)
-    return max(abs(counted[kind] - booked[kind]) for kind in KINDS) / J_PER_KWH
+    assert all(r.counted_j["traction"] == r.counted_j["regenerated"] == r.distance_m == 0.0 for r in standing)
+    assert all(r.end_s >= r.begin_s and r.counted_j["auxiliary"] >= 0.0 for r in result.energy)
+    return max(abs(counted[kind] - booked[kind]) for kind in DRAWN) / J_PER_KWH
 
 
 def test_every_joule_of_a_run_is_in_one_record() -> None:

@@ -7,14 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network.units import J_PER_KWH
-from simulation.result import EnergyPhase, EnergyRecord
+from simulation.result import COUNTED, DRAWN, EnergyPhase, EnergyRecord
 from study.collect.energy import StockMake
 from study.collect.energy_hours import energy_hours_of, shares
 from vehicle.train_file import RegenerationReceiver
 
 FLEET = {
-    "K1": StockMake(40.0, 2, RegenerationReceiver.BATTERY),
-    "K2": StockMake(40.0, 2, RegenerationReceiver.RESISTORS),
+    "K1": StockMake(2, RegenerationReceiver.BATTERY),
+    "K2": StockMake(2, RegenerationReceiver.RESISTORS),
 }
 
 
@@ -22,7 +22,8 @@ def record(
     unit: str, phase: EnergyPhase, begin_s: float, end_s: float, kwh: tuple[float, float, float]
 ) -> EnergyRecord:
     joules = (one * J_PER_KWH for one in kwh)
-    return EnergyRecord(unit, "1", True, phase, "A", "B", begin_s, end_s, 0.0, *joules)
+    counted_j = dict.fromkeys(COUNTED, 0.0) | dict(zip(DRAWN, joules, strict=True))
+    return EnergyRecord(unit, "1", True, phase, "A", "B", begin_s, end_s, 0.0, counted_j)
 
 
 def test_a_run_over_a_whole_hour_is_shared_out_by_time() -> None:

@@ -24,6 +24,7 @@ from simulation.result import Ending, RunResult, StopRecord, TraceSpan
 from simulation.world.records import TRACE
 from study.collect.energy import StockMake
 from study.collect.tables_of_run import tables_of
+from study.measures.register_holds import section_holds
 from study.record.tables import RunTables
 from vehicle.train_file import RegenerationReceiver
 from wayside.said import Accepted, Freed, Granted, Refused
@@ -93,9 +94,9 @@ def result(
 
 
 def tables(made: RunResult, line: Line = LINE) -> RunTables:
-    return tables_of(
-        made, line, dict.fromkeys(("K1", "K2"), StockMake(LENGTH_M, 2, RegenerationReceiver.BATTERY))
-    )
+    stocks = ("K1", "K2")
+    holds = section_holds(made, line, dict.fromkeys(stocks, LENGTH_M))
+    return tables_of(made, line, dict.fromkeys(stocks, StockMake(2, RegenerationReceiver.BATTERY)), holds)
 
 
 def grant(journal: Journal, t_s: float, unit: str, *sections: str, token: int = 1) -> None:

@@ -158,7 +158,7 @@ def test_a_pair_of_weekdays(made: MADE, name: str) -> None:
     check_against_the_tables(made("karasuyama_weekday", ""), made("karasuyama_weekday", WEEKDAY_PAIRS[name]))
 
 
-POINTS_OF_THE_README = """
+SLOW_POINTS = """
 [patch.line.set]
 "points.OGN.11.throw_time_s" = 20.0
 "points.OGN.21.throw_time_s" = 20.0
@@ -166,9 +166,9 @@ POINTS_OF_THE_README = """
 
 
 @pytest.mark.nightly
-def test_the_points_of_the_readmes_example_move_nothing(made: MADE) -> None:
+def test_the_slow_points_of_the_planners_page_move_nothing(made: MADE) -> None:
     """They are thrown long before anybody comes."""
-    base, new = made("karasuyama_weekday", ""), made("karasuyama_weekday", POINTS_OF_THE_README)
+    base, new = made("karasuyama_weekday", ""), made("karasuyama_weekday", SLOW_POINTS)
     pair = check_against_the_tables(base, new)
     assert not pair.times.moved and not pair.meets
     assert verdict_of(pair)[0].startswith(

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network.units import J_PER_KWH
-from simulation.result import EnergyPhase, EnergyRecord
+from simulation.result import COUNTED, DRAWN, EnergyPhase, EnergyRecord
 from simulation.ride import Ride
 from study.measures.driving import Stock, driven, driven_hops, driving_summary
 from study.record.driving import DrivenHop
@@ -29,6 +29,7 @@ def run_of(
     unit: str, train: str, ends: str, times_s: tuple[float, float], kwh: tuple[float, float], ride: Ride
 ) -> EnergyRecord:
     joules = (figure * J_PER_KWH for figure in kwh)
+    counted_j = dict.fromkeys(COUNTED, 0.0) | dict(zip(DRAWN, (*joules, 9e6), strict=True))
     return EnergyRecord(
         unit,
         train,
@@ -37,8 +38,7 @@ def run_of(
         *ends.split("-"),
         *times_s,
         ride.moved_m,
-        *joules,
-        9e6,
+        counted_j,
         ride=ride,
     )
 

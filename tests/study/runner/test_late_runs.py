@@ -10,8 +10,8 @@ from scenario.scenario import load_scenario
 from simulation.events import CameLate, DoorsHeld
 from simulation.result import StopRecord
 from study.measures.day_figures import day_figures
-from study.measures.waits import waits_of
-from study.record.wait import Cause
+from study.record.figure import rows_in
+from study.record.wait import Cause, Wait
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 
 FIXED = 'source = "made for tests"\nseconds = { distribution = "fixed", mean_s = 90.0 }\n'
@@ -29,6 +29,10 @@ def run(scenario: str, text: str = "", seed: int = 1) -> FinishedRun:
     file = Path(scenario).with_name(f"late_{abs(hash(text))}.toml")
     file.write_text('extends = "turn_back"\nid = "late"\nname = "A late turn"\n' + text, "utf-8")
     return execute(load_scenario(str(file), seed), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+
+
+def waits(run: FinishedRun) -> tuple[Wait, ...]:
+    return tuple(rows_in(Wait, run.tables.waits))
 
 
 def stop(of: FinishedRun, number: str, station: str) -> StopRecord:
@@ -73,10 +77,9 @@ def test_a_train_that_comes_late_leaves_late_by_what_its_wait_does_not_take_up(
     assert (came.train, came.late_s) == ("1D", 400.0)
     figures = day_figures(late.result, late.scenario.setup)
     assert figures.primary_s >= 0.9 * gained_s and figures.secondary_s == 0.0
-    waits = waits_of(late.result, late.scenario.setup)
-    (wait,) = (wait for wait in waits if wait.cause is Cause.LATE)
+    (wait,) = (wait for wait in waits(late) if wait.cause is Cause.LATE)
     assert wait.length_s == pytest.approx(400.0, abs=0.1)
-    assert not [wait for wait in waits_of(plain.result, plain.scenario.setup) if wait.cause is Cause.LATE]
+    assert not [wait for wait in waits(plain) if wait.cause is Cause.LATE]
 
 
 def test_passengers_hold_a_train_from_its_arrival_and_doors_from_its_departure(
@@ -90,9 +93,7 @@ def test_passengers_hold_a_train_from_its_arrival_and_doors_from_its_departure(
     assert plain.departure_s < (plain.planned_departure_s or 0.0) + 5.0
     held = [e.event for e in runs["dwell"].result.journal.entries if isinstance(e.event, DoorsHeld)]
     assert {(one.train, one.station) for one in held} <= {("1D", "SHN"), ("2U", "OGN")}
-    boards = [
-        w for w in waits_of(runs["dwell"].result, runs["dwell"].scenario.setup) if w.cause is Cause.DWELL
-    ]
+    boards = [w for w in waits(runs["dwell"]) if w.cause is Cause.DWELL]
     assert any(wait.until_s == held[0].until_s and wait.length_s > 40.0 for wait in boards)
 
 

@@ -51,7 +51,9 @@ def visits_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> 
         for gone_s in left_s[unit]:
             if gone_s <= from_s:
                 _gone(within[unit], gone_s)
-        seen = _Seen(rows["step"] / STEPS_PER_S, np.maximum.accumulate(rows["position_m"]), lengths_m[unit])
+        seen = _SampledFronts(
+            rows["step"] / STEPS_PER_S, np.maximum.accumulate(rows["position_m"]), lengths_m[unit]
+        )
         on_line_s = [t for t in came_s[unit] if t <= from_s]
         for section_id, start_m, end_m in section_stretches(span, line):
             if not seen.touches(start_m, end_m):
@@ -91,7 +93,7 @@ def _times(result: RunResult, kind: type[Entered | Left]) -> dict[str, list[floa
 
 
 @dataclass(frozen=True, slots=True)
-class _Seen:
+class _SampledFronts:
     """One train of a stock as sampled: times (s) and fronts (m of its path), neither of which goes back; shape (n,)."""
 
     times_s: NDArray[np.float64]
