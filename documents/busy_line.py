@@ -32,6 +32,8 @@ STATIONS: Final = (
 )
 SPAN_KM: Final = 6.6
 TRAINS_EACH_WAY: Final = 48
+MORNING_ID: Final = "busy_morning"  # for studies of many days run whole
+MORNING_EACH_WAY: Final = 16
 INTERVAL_S: Final = 900
 STEP_S: Final = INTERVAL_S // 2  # from station to station, so that every station is a place to pass
 DWELL_S: Final = 75
@@ -123,14 +125,14 @@ def line_toml() -> str:
     return f"# Made by documents.busy_line; change that and run it again.\n\n{tags}\n{bare}"
 
 
-def timetable_toml() -> str:
-    """The timetable file."""
-    trains = [_train("down", i) + _train("up", i) for i in range(TRAINS_EACH_WAY)]
+def timetable_toml(timetable_id: str = LINE_ID, each_way: int = TRAINS_EACH_WAY) -> str:
+    """The timetable file of a day with so many trains each way."""
+    trains = [_train("down", i, each_way) + _train("up", i, each_way) for i in range(each_way)]
     head = f"""# Made by documents.busy_line; change that and run it again.
 
 [timetable]
-id = "{LINE_ID}"
-name = "Busy line, a train every 15 min each way for 12 h"
+id = "{timetable_id}"
+name = "Busy line, a train every 15 min each way for {each_way * INTERVAL_S // 3600} h"
 line = "{LINE_ID}"
 dwell_min_s = 30
 assumed = [
@@ -138,7 +140,7 @@ assumed = [
   "turning back: 975 s at each end, on the track that the set before has left",
 ]
 """
-    return head + "".join(trains) + "".join(_diagrams())
+    return head + "".join(trains) + "".join(_diagrams(each_way))
 
 
 def scenario_toml() -> str:
@@ -171,6 +173,9 @@ def files() -> dict[Path, str]:
         ROOT / "network/lines" / name: line_toml(),
         ROOT / "network/timetables" / name: timetable_toml(),
         ROOT / "study/scenarios" / name: scenario_toml(),
+        ROOT / "docs/studies/order_of_trains/morning_times.toml": timetable_toml(
+            MORNING_ID, MORNING_EACH_WAY
+        ),
     }
 
 
@@ -256,7 +261,7 @@ def _number(direction: str, index: int) -> str:
     return f"{2 * index + (1 if direction == 'down' else 2)}M"
 
 
-def _train(direction: str, index: int) -> str:
+def _train(direction: str, index: int, each_way: int) -> str:
     """One train: where its set comes from, its calls, what becomes of it."""
     if direction == "down":
         stops = [station_id for station_id, _ in STATIONS]
@@ -268,7 +273,7 @@ def _train(direction: str, index: int) -> str:
         other, usual = "down", "2"
     leaves_s += INTERVAL_S * index
     begins = f"from:{_number(other, before)}" if before >= 0 else f"portal:{stops[0]}.P"
-    ends = f"becomes:{_number(other, after)}" if after < TRAINS_EACH_WAY else f"portal:{stops[-1]}.P"
+    ends = f"becomes:{_number(other, after)}" if after < each_way else f"portal:{stops[-1]}.P"
     first_track, last_track = "12"[index % 2], "12"[after % 2]
     calls: list[str] = []
     for k, station in enumerate(stops):
@@ -283,13 +288,13 @@ def _train(direction: str, index: int) -> str:
     )
 
 
-def _diagrams() -> Iterator[str]:
+def _diagrams(each_way: int) -> Iterator[str]:
     """Sets by their first train: those that no other train has become."""
     firsts = [("down", i) for i in range(UP_TO_DOWN)] + [("up", j) for j in range(DOWN_TO_UP)]
     for stock, first in enumerate(firsts, start=1):
         direction, index = first
         numbers: list[str] = []
-        while index < TRAINS_EACH_WAY:
+        while index < each_way:
             numbers.append(f'"{_number(direction, index)}"')
             direction, index = (
                 ("up", index + DOWN_TO_UP) if direction == "down" else ("down", index + UP_TO_DOWN)

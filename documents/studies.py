@@ -1,8 +1,8 @@
 """The figures and pictures of docs/studies: `python -m documents.studies RUNS` writes them into the pages.
 
-A page is written by hand but for its blocks, each between `<!-- made: NAME -->` and `<!-- /made -->`. Blocks of theory
-take seconds and are compared with the committed ones by a test; those of runs are made from run directories in RUNS,
-`RUNS/NAME` of each scenario, which are made where they are missing, and are compared at night.
+A page is written by hand but for its blocks, each between `<!-- made: NAME -->` and `<!-- /made -->`. Blocks of theory,
+and of days that are kept, take seconds and are compared with the committed ones by a test; those of runs are made from
+run directories in RUNS, `RUNS/NAME` of each scenario, which are made where they are missing, and are compared at night.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Final
 import numpy as np
 import polars as pl
 
-from documents import second_loop, studies_pictures
+from documents import order_of_trains, second_loop, studies_pictures
 from documents.studies_pictures import HeadwayByCase
 from network.timetable import Timetable, seconds_of
 from scenario.scenario import load_scenario
@@ -253,7 +253,7 @@ def cable_runs(runs: StudyRuns) -> Iterator[str]:
 
 
 THEORY: Final[Mapping[str, Callable[[], Iterator[str]]]] = MappingProxyType(
-    {"choices": choices, "occupation": occupation, "headways": headways}
+    {"choices": choices, "occupation": occupation, "headways": headways, "orders": order_of_trains.table}
 )
 OF_RUNS: Final[Mapping[str, Callable[[StudyRuns], Iterator[str]]]] = MappingProxyType(
     {"loop-runs": loop_runs, "radio-runs": radio_runs, "dense-runs": dense_runs, "cable-runs": cable_runs}

@@ -59,13 +59,16 @@ def lost_min(config: ManagerConfig, seed: int) -> float:
     return lost_s / 60.0
 
 
+def days_lost_min(scenario: str, order: OrderRule, seeds: Sequence[int]) -> list[float]:
+    """What a rule loses on each of some days, min."""
+    config = config_of(scenario, order)
+    return [lost_min(config, seed) for seed in seeds]
+
+
 def rows(scenario: str, days: int) -> list[str]:
     """For each rule the train-minutes lost a day, and how much more than with who asks first, paired by day."""
-    by_rule = {
-        order: [lost_min(config, seed) for seed in range(1, days + 1)]
-        for order in OrderRule
-        for config in [config_of(scenario, order)]
-    }
+    seeds = range(1, days + 1)
+    by_rule = {order: days_lost_min(scenario, order, seeds) for order in OrderRule}
     first = by_rule[OrderRule.FIRST_COME]
     return [f"{order.value}: {_text(first, lost)}" for order, lost in by_rule.items()]
 

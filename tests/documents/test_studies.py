@@ -13,10 +13,12 @@ from scenario.scenario import load_scenario
 from simulation.settings import Interlocking
 from study.drilling.drill import find_drill
 from study.runner.run import PartyLink, execute
+from study.sweep.plan import load_plan
 from vehicle.train_file import load_train, shipped_train
 
 FILES = sorted(studies.FOLDER.glob("*/*.toml"))
-SCENARIOS = [file for file in FILES if not file.stem.endswith("_times")]
+SWEEPS = [file for file in FILES if file.stem.endswith("_sweep")]
+SCENARIOS = [file for file in FILES if file not in SWEEPS and not file.stem.endswith("_times")]
 PAGES = {page.name: page.read_text("utf-8") for page in sorted(studies.FOLDER.glob("*.md"))}
 
 
@@ -25,9 +27,14 @@ def test_a_scenario_of_a_study_is_read(file: Path) -> None:
     assert load_scenario(str(file)).id == file.stem
 
 
+@pytest.mark.parametrize("file", SWEEPS, ids=lambda file: file.stem)
+def test_a_sweep_of_a_study_is_read(file: Path) -> None:
+    assert load_plan(str(file)).table.id == file.stem
+
+
 def test_every_file_and_picture_is_named_and_there() -> None:
     named = {link for text in PAGES.values() for link in re.findall(r"\]\(([\w./-]+)\)", text)}
-    assert {str(file.relative_to(studies.FOLDER)) for file in SCENARIOS} <= named
+    assert {str(file.relative_to(studies.FOLDER)) for file in (*SCENARIOS, *SWEEPS)} <= named
     for link in named:
         assert (studies.FOLDER / link).exists(), link
 

@@ -1,0 +1,53 @@
+"""The study of the order of trains: its table and its verdict follow from the days that are kept."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from documents import studies
+from documents.order_of_trains import PLAYED, OrderedDay, kept_days, less_lost, played, table, verdict
+
+PAGE = (studies.FOLDER / "order-of-trains.md").read_text("utf-8")
+KEPT = {name: kept_days(name) for name in PLAYED}
+
+
+def test_the_table_is_that_of_the_kept_days() -> None:
+    assert studies.blocks_in(PAGE)["orders"] == studies.block_text(table())
+
+
+@pytest.mark.parametrize("name", PLAYED)
+def test_the_days_are_those_that_the_page_names(name: str) -> None:
+    seeds = [day.seed for day in KEPT[name]]
+    assert seeds == list(range(seeds[0], seeds[0] + len(seeds)))
+    assert re.search(rf"seeds {seeds[0]} to {seeds[-1]}\b", PAGE)
+
+
+@pytest.mark.parametrize("name", PLAYED)
+def test_the_same_rule_twice_shows_nothing(name: str) -> None:
+    """On the same days there is no difference; of the first half of the days beside the other the interval holds 0."""
+    first = [day.first_come_min for day in KEPT[name]]
+    same = less_lost([OrderedDay(0, lost, lost) for lost in first])
+    assert (same.low, same.high) == (0.0, 0.0)
+    half = len(first) // 2
+    others = less_lost(
+        [OrderedDay(0, *pair) for pair in zip(first[:half], first[half : 2 * half], strict=True)]
+    )
+    assert others.low is not None
+    assert others.high is not None
+    assert others.low < 0.0 < others.high
+    assert verdict(same) == verdict(others) == "not shown"
+
+
+def test_a_kept_day_is_what_is_played() -> None:
+    for kept, again in zip(
+        KEPT["blocks"][2:4], played([day.seed for day in KEPT["blocks"][2:4]]), strict=True
+    ):
+        assert again.pair == pytest.approx(kept.pair, abs=0.06)
+
+
+@pytest.mark.nightly
+def test_all_kept_days_are_what_is_played() -> None:
+    for kept, again in zip(KEPT["blocks"], played([day.seed for day in KEPT["blocks"]]), strict=True):
+        assert again.pair == pytest.approx(kept.pair, abs=0.06)
