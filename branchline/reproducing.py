@@ -28,7 +28,8 @@ def reproduce(
     as_json: Json = False,
 ) -> None:
     """Rebuild a published experiment and print the paper's figures beside ours."""
-    from papers.reproduction import REPRODUCTIONS, Options, reproduction
+    from papers.reproduction import Options
+    from papers.specification import REPRODUCTIONS, reproduction
     from study.runner.run import link_of
 
     if name == "list":

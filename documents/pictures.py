@@ -13,7 +13,8 @@ from pathlib import Path
 from shutil import copyfile
 from typing import Final
 
-from papers.reproduction import Options, reproduction
+from papers.reproduction import Options
+from papers.specification import reproduction
 from scenario.scenario import load_scenario
 from study.report.data import ReportedRun as Shown
 from study.report.graph import draw_train_graph

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any, Final, cast
 
 from documents.page import write_page
-from papers.reproduction import REPRODUCTIONS, CaseRow, Options, Reproduction, reproduction
+from papers.reproduction import CaseRow, Options, Reproduction
+from papers.specification import REPRODUCTIONS, reproduction
 
 FILE: Final = Path("docs/reproductions.md")
 KEPT: Final = Path(__file__).with_suffix(".json")

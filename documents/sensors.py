@@ -81,7 +81,7 @@ def document() -> str:
 
 def _means(sensor: Sensor) -> str:
     """The module that says what a sensor means to the unit."""
-    return f"onboard.localisation.{sensor.meant_by}"
+    return f"onboard.localisation.{sensor.page.meant_by}"
 
 
 def _file(what: type | Callable[..., object]) -> str:
@@ -94,22 +94,23 @@ def _overview() -> Iterator[str]:
     yield "|---|---|---|---|---|"
     for sensor in SENSORS:
         word = f"`{sensor.carried}`" if sensor.carried else "–"
-        table = f"[`[{sensor.table}]`](files/scenario.md)" if sensor.table else "–"
-        yield f"| {sensor.title} | {word} | {sensor.estimate} | {sensor.bounds} | {table} |"
+        page = sensor.page
+        tables = ", ".join(f"[`[{table}]`](files/scenario.md)" for table in page.settings) or "–"
+        yield f"| {page.title} | {word} | {page.estimate} | {page.bounds} | {tables} |"
 
 
 def _section(sensor: Sensor) -> Iterator[str]:
-    yield f"## {sensor.title}\n"
+    yield f"## {sensor.page.title}\n"
     yield f"**What it shows.** {_prose(sys.modules[sensor.function.__module__].__doc__)}\n"
-    if sensor.meant_by:
+    if sensor.page.meant_by:
         yield f"**What the unit makes of it.** {_prose(import_module(_means(sensor)).__doc__)}\n"
-    if sensor.table:
-        settings: type[BaseModel] = get_type_hints(Tables)[sensor.table]
+    for table, keys in sensor.page.settings.items():
+        settings: type[BaseModel] = get_type_hints(Tables)[table]
         yield SETTINGS_HEAD
-        for name in sensor.keys or settings.model_fields:
-            yield _setting(f"{sensor.table}.{name}", settings.model_fields[name])
+        for name in keys or settings.model_fields:
+            yield _setting(f"{table}.{name}", settings.model_fields[name])
         yield ""
-    if sensor.title.startswith("Wheels"):
+    if sensor.page.title.startswith("Wheels"):
         yield from _bounds_settings()
     kinds = [kind for kind in KINDS if _file(kind) == _file(sensor.function)]
     if kinds:

@@ -12,6 +12,7 @@ from typing import Annotated, Final, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from onboard.driving_settings import Driving
 from vehicle.record import dtype_of
 
 # what the compiled tick reports to the unit's event-driven part (bits)
@@ -198,14 +199,7 @@ class BehaviourRow(Protocol):
     service_reaction_s: float
     emergency_guaranteed_mps2: float
     emergency_reaction_s: float
-    service_margin_mps: Annotated[float, "service brake when the permitted speed is passed by this"]
-    release_margin_mps: Annotated[float, "and released this far below it"]
-    emergency_margin_mps: float
-    driving_margin_mps: Annotated[float, "automatic driving stays this far below the limits"]
-    stop_deceleration_mps2: Annotated[float, "of the target-speed pattern (目標速度パターン)"]
-    stop_gain_per_s: Annotated[float, "proportional control of the brake"]
-    cruise_gain_per_s: float
-    notch_hold_s: Annotated[float, "a power notch is kept at least this long"]
+    settings: Driving  # `stop_deceleration_mps2` is of the target-speed pattern (目標速度パターン)
     standing_brake_notch: float
     step_s: float
 

@@ -7,19 +7,20 @@ home. All else is assumed, and each assumption is tried here at both ends of wha
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
 import polars as pl
 
 from network.clock import clock
-from network.model import Charger, Line
-from papers.reproduction import CaseRow, NullMethod, Options, Parameter, Reproduction, UnjudgedFigure
+from papers.parameter_sets import LINE
+from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
+from papers.specification import Findings, Specification
 from scenario.battery_choice import heated
 from scenario.scenario import Scenario, load_scenario
-from simulation.battery_settings import BatterySettings, Beyond
 from simulation.setup import Setup
 from study.record.wait import Cause
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
@@ -27,7 +28,6 @@ from vehicle.train_file import TrainType
 
 SCENARIO: Final = "karasuyama_battery"
 ARRIVE: Final = "trains that arrive"
-NULL: Final = NullMethod("no charger on the line", (ARRIVE,))
 UNBALANCED_PERCENT_MAX: Final = 0.1
 HOME_KM: Final = 32.1  # Karasuyama to Utsunomiya, of which 20.4 on this line
 LINE_KM: Final = 20.4
@@ -35,6 +35,19 @@ TOLD_MIN: Final = 10.0  # one visitor's minutes of charging that took a set home
 REGENERATION: Final = "battery.regeneration_max_w"
 REFUSED_KWH: Final = (
     10.0  # a day: about a hundredth of what comes back, beyond what the taper of a full one refuses
+)
+CAPACITY: Final = "capacity_share"
+CAPACITY_SHARE: Final = 0.9  # of new, as assumed
+# of the battery: key, unit, what makes that of the key's own, and the ends of what could be
+ASSUMED: Final = (
+    ("resistance_ohm", "ohm", 1.0, (0.01, 0.1)),
+    (CAPACITY, "of new", 1.0, (0.7, 1.0)),
+    ("soc_low", "of full", 1.0, (0.05, 0.3)),
+    ("soc_high", "of full", 1.0, (0.85, 1.0)),
+    ("taper_from_soc", "of full", 1.0, (0.5, 0.88)),
+    ("charge_max_w", "kW", 1e-3, (200e3, 600e3)),
+    ("regeneration_max_w", "kW", 1e-3, (100e3,)),
+    ("discharge_max_w", "kW", 1e-3, (350e3,)),
 )
 
 Change = Callable[[Setup], Setup]
@@ -48,43 +61,6 @@ class Tried:
     assumed: str
     value: str
     change: Change
-
-
-def reproduce(options: Options) -> Reproduction:
-    """Run the day as assumed, then with each assumption at the ends of its range."""
-    scenario = load_scenario(SCENARIO, options.seed)
-    day = _run(scenario, lambda setup: setup)
-    tried = tuple(_tried(scenario.setup))
-    if options.quick:
-        tried = (*tried[:2], *(one for one in tried if one.what == REGENERATION))
-    figures: list[tuple[float, UnjudgedFigure]] = []
-    limited: list[CaseRow] = []
-    for one in tried:  # a run holds a day's tables: not all of them at once
-        run = _run(scenario, one.change)
-        figures.append(_figure(one, run))
-        limited += [_limited_row(day, one, run)] if one.what == REGENERATION else []
-    remarks = (
-        "Assumptions are changed one at a time; a set that has too little waits for its charge, so that a bad"
-        " assumption shows as lateness or as trains that do not arrive before it shows as a lower margin.",
-        "A set that has waited runs late and at the limits, and takes more than it reckoned with for a run on time: so"
-        " its margin may be below 0 kWh, which is what the reserve is for.",
-        "A power that moves nothing is not what binds: beside it stand the battery's own limit or the charger's, and"
-        " stays at Karasuyama that fill the battery in any case.",
-        *(
-            ("quick: three of the assumptions alone are tried",)
-            if options.quick
-            else (_ranking(figures, _margin_kwh(day)),)
-        ),
-    )
-    return Reproduction(
-        "battery-day",
-        "A Karasuyama weekday on batteries",
-        tuple(_parameters(scenario.setup)),
-        (*_rows(day), *limited, *NULL.rows(_rows(_run(scenario, _no_chargers)))),
-        remarks,
-        (_home(day), *(figure for _, figure in figures)),
-        null=NULL,
-    )
 
 
 def _run(scenario: Scenario, change: Change) -> FinishedRun:
@@ -110,9 +86,14 @@ def _rows(day: FinishedRun) -> Iterator[CaseRow]:
         worst <= UNBALANCED_PERCENT_MAX,
         f"within {UNBALANCED_PERCENT_MAX} %",
     )
+    yield arrival_row(day)
+
+
+def arrival_row(day: FinishedRun) -> CaseRow:
+    """Whether every set comes home."""
     arrived, planned = day.summary["trains_arrived"], day.summary["trains_planned"]
     whole = arrived == planned and not day.broken
-    yield CaseRow(ARRIVE, planned, arrived, whole, "all, and nothing broken")
+    return CaseRow(ARRIVE, planned, arrived, whole, "all, and nothing broken")
 
 
 def _limited_row(day: FinishedRun, tried: Tried, limited: FinishedRun) -> CaseRow:
@@ -178,102 +159,87 @@ def _tried(base: Setup) -> Iterator[Tried]:
     """Every assumption at the ends of what could be."""
     settings = base.battery
     assert settings is not None
-    for key, unit, scale, values in (
-        ("resistance_ohm", "ohm", 1.0, (0.01, 0.1)),
-        ("capacity_share", "of new", 1.0, (0.7, 1.0)),
-        ("soc_low", "of full", 1.0, (0.05, 0.3)),
-        ("soc_high", "of full", 1.0, (0.85, 1.0)),
-        ("taper_from_soc", "of full", 1.0, (0.5, 0.88)),
-        ("charge_max_w", "kW", 1e-3, (200e3, 600e3)),
-        ("regeneration_max_w", "kW", 1e-3, (100e3,)),
-        ("discharge_max_w", "kW", 1e-3, (350e3,)),
-    ):
+    for key, unit, scale, values in ASSUMED:
         for value in values:
-            text = f"{value * scale:g} {unit}"
-            yield Tried(f"battery.{key}", _now(base, key, scale, unit), text, _battery(key, value))
+            change = partial(_battery, key=key, value=value)
+            yield Tried(f"battery.{key}", _now(base, key, scale, unit), f"{value * scale:g} {unit}", change)
     for heating_kw in (15.0, 40.0):
-        yield Tried("heating", "0 kW", f"{heating_kw:g} kW", _heated(heating_kw))
+        yield Tried("heating", "0 kW", f"{heating_kw:g} kW", partial(_heated, heating_kw=heating_kw))
     for station, power_kw in (("KRS", 150.0), ("KRS", 800.0), ("HSK", 50.0), ("HSK", 400.0)):
         assumed = f"{base.line.chargers[station].power_w / 1e3:g} kW"
-        yield Tried(f"charger of {station}", assumed, f"{power_kw:g} kW", _charger(station, power_kw))
+        yield Tried(
+            f"charger of {station}",
+            assumed,
+            f"{power_kw:g} kW",
+            partial(_charger, station=station, power_kw=power_kw),
+        )
     beyond = settings.beyond
-    yield Tried("charging off the line", f"{beyond.charge_min:g} min", "0 min", _beyond({"charge_min": 0.0}))
     yield Tried(
-        "off the line", "from the wire", "2 kWh/km from the battery", _beyond({"consumption_kwh_per_km": 2.0})
+        "charging off the line", f"{beyond.charge_min:g} min", "0 min", partial(_beyond, charge_min=0.0)
     )
-    yield Tried("charge as the day begins", "100 % of the window", "40 %", _settings({"start_share": 0.4}))
+    yield Tried(
+        "off the line",
+        "from the wire",
+        "2 kWh/km from the battery",
+        partial(_beyond, consumption_kwh_per_km=2.0),
+    )
+    yield Tried(
+        "charge as the day begins", "100 % of the window", "40 %", partial(_settings, start_share=0.4)
+    )
 
 
 def _now(base: Setup, key: str, scale: float, unit: str) -> str:
     battery = _first(base)
-    if key == "capacity_share":
-        return "0.9 of new"
-    return f"{float(battery[key][0]) * scale:g} {unit}"
+    if key == CAPACITY:
+        return f"{CAPACITY_SHARE:g} of new"
+    return f"{float(battery['pack'][key][0]) * scale:g} {unit}"
 
 
 def _first(setup: Setup) -> Any:  # noqa: ANN401
     return next(kind.battery for kind in setup.trains.values() if kind.battery is not None)
 
 
-def _battery(key: str, value: float) -> Change:
-    def change(setup: Setup) -> Setup:
-        return replace(setup, trains={s: _with(kind, key, value) for s, kind in setup.trains.items()})
-
-    return change
+def _battery(setup: Setup, key: str, value: float) -> Setup:
+    return replace(setup, trains={s: _with(kind, key, value) for s, kind in setup.trains.items()})
 
 
 def _with(kind: TrainType, key: str, value: float) -> TrainType:
     if kind.battery is None:
         return kind
     row = kind.battery.copy()
-    if key == "capacity_share":
-        row["full_c"] *= value / 0.9
+    if key == CAPACITY:
+        row["full_c"] *= value / CAPACITY_SHARE
     else:
-        row[key] = value
+        row["pack"][key] = value
     if key == "charge_max_w":  # a battery that takes more has the current for it
-        row["charge_max_a"] = max(float(row["charge_max_a"][0]), value / 500.0)
+        row["pack"]["charge_max_a"] = max(float(row["pack"]["charge_max_a"][0]), value / 500.0)
     return replace(kind, battery=row)
 
 
-def _heated(heating_kw: float) -> Change:
-    def change(setup: Setup) -> Setup:
-        assert setup.battery is not None
-        settings = setup.battery.model_copy(update={"heating_kw": heating_kw})
-        return replace(setup, battery=settings, trains=heated(setup.trains, settings))
-
-    return change
+def _heated(setup: Setup, heating_kw: float) -> Setup:
+    changed = _settings(setup, heating_kw=heating_kw)
+    assert changed.battery is not None
+    return replace(changed, trains=heated(setup.trains, changed.battery))
 
 
 def _no_chargers(setup: Setup) -> Setup:
     return replace(setup, line=replace(setup.line, chargers={}))
 
 
-def _charger(station: str, power_kw: float) -> Change:
-    def change(setup: Setup) -> Setup:
-        chargers: dict[str, Charger] = dict(setup.line.chargers)
-        chargers[station] = replace(chargers[station], power_w=power_kw * 1e3)
-        line: Line = replace(setup.line, chargers=chargers)
-        return replace(setup, line=line)
-
-    return change
+def _charger(setup: Setup, station: str, power_kw: float) -> Setup:
+    chargers = dict(setup.line.chargers)
+    chargers[station] = replace(chargers[station], power_w=power_kw * 1e3)
+    return replace(setup, line=replace(setup.line, chargers=chargers))
 
 
-def _beyond(values: Mapping[str, float]) -> Change:
-    def change(setup: Setup) -> Setup:
-        assert setup.battery is not None
-        beyond: Beyond = setup.battery.beyond.model_copy(update=dict(values))
-        return _settings({"beyond": beyond})(setup)
-
-    return change
+def _beyond(setup: Setup, **values: float) -> Setup:
+    assert setup.battery is not None
+    return _settings(setup, beyond=setup.battery.beyond.model_copy(update=values))
 
 
-def _settings(values: Mapping[str, Any]) -> Change:
-    def change(setup: Setup) -> Setup:
-        assert setup.battery is not None
-        settings: BatterySettings = setup.battery.model_copy(update=dict(values))
-        return replace(setup, battery=settings)
-
-    return change
+def _settings(setup: Setup, **values: object) -> Setup:
+    assert setup.battery is not None
+    return replace(setup, battery=setup.battery.model_copy(update=values))
 
 
 def _margin_kwh(run: FinishedRun) -> float:
@@ -317,23 +283,58 @@ def _parameters(setup: Setup) -> Iterator[Parameter]:
     battery, settings = _first(setup), setup.battery
     assert settings is not None
     yield Parameter("energy of the battery when new", 190.0, "kWh", "published: 2 x 95 kWh at 630 V")
-    for key, unit, scale in (
-        ("resistance_ohm", "ohm", 1.0),
-        ("soc_low", "", 1.0),
-        ("soc_high", "", 1.0),
-        ("taper_from_soc", "", 1.0),
-        ("charge_max_w", "kW", 1e-3),
-        ("regeneration_max_w", "kW", 1e-3),
-        ("discharge_max_w", "kW", 1e-3),
-    ):
-        yield Parameter(
-            key.removesuffix("_w"),
-            float(battery[key][0]) * scale,
-            unit,
-            "assumed: vehicle/trains/ev_e301_losses.toml",
-        )
+    for key, unit, scale, _ in ASSUMED:
+        if key != CAPACITY:
+            value = float(battery["pack"][key][0]) * scale
+            yield Parameter(
+                key.removesuffix("_w"), value, unit, "assumed: vehicle/trains/ev_e301_losses.toml"
+            )
     for charger in setup.line.chargers.values():
         name = f"charger of {charger.station_id}"
         yield Parameter(name, charger.power_w / 1e3, "kW", "assumed: network/lines/karasuyama.toml")
     yield Parameter("reserve", settings.reserve_share, "of the window", "assumed: a tenth")
     yield Parameter("charging off the line", settings.beyond.charge_min, "min", "assumed: under the wire")
+
+
+def experiment(options: Options) -> Findings:
+    """Run the day as assumed, then with each assumption at the ends of its range."""
+    scenario = load_scenario(SCENARIO, options.seed)
+    day = _run(scenario, lambda setup: setup)
+    tried = tuple(_tried(scenario.setup))
+    if options.quick:
+        tried = (*tried[:2], *(one for one in tried if one.what == REGENERATION))
+    figures: list[tuple[float, UnjudgedFigure]] = []
+    limited: list[CaseRow] = []
+    for one in tried:  # a run holds a day's tables: not all of them at once
+        run = _run(scenario, one.change)
+        figures.append(_figure(one, run))
+        limited += [_limited_row(day, one, run)] if one.what == REGENERATION else []
+    return Findings(
+        (*_rows(day), *limited),
+        _parameters(scenario.setup),
+        REMARKS if options.quick else (*REMARKS, _ranking(figures, _margin_kwh(day))),
+        (_home(day), *(figure for _, figure in figures)),
+    )
+
+
+def uncharged(options: Options) -> Iterator[CaseRow]:
+    """The day on what the batteries have as it begins."""
+    yield arrival_row(_run(load_scenario(SCENARIO, options.seed), _no_chargers))
+
+
+REMARKS: Final = (
+    "Assumptions are changed one at a time; a set that has too little waits for its charge, so that a bad"
+    " assumption shows as lateness or as trains that do not arrive before it shows as a lower margin.",
+    "A set that has waited runs late and at the limits, and takes more than it reckoned with for a run on time: so"
+    " its margin may be below 0 kWh, which is what the reserve is for.",
+    "A power that moves nothing is not what binds: beside it stand the battery's own limit or the charger's, and"
+    " stays at Karasuyama that fill the battery in any case.",
+)
+reproduce: Final = Specification(
+    "battery-day",
+    "A Karasuyama weekday on batteries",
+    experiment,
+    NullMethod("no charger on the line", (ARRIVE,), uncharged),
+    LINE,
+    "quick: three of the assumptions alone are tried",
+)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from network.model import Direction
-from papers.single_stop import Rows, begin, lay_track
+from papers.single_run import Rows, begin, lay_track
 from papers.single_train import STOCK_ID, Bench
 from simulation.carriers.plain_track import PlainTrack
 from simulation.setup import STEP_S
@@ -26,13 +26,15 @@ class CarriedTrain:
     """One stop in progress. `row` is the train's row of STOCK; path coordinates, the mark at `mark_m`."""
 
     def __init__(self, bench: Bench, stop: Rows) -> None:
-        """`stop`: a row of STOP, shape (1,); its beacons and signs are left to whoever steps."""
-        self.track = bench.track(stop)
+        """`stop`: shape (1,); its beacons and signs are left to whoever steps."""
+        self.track, heights = bench.track(stop)
         self.stock = bench.prepared.copy()
         self.row: StockRow = self.stock.view(np.recarray)[0]
         self.begin_m = bench.begin_m
         self.mark_m = self.begin_m + float(stop["start_m"][0])
-        lay_track(self.track, stop[0], self.stock[0], self.mark_m)
+        self.row.board.unit.path_rows = self.track.pattern.size
+        self.row.truth.profile_rows = self.track.profile.size
+        lay_track(self.track, heights, stop[0], self.stock[0], self.mark_m)
         begin(self.stock[0], stop[0], self.begin_m, bench.unit.standoff_m)
         self.steps = 0
         self._sheet, self._trace = new_sheet(1), np.zeros(1, dtype=TRACE)

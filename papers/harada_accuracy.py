@@ -22,6 +22,7 @@ from papers.charts import BLUE, ChartPage, Histogram, Panel, Plotted, Ruled
 from papers.first_run import map_by_run
 from papers.harada_bench import SHARED, Floats, PlannedTrip, TripRun, bounds_row, worst_m
 from papers.mountain_line import STATIONS, TRAIN_NUMBER, MountainLine, mountain_line
+from papers.parameter_sets import LINE
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
 from papers.specification import Findings, Specification
 from simulation.sensor_settings import Curvature, Filter
@@ -296,5 +297,6 @@ reproduce: Final = Specification(
     "Train position by curvature on 88.5 km of a mountain line (Harada and others, section 4, figure 5)",
     experiment,
     NullMethod("wheels alone", (SIGMA, WITHIN), lambda options: accuracy(wheels_alone(slice_of(options)))),
+    LINE,
     f"A short slice: 2 of {RUNS} runs, {QUICK_STATIONS} of {STATIONS} stations; by wheels alone all.",
 )

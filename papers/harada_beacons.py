@@ -18,6 +18,7 @@ from onboard import notes
 from papers.charts import BLUE, ChartPage, Panel, Plotted, Ruled, Shaded
 from papers.harada_bench import SHARED, PlannedTrip, TripRun, worst_m
 from papers.mountain_line import FIGURE_1_M, X_BEFORE_B_M, MountainLine, mountain_line
+from papers.parameter_sets import LINE
 from papers.position_run import Moment, slippery
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter
 from papers.specification import Findings, Specification
@@ -218,4 +219,5 @@ reproduce: Final = Specification(
         (BY_CURVATURE,),
         lambda options: [curvature_row(by_paper(options.seed))],
     ),
+    LINE,
 )

@@ -17,6 +17,7 @@ from onboard import notes
 from onboard.localisation.fix import FOREIGN, TAKEN
 from papers.harada_bench import SHARED, PlannedTrip, TripRun, Watch, bounds_row
 from papers.mountain_line import MountainLine, mountain_line
+from papers.parameter_sets import LINE
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter
 from papers.specification import Findings, Specification
 from simulation.sensor_settings import Curvature
@@ -187,5 +188,6 @@ reproduce: Final = Specification(
         (FIXES,),
         lambda options: without_threshold(options.seed, run_loop(options.seed, sent=False)),
     ),
+    LINE,
     beside="no threshold",
 )

@@ -17,6 +17,7 @@ from onboard.localisation.fix import FOREIGN, TAKEN
 from onboard.records import EMERGENCY_INTERVENTION, NO_INTERVENTION
 from papers.harada_bench import SHARED, WHEELS, PlannedTrip, TripRun, Watch, bounds_row
 from papers.mountain_line import MountainLine, mountain_line
+from papers.parameter_sets import LINE
 from papers.position_run import Moment
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
 from papers.specification import Findings, Specification
@@ -204,4 +205,5 @@ reproduce: Final = Specification(
     "A slide of the wheels, and the curve after it (Harada and others, section 4, figure 6)",
     experiment,
     NullMethod("wheels alone", (NEXT_CURVE,), lambda options: run_slide(options.seed, carries=()).rows()),
+    LINE,
 )

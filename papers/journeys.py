@@ -15,14 +15,19 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+from matplotlib.axes import Axes
+
 from network.model import Direction
 from network.units import J_PER_KWH
 from onboard.driving.planner.windows import journey_stops
 from onboard.driving.planner.wish import Style
 from onboard.duty.mission import Mission
-from papers.journeys_chart import Shown, write_seconds
+from papers.charts import ChartPage, Panel
+from papers.parameter_sets import NotDriven
 from papers.reference_data import reference_folder
-from papers.reproduction import CaseRow, NullMethod, Options, Parameter, Reproduction, UnjudgedFigure
+from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
+from papers.specification import Findings, Specification
 from papers.ttobench_files import course_of as bench_course
 from papers.ttobench_files import read_track, read_train
 from scenario.scenario import load_scenario
@@ -31,6 +36,7 @@ from simulation.world.roster import drawn_up
 from study.measures.journeys import GAP_ENOUGH, JourneyEnergies, SampledHop, Shared, journey_energies
 from study.measures.least_energy import Allowed, course_of
 from study.measures.running_times import planned_hops
+from study.report.style import INK, PALE, RED, TRACTION
 from vehicle.optimum.coast import coast_run, cruise_run
 from vehicle.optimum.journey import ANY_TIME, JourneyStop, TimeWindow, WindowMissed
 
@@ -44,7 +50,8 @@ TRACKS: Final = (
 FACTORS: Final = (1.05, 1.1, 1.2)
 GAP_MAX_PERCENT: Final = 1.0
 ROUNDING: Final = 1e-6
-NULL: Final = NullMethod("every hop in its standard time, the reserve at the end", (", windows free",))
+WIDTH: Final = 0.38  # of a bar in the chart
+MOVED_S: Final = 0.1  # journeys that differ by less are not drawn
 CRITERION: Final = f"windows kept; within {GAP_MAX_PERCENT:g} % of the bound; no dearer than in proportion"
 
 
@@ -59,10 +66,13 @@ class JourneyCase:
     why: str = ""
 
     @property
-    def shown(self) -> Iterator[Shown]:
-        """What a picture shows of it; nothing where there was nothing to solve."""
-        if self.energies is not None:
-            yield self.name, [hop.name for hop in self.hops], self.energies
+    def moved_s(self) -> float:
+        """The most that the time of a hop differs between the two ways to share; 0 where nothing was solved."""
+        if self.energies is None:
+            return 0.0
+        proportional, optimal = self.energies.proportional.journey, self.energies.optimal.journey
+        times = zip(proportional.running_s, optimal.running_s, strict=True)
+        return max(abs(one - other) for one, other in times)
 
 
 def solved(name: str, hops: Sequence[SampledHop], stops: Sequence[JourneyStop]) -> JourneyCase:
@@ -123,7 +133,7 @@ def _train_cases(setup: Setup, mission: Mission) -> Iterator[JourneyCase]:
 def published_stops(setup: Setup, mission: Mission, tolerance_s: float) -> tuple[JourneyStop, ...]:
     """The windows from the train's first station to its last, without the reserve that units keep before each."""
     stations = [i for i, target in enumerate(mission.targets) if target.station_id is not None]
-    stops = journey_stops(mission, stations[0], 0.0, setup.timetable.dwell_min_s, 0.0, tolerance_s)
+    stops = journey_stops(mission, stations[0], 0.0, setup.timetable.head.dwell_min_s, 0.0, tolerance_s)
     return stops[: len(stations)]
 
 
@@ -237,7 +247,7 @@ def parameters(setup: Setup) -> tuple[Parameter, ...]:
         Parameter("load", setup.load.load_share_mean, "", "the scenario's mean"),
         Parameter("below the limits", setup.driving.driving_margin_mps, "m/s", "as units drive"),
         Parameter("braking", setup.driving.stop_deceleration_mps2, "m/s^2", "as units brake"),
-        Parameter("dwell", setup.timetable.dwell_min_s, "s", "the timetable's least"),
+        Parameter("dwell", setup.timetable.head.dwell_min_s, "s", "the timetable's least"),
         Parameter(
             "tracks",
             "release 1.5, with their files' efficiencies",
@@ -266,25 +276,63 @@ REMARKS: Final = (
 )
 
 
-def reproduce(options: Options) -> Reproduction:
-    """All cases; `options.quick`: the first train of the line alone. Draws the seconds below `options.out`."""
+def write_seconds(cases: Sequence[JourneyCase], folder: Path) -> tuple[Path, ...]:
+    """Draw the cases in which there was anything to share below `folder`; the files written."""
+    rows = [[seconds_panel(case)] for case in cases if case.moved_s > MOVED_S]
+    page = ChartPage("journeys", (9.0, 2.6 * len(rows)), rows, shared=False)
+    return page.write(folder) if rows else ()
+
+
+def seconds_panel(case: JourneyCase) -> Panel:
+    """What each hop gets over its least time, in proportion and where it saves most, and what that saves."""
+    found = case.energies
+    assert found is not None
+    ways = {"in proportion": (found.proportional, PALE), "where it saves most": (found.optimal, TRACTION)}
+    over_s = [np.array(way.journey.running_s) - np.array(found.least_s) for way, _ in ways.values()]
+    saved_kwh = (np.array(found.proportional.hops_j) - np.array(found.optimal.hops_j)) / J_PER_KWH
+
+    def bars(axes: Axes) -> None:
+        at = np.arange(len(case.hops), dtype=np.float64)
+        for side, seconds, (label, (_, colour)) in zip((-0.5, 0.5), over_s, ways.items(), strict=True):
+            axes.bar(at + side * WIDTH, seconds, WIDTH, color=colour, label=label)
+        for x, top_s, kwh in zip(at, np.maximum(*over_s), saved_kwh, strict=True):
+            colour = INK if kwh >= 0 else RED
+            axes.annotate(f"{kwh:+.2f}", (x, top_s), ha="center", va="bottom", fontsize=7, color=colour)
+        axes.set_xticks(at, [hop.name for hop in case.hops], fontsize=7.5)
+
+    title = f"{case.name}: {found.saving_percent:.2f} % saved; figures are kWh saved"
+    limits = (0.0, 1.2 * float(np.max(over_s)))
+    return Panel("", "over the least time, s", (), title, y_limits=limits, grid=False, also=bars)
+
+
+def experiment(options: Options) -> Findings:
+    """All cases; `options.quick`: the first train of the line alone."""
     library = None if options.quick else reference_folder(options, "ttobench")
     setup = load_scenario(SCENARIO, options.seed).setup
     cases = list(line_cases(setup, quick=options.quick))
-    remarks: list[str] = [*REMARKS]
-    if library is None:
-        remarks.append("A short slice: one train of the line, and no track of TTOBench.")
-    else:
+    if library is not None:
         cases += track_cases(library)
-    if options.out is not None:
-        written = write_seconds([shown for case in cases for shown in case.shown], Path(options.out))
-        remarks.append(f"Wrote {', '.join(path.name for path in written)}.")
-    return Reproduction(
-        "journeys",
-        "Whole journeys: time shared in proportion, and where it saves most",
+    return Findings(
+        map(row_of, cases),
         parameters(setup),
-        (*map(row_of, cases), *NULL.rows(row_of(as_laid_down(case)) for case in cases)),
-        tuple(remarks),
-        tuple(figure for case in cases for figure in figures_of(case)),
-        null=NULL,
+        REMARKS,
+        [figure for case in cases for figure in figures_of(case)],
+        [row_of(as_laid_down(case)) for case in cases],
+        lambda folder: write_seconds(cases, folder),
     )
+
+
+def at_the_end(options: Options) -> Sequence[CaseRow]:
+    """A train of the line with its windows free, every hop in its standard time."""
+    free = next(line_cases(load_scenario(SCENARIO, options.seed).setup, quick=True))
+    return [row_of(as_laid_down(free))]
+
+
+reproduce: Final = Specification(
+    "journeys",
+    "Whole journeys: time shared in proportion, and where it saves most",
+    experiment,
+    NullMethod("every hop in its standard time, the reserve at the end", (", windows free",), at_the_end),
+    NotDriven("runs are computed as optima, nothing drives them"),
+    "A short slice: one train of the line, and no track of TTOBench.",
+)

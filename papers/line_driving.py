@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from statistics import fmean, pstdev
 from typing import Any, Final
 
@@ -18,7 +17,9 @@ import polars as pl
 
 from onboard.driving.laws.optimal import optimal
 from onboard.driving.laws.table import LAW_NAMES, LAWS
-from papers.reproduction import CaseRow, NullMethod, Options, Parameter, Reproduction, UnjudgedFigure
+from papers.parameter_sets import LINE
+from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
+from papers.specification import Findings, Specification
 from scenario.law_choice import driven_by
 from scenario.scenario import Scenario, load_scenario
 from study.measures.driving import driven
@@ -35,7 +36,6 @@ SHOWN: Final = ("322M", "TAK")  # the hop of the picture
 PRESENT: Final = LAW_NAMES[0]
 BEST: Final = optimal.__name__
 ABOVE: Final = "as driven, above the lower bound of the same hops in the same times"
-NULL: Final = NullMethod(f"the law {PRESENT} in place of {BEST}", (ABOVE,))
 EARLY_S: Final = 10.0
 WITHIN_S: Final = 0.3
 ROOM_S: Final = 15.0
@@ -208,21 +208,21 @@ def later_than(day: LawDay, present: LawDay) -> dict[str, float]:
     return {" ".join(key): round(late_s[key] or 0.0, 1) for key in sorted(day.late - present.late)}
 
 
+def above_row(least: Least) -> CaseRow:
+    """How far the law of least energy, or another in its place, is above the bound of what it drove."""
+    above = least.above_bound_percent
+    criterion = f"at most {ABOVE_BOUND_PERCENT:g} %: notches, brake steps, telegrams and stops in it"
+    return CaseRow(f"{BEST}: {ABOVE}", None, f"{above:.2f} %", above <= ABOVE_BOUND_PERCENT, criterion)
+
+
 def bound_rows(days: Sequence[LawDay], least: dict[str, Least]) -> tuple[CaseRow, ...]:
     """How far the law of least energy is above its own bound, and whether any law takes less than it."""
     if BEST not in least:
         return ()
-    above = least[BEST].above_bound_percent
     taken = {day.law: sum(hop.running_kwh for hop in day.hops) for day in days}
     cheapest = min(taken, key=lambda law: taken[law])
     return (
-        CaseRow(
-            f"{BEST}: {ABOVE}",
-            None,
-            f"{above:.2f} %",
-            above <= ABOVE_BOUND_PERCENT,
-            f"at most {ABOVE_BOUND_PERCENT:g} %: notches, brake steps, telegrams and stops in it",
-        ),
+        above_row(least[BEST]),
         CaseRow(
             "the law that takes least on this day",
             None,
@@ -354,9 +354,22 @@ def parameters(scenario: Scenario, days: Sequence[LawDay]) -> tuple[Parameter, .
     )
 
 
-def reproduce(options: Options) -> Reproduction:
+REMARKS: Final = (
+    "The margin that trains aim at is the only thing that is set for each law; the figures say what it came to.",
+    "Hops planned faster than a train can run are late by every law; their energy counts, their arrival does not.",
+    "The bound is of the same trains, loads and running times, as far below the limits and braked as gently as"
+    " units drive; it knows no notches, no dead times and no telegrams.",
+)
+
+
+def scenario_of(options: Options) -> Scenario:
+    """The day, or a round trip of it."""
+    return load_scenario(SLICE if options.quick else SCENARIO, options.seed)
+
+
+def experiment(options: Options) -> Findings:
     """Every law on the day of `seed`, at equal punctuality; the laws with drawn drivers on further days."""
-    scenario = load_scenario(SLICE if options.quick else SCENARIO, options.seed)
+    scenario = scenario_of(options)
     days = [punctual_day(scenario, law) for law in LAW_NAMES]
     allowed = Allowed.as_units_drive(scenario.setup)
     least = {day.law: Least.of(day.least(allowed)) for day in days}
@@ -365,32 +378,34 @@ def reproduce(options: Options) -> Reproduction:
         seeds = () if options.quick else range(options.seed + 1, options.seed + DRIVERS_DAYS)
         more = [punctual_day(load_scenario(SCENARIO, seed), law) for seed in seeds]
         drivers += drivers_figures([*(day for day in days if day.law == law), *more])
-    remarks = [
-        "The margin that trains aim at is the only thing that is set for each law; the figures say what it came to.",
-        "Hops planned faster than a train can run are late by every law; their energy counts, their arrival does not.",
-        "The bound is of the same trains, loads and running times, as far below the limits and braked as gently as"
-        " units drive; it knows no notches, no dead times and no telegrams.",
-    ]
-    if options.quick:
-        remarks.append("A short slice: one round trip instead of the day, and one day of drivers.")
-    if options.out is not None:
-        runs = [
-            RunSeen(day.run.scenario.setup.line, day.run.scenario.setup.timetable, day.run.tables)
-            for day in days
-        ]
-        written = write_hop(runs, SHOWN, Path(options.out))
-        remarks.append(f"Wrote {', '.join(path.name for path in written)}.")
     best = [room_figure(day, allowed) for day in days if day.law == BEST]
-    return Reproduction(
-        "line-driving",
-        "A weekday of the Karasuyama line by every driving law, equally punctual",
+    return Findings(
+        (*punctuality_rows(days), *bound_rows(days, least)),
         parameters(scenario, days),
-        (
-            *punctuality_rows(days),
-            *bound_rows(days, least),
-            *NULL.rows(bound_rows(days, {**least, BEST: least[PRESENT]})),
-        ),
-        tuple(remarks),
+        REMARKS,
         (*standing_figures(scenario), *saving_figures(days, least), *best, *drivers),
-        null=NULL,
+        [above_row(least[PRESENT])],
+        lambda folder: write_hop([seen(day.run) for day in days], SHOWN, folder),
     )
+
+
+def seen(run: FinishedRun) -> RunSeen:
+    """A run as its picture needs it."""
+    return RunSeen(run.scenario.setup.line, run.scenario.setup.timetable, run.tables)
+
+
+def by_present(options: Options) -> Sequence[CaseRow]:
+    """The present law alone, as punctual."""
+    scenario = scenario_of(options)
+    day = punctual_day(scenario, PRESENT)
+    return [above_row(Least.of(day.least(Allowed.as_units_drive(scenario.setup))))]
+
+
+reproduce: Final = Specification(
+    "line-driving",
+    "A weekday of the Karasuyama line by every driving law, equally punctual",
+    experiment,
+    NullMethod(f"the law {PRESENT} in place of {BEST}", (ABOVE,), by_present),
+    LINE,
+    "A short slice: one round trip instead of the day, and one day of drivers.",
+)

@@ -187,7 +187,6 @@ def parameters(setup: Setup, fleets: int) -> tuple[Parameter, ...]:
         ),
         Parameter("wheel's circumference", sensors.wheel_factor_sigma, "share (sigma)", "assumed: wear"),
         Parameter("tag reading", sensors.tag_read_sigma_m, "m (sigma)", "assumed; Oda, table 1: about 0.1 m"),
-        *LINE.parameters(),
     )
 
 
@@ -224,5 +223,6 @@ reproduce: Final = Specification(
         (ALL,),
         lambda options: [stops_row(ALL, errors_m(untuned_day(load_scenario(SCENARIO, options.seed))))],
     ),
+    LINE,
     f"A short slice: one fleet of {FLEETS}.",
 )

@@ -18,6 +18,7 @@ from onboard.localisation.lidar_points import CYCLE_S, KEPT_S, moved
 from onboard.localisation.marker_patterns import COLUMN_M, COLUMNS, ROWS
 from papers.charts import BLUE, ChartPage, Panel, Plottable, Plotted, Ruled
 from papers.marker_passages import KMH, USES, MarkerPassage, Readings, Use, parameters, pass_markers
+from papers.parameter_sets import NotDriven
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter
 from papers.specification import Findings, Specification, none_of, reported
 from papers.tag_trials import clopper_pearson
@@ -316,5 +317,6 @@ reproduce: Final = Specification(
         tuple(CORRECTED.format(kmh) for kmh in TOLD_KMH),
         uncorrected,
     ),
+    NotDriven("trains pass markers at a constant speed"),
     f"Quick: {RUNS_QUICK} passages a speed instead of {RUNS}, and two speeds of the table of spacings.",
 )

@@ -25,6 +25,7 @@ from papers.marker_passages import (
     parameters,
     pass_markers,
 )
+from papers.parameter_sets import NotDriven
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter
 from papers.specification import Findings, Specification, reported
 from study.report.style import RED
@@ -296,6 +297,7 @@ reproduce: Final = Specification(
         tuple(OVER.format(case.name) for case in CASES if case.acceleration_mps2 >= 0.0),
         lambda options: cases_of(PERFECT, options.seed, None)[0],
     ),
+    NotDriven("trains pass markers, gaining or losing speed evenly"),
     f"Quick: {RUNS_QUICK} passages a case instead of {RUNS}.",
     "perfect sensor",
 )

@@ -29,7 +29,7 @@ from onboard.localisation.vision import (
 from papers.carried_train import CarriedTrain
 from papers.parameter_sets import CUMULATIVE_ERROR, TENTH_SCALE
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter
-from papers.single_stop import Rows, new_stops
+from papers.single_run import Rows, new_stops
 from papers.single_train import Bench
 from papers.specification import Findings, Specification, at_most, none_of
 from radio.chance import generator
@@ -88,15 +88,13 @@ class ScaleTrackStop:
 def car_bench(test: TrackTest) -> Bench:
     """The car; its unit holds the speed until the stop at the mark takes over, and believes all wheels to be alike."""
     unit = TENTH_SCALE.unit.model_copy(update={"tag_accuracy_m": test.tag_accuracy_m})
-    bench = Bench(load_train(shipped_train("oda_scale_car")), TENTH_SCALE.driving, unit)
-    bench.prepared["board"]["unit"]["cruise_mps"] = test.initial_mps
-    return bench
+    return Bench(load_train(shipped_train("oda_scale_car")), TENTH_SCALE.driving, unit)
 
 
 def stop_of(test: TrackTest, rng: np.random.Generator) -> Rows:
-    """One stop: what the brake, the wheel and the tag (RFID) that begins it are like; a row of STOP, shape (1,)."""
+    """One stop: what the brake, the wheel and the tag (RFID) that begins it are like; shape (1,)."""
     stop = new_stops(1)
-    stop["speed_mps"] = test.initial_mps
+    stop["speed_mps"] = stop["cruise_mps"] = test.initial_mps
     stop["start_m"] = test.mark_after_m
     stop["brake_factor"] = rng.normal(1.0, test.brake_spread)
     wheel = 1.0 + rng.uniform(-test.wheel_error_max, test.wheel_error_max)
@@ -258,7 +256,6 @@ def _parameters(test: TrackTest) -> tuple[Parameter, ...]:
             "table", "each 0.1 m to 2.8 m before the mark", "", "3.3.3; 4 images a place as in table 2"
         ),
         Parameter("wheel diameter error", test.wheel_error_max, "share, uniform", "3.2.1: +-1 %"),
-        *TENTH_SCALE.parameters(),
         Parameter(
             "pattern and gain, where from",
             "assumed",
@@ -347,5 +344,6 @@ reproduce: Final = Specification(
         (THREE_SIGMA.format(OF_THE_PAPER),),
         lambda options: _rows(stops_of(options.seed, STOPS_PAPER, TrackTest(sees=False)), OF_THE_PAPER),
     ),
+    TENTH_SCALE,
     f"Quick: {STOPS_QUICK} stops instead of {STOPS_MANY}.",
 )

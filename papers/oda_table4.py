@@ -21,7 +21,7 @@ from onboard.localisation.vision import frame_rate_error_m
 from onboard.records import EMERGENCY_INTERVENTION
 from papers.parameter_sets import CUMULATIVE_ERROR, SECTION_3_2
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
-from papers.single_stop import STEPS_MAX, Rows
+from papers.single_run import STEPS_MAX, Rows
 from papers.specification import Findings, Specification
 from papers.table4_parts import ablation_rows
 from papers.table4_stops import (
@@ -83,7 +83,6 @@ def parameters(gain_per_s: float) -> tuple[Parameter, ...]:
             "m before the mark",
             "3.2.1: about every 1000 m; its place is assumed",
         ),
-        *SECTION_3_2.parameters(),
         Parameter(
             "pattern, where from",
             PATTERN_MPS2,
@@ -313,6 +312,7 @@ reproduce: Final = Specification(
         (AGREE,),
         lambda _options: cells_by(best_gain_per_s(), unseen_cells()),
     ),
+    SECTION_3_2,
     "A short slice: nothing of what is told and not judged.",
     "paper's own controller",
 )

@@ -31,7 +31,7 @@ from onboard.driving.tuning import (
 from papers.line_stops import NEAR_M, NEAR_SHARE, place_of, places_are_near
 from papers.parameter_sets import LINE, coasting
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
-from papers.single_stop import Rows, new_stops
+from papers.single_run import Rows, new_stops
 from papers.single_train import Bench
 from papers.specification import Evenly, Findings, Specification, equal, none_of
 from papers.table4_stops import BEACONS_M, START_M, oda_train
@@ -149,7 +149,7 @@ def real_body(nominal: TrainType, hidden: Hidden) -> Rows:
 
 
 def a_stop(rng: np.random.Generator, hidden: Hidden) -> Rows:
-    """One stop of the day with its disturbances: speed, load, rain, gradient, wheel; a row of STOP, shape (1,)."""
+    """One stop of the day with its disturbances: speed, load, rain, gradient, wheel; shape (1,)."""
     stop = new_stops(1)
     stop["speed_mps"] = rng.uniform(*SPEEDS_MPS)
     stop["start_m"] = START_M
@@ -189,7 +189,7 @@ def is_right(learned: Learned, hidden: Hidden) -> bool:
 
 
 def is_full(stops: Rows) -> NDArray[np.bool_]:
-    """Which stops (rows of STOP) are made with a train beyond the end of its load compensation."""
+    """Which stops are made with a train beyond the end of its load compensation."""
     return np.asarray(stops["load_share"] > LOAD_SHARE_MAX)
 
 
@@ -283,7 +283,6 @@ def parameters(trains: int) -> tuple[Parameter, ...]:
         Parameter("offsets searched", "-1 to +1 by 0.1", "km/h/s", "4.1.1"),
         Parameter("dead time as designed", float(oda_train().row["brake_dead_time_s"][0]), "s", "3.2.3"),
         *(each.parameter for each in (DEAD_TIME_S, LAG_S, OFFSET_KMHPS)),
-        *LINE.parameters(),
         Parameter("beacons", "400, 100, 10", "m before the mark", "3.2.3 (1)"),
         Parameter("brake, stop to stop", BRAKE_SIGMA * 100.0, "% (sigma)", "assumed"),
         Parameter("stops in rain", WET_SHARE, "share", "assumed: a wet season"),
@@ -457,5 +456,6 @@ reproduce: Final = Specification(
         (NEAR,),
         lambda options: stop_rows([never_tuned(*train) for train in fleet(TRAINS_QUICK, options.seed)]),
     ),
+    LINE,
     f"A short slice: {TRAINS_QUICK} of {TRAINS} trains.",
 )

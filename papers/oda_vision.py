@@ -24,6 +24,7 @@ from onboard.localisation.vision import (
     sight,
 )
 from papers.line_stops import NEAR_M, NEAR_SHARE
+from papers.parameter_sets import NotDriven
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter
 from papers.specification import Findings, Specification
 from radio.chance import generator
@@ -440,5 +441,6 @@ reproduce: Final = Specification(
         (" scenes without it",),
         lambda options: [blind_row(options.seed, SCENES_QUICK)],
     ),
+    NotDriven("images alone"),
     f"Quick: {SCENES_QUICK} scenes instead of {SCENES}.",
 )

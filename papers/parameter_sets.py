@@ -9,37 +9,34 @@
 - `table 1`: the train of Yasunobu and others, whose paper names no pattern. Of decelerations in tenths it has the least
   with which its hop of 80 s on +10 permille leaves a follower of patterns 3 s: 0.8 m/s^2, a usual ATO pattern.
 
-Experiments in which no train stops at a mark by itself (`NOT_DRIVEN`) have none.
+Experiments in which no train stops at a mark by itself have none, and say why.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from onboard.driving_settings import Driving
 from onboard.unit_records import UnitParameters
 from papers.reproduction import Parameter
-from simulation.settings import Driving
 
 CUMULATIVE_ERROR: Final = 0.01  # Oda, 3.2.1: of the distance run
 
 
 @dataclass(frozen=True, slots=True)
 class ParameterSet:
-    """One set: how trains are driven to the mark, what their units believe of their sensors, and who uses it."""
+    """One set: how trains are driven to the mark, and what their units believe of their sensors."""
 
     name: str
     driving: Driving
     unit: UnitParameters
-    used_by: tuple[str, ...]
     why: str
 
     def parameters(self) -> tuple[Parameter, ...]:
         """The set as a reproduction prints it."""
-        others = ", ".join(self.used_by)
         return (
-            Parameter("parameter set", self.name, "", f"one of {len(SETS)}, of {others}: {self.why}"),
+            Parameter("parameter set", self.name, "", f"one of {len(SETS)}: {self.why}"),
             Parameter("pattern deceleration", self.driving.stop_deceleration_mps2, "m/s^2", self.name),
             Parameter("proportional gain", self.driving.stop_gain_per_s, "1/s", self.name),
             Parameter("bound of a fix at a beacon", self.unit.tag_accuracy_m, "m", self.name),
@@ -47,61 +44,43 @@ class ParameterSet:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class NotDriven:
+    """No set: why nothing is driven to a mark."""
+
+    why: str
+
+    def parameters(self) -> tuple[Parameter, ...]:
+        """That there is none, as a reproduction prints it."""
+        return (Parameter("parameter set", "none", "", self.why),)
+
+
 SECTION_3_2: Final = ParameterSet(
     "section 3.2",
     Driving(law="follow_plan", stop_deceleration_mps2=0.78, stop_gain_per_s=0.6),
     # table 1: odometry and marker, about 0.1 m; 1 % of the distance run, as wheels that count too little count it
     UnitParameters(tag_accuracy_m=0.1, wheel_error_share=CUMULATIVE_ERROR / (1.0 - CUMULATIVE_ERROR)),
-    ("oda-table4",),
     "bound to the paper's figures",
 )
 LINE: Final = ParameterSet(
     "line",
     Driving(),
     UnitParameters(),
-    (
-        "battery-day",
-        "harada-accuracy",
-        "harada-beacons",
-        "harada-loop-track",
-        "harada-slide",
-        "line-driving",
-        "line-stops",
-        "position-fusion",
-        "oda-tuning",
-        "position-compare",
-        "position-operations",
-        "stop-statistics",
-        "stop-window",
-        "sugiyama-table5",
-        "trainruns",
-    ),
     "the defaults of every line run",
 )
 TENTH_SCALE: Final = ParameterSet(
     "tenth scale",
     Driving(stop_deceleration_mps2=0.25, stop_gain_per_s=1.0, cruise_gain_per_s=1.0),
     UnitParameters(tag_accuracy_m=0.05, wheel_error_share=CUMULATIVE_ERROR / (1.0 - CUMULATIVE_ERROR)),
-    ("oda-scale-track",),
     "speed and length are a tenth, time is not",
 )
 TABLE_1: Final = ParameterSet(
     "table 1",
     Driving(stop_deceleration_mps2=0.8),
     UnitParameters(),
-    ("yasunobu-energy", "yasunobu-robust"),
     "the least pattern that leaves 3 s of the paper's shortest running time",
 )
 SETS: Final = (SECTION_3_2, LINE, TENTH_SCALE, TABLE_1)
-NOT_DRIVEN: Final[Mapping[str, str]] = {
-    "journeys": "runs are computed as optima, nothing drives them",
-    "mochizuki-patterns": "trains pass markers at a constant speed",
-    "mochizuki-speed": "trains pass markers, gaining or losing speed evenly",
-    "oda-vision": "images alone",
-    "sugiyama-tags": "trains pass tags at a constant speed",
-    "ttobench": "profiles alone",
-    "virtual-blocks": "running times are computed, nothing drives them",
-}
 
 
 def coasting(driving: Driving) -> Driving:

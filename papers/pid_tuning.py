@@ -20,8 +20,8 @@ import numpy as np
 
 from onboard.driving.laws.pid import Pid
 from onboard.driving.laws.settings import LawTables
-from papers.single_hop import HOP_STEPS_MAX, HopBench, new_hops
-from papers.single_stop import Rows
+from papers.single_hop import HopBench
+from papers.single_run import STEPS_MAX, Rows, new_hops
 from papers.yasunobu_train import HOP_M, ORDERS_S, paper_hops
 
 GAINS_PER_S: Final = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
@@ -65,12 +65,15 @@ def itae_ms(trace: Rows, cruise_mps: float, pattern_mps2: float, step_s: float) 
 def tried(settings: Pid) -> Trial:
     """A setting in the nominal case."""
     bench: HopBench = paper_hops("pid", law_settings=LawTables.model_validate({"pid": settings}))
-    pattern_mps2, step_s = float(bench.behaviour.stop_deceleration_mps2), float(bench.behaviour.step_s)
+    pattern_mps2, step_s = (
+        float(bench.behaviour.settings.stop_deceleration_mps2),
+        float(bench.behaviour.step_s),
+    )
     itaes: list[float] = []
     misses: list[float] = []
     changes = 0
     for order_s in ORDERS_S:
-        outcomes, trace = bench.run(new_hops([order_s]), HOP_STEPS_MAX)
+        outcomes, trace = bench.run(new_hops([order_s]), STEPS_MAX)
         itaes.append(itae_ms(trace, bench.cruise_mps(order_s), pattern_mps2, step_s))
         changes += int(outcomes["power_changes"][0] + outcomes["brake_changes"][0])
         misses.append(abs(float(outcomes["error_m"][0])))

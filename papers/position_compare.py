@@ -237,7 +237,6 @@ def parameters() -> tuple[Parameter, ...]:
         Parameter("a beacon each", BEACONS_EVERY_M, "m", "assumed: about as Harada, table 1"),
         Parameter("markers each", MARKERS_EVERY_M, "m", "assumed: between stations"),
         Parameter("moved tags and beacons", MOVED_M, "m", "assumed: a tag laid anew beside a repaired joint"),
-        *LINE.parameters()[3:],
     )
 
 
@@ -380,5 +379,6 @@ reproduce: Final = Specification(
         (HELD,),
         lambda options: [claimed_row([measured(ran) for ran in runs_with(options)])],
     ),
+    LINE,
     f"quick: {' and '.join(QUICK)} alone, no fault by itself, nothing beside what others published",
 )

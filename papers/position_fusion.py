@@ -35,6 +35,7 @@ from papers.fusion_runs import (
     outcome,
 )
 from papers.joint_faults import SETS, carried_in, joint_outcome, rule_of
+from papers.parameter_sets import LINE
 from papers.position_run import PositionRun, half_widths_m, in_motion
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
 from papers.specification import Findings, Specification
@@ -411,5 +412,6 @@ reproduce: Final = Specification(
         (HELD.format(AS_UNITS_ARE.name, _sensors(AS_UNITS_ARE)),),
         lambda options: [trusted_row(run_all(options.seed, range(QUICK_RUNS), TRUSTING))],
     ),
+    LINE,
     f"A short slice: {QUICK_RUNS} runs of {RUNS}.",
 )

@@ -23,6 +23,7 @@ from network.model import SectionKind, TagPurpose
 from onboard import notes
 from onboard.fixes import EYE
 from papers.charts import written
+from papers.parameter_sets import LINE
 from papers.position_cases import CASES, SOON_S, PositionCase, carries
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
 from papers.specification import Findings, Specification
@@ -311,5 +312,6 @@ reproduce: Final = Specification(
     "A weekday of the Karasuyama line by what trains carry to know where they are",
     experiment,
     NullMethod(BY_WORD, (LATER,), by_wheels),
+    LINE,
     "quick: one round trip instead of the day, and only some of the cases.",
 )

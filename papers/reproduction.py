@@ -2,43 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
-from importlib import import_module
-from typing import Any, Final
-
-from network.errors import InputError
-
-# name -> module whose `reproduce` is a `papers.specification.Specification`, or a function beside the module's `NULL`;
-# imported only when asked for
-REPRODUCTIONS: Final[Mapping[str, str]] = {
-    "journeys": "papers.journeys",
-    "line-driving": "papers.line_driving",
-    "battery-day": "papers.battery_day",
-    "harada-accuracy": "papers.harada_accuracy",
-    "harada-beacons": "papers.harada_beacons",
-    "harada-loop-track": "papers.harada_loop_track",
-    "harada-slide": "papers.harada_slide",
-    "line-stops": "papers.line_stops",
-    "mochizuki-patterns": "papers.mochizuki_patterns",
-    "mochizuki-speed": "papers.mochizuki_speed",
-    "position-operations": "papers.position_operations",
-    "oda-scale-track": "papers.oda_scale_track",
-    "oda-table4": "papers.oda_table4",
-    "oda-tuning": "papers.oda_tuning",
-    "oda-vision": "papers.oda_vision",
-    "position-compare": "papers.position_compare",
-    "position-fusion": "papers.position_fusion",
-    "stop-statistics": "papers.stop_statistics",
-    "stop-window": "papers.stop_window",
-    "sugiyama-table5": "papers.sugiyama_table5",
-    "sugiyama-tags": "papers.sugiyama_tags",
-    "trainruns": "papers.trainruns",
-    "yasunobu-robust": "papers.yasunobu_robust",
-    "ttobench": "papers.ttobench",
-    "virtual-blocks": "papers.virtual_blocks",
-    "yasunobu-energy": "papers.yasunobu_energy",
-}
+from typing import Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,12 +138,3 @@ class Options:
     out: str | None = None
     data: str | None = None  # where reference data of others lies, see `reference_data`
     quick: bool = False  # a short slice for CI; says so in its remarks
-
-
-def reproduction(name: str) -> Callable[[Options], Reproduction]:
-    """The function that runs a reproduction; InputError with the known names otherwise."""
-    module = REPRODUCTIONS.get(name)
-    if module is None:
-        raise InputError("reproduce", "name", name, "one of " + ", ".join(sorted(REPRODUCTIONS)))
-    function: Callable[[Options], Reproduction] = import_module(module).reproduce
-    return function

@@ -9,12 +9,11 @@ none: sensors are exact unless the bench says otherwise.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Final, Protocol
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from network.profile import PROFILE
 from network.units import J_PER_KWH
@@ -23,177 +22,19 @@ from onboard.driving.laws.table import LAWS
 from onboard.driving.pattern import limit_for_train, pattern_of
 from onboard.driving.planner.plan import PlanOnPath, PlanRequest, planned
 from onboard.duty.timekeeping import cruise_for
-from onboard.records import MODE_DRIVE, NO_PLACES
-from papers.single_stop import FAR_M, Rows
+from onboard.records import NO_PLACES
+from papers.single_run import STEPS_MAX, Floats, Heights, Rows, new_hops
 from papers.single_train import BEYOND_M, Bench
-from simulation.ride import COASTS
-from simulation.world.kernel import PathArrays, sample, step_one
-from simulation.world.records import TRACE, StockRow
-from vehicle.compiled import compiled
+from simulation.world.kernel import PathArrays
 from vehicle.optimum import TooShort
-from vehicle.record import dtype_of
 from vehicle.running_time import predicted_run
 
 LEAST_STEP_S: Final = 0.1
-HOP_STEPS_MAX: Final = 50_000
 COARSE_S: Final = 0.5  # steps in which orders are tried,
 FINE_S: Final = 0.1  # and then those beside the best of them
 TRIED_S: Final = 15.0  # this far to either side of the time that is asked for
-NONE_S: Final = np.inf  # running time of a train that never came to rest
-
-Floats = NDArray[np.float64]
 # a plan on the grid of the way's path, for an ordered running time, s, and a load; None: there is none
 Planner = Callable[["HopBench", float, float], PlanOnPath | None]
-
-
-class HopRow(Protocol):
-    """One hop to be made: what is ordered, and what is otherwise than on the way that the bench runs on."""
-
-    order_s: Annotated[float, "running time handed to the law: the unit is due so long after its departure"]
-    cruise_mps: Annotated[float, "cruising speed that the unit has chosen for it"]
-    plan_offset: int
-    plan_rows: Annotated[int, "0: no plan"]
-    plan_due_s: Annotated[float, "when the train stands at the mark by its plan"]
-    load_share: float
-    gradient_off_permille: Annotated[
-        float, "of the real track beyond the way's own; the unit knows nothing of it"
-    ]
-    adhesion_factor: float
-    brake_factor: float
-    brake_dead_time_off_s: Annotated[float, "the body's brake dead time less that of the bench's train"]
-    brake_lag_off_s: Annotated[float, "the same of its lag"]
-    stop_limit_m: Annotated[float, "停止限界, m past the mark"]
-
-
-class HopOutcomeRow(Protocol):
-    """What came of one hop."""
-
-    time_s: Annotated[float, "running time; +inf: it never came to rest"]
-    error_m: Annotated[float, "where the front stopped; positive: past the mark"]
-    energy_traction_j: Annotated[float, "at the wire"]
-    energy_regenerated_j: float
-    energy_auxiliary_j: float
-    power_changes: Annotated[int, "counted as on the line (`simulation.ride`), as are the next four"]
-    brake_changes: int
-    coasting_s: float
-    jerk_max_mps3: float
-    jolt_mps2: Annotated[float, "deceleration that ends when the train comes to rest"]
-    speed_max_mps: float
-    deceleration_max_mps2: float
-    intervention: Annotated[int, "the strongest of supervision"]
-    verdict: int
-    events: Annotated[int, "all that the tick reported"]
-    steps: int
-
-
-HOP: Final = dtype_of(HopRow)
-HOP_OUTCOME: Final = dtype_of(HopOutcomeRow)
-
-
-@compiled
-def leave(row: StockRow, hop: HopRow, begin_m: float, mark_m: float) -> None:
-    """Put body and unit into the state of a departure: at rest at `begin_m`, brakes released, bound for the mark."""
-    plant, truth, unit = row.plant, row.truth, row.board.unit
-    plant.speed_mps = plant.wheel_speed_mps = plant.last_wheel_speed_mps = 0.0
-    plant.load_share, plant.adhesion_factor = hop.load_share, hop.adhesion_factor
-    plant.brake_factor = hop.brake_factor
-    row.body.brake_dead_time_s = max(row.body.brake_dead_time_s + hop.brake_dead_time_off_s, 0.0)
-    row.body.brake_lag_s = max(row.body.brake_lag_s + hop.brake_lag_off_s, 0.0)
-    row.sensed.load_share = hop.load_share
-    truth.position_m = truth.offset_m = begin_m
-    unit.position_m = begin_m
-    unit.mode = MODE_DRIVE
-    unit.target_stop_m, unit.stop_limit_m = mark_m, mark_m + hop.stop_limit_m
-    unit.due_s, unit.cruise_mps = hop.order_s, hop.cruise_mps
-    unit.plan_offset, unit.plan_rows = hop.plan_offset, hop.plan_rows
-    unit.plan_due_s = hop.plan_due_s
-
-
-@compiled
-def keep_hop(outcome: HopOutcomeRow, row: StockRow, events: int) -> None:
-    """Take one more step into the outcome."""
-    plant, unit = row.plant, row.board.unit
-    outcome.steps += 1
-    outcome.events |= events
-    outcome.intervention = max(outcome.intervention, unit.intervention)
-    outcome.speed_max_mps = max(outcome.speed_max_mps, plant.speed_mps)
-    if plant.speed_mps > 0.0:
-        outcome.deceleration_max_mps2 = max(outcome.deceleration_max_mps2, -plant.acceleration_mps2)
-
-
-@compiled
-def end_hop(outcome: HopOutcomeRow, row: StockRow, stands: bool, mark_m: float) -> None:
-    """Take what the whole hop has come to into the outcome."""
-    plant, ride = row.plant, row.ride
-    outcome.time_s = outcome.steps * row.board.behaviour.step_s if stands else NONE_S
-    outcome.error_m = row.truth.position_m - mark_m
-    outcome.energy_traction_j = plant.energy_traction_j
-    outcome.energy_regenerated_j = plant.energy_regenerated_j
-    outcome.energy_auxiliary_j = plant.energy_auxiliary_j
-    outcome.power_changes, outcome.brake_changes = ride.power_changes, ride.brake_changes
-    outcome.coasting_s = ride.time_s[COASTS]
-    outcome.jerk_max_mps3, outcome.jolt_mps2 = ride.jerk_max_mps3, ride.jolt_mps2
-    outcome.verdict = row.board.tasc.verdict
-
-
-@compiled
-def run_hop(
-    row: StockRow,
-    hop: HopRow,
-    track: PathArrays,
-    elevation_m: Floats,
-    begin_m: float,
-    mark_m: float,
-    outcome: HopOutcomeRow,
-    trace: Rows,
-) -> None:
-    """Run one hop to rest from a prepared row; fills `outcome` and, as far as it reaches, `trace` (of TRACE).
-
-    `elevation_m` is the way's own, on the path's grid.
-    """
-    for i in range(elevation_m.size):
-        track.profile[i].elevation_m = elevation_m[i] + hop.gradient_off_permille / 1000.0 * i
-    leave(row, hop, begin_m, mark_m)
-    moved = False
-    for i in range(HOP_STEPS_MAX):
-        _, events = step_one(row, track, i + 1)
-        if i < trace.shape[0]:
-            sample(trace[i], row, i + 1, 0)
-        keep_hop(outcome, row, events)
-        moved = moved or row.plant.speed_mps > 0.0
-        if moved and row.plant.speed_mps <= 0.0:
-            break
-    end_hop(outcome, row, moved and row.plant.speed_mps <= 0.0, mark_m)
-
-
-@compiled
-def run_hops(
-    work: Rows,
-    prepared: Rows,
-    hops: Rows,
-    track: PathArrays,
-    elevation_m: Floats,
-    marks_m: tuple[float, float],
-    outcomes: Rows,
-    trace: Rows,
-) -> None:
-    """Run every hop, each from the prepared row; `work` (one row) and `trace` are left as the last one left them.
-
-    `marks_m`: path coordinates where hops begin and end.
-    """
-    for i in range(hops.shape[0]):
-        work[0] = prepared[0]
-        run_hop(work[0], hops[i], track, elevation_m, marks_m[0], marks_m[1], outcomes[i], trace)
-
-
-def new_hops(orders_s: Sequence[float]) -> Rows:
-    """Rows of HOP for these ordered running times, s: an empty train on a dry rail, its brakes nominal."""
-    rows = np.zeros(len(orders_s), dtype=HOP)
-    rows["order_s"] = orders_s
-    rows["cruise_mps"] = np.inf
-    rows["adhesion_factor"] = rows["brake_factor"] = 1.0
-    rows["stop_limit_m"] = FAR_M
-    return rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,7 +87,7 @@ class TimedHop:
 
     asked_s: float
     order_s: float
-    outcome: np.void  # a row of HOP_OUTCOME
+    outcome: np.void  # a row of BENCH_OUTCOME
 
     @property
     def off_s(self) -> float:
@@ -277,7 +118,7 @@ def own_plan(
             bench.begin_m,
             bench.mark_m,
             0.0,
-            float(bench.behaviour.stop_deceleration_mps2),
+            float(bench.behaviour.settings.stop_deceleration_mps2),
             order_s,
             regeneration_share,
         )
@@ -299,13 +140,16 @@ class HopBench:
         self.mark_m = self.begin_m + way.length_m
         row = bench.prepared.view(np.recarray)[0]
         self.train, self.behaviour = row.board.kind, row.board.behaviour
-        self.elevation_m = way.elevation_m(self.begin_m)
+        elevation_m = way.elevation_m(self.begin_m)
         believed_m = way.elevation_m(self.begin_m, believed=True)
         limit_mps = way.limit_mps(self.begin_m, float(self.train.speed_max_mps))
         turn_rad = np.zeros(limit_mps.size)
         self.pattern = pattern_of(believed_m, turn_rad, limit_mps, self.train, self.behaviour)
         self.profile = np.zeros(limit_mps.size, dtype=PROFILE)
         self.profile["limit_mps"] = limit_mps
+        self.heights = Heights(
+            elevation_m, self.pattern["climb_m"].copy(), self.pattern["body_elevation_m"].copy()
+        )
         self._cruise: dict[tuple[float, float], float] = {}
         self._laid: dict[tuple[float, float], PlanOnPath | None] = {}
 
@@ -321,7 +165,7 @@ class HopBench:
                 self.begin_m,
                 self.mark_m,
                 order_s,
-                float(self.behaviour.stop_deceleration_mps2),
+                float(self.behaviour.settings.stop_deceleration_mps2),
             )
         return self._cruise[key]
 
@@ -329,12 +173,12 @@ class HopBench:
         """The least running time of the way, s, at the limits, with the unit's braking; infinite: it cannot climb."""
         train = self.train
         limit_mps = np.ascontiguousarray(limit_for_train(self.profile["limit_mps"], train))
-        braking_mps2 = float(self.behaviour.stop_deceleration_mps2)
+        braking_mps2 = float(self.behaviour.settings.stop_deceleration_mps2)
         run = (limit_mps, self.begin_m, self.mark_m, math.inf, braking_mps2, LEAST_STEP_S)
-        return float(predicted_run(train, load_share, self.elevation_m, *run)[0])
+        return float(predicted_run(train, load_share, self.heights.elevation_m, *run)[0])
 
     def run(self, hops: Rows, trace_steps: int = 0) -> tuple[Rows, Rows]:
-        """Make hops (rows of HOP): rows of HOP_OUTCOME, and the last one's TRACE, in m past the hop's start.
+        """Make hops: rows of BENCH_OUTCOME, and the last one's TRACE, in m past the hop's start.
 
         The unit chooses its cruising speed for each order, and the planner, if there is one, lays its plan.
         """
@@ -352,15 +196,9 @@ class HopBench:
                     hops["plan_rows"][index], hops["plan_due_s"][index] = found.rows.size, found.takes_s
                     laid.append(found)
         plan = np.concatenate([plan.rows for plan in laid]) if laid else np.zeros(0, dtype=PLAN)
-        track = PathArrays(self.profile, self.pattern, plan, np.zeros(0), NO_PLACES, NO_PLACES)
-        row = self.bench.prepared.view(np.recarray)[0]
-        row.board.unit.path_rows, row.truth.profile_rows = self.pattern.size, self.profile.size
-        outcomes, trace = np.zeros(hops.size, dtype=HOP_OUTCOME), np.zeros(trace_steps, dtype=TRACE)
-        marks_m = (self.begin_m, self.mark_m)
-        run_hops(
-            self.bench.work, self.bench.prepared, hops, track, self.elevation_m, marks_m, outcomes, trace
-        )
-        trace = trace[: int(outcomes["steps"][-1])]
+        track = PathArrays(self.profile, self.pattern.copy(), plan, np.zeros(0), NO_PLACES, NO_PLACES)
+        hops["start_m"] = self.way.length_m
+        outcomes, trace = self.bench.run_over(track, self.heights, hops, trace_steps)
         trace["position_m"] -= self.begin_m
         return outcomes, trace
 
@@ -368,7 +206,7 @@ class HopBench:
         """The hop that takes the time asked for, as near as any order within TRIED_S of it makes this law take it.
 
         Every law is handed the same orders, every half second and then every tenth beside the best; the nearest
-        running time counts, of equal ones the earliest order. `like`: a row of HOP for all but the order. Raises
+        running time counts, of equal ones the earliest order. `like`: a hop for all but the order. Raises
         TooShort, with the least running time, for a time in which no train gets there.
         """
         least_s = self.least_s(0.0 if like is None else float(like["load_share"][0]))
@@ -396,4 +234,4 @@ class HopBench:
         if like is not None:
             hops[:] = like[0]
             hops["order_s"] = timed.order_s
-        return self.run(hops, HOP_STEPS_MAX)[1]
+        return self.run(hops, STEPS_MAX)[1]

@@ -1,8 +1,8 @@
 """One train on plain track, through the kernel: the bench that all single-train experiments of the papers share.
 
 The train is one row of STOCK, as in a run of the line: `simulation.world.kernel` moves its body, lets its sensors show
-it and ticks its unit, on a path of its own on the one-metre grid. Many stops run in one compiled call, each from the
-same prepared row and each on its own gradient (`single_stop`).
+it and ticks its unit, on a path of its own on the one-metre grid. Many runs are made in one compiled call, each from
+the same prepared row and each on its own gradient (`single_run`).
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from onboard.driving.laws.settings import fit_law
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.driving.tasc import DesignRow
 from onboard.driving.tuning import Learned
+from onboard.driving_settings import Driving
 from onboard.records import MODE_DRIVE, NO_PLACES, PATTERN, BehaviourRow, UnitRow
 from onboard.unit_records import UnitParameters
-from papers.single_stop import FIXES_MAX, OUTCOME, OutcomeRow, Rows, run_stops
+from papers.single_run import BENCH_OUTCOME, FIXES_MAX, BenchOutcomeRow, Heights, Rows, run_all
 from simulation.sensors import slide_protection, tachometer
-from simulation.settings import Driving
 from simulation.setup import behaviour_row
 from simulation.world.kernel import PathArrays
 from simulation.world.records import STOCK, TRACE
@@ -77,14 +77,14 @@ def new_track(train: TrainRow, behaviour: BehaviourRow, length_m: float) -> Path
     rows = int(length_m) + 2
     profile, pattern = np.zeros(rows, dtype=PROFILE), np.zeros(rows, dtype=PATTERN)
     profile["limit_mps"] = pattern["permitted_mps"] = train.speed_max_mps
-    pattern["driving_mps"] = max(train.speed_max_mps - behaviour.driving_margin_mps, 1.0)
+    pattern["driving_mps"] = max(train.speed_max_mps - behaviour.settings.driving_margin_mps, 1.0)
     plan = np.zeros(rows, dtype=PLAN)
     plan["mode"], plan["speed_mps"] = PLAN_COAST, train.speed_max_mps
     return PathArrays(profile, pattern, plan, np.zeros(FIXES_MAX), NO_PLACES, NO_PLACES)
 
 
 class Bench:
-    """One train, what its unit believes of it and how it drives; makes as many stops as are asked for."""
+    """One train, what its unit believes of it and how it drives; makes as many runs as are asked for."""
 
     def __init__(
         self,
@@ -125,45 +125,40 @@ class Bench:
         row: DesignRow = self.prepared.view(np.recarray)[0].board.design
         return row
 
-    def run(self, stops: Rows, trace_steps: int = 0) -> tuple[Rows, Rows]:
-        """Make stops (rows of STOP) in one compiled call: rows of OUTCOME, and the last one's TRACE, path coordinates.
-
-        The mark lies at `mark_m` on the path.
-        """
-        track = self.track(stops)
-        outcomes, trace = np.zeros(stops.size, dtype=OUTCOME), np.zeros(trace_steps, dtype=TRACE)
-        unit = self.unit
-        run_stops(
-            self.work,
-            self.prepared,
-            stops,
-            track,
-            unit.tag_accuracy_m,
-            unit.standoff_m,
-            outcomes,
-            trace,
-        )
+    def run_over(
+        self, track: PathArrays, heights: Heights, runs: Rows, trace_steps: int = 0
+    ) -> tuple[Rows, Rows]:
+        """Make runs in one compiled call: rows of BENCH_OUTCOME, and the last one's TRACE, path coordinates."""
+        row = self.prepared.view(np.recarray)[0]
+        row.board.unit.path_rows, row.truth.profile_rows = track.pattern.size, track.profile.size
+        outcomes, trace = np.zeros(runs.size, dtype=BENCH_OUTCOME), np.zeros(trace_steps, dtype=TRACE)
+        places = (self.begin_m, self.unit.tag_accuracy_m, self.unit.standoff_m)
+        run_all(self.work, self.prepared, runs, track, heights, places, outcomes, trace)
         return outcomes, trace[: int(outcomes["steps"][-1])]
 
-    def track(self, stops: Rows) -> PathArrays:
-        """A path that is long enough for each of these stops; the prepared row goes by it."""
+    def run(self, stops: Rows, trace_steps: int = 0) -> tuple[Rows, Rows]:
+        """Make stops on the level, or the gradient of each: as `run_over`."""
+        return self.run_over(*self.track(stops), stops, trace_steps)
+
+    def track(self, stops: Rows) -> tuple[PathArrays, Heights]:
+        """A level path that is long enough for each of these stops, which are to coast along it."""
         row = self.prepared.view(np.recarray)[0]
         length_m = self.begin_m + float(stops["start_m"].max()) + BEYOND_M
         track = new_track(row.board.kind, row.board.behaviour, length_m)
-        row.board.unit.path_rows = row.board.unit.plan_rows = track.pattern.size
-        row.truth.profile_rows = track.profile.size
-        return track
+        stops["plan_rows"] = track.plan.size
+        level_m = np.zeros(track.profile.size)
+        return track, Heights(level_m, level_m, level_m)
 
     @property
     def begin_m(self) -> float:
-        """Path coordinate at which stops begin, m: the whole train is on the path."""
+        """Path coordinate at which runs begin, m: the whole train is on the path."""
         return float(np.ceil(self.prepared["body"]["length_m"][0])) + 1.0
 
-    def one(self, stop: Rows, trace_steps: int = 0) -> tuple[OutcomeRow, Rows]:
-        """Make a single stop (a row of STOP, shape (1,)); also its trace, in m past the mark."""
+    def one(self, stop: Rows, trace_steps: int = 0) -> tuple[BenchOutcomeRow, Rows]:
+        """Make a single stop, shape (1,); also its trace, in m past the mark."""
         outcomes, trace = self.run(stop, trace_steps)
         trace["position_m"] -= self.begin_m + float(stop["start_m"][0])
-        outcome: OutcomeRow = outcomes.view(np.recarray)[0]
+        outcome: BenchOutcomeRow = outcomes.view(np.recarray)[0]
         return outcome, trace
 
     def keeper(self) -> StopKeeper:

@@ -1,21 +1,53 @@
 """A paper as a specification: what is sampled, what is run and judged, and the same experiment without the idea.
 
-`Specification` is what a module of `papers.reproduction.REPRODUCTIONS` has as its `reproduce`. Its null method is a
-part of it and runs by itself, so that the tests can run it alone; `--out` and `--quick` mean the same for all.
+Every name of `REPRODUCTIONS` is a module of this package, and its `reproduce` is a `Specification`. Its null method is
+a part of it and runs by itself, so that the tests can run it alone; `--out` and `--quick` mean the same for all.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from network.errors import InputError
+from papers.parameter_sets import NotDriven, ParameterSet
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, Reproduction, UnjudgedFigure
 
+# the module of each, imported only when asked for, has its name with _ for -
+REPRODUCTIONS: Final = (
+    "battery-day",
+    "harada-accuracy",
+    "harada-beacons",
+    "harada-loop-track",
+    "harada-slide",
+    "journeys",
+    "line-driving",
+    "line-stops",
+    "mochizuki-patterns",
+    "mochizuki-speed",
+    "oda-scale-track",
+    "oda-table4",
+    "oda-tuning",
+    "oda-vision",
+    "position-compare",
+    "position-fusion",
+    "position-operations",
+    "stop-statistics",
+    "stop-window",
+    "sugiyama-table5",
+    "sugiyama-tags",
+    "trainruns",
+    "ttobench",
+    "virtual-blocks",
+    "yasunobu-energy",
+    "yasunobu-robust",
+)
 REPORTED: Final = "reported, not judged"
 
 
@@ -60,12 +92,16 @@ class Findings:
 
 @dataclass(frozen=True, slots=True)
 class Specification:
-    """One reproduction; called with options, it runs. `slice`: what `--quick` leaves out; `beside`: a second column."""
+    """One reproduction; called with options, it runs. `slice`: what `--quick` leaves out; `beside`: a second column.
+
+    `driven`: by which set of parameters its trains are driven, or why by none.
+    """
 
     name: str
     title: str
     run: Callable[[Options], Findings]
     null: NullMethod
+    driven: ParameterSet | NotDriven
     slice: str = ""
     beside: str = ""
 
@@ -81,13 +117,21 @@ class Specification:
         return Reproduction(
             self.name,
             self.title,
-            tuple(found.parameters),
+            (*found.parameters, *self.driven.parameters()),
             (*found.rows, *self.null.rows(null)),
             tuple(remarks),
             tuple(found.figures),
             self.beside,
             null=self.null,
         )
+
+
+def reproduction(name: str) -> Specification:
+    """The reproduction of a name; InputError with the known names otherwise."""
+    if name not in REPRODUCTIONS:
+        raise InputError("reproduce", "name", name, "one of " + ", ".join(REPRODUCTIONS))
+    found: Specification = import_module(f"papers.{name.replace('-', '_')}").reproduce
+    return found
 
 
 def at_most(case: str, paper: object, ours: float, limit: float, digits: int = 4) -> CaseRow:

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from papers.parameter_sets import LINE
-from papers.single_stop import Rows, new_stops
+from papers.single_run import Rows, new_stops
 from papers.single_train import Bench
 from papers.specification import Evenly
 from papers.stop_statistics import FACTORS, statistics_bench
@@ -174,7 +174,7 @@ def bench() -> Bench:
 
 
 def stops_from(distances_m: Floats, speeds_mps: Floats, brakes: Floats, adhesions: Floats) -> Rows:
-    """Rows of STOP, shape (n,): distance, speed, brakes (n, 3: dead time s, lag s, factor) and adhesion of each."""
+    """Stops, shape (n,): distance, speed, brakes (n, 3: dead time s, lag s, factor) and adhesion of each."""
     train = bench().prepared["board"]["kind"][0]
     stops = new_stops(distances_m.size)
     stops["start_m"], stops["speed_mps"] = distances_m, speeds_mps

@@ -18,7 +18,7 @@ from scipy.stats import norm, qmc
 from network.errors import InputError
 from papers.parameter_sets import LINE, coasting
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
-from papers.single_stop import Rows, new_stops
+from papers.single_run import Rows, new_stops
 from papers.single_train import Bench
 from papers.specification import Findings, Specification
 from papers.table4_stops import START_M, oda_train
@@ -94,7 +94,7 @@ def drawn(n: int, seed: int, factors: Mapping[str, Factor]) -> Mapping[str, NDAr
 
 
 def stops_of(values: Mapping[str, NDArray[np.float64]], lag_s: float, beacons: int = 3) -> Rows:
-    """STOP rows of the drawn values, shape (n,); beacons at 400 and 100 m and the last one where drawn.
+    """Stops of the drawn values, shape (n,); beacons at 400 and 100 m and the last one where drawn.
 
     `lag_s` is the brake's lag that the controller believes in.
     """
@@ -261,7 +261,6 @@ def parameters(n: int) -> tuple[Parameter, ...]:
         Parameter("stops", n, "", "issue: at scale"),
         Parameter("train", "oda_train", "", "Oda, 3.2.3"),
         Parameter("speed at the beginning", SPEED_MPS, "m/s", "assumed"),
-        *LINE.parameters(),
         *(
             Parameter(name, f"{factor.mean:g} +- {factor.sigma:g}", factor.unit, factor.origin)
             for name, factor in FACTORS.items()
@@ -295,5 +294,6 @@ reproduce: Final = Specification(
         (WITHIN.format(ASKED_M),),
         lambda options: within_rows(stop_statistics(STOPS_QUICK, options.seed, beacons=0))[0],
     ),
+    LINE,
     f"A short slice: {STOPS_QUICK} of {STOPS} stops.",
 )

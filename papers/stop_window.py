@@ -13,7 +13,7 @@ import numpy as np
 from papers.charts import Band, ChartPage, Panel, Plotted, Ruled
 from papers.parameter_sets import LINE
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
-from papers.single_stop import STEPS_MAX
+from papers.single_run import STEPS_MAX
 from papers.specification import Findings, Specification
 from papers.stop_set import (
     BEYOND_M,
@@ -216,7 +216,6 @@ def parameters(grid: StopGrid, stops: int) -> tuple[Parameter, ...]:
     """What was chosen, and why."""
     return (
         Parameter("train", "oda_train", "", "Oda, 3.2.3, with the lag of stop-statistics"),
-        *LINE.parameters(),
         *(within.parameter for within in RANGES.values()),
         Parameter("window", WINDOW_M, "m either way", "Oda, 2.2"),
         Parameter(
@@ -348,5 +347,6 @@ reproduce: Final = Specification(
         (ENDS_WITHIN,),
         lambda options: nearer_rows(stop_set(QUICK_GRID), options.seed),
     ),
+    LINE,
     f"A short slice: a coarser grid, and {STOPS_QUICK} of {STOPS} stops.",
 )

@@ -13,6 +13,7 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
+from papers.parameter_sets import LINE
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter
 from papers.specification import Findings, Specification
 from study.drilling.drill import Drill, run_drill, shipped_drills
@@ -147,5 +148,6 @@ reproduce: Final = Specification(
     "Table 5: test menu of system failures",
     experiment,
     NullMethod("nothing fails", tuple(f"({name.split('/')[1]})" for name in NULL_DRILLS), idle_rows),
+    LINE,
     "quick: the test line only; without --quick also the Karasuyama line",
 )

@@ -12,6 +12,7 @@ from typing import Final
 from scipy.optimize import root_scalar
 
 from onboard.localisation.reader import CRC_OFFSET, CRC_POLYNOMIAL, IdAgreement
+from papers.parameter_sets import NotDriven
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter
 from papers.specification import Findings, Specification, equal, reported
 from papers.tag_scheme import (
@@ -266,5 +267,6 @@ reproduce: Final = Specification(
     "Reading tags: wrong and missing ids per hour (Sugiyama, Fukuda, Kitano, section 6)",
     experiment,
     NullMethod(PROTOTYPE.name, (f"{CLAIMED_KMH} km/h",), lambda _options: _speed_rows(PROTOTYPE)),
+    NotDriven("trains pass tags at a constant speed"),
     "Quick: a tenth of the Monte-Carlo passages.",
 )

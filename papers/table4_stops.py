@@ -14,7 +14,7 @@ import numpy as np
 from network.units import mps
 from onboard.driving.tasc import WHOLE_LAW, StopLawPart, StopVerdict
 from papers.parameter_sets import CUMULATIVE_ERROR, SECTION_3_2
-from papers.single_stop import Rows, new_stops
+from papers.single_run import Rows, new_stops
 from papers.single_train import Bench
 from vehicle.train_file import TrainType, load_train, shipped_train
 
@@ -93,7 +93,7 @@ def controller(
 
 
 def plain_stop(speed_kmh: float) -> Rows:
-    """A stop from `speed_kmh` without any position error; a row of STOP, shape (1,)."""
+    """A stop from `speed_kmh` without any position error; shape (1,)."""
     stop = new_stops(1)
     stop["speed_mps"] = mps(speed_kmh)
     stop["start_m"] = START_M
@@ -101,7 +101,7 @@ def plain_stop(speed_kmh: float) -> Rows:
 
 
 def stop_of(case: SignRun) -> Rows:
-    """A case's position errors; a row of STOP, shape (1,)."""
+    """A case's position errors; shape (1,)."""
     stop = plain_stop(SPEED_KMH)
     stop["since_fix_m"] = SAFETY_BEACON_M - START_M
     stop["count_error"] = CUMULATIVE_ERROR if case.error_is_positive else -CUMULATIVE_ERROR
@@ -159,7 +159,7 @@ def passes(case: SignRun, error_m: float) -> bool:
 
 
 def impossible_stops() -> tuple[tuple[str, StopVerdict, Rows], ...]:
-    """Name, expected verdict and STOP row of three stops that cannot be made, each with a stop limit."""
+    """Name, expected verdict and row of three stops that cannot be made, each with a stop limit."""
     weak = stop_of(SignRun(1, True, 100.0, 0.0))
     weak["brake_factor"] = 0.6
     weak["stop_limit_m"] = 20.0

@@ -8,7 +8,7 @@ is taken apart, one assumption at a time.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -18,10 +18,11 @@ import numpy as np
 from onboard.driving.pattern import limit_for_train, lowered_by
 from papers.parameter_sets import LINE
 from papers.reference_data import reference_folder
-from papers.reproduction import CaseRow, NullMethod, Options, Parameter, Reproduction, UnjudgedFigure
-from papers.single_hop import HopBench, HopWay, new_hops
-from papers.single_stop import Rows
+from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
+from papers.single_hop import HopBench, HopWay
+from papers.single_run import Rows, new_hops
 from papers.single_train import Bench
+from papers.specification import Findings, Specification
 from papers.trainruns_files import KMH_PER_MPS, ReferencePath, read_path, read_train
 from papers.trainruns_model import REFINED, STEP_M, ReferenceTrain, running_time_s
 from vehicle.mass import mass_kg
@@ -30,10 +31,8 @@ from vehicle.running_time import predicted_run
 from vehicle.traction import full_force_n
 from vehicle.train_file import TrainType, load_train, shipped_train
 
-TITLE: Final = "Running times of TrainRuns, by its assumptions and by ours"
 FOLDER: Final = "trainruns"
 WITHIN_S: Final = 0.02
-NULL: Final = NullMethod("every limit held from where it begins", (", s",))
 OURS_STEP_S: Final = 0.02
 MODEL_STEP_M: Final = 0.25
 FULL: Final = 1.0
@@ -98,33 +97,16 @@ class Apart:
         return tuple(UnjudgedFigure(f"{path}: {name}, s", round(value, 2), why) for name, value, why in parts)
 
 
-def reproduce(options: Options) -> Reproduction:
-    """The four running times of the BR 642, within 0.02 s, and ours beside them; other trains are told."""
-    folder = reference_folder(options, FOLDER)
-    kind = load_train(shipped_train(OWN_TRAIN))
-    train = read_train(folder / "trains" / f"{OWN}.yaml")
-    rows: list[CaseRow] = []
-    held: list[CaseRow] = []
-    figures: list[UnjudgedFigure] = []
+def own_paths(folder: Path) -> Iterator[tuple[str, ReferencePath, float]]:
+    """The paths whose running times are judged, with those of the train of which we have a file, s."""
     for (name, path_name), published_s in PUBLISHED.items():
-        if name != OWN:
-            continue
-        path = read_path(folder / "paths" / f"{path_name}.yaml")
-        apart = taken_apart(kind, train, path, published_s)
-        rows.append(time_row(path_name, published_s, apart.rebuilt_s, round(apart.converged_s, 2)))
-        held_s = sum((part.end_m - part.begin_m) / part.limit_mps for part in path.sections(train))
-        held += NULL.rows([time_row(path_name, published_s, held_s)])
-        figures += apart.figures(path_name)
-    return Reproduction(
-        "trainruns",
-        TITLE,
-        (*_parameters(kind, train), *LINE.parameters()),
-        (*rows, *held),
-        _remarks(),
-        (*figures, *_others(folder), *_forces(kind, train)),
-        "converged",
-        null=NULL,
-    )
+        if name == OWN:
+            yield path_name, read_path(folder / "paths" / f"{path_name}.yaml"), published_s
+
+
+def own_train(folder: Path) -> ReferenceTrain:
+    """That train, as the model knows it."""
+    return read_train(folder / "trains" / f"{OWN}.yaml")
 
 
 def time_row(path_name: str, published_s: float, found_s: float, beside: object = None) -> CaseRow:
@@ -163,9 +145,10 @@ def as_theirs(kind: TrainType, train: ReferenceTrain) -> Rows:
     """Our train with the resistance of its empty mass whatever its load, as that model has it."""
     row = kind.row.copy()
     share = (train.driving_kg + train.carrying_kg) / mass_kg(kind.row[0], FULL)
-    for field in row.dtype.names or ():
-        if field.startswith("resistance_") and "_n_per_kn" in field:
-            row[field] *= share
+    resistance = row["resistance"]
+    for field in resistance.dtype.names or ():
+        if field.startswith(("motored", "trailer")):
+            resistance[field] *= share
     return row
 
 
@@ -236,9 +219,42 @@ def _parameters(kind: TrainType, train: ReferenceTrain) -> tuple[Parameter, ...]
     )
 
 
-def _remarks() -> tuple[str, ...]:
-    return (
-        "the model of that simulator is a check in `study`, no second physics: nothing else runs by it",
-        "'converged' is our least running time with that train's braking; what it differs by is taken apart below",
-        "the running times are those of its own tests; the four of the BR 642 are judged, its other trains told",
+def experiment(options: Options) -> Findings:
+    """The four running times of the BR 642, within 0.02 s, and ours beside them; other trains are told."""
+    folder = reference_folder(options, FOLDER)
+    kind, train = load_train(shipped_train(OWN_TRAIN)), own_train(folder)
+    rows: list[CaseRow] = []
+    figures: list[UnjudgedFigure] = []
+    for path_name, path, published_s in own_paths(folder):
+        apart = taken_apart(kind, train, path, published_s)
+        rows.append(time_row(path_name, published_s, apart.rebuilt_s, round(apart.converged_s, 2)))
+        figures += apart.figures(path_name)
+    return Findings(
+        rows,
+        _parameters(kind, train),
+        (
+            "the model of that simulator is a check in `study`, no second physics: nothing else runs by it",
+            "'converged' is our least running time with that train's braking; what it differs by is taken apart below",
+            "the running times are those of its own tests; the four of the BR 642 are judged, its other trains told",
+        ),
+        (*figures, *_others(folder), *_forces(kind, train)),
     )
+
+
+def at_every_limit(options: Options) -> Iterable[CaseRow]:
+    """The same running times of a train that has no mass."""
+    folder = reference_folder(options, FOLDER)
+    train = own_train(folder)
+    for path_name, path, published_s in own_paths(folder):
+        held_s = sum((part.end_m - part.begin_m) / part.limit_mps for part in path.sections(train))
+        yield time_row(path_name, published_s, held_s)
+
+
+reproduce: Final = Specification(
+    "trainruns",
+    "Running times of TrainRuns, by its assumptions and by ours",
+    experiment,
+    NullMethod("every limit held from where it begins", (", s",), at_every_limit),
+    LINE,
+    beside="converged",
+)

@@ -9,19 +9,20 @@ figures are those of a local optimum, without one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
 from network.units import J_PER_KWH
+from papers.parameter_sets import NotDriven
 from papers.reference_data import reference_folder
-from papers.reproduction import CaseRow, NullMethod, Options, Parameter, Reproduction, UnjudgedFigure
+from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
+from papers.specification import Findings, Specification
 from papers.ttobench_files import BenchTrain, TtobenchTrack, course_of, read_tracks, read_trains
 from vehicle.optimum import Course, least_time
 from vehicle.optimum.coast import cruise_run
 from vehicle.optimum.proof import ProvenRun, proven
 
-TITLE: Final = "Least energy on TTOBench's tracks, with a proven bound"
 FOLDER: Final = "ttobench"
 TIMES: Final = (1.05, 1.1, 1.2)
 POINTS: Final = 300  # as aboard: the mesh whose solution is timed (`study.evaluate.optimum_bench`)
@@ -34,7 +35,6 @@ QUICK: Final = (
     ("00_reference_with_tunnels", "CH_Stadler_FLIRT_TPF"),
 )
 HELD: Final = ("CH_Fribourg_Bern", "CH_Stadler_FLIRT_TPF", "static")
-NULL: Final = NullMethod("full power to one cruising speed", (", ".join(HELD),))
 EFFICIENCIES: Final = (("perfect", True), ("static", False))
 
 
@@ -61,27 +61,6 @@ CROSS_CHECKS: Final = (
 )
 SIMPLER_TRACK, SIMPLER_TRAIN = "CH_Fribourg_Bern", "CH_Stadler_FLIRT_TPF"
 SIMPLER_LEAST_S, SIMPLER_TIMES, SIMPLER_KWH = 1103.0, 1.1, 91.0
-
-
-def reproduce(options: Options) -> Reproduction:
-    """Run the instances; InputError where the library is not there, or a file of it cannot be used."""
-    folder = reference_folder(options, FOLDER)
-    tracks, trains = read_tracks(folder / "tracks"), read_trains(folder / "trains")
-    rows: list[CaseRow] = []
-    pairs: list[MeshPair] = []
-    for track, train in _pairs(tracks, trains, quick=options.quick):
-        for word, perfect in EFFICIENCIES:
-            course = course_of(track, train, perfect=perfect)
-            least_s = float(least_time(course).time_s[-1])
-            found = [pair_of(course, share * least_s) for share in TIMES]
-            rows.append(row_of(f"{track.id}, {train.id}, {word}", least_s, found))
-            pairs += found
-    checks = [cross_row(tracks[check.track], trains[CROSS_TRAIN], check) for check in CROSS_CHECKS]
-    rows += [*checks, *_simpler_rows(tracks[SIMPLER_TRACK], trains[SIMPLER_TRAIN])]
-    rows += NULL.rows([cruising_row(tracks[HELD[0]], trains[HELD[1]])])
-    return Reproduction(
-        "ttobench", TITLE, _parameters(), tuple(rows), _remarks(options), _figures(pairs), null=NULL
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +107,7 @@ def _figures(pairs: list[MeshPair]) -> tuple[UnjudgedFigure, ...]:
 
 
 def _pairs(
-    tracks: dict[str, TtobenchTrack], trains: dict[str, BenchTrain], *, quick: bool
+    tracks: Mapping[str, TtobenchTrack], trains: Mapping[str, BenchTrain], *, quick: bool
 ) -> Iterator[tuple[TtobenchTrack, BenchTrain]]:
     if quick:
         yield from ((tracks[track], trains[train]) for track, train in QUICK)
@@ -246,18 +225,54 @@ def _parameters() -> tuple[Parameter, ...]:
     )
 
 
-def _remarks(options: Options) -> tuple[str, ...]:
-    quick = (f"quick: {len(QUICK)} instances of all tracks with all trains",) if options.quick else ()
-    return (
-        *quick,
-        "energy: of a run that the true laws allow on every metre, at the wire, net of what is fed back; bound: by weak"
-        " duality, of the continuous problem",
-        f"the run whose gap is judged has the {POINTS} points that a unit solves for, which the bench times; the bound"
-        f" is a proof whatever it costs, so it is looked for with {BOUND_POINTS}. Gaps of one mesh alone stand beside",
-        "stops between the first and the last are passed",
-        "cross-check: theirs is the authors' problem (direct multiple shooting, dkouzoup/ms-eetc) put up and solved"
-        f" anew on {FINE} intervals; on {COARSE} that came to each figure of their own code, which stands beside. What"
-        " those are above ours is the mesh: the force is held on an interval, and its power binds at both ends",
-        "by a simpler model: published rounded, without what it leaves out. Where its energy is below our bound, no run"
-        " of this train on this track has it",
-    )
+REMARKS: Final = (
+    "energy: of a run that the true laws allow on every metre, at the wire, net of what is fed back; bound: by weak"
+    " duality, of the continuous problem",
+    f"the run whose gap is judged has the {POINTS} points that a unit solves for, which the bench times; the bound"
+    f" is a proof whatever it costs, so it is looked for with {BOUND_POINTS}. Gaps of one mesh alone stand beside",
+    "stops between the first and the last are passed",
+    "cross-check: theirs is the authors' problem (direct multiple shooting, dkouzoup/ms-eetc) put up and solved"
+    f" anew on {FINE} intervals; on {COARSE} that came to each figure of their own code, which stands beside. What"
+    " those are above ours is the mesh: the force is held on an interval, and its power binds at both ends",
+    "by a simpler model: published rounded, without what it leaves out. Where its energy is below our bound, no run"
+    " of this train on this track has it",
+)
+
+
+def library(options: Options) -> tuple[Mapping[str, TtobenchTrack], Mapping[str, BenchTrain]]:
+    """Its tracks and trains; InputError where it is not there, or a file of it cannot be used."""
+    folder = reference_folder(options, FOLDER)
+    return read_tracks(folder / "tracks"), read_trains(folder / "trains")
+
+
+def experiment(options: Options) -> Findings:
+    """Run the instances, and those that others have figures of."""
+    tracks, trains = library(options)
+    rows: list[CaseRow] = []
+    pairs: list[MeshPair] = []
+    for track, train in _pairs(tracks, trains, quick=options.quick):
+        for word, perfect in EFFICIENCIES:
+            course = course_of(track, train, perfect=perfect)
+            least_s = float(least_time(course).time_s[-1])
+            found = [pair_of(course, share * least_s) for share in TIMES]
+            rows.append(row_of(f"{track.id}, {train.id}, {word}", least_s, found))
+            pairs += found
+    checks = [cross_row(tracks[check.track], trains[CROSS_TRAIN], check) for check in CROSS_CHECKS]
+    rows += [*checks, *_simpler_rows(tracks[SIMPLER_TRACK], trains[SIMPLER_TRAIN])]
+    return Findings(rows, _parameters(), REMARKS, _figures(pairs))
+
+
+def by_cruising(options: Options) -> Iterator[CaseRow]:
+    """The instance of the null method."""
+    tracks, trains = library(options)
+    yield cruising_row(tracks[HELD[0]], trains[HELD[1]])
+
+
+reproduce: Final = Specification(
+    "ttobench",
+    "Least energy on TTOBench's tracks, with a proven bound",
+    experiment,
+    NullMethod("full power to one cruising speed", (", ".join(HELD),), by_cruising),
+    NotDriven("profiles alone"),
+    f"quick: {len(QUICK)} instances of all tracks with all trains",
+)

@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Final
+from typing import Annotated, Any, Final, Generic, Literal, TypeVar
 
 import msgspec
 import numpy as np
@@ -33,24 +33,74 @@ NEVER_MPS: Final = -1.0  # the electric brake does not fade
 METRES_MAX: Final = 500_000
 
 
-class _Value(msgspec.Struct):
-    value: float
-    unit: str
+_Unit = TypeVar("_Unit", bound=str)
+_From0 = Annotated[float, msgspec.Meta(ge=0.0)]
+_Above0 = Annotated[float, msgspec.Meta(gt=0.0)]
+_Slope = Annotated[float, msgspec.Meta(ge=-200.0, le=200.0)]
+_Share = Annotated[float, msgspec.Meta(gt=0.0, le=100.0)]
 
 
-class _Values(msgspec.Struct):
-    values: list[float]
-    unit: str
+class _Value(msgspec.Struct, Generic[_Unit]):
+    value: _From0
+    unit: _Unit
 
 
-class _Pairs(msgspec.Struct):
+class _Some(msgspec.Struct, Generic[_Unit]):
+    """A value that must be above 0."""
+
+    value: _Above0
+    unit: _Unit
+
+
+class _Percent(msgspec.Struct):
+    value: _Share
+    unit: Literal["%"]
+
+
+class _Places(msgspec.Struct):
+    values: Annotated[list[Annotated[float, msgspec.Meta(le=METRES_MAX)]], msgspec.Meta(min_length=2)]
+    unit: Literal["m"]
+
+
+class _LimitUnits(msgspec.Struct):
+    position: Literal["m"]
+    velocity: Literal["km/h"]
+
+
+class _TrackLimits(msgspec.Struct):
+    values: list[tuple[float, _Above0]]
+    units: _LimitUnits
+
+
+class _GradientUnits(msgspec.Struct):
+    position: Literal["m"]
+    slope: Literal["permil"]
+
+
+class _TrackGradients(msgspec.Struct):
+    values: list[tuple[float, _Slope]]
+    units: _GradientUnits
+
+
+class _TunnelUnits(msgspec.Struct):
+    position: Literal["m"]
+    length: Literal["m"]
+    area: Literal["m^2"] = msgspec.field(name="cross section")
+
+
+class _Tunnels(msgspec.Struct):
+    values: list[tuple[_From0, _From0, float]]
+    units: _TunnelUnits
+
+
+class _DragUnits(msgspec.Struct):
+    area: Literal["m^2"] = msgspec.field(name="cross section")
+    coefficient: Literal["kN/(km/h)^2"]
+
+
+class _Drag(msgspec.Struct):
     values: list[tuple[float, float]]
-    units: dict[str, str]
-
-
-class _Triples(msgspec.Struct):
-    values: list[tuple[float, float, float]]
-    units: dict[str, str]
+    units: _DragUnits
 
 
 class _Metadata(msgspec.Struct):
@@ -59,31 +109,31 @@ class _Metadata(msgspec.Struct):
 
 class _TrackFile(msgspec.Struct):
     metadata: _Metadata
-    stops: _Values
-    limits: _Pairs = msgspec.field(name="speed limits")
-    gradients: _Pairs | None = None
-    tunnels: _Triples | None = None
+    stops: _Places
+    limits: _TrackLimits = msgspec.field(name="speed limits")
+    gradients: _TrackGradients | None = None
+    tunnels: _Tunnels | None = None
 
 
 class _TrainFile(msgspec.Struct):
     metadata: _Metadata
-    mass: _Value
-    power: _Value = msgspec.field(name="max traction power")
-    electric_power: _Value = msgspec.field(name="max reg braking power")
-    force: _Value = msgspec.field(name="max traction force")
-    electric: _Value = msgspec.field(name="max reg braking force")
-    speed: _Value = msgspec.field(name="max speed")
-    r0: _Value = msgspec.field(name="rolling resistance r0")
-    r1: _Value = msgspec.field(name="rolling resistance r1")
-    r2: _Value = msgspec.field(name="rolling resistance r2")
-    pulling: _Value = msgspec.field(name="efficiency traction")
-    regenerating: _Value = msgspec.field(name="efficiency reg brake")
-    friction: _Value | None = msgspec.field(name="max pn braking force", default=None)
-    rho: _Value | None = None
-    length: _Value | None = None
-    acceleration: _Value | None = msgspec.field(name="max acceleration", default=None)
-    deceleration: _Value | None = msgspec.field(name="max deceleration", default=None)
-    tunnel: _Pairs | None = msgspec.field(name="tunnel resistance", default=None)
+    mass: _Some[Literal["kg"]]
+    power: _Some[Literal["kW"]] = msgspec.field(name="max traction power")
+    electric_power: _Value[Literal["kW"]] = msgspec.field(name="max reg braking power")
+    force: _Some[Literal["kN"]] = msgspec.field(name="max traction force")
+    electric: _Value[Literal["kN"]] = msgspec.field(name="max reg braking force")
+    speed: _Some[Literal["km/h"]] = msgspec.field(name="max speed")
+    r0: _Value[Literal["kN"]] = msgspec.field(name="rolling resistance r0")
+    r1: _Value[Literal["kN/(km/h)"]] = msgspec.field(name="rolling resistance r1")
+    r2: _Value[Literal["kN/(km/h)^2"]] = msgspec.field(name="rolling resistance r2")
+    pulling: _Percent = msgspec.field(name="efficiency traction")
+    regenerating: _Percent = msgspec.field(name="efficiency reg brake")
+    friction: _Value[Literal["kN"]] | None = msgspec.field(name="max pn braking force", default=None)
+    rho: _Value[Literal["%"]] | None = None
+    length: _Some[Literal["m"]] | None = None
+    acceleration: _Value[Literal["m/s^2"]] | None = msgspec.field(name="max acceleration", default=None)
+    deceleration: _Value[Literal["m/s^2"]] | None = msgspec.field(name="max deceleration", default=None)
+    tunnel: _Drag | None = msgspec.field(name="tunnel resistance", default=None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,105 +164,69 @@ class BenchTrain:
 def read_track(file: Path) -> TtobenchTrack:
     """Read a track. Raises InputError."""
     raw = read_json(file, _TrackFile)
-    name = str(file)
-    stops = tuple(raw.stops.values)
-    _unit(name, "stops", raw.stops.unit, "m")
-    if len(stops) < 2 or stops[0] != 0.0 or not _grows(stops) or not stops[-1] <= METRES_MAX:
-        raise InputError(name, "stops", list(stops), f"0 and positions that grow, at most {METRES_MAX} m")
-    _units(name, "speed limits", raw.limits.units, {"position": "m", "velocity": "km/h"})
+    name, stops = str(file), tuple(raw.stops.values)
+    if stops[0] != 0.0 or not _grows(stops):
+        raise InputError(name, "stops", list(stops), "0 and positions that grow")
     limits = _steps(name, "speed limits", raw.limits.values, stops[-1])
-    if any(limit <= 0.0 for _, limit in limits):
-        raise InputError(name, "speed limits", None, "limits above 0 km/h")
-    gradients: tuple[tuple[float, float], ...] = ((0.0, 0.0),)
-    if raw.gradients is not None:
-        _units(name, "gradients", raw.gradients.units, {"position": "m", "slope": "permil"})
-        gradients = _steps(name, "gradients", raw.gradients.values, stops[-1])
-        if any(abs(slope) > 200.0 for _, slope in gradients):
-            raise InputError(name, "gradients", None, "gradients of at most 200 permille")
-    tunnels: tuple[tuple[float, float, float], ...] = ()
-    if raw.tunnels is not None:
-        wanted = {"position": "m", "length": "m", "cross section": "m^2"}
-        _units(name, "tunnels", raw.tunnels.units, wanted)
-        tunnels = tuple(raw.tunnels.values)
-        if any(begin < 0.0 or length < 0.0 or begin + length > stops[-1] for begin, length, _ in tunnels):
-            raise InputError(name, "tunnels", None, "tunnels on the track")
+    slopes = [(0.0, 0.0)] if raw.gradients is None else raw.gradients.values
+    tunnels = () if raw.tunnels is None else tuple(raw.tunnels.values)
+    if any(begin + length > stops[-1] for begin, length, _ in tunnels):
+        raise InputError(name, "tunnels", None, "tunnels on the track")
     shown = tuple((at, limit / KMH_PER_MPS) for at, limit in limits)
-    return TtobenchTrack(raw.metadata.id, stops, shown, gradients, tunnels)
+    return TtobenchTrack(raw.metadata.id, stops, shown, _steps(name, "gradients", slopes, stops[-1]), tunnels)
+
+
+def _given_or(value: _Value[_Unit] | None, factor: float, otherwise: float) -> float:
+    """A value in another unit, or what holds where a file has none."""
+    return otherwise if value is None else factor * value.value
 
 
 def read_train(file: Path) -> BenchTrain:
     """Read a train. Raises InputError."""
     raw = read_json(file, _TrainFile)
-    name = str(file)
-
-    def number(key: str, value: _Value | None, unit: str, factor: float, otherwise: float = 0.0) -> float:
-        if value is None:
-            return otherwise
-        _unit(name, key, value.unit, unit)
-        if not (math.isfinite(value.value) and value.value >= 0.0):
-            raise InputError(name, key, value.value, "0 or above")
-        return value.value * factor
-
-    mass_kg = number("mass", raw.mass, "kg", 1.0)
-    if mass_kg <= 0.0:
-        raise InputError(name, "mass", mass_kg, "above 0 kg")
     row = np.zeros(1, dtype=TRAIN)
-    length_m = number("length", raw.length, "m", 1.0, POINT_M)
-    weight_kn = mass_kg * GRAVITY_MPS2 * 1e-3
+    length_m = POINT_M if raw.length is None else raw.length.value
+    weight_kn = raw.mass.value * GRAVITY_MPS2 * 1e-3
+    resistance = {
+        "motored_constant_n_per_kn": raw.r0.value * 1e3 / weight_kn,
+        "motored_linear_n_per_kn_kmh": raw.r1.value * 1e3 / weight_kn,
+        "air_n_per_kmh2": raw.r2.value * 1e3,
+    }
     values = {
         "length_m": length_m,
-        "mass_empty_kg": mass_kg,
-        "rotating_mass_factor": number("rho", raw.rho, "%", 1e-2),
+        "mass_empty_kg": raw.mass.value,
+        "rotating_mass_factor": _given_or(raw.rho, 1e-2, 0.0),
         "cars": 1.0,
         "motored_mass_share": 1.0,
-        "resistance_motored_constant_n_per_kn": number("rolling resistance r0", raw.r0, "kN", 1e3)
-        / weight_kn,
-        "resistance_motored_linear_n_per_kn_kmh": number("rolling resistance r1", raw.r1, "kN/(km/h)", 1e3)
-        / weight_kn,
-        "resistance_air_n_per_kmh2": number("rolling resistance r2", raw.r2, "kN/(km/h)^2", 1e3),
-        "traction_force_max_n": number("max traction force", raw.force, "kN", 1e3),
-        "traction_power_max_w": number("max traction power", raw.power, "kW", 1e3),
+        "traction_force_max_n": raw.force.value * 1e3,
+        "traction_power_max_w": raw.power.value * 1e3,
         "motors": 1.0,
         "motored_axle_mass_share": 1.0,
-        "regenerative_force_max_n": number("max reg braking force", raw.electric, "kN", 1e3),
-        "regenerative_power_max_w": number("max reg braking power", raw.electric_power, "kW", 1e3),
+        "regenerative_force_max_n": raw.electric.value * 1e3,
+        "regenerative_power_max_w": raw.electric_power.value * 1e3,
         "regenerative_fade_from_mps": NEVER_MPS,
         "regenerative_fade_to_mps": NEVER_MPS,
-        "efficiency_traction": _share(name, "efficiency traction", raw.pulling),
-        "efficiency_regeneration": _share(name, "efficiency reg brake", raw.regenerating),
-        "speed_max_mps": number("max speed", raw.speed, "km/h", 1.0 / KMH_PER_MPS),
+        "efficiency_traction": raw.pulling.value * 1e-2,
+        "efficiency_regeneration": raw.regenerating.value * 1e-2,
+        "speed_max_mps": raw.speed.value * (1.0 / KMH_PER_MPS),
         "adhesion_dry": ADHESION,
     }
     for key, value in values.items():
         row[key] = value
-    if (
-        min(
-            length_m,
-            *(values[key] for key in ("traction_force_max_n", "traction_power_max_w", "speed_max_mps")),
-        )
-        <= 0.0
-    ):
-        raise InputError(name, "", None, "length, force, power and speed above 0")
+    for key, value in resistance.items():
+        row["resistance"][key] = value
     perfect = row.copy()
     perfect["efficiency_traction"] = perfect["efficiency_regeneration"] = 1.0
-    tunnel: tuple[tuple[float, float], ...] = ()
-    if raw.tunnel is not None:
-        _units(
-            name,
-            "tunnel resistance",
-            raw.tunnel.units,
-            {"cross section": "m^2", "coefficient": "kN/(km/h)^2"},
-        )
-        tunnel = tuple((area, factor * 1e3 * KMH_PER_MPS**2) for area, factor in raw.tunnel.values)
+    drag = [] if raw.tunnel is None else raw.tunnel.values
     return BenchTrain(
         raw.metadata.id,
         row,
         perfect,
         length_m,
-        number("max pn braking force", raw.friction, "kN", 1e3),
-        number("max acceleration", raw.acceleration, "m/s^2", 1.0, math.inf),
-        number("max deceleration", raw.deceleration, "m/s^2", 1.0, NO_LIMIT_MPS2),
-        tunnel,
+        _given_or(raw.friction, 1e3, 0.0),
+        _given_or(raw.acceleration, 1.0, math.inf),
+        _given_or(raw.deceleration, 1.0, NO_LIMIT_MPS2),
+        tuple((area, factor * 1e3 * KMH_PER_MPS**2) for area, factor in drag),
     )
 
 
@@ -252,12 +266,12 @@ def course_of(
     at_m = np.arange(metres, dtype=np.float64)
     rows: Any = train.perfect if perfect else train.row
     return Course(
-        train=rows[0],
-        load_share=0.0,
-        climb_m=_heights_m(track, at_m),
-        limit_mps=_limits_mps(track, train, metres),
-        start_m=from_m,
-        stop_m=stop_m,
+        rows[0],
+        0.0,
+        _heights_m(track, at_m),
+        _limits_mps(track, train, metres),
+        from_m,
+        stop_m,
         deceleration_mps2=train.deceleration_mps2,
         initial_mps=end_mps,
         final_mps=end_mps,
@@ -303,15 +317,8 @@ def _drag(track: TtobenchTrack, train: BenchTrain, metres: int) -> Floats | None
     return drag
 
 
-def _share(name: str, key: str, value: _Value) -> float:
-    _unit(name, key, value.unit, "%")
-    if not 0.0 < value.value <= 100.0:
-        raise InputError(name, key, value.value, "above 0 and at most 100 %")
-    return value.value * 1e-2
-
-
 def _grows(values: tuple[float, ...]) -> bool:
-    return all(math.isfinite(value) for value in values) and all(a < b for a, b in pairwise(values))
+    return all(a < b for a, b in pairwise(values))
 
 
 def _steps(
@@ -320,16 +327,4 @@ def _steps(
     places = tuple(at for at, _ in pairs)
     if not places or places[0] != 0.0 or not _grows(places) or places[-1] >= end_m:
         raise InputError(name, key, None, f"positions that grow from 0 and stay below {end_m:g} m")
-    if not all(math.isfinite(value) for _, value in pairs):
-        raise InputError(name, key, None, "finite numbers")
     return tuple(pairs)
-
-
-def _unit(name: str, key: str, unit: str, wanted: str) -> None:
-    if unit != wanted:
-        raise InputError(name, f"{key}.unit", unit, wanted)
-
-
-def _units(name: str, key: str, units: dict[str, str], wanted: dict[str, str]) -> None:
-    for part, unit in wanted.items():
-        _unit(name, f"{key}.units.{part}", units.get(part, ""), unit)

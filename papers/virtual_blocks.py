@@ -11,15 +11,18 @@ to which trains come at random. A part of the gain is measured as the paper does
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from pathlib import Path
 from typing import Final
 
+from matplotlib.axes import Axes
+
 from network.model import Line, Station
-from papers.reproduction import CaseRow, NullMethod, Options, Parameter, Reproduction, UnjudgedFigure
-from papers.virtual_blocks_chart import BlocksDrawn, write_curves
+from papers.charts import ChartPage, Panel, Plottable, Plotted, Ruled
+from papers.parameter_sets import NotDriven
+from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
+from papers.specification import Findings, Specification
 from scenario.scenario import load_scenario
 from simulation.setup import Setup
 from study.capacity.legs import SetLeg, legs_of, places_of
@@ -28,6 +31,7 @@ from study.capacity.shared_stretch import StretchHeadways, mean_wait_s, stretch_
 from study.capacity.standard import alone, standard_paths
 from study.capacity.theory import occupations
 from study.capacity.virtual_blocks import with_virtual_blocks
+from study.report.style import INK, UNIT_COLOURS, WIDTH_IN
 
 SCENARIOS: Final = ("karasuyama_weekday", "busy_line")
 BLOCKS: Final = (1, 2, 3, 4, 5, 8, 12, 20, 40, 80)
@@ -37,7 +41,6 @@ LATER_S: Final = 10_800.0  # copies of the trains are laid out so much later: he
 PAPER_GAIN_PERCENT: Final = 40.0
 PAPER_BLOCKS: Final = 5
 MORE: Final = ": more trains at the same mean speed with moving blocks, %"
-NULL: Final = NullMethod("as many blocks, of routes that are had whole", (MORE,))
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,40 +76,13 @@ class BlocksCurve:
         whole = self.gain_percent(self.points[-1].blocks)
         return 100.0 * self.gain_percent(blocks) / whole if whole else 0.0
 
-    @property
-    def drawn(self) -> BlocksDrawn:
-        """As the picture shows it, trains down."""
-        return BlocksDrawn(
-            self.name,
-            tuple(point.blocks for point in self.points),
-            tuple(self.gain_percent(point.blocks) for point in self.points),
-            tuple(point.stretch.following_s[0] for point in self.points),
-            self.had_whole[0].stretch.following_s[0],
-        )
+
+def slice_of(options: Options) -> tuple[Sequence[str], Sequence[int]]:
+    """Scenarios, and numbers of blocks."""
+    return (SCENARIOS[:1], QUICK) if options.quick else (SCENARIOS, BLOCKS)
 
 
-def reproduce(options: Options) -> Reproduction:
-    """The gain in traffic of five virtual blocks and of moving blocks, the paper's beside ours."""
-    counts = QUICK if options.quick else BLOCKS
-    names = SCENARIOS[:1] if options.quick else SCENARIOS
-    curves = [curve for name in names for curve in curves_of(name, counts, options.seed)]
-    if options.out is not None:
-        write_curves([curve.drawn for curve in curves], Path(options.out))
-    return Reproduction(
-        "virtual-blocks",
-        "Virtual blocks on a branch line",
-        _parameters(counts),
-        (
-            *(row for curve in curves for row in rows_of(curve)),
-            *NULL.rows(gain_row(without_idea(curve)) for curve in curves),
-        ),
-        (*_REMARKS, *((f"quick: {SCENARIOS[0]} alone, {counts} blocks",) if options.quick else ())),
-        tuple(figure for curve in curves for figure in _figures(curve)),
-        null=NULL,
-    )
-
-
-def curves_of(name: str, counts: Sequence[int], seed: int) -> tuple[BlocksCurve, ...]:
+def curve_of(name: str, counts: Sequence[int], seed: int) -> BlocksCurve:
     """The longest stretch between crossing stations of a scenario's line, by number of blocks."""
     setup = load_scenario(name).setup
     low, high = _longest(setup.line)
@@ -119,7 +95,7 @@ def curves_of(name: str, counts: Sequence[int], seed: int) -> tuple[BlocksCurve,
 
     points = tuple(point(blocks, VIRTUAL_BLOCKS) for blocks in counts)
     where = f"{setup.line.name}, {low.name} - {high.name}"
-    return (BlocksCurve(name, where, wait_s, points, (point(1, MINIMAL), point(counts[-1], MINIMAL))),)
+    return BlocksCurve(name, where, wait_s, points, (point(1, MINIMAL), point(counts[-1], MINIMAL)))
 
 
 def without_idea(curve: BlocksCurve) -> BlocksCurve:
@@ -212,11 +188,78 @@ def _figures(curve: BlocksCurve) -> tuple[UnjudgedFigure, ...]:
     return (*own, UnjudgedFigure(f"{curve.name}: as units do", round(whole.trains_per_hour, 2), said))
 
 
-_REMARKS: Final = (
+REMARKS: Final = (
     "the paper's corridor is 2,000 miles of single and double track with freight trains and a dispatcher; ours is"
     " one single track between two stations with short trains that go as they come: shapes are compared, not sizes",
     "one of our fixed blocks is the whole way between two stations; signal blocks of a main line are shorter, so that"
     " five parts of ours are longer than five of theirs",
     "opposing trains gain nothing from blocks: in one direction alone the gain would be greater",
     "stations are taken to have room for all trains that wait; a loop of two tracks has not",
+)
+
+
+def chart(curves: Sequence[BlocksCurve]) -> ChartPage:
+    """Left: more trains at today's speed, %; right: headway of a follower down, min; over blocks, on a log axis."""
+    counts = [point.blocks for point in curves[0].points]
+    gains: list[Plottable] = [
+        Ruled(
+            y=(PAPER_GAIN_PERCENT,), label=f"published, moving blocks: {PAPER_GAIN_PERCENT:g} %", colour=INK
+        ),
+        Ruled(x=(PAPER_BLOCKS,), label="published: five give most"),
+    ]
+    headways: list[Plottable] = []
+    for curve, colour in zip(curves, UNIT_COLOURS, strict=False):
+        gained = [curve.gain_percent(point.blocks) for point in curve.points]
+        apart_min = [point.stretch.following_s[0] / 60.0 for point in curve.points]
+        whole_min = curve.had_whole[0].stretch.following_s[0] / 60.0
+        gains.append(Plotted(counts, gained, curve.name, colour, "o-"))
+        headways += [
+            Plotted(counts, apart_min, f"{curve.name}, down", colour, "o-"),
+            Plotted(counts[:1], [whole_min], "as units do: route had whole", colour, "x", size=7.0),
+        ]
+
+    def by_count(axes: Axes) -> None:
+        axes.set_xscale("log")
+        axes.set_xticks(counts, [str(count) for count in counts])
+        axes.minorticks_off()
+        axes.set_ylim(bottom=0.0)
+
+    blocks = "virtual blocks of each section between stations"
+    more = "more trains at the mean speed of one block, %"
+    apart = "headway from departure to departure, min"
+    panels = (
+        Panel(blocks, more, gains, legend="upper left", also=by_count),
+        Panel(blocks, apart, headways, also=by_count),
+    )
+    return ChartPage("virtual_blocks", (WIDTH_IN, 4.6), (panels,))
+
+
+def experiment(options: Options) -> Findings:
+    """The gain in traffic of five virtual blocks and of moving blocks, the paper's beside ours."""
+    names, counts = slice_of(options)
+    curves = [curve_of(name, counts, options.seed) for name in names]
+    return Findings(
+        [row for curve in curves for row in rows_of(curve)],
+        _parameters(counts),
+        REMARKS,
+        [figure for curve in curves for figure in _figures(curve)],
+        [gain_row(without_idea(curve)) for curve in curves],
+        chart(curves).write,
+    )
+
+
+def had_whole(options: Options) -> Iterator[CaseRow]:
+    """The gain of the most blocks alone by such trains."""
+    names, counts = slice_of(options)
+    curves = (curve_of(name, (1, counts[-1]), options.seed) for name in names)
+    return (gain_row(without_idea(curve)) for curve in curves)
+
+
+reproduce: Final = Specification(
+    "virtual-blocks",
+    "Virtual blocks on a branch line",
+    experiment,
+    NullMethod("as many blocks, of routes that are had whole", (MORE,), had_whole),
+    NotDriven("running times are computed, nothing drives them"),
+    f"quick: {SCENARIOS[0]} alone, {QUICK} blocks",
 )

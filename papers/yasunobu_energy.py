@@ -7,14 +7,14 @@ running time. The PID was tuned beforehand (`pid_tuning`); nothing here is chose
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cache
-from pathlib import Path
 from typing import Final
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from network.files.toml_input import Record
 from network.units import J_PER_KWH
@@ -22,11 +22,12 @@ from onboard.driving.laws.fuzzy_records import PredictiveFuzzy
 from onboard.driving.laws.pid import Pid
 from onboard.driving.laws.settings import LawTables
 from onboard.driving.planner.plan import PlanOnPath
+from papers.charts import ChartPage, Panel, Plotted
 from papers.parameter_sets import TABLE_1
-from papers.reproduction import CaseRow, NullMethod, Options, Parameter, Reproduction, UnjudgedFigure
+from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
 from papers.single_hop import HopBench, TimedHop, one_gradient, own_plan
-from papers.single_stop import Rows
-from papers.yasunobu_chart import EnergyCurve, write_energy, write_running_curves
+from papers.single_run import Rows
+from papers.specification import Findings, Specification
 from papers.yasunobu_train import (
     GRADIENTS_PERMILLE,
     HOP_M,
@@ -36,6 +37,7 @@ from papers.yasunobu_train import (
     paper_hops,
     paper_train,
 )
+from study.report.style import INK, UNIT_COLOURS
 from vehicle.optimum import Course, TooShort, least_energy
 from vehicle.optimum.bound import lower_bound_j
 
@@ -45,6 +47,7 @@ SAVING_SHARE: Final = 0.10  # the paper, 6.2
 NEAR_BOUND_SHARE: Final = 0.05
 WORSE_WITHOUT_SHARE: Final = 0.03  # assumed: a rule that is worth less than this is no rule for saving energy
 PAPER_KWH: Final = {"fuzzy": 8.91, "PID": 10.03}  # figure 9: level, 85 s
+PAPER_SAVES_PERCENT: Final = round(100.0 * (1.0 - PAPER_KWH["fuzzy"] / PAPER_KWH["PID"]), 1)
 NOMINAL: Final = (0.0, NOMINAL_S)  # permille, s
 QUICK_ORDERS_S: Final = (NOMINAL_S, 95.0)
 MISS_M: Final = 1.0  # a hop that ends further from its mark is none
@@ -55,7 +58,7 @@ AT: Final = f"level, {NOMINAL_S:g} s"
 ON_AVERAGE: Final = "fuzzy saves on average, %"
 AT_NOMINAL: Final = f"fuzzy saves at {AT}, %"
 WHY_LESS: Final = "both laws share the stop's deceleration here, which the paper does not print"
-NULL: Final = NullMethod("fuzzy without C-2, which is to save energy", (ON_AVERAGE, AT_NOMINAL))
+KMH_PER_MPS: Final = 3.6
 
 
 class DrivingWay(Enum):
@@ -73,25 +76,7 @@ LAW: Final[Mapping[DrivingWay, str]] = {
     DrivingWay.OPTIMAL: "optimal",
     DrivingWay.WITHOUT: "predictive_fuzzy",
 }
-
-
-@dataclass(frozen=True, slots=True)
-class Open:
-    """What the paper leaves open, and what fuzzy saves there in its nominal cell.
-
-    `net_percent`: with all that a lossless brake gives back taken off, which leaves the work of running resistance.
-    """
-
-    pid_mps2: float
-    fuzzy_mps2: float
-    power_kw: float
-    saves_percent: float
-    net_percent: float
-
-    @property
-    def stops(self) -> str:
-        """As in the row."""
-        return f"PID {self.pid_mps2:g}, fuzzy {self.fuzzy_mps2:g} m/s^2"
+DRAWN: Final = (DrivingWay.PID, DrivingWay.FUZZY, DrivingWay.OPTIMAL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,10 +87,10 @@ class EnergyCell:
     asked_s: float
     hops: Mapping[DrivingWay, TimedHop]
     over_bound: Mapping[DrivingWay, float]  # share of the lower bound of the same running time
-    fuzzy_over_idle: (
-        float  # fuzzy over the bound of a time shorter by the motors' dead time and lag; nan unless nominal
-    )
-    fuzzy_over_full: float  # the same of fuzzy, where the full service brake may be used; nan unless nominal
+    # fuzzy over the bound of a time shorter by the motors' dead time and lag, and over that of the full service
+    # brake; nan unless nominal
+    fuzzy_over_idle: float
+    fuzzy_over_full: float
     optimum_j: float | None
     bound_j: float | None
     least_s: float
@@ -115,25 +100,13 @@ class EnergyCell:
         """As in the rows."""
         return f"{gradient_named(self.gradient_permille)}, {self.asked_s:g} s"
 
-    @property
-    def saving(self) -> float:
-        """What fuzzy saves of PID's traction energy, as a share."""
-        return 1.0 - self.hops[DrivingWay.FUZZY].traction_kwh / self.hops[DrivingWay.PID].traction_kwh
+    def saving(self, way: DrivingWay = DrivingWay.FUZZY) -> float:
+        """What a way saves of PID's traction energy, as a share."""
+        return 1.0 - self.hops[way].traction_kwh / self.hops[DrivingWay.PID].traction_kwh
 
     def comparable(self, *ways: DrivingWay) -> bool:
         """Whether these keep the time and the mark; all of them where none is named."""
         return all(way in self.hops and kept(self.hops[way]) for way in ways or tuple(DrivingWay))
-
-    @property
-    def null(self) -> EnergyCell:
-        """The same with the null method in fuzzy's place."""
-        hops, over = dict(self.hops), dict(self.over_bound)
-        if hops:
-            hops[DrivingWay.FUZZY], over[DrivingWay.FUZZY] = (
-                hops[DrivingWay.WITHOUT],
-                over[DrivingWay.WITHOUT],
-            )
-        return replace(self, hops=hops, over_bound=over)
 
     @property
     def without_costs(self) -> float:
@@ -188,9 +161,11 @@ def strongest_mps2(hops: HopBench) -> float:
     return float(hops.train.brake_deceleration_mps2[int(hops.train.brake_notches)])
 
 
-def run_cells(gradient_permille: float, orders_s: Sequence[float]) -> list[EnergyCell]:
-    """All ways on one gradient."""
-    benches = {way: hops_of(way, gradient_permille) for way in DrivingWay}
+def run_cells(
+    gradient_permille: float, orders_s: Sequence[float], ways: Sequence[DrivingWay] = tuple(DrivingWay)
+) -> list[EnergyCell]:
+    """These ways on one gradient, PID among them."""
+    benches = {way: hops_of(way, gradient_permille) for way in ways}
     first = benches[DrivingWay.PID]
     shared = course_of(first, DECELERATION_MPS2)
     full = course_of(first, strongest_mps2(first))
@@ -212,7 +187,7 @@ def run_cells(gradient_permille: float, orders_s: Sequence[float]) -> list[Energ
     cells: list[EnergyCell] = []
     idle_s = float(first.train.traction_dead_time_s + first.train.traction_lag_s)
     for asked_s in orders_s:
-        nominal = (gradient_permille, asked_s) == NOMINAL
+        nominal = (gradient_permille, asked_s) == NOMINAL and DrivingWay.FUZZY in ways
         hops: dict[DrivingWay, TimedHop] = {}
         optimum_j = bound_j = None
         least_s = 0.0
@@ -254,7 +229,7 @@ def row_of(cell: EnergyCell) -> CaseRow:
         "optimum, kWh": round(cell.optimum_j / J_PER_KWH, 2),
         "lower bound, kWh": round(cell.bound_j / J_PER_KWH, 3),
     }
-    ours |= {"fuzzy saves, %": percent(cell.saving)}
+    ours |= {"fuzzy saves, %": percent(cell.saving())}
     ours |= {f"{way.value} over the bound, %": percent(cell.over_bound[way]) for way in DrivingWay}
     ours |= {f"{way.value} notch changes": cell.hops[way].notch_changes for way in DrivingWay}
     ours |= {f"{way.value} off the time, s": round(cell.hops[way].off_s, 1) for way in DrivingWay}
@@ -272,54 +247,52 @@ def row_of(cell: EnergyCell) -> CaseRow:
     return CaseRow(cell.name, None, ours, cell.comparable() and never, criterion)
 
 
+def saving_rows(
+    cells: Sequence[EnergyCell], nominal: EnergyCell, way: DrivingWay = DrivingWay.FUZZY
+) -> tuple[CaseRow, ...]:
+    """What the paper claims of fuzzy, by it or by another way in its place."""
+    mean = float(np.mean([cell.saving(way) for cell in cells if cell.comparable(DrivingWay.PID, way)]))
+    saving = nominal.saving(way)
+    return (
+        share_row(ON_AVERAGE, "more than 10", mean, SAVING_SHARE, "more than 10 %"),
+        share_row(AT_NOMINAL, PAPER_SAVES_PERCENT, saving, SAVING_SHARE, "at least 10 %", WHY_LESS),
+    )
+
+
 def judged(cells: Sequence[EnergyCell], nominal: EnergyCell) -> tuple[CaseRow, ...]:
     """What the paper claims, and what the optimum adds to it."""
-    mean = float(
-        np.mean([cell.saving for cell in cells if cell.comparable(DrivingWay.PID, DrivingWay.FUZZY)])
-    )
-    worse = nominal.without_costs
-    paper = 1.0 - PAPER_KWH["fuzzy"] / PAPER_KWH["PID"]
+    over = nominal.over_bound[DrivingWay.FUZZY]
     return (
-        CaseRow(
-            ON_AVERAGE,
-            "more than 10",
-            percent(mean),
-            mean > SAVING_SHARE,
-            missed("more than 10 %", SAVING_SHARE, mean),
-        ),
-        CaseRow(
-            AT_NOMINAL,
-            percent(paper),
-            percent(nominal.saving),
-            nominal.saving >= SAVING_SHARE,
-            missed("at least 10 %", SAVING_SHARE, nominal.saving, WHY_LESS),
-        ),
+        *saving_rows(cells, nominal),
         CaseRow(
             f"fuzzy over the lower bound at {AT}, %",
             None,
             {
-                "with the stop pattern's deceleration": percent(nominal.over_bound[DrivingWay.FUZZY]),
+                "with the stop pattern's deceleration": percent(over),
                 "with the full service brake": percent(nominal.fuzzy_over_full),
             },
-            nominal.over_bound[DrivingWay.FUZZY] <= NEAR_BOUND_SHARE,
+            over <= NEAR_BOUND_SHARE,
             missed(
                 "at most 5 % with the deceleration that all laws share",
-                nominal.over_bound[DrivingWay.FUZZY],
+                over,
                 NEAR_BOUND_SHARE,
-                f"of it {percent(nominal.over_bound[DrivingWay.FUZZY] - nominal.fuzzy_over_idle)} are the motors' dead"
+                f"of it {percent(over - nominal.fuzzy_over_idle)} are the motors' dead"
                 " time and lag, which the bound has not",
             ),
         ),
-        CaseRow(
+        share_row(
             f"without C-2 fuzzy needs more at {AT}, %",
             None,
-            percent(worse),
-            worse >= WORSE_WITHOUT_SHARE,
-            missed(
-                "at least 3 % more, each over the bound of its own running time", WORSE_WITHOUT_SHARE, worse
-            ),
+            nominal.without_costs,
+            WORSE_WITHOUT_SHARE,
+            "at least 3 % more, each over the bound of its own running time",
         ),
     )
+
+
+def share_row(case: str, paper: object, found: float, least: float, criterion: str, why: str = "") -> CaseRow:
+    """A share that must not be below another, in percent."""
+    return CaseRow(case, paper, percent(found), found >= least, missed(criterion, least, found, why))
 
 
 def missed(criterion: str, least: float, found: float, why: str = "") -> str:
@@ -330,48 +303,49 @@ def missed(criterion: str, least: float, found: float, why: str = "") -> str:
     return f"{criterion}; missed by {percent(short):g} points" + (f": {why}" if why else "")
 
 
-def tried(pid_mps2: float, fuzzy_mps2: float, power_kw: float = POWERS_KW[0]) -> Open:
-    """The nominal cell with other decelerations of the stop, each law's own, or another power of the motors."""
+def saved_percent(pid_mps2: float, fuzzy_mps2: float, power_kw: float = POWERS_KW[0]) -> tuple[float, float]:
+    """What fuzzy saves in the nominal cell with other decelerations of the stop, each law's own, or other motors, %.
+
+    Of traction; and net, with all that a lossless brake gives back taken off: the work of running resistance is left.
+    """
     shipped = paper_train()
     row = shipped.row.copy()
     row["traction_power_max_w"] = row["regenerative_power_max_w"] = 1e3 * power_kw
-    train = replace(shipped, row=row)
-
-    def run(way: DrivingWay, deceleration_mps2: float) -> tuple[float, float]:
-        """Energies for traction and against running resistance, J."""
-        bench = paper_bench(LAW[way], deceleration_mps2=deceleration_mps2, train=train)
+    used_j: list[tuple[float, float]] = []
+    for way, deceleration_mps2 in ((DrivingWay.PID, pid_mps2), (DrivingWay.FUZZY, fuzzy_mps2)):
+        bench = paper_bench(LAW[way], deceleration_mps2=deceleration_mps2, train=replace(shipped, row=row))
         hops = HopBench(bench, one_gradient(HOP_M))
         timed = hops.timed(NOMINAL_S)
         hops.traced(timed)
-        return float(timed.outcome["energy_traction_j"]), float(bench.work["plant"]["energy_resistance_j"][0])
-
-    (pid_j, pid_net_j), (fuzzy_j, fuzzy_net_j) = (
-        run(DrivingWay.PID, pid_mps2),
-        run(DrivingWay.FUZZY, fuzzy_mps2),
-    )
-    return Open(
-        pid_mps2, fuzzy_mps2, power_kw, percent(1.0 - fuzzy_j / pid_j), percent(1.0 - fuzzy_net_j / pid_net_j)
-    )
+        resisted_j = float(bench.work["plant"]["energy_resistance_j"][0])
+        used_j.append((float(timed.outcome["energy_traction_j"]), resisted_j))
+    (pid_j, pid_net_j), (fuzzy_j, fuzzy_net_j) = used_j
+    return percent(1.0 - fuzzy_j / pid_j), percent(1.0 - fuzzy_net_j / pid_net_j)
 
 
 def open_rows() -> tuple[CaseRow, ...]:
     """What the miss of the nominal cell hangs on; the paper's running curves are not in its text: nothing is chosen."""
-    braked = [tried(pid_mps2, fuzzy_mps2) for pid_mps2, fuzzy_mps2 in OWN_MPS2]
-    powered = [tried(DECELERATION_MPS2, DECELERATION_MPS2, power_kw) for power_kw in POWERS_KW]
-    paper = percent(1.0 - PAPER_KWH["fuzzy"] / PAPER_KWH["PID"])
+    by_stop: dict[str, str] = {}
+    for pid_mps2, fuzzy_mps2 in OWN_MPS2:
+        saved, net = saved_percent(pid_mps2, fuzzy_mps2)
+        by_stop[f"PID {pid_mps2:g}, fuzzy {fuzzy_mps2:g} m/s^2"] = f"{saved:g}, net {net:g}"
+    by_power = {
+        f"{power_kw:g} kW": saved_percent(DECELERATION_MPS2, DECELERATION_MPS2, power_kw)[0]
+        for power_kw in POWERS_KW
+    }
     return (
         CaseRow(
             f"the same by the stop's deceleration at {AT}, %",
-            f"{paper:g} of traction, about {PAPER_NET_PERCENT} net",
-            {one.stops: f"{one.saves_percent:g}, net {one.net_percent:g}" for one in braked},
+            f"{PAPER_SAVES_PERCENT:g} of traction, about {PAPER_NET_PERCENT} net",
+            by_stop,
             True,
             "the paper prints neither; a pattern to follow and a brake that is foretold need not share one",
             judged=False,
         ),
         CaseRow(
             f"the same by the motors' power at {AT}, %",
-            paper,
-            {f"{one.power_kw:g} kW": one.saves_percent for one in powered},
+            PAPER_SAVES_PERCENT,
+            by_power,
             True,
             "less power leaves less time for coasting, and less to save",
             judged=False,
@@ -431,69 +405,96 @@ def parameters() -> tuple[Parameter, ...]:
         Parameter("proportional gain of PID", gains.gain_per_s, "1/s", "papers.pid_tuning"),
         Parameter("integral gain of PID", gains.integral_gain_per_s2, "1/s^2", "papers.pid_tuning"),
         Parameter("derivative gain of PID", gains.derivative_gain, "", "papers.pid_tuning"),
-        *TABLE_1.parameters(),
     )
 
 
-def write_pictures(cells: Sequence[EnergyCell], folder: Path) -> tuple[Path, ...]:
-    """The like of figures 8 and 9 below `folder`."""
-    curves: dict[str, dict[str, EnergyCurve]] = {}
+def energy_chart(cells: Sequence[EnergyCell]) -> ChartPage:
+    """The like of figure 8: energy over running time, one panel a gradient, one line a law."""
+    top_kwh = 1.05 * max(hop.traction_kwh for cell in cells for hop in cell.hops.values())
+    panels: list[Panel] = []
     for gradient in GRADIENTS_PERMILLE:
-        of_gradient = [cell for cell in cells if cell.gradient_permille == gradient and cell.hops]
-        if not of_gradient:
-            continue
-        lines = {
-            way.value: EnergyCurve(
-                np.array([float(cell.hops[way].outcome["time_s"]) for cell in of_gradient]),
-                np.array([cell.hops[way].traction_kwh for cell in of_gradient]),
-            )
-            for way in (DrivingWay.PID, DrivingWay.FUZZY, DrivingWay.OPTIMAL)
-        }
-        bounded = [cell for cell in of_gradient if cell.bound_j is not None]
-        lines["lower bound"] = EnergyCurve(
-            np.array([cell.asked_s for cell in bounded]),
-            np.array([(cell.bound_j or 0.0) / J_PER_KWH for cell in bounded]),
-        )
-        curves[gradient_named(gradient)] = lines
-    traces: dict[str, Rows] = {}
-    for way in (DrivingWay.PID, DrivingWay.FUZZY, DrivingWay.OPTIMAL):
+        own = [cell for cell in cells if cell.gradient_permille == gradient and cell.bound_j is not None]
+        lines: list[Plotted] = []
+        for way, colour in zip(DRAWN, UNIT_COLOURS, strict=False):
+            times_s = [float(cell.hops[way].outcome["time_s"]) for cell in own]
+            used_kwh = [cell.hops[way].traction_kwh for cell in own]
+            lines.append(Plotted(times_s, used_kwh, way.value, colour, "o-", 1.4, 3.5))
+        bounds_kwh = [(cell.bound_j or 0.0) / J_PER_KWH for cell in own]
+        lines.append(Plotted([cell.asked_s for cell in own], bounds_kwh, "lower bound", INK, ":"))
+        y = "traction energy at the wire, kWh"
+        if own:
+            title = gradient_named(gradient)
+            panels.append(Panel("running time, s", y, lines, title, y_limits=(0.0, top_kwh)))
+    return ChartPage("yasunobu_energy", (10.0, 3.8), [panels])
+
+
+def running_curves() -> ChartPage:
+    """The like of figure 9: speed and notch over distance, one panel a law."""
+    rows: list[list[Panel]] = []
+    for way, colour in zip(DRAWN, UNIT_COLOURS, strict=False):
         hops = hops_of(way, 0.0)
-        traces[way.value] = hops.traced(hops.timed(NOMINAL_S))
-    return (*write_energy(curves, folder), *write_running_curves(traces, folder))
+        trace = hops.traced(hops.timed(NOMINAL_S))
+        at_m, speed_kmh = trace["position_m"], trace["speed_mps"] * KMH_PER_MPS
+        x = "distance from the start, m" if len(rows) == len(DRAWN) - 1 else ""
+        line = Plotted(at_m, speed_kmh, colour=colour, width=1.4)
+        rows.append(
+            [Panel(x, "km/h", [line], way.value, y_limits=(0.0, 80.0), legend="", also=notches(trace))]
+        )
+    return ChartPage("yasunobu_running_curves", (10.0, 2.6 * len(rows)), rows)
 
 
-def reproduce(options: Options) -> Reproduction:
+def notches(trace: Rows) -> Callable[[Axes], None]:
+    """What draws the notch over distance beside the speed."""
+    moving = trace["speed_mps"] > 0.0
+
+    def draw(axes: Axes) -> None:
+        beside = axes.twinx()
+        beside.step(trace["position_m"][moving], trace["notch"][moving], where="post", color=INK, lw=0.7)
+        beside.axhline(0.0, color=INK, lw=0.3)
+        beside.set(ylabel="notch", ylim=(-9.5, 18.0), yticks=[-9, -6, -3, 0, 3, 7])
+
+    return draw
+
+
+REMARKS: Final = (
+    "Running time counts from the order to depart, with the brakes released, to the stand at the mark: dead times,"
+    " lags and whole notches are in it for the laws, not for the optimum and its bound.",
+    "The optimum and the bound brake by at most the stop pattern's deceleration, as all laws mean to; beside that"
+    " stands the bound with the full service brake. Each law is held against the bound of its own running time.",
+    "Why fuzzy saves less here than in the paper: not the motors' power, which it does not name (less of it saves"
+    " less), but the stop's deceleration, which all laws share here: with a gentler pattern for PID than fuzzy"
+    " brakes by, the row of 85 s would come out (row above). Its running curves (figures 8 to 10) are not in the"
+    " text that there is, and its other figure, some 2 % net, does not either: nothing was chosen by it.",
+)
+
+
+def experiment(options: Options) -> Findings:
     """Every gradient and running time; `options.quick`: the level alone, in two times."""
     gradients = (0.0,) if options.quick else GRADIENTS_PERMILLE
     orders_s = QUICK_ORDERS_S if options.quick else ORDERS_S
     cells = [cell for gradient in gradients for cell in run_cells(gradient, orders_s)]
     nominal = next(cell for cell in cells if (cell.gradient_permille, cell.asked_s) == NOMINAL)
-    remarks = [
-        "Running time counts from the order to depart, with the brakes released, to the stand at the mark: dead times,"
-        " lags and whole notches are in it for the laws, not for the optimum and its bound.",
-        "The optimum and the bound brake by at most the stop pattern's deceleration, as all laws mean to; beside that"
-        " stands the bound with the full service brake. Each law is held against the bound of its own running time.",
-        "Why fuzzy saves less here than in the paper: not the motors' power, which it does not name (less of it saves"
-        " less), but the stop's deceleration, which all laws share here: with a gentler pattern for PID than fuzzy"
-        " brakes by, the row of 85 s would come out (row above). Its running curves (figures 8 to 10) are not in the"
-        " text that there is, and its other figure, some 2 % net, does not either: nothing was chosen by it.",
-    ]
-    if options.quick:
-        remarks.append("A short slice: the level, in two of the five times.")
-    if options.out is not None:
-        written = write_pictures(cells, Path(options.out))
-        remarks.append("Drawn: " + ", ".join(str(path) for path in written))
-    return Reproduction(
-        "yasunobu-energy",
-        "Traction energy by PID, predictive fuzzy control and the optimum in the same time (Yasunobu and others, 6)",
+    return Findings(
+        (*judged(cells, nominal), *open_rows(), *map(row_of, cells)),
         parameters(),
-        (
-            *judged(cells, nominal),
-            *open_rows(),
-            *map(row_of, cells),
-            *NULL.rows(judged([cell.null for cell in cells], nominal.null)),
-        ),
-        tuple(remarks),
+        REMARKS,
         figures(nominal),
-        null=NULL,
+        saving_rows(cells, nominal, DrivingWay.WITHOUT),
+        lambda folder: (*energy_chart(cells).write(folder), *running_curves().write(folder)),
     )
+
+
+def without_c_2(_options: Options) -> Sequence[CaseRow]:
+    """What is saved on the level without it."""
+    cells = run_cells(0.0, QUICK_ORDERS_S, (DrivingWay.PID, DrivingWay.WITHOUT))
+    return saving_rows(cells, cells[0], DrivingWay.WITHOUT)
+
+
+reproduce: Final = Specification(
+    "yasunobu-energy",
+    "Traction energy by PID, predictive fuzzy control and the optimum in the same time (Yasunobu and others, 6)",
+    experiment,
+    NullMethod("fuzzy without C-2, which is to save energy", (ON_AVERAGE, AT_NOMINAL), without_c_2),
+    TABLE_1,
+    "A short slice: the level, in two of the five times.",
+)

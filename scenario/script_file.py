@@ -219,18 +219,14 @@ def _expectation(file: str, key: str, table: ExpectTable, names: Names, setup: S
         # Of what must not happen a misspelt word would count as met.
         event = matcher_in(file, f"{key}.event", table.event, names, exact=table.absent)
     return Expectation(
-        table.text,
-        event,
-        absent=table.absent,
+        event=event,
         after=after,
-        within_s=table.within_s,
         by_s=by_s,
         holds=holds,
-        unit=table.unit,
-        section=table.section,
         kmh=table.kmh or 0.0,
         until=until,
         rules=tuple(table.rules),
+        **table.model_dump(include={"text", "absent", "within_s", "unit", "section"}),
     )
 
 

@@ -19,19 +19,14 @@ from network.files.quantities import (
     Conicity,
     Creep,
     Days,
-    Deceleration,
     DelayMin,
     Distance,
     Flangeway,
     FrameRate,
-    Gain,
     Overtaken,
-    Reaction,
     ReadError,
     RunLimit,
     Share,
-    ShareAbove0,
-    SpeedMarginMps,
     SpreadShare,
     Wait,
     WheelError,
@@ -39,6 +34,7 @@ from network.files.quantities import (
 from network.files.toml_input import Record
 from onboard.driving.laws.settings import LawTables
 from onboard.driving.planner.wish import Planning
+from onboard.driving_settings import Driving
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
@@ -48,61 +44,6 @@ from simulation.people import People
 from simulation.scatter import ScatterSettings
 from simulation.sensor_settings import Beacons, Curvature, Lidar
 from wayside.config import OrderRule, ReentryMode
-
-
-class Driving(Record):
-    """`[driving]`: how units drive and supervise; neither the line nor the paper gives figures."""
-
-    law: Annotated[
-        str, about("driving law of every stock that is not named", "assumed: notches about a speed")
-    ] = "hold_speed"
-    law_of: Annotated[dict[str, str], about("driving law by stock id")] = Field(default_factory=dict)
-
-    service_guaranteed_share: Annotated[
-        ShareAbove0,
-        about("of the strongest service notch, on which supervision counts", "assumed: worn pads, wet rail"),
-    ] = 0.8
-    emergency_guaranteed_share: Annotated[
-        ShareAbove0, about("of the emergency brake, on which supervision counts", "assumed: the same")
-    ] = 0.8
-    design_adhesion_share: Annotated[
-        ShareAbove0,
-        about(
-            "of the dry rail's adhesion, down to which the guaranteed brakes hold; what follows from less is told as"
-            " outside the design",
-            "assumed: a damp rail, and what the guaranteed brakes need at the speeds of the lines here",
-        ),
-    ] = 0.8
-    reaction_reserve_s: Annotated[
-        Reaction, about("beyond dead time and lag of the brake", "assumed: ageing valves")
-    ] = 0.5
-    service_margin_mps: Annotated[
-        SpeedMarginMps, about("over the permitted speed before the service brake comes", "assumed: 2 km/h")
-    ] = 0.6
-    release_margin_mps: Annotated[
-        SpeedMarginMps, about("under it before that brake goes", "assumed: so that it does not chatter")
-    ] = 1.0
-    emergency_margin_mps: Annotated[
-        SpeedMarginMps, about("over it before the emergency brake comes", "assumed: 7 km/h")
-    ] = 2.0
-    driving_margin_mps: Annotated[
-        SpeedMarginMps, about("under the permitted speed at which trains are driven", "assumed: 4 km/h")
-    ] = 1.2
-    stop_deceleration_mps2: Annotated[
-        Deceleration, about("of the pattern to a stop at a mark", "assumed: a moderate stop, 2.2 km/h/s")
-    ] = 0.6
-    stop_gain_per_s: Annotated[
-        Gain, about("proportional gain to the stop pattern", "assumed: settles in about a second")
-    ] = 0.8
-    cruise_gain_per_s: Annotated[
-        Gain, about("proportional gain to the cruising speed", "assumed: settles in about 3 s")
-    ] = 0.3
-    notch_hold_s: Annotated[
-        Wait, about("a notch is kept at least this long", "assumed: spares the switchgear")
-    ] = 2.0
-    standing_brake_share: Annotated[
-        ShareAbove0, about("of the notches, applied while a train stands", "assumed: holds on 20 permille")
-    ] = 0.5
 
 
 class PositionSensor(StrEnum):

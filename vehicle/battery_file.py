@@ -6,7 +6,6 @@ from itertools import pairwise
 from typing import Annotated, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from network.files.kinds import about
@@ -20,8 +19,8 @@ from network.files.quantities import (
     VoltageV,
 )
 from network.files.toml_input import Record
-from vehicle.battery import BATTERY, OCV_POINTS_MAX
 
+OCV_POINTS_MAX: Final = 12
 SAG_SHARE_MAX: Final = 0.5  # beyond it more current gives less power: no battery is built to that
 
 
@@ -78,32 +77,3 @@ class BatteryTable(Record):
         if self.resistance_ohm * self.discharge_max_a > SAG_SHARE_MAX * low_v:
             raise ValueError("a resistance at which discharge_max_a takes less than half of the voltage")
         return self
-
-
-def battery_row(table: BatteryTable) -> NDArray[np.void]:
-    """The checked table as one BATTERY record, shape (1,), empty; read-only."""
-    row = np.zeros(1, dtype=BATTERY)
-    points = len(table.open_circuit_soc)
-    mean_v = float(np.trapezoid(table.open_circuit_v, table.open_circuit_soc))
-    row["fitted"] = 1
-    row["full_c"] = table.capacity_j * table.capacity_share / mean_v
-    row["ocv_points"] = points
-    row["ocv_soc"][0, :points] = table.open_circuit_soc
-    row["ocv_v"][0, :points] = table.open_circuit_v
-    for name in (
-        "resistance_ohm",
-        "soc_low",
-        "soc_high",
-        "taper_from_soc",
-        "taper_to_share",
-        "discharge_max_w",
-        "charge_max_w",
-        "regeneration_max_w",
-        "discharge_max_a",
-        "charge_max_a",
-        "voltage_min_v",
-        "voltage_max_v",
-    ):
-        row[name] = getattr(table, name)
-    row.flags.writeable = False
-    return row

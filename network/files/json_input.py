@@ -1,7 +1,8 @@
-"""Read foreign JSON into typed structs, and write files whole or not at all; faults become `InputError`."""
+"""Read foreign JSON and YAML into typed structs, and write files whole or not at all; faults become `InputError`."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
@@ -15,19 +16,28 @@ _T = TypeVar("_T")
 
 def read_json(file: Path, kind: type[_T]) -> _T:
     """Decode a JSON file into `kind` (keys it does not name are left out). Raises InputError."""
+    return _decoded(file, "JSON", lambda text: msgspec.json.decode(text, type=kind))
+
+
+def read_yaml(file: Path, kind: type[_T]) -> _T:
+    """Decode a YAML file likewise. Raises InputError."""
+    return _decoded(file, "YAML", lambda text: msgspec.yaml.decode(text, type=kind))
+
+
+def _decoded(file: Path, form: str, decode: Callable[[str], _T]) -> _T:
     text = read_text(file, JSON_BYTES_MAX)
     try:
-        data = msgspec.json.decode(text, type=kind)
+        data = decode(text)
     except RecursionError as error:
-        raise too_deep(str(file), "", "JSON") from error
+        raise too_deep(str(file), "", form) from error
     except msgspec.ValidationError as error:
         reason, _, place = str(error).partition(" - at `")
         raise InputError(
             str(file), place.rstrip("`").removeprefix("$."), None, f"other data: {reason}"
         ) from error
     except msgspec.DecodeError as error:
-        raise InputError(str(file), "", None, f"valid JSON: {error}") from error
-    check_nesting(str(file), data, "JSON")
+        raise InputError(str(file), "", None, f"valid {form}: {error}") from error
+    check_nesting(str(file), data, form)
     return data
 
 

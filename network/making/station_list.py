@@ -144,7 +144,7 @@ def read_station_list(path: Path) -> StationList:
     else:
         table = parse_table(text, file)
     entry = validate(table, file, StationListFile)
-    return StationList(file, entry.line, tuple(_listed(file, entry.stations)))
+    return StationList(file, entry.line, tuple(listed_stations(file, entry.stations)))
 
 
 def csv_tables(text: str, file: str, columns: Sequence[str], needed: Sequence[str]) -> list[dict[str, str]]:
@@ -202,7 +202,8 @@ def _csv_rows(text: str, file: str) -> list[dict[str, Any]]:
     return rows
 
 
-def _listed(file: str, rows: Sequence[StationRow]) -> Iterator[ListedStation]:
+def listed_stations(file: str, rows: Sequence[StationRow]) -> Iterator[ListedStation]:
+    """The stations that rows describe; `file` names them in errors. Raises InputError."""
     _check_names(file, rows)
     ids = _ids(file, rows)
     last_km: tuple[float, str] | None = None
@@ -248,14 +249,14 @@ def _station(file: str, key: str, row: StationRow, name: str, *, first: bool, la
     if row.normal and row.normal not in tracks:
         raise InputError(file, f"{key}.normal", row.normal, one_of(tracks, row.normal))
     return ListedStation(
-        key=key,
-        id=name,
-        name=row.name or row.name_ja,
-        name_ja=row.name_ja or (row.name if is_japanese(row.name) else ""),
-        km=row.km,
-        tracks=tracks,
-        offsets_m=_offsets_m(row, tracks),
-        is_halt=kind == "halt",
+        key,
+        name,
+        row.name or row.name_ja,
+        row.name_ja or (row.name if is_japanese(row.name) else ""),
+        row.km,
+        tracks,
+        _offsets_m(row, tracks),
+        kind == "halt",
         has_platforms=kind != "signal station",
         points_low=low,
         points_high=high,

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from papers.reproduction import REPRODUCTIONS
+from papers.specification import REPRODUCTIONS
 from scenario.schemas import KINDS
 from study.drilling.drill import shipped_drills
 

@@ -92,7 +92,7 @@ def test_the_scenarios_of_the_planners_page_load(tmp_path: Path, monkeypatch: py
     for text in blocks(page, "toml"):
         (name,) = re.findall(r'^id = "(.*)"$', text, re.MULTILINE)
         Path(f"{name}.toml").write_text(text, "utf-8")
-        changed[name] = {change.file for change in load_scenario(f"{name}.toml").changes}
+        changed[name] = {change.file for change in load_scenario(f"{name}.toml").inputs.changes}
     assert changed["asahi_published"] == {"asahi_day.toml"}
     assert changed["slow_points"] == {"karasuyama.toml"}
     assert changed["heavy_morning"] >= {"karasuyama.toml", "karasuyama_weekday.toml", "ev_e301.toml"}

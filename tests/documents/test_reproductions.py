@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from documents.reproductions import cell_text, document, kept, kept_of
-from papers.reproduction import REPRODUCTIONS, CaseRow, NullMethod, Reproduction
+from papers.reproduction import CaseRow, NullMethod, Reproduction
+from papers.specification import REPRODUCTIONS
 
 NULL = NullMethod("nothing", ("error, m",))
 OWN = (

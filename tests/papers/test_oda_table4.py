@@ -10,7 +10,7 @@ from onboard.driving.tasc import WHOLE_LAW, StopLawPart, StopVerdict
 from onboard.localisation.vision import frame_rate_error_m
 from papers.oda_table4 import OTHER_BEACONS_M, agreeing_patterns_mps2, reproduce
 from papers.reproduction import Options, Reproduction
-from papers.single_stop import Rows
+from papers.single_run import Rows
 from papers.table4_parts import ABLATIONS, without
 from papers.table4_stops import (
     CASES,

@@ -6,26 +6,25 @@ import numpy as np
 import pytest
 
 from onboard.driving.tuning import Learned
+from onboard.driving_settings import Driving
 from onboard.unit_records import UnitParameters
 from papers.line_stops import SCENARIO, WITH_SIGNS
 from papers.oda_scale_track import TrackTest, car_bench
 from papers.oda_tuning import Hidden, bench_with
 from papers.parameter_sets import (
     LINE,
-    NOT_DRIVEN,
     SECTION_3_2,
     SETS,
     TABLE_1,
     TENTH_SCALE,
     ParameterSet,
 )
-from papers.reproduction import REPRODUCTIONS
 from papers.single_train import Bench
+from papers.specification import REPRODUCTIONS, reproduction
 from papers.stop_statistics import statistics_bench
 from papers.table4_stops import best_gain_per_s, controller, oda_train
 from papers.yasunobu_train import paper_bench
 from scenario.scenario import load_scenario
-from simulation.settings import Driving
 
 BENCHES = (
     (SECTION_3_2, controller(best_gain_per_s())),
@@ -37,9 +36,10 @@ BENCHES = (
 
 
 def test_every_reproduction_has_one_set_or_drives_nothing() -> None:
-    named = [name for parameters in SETS for name in parameters.used_by] + list(NOT_DRIVEN)
-    assert sorted(named) == sorted(REPRODUCTIONS)
+    driven = [reproduction(name).driven for name in REPRODUCTIONS]
+    assert {each.name for each in driven if isinstance(each, ParameterSet)} == {each.name for each in SETS}
     assert len(SETS) == 4
+    assert all(each.why for each in driven)
 
 
 @pytest.mark.parametrize(("stated", "bench"), BENCHES, ids=lambda value: getattr(value, "name", ""))

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib import import_module
 
 import numpy as np
 import pytest
 
-from papers.reproduction import (
+from papers.parameter_sets import NotDriven
+from papers.reproduction import CaseRow, NullMethod, Options, Parameter, Reproduction
+from papers.specification import (
     REPRODUCTIONS,
-    CaseRow,
-    NullMethod,
-    Options,
-    Parameter,
-    Reproduction,
+    Evenly,
+    Findings,
+    Specification,
+    at_most,
+    equal,
+    none_of,
+    reported,
     reproduction,
 )
-from papers.specification import Evenly, Findings, Specification, at_most, equal, none_of, reported
 
 NULL = NullMethod("nothing at all", ("error, m",))
 FOUND = CaseRow("line 1: error, m", 1.0, 0.9, passed=True, criterion="at most 1")
@@ -30,15 +32,11 @@ def made(*rows: CaseRow, null: NullMethod = NULL) -> Reproduction:
 
 @pytest.mark.parametrize("name", sorted(REPRODUCTIONS))
 def test_every_reproduction_names_its_null_method(name: str) -> None:
-    module, found = import_module(REPRODUCTIONS[name]), reproduction(name)
-    if isinstance(found, Specification):
-        assert found is module.reproduce
-        assert found.name == name
-    null = found.null if isinstance(found, Specification) else module.NULL
-    assert isinstance(null, NullMethod)
-    assert null.name
-    assert null.fails
-    assert all(null.fails)
+    found = reproduction(name)
+    assert found.name == name
+    assert found.null.name
+    assert found.null.fails
+    assert all(found.null.fails)
 
 
 def test_the_row_of_a_null_method_passes_where_it_misses_the_criterion() -> None:
@@ -78,7 +76,7 @@ def test_a_specification_runs_its_null_method_and_passes_only_where_that_one_fai
     null_m: float, passed: bool
 ) -> None:
     null = replace(NULL, run=lambda _options: [at_most(FOUND.case, None, null_m, 1.0)])
-    made_up = Specification("made", "Made up", a_run, null, slice="short")
+    made_up = Specification("made", "Made up", a_run, null, NotDriven("said"), slice="short")
     result = made_up(Options(out="somewhere", quick=True))
     assert [row.passed for row in result.rows] == [True, passed]
     assert result.remarks == ("said", "drawn: made.svg", "short")

@@ -10,12 +10,8 @@ from hypothesis import strategies as st
 from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_HOLD
 from onboard.driving.planner.plan import PlanOnPath
 from onboard.records import NO_INTERVENTION
-from papers.single_hop import (
-    HopBench,
-    HopWay,
-    new_hops,
-    one_gradient,
-)
+from papers.single_hop import HopBench, HopWay, one_gradient
+from papers.single_run import new_hops
 from papers.yasunobu_train import HOP_M, ORDERS_S, paper_bench, paper_hops
 from vehicle.mass import GRAVITY_MPS2, mass_kg
 from vehicle.optimum import TooShort
@@ -39,7 +35,7 @@ def test_the_running_time_asked_for_comes_out_by_the_same_loop_for_every_law(cou
 
 def test_many_hops_are_each_as_if_made_alone(course: HopBench) -> None:
     hops = new_hops([80.0, 100.0, 90.0])
-    hops["gradient_off_permille"] = (3.0, 0.0, -3.0)
+    hops["gradient_permille"] = (3.0, 0.0, -3.0)
     hops["brake_factor"] = (0.95, 1.0, 1.05)
     together, _ = course.run(hops)
     for i in range(3):

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from network.errors import InputError
 from papers import trainruns_model
 from papers.reference_data import BESIDE, VARIABLE, reference_folder
-from papers.reproduction import Options, reproduction
+from papers.reproduction import Options
+from papers.specification import reproduction
 from papers.trainruns import FOLDER, OWN, PUBLISHED, WITHIN_S, as_theirs, converged_s, way_of
 from papers.trainruns_files import ReferencePath, read_path, read_train
 from papers.trainruns_model import ReferenceTrain, Stalled, UniformSection, running_time_s
@@ -152,6 +153,7 @@ def test_a_path_is_cut_where_limit_or_gradient_change_and_at_its_points(tmp_path
         (("[ 500.0, 60, 2.0 ]", "[ 500.0, nan, 2.0 ]"), "characteristic_sections"),
         (("[ 500.0, 60, 2.0 ]", "[ 500.0, 60 ]"), "characteristic_sections"),
         (("[ 500.0, 60, 2.0 ]", "[ 500.0, -60, 2.0 ]"), "characteristic_sections"),
+        (("[ 500.0, 60, 2.0 ]", "[ 500.0, .inf, 2.0 ]"), "characteristic_sections"),
         (("[ 500.0, 60, 2.0 ]", "[ 0.0, 60, 2.0 ]"), "characteristic_sections"),
         (("rear ]", "middle ]"), "points_of_interest"),
         (("characteristic_sections", "characteristic"), "characteristic_sections"),
@@ -162,7 +164,7 @@ def test_nonsense_in_a_path_is_bad_input(tmp_path: Path, changed: tuple[str, str
     file.write_text(PATH_FILE.replace(*changed))
     with pytest.raises(InputError) as caught:
         read_path(file)
-    assert caught.value.key == key
+    assert key in str(caught.value)
 
 
 TRAIN_FILE = """\
@@ -225,7 +227,7 @@ def test_nonsense_in_a_train_is_bad_input(tmp_path: Path, changed: tuple[str, st
     file.write_text(TRAIN_FILE.replace(*changed))
     with pytest.raises(InputError) as caught:
         read_train(file)
-    assert caught.value.key == key
+    assert key in str(caught.value)
 
 
 def test_data_that_is_not_there_is_asked_for_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

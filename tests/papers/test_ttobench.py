@@ -74,7 +74,7 @@ def test_a_track_and_a_train_become_a_course(tmp_path: Path) -> None:
     assert row["efficiency_traction"] == 0.9
     assert course_of(track, train, perfect=True).train["efficiency_regeneration"] == 1.0
     # r0 of 2 kN over the weight in kN comes back as 2 kN
-    assert row["resistance_motored_constant_n_per_kn"] * 981.0 == pytest.approx(2000.0)
+    assert row["resistance"]["motored_constant_n_per_kn"] * 981.0 == pytest.approx(2000.0)
 
 
 def test_a_limit_holds_until_the_rear_has_left_it(tmp_path: Path) -> None:
@@ -109,7 +109,7 @@ def test_tunnels_cost(tmp_path: Path) -> None:
 def test_a_track_that_cannot_be_used_is_bad_input(tmp_path: Path, changes: dict[str, Any], key: str) -> None:
     with pytest.raises(InputError) as raised:
         read_track(written(tmp_path, TRACK, **changes))
-    assert raised.value.key == key
+    assert raised.value.key.startswith(key)
 
 
 @pytest.mark.parametrize(
@@ -118,13 +118,13 @@ def test_a_track_that_cannot_be_used_is_bad_input(tmp_path: Path, changes: dict[
         ({"mass": {"unit": "t", "value": 100.0}}, "mass.unit"),
         ({"mass": {"unit": "kg", "value": -1.0}}, "mass"),
         ({"efficiency traction": {"unit": "%", "value": 120.0}}, "efficiency traction"),
-        ({"max speed": {"unit": "km/h", "value": 0.0}}, ""),
+        ({"max speed": {"unit": "km/h", "value": 0.0}}, "max speed"),
     ],
 )
 def test_a_train_that_cannot_be_used_is_bad_input(tmp_path: Path, changes: dict[str, Any], key: str) -> None:
     with pytest.raises(InputError) as raised:
         read_train(written(tmp_path, TRAIN, **changes))
-    assert raised.value.key == key
+    assert raised.value.key.startswith(key)
 
 
 def test_an_unknown_cross_section_and_an_empty_folder_are_bad_input(tmp_path: Path) -> None:

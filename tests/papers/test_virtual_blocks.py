@@ -10,7 +10,6 @@ import pytest
 from papers import virtual_blocks
 from papers.reproduction import Options
 from papers.virtual_blocks import BlocksCurve, BlocksPoint
-from papers.virtual_blocks_chart import write_curves
 from study.capacity.shared_stretch import StretchHeadways, traffic_at
 
 
@@ -37,24 +36,26 @@ def test_closer_followers_are_more_trains_and_a_line_without_them_fails_the_row(
 def test_blocks_of_routes_had_whole_must_not_gain_as_much() -> None:
     """The null method's trains run on the cut line; were they to gain by it, the idea would have no part in that."""
     none = curve({1: 900.0, 5: 220.0, 80: 80.0})
-    (low,) = virtual_blocks.NULL.rows([virtual_blocks.gain_row(virtual_blocks.without_idea(none))])
+    (low,) = virtual_blocks.reproduce.null.rows([virtual_blocks.gain_row(virtual_blocks.without_idea(none))])
     assert low.passed
     gaining = replace(none, had_whole=(none.had_whole[0], none.points[-1]))
-    (high,) = virtual_blocks.NULL.rows([virtual_blocks.gain_row(virtual_blocks.without_idea(gaining))])
+    (high,) = virtual_blocks.reproduce.null.rows(
+        [virtual_blocks.gain_row(virtual_blocks.without_idea(gaining))]
+    )
     assert not high.passed
 
 
 def test_trains_that_cross_have_a_track_each() -> None:
     """Standard paths take one track both ways; who departs would then have come there after the other: 126 s more."""
-    (found,) = virtual_blocks.curves_of("busy_line", (1,), 1)
+    found = virtual_blocks.curve_of("busy_line", (1,), 1)
     down_s, up_s = found.points[0].stretch.meeting_s
     assert down_s == pytest.approx(up_s, abs=1.0)
     assert down_s < 0.0  # the way out is set while the other still runs in
 
 
 def test_the_picture(tmp_path: Path) -> None:
-    written = write_curves([curve({1: 900.0, 5: 220.0, 80: 80.0}).drawn], tmp_path / "out")
-    assert written[0].read_bytes()[:4] == b"\x89PNG"
+    drawn = virtual_blocks.chart([curve({1: 900.0, 5: 220.0, 80: 80.0})])
+    assert [path.name for path in drawn.write(tmp_path)] == ["virtual_blocks.svg", "virtual_blocks.png"]
 
 
 @pytest.mark.nightly
@@ -64,4 +65,4 @@ def test_five_blocks_give_most_of_what_moving_blocks_do() -> None:
     gained, of_five, without = found.rows
     assert not gained.case.startswith("null method")
     assert of_five.criterion == "more than half"
-    assert without.case == virtual_blocks.NULL.case(gained.case)
+    assert without.case == virtual_blocks.reproduce.null.case(gained.case)

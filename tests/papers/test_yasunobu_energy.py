@@ -12,7 +12,6 @@ from papers import yasunobu_energy
 from papers.reproduction import Options, Reproduction
 from papers.yasunobu_energy import (
     NOMINAL_S,
-    NULL,
     PUNCTUAL_S,
     DrivingWay,
     EnergyCell,
@@ -21,8 +20,8 @@ from papers.yasunobu_energy import (
     reproduce,
     row_of,
     run_cells,
+    saved_percent,
     settings_of,
-    tried,
 )
 
 
@@ -54,7 +53,7 @@ def test_fuzzy_saves_and_without_c_2_it_does_not(
     rows = {row.case: row for row in judged(level, level[0])}
     worse = rows["without C-2 fuzzy needs more at level, 85 s, %"]
     assert worse.passed
-    assert level[0].saving > 0.05
+    assert level[0].saving() > 0.05
     monkeypatch.setattr(
         yasunobu_energy,
         "settings_of",
@@ -87,20 +86,21 @@ def test_what_is_saved_hangs_on_the_stop_of_each_law_and_the_row_says_so(
     quick: tuple[Reproduction, Path],
 ) -> None:
     rows = {row.case: row for row in quick[0].rows}
-    shared, own = tried(0.8, 0.8), tried(0.7, 0.8)
-    assert own.saves_percent > shared.saves_percent + 2.0
-    assert tried(0.8, 0.8, 700.0).saves_percent < shared.saves_percent
+    (shared, _), (own, _) = saved_percent(0.8, 0.8), saved_percent(0.7, 0.8)
+    assert own > shared + 2.0
+    assert saved_percent(0.8, 0.8, 700.0)[0] < shared
     told = rows["the same by the stop's deceleration at level, 85 s, %"].ours
     assert isinstance(told, dict)
-    assert told["PID 0.7, fuzzy 0.8 m/s^2"].startswith(f"{own.saves_percent:g}, net")
+    assert told["PID 0.7, fuzzy 0.8 m/s^2"].startswith(f"{own:g}, net")
 
 
 def test_without_c_2_the_rows_of_savings_fail(
     level: list[EnergyCell], quick: tuple[Reproduction, Path]
 ) -> None:
     rows = {row.case: row for row in quick[0].rows}
-    assert all(rows[NULL.case(case)].passed for case in NULL.fails)
-    assert level[0].null.saving < level[0].saving
+    null = reproduce.null
+    assert all(rows[null.case(case)].passed for case in null.fails)
+    assert level[0].saving(DrivingWay.WITHOUT) < level[0].saving()
 
 
 def test_a_missed_row_says_by_how_much(level: list[EnergyCell]) -> None:
@@ -121,7 +121,9 @@ def test_a_time_that_is_impossible_says_the_least() -> None:
 
 def test_the_reproduction_draws_and_names_what_the_paper_does_not(quick: tuple[Reproduction, Path]) -> None:
     found, out = quick
-    assert {path.name for path in out.iterdir()} == {"yasunobu_energy.png", "yasunobu_running_curves.png"}
+    assert {path.name for path in out.iterdir()} == {
+        f"{name}.{kind}" for name in ("yasunobu_energy", "yasunobu_running_curves") for kind in ("svg", "png")
+    }
     assert any("a short slice" in remark.lower() for remark in found.remarks)
     kwh = next(figure for figure in found.figures if figure.name.startswith("PID, level"))
     assert "efficiency" in kwh.meaning

@@ -6,8 +6,9 @@ import pytest
 
 from onboard.driving.laws.fuzzy_records import PredictiveFuzzy
 from papers import yasunobu_robust as robust
-from papers.reproduction import Options, Reproduction, reproduction
-from papers.single_hop import new_hops
+from papers.reproduction import Options, Reproduction
+from papers.single_run import new_hops
+from papers.specification import reproduction
 from papers.yasunobu_train import ORDERS_S, paper_hops, paper_train
 
 
@@ -29,9 +30,9 @@ def test_the_train_is_that_of_table_1() -> None:
     assert float(row["brake_deceleration_mps2"][9]) * 3.6 == pytest.approx(5.14)
     assert float(row["brake_dead_time_s"]) == 0.2
     assert float(row["brake_lag_s"]) == 0.6
-    assert float(row["resistance_motored_constant_n_per_kn"]) == 1.97
-    assert float(row["resistance_motored_linear_n_per_kn_kmh"]) == 0.016
-    assert float(row["resistance_air_n_per_kmh2"]) == pytest.approx(0.00084 * 129.0 * 9.81, rel=1e-4)
+    assert float(row["resistance"]["motored_constant_n_per_kn"]) == 1.97
+    assert float(row["resistance"]["motored_linear_n_per_kn_kmh"]) == 0.016
+    assert float(row["resistance"]["air_n_per_kmh2"]) == pytest.approx(0.00084 * 129.0 * 9.81, rel=1e-4)
 
 
 def test_what_is_fuzzys_own_passes(result: Reproduction) -> None:
@@ -40,7 +41,7 @@ def test_what_is_fuzzys_own_passes(result: Reproduction) -> None:
     assert passed["descent before the mark, fuzzy, worst of five orders, m past it"]
     assert passed["changes of the brake notch a stop, fuzzy over PID"]
     assert passed["scattered stops in which supervision had to brake, fuzzy"]
-    assert passed[robust.NULL.case(robust.FUZZY_DROP)]
+    assert passed[robust.reproduce.null.case(robust.FUZZY_DROP)]
 
 
 def test_the_rows_on_the_pid_say_what_they_hang_on(result: Reproduction) -> None:
@@ -56,7 +57,7 @@ def test_the_unit_knows_nothing_of_the_descent() -> None:
     hop = paper_hops(robust.FUZZY, way=robust.DROP)
     begin, mark = int(hop.begin_m), int(hop.mark_m)
     assert hop.pattern["climb_m"][begin] == hop.pattern["climb_m"][mark]
-    assert hop.elevation_m[mark] - hop.elevation_m[begin] == pytest.approx(-1.2, abs=0.05)
+    assert hop.heights.elevation_m[mark] - hop.heights.elevation_m[begin] == pytest.approx(-1.2, abs=0.05)
 
 
 def test_without_its_estimate_it_does_not_cope() -> None:
@@ -86,4 +87,4 @@ def test_the_draws_are_the_seeds() -> None:
     assert (first["brake_factor"] == again["brake_factor"]).all()
     assert (first["brake_factor"] != other["brake_factor"]).all()
     assert abs(first["brake_factor"] - 1.0).max() <= robust.BRAKE_SPREAD
-    assert abs(first["gradient_off_permille"]).max() <= robust.GRADIENT_SPREAD_PERMILLE
+    assert abs(first["gradient_permille"]).max() <= robust.GRADIENT_SPREAD_PERMILLE

@@ -100,7 +100,7 @@ def driver(
     under_mps = max(own.settings.under_mps + own.settings.under_sigma_mps * own.under_drawn, 0.0)
     limit_mps = max(cue.limit_mps - under_mps, 0.0)
     brake_share = own.settings.brake_share + own.settings.brake_share_sigma * own.brake_drawn
-    brake_mps2 = behaviour.stop_deceleration_mps2 * min(max(brake_share, LEAST_BRAKE_SHARE), 1.0)
+    brake_mps2 = behaviour.settings.stop_deceleration_mps2 * min(max(brake_share, LEAST_BRAKE_SHARE), 1.0)
     left_m = unit.target_stop_m - unit.position_m
     wanted_mps = min(limit_mps, unit.cruise_mps)
     own.late_s = late_by_s(cue, wanted_mps, left_m, brake_mps2) if own.ran == 1 else 0.0
@@ -160,7 +160,7 @@ def required_mps(cue: CueRow, left_m: float, brake_mps2: float) -> float:
 @compiled
 def brake_curve_mps(behaviour: BehaviourRow, left_m: float, brake_mps2: float) -> float:
     """Speed at this distance to the mark from which a brake so soft meets the stop pattern where TASC takes over."""
-    there = 2.0 * behaviour.stop_deceleration_mps2 * HAND_OVER_M
+    there = 2.0 * behaviour.settings.stop_deceleration_mps2 * HAND_OVER_M
     return float(np.sqrt(max(there + 2.0 * brake_mps2 * (left_m - HAND_OVER_M), 0.0)))
 
 
@@ -196,7 +196,7 @@ def notch_of(
     """The notch for what he does: the brake where its curve is met, else power or none."""
     over_mps = unit.speed_mps - brake_curve_mps(behaviour, left_m, brake_mps2)
     if over_mps + brake_mps2 * cue.reaction_s > 0.0:
-        demand_mps2 = brake_mps2 + behaviour.cruise_gain_per_s * over_mps - cue.own_mps2
+        demand_mps2 = brake_mps2 + behaviour.settings.cruise_gain_per_s * over_mps - cue.own_mps2
         return service_notch(train, max(demand_mps2, 0.0))
     if own.powering == 0 or own.coasting == 1:
         return 0.0

@@ -87,14 +87,14 @@ def pid(
     """The notch that follows the target-speed pattern."""
     even_mps = min(cue.limit_mps, unit.cruise_mps)
     left_m = max(unit.target_stop_m - unit.position_m, 0.0)
-    stop_mps = np.sqrt(2.0 * behaviour.stop_deceleration_mps2 * left_m)
+    stop_mps = np.sqrt(2.0 * behaviour.settings.stop_deceleration_mps2 * left_m)
     stops = stop_mps < even_mps
     cue.ceiling_mps = min(stop_mps, unit.cruise_mps)
     feed_back(own, unit, min(stop_mps, even_mps) - unit.train_mps, int(stops), behaviour.step_s)
     demand_mps2 = own.settings.gain_per_s * own.error_mps + own.settings.derivative_gain * own.change_mps2
     demand_mps2 += own.settings.integral_gain_per_s2 * own.integral_m
     if stops:
-        demand_mps2 -= behaviour.stop_deceleration_mps2
+        demand_mps2 -= behaviour.settings.stop_deceleration_mps2
     inertia_kg = equivalent_mass_kg(train, cue.load_share)
     most_mps2 = full_force_n(train, cue.load_share, unit.speed_mps) / inertia_kg
     least_mps2 = -service_target_mps2(train, -train.brake_notches)

@@ -9,7 +9,8 @@ from onboard.driving.laws.driver import DRAWN, Driver
 from onboard.driving.laws.settings import LawTables
 from onboard.records import NO_INTERVENTION
 from papers.driver_scatter import DEFAULT_FACTOR, SIGMAS, DriverScatter, scatter, widened
-from papers.single_hop import HOP_STEPS_MAX, HopBench, Rows, new_hops, one_gradient
+from papers.single_hop import HopBench, one_gradient
+from papers.single_run import STEPS_MAX, Rows, new_hops
 from papers.yasunobu_train import HOP_M, paper_bench
 
 
@@ -24,7 +25,7 @@ def ridden(
     tables = LawTables.model_validate({"driver": habits or widened(1.0)})
     bench = paper_bench("driver", tables, lambda _law, field: drawn.get(field, 0.0))
     outcomes, trace = HopBench(bench, one_gradient(length_m, gradient_permille)).run(
-        new_hops([order_s]), HOP_STEPS_MAX
+        new_hops([order_s]), STEPS_MAX
     )
     return outcomes[0], trace
 

@@ -15,7 +15,8 @@ from onboard.driving.laws.pid import Pid
 from onboard.driving.laws.settings import LawTables
 from onboard.records import NO_INTERVENTION
 from papers.pid_tuning import itae_ms, ranked, tried
-from papers.single_hop import HOP_STEPS_MAX, HopWay, Rows, new_hops, one_gradient
+from papers.single_hop import HopWay, one_gradient
+from papers.single_run import STEPS_MAX, Rows, new_hops
 from papers.yasunobu_train import HOP_M, paper_hops
 
 
@@ -29,7 +30,7 @@ def ridden(
     hop = new_hops([90.0])
     for name, value in of_hop.items():
         hop[name] = value
-    outcomes, trace = paper_hops("pid", gradient_permille, tables).run(hop, HOP_STEPS_MAX)
+    outcomes, trace = paper_hops("pid", gradient_permille, tables).run(hop, STEPS_MAX)
     return outcomes[0], trace
 
 
@@ -79,7 +80,7 @@ def test_it_stops_at_the_mark_whatever_the_gradient_and_about_whatever_the_brake
 def test_a_start_at_full_power_winds_nothing_up(gradient_permille: float) -> None:
     """20 s of it at some 8 m/s under the target would sum to 160 m, worth every notch there is."""
     hops = paper_hops("pid", gradient_permille)
-    outcomes, trace = hops.run(new_hops([90.0]), HOP_STEPS_MAX)
+    outcomes, trace = hops.run(new_hops([90.0]), STEPS_MAX)
     before = trace[trace["position_m"] < 500.0]
     assert before["speed_mps"].max() < hops.cruise_mps(90.0) + Pid().brake_above_mps + 0.1
     assert hops.bench.work["board"]["laws"]["pid"]["integral_m"][0] < 2.0
@@ -102,7 +103,7 @@ def test_a_dead_band_spares_notches() -> None:
 
 def test_on_a_descent_it_leaves_the_brake_until_the_speed_is_passed() -> None:
     even = paper_hops("pid", -10.0)
-    _, trace = even.run(new_hops([95.0]), HOP_STEPS_MAX)
+    _, trace = even.run(new_hops([95.0]), STEPS_MAX)
     cruise_mps = even.cruise_mps(95.0)
     before = trace[trace["position_m"] < 700.0]
     braked = before[before["notch"] < 0.0]
@@ -112,7 +113,7 @@ def test_on_a_descent_it_leaves_the_brake_until_the_speed_is_passed() -> None:
 
 def test_lower_limits_ahead_are_met() -> None:
     way = HopWay(HOP_M, limits_mps=((0.0, 20.0), (450.0, 11.0), (600.0, 20.0)))
-    outcomes, trace = paper_hops("pid", way=way).run(new_hops([80.0]), HOP_STEPS_MAX)
+    outcomes, trace = paper_hops("pid", way=way).run(new_hops([80.0]), STEPS_MAX)
     slow = (trace["position_m"] >= 450.0) & (trace["position_m"] <= 600.0)
     assert trace["speed_mps"][slow].max() <= 11.0
     assert outcomes["intervention"][0] == NO_INTERVENTION
