@@ -140,6 +140,19 @@ def trusted(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) ->
 
 
 @compiled
+def keep_narrowest(unit: UnitRow) -> None:
+    """Keep the fix just taken to measure the wheels by, unless one before it has the front within less by now."""
+    run_m = abs(unit.odometer_m - unit.narrow_odometer_m)
+    slid_m = unit.slid_ahead_m - unit.narrow_slid_m + unit.slipped_behind_m - unit.narrow_slipped_m
+    kept_m = unit.narrow_high_m - unit.narrow_low_m + 2.0 * unit.bound_growth * run_m + slid_m
+    if unit.narrow != 0 and unit.fix_high_m - unit.fix_low_m > kept_m:
+        return
+    unit.narrow, unit.narrow_low_m, unit.narrow_high_m = 1, unit.fix_low_m, unit.fix_high_m
+    unit.narrow_odometer_m = unit.odometer_m
+    unit.narrow_slid_m, unit.narrow_slipped_m = unit.slid_ahead_m, unit.slipped_behind_m
+
+
+@compiled
 def told(unit: UnitRow, reader: int) -> int:
     """What a reading of an absolute sensor means for virtual tags; event bits."""
     if unit.fix_came == FIX_CUT:
@@ -147,6 +160,7 @@ def told(unit: UnitRow, reader: int) -> int:
         unit.fix_at_m, unit.fix_odometer_m = unit.position_m, unit.odometer_m
         unit.fix_reader = reader
         unit.sure_m = max(unit.sure_m, unit.fix_low_m)
+        keep_narrowest(unit)
         if unit.sure_m >= unit.place_trigger_m:
             unit.place_trigger_m = np.inf
             return EVENT_PLACE

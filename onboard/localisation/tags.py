@@ -36,6 +36,7 @@ from onboard.localisation.wheel_scale import (
     WheelScale,
     carried,
     held,
+    narrowest,
     way_between,
 )
 from onboard.records import UnitRow
@@ -328,7 +329,7 @@ class TagDoubt:
     def fix_came(self) -> None:
         """An absolute sensor has told where the front is: what that says of the wheels."""
         row = self._row
-        here = held(row, float(row.fix_low_m), float(row.fix_high_m))
+        here = narrowest(row)
         tells_over_m = (here.high_m - here.low_m) / self._parameters.wheel_error_share
         if here.odometer_m - self._measured_m >= tells_over_m:
             self._measured_m = here.odometer_m
