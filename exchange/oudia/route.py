@@ -129,9 +129,7 @@ def route_of(text: OudiaText, file: str) -> OudiaRoute:
     if rosen is None:
         raise InputError(file, "Rosen", None, "a route, which is missing")
     if text.root.node("DispProp") is None:
-        raise InputError(
-            file, "DispProp", None, "the display settings at its end: is the file cut off?"
-        )
+        raise InputError(file, "DispProp", None, "the display settings at its end: is the file cut off?")
     stations = tuple(_station(node) for node in rosen.nodes("Eki"))
     if not stations:
         raise InputError(file, "Rosen.Eki", None, "stations, of which there are none")

@@ -56,7 +56,7 @@ def failures(text: str, of: str = FIXED) -> str:
         (
             failures('kind = "charger_dead"\nmtbf_h = 9.0'),
             "late.failures.it.kind",
-            "a kind with a target on this line",
+            "a kind with a target",
         ),
         (
             failures('kind = "stuck"\ntargets = ["OGN.99"]\nmtbf_h = 9.0'),
