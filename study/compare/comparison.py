@@ -22,13 +22,12 @@ from study.wording.phrase import Phrase, joined
 class RunComparison:
     """What changed from `base` to `new`. `over_s` is the threshold, s; `broken` are failures that one of both has.
 
-    `same_inputs`, `same_journal` and `same_tables` say what did not differ at all; `rows` are by table.
+    `same_journal` and `same_tables` say what did not differ at all; `rows` are by table.
     """
 
     base: str
     new: str
     over_s: float
-    same_inputs: bool
     same_journal: bool
     same_tables: bool
     inputs: tuple[InputChange, ...]
@@ -37,6 +36,11 @@ class RunComparison:
     rows: Mapping[str, tuple[ComparedRow, ...]]
     broken_base: tuple[str, ...]
     broken_new: tuple[str, ...]
+
+    @property
+    def same_inputs(self) -> bool:
+        """Whether both ran the same."""
+        return not self.inputs
 
     @property
     def nothing_differs(self) -> bool:
@@ -54,7 +58,7 @@ class RunComparison:
             "nothing_differs": self.nothing_differs,
             "same_inputs": self.same_inputs,
             "same_journal": self.same_journal,
-            "inputs": [change.as_dict() for change in self.inputs],
+            "inputs": [change.model_dump(mode="json") for change in self.inputs],
             "times": {
                 "compared": times.compared,
                 "largest_s": times.largest_s,
@@ -112,18 +116,16 @@ def compare(sides: Sequence[ComparedRun], over_s: float) -> Comparisons:
 
 def compare_two(base: ComparedRun, new: ComparedRun, over_s: float) -> RunComparison:
     """What changed from one run to another; times that moved by at most `over_s` are not listed."""
-    inputs = input_changes(base, new)
     mine, others = base.run.tables, new.run.tables
     return RunComparison(
-        base=base.label,
-        new=new.label,
-        over_s=over_s,
-        same_inputs=not inputs,
-        same_journal=base.summary.get("digest") == new.summary.get("digest"),
-        same_tables=all(getattr(mine, f.name).equals(getattr(others, f.name)) for f in fields(RunTables)),
-        inputs=inputs,
-        times=compare_times(base.run, new.run, over_s),
-        meets=compare_meets(base.run, new.run, over_s),
+        base.label,
+        new.label,
+        over_s,
+        base.summary.get("digest") == new.summary.get("digest"),
+        all(getattr(mine, f.name).equals(getattr(others, f.name)) for f in fields(RunTables)),
+        input_changes(base, new),
+        compare_times(base.run, new.run, over_s),
+        compare_meets(base.run, new.run, over_s),
         rows={table: compare_rows(base, new, table) for table in TABLES},
         broken_base=tuple(text for text in base.broken if text not in new.broken),
         broken_new=tuple(text for text in new.broken if text not in base.broken),

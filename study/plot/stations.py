@@ -24,6 +24,9 @@ from study.report.style import (
     RULE,
     WIDTH_IN,
     TimeBand,
+    beside,
+    centred,
+    dots,
     draw_clock_axis,
     time_bands,
     unit_colours,
@@ -134,14 +137,13 @@ def _number(
         return
     last_in[row] = centre_s / s_per_in
     train, following = stay["train"], stay["next_train"]
-    axes.text(
+    centred(
+        axes,
         centre_s,
         row,
         train if train == following else f"{train} → {following}",
+        LABEL_PT,
         rotation=90,
-        ha="center",
-        va="center",
-        fontsize=LABEL_PT,
         color=INK,
         zorder=5,
         bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 0.4},
@@ -307,19 +309,15 @@ def _draw_lateness(axes: Axes, at: Any, rows: Sequence[dict[str, Any]], what: st
         label="mean ± σ" if first else None,
     )
     p95_s, worst_s = [row["p95_s"] for _, row in known], [row["worst_s"] for _, row in known]
-    axes.plot(
-        x, p95_s, ls="", marker="_", ms=11, mew=1.6, color=colour, label="95th percentile" if first else None
-    )
-    axes.plot(x, worst_s, ls="", marker="x", ms=4.5, color=RED, label="worst" if first else None)
+    dots(axes, x, p95_s, "_", 11, colour, mew=1.6, label="95th percentile" if first else None)
+    dots(axes, x, worst_s, "x", 4.5, RED, label="worst" if first else None)
     for at_x, row in known:
-        axes.annotate(
+        beside(
+            axes,
             row["worst_train"],
             (at_x, row["worst_s"]),
-            xytext=(0, 4),
-            textcoords="offset points",
-            ha="center",
-            va="bottom",
-            fontsize=5.0,
+            (0, 4),
+            5.0,
             rotation=90 if len(rows) > 10 else 0,
             color=RED,
         )

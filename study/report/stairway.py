@@ -20,7 +20,7 @@ from study.capacity.blocking_table import read_blocking
 from study.capacity.occupation import Conflict, Occupation, OccupationPart
 from study.report.data import ReportedRun, section_name, sections_in_order
 from study.report.packing import packed, places_in
-from study.report.style import INK, RED, RULE, WIDTH_IN, TimeBand, draw_clock_axis, time_bands
+from study.report.style import INK, RED, RULE, WIDTH_IN, TimeBand, centred, draw_clock_axis, time_bands
 from study.wording.catalogue import phrase
 from study.wording.phrase import Language
 
@@ -148,13 +148,13 @@ def _draw_trains(
             heights.append(low + share * (high - low))
         axes.plot(shown["t_s"].to_numpy(), heights, color=INK, lw=0.8, zorder=3.0)
         middle = len(heights) // 2
-        axes.text(
+        centred(
+            axes,
             float(shown["t_s"][middle]),
             heights[middle],
             number,
-            fontsize=5.5,
+            5.5,
             color=INK,
-            ha="center",
             va="bottom",
             zorder=5.0,
             clip_on=True,

@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Iterator
 from enum import Enum
 from pathlib import Path
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from typing import Any, Union, get_args, get_origin
 
 import msgspec
 import pytest
@@ -81,8 +81,7 @@ def example(kind: Any, name: str) -> Any:  # noqa: ANN401 - of the field's type
 
 
 def made(event: EventType) -> Noted:
-    hints = get_type_hints(event)
-    fields = {field.name: example(hints[field.name], field.name) for field in msgspec.structs.fields(event)}
+    fields = {field.name: example(field.type, field.name) for field in msgspec.structs.fields(event)}
     if event in (FaultBegan, FaultOver):
         fields["kind"] = "cut"
     return event(**fields)
