@@ -13,15 +13,13 @@ from network.model import Direction
 from simulation.result import EnergyPhase
 from study.collect.energy_hours import HOUR_S
 from study.plot.choice import ChosenRun
+from study.report.charts import stack_energy
+from study.report.pictures import ENERGY
 from study.report.style import (
-    AUXILIARY,
     DIRECTION_COLOUR,
     INK,
     PALE,
-    REGENERATED,
     RULE,
-    STANDING,
-    TRACTION,
     WIDTH_IN,
     dots,
 )
@@ -61,10 +59,7 @@ def draw_energy_hours(run: ChosenRun) -> Figure | None:
     figure = Figure(figsize=(WIDTH_IN, 3.8), layout="constrained")
     axes = figure.subplots()
     at = np.arange(len(hours_s))
-    axes.bar(at, traction, 0.72, color=TRACTION, label="traction")
-    axes.bar(at, moving, 0.72, bottom=traction, color=AUXILIARY, label="auxiliary, running")
-    axes.bar(at, standing, 0.72, bottom=traction + moving, color=STANDING, label="auxiliary, standing")
-    axes.bar(at, -regenerated, 0.72, color=REGENERATED, label="regenerated")
+    stack_energy(axes, at, 0.72, (traction, moving, standing, regenerated))
     dots(axes, at, net, "o", 4, INK, label="net")
     for x, value in zip(at, net, strict=True):
         axes.annotate(
@@ -79,7 +74,7 @@ def draw_energy_hours(run: ChosenRun) -> Figure | None:
     axes.set_xticks(at, [f"{int(hour_s // HOUR_S)}" for hour_s in hours_s])
     axes.tick_params(axis="x", length=0)
     axes.set_xlabel("hour")
-    axes.set_ylabel("energy, kWh")
+    axes.set_ylabel(ENERGY.up.en)
     axes.set_xlim(-0.8, max(len(at), 6) - 0.2)
     axes.axhline(0, color=PALE, lw=0.6)
     axes.grid(axis="y")

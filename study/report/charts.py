@@ -12,23 +12,15 @@ import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from network.model import Direction
 from study.report.data import ReportedRun
 from study.report.graph import station_label
-from study.report.style import (
-    AUXILIARY,
-    INK,
-    PALE,
-    RED,
-    REGENERATED,
-    RULE,
-    STANDING,
-    TRACTION,
-    WIDTH_IN,
-    beside,
-    dots,
-)
+from study.report.pictures import ENERGY, STOP_ERRORS
+from study.report.style import INK, PALE, RED, RULE, WIDTH_IN, beside, dots
+
+Floats = NDArray[np.float64]
 
 _BARS_IN_A_ROW: Final = 64
 _CELL_PT: Final = 6.5
@@ -71,11 +63,7 @@ def _draw_bars(axes: Axes, rows: list[dict[str, Any]], room: int) -> None:
         for name in ("traction", "auxiliary", "standing", "regenerated")
     )
     width = 0.72
-    axes.bar(at, traction, width, color=TRACTION, label="traction")
-    axes.bar(at, auxiliary - standing, width, bottom=traction, color=AUXILIARY, label="auxiliary, running")
-    below = traction + auxiliary - standing
-    axes.bar(at, standing, width, bottom=below, color=STANDING, label="auxiliary, standing")
-    axes.bar(at, -regenerated, width, color=REGENERATED, label="regenerated")
+    stack_energy(axes, at, width, (traction, auxiliary - standing, standing, regenerated))
     upright = room > 24
     for i, row in enumerate(rows):
         text = f"{row['net_kwh'] / row['distance_km']:.2f}" if row["distance_km"] > 0 else "–"
@@ -85,9 +73,21 @@ def _draw_bars(axes: Axes, rows: list[dict[str, Any]], room: int) -> None:
     axes.tick_params(axis="x", length=0, labelrotation=90 if upright else 0, labelsize=7)
     middle, half = (room - 1) / 2, max(room / 2 + 0.3, 5.0)
     axes.set_xlim(middle - half, middle + half)
-    axes.set_ylabel("energy, kWh")
+    axes.set_ylabel(ENERGY.up.en)
     axes.grid(axis="y")
     axes.spines[:].set_color(RULE)
+
+
+def stack_energy(
+    axes: Axes, at: NDArray[np.int64], width: float, parts: tuple[Floats, Floats, Floats, Floats]
+) -> None:
+    """Bars of what the layers of `ENERGY` say, kWh: all but the last stand on each other, the last one hangs."""
+    *above, below = zip(ENERGY.layers.values(), parts, strict=True)
+    bottom = np.zeros(len(at))
+    for layer, kwh in above:
+        axes.bar(at, kwh, width, bottom=bottom, **layer.face())
+        bottom = bottom + kwh
+    axes.bar(at, -below[1], width, **below[0].face())
 
 
 def draw_stop_errors(run: ReportedRun, summary: Mapping[str, Any]) -> Figure | None:
@@ -105,7 +105,7 @@ def draw_stop_errors(run: ReportedRun, summary: Mapping[str, Any]) -> Figure | N
     if sigma_m is not None:
         label = f"mean ± σ, σ = {sigma_m:.3f} m"
         histogram.axvspan(mean_m - sigma_m, mean_m + sigma_m, color=PALE, alpha=0.15, lw=0, label=label)
-    histogram.set_xlabel("front beyond the mark, m")
+    histogram.set_xlabel(STOP_ERRORS.up.en)
     histogram.set_ylabel("stops")
     histogram.yaxis.get_major_locator().set_params(integer=True)
     histogram.legend(loc="lower left", ncols=2, bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
@@ -127,7 +127,7 @@ def _draw_strips(axes: Axes, run: ReportedRun, stops: pl.DataFrame) -> None:
     axes.set_xticks(range(len(labels)), labels, fontsize=6.5 if len(labels) < 12 else 5.5)
     axes.set_xlim(-0.6, len(labels) - 0.4)
     axes.tick_params(axis="x", length=0)
-    axes.set_ylabel("front beyond the mark, m")
+    axes.set_ylabel(STOP_ERRORS.up.en)
     axes.grid(axis="y")
     axes.spines[:].set_color(RULE)
 

@@ -14,18 +14,8 @@ from numpy.typing import NDArray
 from network.model import Alignment, Direction, Line
 from study.report.data import ReportedRun, limits_mps
 from study.report.graph import station_label
-from study.report.style import (
-    DIRECTION_COLOUR,
-    INK,
-    PALE,
-    RED,
-    RULE,
-    TRACTION,
-    WIDTH_IN,
-    beside,
-    dots,
-    spread,
-)
+from study.report.pictures import RUN_CURVE
+from study.report.style import INK, PALE, RED, RULE, TRACTION, WIDTH_IN, beside, dots, spread
 
 Floats = NDArray[np.float64]
 
@@ -101,15 +91,16 @@ def _draw_speeds(
     limit_kmh = limit_mps * KMH_PER_MPS
     top_kmh = max(float(limit_kmh.max()), float(course["speed_mps"].to_numpy().max()) * KMH_PER_MPS) * 1.08
     at_m = course["kilometrage_m"].to_numpy()
-    axes.step(breaks_m, limit_kmh, where="post", color=INK, lw=0.9, label="speed limit of the line")
-    for column, label, colour, style, width_pt in (
-        ("permitted_mps", "permitted by supervision", RED, "-", 0.8),
-        ("target_mps", "target", PALE, (0, (4, 2)), 0.9),
-        ("speed_mps", "speed", DIRECTION_COLOUR[direction], "-", 1.6),
+    layers = RUN_CURVE.layers
+    axes.step(breaks_m, limit_kmh, where="post", **layers["limit"].line())
+    for column, layer in (
+        ("permitted_mps", "permitted"),
+        ("target_mps", "target"),
+        ("speed_mps", direction.name.lower()),
     ):
         values_kmh = course[column].to_numpy() * KMH_PER_MPS
         values_kmh = np.where(np.isfinite(values_kmh), np.minimum(values_kmh, 2 * top_kmh), np.nan)
-        axes.plot(at_m, values_kmh, color=colour, ls=style, lw=width_pt, label=label)
+        axes.plot(at_m, values_kmh, **layers[layer].line())
     braked = course.filter(pl.col("intervention") != 0)
     if len(braked):
         dots(
@@ -118,11 +109,11 @@ def _draw_speeds(
             braked["speed_mps"].to_numpy() * KMH_PER_MPS,
             "x",
             4,
-            RED,
-            label="supervision brakes",
+            layers["braked"].colour,
+            label=layers["braked"].label.en,
         )
     axes.set_ylim(0, top_kmh)
-    axes.set_ylabel("speed, km/h")
+    axes.set_ylabel(RUN_CURVE.up.en)
     axes.grid(axis="y")
     axes.legend(loc="lower center", ncols=5, bbox_to_anchor=(0.5, 1.09), borderaxespad=0.0)
 

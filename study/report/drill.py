@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from study.record.marks import Mark, MarkKind
+from study.report.pictures import DRILL
 from study.report.style import (
     INK,
     PALE,
@@ -28,7 +29,6 @@ from study.report.style import (
 Courses: TypeAlias = Mapping[tuple[str, str], pl.DataFrame]  # by unit and train, as `Run.courses`
 NO_COURSES: Final[Courses] = {}
 PLACE: Final = "fault-place"
-PLACE_ALPHA: Final = 0.3
 ROW_IN: Final = 0.17
 MET: Final = "#2e7d4f"
 _TEXT_MAX: Final = 46
@@ -53,11 +53,11 @@ def mark_graph(axes: Axes, marks: Sequence[Mark], band: TimeBand, courses: Cours
     shown = sorted((m for m in marks if m.kind is not MarkKind.EXPECTATION), key=lambda m: m.from_s)
     for mark in shown:
         if mark.kind is MarkKind.FAULT:
-            axes.axvspan(mark.from_s, mark.to_s, color=RED, alpha=0.07, lw=0, zorder=0.4)
+            axes.axvspan(mark.from_s, mark.to_s, **DRILL.layers["lasts"].face(), zorder=0.4)
             axes.axvline(mark.from_s, color=RED, lw=0.7, alpha=0.7, zorder=0.55)
             _mark_place(axes, mark, courses)
         else:
-            axes.axvline(mark.from_s, color=INK, lw=0.8, ls=(0, (2, 2)), zorder=0.55)
+            axes.axvline(mark.from_s, **DRILL.layers["act"].line(), zorder=0.55)
     width_s = band.to_s - band.from_s
     margin_s = _TAG_GAP_SHARE / 2 * width_s
     places = [min(max(mark.from_s, band.from_s + margin_s), band.to_s - margin_s) for mark in shown]
@@ -79,28 +79,29 @@ def mark_graph(axes: Axes, marks: Sequence[Mark], band: TimeBand, courses: Cours
 def _mark_place(axes: Axes, mark: Mark, courses: Courses) -> None:
     """Where a fault is while it lasts: a stretch of line as a box, a train as a broad band along its run."""
     for low_m, high_m in mark.where.stretches_m:
-        box = Rectangle((mark.from_s, low_m), mark.to_s - mark.from_s, high_m - low_m, alpha=PLACE_ALPHA)
-        box.set(facecolor=RED, edgecolor="none", zorder=0.5, gid=PLACE)
+        box = Rectangle((mark.from_s, low_m), mark.to_s - mark.from_s, high_m - low_m)
+        box.set(**DRILL.layers["stretch"].face(), zorder=0.5, gid=PLACE)
         axes.add_patch(box)
     for (unit, _), course in courses.items():
         if unit in mark.where.units:
             ran = course.filter(pl.col("t_s").is_between(mark.from_s, mark.to_s))
             t_s, at_m = ran["t_s"].to_numpy(), ran["kilometrage_m"].to_numpy()
-            axes.plot(t_s, at_m, color=RED, alpha=PLACE_ALPHA, lw=7.0, zorder=2.5, gid=PLACE)
+            axes.plot(t_s, at_m, **DRILL.layers["train"].line(), zorder=2.5, gid=PLACE)
 
 
 def mark_legend(axes: Axes, marks: Sequence[Mark]) -> None:
     """What the bands, boxes and lines of a drill mean; nothing without marks."""
     faults = [mark for mark in marks if mark.kind is MarkKind.FAULT]
+    layers = DRILL.layers
     signs: list[Artist] = []
     if faults:
-        signs.append(Patch(color=RED, alpha=0.07, label="while a fault lasts"))
+        signs.append(Patch(**layers["lasts"].face()))
     if any(mark.where.stretches_m for mark in faults):
-        signs.append(Patch(color=RED, alpha=PLACE_ALPHA, label="its stretch of the line"))
+        signs.append(Patch(**layers["stretch"].face()))
     if any(mark.where.units for mark in faults):
-        signs.append(Line2D([], [], color=RED, alpha=PLACE_ALPHA, lw=7.0, label="the train that has it"))
+        signs.append(Line2D([], [], **layers["train"].line()))
     if any(mark.kind is MarkKind.ACT for mark in marks):
-        signs.append(Line2D([], [], color=INK, lw=0.8, ls=(0, (2, 2)), label="a person acts"))
+        signs.append(Line2D([], [], **layers["act"].line()))
     if signs:
         axes.legend(handles=signs, loc="lower left", bbox_to_anchor=(0.0, 1.06), ncols=4, borderaxespad=0.0)
 

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from study.report.data import ReportedRun, sections_in_order
+from study.report.pictures import OCCUPANCY
 from study.report.style import RULE, WIDTH_IN, draw_clock_axis, time_bands, unit_colours
 
 _ROW_IN: Final = 0.17
@@ -33,10 +34,7 @@ def draw_occupancy(run: ReportedRun) -> Figure:
             _draw_unit(axes, run, unit, colour, rows)
         axes.spines[:].set_color(RULE)
     legend = [Patch(color=colour, lw=0, label=unit) for unit, colour in colours.items()]
-    legend += [
-        Patch(color="#555555", alpha=0.25, lw=0, label="held"),
-        Patch(color="#555555", lw=0, label="occupied"),
-    ]
+    legend += [Patch(**layer.face()) for layer in OCCUPANCY.layers.values()]
     figure.legend(handles=legend, loc="outside upper right", ncols=12, handlelength=1.2)
     return figure
 
@@ -46,8 +44,8 @@ def _draw_unit(axes: Axes, run: ReportedRun, unit: str, colour: str, rows: dict[
     from_s, to_s = axes.get_xlim()
     ours = run.tables.blocks.filter(pl.col("unit") == unit, pl.col("section").is_in(list(rows)))
     for begin, end, height, alpha in (
-        ("granted_s", "released_s", 0.8, 0.25),
-        ("entered_s", "cleared_s", 0.5, 1.0),
+        ("granted_s", "released_s", 0.8, OCCUPANCY.layers["held"].opacity),
+        ("entered_s", "cleared_s", 0.5, OCCUPANCY.layers["occupied"].opacity),
     ):
         bars = ours.filter(pl.col(begin).is_not_null()).select(
             pl.col("section"),

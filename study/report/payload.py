@@ -30,6 +30,7 @@ from study.report.courses import (
 from study.report.data import ReportedRun
 from study.report.packing import packed_column, places_in
 from study.report.papers import ROWS_OF_THE_PAGE, tables_shown
+from study.report.pictures import PALETTE, PICTURES
 from study.report.stairway import stairway_shown
 from study.report.tabular import headed_column
 from study.report.tasc import KMHPS_PER_MPS2, most_telling, response_surface, waves_shown
@@ -58,6 +59,8 @@ def payload_of(run: ReportedRun, facts: Mapping[str, Any], shows: PageContents) 
     return {
         "format": FORMAT,
         "words": words_of_the_page(),
+        "palette": PALETTE,
+        "pictures": {name: picture.for_page() for name, picture in PICTURES.items()},
         "line": line_shown(run.line),
         "window": [begin_s, end_s],
         "trains": trains_shown(run),

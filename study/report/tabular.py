@@ -43,7 +43,7 @@ def headed_column(label: str, figure: Figure) -> dict[str, Any]:
 def _rounded(value: float | None, digits: int) -> float | int | None:
     if value is None or not math.isfinite(value):
         return None
-    rounded = round(value, digits)
+    rounded = round(value, digits) + 0.0  # nothing has no sign
     return int(rounded) if digits == 0 else rounded
 
 

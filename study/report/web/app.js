@@ -1,6 +1,7 @@
 // The page: papers as tabs, a bar with search and language, print. Knows neither where its data came from nor how it was bundled.
 import { dayOf } from "./data.js";
 import { makeGraphPaper } from "./graphpaper.js";
+import { COLOURS } from "./layer.js";
 import * as panels from "./panels.js";
 import { element } from "./tables.js";
 import { wordsIn } from "./words.js";
@@ -15,6 +16,7 @@ const PAPERS = [
 
 /** Make the page of a day in a document that has #papers, and #summary where there is one. Returns a handle on what it shows. */
 export function start(doc, data) {
+  Object.assign(COLOURS, data.palette);
   const day = dayOf(data);
   const page = {
     doc, day, layers: [], made: new Map(),

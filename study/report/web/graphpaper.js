@@ -148,7 +148,7 @@ function legend(doc, day, options, words) {
     draw(drawn);
     return sign;
   };
-  const drill = marksLegend(day).map(([word, draw]) => element(doc, "span", {}, signOf(draw), words.say(word)));
+  const drill = marksLegend(day).map(([label, draw]) => element(doc, "span", {}, signOf(draw), words.said(label)));
   const items = kindsShown(day, options).map(({ kind, called, shape }) => {
     const sign = signOf((drawn) => drawShape(drawn, 8, 8, ...shape));
     const count = shownEvents(day, options).filter((event) => event.kind === kind).length;

@@ -1,20 +1,22 @@
 // The canvas layer: a sharp canvas that fits its place, is drawn at most once a frame, and is moved by mouse, finger and key.
 import { panned, zoomed } from "./view.js";
 
-export const COLOURS = {
-  ink: "#222222", pale: "#6b6b6b", rule: "#d9d9d9", fine: "#ececec", red: "#b3261e", green: "#2e7d4f",
-  down: "#1f4e79", up: "#b4531a", planDown: "#0b2540", planUp: "#5c2605", chosen: "#7a1fa2",
-  traction: "#3b6ea5", regenerated: "#5b8c5a", auxiliary: "#a8a8a8", standing: "#dedede", target: "#d55e00",
-};
-// Colours that stay apart in print and for colour-blind readers (after Okabe and Ito).
-export const UNIT_COLOURS = ["#0072b2", "#d55e00", "#009e73", "#a0568a", "#8c6d1f", "#4b4b4b", "#56b4e9", "#c48a00"];
+// Colours of the page alone; those that plots share come with the data.
+export const COLOURS = { pale: "#6b6b6b", fine: "#ececec", green: "#2e7d4f", chosen: "#7a1fa2", target: "#d55e00", units: ["#0072b2"] };
 const FONT = '"Helvetica Neue", Helvetica, Arial, "Hiragino Sans", "Noto Sans CJK JP", "Yu Gothic", "branchline-ja", sans-serif';
+
+/** Lines and faces as a layer of a picture has them. */
+export function dress(context, layer) {
+  context.strokeStyle = context.fillStyle = layer.colour;
+  context.lineWidth = layer.width;
+  context.setLineDash(layer.dashes);
+}
 
 /** The font of pictures at a size in px. */
 export const font = (px, weight = "") => `${weight} ${px}px ${FONT}`.trim();
 
 /** A colour for each unit. */
-export const unitColour = (units, unit) => UNIT_COLOURS[Math.max(units.indexOf(unit), 0) % UNIT_COLOURS.length];
+export const unitColour = (units, unit) => COLOURS.units[Math.max(units.indexOf(unit), 0) % COLOURS.units.length];
 
 /**
  * A canvas within `host`. `draw(context, width, height)` is asked for whenever it was invalidated, once a frame; sizes are CSS px.

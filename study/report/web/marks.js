@@ -1,16 +1,16 @@
 // What happened, on the train graph: marks of events, and a drill's faults, acts and expectations.
 import { valueAt } from "./data.js";
-import { COLOURS, font } from "./layer.js";
+import { COLOURS, dress, font } from "./layer.js";
 import { spread } from "./view.js";
 
 const ROW_PX = 16;
 const ROWS_MAX = 14;
 // Shape and colour of an event's mark by its kind; lesser ones are shown when asked for.
 const SHAPES = {
-  "broken invariant": ["square", COLOURS.red, 6], unsafe: ["square", COLOURS.red, 5.5], intervention: ["cross", COLOURS.red, 4.5],
-  fault: ["triangle", COLOURS.red, 5.5], "fault over": ["hollow", COLOURS.green, 5], act: ["diamond", COLOURS.ink, 5],
+  "broken invariant": ["square", "red", 6], unsafe: ["square", "red", 5.5], intervention: ["cross", "red", 4.5],
+  fault: ["triangle", "red", 5.5], "fault over": ["hollow", "green", 5], act: ["diamond", "ink", 5],
   contradiction: ["diamond", "#7a1fa2", 4.5], stop: ["dot", "#d55e00", 3.5], points: ["dot", "#8c6d1f", 3.5],
-  reversal: ["dot", "#009e73", 3.5], expectation: ["hollow", COLOURS.pale, 4],
+  reversal: ["dot", "#009e73", 3.5], expectation: ["hollow", "pale", 4],
 };
 const LESSER = ["dot", "#9a9a9a", 2.5];
 export const LESSER_KINDS = ["telegram", "refusal", "train", "reversal", "expectation"];
@@ -50,7 +50,7 @@ export function eventsAt(day, scale, plot, options, x, y, reach = 9) {
 
 /** One mark; also drawn in the legend. */
 export function drawShape(context, x, y, shape, colour, r) {
-  context.fillStyle = context.strokeStyle = colour;
+  context.fillStyle = context.strokeStyle = COLOURS[colour] ?? colour;
   context.lineWidth = 1.8;
   context.setLineDash([]);
   context.beginPath();
@@ -83,13 +83,12 @@ export function kindsShown(day, options) {
 }
 
 // Where a fault is while it lasts: a stretch of line as a box, a train as a broad band along its run.
-const PLACE = "rgba(179,38,30,0.3)";
 const TRAIN_PX = 9;
 
 function drawPlace(context, day, scale, mark, end) {
   const x0 = scale.x(mark.from);
   const to = mark.to ?? end;
-  context.fillStyle = context.strokeStyle = PLACE;
+  context.fillStyle = context.strokeStyle = day.pictures.drill.layers.stretch.colour;
   for (const [low, high] of mark.stretches) {
     const [y0, y1] = [scale.y(low), scale.y(high)];
     context.fillRect(x0, Math.min(y0, y1), Math.max(scale.x(to) - x0, 2), Math.max(Math.abs(y1 - y0), 3));
@@ -112,39 +111,25 @@ function drawPlace(context, day, scale, mark, end) {
   context.lineCap = "butt";
 }
 
-/** What the bands, boxes and lines of a drill mean, each as [word, how its sign is drawn in 16 px]. */
+/** What the bands, boxes and lines of a drill mean, each as [words, how its sign is drawn in 16 px]. */
 export function marksLegend(day) {
   const faults = day.marks.filter((mark) => mark.kind === "F");
-  const found = [];
-  const sign = (colour) => (context) => {
-    context.fillStyle = colour;
-    context.fillRect(1, 3, 14, 10);
+  const box = (context) => context.fillRect(1, 3, 14, 10);
+  const line = (x0, y0, x1, y1) => (context) => {
+    context.beginPath();
+    context.moveTo(x0, y0);
+    context.lineTo(x1, y1);
+    context.stroke();
   };
-  if (faults.length) found.push(["while a fault lasts (F)", sign("rgba(179,38,30,0.14)")]);
-  if (faults.some((mark) => mark.stretches.length)) found.push(["its stretch of the line", sign("rgba(179,38,30,0.37)")]);
-  if (faults.some((mark) => mark.units.length)) {
-    found.push(["the train that has it", (context) => {
-      context.strokeStyle = "rgba(179,38,30,0.37)";
-      context.lineWidth = 5;
-      context.lineCap = "round";
-      context.beginPath();
-      context.moveTo(3, 13);
-      context.lineTo(13, 3);
-      context.stroke();
-    }]);
-  }
-  if (day.marks.some((mark) => mark.kind === "A")) {
-    found.push(["a person acts (A)", (context) => {
-      context.strokeStyle = COLOURS.ink;
-      context.lineWidth = 1.2;
-      context.setLineDash([3, 3]);
-      context.beginPath();
-      context.moveTo(8, 0);
-      context.lineTo(8, 16);
-      context.stroke();
-    }]);
-  }
-  return found;
+  const signs = {
+    lasts: faults.length && box, stretch: faults.some((mark) => mark.stretches.length) && box,
+    train: faults.some((mark) => mark.units.length) && line(3, 13, 13, 3), act: day.marks.some((mark) => mark.kind === "A") && line(8, 0, 8, 16),
+  };
+  const { layers } = day.pictures.drill;
+  return Object.entries(signs).filter(([, sign]) => sign).map(([name, sign]) => [layers[name].label, (context) => {
+    dress(context, layers[name]);
+    sign(context);
+  }]);
 }
 
 /** A drill's faults as pale bands with their places, and its acts as dashed lines. */
@@ -153,7 +138,7 @@ export function drawFaults(context, day, scale, plot) {
   for (const mark of shown) {
     const x = scale.x(mark.from);
     const end = scale.x(mark.to ?? day.window[1]);
-    context.fillStyle = "rgba(179,38,30,0.07)";
+    context.fillStyle = day.pictures.drill.layers.lasts.colour;
     if (mark.kind === "F") {
       context.fillRect(x, plot.top, Math.max(end - x, 0), plot.height);
       drawPlace(context, day, scale, mark, day.window[1]);

@@ -248,6 +248,10 @@ export function delayColour(late) {
   return late <= 150 ? mix([255, 255, 255], [240, 180, 158], late / 150) : mix([240, 180, 158], [179, 38, 30], (late - 150) / 150);
 }
 
+/** Values as the layers of a picture show them. */
+const seriesOf = (picture, words, values) =>
+  Object.entries(picture.layers).map(([name, { label, colour }]) => ({ label: words.said(label), colour, values: values[name] }));
+
 /** Energy by train, by hour and by leg. */
 export function energyPaper(host, context) {
   const { day, words } = context;
@@ -261,14 +265,11 @@ export function energyPaper(host, context) {
   const [trains, traction, auxiliary, standing, regenerated, perKm, revenue] =
     ["train", "traction_kwh", "auxiliary_kwh", "standing_kwh", "regenerated_kwh", "net_per_km", "revenue"].map((label) => valuesOf(table, label));
   chart(host, context, 320, words.say("Energy by train"), (canvas, width, height) => drawBars(canvas, width, height, {
-    labels: trains.map((number, i) => (revenue[i] === "yes" ? number : `(${number})`)), unit: words.say("energy, kWh"),
+    labels: trains.map((number, i) => (revenue[i] === "yes" ? number : `(${number})`)), unit: words.said(day.pictures.energy.up),
     tops: perKm.map((value) => (value === null ? "–" : value.toFixed(2))),
-    series: [
-      { label: words.say("traction"), colour: COLOURS.traction, values: traction },
-      { label: words.say("auxiliary, running"), colour: COLOURS.auxiliary, values: auxiliary.map((kwh, i) => kwh - standing[i]) },
-      { label: words.say("auxiliary, standing"), colour: COLOURS.standing, values: standing },
-      { label: words.say("regenerated"), colour: COLOURS.regenerated, values: regenerated.map((kwh) => -kwh) },
-    ],
+    series: seriesOf(day.pictures.energy, words, {
+      traction, auxiliary: auxiliary.map((kwh, i) => kwh - standing[i]), standing, regenerated: regenerated.map((kwh) => -kwh),
+    }),
   }));
   tables(host, context, ["energy_sums", "energy_parts", "energy_per_km", "energy_taken"], true);
   energyByHour(host, context);
@@ -299,7 +300,7 @@ function energyByHour(host, context) {
   heading(host.ownerDocument, host, words.say("Energy by hour"), words.say("Of all trains and layovers, by the hour in which it was taken."));
   const hours = valuesOf(table, "hour");
   chart(host, context, 260, words.say("Energy by hour"), (canvas, width, height) => drawBars(canvas, width, height, {
-    labels: hours.map(String), unit: words.say("energy, kWh"),
+    labels: hours.map(String), unit: words.said(day.pictures.energy.up),
     series: [["traction", 1], ["auxiliary", 1], ["regenerated", -1]].map(([name, sign]) => ({
       label: words.say(name), colour: COLOURS[name], values: valuesOf(table, `${name}_kwh`).map((kwh) => sign * kwh),
     })),
@@ -337,7 +338,7 @@ export function stoppingPaper(host, context) {
   else {
     const [, , stations, , values] = errors.columns.map((col) => col.values);
     chart(host, context, 280, words.say("Stop errors by station"), (canvas, width, height) => drawDots(canvas, width, height, {
-      groups: day.line.stations.map((s) => ({ label: words.place(s), values: values.filter((_, i) => stations[i] === s.id) })), unit: words.say("front beyond the mark, m"),
+      groups: day.line.stations.map((s) => ({ label: words.place(s), values: values.filter((_, i) => stations[i] === s.id) })), unit: words.said(day.pictures.stop_errors.up),
     }));
     host.append(makeTable(doc, errors, context));
     approachesIn(host, context);
@@ -354,7 +355,7 @@ function approachesIn(host, context) {
   const width = host.clientWidth || 1000;
   const columns = Math.max(1, Math.min(units.length, Math.floor(width / 320)));
   chart(host, context, 260 * Math.ceil(units.length / columns), words.say("The last 400 m of every stop"), (canvas, w, h) => drawPanels(canvas, w, h, {
-    columns, from: 400, to: -10, unitX: words.say("before the mark, m"), unitY: words.say("speed, km/h"),
+    columns, from: 400, to: -10, unitX: words.say("before the mark, m"), unitY: words.said(day.pictures.run_curve.up),
     panels: units.map((unit) => {
       const own = all.filter((one) => one.unit === unit);
       return {
@@ -398,6 +399,7 @@ export function sectionsPaper(host, context) {
   host.append(readout, stage);
   const end = day.window[1];
   const until = (time) => (Number.isNaN(time) ? end : time);
+  const { layers } = day.pictures.occupancy;
   const said = (what) => headingOf(day.columns.blocks.columns.find((column) => column.label === `${what}_s`), words);
   const rows = () => ({
     rowPx: 18,
@@ -409,8 +411,8 @@ export function sectionsPaper(host, context) {
           section.id, block.train, words.say("unit {unit}", { unit: block.unit }),
           ...["granted", "entered", "cleared", "released"].map((what) => `${said(what)} ${clock(block[what], true)}`),
         ].join(" · ");
-        const held = { from: block.granted, to: until(block.released), colour, alpha: 0.28, share: 0.8, title };
-        const occupied = { from: block.entered, to: until(block.cleared), colour, share: 0.5, title };
+        const held = { from: block.granted, to: until(block.released), colour, alpha: layers.held.opacity, share: 0.8, title };
+        const occupied = { from: block.entered, to: until(block.cleared), colour, alpha: layers.occupied.opacity, share: 0.5, title };
         return Number.isNaN(block.entered) ? [held] : [held, occupied];
       }),
     })),

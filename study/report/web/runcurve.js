@@ -1,6 +1,6 @@
 // The run curve (運転曲線) of a train: speed and time over distance, limits, gradients and curves, stations, leg minutes.
 import { valueAt } from "./data.js";
-import { COLOURS, font } from "./layer.js";
+import { COLOURS, dress, font } from "./layer.js";
 import { niceStep, spread } from "./view.js";
 
 const LEFT = 52;
@@ -70,15 +70,16 @@ export function drawRunCurve(context, day, course, train, view, options, width, 
   const y = (kmh) => plot.top + plot.height * (1 - kmh / top);
   context.fillStyle = "#ffffff";
   context.fillRect(0, 0, width, height);
-  drawGrid(context, plot, y, top, options.words);
+  const { layers, up } = day.pictures.run_curve;
+  drawGrid(context, plot, y, top, options.words, up);
   clipped(context, { ...plot, height: plot.height + BELOW - 24 }, () => drawStationLines(context, stations, places, plot));
   drawTimeScale(context, course, plot);
   clipped(context, plot, () => {
-    drawLimits(context, limits, axis, places, y);
-    drawCurve(context, course, course.permitted, inside, places, y, COLOURS.red, 1, []);
-    drawCurve(context, course, course.target, inside, places, y, COLOURS.pale, 1.1, [5, 3]);
+    drawLimits(context, limits, axis, places, y, layers.limit);
+    drawCurve(context, course, course.permitted, inside, places, y, layers.permitted);
+    drawCurve(context, course, course.target, inside, places, y, layers.target);
     drawTime(context, course, inside, places, plot);
-    drawCurve(context, course, { t: course.t, v: course.v }, inside, places, y, course.direction > 0 ? COLOURS.down : COLOURS.up, 2, []);
+    drawCurve(context, course, { t: course.t, v: course.v }, inside, places, y, layers[course.direction > 0 ? "down" : "up"]);
     for (const t of course.braked) cross(context, places.x(valueAt(course.t, course.m, t)), y(valueAt(course.t, course.v, t)));
     if (options.moment !== undefined) drawCursor(context, course, options.moment, places, plot, y);
   });
@@ -97,7 +98,7 @@ function clipped(context, plot, draw) {
   context.restore();
 }
 
-function drawGrid(context, plot, y, top, words) {
+function drawGrid(context, plot, y, top, words, up) {
   context.font = font(11);
   context.textBaseline = "middle";
   context.textAlign = "right";
@@ -112,7 +113,7 @@ function drawGrid(context, plot, y, top, words) {
     context.fillStyle = COLOURS.ink;
     context.fillText(String(Math.round(v)), plot.left - 5, y(v));
   }
-  turned(context, words.say("speed, km/h"), 12, plot.top + plot.height / 2);
+  turned(context, words.said(up), 12, plot.top + plot.height / 2);
   context.fillStyle = COLOURS.green;
   turned(context, words.say("time since the stand, min"), plot.left + plot.width + RIGHT - 7, plot.top + plot.height / 2);
 }
@@ -138,9 +139,8 @@ function drawStationLines(context, stations, places, plot) {
   }
 }
 
-function drawLimits(context, limits, axis, places, y) {
-  context.strokeStyle = COLOURS.ink;
-  context.lineWidth = 1.2;
+function drawLimits(context, limits, axis, places, y, layer) {
+  dress(context, layer);
   context.beginPath();
   limits.forEach(([from, kmh], i) => {
     const to = limits[i + 1]?.[0] ?? axis.to;
@@ -151,10 +151,8 @@ function drawLimits(context, limits, axis, places, y) {
   context.stroke();
 }
 
-function drawCurve(context, course, curve, inside, places, y, colour, width, dash) {
-  context.strokeStyle = colour;
-  context.lineWidth = width;
-  context.setLineDash(dash);
+function drawCurve(context, course, curve, inside, places, y, layer) {
+  dress(context, layer);
   context.lineJoin = "round";
   context.beginPath();
   let open = false;

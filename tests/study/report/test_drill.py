@@ -74,7 +74,7 @@ def test_a_faults_place_is_drawn_with_its_time_and_told_in_the_legend(weekday: R
                 1500.0,
             )
         texts = {text.get_text() for text in shown_texts(figure)}
-        assert {"while a fault lasts", sign} <= texts
+        assert {"while a fault lasts (F)", sign} <= texts
     with drawing():
         figure, _ = draw_train_graph(weekday, (there,))
     assert not [artist for artist in figure.findobj() if artist.get_gid() == PLACE]

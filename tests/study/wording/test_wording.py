@@ -122,14 +122,9 @@ def test_a_reason_that_is_missing_takes_its_clause_with_it() -> None:
         (set(Late.model_fields), "drawn"),
         ({kind.__name__ for kind in get_args(messages.AnyMessage)}, "telegram"),
     ],
-    ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_every_list_of_the_catalogue_is_whole(there: set[str], context: str) -> None:
     assert there == set(phrases_of(context))
-
-
-def test_every_meet_changed_is_said() -> None:
-    assert set(FATES) == set(MeetFate)
 
 
 def reasons() -> Iterator[str]:
@@ -233,7 +228,7 @@ def test_what_is_compared_has_its_words() -> None:
     assert {
         name for name in names - {name for name in names if compared_name(name).ja} if english_in(name)
     } == set()
-    assert all(columns_in(table) for table in TABLES)
+    assert all(columns_in(table) for table in TABLES) and set(FATES) == set(MeetFate)
     assert [said.name.en for said in (*figures_of(DrivenHop).values(), EARLY) if not said.name.ja] == []
 
 
@@ -250,6 +245,7 @@ def test_positions_and_directions_go_by_the_fields_words() -> None:
     assert script.value_text("direction", Direction.DOWN.name.lower()).ja == "下り"
 
 
+FORMS = [*phrases_of("assumption").values(), *phrases_of("opinion").values()]
 CODE = re.compile(r"(documents\.|network\.)?(busy_line|tag_layout)")
 
 
@@ -270,17 +266,11 @@ def test_what_a_shipped_line_rests_on_is_said_in_japanese(line_id: str) -> None:
     assert {text: words for text, words in left.items() if words} == {}
 
 
-@pytest.mark.parametrize(
-    "form",
-    [*phrases_of("assumption").values(), *phrases_of("opinion").values()],
-    ids=lambda form: form.en[:40],
-)
+@pytest.mark.parametrize("form", FORMS, ids=lambda form: form.en[:40])
 def test_a_sentence_is_found_by_its_form_with_its_figures(form: Phrase) -> None:
     count = form.en.count("{}")
     values = [str(11 * (i + 1)) for i in range(count)]
-    said = phrase_by_form(
-        [*phrases_of("assumption").values(), *phrases_of("opinion").values()], form.en.format(*values), Phrase
-    )
+    said = phrase_by_form(FORMS, form.en.format(*values), Phrase)
     assert said is not None and said.en == form.en.format(*values)
     assert all(value in said.ja for value in values) or "times:" in form.en
-    assert phrase_by_form(phrases_of("assumption").values(), "something else", Phrase) is None
+    assert phrase_by_form(FORMS, "something else", Phrase) is None
