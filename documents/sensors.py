@@ -30,24 +30,22 @@ FILE: Final = Path("docs/sensors.md")
 HEAD: Final = """\
 # Sensors
 
-Made by `make docs` from `simulation/sensors/`, `onboard/localisation/`, their settings and faults; do not edit. For who
-judges what a train may be believed to know of its place.
+Made by `make docs` from `simulation/sensors/`, `onboard/localisation/`, their settings and faults; do not edit.
 
-A train's unit has one **estimate** of its front and two **bounds**, ahead and behind; whatever is safe rests on the
-bounds, never on the estimate: no limit is passed by the front that may be furthest ahead, nothing is given back before
-the rear that may be furthest behind is clear. A checker compares truth and bounds in every step of every run. Wheels
-widen the bounds as the train runs; a fix may cut them, or only move the estimate inside them, by what its sensor can be
-deceived by. `branchline reproduce position-compare --out DIR` runs all of them on one line and shows both.
+A unit has one **estimate** of its train's front and two **bounds**, ahead and behind. Safety depends on the bounds
+alone: the foremost possible front passes no limit, and nothing is given back before the rearmost possible rear is
+clear. A checker compares bounds and truth in every step of every run. Wheels widen the bounds as the train runs. A
+**fix** of a sensor may cut the bounds, that is, narrow them; a sensor that can be deceived may only move the estimate
+inside them. `branchline reproduce position-compare --out DIR` runs all sensors on one line and shows both.
 """
 CARRIED: Final = """
 ## What trains carry
 
-`[sensors] carries = [...]` says what all trains carry beside wheels and slide protection, `carries_of` what single
-stock does instead; cameras come with `[vision]`. A default train carries: {default}. Every train has wheels, slide
-protection and a load sensor.
+`[sensors] carries = [...]` says what all trains carry besides wheels, slide protection and load sensor, which every
+train has; `carries_of` says it for single stock. Cameras come with `[vision]`. The default is {default}.
 """
 RULE: Final = """
-## The one rule of fixes
+## One rule for all fixes
 
 """
 MAP: Final = """

@@ -21,36 +21,46 @@ class Driving(Record):
 
     service_guaranteed_share: Annotated[
         ShareAbove0,
-        about("of the strongest service notch, on which supervision counts", "assumed: worn pads, wet rail"),
+        about(
+            "share of the strongest service notch on which supervision relies", "assumed: worn pads, wet rail"
+        ),
     ] = 0.8
     emergency_guaranteed_share: Annotated[
-        ShareAbove0, about("of the emergency brake, on which supervision counts", "assumed: the same")
+        ShareAbove0, about("share of the emergency brake on which supervision relies", "assumed: the same")
     ] = 0.8
     design_adhesion_share: Annotated[
         ShareAbove0,
         about(
-            "of the dry rail's adhesion, down to which the guaranteed brakes hold; what follows from less is told as"
-            " outside the design",
+            "share of the dry rail's adhesion down to which the brakes are guaranteed; what follows from less is"
+            " reported as outside the design",
             "assumed: a damp rail, and what the guaranteed brakes need at the speeds of the lines here",
         ),
     ] = 0.8
     reaction_reserve_s: Annotated[
-        Reaction, about("beyond dead time and lag of the brake", "assumed: ageing valves")
+        Reaction,
+        about("reaction time allowed beyond dead time and lag of the brake", "assumed: ageing valves"),
     ] = 0.5
     service_margin_mps: Annotated[
-        SpeedMarginMps, about("over the permitted speed before the service brake comes", "assumed: 2 km/h")
+        SpeedMarginMps,
+        about("excess over the permitted speed at which the service brake comes", "assumed: 2 km/h"),
     ] = 0.6
     release_margin_mps: Annotated[
-        SpeedMarginMps, about("under it before that brake goes", "assumed: so that it does not chatter")
+        SpeedMarginMps,
+        about(
+            "margin below the permitted speed at which the service brake is released",
+            "assumed: so that it does not chatter",
+        ),
     ] = 1.0
     emergency_margin_mps: Annotated[
-        SpeedMarginMps, about("over it before the emergency brake comes", "assumed: 7 km/h")
+        SpeedMarginMps,
+        about("excess over the permitted speed at which the emergency brake comes", "assumed: 7 km/h"),
     ] = 2.0
     driving_margin_mps: Annotated[
-        SpeedMarginMps, about("under the permitted speed at which trains are driven", "assumed: 4 km/h")
+        SpeedMarginMps, about("margin below the permitted speed that driving keeps", "assumed: 4 km/h")
     ] = 1.2
     stop_deceleration_mps2: Annotated[
-        Deceleration, about("of the pattern to a stop at a mark", "assumed: a moderate stop, 2.2 km/h/s")
+        Deceleration,
+        about("deceleration of the pattern to a stop at a mark", "assumed: a moderate stop, 2.2 km/h/s"),
     ] = 0.6
     stop_gain_per_s: Annotated[
         Gain, about("proportional gain to the stop pattern", "assumed: settles in about a second")
@@ -62,5 +72,6 @@ class Driving(Record):
         Wait, about("a notch is kept at least this long", "assumed: spares the switchgear")
     ] = 2.0
     standing_brake_share: Annotated[
-        ShareAbove0, about("of the notches, applied while a train stands", "assumed: holds on 20 permille")
+        ShareAbove0,
+        about("share of the brake notches applied while a train stands", "assumed: holds on 20 permille"),
     ] = 0.5

@@ -89,6 +89,14 @@ class UnitRow(Protocol):
     fix_at_m: Annotated[float, "position when an absolute sensor last told it; -inf: not on this path"]
     fix_odometer_m: Annotated[float, "what the tachometer showed then"]
     fix_reader: Annotated[int, "whose it was: its place in READERS"]
+    narrow: Annotated[
+        int, "1: there is a narrowest fix since one measured the wheels, what wheels have added counted"
+    ]
+    narrow_low_m: Annotated[float, "where that had the front at least"]
+    narrow_high_m: Annotated[float, "and at most"]
+    narrow_odometer_m: Annotated[float, "what the tachometer showed then"]
+    narrow_slid_m: Annotated[float, "`slid_ahead_m` then"]
+    narrow_slipped_m: Annotated[float, "`slipped_behind_m` then"]
     sure_m: Annotated[float, "by such fixes alone the front is beyond this; -inf: by none"]
     place_trigger_m: Annotated[float, "the next virtual tag; +inf: none"]
     found: Annotated[int, "1: a fix has told in this step what was not known, and nobody has believed it yet"]

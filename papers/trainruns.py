@@ -23,10 +23,10 @@ from papers.single_hop import HopBench, HopWay
 from papers.single_run import Rows, new_hops
 from papers.single_train import Bench
 from papers.specification import Findings, Specification
-from papers.trainruns_files import KMH_PER_MPS, ReferencePath, read_path, read_train
+from papers.trainruns_files import ReferencePath, read_path, read_train
 from papers.trainruns_model import REFINED, STEP_M, ReferenceTrain, running_time_s
 from vehicle.mass import mass_kg
-from vehicle.resistance import running_resistance_n
+from vehicle.resistance import KMH_PER_MPS, running_resistance_n
 from vehicle.running_time import predicted_run
 from vehicle.traction import full_force_n
 from vehicle.train_file import TrainType, load_train, shipped_train

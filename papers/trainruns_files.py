@@ -13,8 +13,8 @@ import msgspec
 from network.errors import InputError
 from network.files.json_input import read_yaml
 from papers.trainruns_model import ReferenceTrain, UniformSection
+from vehicle.resistance import KMH_PER_MPS
 
-KMH_PER_MPS: Final = 3.6
 KG_PER_T: Final = 1000.0
 # what that model takes where a file has nothing
 BRAKING_FREIGHT_MPS2, BRAKING_PASSENGER_MPS2 = 0.225, 0.375

@@ -40,6 +40,7 @@ from papers.yasunobu_train import (
 from study.report.style import INK, UNIT_COLOURS
 from vehicle.optimum import Course, TooShort, least_energy
 from vehicle.optimum.bound import lower_bound_j
+from vehicle.resistance import KMH_PER_MPS
 
 DECELERATION_MPS2: Final = TABLE_1.driving.stop_deceleration_mps2
 PUNCTUAL_S: Final = 1.0
@@ -58,7 +59,6 @@ AT: Final = f"level, {NOMINAL_S:g} s"
 ON_AVERAGE: Final = "fuzzy saves on average, %"
 AT_NOMINAL: Final = f"fuzzy saves at {AT}, %"
 WHY_LESS: Final = "both laws share the stop's deceleration here, which the paper does not print"
-KMH_PER_MPS: Final = 3.6
 
 
 class DrivingWay(Enum):
@@ -388,13 +388,13 @@ def net_kwh(hop: TimedHop) -> float:
 def parameters() -> tuple[Parameter, ...]:
     """What was chosen, and why."""
     train, gains = paper_train().row[0], Pid()
-    margin_kmh = TABLE_1.driving.driving_margin_mps * 3.6
+    margin_kmh = TABLE_1.driving.driving_margin_mps * KMH_PER_MPS
     return (
         Parameter("train", "hitachi_train", "", "table 1; what it leaves out is assumed in the train file"),
         Parameter("hop", HOP_M, "m", "6.1"),
         Parameter(
             "speed limit",
-            round(float(train["speed_max_mps"]) * 3.6, 1),
+            round(float(train["speed_max_mps"]) * KMH_PER_MPS, 1),
             "km/h",
             f"assumed: the paper has none; trains are driven {margin_kmh:.1f} km/h below it, the optimum too",
         ),

@@ -65,10 +65,10 @@ Carries = Annotated[
 class Sensors(Record):
     """`[sensors]`: what trains carry, and its errors, drawn per train or per reading from seeded sources."""
 
-    carries: Annotated[Carries, about("by what trains know where they are", "Sugiyama: tags and wheels")] = (
-        PositionSensor.TAGS,
-    )
-    carries_of: Annotated[dict[str, Carries], about("the same by stock id, in place of it")] = Field(
+    carries: Annotated[
+        Carries, about("how trains find their position, besides wheels", "Sugiyama: tags and wheels")
+    ] = (PositionSensor.TAGS,)
+    carries_of: Annotated[dict[str, Carries], about("the same by stock id, instead")] = Field(
         default_factory=dict
     )
 
@@ -101,14 +101,15 @@ class Sensors(Record):
     wheel_factor_sigma: Annotated[
         WheelError,
         about(
-            "of real over assumed wheel circumference, train to train", "assumed: wear between two turnings"
+            "standard deviation of real over assumed wheel circumference, among trains",
+            "assumed: wear between two turnings",
         ),
     ] = 0.003
     creep_share: Annotated[
         Creep,
         about(
-            "by which the measured wheel turns more where it pulls with all the adhesion there is, and less where it"
-            " brakes with it; in proportion below",
+            "share by which the measured wheel turns more when it pulls at the adhesion limit, and less when it"
+            " brakes there; in proportion below",
             "off; Harada, 2.1, names it. Assumed where it is on: 0.003, what Kalker's linear theory gives at an"
             " adhesion of 0.25 under 50 kN a wheel, 0.001, with the bend towards saturation",
         ),
@@ -121,21 +122,24 @@ class Sensors(Record):
         ),
     ] = 0.0
     flangeway_m: Annotated[
-        Flangeway, about("by which an axle may run outwards", "assumed: half the play of 1067 mm gauge")
+        Flangeway,
+        about("lateral play by which an axle may run outwards", "assumed: half the play of 1067 mm gauge"),
     ] = 0.007
     tachometer_axle: Annotated[
         Literal["leading", "trailing"],
         about(
-            "of its bogie in the direction of travel; a trailing one stays near the middle",
+            "axle of the bogie, in the direction of travel; a trailing axle stays near the middle",
             "assumed: the larger error",
         ),
     ] = "leading"
     tag_read_sigma_m: Annotated[
         ReadError,
-        about("of where a tag is read", "assumed: a reader's field of about 0.1 m"),
+        about(
+            "standard deviation of the place where a tag is read", "assumed: a reader's field of about 0.1 m"
+        ),
     ] = 0.05
     tag_read_max_m: Annotated[
-        ReadError, about("beyond this the reader discards", "assumed: the edge of its field")
+        ReadError, about("the reader discards readings beyond this", "assumed: the edge of its field")
     ] = 0.2
     tags: Annotated[
         Literal["ids", "bits"],
@@ -143,7 +147,9 @@ class Sensors(Record):
     ] = "ids"
     tag_bit_error_factor: Annotated[
         BitErrorFactor,
-        about("on the bit-error rates, where tags are read by bits", "Sugiyama, table 7, is factor 1"),
+        about(
+            "factor of the bit-error rates, where tags are read bit by bit", "Sugiyama, table 7, is factor 1"
+        ),
     ] = 1.0
 
 
@@ -161,7 +167,7 @@ class Load(Record):
 class Tuning(Record):
     """`[tuning]`: trains learn to stop; the table alone switches it on."""
 
-    days: Annotated[Days, about("the same day that often; the last one is reported")] = 1
+    days: Annotated[Days, about("how often the day is repeated; the last one is reported")] = 1
     learn: Annotated[bool, about("whether trains go on learning")] = True
     learned: Annotated[
         str | None, about("file that an earlier run left (`learned.json`), beside the scenario")
@@ -219,7 +225,7 @@ class Vision(Record):
     false_share: Annotated[
         Share,
         about(
-            "of the frames that show something else as the sign, anywhere in range",
+            "share of the frames that take something else for the sign, anywhere in range",
             "assumed: none beyond those rendered",
         ),
     ] = 0.0
@@ -311,7 +317,7 @@ class Dispatch(Record):
     ] = 15.0
     overtaken_max: Annotated[
         Overtaken,
-        about("so many trains may be let on before one that waits for the same line", "assumed: two"),
+        about("number of trains that may pass before one that waits for the same line", "assumed: two"),
     ] = 2
 
 

@@ -27,8 +27,10 @@ SAG_SHARE_MAX: Final = 0.5  # beyond it more current gives less power: no batter
 class BatteryTable(Record):
     """`[battery]`: the traction battery as one pack; a scenario's `[battery]` lets trains run on it."""
 
-    capacity_j: Annotated[BatteryEnergyJ, about("from empty to full when new")]
-    capacity_share: Annotated[ShareAbove0, about("of that which is left, by age", "assumed: new")] = 1.0
+    capacity_j: Annotated[BatteryEnergyJ, about("energy from empty to full when new")]
+    capacity_share: Annotated[
+        ShareAbove0, about("share of the capacity that is left, by age", "assumed: new")
+    ] = 1.0
     open_circuit_soc: Annotated[
         list[Share],
         Field(min_length=2, max_length=OCV_POINTS_MAX),
@@ -42,13 +44,13 @@ class BatteryTable(Record):
     resistance_ohm: Annotated[ResistanceOhm, about("internal resistance of the pack")]
     soc_low: Annotated[Share, about("low end of the window that is used")]
     soc_high: Annotated[Share, about("high end of the window that is used")]
-    taper_from_soc: Annotated[Share, about("from here on the charging current falls linearly")]
-    taper_to_share: Annotated[Share, about("to this share of the greatest current at soc_high")]
-    discharge_max_w: Annotated[BatteryPowerW, about("greatest power out")]
-    charge_max_w: Annotated[BatteryPowerW, about("greatest power in from a charger")]
-    regeneration_max_w: Annotated[BatteryPowerW, about("greatest power in from the motors")]
-    discharge_max_a: Annotated[CurrentA, about("greatest current out")]
-    charge_max_a: Annotated[CurrentA, about("greatest current in")]
+    taper_from_soc: Annotated[Share, about("state of charge from which the charging current falls linearly")]
+    taper_to_share: Annotated[Share, about("share of the greatest current that is left at soc_high")]
+    discharge_max_w: Annotated[BatteryPowerW, about("greatest power taken out")]
+    charge_max_w: Annotated[BatteryPowerW, about("greatest power from a charger")]
+    regeneration_max_w: Annotated[BatteryPowerW, about("greatest power from the motors")]
+    discharge_max_a: Annotated[CurrentA, about("greatest current taken out")]
+    charge_max_a: Annotated[CurrentA, about("greatest charging current")]
     voltage_min_v: Annotated[VoltageV, about("least voltage at the terminals")]
     voltage_max_v: Annotated[VoltageV, about("greatest voltage at the terminals")]
 

@@ -17,7 +17,7 @@ class RunningResistance(Record):
     trailer_constant_n_per_kn: Annotated[Resistance, about("trailers, constant term")]
     trailer_linear_n_per_kn_kmh: Annotated[ResistanceSlope, about("trailers, linear term")]
     air_n_per_kmh2: Annotated[AirResistance, about("air, with the square of speed")]
-    starting_n_per_kn: Annotated[Resistance, about("at a start")]
+    starting_n_per_kn: Annotated[Resistance, about("resistance at a start")]
     curve_coefficient_m: Annotated[
         CurveResistance, about("permille of resistance times the radius of a curve")
     ]

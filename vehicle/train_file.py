@@ -90,13 +90,17 @@ WRITTEN: Final = {
 class _Body(Record):
     """`[body]`."""
 
-    length_m: Annotated[TrainLength, about("over couplers")]
-    mass_empty_kg: Annotated[MassKg, about("empty, in working order")]
-    mass_load_full_kg: Annotated[LoadKg, about("of a full load")]
+    length_m: Annotated[TrainLength, about("length over couplers")]
+    mass_empty_kg: Annotated[MassKg, about("mass empty, in working order")]
+    mass_load_full_kg: Annotated[LoadKg, about("mass of a full load")]
     rotating_mass_factor: Annotated[RotatingMass, about("equivalent mass is mass times 1 + this")]
     cars: Annotated[Cars, about("number of cars")]
-    motored_mass_share: Annotated[Share, about("of the mass, on motored cars: for the running resistance")]
-    motored_axle_mass_share: Annotated[ShareAbove0, about("of the weight, on driven axles: for adhesion")]
+    motored_mass_share: Annotated[
+        Share, about("share of the mass on motored cars, for the running resistance")
+    ]
+    motored_axle_mass_share: Annotated[
+        ShareAbove0, about("share of the weight on driven axles, for adhesion")
+    ]
     speed_max_mps: Annotated[SpeedMps, about("greatest speed")]
 
 
@@ -111,7 +115,7 @@ class _Traction(Record):
     notch_share: Annotated[
         list[ShareAbove0],
         Field(min_length=1, max_length=NOTCHES_MAX - 1),
-        about("of the full force, by notch"),
+        about("share of the full force, by notch"),
     ]
     notch_speed_cap_mps: Annotated[
         list[SpeedFrom0Mps], about("a notch pulls up to this speed; 0: no cap")
@@ -123,7 +127,7 @@ class _Traction(Record):
     curve_force_n: Annotated[
         list[BrakeForceN], Field(max_length=CURVE_ROWS_MAX), about("measured curve: full-notch force")
     ] = Field(default_factory=list[float])
-    dead_time_s: Annotated[DeadTime, about("from command to first force")]
+    dead_time_s: Annotated[DeadTime, about("time from command to first force")]
     lag_s: Annotated[Lag, about("time constant of the build-up")]
     jerk_max_mps3: Annotated[Jerk, about("limit of the build-up; 0: none")]
     motors: Annotated[Motors, about("number of motors")]
@@ -144,10 +148,12 @@ class _Brakes(Record):
     """`[brakes]`: the service brake, at any load."""
 
     notch_deceleration_mps2: Annotated[
-        list[Deceleration], Field(min_length=1, max_length=NOTCHES_MAX - 1), about("by notch, rising")
+        list[Deceleration],
+        Field(min_length=1, max_length=NOTCHES_MAX - 1),
+        about("deceleration by notch, rising"),
     ]
     stepless: Annotated[bool, about("fractional notches are allowed")]
-    dead_time_s: Annotated[DeadTime, about("from command to first deceleration")]
+    dead_time_s: Annotated[DeadTime, about("time from command to first deceleration")]
     lag_s: Annotated[Lag, about("time constant of the build-up")]
     jerk_max_mps3: Annotated[Jerk, about("limit of the build-up; 0: none")]
 
@@ -163,7 +169,7 @@ class _Emergency(Record):
     """`[emergency]`: the emergency brake."""
 
     deceleration_mps2: Annotated[Deceleration, about("deceleration")]
-    dead_time_s: Annotated[DeadTime, about("from command to first deceleration")]
+    dead_time_s: Annotated[DeadTime, about("time from command to first deceleration")]
     lag_s: Annotated[Lag, about("time constant of the build-up")]
 
 
@@ -211,7 +217,7 @@ class _Energy(Record):
 class _Adhesion(Record):
     """`[adhesion]`: dry / (1 + factor times speed)."""
 
-    dry: Annotated[Adhesion, about("on dry rail at rest")]
+    dry: Annotated[Adhesion, about("adhesion coefficient on dry rail at rest")]
     speed_factor_s_per_m: Annotated[AdhesionSlope, about("how it falls with speed")]
     slide_share_max: Annotated[
         ShareAbove0, about("deepest slide the protection allows, of train speed; 1: wheels may lock")
@@ -221,15 +227,15 @@ class _Adhesion(Record):
 class _Sensors(Record):
     """`[sensors]`: on the axle."""
 
-    wheel_diameter_m: Annotated[WheelDiameterM, about("of the tachometer's axle")]
-    pulses_per_revolution: Annotated[Pulses, about("of the tachometer")]
+    wheel_diameter_m: Annotated[WheelDiameterM, about("wheel diameter of the tachometer's axle")]
+    pulses_per_revolution: Annotated[Pulses, about("pulses of the tachometer per turn")]
 
 
 class TrainFile(Record):
     """A whole train file; keys may end in other units, see `UNITS`."""
 
     id: Annotated[Identifier, about("name of the kind of train")]
-    name: Annotated[Title, Field(min_length=1), about("what people call it")]
+    name: Annotated[Title, Field(min_length=1), about("display name")]
     body: _Body
     resistance: RunningResistance
     traction: _Traction

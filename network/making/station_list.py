@@ -61,10 +61,12 @@ class StationRow(Record):
         Literal["right", "left"] | None,
         about("to which side of the first track the others lie, going down; left out: right"),
     ] = None
-    spacing_m: Annotated[Offset | None, about("from track to track; left out: 8, an island platform")] = None
+    spacing_m: Annotated[
+        Offset | None, about("distance from track to track; left out: 8, an island platform")
+    ] = None
     offset_m: Annotated[
         Offset | None,
-        about("of the first track, to the right going down; left out: the tracks lie about the axis"),
+        about("offset of the first track, to the right going down; left out: the tracks lie about the axis"),
     ] = None
     end: Annotated[
         Literal["stub", "portal"] | None,
@@ -76,17 +78,19 @@ class LineHead(Record):
     """`[line]` of a station list; options of the command count before it."""
 
     id: Annotated[Identifier | None, about("name of the line; left out: that of the file")] = None
-    name: Annotated[Title, about("what people call it")] = ""
+    name: Annotated[Title, about("display name")] = ""
     name_ja: Annotated[Title, about("the same in Japanese")] = ""
-    max_speed_kmh: Annotated[SpeedKmh | None, about("greatest speed anywhere; left out: 85, assumed")] = None
+    max_speed_kmh: Annotated[SpeedKmh | None, about("maximum speed of the line; left out: 85, assumed")] = (
+        None
+    )
     train_length_m: Annotated[
         TrainLength | None, about("longest train, for platforms, marks and tags; left out: 40, assumed")
     ] = None
     sources: Annotated[
         list[Prose], Field(max_length=TEXTS_MAX), about("where the list's figures come from")
     ] = Field(default_factory=list)
-    assumed: Annotated[list[Prose], Field(max_length=TEXTS_MAX), about("what nobody has published")] = Field(
-        default_factory=list
+    assumed: Annotated[list[Prose], Field(max_length=TEXTS_MAX), about("what has no published source")] = (
+        Field(default_factory=list)
     )
 
 

@@ -1,32 +1,33 @@
-"""The satellite receiver (GNSS): what its fixes, put onto the path, say of the train's front.
+"""The satellite receiver (GNSS): an interval for the train's front from fixes projected onto the path.
 
-Invariant: as long as the receiver errs as stated below, the interval made here holds the front.
+Invariant: as long as the receiver errs as stated below, the interval made here contains the front.
 
-What may be wrong, and what comes of it (P is the protection level that the receiver states):
-- A fix under an open sky errs by no more than P / 4, and with part of the sky hidden by no more than P, unless a
-  fault makes it err by more than it says.
-- A fix with part of the sky hidden only leans the estimate, inside the bounds: reflections are likeliest there, and
-  few satellites tell them. So does one that has not been borne out by `BORNE_OUT` fixes before it.
-- A fault that comes up moves the fixes against the wheels. Within a window they may move by P / 4, by what wheels may
-  be wrong by (`DRIFT_SHARE`; a window ends where that comes to P / 8), and by what slid or slipped. What moves by more
-  is a lie of the receiver, now or before: the interval spans it from then on, until it moves back; on another path its
-  direction is not known any more. So a fault that comes up by more than 3 % of the way run is held: up to 3 P / 8 of it
-  may hide at the edges of two windows each, beside the P / 4.
-- While wheels slide or slip, a fault may move the fixes by as much the other way, and nothing is seen of it. So all
-  that may have slid is in the interval, too: ahead of the fix, as it is in the bounds; what slipped, behind it. What
-  only a slide or slip explains of a movement shifts that: it was one, or a lie that came up after it.
-- Without a fix under an open sky for more than half a window's way nothing is compared on the way, and the wheels'
-  error adds up. How far fixes have gone on over such a gap is the way run and a lie's coming up: what the wheels, as
-  they are known now, leave of it is in the interval. So knowing them better later on makes it narrower again. Of
-  several gaps the greatest counts, until bounds have shown what lie there is: one lie comes up in one of them.
-- Bounds hold the front, whatever made them. A fix that is further from them than P / 4 and the lie that is known shows
-  that it lies, also from the first one on: the interval spans that. One that is nearer shows how great the lie can
-  still be: narrow bounds confirm a receiver, and give back what slides had taken from it.
-- Not held: a fault that comes up by less than 3 % of the way while bounds are too wide to show it; several that are
-  too small to be seen, one after the other. What leaves the bounds altogether is refused by the one rule of fixes.
+Possible errors and their effect (P is the protection level that the receiver states):
+- A fix under an open sky errs by no more than P / 4, and with part of the sky hidden by no more than P, unless there
+  is a fault.
+- A fix with part of the sky hidden only moves the estimate inside the bounds, because reflections are most likely
+  there and few satellites reveal them. The same holds for a fix that is not confirmed by `BORNE_OUT` fixes before it.
+- A growing fault moves the fixes against the wheels. Within a window they may move by P / 4, by the error of wheels
+  (`DRIFT_SHARE`; a window ends where that reaches P / 8), and by slides and slips. A greater movement is an error of
+  the receiver, now or before: the interval spans it from then on, until it moves back; on another path its direction
+  is no longer known. So a fault that grows by more than 3 % of the distance run is covered: at most 3 P / 8 of it may
+  hide at the edges of two windows each, besides the P / 4.
+- While wheels slide or slip, a fault may move the fixes by as much in the other direction, unseen. So everything that
+  may have slid is in the interval too, ahead of the fix, as in the bounds; everything that slipped, behind it. The
+  part of a movement that only a slide or slip explains shifts that allowance: it was one, or an error that appeared
+  after it.
+- Without a fix under an open sky for more than half a window nothing is compared, and the wheels' error adds up. The
+  distance between the fixes on both sides of such a gap is the distance run plus the growth of an error: the part that
+  the wheels, as they are known now, do not explain is in the interval. So knowing them better later makes it narrower.
+  Of several gaps the greatest counts, until bounds have shown the error: one error appears in one of them.
+- Bounds contain the front, whatever made them. A fix further from them than P / 4 plus the known error shows that the
+  receiver is wrong, also at the first fix, and the interval spans that error. A nearer one shows how great the error
+  can still be: narrow bounds confirm a receiver, and remove what slides had added.
+- Not covered: a fault that grows by less than 3 % of the distance while bounds are too wide to show it; several faults
+  in succession that are too small to be seen. What leaves the bounds is refused by the one rule of fixes.
 - A wrong time tag shifts fixes by the speed; it shows, like any other fault, where the speed changes.
 
-A unit without a position takes the interval of a receiver that `FIRST_FIXES` open-sky fixes have borne out.
+A unit without a position takes the interval of a receiver that `FIRST_FIXES` open-sky fixes have confirmed.
 """
 
 from __future__ import annotations

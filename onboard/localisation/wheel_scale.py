@@ -46,6 +46,20 @@ def front_interval(row: UnitRow, low_m: float, high_m: float) -> FrontAtCount:
     return FrontAtCount(low_m, high_m, row.odometer_m, row.slid_ahead_m, row.slipped_behind_m)
 
 
+def narrowest(row: UnitRow) -> FrontAtCount:
+    """The narrowest fix of an absolute sensor since the last that was asked for here; without one the last of all."""
+    if not row.narrow:
+        return front_interval(row, float(row.fix_low_m), float(row.fix_high_m))
+    row.narrow = 0
+    return FrontAtCount(
+        float(row.narrow_low_m),
+        float(row.narrow_high_m),
+        float(row.narrow_odometer_m),
+        float(row.narrow_slid_m),
+        float(row.narrow_slipped_m),
+    )
+
+
 def carried_interval(row: UnitRow, before: FrontAtCount, scales: Scales) -> tuple[float, float]:
     """The interval in which the front lies now, m, if it was in `before` then."""
     run_m = max(row.odometer_m - before.odometer_m, 0.0)

@@ -71,7 +71,7 @@ SENSORS: Final = (
         SensorPage(
             title="Wheels (速度発電機)",
             estimate="moves with every pulse",
-            bounds="only widen them: with the way, with slides and slips, with what another axle contradicts",
+            bounds="widened only: by distance, by slides and slips, by the difference to another axle",
             meant_by="tachometer",
             settings={
                 "sensors": (
@@ -90,8 +90,8 @@ SENSORS: Final = (
         slide_protection.fit,
         SensorPage(
             title="Slide protection (滑走防止装置)",
-            estimate="none of itself: tells the wheels' reader what not to believe, and shows it another axle",
-            bounds="widen them while wheels slide or slip, and by what the two axles differ",
+            estimate="none of its own: shows the wheels' reader when not to rely on wheels, and another axle",
+            bounds="widened while wheels slide or slip, and by the difference of the two axles",
             meant_by="axles",
         ),
     ),
@@ -101,7 +101,7 @@ SENSORS: Final = (
         load.fit,
         SensorPage(
             title="Load sensor (応荷重)",
-            estimate="none: it tells the load",
+            estimate="none: it measures the load",
             bounds="none",
         ),
     ),
@@ -112,7 +112,7 @@ SENSORS: Final = (
         SensorPage(
             title="Tags (地上子)",
             estimate="moved to the tag",
-            bounds="anew from the tags read last; a tag that disagrees widens them",
+            bounds="set from the tags read last; a tag that disagrees widens them",
             meant_by="tags",
             settings={"sensors": ("tag_read_sigma_m", "tag_read_max_m", "tags", "tag_bit_error_factor")},
         ),
@@ -124,8 +124,8 @@ SENSORS: Final = (
         sign_camera.fit,
         SensorPage(
             title="Camera (停止位置目標)",
-            estimate="leaned on each sighting",
-            bounds="never cut",
+            estimate="moved towards each sighting, inside the bounds",
+            bounds="none",
             meant_by="sighting",
             settings={"vision": ()},
         ),
@@ -136,8 +136,8 @@ SENSORS: Final = (
         gnss.fit,
         SensorPage(
             title="Satellites (GNSS)",
-            estimate="moved, or leaned where part of the sky is hidden",
-            bounds="cut to the protection level under an open sky, wider by what the receiver was seen to lie",
+            estimate="moved; inside the bounds only, where part of the sky is hidden",
+            bounds="cut to the protection level under an open sky, plus the receiver's errors seen so far",
             meant_by="gnss",
             settings={"gnss": ()},
         ),
@@ -149,8 +149,8 @@ SENSORS: Final = (
         beacon.fit,
         SensorPage(
             title="Beacons of the train stop (ATS 地上子)",
-            estimate="leaned on one in its window",
-            bounds='cut by one that tells its number; others never (`trust = "paper"` is for the reproduction)',
+            estimate="moved towards a beacon in its window, inside the bounds",
+            bounds='cut by a beacon with a number, by no other (`trust = "paper"` is for the reproduction)',
             meant_by="beacons",
             settings={"beacons": ()},
         ),
@@ -177,7 +177,7 @@ SENSORS: Final = (
         SensorPage(
             title="LiDAR and markers (ターゲットマーカ)",
             estimate="moved to a marker that was read",
-            bounds="cut by what a marker that was read may be wrong by",
+            bounds="cut to the greatest error of a marker that was read",
             meant_by="lidar",
             settings={"lidar": ()},
         ),

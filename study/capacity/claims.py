@@ -45,14 +45,30 @@ class Event:
 
 
 @dataclass(frozen=True, slots=True)
+class LegRun:
+    """A stretch of the time of a headway, from a leg's departure on, and how long it lasts, s.
+
+    It lasts until the section `frees` is free again, until the set departs as `follows`, or until the leg arrives.
+    `back`: the chain goes it backwards, so that the headway is the shorter, the longer it lasts.
+    """
+
+    leg: SetLeg
+    lasts_s: float
+    frees: str = ""
+    follows: SetLeg | None = None
+    back: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Claims:
     """What the first train holds from its event on, and what the second needs up to its own, in the best order.
 
     `first_s` and `second_s` make up the least time; `section_id` is the section by which the first is last in the
     second's way. `ahead` are the legs that the first goes before the second's event, that of its event first, `behind`
     those of the second, that of its event first; `ahead_waits_s` and `behind_waits_s` say for how much longer than it
-    must a train stands before each: the first goes as soon as it can, the second as late. `possible`: off where the
-    second can never come after the first, and the legs of the two events alone count.
+    must a train stands before each: the first goes as soon as it can, the second as late. `runs`: what of the time is
+    running, as the chain goes over it. `possible`: off where the second can never come after the first, and the legs
+    of the two events alone count.
     """
 
     section_id: str
@@ -62,6 +78,7 @@ class Claims:
     behind: tuple[SetLeg, ...]
     ahead_waits_s: tuple[float, ...]
     behind_waits_s: tuple[float, ...]
+    runs: tuple[LegRun, ...]
     possible: bool
 
 
@@ -138,8 +155,29 @@ class _Chain:
             behind,
             tuple(waits_s[id(leg)] for leg in ahead),
             tuple(waits_s[id(leg)] for leg in behind),
+            tuple(self._runs()),
             possible,
         )
+
+    def _runs(self) -> Iterator[LegRun]:
+        """What the chain runs over, from the first's event to the second's."""
+        moves, came, known = self._timed.moves, self._timed.came, self._known
+        if self._first.arrival:
+            leg = self._first.leg
+            yield LegRun(leg, leg.arrives_s - leg.departs_s, back=True)
+        for before, after in pairwise(self._path):
+            leg, cross = moves[before].leg, came[after][1]
+            if cross is not None:
+                frees_s = known.frees_s(cross.hold, leg.departs_s)
+                yield LegRun(leg, frees_s - leg.departs_s, frees=cross.hold.section_id)
+                continue
+            one, other = (before, after) if before < after else (after, before)
+            leg, follows = moves[one].leg, moves[other].leg
+            lasts_s = known.gap_s(leg, follows) + follows.departs_s - leg.departs_s
+            yield LegRun(leg, lasts_s, follows=follows, back=before > after)
+        if self._second.arrival:
+            leg = self._second.leg
+            yield LegRun(leg, leg.arrives_s - leg.departs_s)
 
     def _is_source(self, at: int) -> bool:
         move = self._timed.moves[at]

@@ -8,7 +8,7 @@ all stands between are the shortest (`study.capacity.claims`).
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -38,6 +38,7 @@ from study.feasibility.planned import planned_day
 NOON_S: Final = 43_200
 WAITS_S: Final = 1_800  # a first train that had to come from elsewhere is there so long before its leg
 COMES_S: Final = 300  # and a second one
+WAITS_MORE_S: Final = 4  # beyond that a refused unit asks again by itself
 
 
 class NoSuchDayError(ValueError):
@@ -92,24 +93,46 @@ def undisturbed_setup(setup: Setup) -> Setup:
     )
 
 
-def two_trains(setup: Setup, headway: Headway) -> TwoTrains:
+@dataclass(frozen=True, slots=True)
+class TwoTrainTimes:
+    """When two trains ask and set out where a headway leaves it open.
+
+    `spared_s`: so much later the second can ask, as its points lie right. `asks`: for which of its legs it asks as late
+    as it can, None: that which decides. `waits_more_s`: so much longer the first stands wherever it waits.
+    """
+
+    spared_s: float = 0.0
+    asks: int | None = None
+    waits_more_s: int = 0
+
+
+def two_trains(setup: Setup, headway: Headway, times: TwoTrainTimes = TwoTrainTimes()) -> TwoTrains:
     """The two trains of a headway of an undisturbed setup. Raises NoSuchDayError."""
     first, second = headway.first, headway.second
     ends, begins = len(headway.claims.ahead) - 1, len(headway.claims.behind) - 1
     claims = headway.claims
-    ahead = _LegsOfSet(
-        setup, claims.ahead, first.before, first.after[ends:], WAITS_S, (), claims.ahead_waits_s
-    )
+    longer_s = [wait_s + times.waits_more_s if wait_s > TOUCH_S else 0.0 for wait_s in claims.ahead_waits_s]
+    ahead = _LegsOfSet(setup, claims.ahead, first.before, first.after[ends:], WAITS_S, (), longer_s)
     way_in, waits_s = claims.behind[::-1], claims.behind_waits_s[::-1]
     before = second.before[begins:]
     behind = _LegsOfSet(setup, way_in, before, second.after, COMES_S, ahead.places, waits_s)
     alone = ahead.alone(), behind.alone()
-    return TwoTrains(_asks_late(setup, headway, alone[1], 0.0), headway, *alone)
+    return TwoTrains(_asks_late(setup, headway, alone[1], times), headway, *alone)
 
 
-def without_throw(two: TwoTrains, spared_s: float) -> TwoTrains:
-    """The same where the points by which the second leaves lie right: so much later it can ask."""
-    return replace(two, setup=_asks_late(two.setup, two.headway, two.second, spared_s))
+def ways_to_ask(headway: Headway, spared_s: float) -> Iterator[TwoTrainTimes]:
+    """How two trains may ask, the likeliest first.
+
+    A unit that is refused asks again every few seconds, and asks as early before every leg: a second that needs two
+    ways so tightly, or a first that waits for the second, comes later than it must by how it asks alone.
+    """
+    yield TwoTrainTimes(spared_s)
+    if any(wait_s > TOUCH_S for wait_s in headway.claims.ahead_waits_s):
+        yield from (TwoTrainTimes(spared_s, waits_more_s=more_s) for more_s in range(1, WAITS_MORE_S + 1))
+    wants_s = [round(_wants_s(leg), 3) for leg in headway.claims.behind]
+    for asks in {s: at for at, s in enumerate(wants_s)}.values():
+        if wants_s[asks] > wants_s[deciding_leg(headway)]:
+            yield TwoTrainTimes(spared_s, asks)
 
 
 def deciding_leg(headway: Headway) -> int:
@@ -118,7 +141,7 @@ def deciding_leg(headway: Headway) -> int:
     return next(ways, -1)
 
 
-def _asks_late(setup: Setup, headway: Headway, second: SingleLegTrains, spared_s: float) -> Setup:
+def _asks_late(setup: Setup, headway: Headway, second: SingleLegTrains, times: TwoTrainTimes) -> Setup:
     """A setup in which the second train of a headway asks as late as it can, and units aim at arrivals as they stand.
 
     Who asks sooner is refused, and asks again at fixed intervals: every unit asks so many of them sooner that the way
@@ -126,20 +149,34 @@ def _asks_late(setup: Setup, headway: Headway, second: SingleLegTrains, spared_s
     """
     links, people = Links.of_air(setup.air), setup.people
     wants_s = [_wants_s(leg) for leg in headway.claims.behind]
-    own_s = wants_s[deciding_leg(headway)] - spared_s
+    wants_s[deciding_leg(headway)] -= times.spared_s
+    own_s = wants_s[deciding_leg(headway) if times.asks is None else times.asks]
     longest_s = links.ask_s + links.set_s(
         max((p.throw_time_s for p in setup.line.points.values()), default=0.0)
     )
     again_s = REFUSED_REPEAT_S + 2.0 * links.delay_s
-    times = math.ceil(max(longest_s - own_s, 0.0) / again_s - TOUCH_S)
+    refused = math.ceil(max(longest_s - own_s, 0.0) / again_s - TOUCH_S)
     comes = planned_day(day_of(setup, [second])).trains[second.stock_id][0]
     portal_lead_s = second.trains[0].calls[0].first_s - comes.stands[0].departs_s
     portal_lead_s += people.mean_s(Pause.SIGN_ON) + links.ask_s + max(wants_s[-1], people.mean_s(Pause.ENTRY))
     return replace(
         setup,
-        unit=setup.unit.model_copy(update={"request_lead_s": own_s + times * again_s, "time_margin_s": 0.0}),
+        unit=setup.unit.model_copy(
+            update={"request_lead_s": own_s + refused * again_s, "time_margin_s": 0.0}
+        ),
         operation=setup.operation.model_copy(update={"portal_lead_s": portal_lead_s}),
     )
+
+
+def spared_s(two: TwoTrains, less_s: float) -> float:
+    """How much later the second can ask for what decides where its points take so much less, s.
+
+    Who comes in by a portal takes its time for that, however its points lie.
+    """
+    leg = two.headway.claims.behind[deciding_leg(two.headway)]
+    if not _enters(two.setup, leg):
+        return less_s
+    return min(less_s, max(_wants_s(leg) - two.setup.people.mean_s(Pause.ENTRY), 0.0))
 
 
 def thrown_s(leg: SetLeg) -> float:
@@ -148,6 +185,13 @@ def thrown_s(leg: SetLeg) -> float:
         return 0.0
     throws = (s for one in leg.occupations for s in one.slices if s.part is OccupationPart.THROW)
     return max((s.length_s for s in throws if s.end_s <= leg.departs_s), default=0.0)
+
+
+def _enters(setup: Setup, leg: SetLeg) -> bool:
+    begins = setup.timetable.trains[leg.number].begins
+    return (
+        isinstance(begins, AtPortal) and leg.start is not None and leg.start.section_id == begins.section_id
+    )
 
 
 def _has(leg: SetLeg, section_id: str) -> bool:
@@ -196,7 +240,9 @@ class _LegsOfSet:
         self._counts = {id(leg) for leg in legs}
         self._legs = list(legs)
         back, on = list(before), list(after)
-        while back and not (self._begins() and (self._enters(self._legs[0]) or self._runs(self._legs[0]))):
+        while back and not (
+            self._begins() and (_enters(self._setup, self._legs[0]) or self._runs(self._legs[0]))
+        ):
             self._legs.insert(0, back.pop(0))
         while on and not (self._ends() and (self._leaves(self._legs[-1]) or self._runs(self._legs[-1]))):
             self._legs.append(on.pop(0))
@@ -206,8 +252,9 @@ class _LegsOfSet:
 
     @property
     def places(self) -> frozenset[str]:
-        """Where it begins, and each place to which it comes; a portal is anybody's again."""
-        found = [one for leg in self._legs for one in (leg.start, leg.end) if one is not None]
+        """Where it is until it sets out on the legs that count; a portal is anybody's again."""
+        counts = next(at for at, leg in enumerate(self._legs) if id(leg) in self._counts)
+        found = [leg.start for leg in self._legs[: counts + 1] if leg.start is not None]
         kinds = self._setup.line.sections
         return frozenset(o.section_id for o in found if kinds[o.section_id].kind is not SectionKind.PORTAL)
 
@@ -225,19 +272,11 @@ class _LegsOfSet:
         leg = self._legs[0]
         if leg.start is None or leg.start.section_id in self._taken:
             return False
-        return self._enters(leg) or self._stops(leg, leg.start.section_id)
+        return _enters(self._setup, leg) or self._stops(leg, leg.start.section_id)
 
     def _ends(self) -> bool:
         leg = self._legs[-1]
         return leg.end is not None and (self._leaves(leg) or self._stops(leg, leg.end.section_id))
-
-    def _enters(self, leg: SetLeg) -> bool:
-        begins = self._setup.timetable.trains[leg.number].begins
-        return (
-            isinstance(begins, AtPortal)
-            and leg.start is not None
-            and leg.start.section_id == begins.section_id
-        )
 
     def _leaves(self, leg: SetLeg) -> bool:
         ends = self._setup.timetable.trains[leg.number].ends
@@ -258,7 +297,7 @@ class _LegsOfSet:
         train, line = self._setup.timetable.trains[number], self._setup.line
         own = [leg for leg in self._legs if leg.number == number]
         start, end = own[0].start, own[-1].end
-        first = 0 if start is None or self._enters(own[0]) else call_at(line, train, start.section_id)
+        first = 0 if start is None or _enters(self._setup, own[0]) else call_at(line, train, start.section_id)
         last = len(train.calls) - 1
         if end is not None and not self._leaves(own[-1]):
             found = call_at(line, train, end.section_id)
@@ -298,11 +337,11 @@ class _LegsOfSet:
             calls.append(_moved(call, comes_s, goes_s))
             comes_s = goes_s
         end_leg, end_s = own[-1]
-        calls[0] = calls[0] if self._enters(own[0][0]) else replace(calls[0], arrival_s=None)
+        calls[0] = calls[0] if _enters(self._setup, own[0][0]) else replace(calls[0], arrival_s=None)
         if not self._leaves(end_leg):
             arrives_s = calls[-1].arrival_s or math.floor(end_leg.arrives_s) + end_s
             calls[-1] = replace(calls[-1], arrival_s=arrives_s, departure_s=None)
-        begins = train.begins if self._enters(own[0][0]) else Stabled()
+        begins = train.begins if _enters(self._setup, own[0][0]) else Stabled()
         ends = train.ends if self._leaves(end_leg) else Stabled()
         return replace(train, calls=tuple(calls), begins=begins, ends=ends)
 

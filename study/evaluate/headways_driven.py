@@ -2,6 +2,8 @@
 
 Nothing is drawn, and the second train asks for its way as late as it can (`study.capacity.two_trains`). It is late
 where it leaves or arrives later than when nobody is in its way: at a least headway it is not, with a second less it is.
+Trains are driven a few parts in a thousand quicker or slower than predicted, since they keep a speed between two
+notches and brake by them. So each headway is driven with what its ways took when nobody was in the way.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from typing import Any, Final
 from host.scratch import scratch
 from scenario.scenario import Scenario
 from simulation.setup import STEP_S, Setup
-from study.capacity.claims import Event
+from study.capacity.claims import Event, LegRun
 from study.capacity.headway import HeadwayCase
 from study.capacity.legs import SetLeg, legs_of, places_of
 from study.capacity.observed import occupations_run
@@ -23,16 +25,19 @@ from study.capacity.occupation import TOUCH_S
 from study.capacity.two_trains import (
     NoSuchDayError,
     TwoTrains,
+    TwoTrainTimes,
     deciding_leg,
+    spared_s,
     thrown_s,
     two_trains,
-    without_throw,
+    ways_to_ask,
 )
 from study.measures.register_holds import section_holds
 from study.runner.run import TEMPORARY, CarrierKind, RunOptions, carrier_factory, run_to_end
 from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import read_net
 
+DRIVING_COUNTS = True  # off: both trains are held against the way that was predicted for them
 LATE_S: Final = 0.25  # trains stop to a few centimetres, by seed and step: who is later than that was held up
 LESS_S: Final = 1.0
 FAR_S: Final = 14_400  # trains so far apart do not meet
@@ -43,13 +48,15 @@ OFF_S: Final = 64  # so far from a headway it is looked for in what trains need
 class Driven:
     """A headway as it was driven, s.
 
-    `spared_s`: by so much less were the two apart, because the points by which the second leaves lay right.
-    `kept_s`: by how much the second train is late at most with the headway, `nearer_s` with a second less; infinite
-    where it does not come. `needs_s`: the least time between the two events, to a second, with which it is not late;
-    `why` is told where the two cannot be driven.
+    `driving_s`: by so much longer than predicted the two take, alone, for what the headway runs over. `spared_s`: so
+    much less, at most, they may be apart as the points by which the second leaves lie right. `kept_s`: by how much the
+    second is late at most with the headway and `driving_s`, less `spared_s` if that is all spared; `nearer_s`: with a
+    second less; infinite where it does not come. `needs_s`: the least time between the two events, to a second, with
+    which it is not late; `why` is told where the two cannot be driven.
     """
 
     case: HeadwayCase
+    driving_s: float = 0.0
     spared_s: float = 0.0
     kept_s: float = math.nan
     nearer_s: float = math.nan
@@ -62,18 +69,30 @@ class Driven:
         return self.kept_s <= LATE_S < self.nearer_s
 
     @property
+    def longer_s(self) -> float:
+        """By how much the headway is longer than a run needs; what is within a second of 0 below is not known."""
+        return self.case.headway.least_s - self.needs_s
+
+    @property
+    def unexplained_s(self) -> float:
+        """What of that is neither driving nor points that lie right; they spare less where something else decides."""
+        longer_s = self.longer_s + self.driving_s
+        return longer_s - min(max(longer_s, 0.0), self.spared_s)
+
+    @property
     def text(self) -> str:
         """In words."""
         if self.why:
             return f"not driven: {self.why}"
-        right = f" less {self.spared_s:.1f} s, as points lie right" if self.spared_s else ""
-        found = f"least {self.case.headway.least_s:.1f} s{right}: {self.kept_s:.1f} s late at it"
-        needs = "" if self.agrees else f"; a run needs {self.needs_s:.1f} s"
-        return f"{found}, {self.nearer_s:.1f} s with a second less{needs}"
+        right = f", up to {self.spared_s:.1f} s less as points lie right" if self.spared_s else ""
+        found = f"least {self.case.headway.least_s:.1f} s, as driven {self.driving_s:+.1f} s{right}"
+        late = f"{self.kept_s:.1f} s late at it, {self.nearer_s:.1f} s with a second less"
+        return f"{found}; a run needs {self.needs_s:.1f} s; {late}"
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON and CSV: times to 0.1 s."""
         return {
+            "driven_driving_s": _tenth(self.driving_s),
             "driven_spared_s": _tenth(self.spared_s),
             "driven_kept_s": _tenth(self.kept_s),
             "driven_nearer_s": _tenth(self.nearer_s),
@@ -127,7 +146,7 @@ class _Drive:
         except NoSuchDayError:  # where the one ends the other begins
             both = drives.legs(two.day(two.first)), drives.legs(two.day(two.second))
             self._unhindered([*both[0], *both[1]], 0)
-        self._asking = two
+        self._spared_s = 0.0
         self._late_s: dict[int, float] = {}
 
     def _unhindered(self, legs: Sequence[SetLeg], by_s: int) -> None:
@@ -137,47 +156,54 @@ class _Drive:
         one, other = _as(legs, headway.first.leg), _as(legs, headway.second.leg)
         self._apart_s = _at_s(headway.second, other) - _at_s(headway.first, one) - by_s
         self._later_s = by_s
+        longer_s = (_longer_s(run, legs) for run in headway.claims.runs)
+        self._driving_s = math.fsum(s for s in longer_s if math.isfinite(s)) if DRIVING_COUNTS else 0.0
 
     def driven(self, case: HeadwayCase, *, searched: bool) -> Driven:
-        found = self._at_least(case, self._two, 0.0)
+        found = self._at_least(case, 0.0)
         if found.kept_s <= LATE_S and not found.agrees:
             spared_s = self._spared()
-            less = self._at_least(case, without_throw(self._two, spared_s), spared_s) if spared_s else found
-            found = less if less.agrees else self._at_least(case, self._two, 0.0)
-        if found.agrees or not searched:
+            less = self._at_least(case, spared_s) if spared_s else found
+            found = less if less.agrees else replace(self._at_least(case, 0.0), spared_s=spared_s)
+        if not searched:
             return found
-        kept, nearer = self._times(found.spared_s)
+        kept, nearer = self._times(self._spared_s)
         needs_s = self._needs(kept if found.nearer_s > LATE_S else nearer)
         return replace(found, needs_s=self._apart_s + needs_s)
 
-    def _at_least(self, case: HeadwayCase, two: TwoTrains, spared_s: float) -> Driven:
-        """The headway driven, the second asking as it does in `two`."""
-        self._asking, self._late_s = two, {}
+    def _at_least(self, case: HeadwayCase, spared_s: float) -> Driven:
+        """The headway driven, the second asking so much later."""
+        self._spared_s, self._late_s = spared_s, {}
         kept, nearer = (self.late_s(by_s) for by_s in self._times(spared_s))
-        return Driven(case, spared_s, kept, nearer, case.headway.least_s - spared_s)
+        needs_s = case.headway.least_s + self._driving_s - spared_s
+        return Driven(case, self._driving_s, spared_s, kept, nearer, needs_s)
 
     def _times(self, spared_s: float) -> tuple[int, int]:
         """The whole seconds, later than alone, by which a headway is kept, and by which a second is missing."""
-        least_s = self._two.headway.least_s - spared_s - self._apart_s
+        least_s = self._two.headway.least_s + self._driving_s - spared_s - self._apart_s
         return math.ceil(least_s + STEP_S - TOUCH_S), math.floor(least_s - LESS_S + TOUCH_S)
 
     def _spared(self) -> float:
         """How long the second need not wait for the points by which it leaves: behind the first they lie right."""
-        at = deciding_leg(self._two.headway)
-        if at < 0:
-            return 0.0
-        leg = self._two.headway.claims.behind[at]
-        spared_s = thrown_s(leg) - thrown_s(_as(self._both(self._times(0.0)[0]), leg))
-        return spared_s if spared_s > STEP_S else 0.0
+        leg = self._two.headway.claims.behind[deciding_leg(self._two.headway)]
+        less_s = thrown_s(leg) - thrown_s(_as(self._both(self._times(0.0)[0]), leg))
+        return spared_s(self._two, less_s) if less_s > STEP_S else 0.0
 
-    def _both(self, by_s: int) -> tuple[SetLeg, ...]:
-        two = self._asking
+    def _both(self, by_s: int, times: TwoTrainTimes = TwoTrainTimes()) -> tuple[SetLeg, ...]:  # noqa: B008 - it is frozen
+        two = two_trains(self._drives.setup, self._two.headway, times)
         return self._drives.legs(two.day(two.first, two.second.later(by_s)))
 
     def late_s(self, by_s: int) -> float:
-        """By how much the second train is late at most, so much later than it was alone, up to its event."""
+        """By how much the second train is late at most, so much later than it was alone, up to its event; by the least
+        of the ways in which the two can ask.
+        """
         if by_s not in self._late_s:
-            self._late_s[by_s] = self._held_up_s(self._both(by_s), by_s)
+            late_s = math.inf
+            for times in ways_to_ask(self._two.headway, self._spared_s):
+                late_s = min(late_s, self._held_up_s(self._both(by_s, times), by_s))
+                if late_s <= LATE_S:
+                    break
+            self._late_s[by_s] = late_s
         return self._late_s[by_s]
 
     def _held_up_s(self, both: Sequence[SetLeg], by_s: int) -> float:
@@ -213,6 +239,16 @@ def _as(legs: Sequence[SetLeg], leg: SetLeg) -> SetLeg:
         if one.number == leg.number and _ends(one) == _ends(leg):
             return one
     raise NoSuchDayError(f"{leg.number} does not come from {_ends(leg)[0]} to {_ends(leg)[1]}")
+
+
+def _longer_s(run: LegRun, legs: Sequence[SetLeg]) -> float:
+    """By how much longer than predicted a stretch takes as it was run, s; infinite where it has no end."""
+    leg = _as(legs, run.leg)
+    until_s = leg.arrives_s if run.follows is None else _as(legs, run.follows).departs_s
+    if run.frees:
+        until_s = next((o.end_s for o in leg.held if o.section_id == run.frees), math.inf)
+    longer_s = until_s - leg.departs_s - run.lasts_s
+    return -longer_s if run.back else longer_s
 
 
 def _ends(leg: SetLeg) -> tuple[str, str]:

@@ -104,7 +104,7 @@ def figure_of(run: ChosenRun, kind: PlotKind) -> Figure:
     """The picture, with its title, in the language chosen; call within `drawing()`. InputError where there is none."""
     figure = kind.draw(run)
     if figure is None:
-        raise InputError("command line", "KIND", kind.name, "a kind of which the run has something to show")
+        raise InputError("command line", "KIND", kind.name, "a kind for which the run has data")
     figure.suptitle(title_of(run, kind), x=0.008, ha="left", fontsize=9.5)
     translate(figure, run.choice.language)
     return figure

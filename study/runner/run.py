@@ -435,5 +435,5 @@ def units_at(name: str, link: PartyLink) -> UnitsAt:
     except ValueError:
         raise InputError("command line", "--units", name, "simulator or processes") from None
     if at is UnitsAt.PROCESSES and link is not PartyLink.ZENOH:
-        raise InputError("command line", "--units", name, "--link zenoh, over which processes talk")
+        raise InputError("command line", "--units", name, "--link zenoh, which processes need")
     return at

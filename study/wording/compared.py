@@ -17,8 +17,8 @@ DID_NOT_RUN: Final = phrase("{trains} did not run in the {which} run")
 AND: Final = phrase(" and ")
 
 CHANGED: Final = phrase("What changed against {label}")
-DIFFERENCES: Final = phrase("{count} differences, the patches of both runs carried out.")
-ONE_DIFFERENCE: Final = phrase("1 difference, the patches of both runs carried out.")
+DIFFERENCES: Final = phrase("{count} differences, after the patches of both runs.")
+ONE_DIFFERENCE: Final = phrase("1 difference, after the patches of both runs.")
 ROWS: Final = phrase("{count} rows")
 # the verdict
 NOTHING_AT_ALL: Final = phrase("Nothing differs at all, {inputs}: the journals of both runs are the same.")
@@ -28,9 +28,9 @@ ONLY_IN: Final = phrase("Only in {where}: {trains}.")
 TRAINS: Final = phrase("trains {shown}")
 ONE_TRAIN: Final = phrase("train {shown}")
 MORE_TRAINS: Final = phrase("trains {shown} and {rest} more")
-CAME_ONCE: Final = phrase("{count} of trains that run in both came in one run only.")
+CAME_ONCE: Final = phrase("{count} of trains in both runs are in one run only.")
 BROKEN_ONLY: Final = phrase("Broken only in {where}: {texts}.")
-NONE_COMPARED: Final = phrase("No arrival and no departure came in both runs: there is nothing to compare.")
+NONE_COMPARED: Final = phrase("No arrival or departure is in both runs: there is nothing to compare.")
 NOTHING_MOVED: Final = phrase("Nothing moved by more than {over}: {both} compared, {largest}.")
 MOVED: Final = phrase(
     "{count} of {both} moved by more than {over}, {later} later and {earlier} earlier, of {trains}; {largest}."

@@ -64,7 +64,7 @@ TOLD: Final[Mapping[EventType, EventWording]] = {
     ),
     said.ThrowRefused: EventWording(
         "refusal",
-        phrase("points {points_id} refused to {unit_id}{section_id}{token}{why}"),
+        phrase("points {points_id}: command of {unit_id} refused{section_id}{token}{why}"),
         _AT_POINTS,
     ),
     said.Contradicted: EventWording(
@@ -90,14 +90,14 @@ TOLD: Final[Mapping[EventType, EventWording]] = {
     notes.PositionFound: EventWording("position found", phrase("the position is known again")),
     notes.FoundElsewhere: EventWording(
         "fix refused",
-        phrase("{reader} finds the train where it does not hold all sections"),
+        phrase("{reader} gives a position where the train does not hold all sections"),
     ),
     notes.FixTaken: EventWording(
         "fix",
-        phrase("{reader} taken after {after}: the position moved by {correction_m:+.2f} m"),
+        phrase("fix by {reader} after {after}: the position moved by {correction_m:+.2f} m"),
     ),
-    notes.FixRefused: EventWording("fix refused", phrase("{reader} misses the bounds")),
-    notes.FixMissed: EventWording("fix missed", phrase("{reader} shows nothing where it should")),
+    notes.FixRefused: EventWording("fix refused", phrase("the fix by {reader} lies outside the bounds")),
+    notes.FixMissed: EventWording("fix missed", phrase("{reader} detects nothing where it should")),
     notes.ForeignTrack: EventWording(
         "foreign track",
         phrase("{reader} sees a track that is not the map's"),
@@ -123,7 +123,7 @@ TOLD: Final[Mapping[EventType, EventWording]] = {
     events.PointsForced: EventWording("unsafe", phrase("points {points_id} were run through")),
     TelegramDropped: EventWording(
         "telegram",
-        phrase("dropped by {receiver}{kind}{source}{why}"),
+        phrase("telegram dropped by {receiver}{kind}{source}{why}"),
         {"kind": phrase(": {}", "clause"), "source": phrase(" of {}", "clause"), **_WHY},
     ),
     said.PointsUnproven: EventWording(

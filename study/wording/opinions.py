@@ -27,7 +27,7 @@ PER_CAR: Final = phrase(
     "eds, loads"
     " and losses more cannot be said."
 )
-NONE: Final = phrase("No public figure stands beside a day on which not every train arrived.")
+NONE: Final = phrase("A day on which not every train arrived is compared with no published figure.")
 
 
 def opinion(text: str) -> Phrase:

@@ -10,7 +10,7 @@ from study.wording.catalogue import phrase, phrase_or_name
 from study.wording.phrase import Phrase
 
 MISSING: Final = phrase("{count} trains did not arrive: {trains}")
-NOT_HOME: Final = phrase("{unit} has neither left the line nor stands where its last duty ends")
+NOT_HOME: Final = phrase("{unit} has not left the line and does not stand where its last duty ends")
 ON_ITS_WAY: Final = phrase("{train} ({unit}) was on its way in {place}")
 STANDS: Final = phrase("{train} ({unit}) stands in {place} and waits for {what}")
 DANGER: Final = phrase("{unit} {how}")
@@ -46,7 +46,7 @@ LASTS: Final = phrase("lasts")
 AT_ONCE: Final = phrase("at once")
 NO_TRAIN: Final = phrase("No train arrived.")
 LATEST: Final = phrase("Latest {late_s:.0f} s after plan.")
-NO_NORMAL: Final = phrase("Time back to normal: none, because {why}.")
+NO_NORMAL: Final = phrase("No time back to normal, because {why}.")
 NORMAL: Final = phrase(
     "Back to normal {normal_s:.0f} s after the last heal at {healed}: from then on every departure was within"
     " {tolerance_s:.0f} s of plan."

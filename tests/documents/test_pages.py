@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 import typer
+from typer.core import TyperGroup
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from branchline.cli import app
@@ -37,10 +39,10 @@ def commands(page: str) -> Iterator[str]:
 
 def parse(line: str) -> None:
     """Raises `KeyError` for a command that there is not, `typer.TyperException` for such an option or argument."""
-    command = typer.main.get_command(app)
+    command = get_command(app)
     _, *arguments = shlex.split(line, comments=True)
     name = ""
-    while isinstance(command, typer.core.TyperGroup):
+    while isinstance(command, TyperGroup):
         name = arguments.pop(0)
         command = command.commands[name]
     with command.make_context(name, arguments):

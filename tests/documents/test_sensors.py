@@ -18,7 +18,7 @@ def test_every_sensor_reader_and_word_of_a_file_has_its_place() -> None:
     files = {sensor.function.__module__.rpartition(".")[2] for sensor in SENSORS}
     of_sensors = [kind for kind in KINDS if kind.__module__.rpartition(".")[2] in files]
     assert of_sensors and all(f"`{kind.kind}`" in text for kind in of_sensors)
-    assert f"A default train carries: `{Sensors().carries[0]}`." in text
+    assert f"The default is `{Sensors().carries[0]}`." in text
 
 
 def test_a_reader_that_no_sensor_names_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -80,6 +80,7 @@ def test_a_specification_runs_its_null_method_and_passes_only_where_that_one_fai
     result = made_up(Options(out="somewhere", quick=True))
     assert [row.passed for row in result.rows] == [True, passed]
     assert result.remarks == ("said", "drawn: made.svg", "short")
+    assert result.parameters == (Parameter("parameter set", "none", "", "said"),)
     assert made_up(Options()).remarks == ("said",)
 
 

@@ -39,27 +39,34 @@ SPREAD = "calibrated together: papers.driver_scatter"
 class Driver(Record):
     """`[law.driver]`: a driver's habits, each as its mean over drivers and its standard deviation among them."""
 
-    power_share: Annotated[ShareAbove0, about("of the power notches, taken to start", "assumed")] = 0.85
-    power_share_sigma: Annotated[Share, about("among drivers", SPREAD)] = 0.08
+    power_share: Annotated[ShareAbove0, about("share of the power notches used to start", "assumed")] = 0.85
+    power_share_sigma: Annotated[Share, about("standard deviation among drivers", SPREAD)] = 0.08
     swing_mps: Annotated[
         SpeedMarginMps,
-        about("above the speed wanted power is shut off, and below it taken again", "assumed: 4 km/h"),
+        about(
+            "power is shut off this much above the wanted speed, and taken again this much below it",
+            "assumed: 4 km/h",
+        ),
     ] = 4.0 / 3.6
-    swing_sigma_mps: Annotated[SpeedMarginMps, about("among drivers", SPREAD)] = 0.24
-    coast_s: Annotated[Wait, about("before the brake power is shut off for good", "assumed")] = 12.0
-    coast_sigma_s: Annotated[Wait, about("among drivers", SPREAD)] = 3.2
+    swing_sigma_mps: Annotated[SpeedMarginMps, about("standard deviation among drivers", SPREAD)] = 0.24
+    coast_s: Annotated[Wait, about("coasting time before the brake", "assumed")] = 12.0
+    coast_sigma_s: Annotated[Wait, about("standard deviation among drivers", SPREAD)] = 3.2
     look_s: Annotated[
-        Reaction, about("between two looks at the speed, when alone the notch is changed", "assumed")
+        Reaction, about("time between two looks at the speed; the notch is changed only then", "assumed")
     ] = 1.0
-    look_sigma_s: Annotated[Reaction, about("among drivers", SPREAD)] = 0.12
-    under_mps: Annotated[SpeedMarginMps, about("kept from the limit", "assumed: 2 km/h")] = 2.0 / 3.6
-    under_sigma_mps: Annotated[SpeedMarginMps, about("among drivers", SPREAD)] = 0.12
-    brake_share: Annotated[ShareAbove0, about("of the stop pattern's deceleration, from afar", "assumed")] = (
-        0.85
-    )
-    brake_share_sigma: Annotated[Share, about("among drivers", SPREAD)] = 0.08
+    look_sigma_s: Annotated[Reaction, about("standard deviation among drivers", SPREAD)] = 0.12
+    under_mps: Annotated[SpeedMarginMps, about("margin kept below the limit", "assumed: 2 km/h")] = 2.0 / 3.6
+    under_sigma_mps: Annotated[SpeedMarginMps, about("standard deviation among drivers", SPREAD)] = 0.12
+    brake_share: Annotated[
+        ShareAbove0, about("share of the stop pattern's deceleration used far from the mark", "assumed")
+    ] = 0.85
+    brake_share_sigma: Annotated[Share, about("standard deviation among drivers", SPREAD)] = 0.08
     catches_up: Annotated[
-        bool, about("who reckons to be late runs as fast as his time asks for and coasts no more", "assumed")
+        bool,
+        about(
+            "a driver who expects to be late runs as fast as the timetable needs and no longer coasts",
+            "assumed",
+        ),
     ] = True
 
 

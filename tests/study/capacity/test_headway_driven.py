@@ -10,21 +10,27 @@ import math
 from collections.abc import Collection, Generator, Iterable
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from itertools import permutations
 from typing import Final
 
 import pytest
 
 from host.scratch import scratch
+from onboard.authority.tables import REFUSED_REPEAT_S
 from radio.air import DelayShape
 from scenario.scenario import Scenario, load_scenario
 from simulation.result import RunResult
 from simulation.setup import STEP_S, Setup
 from study.capacity import claims, orders, passage
-from study.capacity.headway import HeadwayCase, HeadwayKind, line_cases
+from study.capacity.headway import HeadwayCase, HeadwayKind, headways_of, line_cases, visits_at
+from study.capacity.legs import legs_of, places_of
+from study.capacity.occupation import TOUCH_S
+from study.capacity.orders import DayOfLegs
 from study.capacity.rules import MINIMAL
 from study.capacity.standard import StandardPath, added_path, extended_day, standard_paths
 from study.capacity.theory import occupations
 from study.capacity.two_trains import two_trains, undisturbed_setup
+from study.evaluate import headways_driven
 from study.evaluate.headways_driven import LATE_S, Drives
 from study.runner.run import CarrierKind, PartyLink, execute
 from tests.study.capacity.by_hand import occupations_of_run
@@ -32,8 +38,11 @@ from tests.study.capacity.by_hand import occupations_of_run
 LEAD_S = 0.5  # a unit that asks no sooner than it must has no time to ask again
 FAR_S = 14_400
 NEAR_S = 0.5  # who is later than that by another train is late
-THROW_S: Final = 6.0  # points lie right behind a train that went the same way
-DRIVING_S: Final = 3.5  # by which the way of a pair is driven quicker or slower than predicted
+DRIVING_SHARE: Final = 0.005  # by which ways are driven quicker or slower than predicted
+LONGER_S: Final = 1.0
+UNEXPLAINED_S: Final = 2.0  # to a second it is known what a run needs, and when a unit asks again
+NEAR_VISITS_S: Final = 7_200.0
+SHIPPED: Final = ("busy_line", "isumi_weekday", "karasuyama_weekday", "kururi_weekday")
 FOLLOWS = frozenset({HeadwayKind.FOLLOWING})
 
 
@@ -172,7 +181,7 @@ def test_a_row_of_each_kind_can_be_driven_and_a_second_less_is_late() -> None:
             ("KNY", HeadwayKind.ARRIVAL_DEPARTURE, "up, KNY.2", "down, KNY.1"),
             ("KNN", HeadwayKind.DEPARTURE_ARRIVAL, "up, KNN.1", "down, KNN.1"),
         ):
-            found = drives.drive_headway(row(cases, *key))
+            found = drives.driven(row(cases, *key))
             assert found.agrees, (key, found.text)
 
 
@@ -184,9 +193,7 @@ def test_one_leg_back_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     with drives_of("isumi_weekday") as (drives, cases):
         whole = row(cases, "KNN", HeadwayKind.FOLLOWING, "up, KNN.1", "up, KNN.1")
-        found = drives.drive_headway(
-            replace(whole, headway=replace(whole.headway, least_s=short.headway.least_s))
-        )
+        found = drives.driven(replace(whole, headway=replace(whole.headway, least_s=short.headway.least_s)))
         assert short.headway.least_s < whole.headway.least_s - 1000.0
         assert found.kept_s > LATE_S
 
@@ -222,22 +229,75 @@ def test_the_first_waits_for_the_second_at_a_meet(monkeypatch: pytest.MonkeyPatc
     assert row(line_cases(setup.line, day, dwell_s), *key).headway.least_s < waits.least_s - 300.0
 
 
-# Not driven exactly yet: a first train that has to wait for the second asks again every five seconds (084).
-WAIT_BOTH_WAYS: Final = {
-    ("OGN", HeadwayKind.DEPARTURE_ARRIVAL, "down, OGN.1", "up, OGN.2"),
-    ("YKT", HeadwayKind.DEPARTURE_ARRIVAL, "down, YKT.1", "up, YKT.2"),
-}
+@pytest.mark.parametrize("name", ["isumi_weekday", "kururi_weekday"])
+def test_who_follows_from_the_same_track_has_come_there_and_stood(name: str) -> None:
+    """Departure to departure is at least departure to arrival and the shortest stand, for every two trains.
+
+    Rows of the table are of different pairs, so that one of the first may be shorter than one of the second.
+    """
+    asked, short = follows_too_soon(name)
+    assert asked > 50
+    assert not short
+
+
+def test_without_the_way_in_a_train_follows_that_has_not_come(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(claims, "WAY_IN_COUNTS", False)
+    assert follows_too_soon("isumi_weekday")[1]
+
+
+def follows_too_soon(name: str) -> tuple[int, list[str]]:
+    """How many pairs of trains were asked, and those of which the second departs sooner than it can."""
+    setup = load_scenario(name).setup
+    legs, dwell_s = legs_of(occupations(setup, MINIMAL), places_of(setup.line)), setup.unit.dwell_min_s
+    known = DayOfLegs(dwell_s)
+    asked, short = 0, list[str]()
+    for station in setup.line.stations.values():
+        visits = visits_at(legs, frozenset(track.section_id for track in station.tracks))
+        for one, other in permutations(visits, 2):
+            if other.passes or abs(other.time_s - one.time_s) > NEAR_VISITS_S:
+                continue
+            of_kind = {h.kind: h for h in headways_of(one, other, dwell_s, known) if h.claims.possible}
+            follows = of_kind.get(HeadwayKind.FOLLOWING)
+            comes = of_kind.get(HeadwayKind.DEPARTURE_ARRIVAL)
+            if follows is None or comes is None or follows.second.track_id != comes.second.track_id:
+                continue
+            asked += 1
+            if follows.least_s < comes.least_s + dwell_s - TOUCH_S:
+                short.append(f"{station.id}, {one.number}, {other.number}")
+    return asked, short
+
+
+def test_what_is_driven_otherwise_than_predicted_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first comes to Karasuyama 1.5 s sooner than predicted; without that a second less is not late."""
+    key = "OGN", HeadwayKind.FOLLOWING, "down, OGN.1", "down, OGN.1"
+    with drives_of("karasuyama_weekday") as (drives, cases):
+        found = drives.driven(row(cases, *key))
+        monkeypatch.setattr(headways_driven, "DRIVING_COUNTS", False)
+        assert found.agrees
+        assert 0.0 < abs(found.driving_s) < driving_s_max(found.case)
+        assert drives.driven(row(cases, *key)).driving_s == 0.0
+
+
+def driving_s_max(case: HeadwayCase) -> float:
+    """By how much its ways may be driven quicker or slower than predicted."""
+    return max(1.0, DRIVING_SHARE * case.headway.least_s)
+
+
+def asks_again_s(case: HeadwayCase) -> float:
+    """By how much a run may need more: where the first waits for the second both ask again before they are let on."""
+    waits = any(wait_s > TOUCH_S for wait_s in case.headway.claims.ahead_waits_s)
+    return REFUSED_REPEAT_S + UNEXPLAINED_S if waits else UNEXPLAINED_S
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("name", ["busy_line", "isumi_weekday", "karasuyama_weekday", "kururi_weekday"])
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("name", SHIPPED)
 def test_every_row_of_every_shipped_line_is_what_a_run_needs(name: str) -> None:
-    """None is below what a run needs but for a second or two of driving, none above by more than the points that lie
-    right and the driving of the way."""
+    """With what its two trains take as driven; and they take nearly what is predicted."""
     with drives_of(name) as (drives, cases):
-        driven = [drives.drive_headway(case) for case in cases]
-    off = [one for one in driven if not one.agrees and key_of(one.case) not in WAIT_BOTH_WAYS]
-    below = [one for one in off if not one.needs_s <= one.case.headway.least_s + DRIVING_S]
-    above = [one for one in off if one.needs_s < one.case.headway.least_s - THROW_S - DRIVING_S]
-    assert not below, [one.text for one in below]
-    assert not above, [one.text for one in above]
+        driven = [drives.driven(case) for case in cases]
+    assert driven
+    assert not [one.text for one in driven if one.why]
+    off = [one for one in driven if not one.agrees]
+    assert not [one.text for one in off if not -asks_again_s(one.case) <= one.unexplained_s <= LONGER_S]
+    assert not [one.text for one in driven if abs(one.driving_s) > driving_s_max(one.case)]
