@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from onboard.localisation import places
-from onboard.localisation.wheel_scale import FrontAtCount, held
+from onboard.localisation.wheel_scale import FrontAtCount, front_interval
 from onboard.records import UnitRow
 from papers.fusion_runs import (
     AS_UNITS_ARE,
@@ -156,7 +156,7 @@ def satellites_beside_lidar(number: int) -> CaseRow:
 
 def last_fix(row: UnitRow) -> FrontAtCount:
     """What measured the wheels before."""
-    return held(row, float(row.fix_low_m), float(row.fix_high_m))
+    return front_interval(row, float(row.fix_low_m), float(row.fix_high_m))
 
 
 def test_fixes_every_second_do_not_hide_what_narrow_ones_tell_of_the_wheels(
