@@ -213,7 +213,7 @@ def _print_more(more: AddedTrains, periods: Sequence[Period]) -> None:
         return
     counts = ", ".join(f"{more.trains_in(period)} in the {period.name}" for period in periods)
     sys.stdout.write(
-        f"room between the trains: {counts}; each judged in the plan, standing {more.search.wait_s_max / 60.0:.0f} min"
+        f"room between the trains: {counts}; each checked in the plan, standing {more.search.wait_s_max / 60.0:.0f} min"
         f" at most at a place, {more.search.buffer_s:.0f} s from others\n"
     )
     for path in more.paths:
@@ -222,14 +222,14 @@ def _print_more(more: AddedTrains, periods: Sequence[Period]) -> None:
             f"  {row['path']}: {row['departs']} - {row['arrives']}, waits {path.waits_s / 60.0:.0f} min\n"
         )
     if more.dropped:
-        sys.stdout.write(f"  thrown out by the judgement: {', '.join(more.dropped)}\n")
+        sys.stdout.write(f"  taken out again, as impossible: {', '.join(more.dropped)}\n")
 
 
 def _print_worth(worth: Sequence[LeverWorth]) -> None:
     """What each parameter is worth from its low to its high end."""
     sys.stdout.write(
-        "\nwhat equipment is worth: follower's headway with routes had whole, and with five virtual blocks, longest"
-        " from an arrival to the opposing departure, s; occupancy of the fullest part, %\n"
+        "\nwhat equipment gains: headway of a following train with routes held whole, and with five virtual blocks,"
+        " longest time from an arrival to the opposing departure, s; occupancy of the fullest part, %\n"
     )
     for one in worth:
         cells = [

@@ -115,7 +115,7 @@ def export_gtfs(
     rows = write_gtfs(out, line, timetable, facts)
     if centre == _CENTRE:
         tell(f"places of stations are about {_CENTRE} degrees; --centre says where the line really is")
-    figures: dict[str, Any] = {"line": line.id, "timetable": timetable.id, **rows}
+    figures: dict[str, Any] = {"line": line.id, "timetable": timetable.head.id, **rows}
     if as_json:
         print_json(figures, Outcome.GOOD)
     else:

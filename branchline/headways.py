@@ -138,7 +138,7 @@ def _print_driven(scenario: Scenario, cases: tuple[HeadwayCase, ...], *, as_csv:
         head = f"{one.case.station_id}, {kind_name(one.case)}, {one.case.first} / {one.case.second}"
         sys.stdout.write(f"{head}: {one.text}\n")
     agree = sum(one.agrees for one in driven)
-    sys.stdout.write(f"{agree} of {len(driven)}: not late at the headway, and late with a second less\n")
+    sys.stdout.write(f"{agree} of {len(driven)}: on time at the headway, and late one second closer\n")
 
 
 def _print(line: Line, cases: tuple[HeadwayCase, ...]) -> None:
@@ -149,7 +149,7 @@ def _print(line: Line, cases: tuple[HeadwayCase, ...]) -> None:
     from study.report.headways import kind_name
 
     if not cases:
-        sys.stdout.write("no two trains that need one section\n")
+        sys.stdout.write("no two trains need the same section\n")
         return
     costs = [cost for cost in OccupationCost if any(abs(case.headway.costs_s[cost]) > 0.05 for case in cases)]
     wide = max((len(f"{c.first} / {c.second}") for c in cases), default=0)

@@ -91,7 +91,7 @@ def export_oudia(
     dias = [{"name": plan_name(timetable), "trains": len(timetable.trains)}]
     dias += [{"name": AS_RUN, "trains": len(as_run)}] if as_run else []
     _say(
-        {"line": line.id, "timetable": timetable.id, "stations": len(line.stations), "dias": dias},
+        {"line": line.id, "timetable": timetable.head.id, "stations": len(line.stations), "dias": dias},
         as_json=as_json,
     )
     tell(f"wrote {out}")

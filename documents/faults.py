@@ -20,29 +20,30 @@ HEAD: Final = """\
 # Faults
 
 Made by `make docs` from `simulation/faults/`; do not edit. Each `[[fault]]` of a scenario or drill has a `kind`, a
-`target`, a `start` (a time, or words for an event), and as it likes `after_s` and `duration_s`; without a duration it
-lasts, unless it is over at once or a person ends it. The other keys are those of its kind.
+`target` and a `start` (a time, or words for an event); `after_s` and `duration_s` are optional. Without a duration a
+fault lasts until a person ends it, unless it is over at once. The other keys are those of its kind.
 
-Faults that change the same quantity of the same target may overlap: the value in force is what they make of the base,
-one after the other in the order in which they began, and one that ends takes only itself away.
+Faults of the same quantity and target may overlap. They are applied to the base value one after the other, in the
+order in which they began; when one ends, the others stay in force.
 """
 
 AT_TELEGRAMS: Final = """\
 ## Just before and just after every telegram
 
-What a party knows changes with telegrams alone, so a window between a word and its answer is found on the grid of
-telegrams and by luck on one of seconds. `branchline drill FILE --at telegrams` puts single faults beside those of a
-drill, a step before and a step after each telegram that they may have to do with is sent or takes effect; staff react,
-and a run is bad when a rule is broken, a train never arrives, or something waits for nothing. Whole folders of shipped
-drills, one line a class of outcome, and the drills that show what is bad:
+What a party knows changes with telegrams only. The critical moment between a request and its answer may be shorter
+than a second, so `branchline drill FILE --at telegrams` adds single faults one step before and one step after each
+telegram that they may concern is sent or takes effect. Staff react. A run is bad if a rule is broken, a train never
+arrives, or a train waits for nothing. FILE may be a folder of shipped drills; printed is one line for each class of
+outcome, and `--out` has a drill for each bad one:
 
     branchline drill rtri --at telegrams --faults power --sample 100 --out grid
     branchline drill karasuyama --at telegrams --faults links --sample 100 --from 06:30 --to 07:30
 
-`--faults` is `power` of each party, `links` (each cut one way) or `all` kinds; `--sample` takes so many runs of each
-drill, evenly over faults and instants (the seed says which), and without it all are run. A drill with nothing in it
-(01) is swept for an hour from its first telegram on, another from a minute before what it does first until five
-minutes after what it does last. What the drill itself breaks, as it expects of itself, is told apart."""
+`--faults` is `power` of each party, `links` (each cut one way) or `all` kinds. `--sample` limits the runs of each
+drill to an even sample over faults and instants, chosen by the seed; without it all are run. A drill without faults or
+acts (01) is swept for an hour from its first telegram on, others from a minute before the first fault or act until
+five minutes after the last.
+Rules that the drill itself breaks, as it expects, are listed separately."""
 
 
 def document() -> str:

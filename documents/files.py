@@ -13,6 +13,8 @@ from documents.page import write_pages
 from network.files.schema_walk import range_text, resolved
 from network.files.toml_text import value_text
 from scenario.schemas import FILES, SCENARIO, TRAIN, FileKind
+from scenario.script_file import ACT_KEYS
+from simulation.faults.script import ACT_MEANINGS, WORDS_HELP
 from vehicle.train_file import UNITS
 
 ROOT: Final = Path(__file__).resolve().parents[1]
@@ -56,20 +58,20 @@ _FORMATS: Final = {"HH:MM": "time", "identifier": "identifier"}
 _INTRO: Final = """# Files
 
 Made by `make docs` from the schemas that read the files; `branchline schema KIND` prints them as JSON Schema. All are
-TOML. A key that is not listed is refused, and so is a value outside its range: one message says file, key, value and
-what was expected. `needed` in place of a default: the key must be there. Shipped files are found by name, others by
+TOML. An unknown key is refused, and so is a value outside its range: one message says file, key, value and what was
+expected. `needed` in place of a default means that the key is required. Shipped files are found by name, others by
 their path beside the scenario that names them.
 
-An `identifier` is at most 64 of `A-Z a-z 0-9 . _ -`, begins with a letter or a digit, does not end in a dot and is
-no name that Windows keeps for a device (`con`, `nul.toml`): it becomes a directory, an id of SUMO, a key of Zenoh.
-Japanese stands in the `name` and `name_ja` beside it. Text has no control characters; a name is one line of at most
-200 characters.
+An `identifier` is at most 64 of `A-Z a-z 0-9 . _ -`, begins with a letter or a digit, does not end in a dot and is no
+name that Windows reserves for a device (`con`, `nul.toml`), because it is used for directories, ids of SUMO and keys
+of Zenoh. Japanese is for `name` and `name_ja`. Text has no control characters; a name is one line of at most 200
+characters.
 """
 _TOGETHER: Final = """## How the files go together
 
 A **scenario** is one run: it names a **line** (what the track is), a **timetable** of that line (which trains run on
-it, and which set runs which train) and, for its sets, **train** files (what a kind of train is); its own tables say how
-radio, units, driving and sensors are. All that it does not say has a default.
+it, and which set runs which train) and, for its sets, **train** files (what a kind of train is). Its own tables set
+radio, units, driving and sensors; everything else has a default.
 
 ```
 scenario ── line ──────────── sections, points, stations, tags
@@ -80,9 +82,9 @@ drill = a scenario with [[fault]] (what fails), [[act]] (what people do), [[expe
 ```
 
 A what-if is a scenario that `extends` another and patches it; nothing is copied. `branchline new scenario`, `new
-timetable`, `new train`, `new drill` and `new line` write files to begin with, which run as they stand; `branchline
-check` reads everything and runs nothing; `branchline schema KIND` is for editors. The examples on the pages are
-accepted where they stand. A whole small file of each kind, with which the tests run:
+timetable`, `new train`, `new drill` and `new line` write files to start from, which run as they stand; `branchline
+check` reads everything and runs nothing; `branchline schema KIND` is for editors. The examples in the tables are valid
+as they stand. Below is a whole small file of each kind, as the tests run them:
 """
 WHOLE: Final[Mapping[str, str]] = {
     "A line of three stations": "tests/examples/line/valley.toml",
@@ -91,15 +93,16 @@ WHOLE: Final[Mapping[str, str]] = {
     "A train": "vehicle/trains/br642.toml",
     "A drill": "study/drills/karasuyama/42_doors.toml",
 }
+_START: Final = "The `start` of faults and acts, and the events of expectations, may be"
 _UNITS_INTRO: Final = "Instead of a key in SI a file may have one of another ending, which is converted: "
 _WORDS: Final = """## What a patch may say
 
-`[patch.line]`, `[patch.timetable]` and `[patch.train.<name>]` change the file that the scenario names; the other tables
-change what extended scenarios have said. `set` writes a value, or a whole list in place of what was there; `add` and
-`remove` change a list; `times` multiplies. Entries of lists are called by their id, name, number, station or stock,
-else by their index, and `*` is all of them: `"points.*.throw_time_s"`, `"trains.323M.calls.OGN.departure"`,
-`"alignments.main.limits[3].speed_kmh"`. `add` takes limits, curves and coverage to the first alignment, unless the
-entry names its `alignment`: a restriction is an entry of its own.
+`[patch.line]`, `[patch.timetable]` and `[patch.train.<name>]` change the file that the scenario names; the other
+tables change the settings of the scenarios that it extends. `set` replaces a value or a whole list, `add` and `remove`
+change a list, `times` multiplies. Entries of lists are named by id, name, number, station or stock, otherwise by
+index, and `*` means all of them: `"points.*.throw_time_s"`, `"trains.323M.calls.OGN.departure"`,
+`"alignments.main.limits[3].speed_kmh"`. `add` puts limits, curves and coverage into the first alignment, unless the
+entry names its `alignment`. A speed restriction is an added entry:
 
 ```toml
 [patch.line.add]
@@ -133,8 +136,17 @@ def _page(kind: FileKind) -> str:
             parts.append(f"{doc}\n")
         parts.append(table(HEAD, rows) + "\n")
     if kind is SCENARIO:
-        parts.append(_WORDS)
+        parts += [_acts(), _WORDS]
     return "\n".join(parts)
+
+
+def _acts() -> str:
+    """What people can do, with the keys of each kind, and the words for an event."""
+    rows = [
+        (f"`{kind.value}`", ", ".join(f"`{key}`" for key in sorted(ACT_KEYS[kind])), meaning)
+        for kind, meaning in ACT_MEANINGS.items()
+    ]
+    return f"## Kinds of acts\n\n{table(('kind', 'keys', 'meaning'), rows)}\n\n{_START}: {WORDS_HELP}.\n"
 
 
 def _wholes() -> Iterator[str]:

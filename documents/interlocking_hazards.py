@@ -312,7 +312,7 @@ HAZARDS: Final = (
     ),
     Hazard(
         "A unit claims what is not so",
-        "a unit is mad, or its key is stolen",
+        "a unit is defective, or its key is stolen",
         "its claim stops the line until two persons bar it and two say where it is; what it holds stays its own",
         ("wayside.barring", "wayside.acts", "wayside.point_terminal"),
         (Checker.INSIDE_HOLDING, Checker.ONE_TRAIN_A_SECTION),

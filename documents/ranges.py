@@ -22,18 +22,18 @@ HEAD: Final = ("kind", "range", "what it rests on", "keys")
 TOGETHER: Final = ("figure", "range", "what it rests on", "of")
 INTRO: Final = """# Ranges
 
-What lies outside these ranges is nonsense and refused, in every file and after every patch; the ends are in them. They
-are real extremes, rounded outwards, or assumed; what is sensible on one line is for its author. A key in another unit
-has the same range in its own.
+Values outside these ranges are refused as nonsense, in every file and after every patch; the ends are allowed. The
+ranges are real extremes, rounded outwards, or assumed; what is sensible for a line is for its author to judge. A key in
+another unit has the same range, converted.
 """
 RULES_INTRO: Final = """## What several figures say together
 
-A train is refused also for what only two of its figures show, whoever set them. By the laws that a run uses:
+A train is also refused if several of its figures together make no sense. Computed with the laws that a run uses:
 """
 REST: Final = """\
-Further: a piece of track is at least 1 m long; no run of a timetable is faster than the fastest train on
-rails, and no set's day is longer than three days; the brakes that a scenario guarantees have the grip that they need;
-the emergency brake does not come before the service brake.
+Further: a piece of track is at least 1 m long; no run of a timetable is faster than the fastest train on rails, and no
+set's day is longer than three days; the adhesion suffices for the brakes that a scenario guarantees; the emergency
+brake does not come before the service brake.
 """
 
 

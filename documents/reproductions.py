@@ -22,20 +22,20 @@ RUN: Final = "--run"
 NONE: Final = "-"
 
 HEAD: Final = """\
-# What the reproductions come to
+# Results of the reproductions
 
-Made from `documents/reproductions.json`, which `make reproductions` writes anew by running them (half an hour); do not
-edit. One row for each name of `branchline reproduce list`: the case that carries the idea, beside the same experiment
-without it, which must fail ([decision 063](decisions/063-what-a-reproduction-must-fail-without.md)). How many of the
-judged cases are met stands last; every one that is not, with its size and its reason, is listed below, and so is what
-a figure was tried to hang on. All cases, parameters and where they come from: `branchline reproduce NAME`.
+Made from `documents/reproductions.json`, which `make reproductions` writes by running them (half an hour); do not edit.
+Each row is a name of `branchline reproduce list`, with the case that tests the paper's idea, and the same experiment
+without the idea, which must fail ([decision 063](decisions/063-what-a-reproduction-must-fail-without.md)). The last
+column counts the criteria that are met. Below, every criterion that is missed is listed with its size and reason, then
+how figures depend on assumptions. `branchline reproduce NAME` prints all cases and parameters with their origin.
 
 | name | case | published | ours | criterion | without the idea | its figure | met |
 |---|---|---|---|---|---|---|---|
 """
-MISSED: Final = "\n## What misses\n"
+MISSED: Final = "\n## Criteria that are missed\n"
 HANGS: Final = (
-    "\n## What figures hang on\n\nTold and not judged: the same experiment with another assumption.\n"
+    "\n## How figures depend on assumptions\n\nNot judged: the same experiment with another assumption.\n"
 )
 
 

@@ -30,7 +30,7 @@ from network.files.patch import load_patched_line
 from network.files.shipped import shipped_line
 from network.files.timetable_schema import HeadTable
 from network.model import Direction, Line
-from network.timetable import Call, CallKind, Timetable, parse_timetable
+from network.timetable import Call, CallKind, no_trains, parse_timetable
 from simulation.setup import Setup
 from study.feasibility.check import feasibility
 from study.measures.standard_times import standard_times
@@ -112,7 +112,7 @@ class Legs:
 
 def legs_of(line: Line, train: TrainType) -> Legs:
     """The legs of a line with the slack of a timetable."""
-    setup = Setup("", line, Timetable("", "", line.id, float(DWELL_S), {}, ()), {"": train})
+    setup = Setup("", line, no_trains(line, float(DWELL_S)), {"": train})
     return Legs(
         line,
         train,
@@ -211,13 +211,12 @@ def text_of(made: EvenTimetable, stem: str, line_id: str, from_s: int = FIRST_S,
         line=line_id,
         dwell_min_s=float(DWELL_S),
         sources=["made by documents.second_loop"],
-        assumed=[
-            f"times: {100 * SLACK - 100:.0f} % over the least running time of {TRAIN}, each leg up to the next"
-            f" {ROUND_S} s; stops of {DWELL_S} s",
-            *workings.assumed,
-        ],
     )
-    return timetable_toml(file_of_trains(head, trains, workings))
+    times = (
+        f"times: {100 * SLACK - 100:.0f} % over the least running time of {TRAIN}, each leg up to the next {ROUND_S} s;"
+        f" stops of {DWELL_S} s"
+    )
+    return timetable_toml(file_of_trains(head, trains, workings, [times]))
 
 
 def good(made: EvenTimetable, hours: int = 4) -> bool:

@@ -30,24 +30,22 @@ FILE: Final = Path("docs/sensors.md")
 HEAD: Final = """\
 # Sensors
 
-Made by `make docs` from `simulation/sensors/`, `onboard/localisation/`, their settings and faults; do not edit. For who
-judges what a train may be believed to know of its place.
+Made by `make docs` from `simulation/sensors/`, `onboard/localisation/`, their settings and faults; do not edit.
 
-A train's unit has one **estimate** of its front and two **bounds**, ahead and behind; whatever is safe rests on the
-bounds, never on the estimate: no limit is passed by the front that may be furthest ahead, nothing is given back before
-the rear that may be furthest behind is clear. A checker compares truth and bounds in every step of every run. Wheels
-widen the bounds as the train runs; a fix may cut them, or only move the estimate inside them, by what its sensor can be
-deceived by. `branchline reproduce position-compare --out DIR` runs all of them on one line and shows both.
+A unit has one **estimate** of its train's front and two **bounds**, ahead and behind. Safety depends on the bounds
+alone: the foremost possible front passes no limit, and nothing is given back before the rearmost possible rear is
+clear. A checker compares bounds and truth in every step of every run. Wheels widen the bounds as the train runs. A
+**fix** of a sensor may cut the bounds, that is, narrow them; a sensor that can be deceived may only move the estimate
+inside them. `branchline reproduce position-compare --out DIR` runs all sensors on one line and shows both.
 """
 CARRIED: Final = """
 ## What trains carry
 
-`[sensors] carries = [...]` says what all trains carry beside wheels and slide protection, `carries_of` what single
-stock does instead; cameras come with `[vision]`. A default train carries: {default}. Every train has wheels, slide
-protection and a load sensor.
+`[sensors] carries = [...]` says what all trains carry besides wheels, slide protection and load sensor, which every
+train has; `carries_of` says it for single stock. Cameras come with `[vision]`. The default is {default}.
 """
 RULE: Final = """
-## The one rule of fixes
+## One rule for all fixes
 
 """
 MAP: Final = """
@@ -81,7 +79,7 @@ def document() -> str:
 
 def _means(sensor: Sensor) -> str:
     """The module that says what a sensor means to the unit."""
-    return f"onboard.localisation.{sensor.meant_by}"
+    return f"onboard.localisation.{sensor.page.meant_by}"
 
 
 def _file(what: type | Callable[..., object]) -> str:
@@ -94,22 +92,23 @@ def _overview() -> Iterator[str]:
     yield "|---|---|---|---|---|"
     for sensor in SENSORS:
         word = f"`{sensor.carried}`" if sensor.carried else "–"
-        table = f"[`[{sensor.table}]`](files/scenario.md)" if sensor.table else "–"
-        yield f"| {sensor.title} | {word} | {sensor.estimate} | {sensor.bounds} | {table} |"
+        page = sensor.page
+        tables = ", ".join(f"[`[{table}]`](files/scenario.md)" for table in page.settings) or "–"
+        yield f"| {page.title} | {word} | {page.estimate} | {page.bounds} | {tables} |"
 
 
 def _section(sensor: Sensor) -> Iterator[str]:
-    yield f"## {sensor.title}\n"
+    yield f"## {sensor.page.title}\n"
     yield f"**What it shows.** {_prose(sys.modules[sensor.function.__module__].__doc__)}\n"
-    if sensor.meant_by:
+    if sensor.page.meant_by:
         yield f"**What the unit makes of it.** {_prose(import_module(_means(sensor)).__doc__)}\n"
-    if sensor.table:
-        settings: type[BaseModel] = get_type_hints(Tables)[sensor.table]
+    for table, keys in sensor.page.settings.items():
+        settings: type[BaseModel] = get_type_hints(Tables)[table]
         yield SETTINGS_HEAD
-        for name in sensor.keys or settings.model_fields:
-            yield _setting(f"{sensor.table}.{name}", settings.model_fields[name])
+        for name in keys or settings.model_fields:
+            yield _setting(f"{table}.{name}", settings.model_fields[name])
         yield ""
-    if sensor.title.startswith("Wheels"):
+    if sensor.page.title.startswith("Wheels"):
         yield from _bounds_settings()
     kinds = [kind for kind in KINDS if _file(kind) == _file(sensor.function)]
     if kinds:

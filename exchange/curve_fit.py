@@ -256,15 +256,7 @@ def _whole(
     axis = sample_axis(east_m, north_m, curvature_table(0.0, to_m, bearing_rad, curves), to_m)
     dense = interpolated(np.arange(0.0, along[-1], 10.0), along, vertices)
     _, lateral = axis.nearest(dense)
-    return AxisFit(
-        east_m=east_m,
-        north_m=north_m,
-        bearing_rad=bearing_rad,
-        curves=curves,
-        length_m=float(axis.nearest(vertices[-1:])[0][0]),
-        rms_m=float(np.sqrt(np.mean(lateral**2))),
-        max_m=float(np.abs(lateral).max()),
-    )
+    return _fitted(first, curves, float(axis.nearest(vertices[-1:])[0][0]), lateral)
 
 
 class _Problem:
@@ -383,12 +375,13 @@ def _result(problem: _Problem, unknowns: Floats, radii: Floats | None) -> AxisFi
     axis = problem.axis(unknowns, radii)
     along, lateral = axis.project(problem.dense, problem.dense_m)
     end_m = float(axis.project(problem.points[-1:], along[-1:])[0][0])
-    return AxisFit(
-        east_m=float(axis.east_m[0]),
-        north_m=float(axis.north_m[0]),
-        bearing_rad=float(unknowns[1]),
-        curves=problem.curves(unknowns, radii),
-        length_m=end_m,
-        rms_m=float(np.sqrt(np.mean(lateral**2))),
-        max_m=float(np.abs(lateral).max()),
-    )
+    first = float(axis.east_m[0]), float(axis.north_m[0]), float(unknowns[1])
+    return _fitted(first, problem.curves(unknowns, radii), end_m, lateral)
+
+
+def _fitted(
+    first: tuple[float, float, float], curves: tuple[Curve, ...], length_m: float, lateral_m: Floats
+) -> AxisFit:
+    """An axis from place and bearing of its begin, with its lateral distances from the polyline."""
+    rms_m = float(np.sqrt(np.mean(lateral_m**2)))
+    return AxisFit(*first, curves, length_m, rms_m=rms_m, max_m=float(np.abs(lateral_m).max()))

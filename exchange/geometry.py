@@ -399,19 +399,13 @@ def _alignment(fit: AxisFit, zero_m: float, begin_m: float, speed_max_kmh: float
         if curve.from_m < fit.length_m
     )
     ahead_m = begin_m + zero_m
-    return Alignment(
-        id="main",
-        from_m=round(begin_m, 3) + 0.0,  # no negative zero
-        to_m=max([float(math.floor(fit.length_m - zero_m)), *(curve.to_m for curve in curves)]),
-        x_m=round(fit.east_m + ahead_m * math.sin(fit.bearing_rad), 3),
-        y_m=round(fit.north_m + ahead_m * math.cos(fit.bearing_rad), 3),
-        bearing_deg=round(math.degrees(fit.bearing_rad) % 360.0, 6),
-        elevation_m=0.0,
-        gradients=(),
-        curves=curves,
-        limits=curve_limits(curves, speed_max_kmh),
-        coverage=(),
-    )
+    from_m = round(begin_m, 3) + 0.0  # no negative zero
+    to_m = max([float(math.floor(fit.length_m - zero_m)), *(curve.to_m for curve in curves)])
+    x_m = round(fit.east_m + ahead_m * math.sin(fit.bearing_rad), 3)
+    y_m = round(fit.north_m + ahead_m * math.cos(fit.bearing_rad), 3)
+    bearing_deg = round(math.degrees(fit.bearing_rad) % 360.0, 6)
+    limits = curve_limits(curves, speed_max_kmh)
+    return Alignment("main", from_m, to_m, x_m, y_m, bearing_deg, 0.0, (), curves, limits, coverage=())
 
 
 def _ended(curve: Curve, length_m: float) -> Curve:

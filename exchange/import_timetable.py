@@ -65,8 +65,8 @@ class ImportedTimetable:
         """For reports: counts, the table of stations, and every sentence."""
         trains = self.timetable.trains.values()
         return {
-            "timetable": self.timetable.id,
-            "line": self.timetable.line_id,
+            "timetable": self.timetable.head.id,
+            "line": self.timetable.head.line,
             "trains": len(self.timetable.trains),
             "trains_elsewhere": self.elsewhere,
             "calls": sum(len(train.calls) for train in trains),
@@ -76,7 +76,7 @@ class ImportedTimetable:
                 for row in self.join.rows
             ],
             "stations_not_in_source": list(self.join.missing),
-            "assumed": list(self.timetable.assumed),
+            "assumed": list(self.timetable.head.assumed),
             "remarks": list(self.remarks),
             "left": list(self.left),
             "warnings": list(self.warnings),
@@ -106,9 +106,9 @@ def import_timetable(published: PublishedTimetable, line: Line, order: ImportOrd
         line=line.id,
         dwell_min_s=DWELL_MIN_S,
         sources=[order.credit],
-        assumed=[*order.additions.assumed, _dwell(onto.trains), *onto.assumed, *workings.assumed],
     )
-    file = file_of_trains(head, trains, workings)
+    assumed = (*order.additions.assumed, _dwell(onto.trains), *onto.assumed)
+    file = file_of_trains(head, trains, workings, assumed)
     timetable = timetable_of(file, published.source, line)
     return ImportedTimetable(
         file,

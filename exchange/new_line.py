@@ -80,10 +80,10 @@ def make_line(list_file: Path, line_id: str, asked: NewLineOptions) -> NewLine:
     derived = (*joined.alignment.limits, *_stub_limits(layout, max_speed_kmh))
     alignment = replace(alignment, gradients=gradients, limits=over(derived, given))
     words = LineHeader(
-        id=_line_id(stations, asked, line_id),
-        name=_title("--name", asked.name) or stations.head.name or line_id,
-        name_ja=_title("--name-ja", asked.name_ja) or stations.head.name_ja,
-        max_speed_kmh=max_speed_kmh,
+        _line_id(stations, asked, line_id),
+        _title("--name", asked.name) or stations.head.name or line_id,
+        _title("--name-ja", asked.name_ja) or stations.head.name_ja,
+        max_speed_kmh,
         sources=(*stations.head.sources, *joined.sources, *_file_sources(asked)),
         assumed=(*stations.head.assumed, *joined.assumed, *_assumed(stations, asked, layout, rule)),
         comment=(

@@ -13,9 +13,18 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Final
 
-from exchange.layout import LayoutSignal, LayoutStation, LayoutTrack, NodeKind, Platform, Spot, TurnoutSide
+from exchange.layout import (
+    LayoutPoints,
+    LayoutSignal,
+    LayoutStation,
+    LayoutTrack,
+    NodeKind,
+    Platform,
+    Spot,
+    TurnoutSide,
+)
 from exchange.layout_draft import SAME_PLACE_M, JoinedEnds, km_rows
-from exchange.railml_draft import DraftPoints, RailmlDraft, left_of, states_not_in_use
+from exchange.railml_draft import RailmlDraft, left_of, states_not_in_use
 from exchange.xml_input import local_name, needed, needed_number, number
 from network.errors import InputError
 
@@ -239,7 +248,7 @@ class _Railml2Reader:
         after, before = self._after_and_before(cut, device, own)
         stem, normal = (before, after) if outgoing else (after, before)
         self.draft.points.append(
-            DraftPoints(
+            LayoutPoints(
                 needed(self.file, device, "id"),
                 name,
                 node,

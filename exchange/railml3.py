@@ -11,9 +11,18 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from typing import Final
 
-from exchange.layout import LayoutSignal, LayoutStation, LayoutTrack, NodeKind, Platform, Spot, TurnoutSide
+from exchange.layout import (
+    LayoutPoints,
+    LayoutSignal,
+    LayoutStation,
+    LayoutTrack,
+    NodeKind,
+    Platform,
+    Spot,
+    TurnoutSide,
+)
 from exchange.layout_draft import SAME_PLACE_M, JoinedEnds, km_rows
-from exchange.railml_draft import DraftPoints, RailmlDraft, left_of, states_not_in_use
+from exchange.railml_draft import RailmlDraft, left_of, states_not_in_use
 from exchange.xml_input import local_name, needed, needed_number, number
 from network.errors import InputError
 
@@ -239,7 +248,7 @@ class _Railml3Reader:
             self.draft.assumed.append(f"points {name}: the branch is the right one, as the file does not say")
         other = TurnoutSide.LEFT if side is TurnoutSide.RIGHT else TurnoutSide.RIGHT
         self.draft.points.append(
-            DraftPoints(
+            LayoutPoints(
                 needed(self.file, switch, "id"),
                 name,
                 self.node_of[stem],

@@ -18,7 +18,6 @@ from exchange.layout import (
     NodeKind,
     Platform,
     Spot,
-    TurnoutSide,
     counted,
 )
 from exchange.layout_draft import SAME_PLACE_M, Merged, carried, merged
@@ -83,28 +82,17 @@ _PLURALS: Final = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class DraftPoints:
-    """Ordinary points, their three tracks as pieces of the draft."""
-
-    id: str
-    name: str
-    node_id: str
-    stem: str
-    normal: str
-    reverse: str
-    side: TurnoutSide | None
-    diverging_kmh: float | None
-
-
 @dataclass(slots=True)
 class RailmlDraft:
-    """What a reader found, by pieces of track. `crossings` are node ids with what is said of each."""
+    """What a reader found, by pieces of track: those of points are pieces too, until the pieces are merged.
+
+    `crossings` are node ids with what is said of each.
+    """
 
     name: str
     pieces: list[LayoutTrack] = field(default_factory=list)
     kinds: dict[str, NodeKind] = field(default_factory=dict)
-    points: list[DraftPoints] = field(default_factory=list)
+    points: list[LayoutPoints] = field(default_factory=list)
     crossings: dict[str, str] = field(default_factory=dict)
     stations: list[LayoutStation] = field(default_factory=list)
     signals: list[LayoutSignal] = field(default_factory=list)
@@ -187,17 +175,11 @@ def states_not_in_use(words: Iterable[tuple[str, bool]]) -> int:
     )
 
 
-def _points(entry: DraftPoints, done: Merged) -> LayoutPoints:
-    return LayoutPoints(
-        entry.id,
-        entry.name,
-        entry.node_id,
-        done.moved[entry.stem].track_id,
-        done.moved[entry.normal].track_id,
-        done.moved[entry.reverse].track_id,
-        entry.side,
-        entry.diverging_kmh,
+def _points(entry: LayoutPoints, done: Merged) -> LayoutPoints:
+    stem, normal, reverse = (
+        done.moved[piece].track_id for piece in (entry.stem, entry.normal, entry.reverse)
     )
+    return replace(entry, stem=stem, normal=normal, reverse=reverse)
 
 
 def _station(

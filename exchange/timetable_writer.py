@@ -36,57 +36,49 @@ def head_toml(head: HeadTable) -> list[str]:
     return [*rows, *_list("sources", head.sources), *_list("assumed", head.assumed)]
 
 
-def file_of_trains(head: HeadTable, trains: Iterable[TrainOnLine], workings: Workings) -> TimetableFile:
-    """The tables of a day's trains and of the sets that run them."""
-    tables = [
-        TrainTable(
-            number=train.number,
-            direction=_NAMES[train.direction],
-            revenue=train.revenue,
-            begins=workings.begins[train.number],
-            ends=workings.ends[train.number],
-            calls=[
-                _call(call, workings.tracks.get((train.number, i), call.track), inferred=i in train.inferred)
-                for i, call in enumerate(train.calls)
-            ],
-        )
-        for train in trains
-    ]
+def file_of_trains(
+    head: HeadTable, trains: Iterable[TrainOnLine], workings: Workings, assumed: Iterable[str]
+) -> TimetableFile:
+    """The tables of a day's trains and of the sets that run them; what was assumed for these comes last."""
+    tables: list[TrainTable] = []
+    for train in trains:
+        number, tracks = train.number, workings.tracks
+        calls = [
+            _call(call, tracks.get((number, i), call.track), inferred=i in train.inferred)
+            for i, call in enumerate(train.calls)
+        ]
+        ways = workings.begins[number], workings.ends[number]
+        tables.append(train_table(number, train.direction, calls, *ways, revenue=train.revenue))
     diagrams = [DiagramTable(stock=item.stock_id, trains=list(item.numbers)) for item in workings.diagrams]
-    return TimetableFile(timetable=head, trains=tables, diagrams=diagrams)
+    whole = head.model_copy(update={"assumed": [*assumed, *workings.assumed]})
+    return TimetableFile(timetable=whole, trains=tables, diagrams=diagrams)
 
 
 def file_of_timetable(timetable: Timetable) -> TimetableFile:
     """The tables that a timetable was read from, or might have been."""
-    head = HeadTable(
-        id=timetable.id,
-        name=timetable.name,
-        line=timetable.line_id,
-        dwell_min_s=timetable.dwell_min_s,
-        sources=list(timetable.sources),
-        assumed=list(timetable.assumed),
-    )
-    trains = [
-        TrainTable(
-            number=train.number,
-            direction=_NAMES[train.direction],
-            revenue=train.revenue,
-            begins=begins_text(train.begins),
-            ends=ends_text(train.ends),
-            calls=[_call(call, call.track, inferred=False) for call in train.calls],
-        )
-        for train in timetable.trains.values()
-    ]
+    trains: list[TrainTable] = []
+    for train in timetable.trains.values():
+        calls = [_call(call, call.track, inferred=False) for call in train.calls]
+        ways = begins_text(train.begins), ends_text(train.ends)
+        trains.append(train_table(train.number, train.direction, calls, *ways, revenue=train.revenue))
     diagrams = [
         DiagramTable(stock=item.stock_id, trains=list(item.train_numbers)) for item in timetable.diagrams
     ]
-    return TimetableFile(timetable=head, trains=trains, diagrams=diagrams)
+    return TimetableFile(timetable=timetable.head, trains=trains, diagrams=diagrams)
 
 
 def time_text(time_s: int) -> str:
     """HH:MM, with :SS where there are seconds; hours from 30 on are those of the day after."""
     text = clock(time_s if time_s < _LAST_WRITTEN_S else time_s % DAY_S)
     return text.removesuffix(":00") if text.count(":") == 2 else text
+
+
+def train_table(
+    number: str, direction: Direction, calls: list[CallTable], begins: str, ends: str, *, revenue: bool
+) -> TrainTable:
+    """A table of `[[trains]]`."""
+    named = _NAMES[direction]
+    return TrainTable(number=number, direction=named, revenue=revenue, begins=begins, ends=ends, calls=calls)
 
 
 def _call(call: Call, track: str | None, *, inferred: bool) -> CallTable:

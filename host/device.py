@@ -217,8 +217,8 @@ class DeviceHost:
     def _note_drop(self, dropped: Dropped, sends: list[Send]) -> None:
         self._notes.append(dropped.noted(self._endpoint.owner))
         # Its sender still speaks to the boot before this one: tell it, so that its next telegram counts.
-        if dropped.reason is DropReason.EARLIER_BOOT and dropped.source is not None:
-            sends.append(Send(dropped.source, Restarted()))
+        if dropped.reason is DropReason.EARLIER_BOOT and dropped.envelope is not None:
+            sends.append(Send(dropped.envelope.source, Restarted()))
 
 
 class DeviceParty:

@@ -150,12 +150,5 @@ def _section_of(line: Line, piece_id: str) -> Section:
 def _route(line: Line, name: str, direction: Direction, trail: list[str]) -> Route:
     pieces: list[Piece] = [line.pieces[piece_id] for piece_id in trail]
     section_ids = tuple(dict.fromkeys(piece.section_id for piece in pieces))
-    return Route(
-        id=name,
-        direction=direction,
-        from_section=section_ids[0],
-        to_section=section_ids[-1],
-        section_ids=section_ids[1:],
-        piece_ids=tuple(trail),
-        points=required_positions(line, trail),
-    )
+    first, last, points = section_ids[0], section_ids[-1], required_positions(line, trail)
+    return Route(name, direction, first, last, section_ids[1:], tuple(trail), points)

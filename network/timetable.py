@@ -18,7 +18,7 @@ from network.clock import clock
 from network.errors import InputError
 from network.files.line_schema import DIRECTIONS
 from network.files.quantities import SPEED
-from network.files.timetable_schema import CallTable, TimetableFile, TrainTable
+from network.files.timetable_schema import CallTable, HeadTable, TimetableFile, TrainTable
 from network.files.toml_input import one_of, parse_toml, read_text
 from network.graph import reachable_stops
 from network.model import Direction, Line, PlatformTrack, SectionKind
@@ -120,14 +120,14 @@ class Diagram:
 class Timetable:
     """A validated timetable; every train is in exactly one diagram."""
 
-    id: str
-    name: str
-    line_id: str
-    dwell_min_s: float
+    head: HeadTable
     trains: Mapping[str, TimetableTrain]
     diagrams: tuple[Diagram, ...]
-    sources: tuple[str, ...] = ()
-    assumed: tuple[str, ...] = ()
+
+
+def no_trains(line: Line, dwell_min_s: float) -> Timetable:
+    """A day of `line` on which nothing runs, for what is asked of line and stock alone."""
+    return Timetable(HeadTable(id="none", line=line.id, dwell_min_s=dwell_min_s), {}, ())
 
 
 def load_timetable(path: Path, line: Line) -> Timetable:
@@ -160,16 +160,7 @@ def timetable_of(entry: TimetableFile, file: str, line: Line) -> Timetable:
         if last_s > LAST_S_MAX:
             expected = f"trains in order of time that end within {LAST_S_MAX // 3600} h"
             raise InputError(file, f"diagrams[{i}].trains", list(diagram.train_numbers), expected)
-    return Timetable(
-        id=head.id,
-        name=head.name,
-        line_id=head.line,
-        dwell_min_s=head.dwell_min_s,
-        trains=trains,
-        diagrams=diagrams,
-        sources=tuple(head.sources),
-        assumed=tuple(head.assumed),
-    )
+    return Timetable(head, trains, diagrams)
 
 
 def platform_of(line: Line, call: Call, direction: Direction) -> PlatformTrack:

@@ -67,17 +67,17 @@ def too_steep(way: WayAhead, means: Means) -> TooSteep | None:
         way.limit_mps,
         way.front_m,
         there.mark_m,
-        means.behaviour.stop_deceleration_mps2,
+        means.behaviour.settings.stop_deceleration_mps2,
         PREDICTION_STEP_S,
     )
     if stall is None:
         return None
     piece_id, kilometrage_m = way.mission.path.locate(stall.at_m)
     return TooSteep(
-        station=there.place_id,
-        piece_id=piece_id,
-        kilometrage_m=round(kilometrage_m, 1),
-        gradient_permille=round(stall.gradient_permille, 2),
+        there.place_id,
+        piece_id,
+        round(kilometrage_m, 1),
+        round(stall.gradient_permille, 2),
         pull_n=round(stall.pull_n),
         needed_n=round(stall.needed_n),
         load_share=means.load_share,

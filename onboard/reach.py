@@ -88,7 +88,7 @@ def run_of(
             here.mark_m,
             there.mark_m,
             arrives_s - here.departure_s - margin_s,
-            behaviour.stop_deceleration_mps2,
+            behaviour.settings.stop_deceleration_mps2,
         )
     return predicted_run(
         train,
@@ -98,7 +98,7 @@ def run_of(
         here.mark_m,
         there.mark_m,
         cruise_mps,
-        behaviour.stop_deceleration_mps2,
+        behaviour.settings.stop_deceleration_mps2,
         PREDICTION_STEP_S,
     )
 

@@ -12,6 +12,7 @@ from typing import Annotated, Final, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from onboard.driving_settings import Driving
 from vehicle.record import dtype_of
 
 # what the compiled tick reports to the unit's event-driven part (bits)
@@ -88,6 +89,14 @@ class UnitRow(Protocol):
     fix_at_m: Annotated[float, "position when an absolute sensor last told it; -inf: not on this path"]
     fix_odometer_m: Annotated[float, "what the tachometer showed then"]
     fix_reader: Annotated[int, "whose it was: its place in READERS"]
+    narrow: Annotated[
+        int, "1: there is a narrowest fix since one measured the wheels, what wheels have added counted"
+    ]
+    narrow_low_m: Annotated[float, "where that had the front at least"]
+    narrow_high_m: Annotated[float, "and at most"]
+    narrow_odometer_m: Annotated[float, "what the tachometer showed then"]
+    narrow_slid_m: Annotated[float, "`slid_ahead_m` then"]
+    narrow_slipped_m: Annotated[float, "`slipped_behind_m` then"]
     sure_m: Annotated[float, "by such fixes alone the front is beyond this; -inf: by none"]
     place_trigger_m: Annotated[float, "the next virtual tag; +inf: none"]
     found: Annotated[int, "1: a fix has told in this step what was not known, and nobody has believed it yet"]
@@ -190,14 +199,7 @@ class BehaviourRow(Protocol):
     service_reaction_s: float
     emergency_guaranteed_mps2: float
     emergency_reaction_s: float
-    service_margin_mps: Annotated[float, "service brake when the permitted speed is passed by this"]
-    release_margin_mps: Annotated[float, "and released this far below it"]
-    emergency_margin_mps: float
-    driving_margin_mps: Annotated[float, "automatic driving stays this far below the limits"]
-    stop_deceleration_mps2: Annotated[float, "of the target-speed pattern (目標速度パターン)"]
-    stop_gain_per_s: Annotated[float, "proportional control of the brake"]
-    cruise_gain_per_s: float
-    notch_hold_s: Annotated[float, "a power notch is kept at least this long"]
+    settings: Driving  # `stop_deceleration_mps2` is of the target-speed pattern (目標速度パターン)
     standing_brake_notch: float
     step_s: float
 

@@ -23,26 +23,26 @@ class UnitParameters(Record):
 
     dwell_min_s: Annotated[
         Wait,
-        about("shortest stop for passengers; a scenario has its timetable's", "timetable.dwell_min_s"),
+        about("shortest passenger stop; a scenario takes that of its timetable", "timetable.dwell_min_s"),
     ] = 20.0
     request_lead_s: Annotated[
         Wait,
         about("a route is asked for this long before the departure", "assumed: throw and telegrams"),
     ] = 45.0
     time_margin_s: Annotated[
-        Wait, about("trains aim to arrive this much before the time", "assumed: a driver's habit")
+        Wait, about("trains aim to arrive this long before the timetable", "assumed: a driver's habit")
     ] = 10.0
     standoff_m: Annotated[
         Distance, about("trains stop this far before a stop limit that is no mark", "assumed: stop error")
     ] = 15.0
     tag_accuracy_m: Annotated[
-        PositionBound, about("bound of the position at a tag", "assumed: reader's field")
+        PositionBound, about("half-width of the position's bounds at a tag", "assumed: reader's field")
     ] = 0.5
     tags_wrong_together: Annotated[
         TagsWrong,
         about(
-            "of the tags read one after another, as many may be wrong or moved: the bounds span one more;"
-            " 0: every tag that can be is trusted",
+            "how many of the tags read one after another may be wrong or moved; the bounds span one tag more;"
+            " 0: every possible tag is trusted",
             "assumed: a tag that was moved, an id mixed up, two that were swapped",
         ),
     ] = 1
@@ -54,7 +54,9 @@ class UnitParameters(Record):
     ] = 0.02
     doubt_error_share: Annotated[
         Share,
-        about("the same after a position fault, until two tags agree with it", "assumed: ten times that"),
+        about(
+            "growth after a position fault, until two tags agree with the wheels", "assumed: ten times that"
+        ),
     ] = 0.2
     doubt_bound_max_m: Annotated[
         Distance,
@@ -63,7 +65,7 @@ class UnitParameters(Record):
     wheel_scale_limit: Annotated[
         WheelError,
         about(
-            "most that a wheel is worn by, as a share; what is left of wheel_error_share changes on the way: creep,"
+            "greatest wear of a wheel, as a share; the rest of wheel_error_share changes on the way: creep,"
             " the tread's slope in curves",
             "assumed: below wheel_error_share",
         ),
@@ -84,7 +86,7 @@ class UnitParameters(Record):
     ] = False
     restricted_mps: Annotated[
         SightSpeedMps,
-        about("on sight, while the position is unknown", "assumed: 15 km/h, customary on sight"),
+        about("speed limit on sight, while the position is unknown", "assumed: 15 km/h, customary on sight"),
     ] = 15.0 / 3.6
 
     @property

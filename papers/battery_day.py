@@ -192,7 +192,7 @@ def _now(base: Setup, key: str, scale: float, unit: str) -> str:
     battery = _first(base)
     if key == CAPACITY:
         return f"{CAPACITY_SHARE:g} of new"
-    return f"{float(battery[key][0]) * scale:g} {unit}"
+    return f"{float(battery['pack'][key][0]) * scale:g} {unit}"
 
 
 def _first(setup: Setup) -> Any:  # noqa: ANN401
@@ -210,9 +210,9 @@ def _with(kind: TrainType, key: str, value: float) -> TrainType:
     if key == CAPACITY:
         row["full_c"] *= value / CAPACITY_SHARE
     else:
-        row[key] = value
+        row["pack"][key] = value
     if key == "charge_max_w":  # a battery that takes more has the current for it
-        row["charge_max_a"] = max(float(row["charge_max_a"][0]), value / 500.0)
+        row["pack"]["charge_max_a"] = max(float(row["pack"]["charge_max_a"][0]), value / 500.0)
     return replace(kind, battery=row)
 
 
@@ -285,7 +285,7 @@ def _parameters(setup: Setup) -> Iterator[Parameter]:
     yield Parameter("energy of the battery when new", 190.0, "kWh", "published: 2 x 95 kWh at 630 V")
     for key, unit, scale, _ in ASSUMED:
         if key != CAPACITY:
-            value = float(battery[key][0]) * scale
+            value = float(battery["pack"][key][0]) * scale
             yield Parameter(
                 key.removesuffix("_w"), value, unit, "assumed: vehicle/trains/ev_e301_losses.toml"
             )

@@ -28,15 +28,19 @@ class Plottable(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Plotted:
-    """Values against others, by Matplotlib's marks of line and point; without a colour the next one of the cycle."""
-
-    x: Values
-    y: Values
+class _Drawn:
+    x: Values = ()
+    y: Values = ()
     label: str = ""
     colour: str | None = INK
     style: str = "-"
     width: float = 0.9
+
+
+@dataclass(frozen=True, slots=True)
+class Plotted(_Drawn):
+    """Values against others, by Matplotlib's marks of line and point; without a colour the next one of the cycle."""
+
     size: float = 3.0
     hollow: bool = False
 
@@ -82,13 +86,10 @@ class Shaded:
 
 
 @dataclass(frozen=True, slots=True)
-class Ruled:
+class Ruled(_Drawn):
     """Straight lines at values of x, or of y, all through the panel."""
 
-    x: Values = ()
-    y: Values = ()
-    label: str = ""
-    colour: str = PALE
+    colour: str | None = PALE
     style: str = "--"
     width: float = 0.8
 

@@ -49,6 +49,7 @@ UNPROTECTED_SHARE: Final = 0.2  # of the runs, without slide protection
 WHEEL_SIGMA: Final = 0.005
 CREEP_MAX: Final = 0.003
 CONICITY: Final = (0.0, 0.05, 0.1)
+EVERY_ROWS: Final = 10  # of a run's trace that are kept, of one a second
 
 
 class Ill(StrEnum):
@@ -116,9 +117,8 @@ class FusionOutcome(msgspec.Struct, frozen=True):
     read: int
     doubted: int
     faults: int  # position faults
-    halves_m: list[
-        float
-    ]  # half of what the bounds spanned, each second in motion while the position was known
+    halves_m: list[float]  # half of what the bounds spanned, at times in motion while the position was known
+    halves_at_m: list[float]  # the front's true place then
 
 
 @dataclass(frozen=True, slots=True)
@@ -307,7 +307,7 @@ def outcome(seed: int, number: int, rule: FusionRule = AS_UNITS_ARE) -> FusionOu
 
 def outcome_of(seed: int, drawn: DrawnRun, result: PositionResult) -> FusionOutcome:
     """What came of a run that was drawn so."""
-    halves_m = half_widths_m(in_motion(result.trace[result.stated]))
+    seen = in_motion(result.trace[result.stated])[::EVERY_ROWS]
     happened = [note for _, _, note in result.notes]
     return FusionOutcome(
         drawn.number,
@@ -322,5 +322,6 @@ def outcome_of(seed: int, drawn: DrawnRun, result: PositionResult) -> FusionOutc
         sum(isinstance(note, TagRead) for note in happened),
         sum(isinstance(note, TagDoubted) for note in happened),
         sum(isinstance(note, PositionFault) for note in happened),
-        [round(float(half_m), 2) for half_m in halves_m[::10]],
+        [round(float(half_m), 2) for half_m in half_widths_m(seen)],
+        [round(float(at_m), 1) for at_m in seen["position_m"]],
     )

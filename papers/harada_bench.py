@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from network.timetable import Timetable
 from onboard import notes
+from onboard.driving_settings import Driving
 from onboard.localisation.curvature_map import CurvatureMap
 from onboard.localisation.curvature_row import WINDOW_MAX
 from onboard.localisation.table import READER_NAMES
@@ -34,7 +35,7 @@ from papers.position_run import (
 )
 from papers.reproduction import CaseRow, Parameter
 from simulation.sensor_settings import Beacons, Curvature
-from simulation.settings import Driving, PositionSensor, Sensors
+from simulation.settings import PositionSensor, Sensors
 from simulation.setup import Setup
 from simulation.world.trains import Trains
 from study.report.style import RED

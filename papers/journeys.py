@@ -133,7 +133,7 @@ def _train_cases(setup: Setup, mission: Mission) -> Iterator[JourneyCase]:
 def published_stops(setup: Setup, mission: Mission, tolerance_s: float) -> tuple[JourneyStop, ...]:
     """The windows from the train's first station to its last, without the reserve that units keep before each."""
     stations = [i for i, target in enumerate(mission.targets) if target.station_id is not None]
-    stops = journey_stops(mission, stations[0], 0.0, setup.timetable.dwell_min_s, 0.0, tolerance_s)
+    stops = journey_stops(mission, stations[0], 0.0, setup.timetable.head.dwell_min_s, 0.0, tolerance_s)
     return stops[: len(stations)]
 
 
@@ -247,7 +247,7 @@ def parameters(setup: Setup) -> tuple[Parameter, ...]:
         Parameter("load", setup.load.load_share_mean, "", "the scenario's mean"),
         Parameter("below the limits", setup.driving.driving_margin_mps, "m/s", "as units drive"),
         Parameter("braking", setup.driving.stop_deceleration_mps2, "m/s^2", "as units brake"),
-        Parameter("dwell", setup.timetable.dwell_min_s, "s", "the timetable's least"),
+        Parameter("dwell", setup.timetable.head.dwell_min_s, "s", "the timetable's least"),
         Parameter(
             "tracks",
             "release 1.5, with their files' efficiencies",

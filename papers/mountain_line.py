@@ -21,7 +21,7 @@ from network.files.line_schema import LineFile
 from network.files.toml_input import validate
 from network.making.layout import LayoutRule, LineLayout, lay_out
 from network.making.line_text import LineHeader, line_toml
-from network.making.station_list import ListedStation
+from network.making.station_list import StationRow, listed_stations
 from network.model import Alignment, Curve, Direction, Gradient, Line, SpeedLimit
 from network.path import Path
 from network.timetable import Timetable, parse_timetable
@@ -129,7 +129,7 @@ def mountain_line(seed: int = 1, stations: int = STATIONS) -> MountainLine:
     rng = generator(seed, "mountain line")
     ids = tuple(f"M{number:02d}" for number in range(1, stations + 1))
     rule = LayoutRule(TRAIN_LENGTH_M, MAX_SPEED_KMH / 3.6)
-    layout = lay_out(FILE, [_listed(name, i, stations) for i, name in enumerate(ids)], places_m, rule)
+    layout = lay_out(FILE, [*listed_stations(FILE, [_row(name) for name in ids])], places_m, rule)
     words = LineHeader(
         "mountain", "A mountain line", "", MAX_SPEED_KMH, (), ("everything: it is generated",), ()
     )
@@ -206,23 +206,9 @@ def _places_m(rng: np.random.Generator) -> list[float]:
     return [round(float(place_m)) * 1.0 for place_m in even]
 
 
-def _listed(name: str, index: int, stations: int) -> ListedStation:
+def _row(name: str) -> StationRow:
     """A main track on the axis that points lead to when normal, and a loop 4 m to its right."""
-    return ListedStation(
-        key=f"stations[{index}]",
-        id=name,
-        name=f"Station {name}",
-        name_ja="",
-        km=None,
-        tracks=("1", "2"),
-        offsets_m=(0.0, 4.0),
-        is_halt=False,
-        has_platforms=True,
-        points_low=index > 0,
-        points_high=index < stations - 1,
-        normal="1",
-        portal=False,
-    )
+    return StationRow(id=name, name=f"Station {name}", tracks=2, normal="1", spacing_m=4.0)
 
 
 def limit_kmh(radius_m: float) -> float:

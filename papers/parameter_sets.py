@@ -17,9 +17,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from onboard.driving_settings import Driving
 from onboard.unit_records import UnitParameters
 from papers.reproduction import Parameter
-from simulation.settings import Driving
 
 CUMULATIVE_ERROR: Final = 0.01  # Oda, 3.2.1: of the distance run
 

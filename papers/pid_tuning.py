@@ -65,7 +65,10 @@ def itae_ms(trace: Rows, cruise_mps: float, pattern_mps2: float, step_s: float) 
 def tried(settings: Pid) -> Trial:
     """A setting in the nominal case."""
     bench: HopBench = paper_hops("pid", law_settings=LawTables.model_validate({"pid": settings}))
-    pattern_mps2, step_s = float(bench.behaviour.stop_deceleration_mps2), float(bench.behaviour.step_s)
+    pattern_mps2, step_s = (
+        float(bench.behaviour.settings.stop_deceleration_mps2),
+        float(bench.behaviour.step_s),
+    )
     itaes: list[float] = []
     misses: list[float] = []
     changes = 0

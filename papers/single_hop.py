@@ -118,7 +118,7 @@ def own_plan(
             bench.begin_m,
             bench.mark_m,
             0.0,
-            float(bench.behaviour.stop_deceleration_mps2),
+            float(bench.behaviour.settings.stop_deceleration_mps2),
             order_s,
             regeneration_share,
         )
@@ -165,7 +165,7 @@ class HopBench:
                 self.begin_m,
                 self.mark_m,
                 order_s,
-                float(self.behaviour.stop_deceleration_mps2),
+                float(self.behaviour.settings.stop_deceleration_mps2),
             )
         return self._cruise[key]
 
@@ -173,7 +173,7 @@ class HopBench:
         """The least running time of the way, s, at the limits, with the unit's braking; infinite: it cannot climb."""
         train = self.train
         limit_mps = np.ascontiguousarray(limit_for_train(self.profile["limit_mps"], train))
-        braking_mps2 = float(self.behaviour.stop_deceleration_mps2)
+        braking_mps2 = float(self.behaviour.settings.stop_deceleration_mps2)
         run = (limit_mps, self.begin_m, self.mark_m, math.inf, braking_mps2, LEAST_STEP_S)
         return float(predicted_run(train, load_share, self.heights.elevation_m, *run)[0])
 

@@ -19,11 +19,11 @@ from onboard.driving.laws.settings import fit_law
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.driving.tasc import DesignRow
 from onboard.driving.tuning import Learned
+from onboard.driving_settings import Driving
 from onboard.records import MODE_DRIVE, NO_PLACES, PATTERN, BehaviourRow, UnitRow
 from onboard.unit_records import UnitParameters
 from papers.single_run import BENCH_OUTCOME, FIXES_MAX, BenchOutcomeRow, Heights, Rows, run_all
 from simulation.sensors import slide_protection, tachometer
-from simulation.settings import Driving
 from simulation.setup import behaviour_row
 from simulation.world.kernel import PathArrays
 from simulation.world.records import STOCK, TRACE
@@ -77,7 +77,7 @@ def new_track(train: TrainRow, behaviour: BehaviourRow, length_m: float) -> Path
     rows = int(length_m) + 2
     profile, pattern = np.zeros(rows, dtype=PROFILE), np.zeros(rows, dtype=PATTERN)
     profile["limit_mps"] = pattern["permitted_mps"] = train.speed_max_mps
-    pattern["driving_mps"] = max(train.speed_max_mps - behaviour.driving_margin_mps, 1.0)
+    pattern["driving_mps"] = max(train.speed_max_mps - behaviour.settings.driving_margin_mps, 1.0)
     plan = np.zeros(rows, dtype=PLAN)
     plan["mode"], plan["speed_mps"] = PLAN_COAST, train.speed_max_mps
     return PathArrays(profile, pattern, plan, np.zeros(FIXES_MAX), NO_PLACES, NO_PLACES)

@@ -145,9 +145,10 @@ def as_theirs(kind: TrainType, train: ReferenceTrain) -> Rows:
     """Our train with the resistance of its empty mass whatever its load, as that model has it."""
     row = kind.row.copy()
     share = (train.driving_kg + train.carrying_kg) / mass_kg(kind.row[0], FULL)
-    for field in row.dtype.names or ():
-        if field.startswith("resistance_") and "_n_per_kn" in field:
-            row[field] *= share
+    resistance = row["resistance"]
+    for field in resistance.dtype.names or ():
+        if field.startswith(("motored", "trailer")):
+            resistance[field] *= share
     return row
 
 

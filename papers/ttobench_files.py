@@ -187,15 +187,17 @@ def read_train(file: Path) -> BenchTrain:
     row = np.zeros(1, dtype=TRAIN)
     length_m = POINT_M if raw.length is None else raw.length.value
     weight_kn = raw.mass.value * GRAVITY_MPS2 * 1e-3
+    resistance = {
+        "motored_constant_n_per_kn": raw.r0.value * 1e3 / weight_kn,
+        "motored_linear_n_per_kn_kmh": raw.r1.value * 1e3 / weight_kn,
+        "air_n_per_kmh2": raw.r2.value * 1e3,
+    }
     values = {
         "length_m": length_m,
         "mass_empty_kg": raw.mass.value,
         "rotating_mass_factor": _given_or(raw.rho, 1e-2, 0.0),
         "cars": 1.0,
         "motored_mass_share": 1.0,
-        "resistance_motored_constant_n_per_kn": raw.r0.value * 1e3 / weight_kn,
-        "resistance_motored_linear_n_per_kn_kmh": raw.r1.value * 1e3 / weight_kn,
-        "resistance_air_n_per_kmh2": raw.r2.value * 1e3,
         "traction_force_max_n": raw.force.value * 1e3,
         "traction_power_max_w": raw.power.value * 1e3,
         "motors": 1.0,
@@ -211,6 +213,8 @@ def read_train(file: Path) -> BenchTrain:
     }
     for key, value in values.items():
         row[key] = value
+    for key, value in resistance.items():
+        row["resistance"][key] = value
     perfect = row.copy()
     perfect["efficiency_traction"] = perfect["efficiency_regeneration"] = 1.0
     drag = [] if raw.tunnel is None else raw.tunnel.values
@@ -262,12 +266,12 @@ def course_of(
     at_m = np.arange(metres, dtype=np.float64)
     rows: Any = train.perfect if perfect else train.row
     return Course(
-        train=rows[0],
-        load_share=0.0,
-        climb_m=_heights_m(track, at_m),
-        limit_mps=_limits_mps(track, train, metres),
-        start_m=from_m,
-        stop_m=stop_m,
+        rows[0],
+        0.0,
+        _heights_m(track, at_m),
+        _limits_mps(track, train, metres),
+        from_m,
+        stop_m,
         deceleration_mps2=train.deceleration_mps2,
         initial_mps=end_mps,
         final_mps=end_mps,

@@ -31,7 +31,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Final
+from typing import Final, TypedDict
 
 import msgspec
 
@@ -119,24 +119,28 @@ class Received:
 
 @dataclass(frozen=True, slots=True)
 class Dropped:
-    """A telegram that did not. `source` and `envelope` are set once the code has proven them."""
+    """A telegram that did not. `envelope` is set once the code has proven it."""
 
     reason: DropReason
-    source: str | None = None
     envelope: Envelope | None = None
 
     def noted(self, receiver: str) -> TelegramDropped:
         """What its receiver writes in the journal."""
-        envelope = self.envelope
         return TelegramDropped(
-            source=self.source,
+            source=None if self.envelope is None else self.envelope.source,
             receiver=receiver,
-            epoch=None if envelope is None else envelope.epoch,
-            sequence=None if envelope is None else envelope.sequence,
-            kind=None if envelope is None else kind_of(envelope),
-            correlation=None if envelope is None else envelope.correlation,
             why=self.reason.value,
+            **noted_terms(self.envelope),
         )
+
+
+class NotedTerms(TypedDict):
+    """What a note of a telegram takes from its header."""
+
+    epoch: int | None
+    sequence: int | None
+    kind: str | None
+    correlation: int | None
 
 
 _HEADER: Final = msgspec.msgpack.Decoder(Envelope)
@@ -151,6 +155,18 @@ def kind_of(envelope: Envelope) -> str | None:
         return type(_PAYLOAD.decode(envelope.payload)).__name__
     except _UNREADABLE:
         return None
+
+
+def noted_terms(header: Envelope | None) -> NotedTerms:
+    """For the journal: those of a header, all None where there is none to read."""
+    if header is None:
+        return NotedTerms(epoch=None, sequence=None, kind=None, correlation=None)
+    return NotedTerms(
+        epoch=header.epoch,
+        sequence=header.sequence,
+        kind=kind_of(header),
+        correlation=header.correlation,
+    )
 
 
 def header_of(data: bytes) -> Envelope | None:
@@ -287,4 +303,4 @@ class Endpoint:
 
     def _drop(self, reason: DropReason, envelope: Envelope | None) -> Dropped:
         self.dropped[reason] += 1
-        return Dropped(reason, None if envelope is None else envelope.source, envelope)
+        return Dropped(reason, envelope)

@@ -8,8 +8,12 @@ becomes of a telegram, whether manager, terminal or unit receives it. Pure data,
 from __future__ import annotations
 
 from enum import Enum
+from typing import Generic, TypeVar
 
 import msgspec
+
+Word = TypeVar("Word", str, str | None)
+Number = TypeVar("Number", int, int | None)
 
 
 def key_of(field: str) -> str:
@@ -34,52 +38,41 @@ class LostWhere(Enum):
     RECEIVER_OFF = "receiver off"
 
 
-class Sent(Noted, frozen=True, kw_only=True, tag="sent"):
+class TelegramNoted(Noted, Generic[Word, Number], frozen=True, kw_only=True):
+    """What every note of a telegram says of it; a telegram that cannot be read has None for its header's terms."""
+
+    source: Word
+    receiver: str
+    epoch: Number
+    sequence: Number
+    kind: Word
+    correlation: Number
+
+
+class Sent(TelegramNoted[str | None, int | None], frozen=True, kw_only=True, tag="sent"):
     """A telegram went into the air; `arrives_s` has a time for each copy on its way, none when it is lost.
 
     None: the sender made what cannot be read.
     """
 
     source: str
-    receiver: str
-    epoch: int | None
-    sequence: int | None
-    kind: str | None
-    correlation: int | None
     size_bytes: int
     arrives_s: tuple[float, ...]
 
 
-class Lost(Noted, frozen=True, kw_only=True, tag="lost"):
+class Lost(TelegramNoted[str | None, int | None], frozen=True, kw_only=True, tag="lost"):
     """A telegram did not reach its receiver. What was damaged on its way cannot be read: None."""
 
-    source: str | None
-    receiver: str
-    epoch: int | None
-    sequence: int | None
-    kind: str | None
-    correlation: int | None
     where: LostWhere
 
 
-class TelegramDropped(Noted, frozen=True, kw_only=True, tag="telegram_dropped"):
+class TelegramDropped(
+    TelegramNoted[str | None, int | None], frozen=True, kw_only=True, tag="telegram_dropped"
+):
     """A receiver's checks refused a telegram. None: not to be read, or not proven to be true."""
 
-    source: str | None
-    receiver: str
-    epoch: int | None
-    sequence: int | None
-    kind: str | None
-    correlation: int | None
     why: str
 
 
-class TookEffect(Noted, frozen=True, kw_only=True, tag="took_effect"):
+class TookEffect(TelegramNoted[str, int], frozen=True, kw_only=True, tag="took_effect"):
     """A telegram passed its receiver's checks and was acted on."""
-
-    source: str
-    receiver: str
-    epoch: int
-    sequence: int
-    kind: str
-    correlation: int

@@ -30,7 +30,7 @@ KEY: Final = "belief"
 class BeliefTable(Record):
     """`[belief]`: what on-board units go by where it differs from what is so."""
 
-    line: Annotated[LinePatch | None, about("of the line, as a patch of what is so")] = None
+    line: Annotated[LinePatch | None, about("the line as units assume it, as a patch of the true one")] = None
     trains: Annotated[dict[str, str], about("train file that a unit goes by, by stock id")] = Field(
         default_factory=dict
     )

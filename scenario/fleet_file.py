@@ -16,20 +16,13 @@ from network.files.toml_input import one_of
 from network.model import Line
 from network.timetable import Timetable
 from onboard.driving.tuning import Learned, learned_from
+from onboard.driving_settings import Driving
 from onboard.localisation.marker_patterns import PATTERNS
 from onboard.unit_records import UnitParameters
 from simulation.design import overrated
 from simulation.events import WORLD
 from simulation.scatter import ScatterSettings
-from simulation.settings import (
-    Driving,
-    Interlocking,
-    Operation,
-    PositionSensor,
-    Sensors,
-    Tuning,
-    Vision,
-)
+from simulation.settings import Interlocking, Operation, PositionSensor, Sensors, Tuning, Vision
 from simulation.setup import Setup
 from vehicle.train_file import TrainType
 from wayside.config import MANAGER_ID

@@ -6,13 +6,11 @@ A run directory keeps it, so that it says what was run when the files have long 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
 from network.errors import InputError
-from network.files.edits import Change, Data
+from network.files.edits import Change
 from network.files.json_input import read_json
 from network.files.raw import is_table
 from network.files.toml_input import Record, one_of, validate
@@ -20,59 +18,27 @@ from network.files.toml_input import Record, one_of, validate
 FORMAT: Final = 1  # of the file; another number is of another version of the program
 
 
-class _ChangeTable(Record):
-    """`changes`: one figure that a patch has changed; see `network.files.edits.Change`."""
+class Inputs(Record):
+    """The tables of a run: scenario (without `extends` and `patch`), line, timetable, trains by their names.
 
-    file: str
-    key: str
-    old: Any
-    new: Any
+    They have the keys and units of the files that they are from. `stock` gives the name of the train of each stock id,
+    `learned` what each knew of its brakes when the run began. `changes` is what patches have changed, `assumed` every
+    assumption. All of it is what JSON can hold.
+    """
 
-
-class _InputsFile(Record):
-    """The file; its tables have the keys and units of the files that they are from."""
-
-    format: int
+    format: int = FORMAT
     scenario: dict[str, Any]
     line: dict[str, Any]
     timetable: dict[str, Any]
     trains: dict[str, dict[str, Any]]
     stock: dict[str, str]
     learned: dict[str, dict[str, Any]]
-    changes: list[_ChangeTable]
+    changes: list[Change]
     assumed: list[str]
-
-
-@dataclass(frozen=True, slots=True)
-class Inputs:
-    """The tables of a run: scenario (without `extends` and `patch`), line, timetable, trains by their names.
-
-    `stock` gives the name of the train of each stock id, `learned` what each knew of its brakes when the run began.
-    `changes` is what patches have changed, `assumed` every assumption. All of it is what JSON can hold.
-    """
-
-    scenario: Data
-    line: Data
-    timetable: Data
-    trains: Mapping[str, Data]
-    stock: Mapping[str, str]
-    learned: Mapping[str, Data] = field(default_factory=dict[str, Data])
-    changes: tuple[Change, ...] = ()
-    assumed: tuple[str, ...] = ()
 
     def as_json(self) -> str:
         """The file's text."""
-        tables = {
-            "format": FORMAT,
-            "scenario": self.scenario,
-            "line": self.line,
-            "timetable": self.timetable,
-            "trains": self.trains,
-            "stock": self.stock,
-            "learned": self.learned,
-            "changes": [change.as_dict() for change in self.changes],
-            "assumed": list(self.assumed),
-        }
+        tables = self.model_dump()
         return json.dumps(tables, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
 
 
@@ -84,17 +50,8 @@ def read_inputs(path: Path) -> Inputs:
     if data["format"] != FORMAT:
         expected = f"{FORMAT}, the format of this version of branchline: run the scenario again"
         raise InputError(file, "format", data["format"], expected)
-    read = validate(data, file, _InputsFile)
+    read = validate(data, file, Inputs)
     for stock_id, name in read.stock.items():
         if name not in read.trains:
             raise InputError(file, f"stock.{stock_id}", name, one_of(read.trains, name))
-    return Inputs(
-        scenario=read.scenario,
-        line=read.line,
-        timetable=read.timetable,
-        trains=read.trains,
-        stock=read.stock,
-        learned=read.learned,
-        changes=tuple(Change(c.file, c.key, c.old, c.new) for c in read.changes),
-        assumed=tuple(read.assumed),
-    )
+    return read

@@ -51,7 +51,7 @@ def _check_failures(file: str, key: str, table: Failures, setup: Setup) -> None:
         _exists(file, f"{key}.targets[{index}]", target, targets, f"a {kind.aims_at}")
     if not targets:
         raise InputError(
-            file, f"{key}.kind", table.kind, f"a kind that has something to aim at here, no {kind.aims_at}"
+            file, f"{key}.kind", table.kind, f"a kind with a target on this line, which has no {kind.aims_at}"
         )
     for target in table.targets or targets:
         fault_of(file, key, kind, {"target": target, **(table.model_extra or {})}, names)

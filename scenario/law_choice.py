@@ -8,7 +8,7 @@ from dataclasses import replace
 from network.errors import InputError
 from network.files.toml_input import one_of
 from onboard.driving.laws.table import LAW_NAMES
-from simulation.settings import Driving
+from onboard.driving_settings import Driving
 from simulation.setup import Setup
 
 

@@ -53,14 +53,12 @@ FOLDER: Final = "scenarios"
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """A scenario ready to run. `changes` says what differs from what it names or extends; `inputs` are all tables."""
+    """A scenario ready to run; `inputs` are all its tables, and what of them is not as the files say."""
 
     id: str
     name: str
     file: str
     setup: Setup
-    changes: tuple[Change, ...]
-    assumed: tuple[str, ...]
     inputs: Inputs
 
 
@@ -77,7 +75,7 @@ def find_scenario(name: str) -> Path:
 def with_seed(scenario: Scenario, seed: int) -> Scenario:
     """The same scenario with another seed, as `load_scenario` would give it. InputError for a seed that is none."""
     _check_seed(seed)
-    inputs = replace(scenario.inputs, scenario={**scenario.inputs.scenario, "seed": seed})
+    inputs = scenario.inputs.model_copy(update={"scenario": scenario.inputs.scenario | {"seed": seed}})
     return replace(scenario, setup=replace(scenario.setup, seed=seed), inputs=inputs)
 
 
@@ -129,9 +127,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     check_late(str(path), setup)
     check_markers(str(path), setup)
     setup = replace(setup, script=script_of(str(path), setup, model.fault, model.act, model.expect))
-    assumed = (*model.assumed, *line.assumed, *timetable.assumed, *_train_assumptions(trains))
     of_trains = (change for _, _, changes in loaded.values() for change in changes)
-    changes = (*pile.changes, *of_line, *of_timetable, *of_trains)
     inputs = Inputs(
         scenario=pile.data | {"seed": setup.seed},
         line=line_data,
@@ -139,10 +135,10 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         trains={name: data for name, (_, data, _) in loaded.items()},
         stock=stock,
         learned={stock_id: learned.as_dict() for stock_id, learned in setup.learned.items()},
-        changes=changes,
-        assumed=assumed,
+        changes=[*pile.changes, *of_line, *of_timetable, *of_trains],
+        assumed=[*model.assumed, *line.assumed, *timetable.head.assumed, *_train_assumptions(trains)],
     )
-    return Scenario(model.id, model.name, str(path), setup, changes, assumed, inputs)
+    return Scenario(model.id, model.name, str(path), setup, inputs)
 
 
 def _folder() -> Path:
@@ -199,7 +195,7 @@ def run_tables(tables: Tables, timetable: Timetable) -> dict[str, Any]:
     """A scenario's tables by name, as a run has them: the shortest stop is the timetable's where none is given."""
     found = {each.name: getattr(tables, each.name) for each in fields(tables)}
     if "dwell_min_s" not in tables.unit.model_fields_set:
-        found["unit"] = tables.unit.model_copy(update={"dwell_min_s": timetable.dwell_min_s})
+        found["unit"] = tables.unit.model_copy(update={"dwell_min_s": timetable.head.dwell_min_s})
     return found
 
 

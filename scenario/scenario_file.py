@@ -58,16 +58,14 @@ class _OtherFiles(Record):
 class _Named(Record):
     extends: Annotated[str | None, about("scenario whose tables hold wherever this one says nothing")] = None
     id: Annotated[Identifier, about("name of the run and of its directory")]
-    name: Annotated[Title, about("what people call it")]
+    name: Annotated[Title, about("display name")]
     line: Annotated[str, about("line file, shipped or beside the scenario")]
     timetable: Annotated[str, about("timetable file, shipped or beside the scenario")]
-    seed: Annotated[
-        Seed, about("sets every chance of the run; --seed comes first", "assumed: any will do")
-    ] = 1
+    seed: Annotated[Seed, about("seed of all random draws; --seed overrides it", "assumed: any will do")] = 1
     assumed: Annotated[
         list[Prose],
         Field(max_length=TEXTS_MAX),
-        about("what nobody has published, in sentences for the report"),
+        about("what has no published source, in sentences for the report"),
     ] = Field(default_factory=list)
     trains: TrainsTable
 
@@ -117,8 +115,10 @@ class ScenarioFile(_WithTables):
     A drill is a scenario with faults, acts and expectations.
     """
 
-    belief: Annotated[BeliefTable | None, about("what units go by where it is not what is so")] = None
-    patch: Annotated[PatchTable, about("what differs from the files named: a what-if")] = Field(
+    belief: Annotated[
+        BeliefTable | None, about("what units assume of line and trains where that differs from the truth")
+    ] = None
+    patch: Annotated[PatchTable, about("changes to the files named: a what-if")] = Field(
         default_factory=PatchTable
     )
     fault: Annotated[list[FaultTable], Field(max_length=TABLES_MAX), about("what fails, and when")] = Field(

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
 from pydantic import ConfigDict, Field
 
 from network.clock import clock
 from network.errors import InputError
+from network.files.kinds import about
 from network.files.names import Title
 from network.files.quantities import DrillTime, Duration, Pace, SpeedFrom0Kmh
 from network.files.toml_input import Record, one_of, validate
@@ -43,43 +44,54 @@ class FaultTable(Record):
 
     model_config = ConfigDict(extra="allow")
 
-    kind: str
-    target: str
-    start: str | dict[str, Any]
-    after_s: DrillTime = 0.0
-    duration_s: Duration | None = None
+    kind: Annotated[str, about("kind of fault, of docs/faults.md")]
+    target: Annotated[str, about("what fails: a unit, device, link, section, points, tag, station")]
+    start: Annotated[str | dict[str, Any], about("a time, or an event, in words or as a table")]
+    after_s: Annotated[DrillTime, about("delay after the start")] = 0.0
+    duration_s: Annotated[Duration | None, about("how long it lasts; left out: until a person ends it")] = (
+        None
+    )
 
 
 class ActTable(Record):
-    """`[[act]]`."""
+    """`[[act]]`: what a person does. The kinds, with the keys of each, stand at the end of the page."""
 
-    kind: str
-    start: str | dict[str, Any]
-    target: str = ""
-    after_s: DrillTime = 0.0
-    person: Title = "controller"
-    sections: list[str] = Field(default_factory=list)
-    position: str = ""
-    place: str = ""
-    hold_s: DrillTime = 300.0
-    pace_s: Pace | None = None
+    kind: Annotated[str, about("what is done")]
+    start: Annotated[str | dict[str, Any], about("a time, or an event, in words or as a table")]
+    target: Annotated[str, about("unit, device or points concerned")] = ""
+    after_s: Annotated[DrillTime, about("delay after the start")] = 0.0
+    person: Annotated[Title, about("who does it; some acts need two different persons")] = "controller"
+    sections: Annotated[list[str], about("sections that are entered")] = Field(default_factory=list)
+    position: Annotated[str, about("position into which points are set: normal or reverse")] = ""
+    place: Annotated[str, about("portal by which the unit left the line")] = ""
+    hold_s: Annotated[DrillTime, about("how long the unit then asks for no route")] = 300.0
+    pace_s: Annotated[
+        Pace | None, about("time for each word of a re-entry; left out: drawn from [people]")
+    ] = None
 
 
 class ExpectTable(Record):
-    """`[[expect]]`: an event (words or a table), its absence, or a property."""
+    """`[[expect]]`: an event, its absence, or a property."""
 
-    text: Title
-    event: str | dict[str, Any] | None = None
-    absent: bool = False
-    after: str | dict[str, Any] | None = None
-    until: str | dict[str, Any] | None = None
-    within_s: Duration | None = None
-    by: str | None = None
-    property: str | None = None
-    unit: str = ""
-    section: str = ""
-    kmh: SpeedFrom0Kmh | None = None
-    rules: list[str] = Field(default_factory=list[str])
+    text: Annotated[Title, about("the expectation in a sentence")]
+    event: Annotated[
+        str | dict[str, Any] | None,
+        about("event that must happen, in words or as a table of docs/journal.md"),
+    ] = None
+    absent: Annotated[bool, about("it must not happen, or not hold")] = False
+    after: Annotated[str | dict[str, Any] | None, about("event from which on it counts")] = None
+    until: Annotated[str | dict[str, Any] | None, about("event until which it counts")] = None
+    within_s: Annotated[Duration | None, about("time within which it must happen, from `after`")] = None
+    by: Annotated[str | None, about("time of day by which it must happen")] = None
+    property: Annotated[
+        str | None, about("everyone_arrives, no_invariant_broken, speed_at_most or never_enters")
+    ] = None
+    unit: Annotated[str, about("unit of speed_at_most and never_enters")] = ""
+    section: Annotated[str, about("section of never_enters")] = ""
+    kmh: Annotated[SpeedFrom0Kmh | None, about("speed of speed_at_most")] = None
+    rules: Annotated[list[str], about("with absent: which invariants may be broken")] = Field(
+        default_factory=list[str]
+    )
 
 
 def names_of(setup: Setup, acts: Sequence[ActTable] = ()) -> Names:
@@ -137,7 +149,7 @@ def fault_of(
 
 
 _ACT: Final = frozenset({"kind", "start", "after_s", "person"})
-_ACT_KEYS: Final[Mapping[ActKind, frozenset[str]]] = {
+ACT_KEYS: Final[Mapping[ActKind, frozenset[str]]] = {
     ActKind.CONFIRM_OUTSIDE: frozenset({"target", "place"}),
     ActKind.TAKE_BACK: frozenset({"target"}),
     ActKind.BAR_UNIT: frozenset({"target"}),
@@ -173,7 +185,7 @@ def _act(file: str, key: str, table: ActTable, names: Names) -> Act:
         ActKind.HAUL_AWAY: names.units,
         ActKind.GIVE_BACK: names.units,
     }
-    _check_keys(file, key, table, _ACT | _ACT_KEYS[kind], kind.value)
+    _check_keys(file, key, table, _ACT | ACT_KEYS[kind], kind.value)
     known = targets.get(kind)
     if known is not None and table.target not in known:
         raise InputError(file, f"{key}.target", table.target, one_of(known, table.target))
@@ -219,18 +231,14 @@ def _expectation(file: str, key: str, table: ExpectTable, names: Names, setup: S
         # Of what must not happen a misspelt word would count as met.
         event = matcher_in(file, f"{key}.event", table.event, names, exact=table.absent)
     return Expectation(
-        table.text,
-        event,
-        absent=table.absent,
+        event=event,
         after=after,
-        within_s=table.within_s,
         by_s=by_s,
         holds=holds,
-        unit=table.unit,
-        section=table.section,
         kmh=table.kmh or 0.0,
         until=until,
         rules=tuple(table.rules),
+        **table.model_dump(include={"text", "absent", "within_s", "unit", "section"}),
     )
 
 

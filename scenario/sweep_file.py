@@ -26,7 +26,7 @@ class SeedsTable(Record):
 class AxisPoint(Record):
     """`[[axis.point]]`: one place of an axis that says several things at once."""
 
-    label: Annotated[Title, about("what people call it")]
+    label: Annotated[Title, about("display name")]
     says: Annotated[dict[str, Any], about("values of the scenario by key path; nothing: as it is", "")] = (
         Field(default_factory=dict, alias="set")
     )
@@ -38,13 +38,13 @@ class AxisTable(Record):
     Either a key with its values, or places that say several things each.
     """
 
-    name: Annotated[Title, about("what people call it")]
+    name: Annotated[Title, about("display name")]
     key: Annotated[str | None, about("key path in a scenario file, as TOML writes it; patches too")] = None
-    values: Annotated[list[Any], Field(max_length=VALUES_MAX), about("what the key says, place by place")] = (
-        Field(default_factory=list)
+    values: Annotated[list[Any], Field(max_length=VALUES_MAX), about("values of the key")] = Field(
+        default_factory=list
     )
     labels: Annotated[
-        list[Title], Field(max_length=VALUES_MAX), about("what people call each value; left out: the value")
+        list[Title], Field(max_length=VALUES_MAX), about("display name of each value; left out: the value")
     ] = Field(default_factory=list)
     point: Annotated[
         list[AxisPoint], Field(max_length=VALUES_MAX), about("places that say several things each")
@@ -62,15 +62,17 @@ class DrawTable(Record):
     ]
     low: Annotated[DrawnValue | None, about("least value; elsewhere than uniform: cut there")] = None
     high: Annotated[DrawnValue | None, about("greatest value; elsewhere than uniform: cut there")] = None
-    mean: Annotated[DrawnValue | None, about("of normal and exponential, before they are cut")] = None
-    median: Annotated[DrawnValue | None, about("of lognormal, before it is cut")] = None
-    mode: Annotated[DrawnValue | None, about("of triangular; left out: the middle")] = None
-    sigma: Annotated[DrawnValue | None, about("of normal, and of the logarithm in lognormal")] = None
-    values: Annotated[list[Any], Field(max_length=VALUES_MAX), about("of choice")] = Field(
+    mean: Annotated[DrawnValue | None, about("mean of normal and exponential, before cutting")] = None
+    median: Annotated[DrawnValue | None, about("median of lognormal, before cutting")] = None
+    mode: Annotated[DrawnValue | None, about("mode of triangular; left out: the middle")] = None
+    sigma: Annotated[
+        DrawnValue | None, about("standard deviation: of normal, and of the logarithm in lognormal")
+    ] = None
+    values: Annotated[list[Any], Field(max_length=VALUES_MAX), about("values of a choice")] = Field(
         default_factory=list
     )
     weights: Annotated[
-        list[DrawnValue], Field(max_length=VALUES_MAX), about("of choice; left out: all alike")
+        list[DrawnValue], Field(max_length=VALUES_MAX), about("weights of a choice; left out: all equal")
     ] = Field(default_factory=list)
     whole: Annotated[bool, about("the value is a whole number", "assumed: most keys take any")] = False
 
@@ -93,18 +95,18 @@ class SweepFile(Record):
     """A sweep: a scenario varied over a grid and over random draws, each point for many days."""
 
     id: Annotated[Identifier, about("name of the sweep and of its directory")]
-    name: Annotated[Title, about("what people call it")]
+    name: Annotated[Title, about("display name")]
     scenario: Annotated[str, about("scenario that is varied, shipped or beside the sweep file")]
     carrier: Annotated[
         Literal["sumo", "plain"],
         about(
-            "what carries the trains; with plain every tenth day runs again on sumo and must be the same; --carrier"
-            " comes first",
+            "what moves the trains; with plain every tenth day runs again on sumo and must be the same; --carrier"
+            " overrides it",
             "assumed: the quicker one, which the tenth days judge",
         ),
     ] = "plain"
     assumed: Annotated[
-        list[Prose], Field(max_length=TEXTS_MAX), about("what nobody has published, for the report")
+        list[Prose], Field(max_length=TEXTS_MAX), about("what has no published source, for the report")
     ] = Field(default_factory=list)
     seeds: SeedsTable
     axis: Annotated[list[AxisTable], Field(max_length=AXES_MAX), about("axes of the grid")] = Field(
@@ -118,10 +120,10 @@ class SweepFile(Record):
         Field(min_length=1, max_length=TEXTS_MAX),
         about("figures of a day that are shown as it runs and drawn; the tables have all"),
     ] = Field(default_factory=lambda: ["mean_late_s", "within_60_s"])
-    confidence: Annotated[Confidence, about("of every interval", "assumed: usual")] = 0.95
+    confidence: Annotated[Confidence, about("confidence of all intervals", "assumed: usual")] = 0.95
     stop: Annotated[StopTable | None, about("when a point has days enough; left out: all days run")] = None
     keep: Annotated[
         list[Literal["journal", "trajectory", "report"]],
         Field(max_length=3),
-        about("what stays of each day beside its figures; report: its whole run directory"),
+        about("what is kept of each day besides its record; report: the whole run directory"),
     ] = Field(default_factory=list)

@@ -82,14 +82,15 @@ class BatterySettings(Record):
         ),
     ] = Departure.WAIT
     start_share: Annotated[
-        Share, about("of the window, in the battery as the day begins", "assumed: charged overnight")
+        Share,
+        about("share of the usable window in the battery when the day begins", "assumed: charged overnight"),
     ] = 1.0
     start_of: Annotated[dict[str, Share], about("the same by stock id")] = Field(default_factory=dict)
     reserve_share: Annotated[
         Share,
         about(
-            "of the window, to be left at the next charge by the prediction of a set that leaves a charger or begins"
-            " a train",
+            "share of the usable window that must remain at the next charge, as a set predicts when it leaves a"
+            " charger or begins a train",
             "assumed: a tenth",
         ),
     ] = 0.1

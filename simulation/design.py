@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from simulation.settings import Driving
+from onboard.driving_settings import Driving
 from simulation.setup import behaviour_row
 from vehicle.adhesion import grip_mps2
 from vehicle.train_file import TrainType

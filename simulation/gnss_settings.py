@@ -45,10 +45,11 @@ class Correction(StrEnum):
 class GnssReceiver(Record):
     """`gnss.fail_safe`, `gnss.aim`: what a kind of receiver errs by along the track, and what it states of that."""
 
-    sigma_m: Annotated[ReceiverError, about("standard deviation of the error that lasts, under an open sky")]
-    noise_sigma_m: Annotated[ReceiverError, about("of what is new in each fix")]
+    sigma_m: Annotated[ReceiverError, about("standard deviation of the slow error, under an open sky")]
+    noise_sigma_m: Annotated[ReceiverError, about("standard deviation of the noise of each fix")]
     multipath_sigma_m: Annotated[
-        ReceiverError, about("of what reflections add where part of the sky is hidden")
+        ReceiverError,
+        about("standard deviation of the error by reflections, where part of the sky is hidden"),
     ]
     protection_m: Annotated[
         PositionBound,
@@ -80,36 +81,37 @@ class Gnss(Record):
     rate_hz: Annotated[FixRate, about("fixes a second", "assumed: what receivers give without asking")] = 1.0
     latency_s: Annotated[
         ReceiverLatency,
-        about(
-            "from the moment that a fix is of to when the unit has it", "assumed: a position's computation"
-        ),
+        about("age of a fix when the unit receives it", "assumed: a position's computation"),
     ] = 0.2
     reacquisition_s: Annotated[
         Wait,
         about(
-            "without a fix after a tunnel or jamming",
+            "time without a fix after a tunnel or jamming",
             "assumed: 1 s of a hot start (u-blox MAX-M8Q), and until corrections and integrity are back",
         ),
     ] = 5.0
     time_constant_s: Annotated[
         CorrelationTime,
-        about("within which errors that last lose two thirds", "assumed: between 10 s and 2700 s, see above"),
+        about(
+            "time constant of the slow errors: two thirds are gone after it",
+            "assumed: between 10 s and 2700 s, see above",
+        ),
     ] = 300.0
     multipath_way_m: Annotated[
         CorrelationWay,
-        about("over which reflections become others", "assumed: houses, trees and cuttings along a track"),
+        about("distance over which reflections change", "assumed: houses, trees and cuttings along a track"),
     ] = 80.0
     fail_safe: Annotated[
         GnssReceiver,
         about(
-            "the receiver of today",
+            "a receiver of today",
             "1.2 m: EGNOS, 3 m in 95 %; 20 m: Shift2Rail; noise and reflections assumed",
         ),
     ] = FAIL_SAFE
     aim: Annotated[
         GnssReceiver,
         about(
-            "the one aimed at",
+            "a future receiver, as aimed at",
             "3 m: Shift2Rail; errors assumed: somewhat beyond 0.12 m in 95 %, which QZSS states for CLAS on the move",
         ),
     ] = AIM

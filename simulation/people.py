@@ -22,9 +22,7 @@ class People(Record):
 
     times: Annotated[
         DelayFactor,
-        about(
-            "all that is drawn is multiplied by this; 0: everybody acts at once", "1: the means as they stand"
-        ),
+        about("factor of all draws; 0: everybody acts at once", "1: the means below"),
     ] = 1.0
     sigma: Annotated[
         PeopleSigma,
@@ -35,54 +33,56 @@ class People(Record):
     boot_s: Annotated[
         PersonTime,
         about(
-            "mean, from a unit's boot until its crew has entered the train number",
+            "mean time from a unit's boot until its crew has entered the train number",
             "assumed: sees the display, looks the number up, types it; no paper has a figure",
         ),
     ] = 20.0
     sign_on_s: Annotated[
         PersonTime,
         about(
-            "mean, from when a stock stands at its portal until its crew has entered the train number",
+            "mean time from when a stock stands at its portal until its crew has entered the train number",
             "assumed: the same; far less than `operation.portal_lead_s`",
         ),
     ] = 20.0
     entry_s: Annotated[
         PersonTime,
         about(
-            "mean, from when the unit shows that the portal may be entered until the train is in it",
+            "mean time from when the unit shows that the portal may be entered until the train is in it",
             "assumed: a look",
         ),
     ] = 4.0
     sign_off_s: Annotated[
         PersonTime,
-        about("mean, from the end of a journey at a portal until the crew signs off", "assumed: two keys"),
+        about(
+            "mean time from the end of a journey at a portal until the crew signs off", "assumed: two keys"
+        ),
     ] = 8.0
     leave_s: Annotated[
         PersonTime,
         about(
-            "mean, from when the unit shows that it is signed off until the train has gone through the portal",
+            "mean time from when the unit shows that it is signed off until the train has gone through the portal",
             "assumed: brakes released, and a length of 40 m at 15 km/h",
         ),
     ] = 12.0
     stand_s: Annotated[
         PersonTime,
         about(
-            "mean, from when a train on sight, or one that is not at its mark, has come to a stand until its crew has"
-            " looked out and told the unit",
+            "mean time from when a train on sight, or one that is not at its mark, has stopped until its crew has"
+            " looked out and entered it",
             "assumed: a look and a key; Sugiyama, 4.4 (3), has the crew look",
         ),
     ] = 6.0
     key_s: Annotated[
         PersonTime,
         about(
-            "mean, from when a train has passed points that its crew locked until the key is given back",
+            "mean time from when a train has passed points that its crew locked until the key is given back",
             "assumed: a few words by telephone",
         ),
     ] = 15.0
     word_s: Annotated[
         PersonTime,
         about(
-            "mean, of a controller for each word that is entered: of a picture without `pace_s`, after the first of"
+            "mean time of a controller for each word entered: of a picture without `pace_s`, after the first of"
             " several sections, and for an act that waits for an event and has no `after_s`",
             "assumed: heard, read back, typed; Sugiyama, 5, calls it laborious and has no figure",
         ),
@@ -90,14 +90,13 @@ class People(Record):
     react: Annotated[
         bool,
         about(
-            "whether staff put right what is off, lost, broken or silent as they come to see it; else people do what"
-            " acts say, and no more"
+            "whether staff repair and restore what they see failing; otherwise people do only what acts say"
         ),
     ] = False
     power_s: Annotated[
         PersonTime,
         about(
-            "mean, where staff react, from when a device or unit is off until they have switched it on, or put it into"
+            "with react, mean time from when a device or unit is off until they have switched it on, or put it into"
             " service again",
             "assumed: noticed, gone to it; one that comes back by itself within a minute mostly does before",
         ),
@@ -105,21 +104,21 @@ class People(Record):
     points_s: Annotated[
         PersonTime,
         about(
-            "mean, where staff react, from when points lie in no position, or do not move, until they are set by hand",
+            "with react, mean time from when points lie in no position, or do not move, until they are set by hand",
             "assumed: somebody is at the station",
         ),
     ] = 60.0
     picture_s: Annotated[
         PersonTime,
         about(
-            "mean, where staff react, from the block manager's restart until its controller sees to the picture",
+            "with react, mean time from the block manager's restart until its controller begins to restore the picture",
             "assumed: an alarm is heard, the line is looked at",
         ),
     ] = 60.0
     silent_s: Annotated[
         PersonTime,
         about(
-            "mean, where staff react, from when a unit's word is missing until two persons speak for it",
+            "with react, mean time from when a unit is silent until two persons say where it is",
             "assumed: longer than a unit's boot and its crew's, which speaks for itself",
         ),
     ] = 150.0

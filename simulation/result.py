@@ -19,6 +19,7 @@ from simulation.judge.checkers import Violation
 from simulation.judge.rail import LowAdhesion
 from simulation.motion_digest import motion_digest
 from simulation.ride import NO_RIDE, Ride
+from vehicle.battery import BatteryFlows
 from vehicle.records import PLANT
 
 TRACE_EVERY_STEPS: Final = 10  # a sample a second, and one at every event
@@ -118,8 +119,7 @@ class BatteryEvent(StrEnum):
 class BatteryRecord:
     """A battery at one moment: state of charge, energy between empty and that, and what its counters show, J.
 
-    `station`: where it stands; empty elsewhere. `supply_w`: what charger or wire gives at most. Given and taken are at
-    its terminals, supplied is what chargers and wires gave to the train. See `vehicle.battery.BatteryRow`.
+    `station`: where it stands; empty elsewhere. `supply_w`: what charger or wire gives at most.
     """
 
     stock_id: str
@@ -130,12 +130,7 @@ class BatteryRecord:
     soc: float
     stored_j: float
     supply_w: float
-    given_j: float
-    taken_j: float
-    lost_j: float
-    supplied_j: float
-    missing_j: float
-    spilled_j: float
+    flows: BatteryFlows
 
 
 @dataclass(frozen=True, slots=True)

@@ -54,9 +54,14 @@ class Individual(Record):
 class ScatterSettings(Record):
     """`[scatter]`: spread of trains and days; all zero: every train is as its file says, on dry rail."""
 
-    brake_sigma: Annotated[Sigma, about("of the brake factor, train to train", "assumed: no spread")] = 0.0
+    brake_sigma: Annotated[
+        Sigma, about("standard deviation of the brake factor, among trains", "assumed: no spread")
+    ] = 0.0
     brake_leg_sigma: Annotated[
-        Sigma, about("of the same train from leg to leg: friction, temperature", "assumed: no spread")
+        Sigma,
+        about(
+            "standard deviation for one train from leg to leg: friction, temperature", "assumed: no spread"
+        ),
     ] = 0.0
     dead_time_spread_s: Annotated[
         TimeSpread, about("real less believed dead time, evenly within +-", "assumed: no spread")

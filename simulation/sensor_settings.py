@@ -47,31 +47,44 @@ class Beacons(Record):
         BeaconTrust,
         Field(strict=False),
         about(
-            "what a beacon noticed in its window may do; `paper` alone lets one that is mistaken break the bounds"
+            "effect of a beacon detected in its window; with `paper` alone a mistaken one can make the bounds wrong"
         ),
     ] = BeaconTrust.BOUNDED
     window_share: Annotated[
         ShareAbove0,
-        about("of the interval: a beacon is looked for this far either way", "Harada, table 1: 40 m of 440"),
+        about(
+            "share of the interval in which a beacon is searched, in both directions",
+            "Harada, table 1: 40 m of 440",
+        ),
     ] = 0.1
     window_least_m: Annotated[
-        PositionBound, about("and at least this far", "Harada, 3.2: some windows can be no wider")
+        PositionBound,
+        about(
+            "least distance in which a beacon is searched, in both directions",
+            "Harada, 3.2: some windows can be no wider",
+        ),
     ] = 10.0
     accuracy_m: Annotated[
         PositionBound,
-        about("bound of the position where a beacon is noticed", "assumed: the receiver's field"),
+        about("half-width of the position's bounds at a detected beacon", "assumed: the receiver's field"),
     ] = 1.0
     placed_within_m: Annotated[
         PositionBound,
         about(
-            "one that tells its number lies this near to where the database has it",
-            "assumed: kilometrages to the metre; moved ones are told to the database",
+            "greatest distance of a numbered beacon from its place in the database",
+            "assumed: kilometrages to the metre; moved beacons are entered in the database",
         ),
     ] = 2.0
     notice_sigma_m: Annotated[
-        ReadError, about("of where a beacon is noticed", "assumed: a loop of half a metre under the car")
+        ReadError,
+        about(
+            "standard deviation of the place where a beacon is detected",
+            "assumed: a loop of half a metre under the car",
+        ),
     ] = 0.15
-    notice_max_m: Annotated[ReadError, about("at most this far off", "assumed: the edge of its field")] = 0.5
+    notice_max_m: Annotated[
+        ReadError, about("greatest error of that place", "assumed: the edge of its field")
+    ] = 0.5
 
 
 class Rails(StrEnum):
@@ -104,7 +117,7 @@ class Curvature(Record):
         Rails,
         Field(strict=False),
         about(
-            "how well the rails lie in plan; units count on no worse",
+            "alignment quality of the rails; units rely on no worse",
             "ORE B 176: spectra of low and high disturbance; assumed: a branch line has the high one",
         ),
     ] = Rails.HIGH
@@ -116,57 +129,73 @@ class Curvature(Record):
             " white noise",
         ),
     ] = 0.19
-    sample_rate_hz: Annotated[SampleRate, about("of the gyro's samples", "the same record: 1.7 kHz")] = 1700.0
+    sample_rate_hz: Annotated[SampleRate, about("sampling rate of the gyro", "the same record: 1.7 kHz")] = (
+        1700.0
+    )
     noise_factor: Annotated[
-        NoiseFactor, about("on the gyro's noise; units count on 1", "the record is factor 1")
+        NoiseFactor, about("factor of the gyro's noise; units rely on 1", "the record is factor 1")
     ] = 1.0
     bias_sigma_degps: Annotated[
         YawRateDegps,
-        about("of the bias, train to train", "the same record: some 0.8 at a stand; ASM330LHH: 1 typical"),
+        about(
+            "standard deviation of the bias, among trains",
+            "the same record: some 0.8 at a stand; ASM330LHH: 1 typical",
+        ),
     ] = 0.5
     bias_walk_degps: Annotated[
         YawRateDegps,
-        about("of the bias about that", "assumed: 0.005 deg/s a kelvin (ASM330LHH), 2 kelvin in the cab"),
+        about(
+            "standard deviation of the bias's slow change",
+            "assumed: 0.005 deg/s a kelvin (ASM330LHH), 2 kelvin in the cab",
+        ),
     ] = 0.01
-    bias_walk_s: Annotated[Wait, about("in which it is another", "assumed: a cab warms in an hour")] = 3600.0
+    bias_walk_s: Annotated[Wait, about("time constant of that change", "assumed: a cab warms in an hour")] = (
+        3600.0
+    )
     gain_sigma: Annotated[
-        Sigma, about("of shown over real yaw rate, train to train", "assumed: calibrated on a turntable")
+        Sigma,
+        about(
+            "standard deviation of shown over real yaw rate, among trains",
+            "assumed: calibrated on a turntable",
+        ),
     ] = 0.001
     body_frequency_hz: Annotated[
         BodyFrequency, about("natural frequency of the car body in yaw", "assumed: as most cars have")
     ] = 1.0
     body_damping: Annotated[
-        BodyDamping, about("its damping as a share of the critical one", "assumed: with yaw dampers")
+        BodyDamping,
+        about("damping of the car body in yaw, as a share of the critical one", "assumed: with yaw dampers"),
     ] = 0.3
     body_spread: Annotated[
-        SpreadShare, about("what both differ by from train to train, at most", "assumed: load and wear")
+        SpreadShare, about("greatest difference of both among trains", "assumed: load and wear")
     ] = 0.1
     filter: Annotated[
         Filter,
         Field(strict=False),
-        about("what map and run go through: by distance, by time, or nothing", "Harada, 3.3: by distance"),
+        about("filter of map and run: by distance, by time, or none", "Harada, 3.3: by distance"),
     ] = Filter.SPACE
     filter_speed_mps: Annotated[
-        SpeedMps, about("where a filter by time is as one by distance", "assumed: 72 km/h")
+        SpeedMps, about("speed at which a filter by time equals one by distance", "assumed: 72 km/h")
     ] = 20.0
-    window_m: Annotated[MatchedWay, about("longest way that is compared, N_r", "Harada, figure 2: 600 m")] = (
+    window_m: Annotated[MatchedWay, about("longest distance compared, N_r", "Harada, figure 2: 600 m")] = (
         600.0
     )
     window_least_m: Annotated[
-        MatchedWay, about("shortest, after a path has begun", "assumed: about a curve")
+        MatchedWay, about("shortest distance compared, after a path has begun", "assumed: about a curve")
     ] = 100.0
     search_m: Annotated[
         SearchedWay,
         about(
-            "furthest that is searched either way, N_s; never beyond the bounds", "Harada, figure 2: 200 m"
+            "greatest distance searched in both directions, N_s; never beyond the bounds",
+            "Harada, figure 2: 200 m",
         ),
     ] = 200.0
     every_m: Annotated[
-        MatchedWay, about("a comparison each so many metres", "assumed: about one a second at line speed")
+        MatchedWay, about("distance between two comparisons", "assumed: about one a second at line speed")
     ] = 25.0
     transition_m: Annotated[
         MatchedWay,
-        about("least way of transition curve in what is compared (section 3.4)", "assumed: half of one"),
+        about("least length of transition curve in what is compared (section 3.4)", "assumed: half of one"),
     ] = 20.0
     mismatch_per_m: Annotated[
         CurvatureError,
@@ -176,7 +205,7 @@ class Curvature(Record):
         ),
     ] = 2.5e-4
     sure_sigmas: Annotated[
-        Sigmas, about("deviations that the bounds of a fix have room for", "assumed: one in two million")
+        Sigmas, about("standard deviations covered by the bounds of a fix", "assumed: one in two million")
     ] = 5.0
 
     def step_sigma_radps(self, step_s: float) -> float:
@@ -194,12 +223,13 @@ class Lidar(Record):
     visibility_m: Annotated[
         VisibilityM,
         about(
-            "in fog, rain and snow; by the sheeting of markers it sees about as far as people",
+            "visibility in fog, rain and snow; the LiDAR sees markers about as far as people do",
             "assumed: a clear day",
         ),
     ] = 20_000.0
     dirt_share: Annotated[
-        Share, about("of the light that dirt on its window takes each way", "assumed: a day after cleaning")
+        Share,
+        about("share of the light lost in dirt on its window, each way", "assumed: a day after cleaning"),
     ] = 0.05
     laid_within_m: Annotated[
         MarkerError,

@@ -19,19 +19,14 @@ from network.files.quantities import (
     Conicity,
     Creep,
     Days,
-    Deceleration,
     DelayMin,
     Distance,
     Flangeway,
     FrameRate,
-    Gain,
     Overtaken,
-    Reaction,
     ReadError,
     RunLimit,
     Share,
-    ShareAbove0,
-    SpeedMarginMps,
     SpreadShare,
     Wait,
     WheelError,
@@ -39,6 +34,7 @@ from network.files.quantities import (
 from network.files.toml_input import Record
 from onboard.driving.laws.settings import LawTables
 from onboard.driving.planner.wish import Planning
+from onboard.driving_settings import Driving
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
@@ -48,61 +44,6 @@ from simulation.people import People
 from simulation.scatter import ScatterSettings
 from simulation.sensor_settings import Beacons, Curvature, Lidar
 from wayside.config import OrderRule, ReentryMode
-
-
-class Driving(Record):
-    """`[driving]`: how units drive and supervise; neither the line nor the paper gives figures."""
-
-    law: Annotated[
-        str, about("driving law of every stock that is not named", "assumed: notches about a speed")
-    ] = "hold_speed"
-    law_of: Annotated[dict[str, str], about("driving law by stock id")] = Field(default_factory=dict)
-
-    service_guaranteed_share: Annotated[
-        ShareAbove0,
-        about("of the strongest service notch, on which supervision counts", "assumed: worn pads, wet rail"),
-    ] = 0.8
-    emergency_guaranteed_share: Annotated[
-        ShareAbove0, about("of the emergency brake, on which supervision counts", "assumed: the same")
-    ] = 0.8
-    design_adhesion_share: Annotated[
-        ShareAbove0,
-        about(
-            "of the dry rail's adhesion, down to which the guaranteed brakes hold; what follows from less is told as"
-            " outside the design",
-            "assumed: a damp rail, and what the guaranteed brakes need at the speeds of the lines here",
-        ),
-    ] = 0.8
-    reaction_reserve_s: Annotated[
-        Reaction, about("beyond dead time and lag of the brake", "assumed: ageing valves")
-    ] = 0.5
-    service_margin_mps: Annotated[
-        SpeedMarginMps, about("over the permitted speed before the service brake comes", "assumed: 2 km/h")
-    ] = 0.6
-    release_margin_mps: Annotated[
-        SpeedMarginMps, about("under it before that brake goes", "assumed: so that it does not chatter")
-    ] = 1.0
-    emergency_margin_mps: Annotated[
-        SpeedMarginMps, about("over it before the emergency brake comes", "assumed: 7 km/h")
-    ] = 2.0
-    driving_margin_mps: Annotated[
-        SpeedMarginMps, about("under the permitted speed at which trains are driven", "assumed: 4 km/h")
-    ] = 1.2
-    stop_deceleration_mps2: Annotated[
-        Deceleration, about("of the pattern to a stop at a mark", "assumed: a moderate stop, 2.2 km/h/s")
-    ] = 0.6
-    stop_gain_per_s: Annotated[
-        Gain, about("proportional gain to the stop pattern", "assumed: settles in about a second")
-    ] = 0.8
-    cruise_gain_per_s: Annotated[
-        Gain, about("proportional gain to the cruising speed", "assumed: settles in about 3 s")
-    ] = 0.3
-    notch_hold_s: Annotated[
-        Wait, about("a notch is kept at least this long", "assumed: spares the switchgear")
-    ] = 2.0
-    standing_brake_share: Annotated[
-        ShareAbove0, about("of the notches, applied while a train stands", "assumed: holds on 20 permille")
-    ] = 0.5
 
 
 class PositionSensor(StrEnum):
@@ -124,10 +65,10 @@ Carries = Annotated[
 class Sensors(Record):
     """`[sensors]`: what trains carry, and its errors, drawn per train or per reading from seeded sources."""
 
-    carries: Annotated[Carries, about("by what trains know where they are", "Sugiyama: tags and wheels")] = (
-        PositionSensor.TAGS,
-    )
-    carries_of: Annotated[dict[str, Carries], about("the same by stock id, in place of it")] = Field(
+    carries: Annotated[
+        Carries, about("how trains find their position, besides wheels", "Sugiyama: tags and wheels")
+    ] = (PositionSensor.TAGS,)
+    carries_of: Annotated[dict[str, Carries], about("the same by stock id, instead")] = Field(
         default_factory=dict
     )
 
@@ -160,14 +101,15 @@ class Sensors(Record):
     wheel_factor_sigma: Annotated[
         WheelError,
         about(
-            "of real over assumed wheel circumference, train to train", "assumed: wear between two turnings"
+            "standard deviation of real over assumed wheel circumference, among trains",
+            "assumed: wear between two turnings",
         ),
     ] = 0.003
     creep_share: Annotated[
         Creep,
         about(
-            "by which the measured wheel turns more where it pulls with all the adhesion there is, and less where it"
-            " brakes with it; in proportion below",
+            "share by which the measured wheel turns more when it pulls at the adhesion limit, and less when it"
+            " brakes there; in proportion below",
             "off; Harada, 2.1, names it. Assumed where it is on: 0.003, what Kalker's linear theory gives at an"
             " adhesion of 0.25 under 50 kN a wheel, 0.001, with the bend towards saturation",
         ),
@@ -180,21 +122,24 @@ class Sensors(Record):
         ),
     ] = 0.0
     flangeway_m: Annotated[
-        Flangeway, about("by which an axle may run outwards", "assumed: half the play of 1067 mm gauge")
+        Flangeway,
+        about("lateral play by which an axle may run outwards", "assumed: half the play of 1067 mm gauge"),
     ] = 0.007
     tachometer_axle: Annotated[
         Literal["leading", "trailing"],
         about(
-            "of its bogie in the direction of travel; a trailing one stays near the middle",
+            "axle of the bogie, in the direction of travel; a trailing axle stays near the middle",
             "assumed: the larger error",
         ),
     ] = "leading"
     tag_read_sigma_m: Annotated[
         ReadError,
-        about("of where a tag is read", "assumed: a reader's field of about 0.1 m"),
+        about(
+            "standard deviation of the place where a tag is read", "assumed: a reader's field of about 0.1 m"
+        ),
     ] = 0.05
     tag_read_max_m: Annotated[
-        ReadError, about("beyond this the reader discards", "assumed: the edge of its field")
+        ReadError, about("the reader discards readings beyond this", "assumed: the edge of its field")
     ] = 0.2
     tags: Annotated[
         Literal["ids", "bits"],
@@ -202,7 +147,9 @@ class Sensors(Record):
     ] = "ids"
     tag_bit_error_factor: Annotated[
         BitErrorFactor,
-        about("on the bit-error rates, where tags are read by bits", "Sugiyama, table 7, is factor 1"),
+        about(
+            "factor of the bit-error rates, where tags are read bit by bit", "Sugiyama, table 7, is factor 1"
+        ),
     ] = 1.0
 
 
@@ -220,7 +167,7 @@ class Load(Record):
 class Tuning(Record):
     """`[tuning]`: trains learn to stop; the table alone switches it on."""
 
-    days: Annotated[Days, about("the same day that often; the last one is reported")] = 1
+    days: Annotated[Days, about("how often the day is repeated; the last one is reported")] = 1
     learn: Annotated[bool, about("whether trains go on learning")] = True
     learned: Annotated[
         str | None, about("file that an earlier run left (`learned.json`), beside the scenario")
@@ -278,7 +225,7 @@ class Vision(Record):
     false_share: Annotated[
         Share,
         about(
-            "of the frames that show something else as the sign, anywhere in range",
+            "share of the frames that take something else for the sign, anywhere in range",
             "assumed: none beyond those rendered",
         ),
     ] = 0.0
@@ -370,7 +317,7 @@ class Dispatch(Record):
     ] = 15.0
     overtaken_max: Annotated[
         Overtaken,
-        about("so many trains may be let on before one that waits for the same line", "assumed: two"),
+        about("number of trains that may pass before one that waits for the same line", "assumed: two"),
     ] = 2
 
 

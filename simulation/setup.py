@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,14 @@ from host.unit import UnitConfig
 from network.model import Line
 from network.timetable import Timetable
 from onboard.driving.tuning import Learned
+from onboard.driving_settings import Driving
 from onboard.localisation.curvature_map import CurvatureMap
 from onboard.records import BEHAVIOUR
 from radio import air as radio_air
 from radio.keys import KeyRing, key_ring
 from simulation.faults.script import Script
-from simulation.settings import Driving, Limits, Load, Tables
+from simulation.settings import Limits, Load, Tables
+from vehicle.record import put_settings
 from vehicle.train_file import TrainType
 from wayside.config import MANAGER_ID
 
@@ -115,9 +117,8 @@ def behaviour_row(driving: Driving, train: np.void) -> NDArray[np.void]:
     )
     row["standing_brake_notch"] = driving.standing_brake_share * float(train["brake_notches"])
     row["step_s"] = STEP_S
-    for name in BEHAVIOUR.fields or ():
-        if name in Driving.model_fields:  # as the scenario has it
-            row[name] = getattr(driving, name)
+    own: Any = row.view(np.recarray)[()]
+    put_settings(own.settings, driving)
     return row
 
 

@@ -40,10 +40,10 @@ class Vigil:
         trains, cabs = self._trains, self._cabs
         stock_id = trains.stock_ids[slot]
         return TrainAndDisplay(
-            unit_id=stock_id,
-            place=self._duties.place(slot),
-            bound=self._duties.bound(slot) and cabs.answers(slot),
-            run_m=float(trains.plants[slot].travelled_m),
+            stock_id,
+            self._duties.place(slot),
+            self._duties.bound(slot) and cabs.answers(slot),
+            float(trains.plants[slot].travelled_m),
             timer=cabs.wakes(slot),
             pulls=bool(trains.units[slot].notch > 0.0),
             awaits=stock_id in awaited or cabs.crew_watches(slot) or trains.premises.lies(slot),

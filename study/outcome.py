@@ -100,7 +100,7 @@ def text_of(error: BaseException) -> str:
     """What a person is told of an error that is no bug, in one line."""
     match error:
         case BrokenPipeError():
-            text = "nobody reads what is written any more"
+            text = "the reader of the output has closed it"
         case OSError():
             text = f"{error.filename or 'writing'}: {error.strerror}"
         case MemoryError():

@@ -11,10 +11,23 @@ from __future__ import annotations
 import math
 from typing import Annotated, Final, Protocol
 
-from vehicle.compiled import compiled
-from vehicle.record import dtype_of
+import numpy as np
+from numpy.typing import NDArray
 
-OCV_POINTS_MAX: Final = 12
+from vehicle.battery_file import OCV_POINTS_MAX, BatteryTable
+from vehicle.compiled import compiled
+from vehicle.record import dtype_of, put_settings
+
+
+class BatteryFlows(Protocol):
+    """What has gone through a battery, and what has not, since its record was made."""
+
+    given_j: Annotated[float, "at the terminals, out of the battery"]
+    taken_j: Annotated[float, "at the terminals, into it"]
+    lost_j: Annotated[float, "in its resistance"]
+    supplied_j: Annotated[float, "what chargers and wires gave to the train, at its direct-current link"]
+    missing_j: Annotated[float, "what was asked of it and could not be given"]
+    spilled_j: Annotated[float, "what came back and could not be taken"]
 
 
 class BatteryRow(Protocol):
@@ -25,33 +38,31 @@ class BatteryRow(Protocol):
     ocv_points: int
     ocv_soc: Annotated[list[float], OCV_POINTS_MAX, "rising, from 0 to 1"]
     ocv_v: Annotated[list[float], OCV_POINTS_MAX, "open-circuit voltage there, not falling"]
-    resistance_ohm: float
-    soc_low: Annotated[float, "below it the battery gives nothing"]
-    soc_high: Annotated[float, "above it the battery takes nothing"]
-    taper_from_soc: Annotated[float, "from here on the charging current falls"]
-    taper_to_share: Annotated[float, "to this share of it at soc_high"]
-    discharge_max_w: float
-    charge_max_w: Annotated[float, "from a charger"]
-    regeneration_max_w: Annotated[float, "from the motors, for as long as a brake lasts"]
-    discharge_max_a: float
-    charge_max_a: float
-    voltage_min_v: float
-    voltage_max_v: float
+    pack: Annotated[BatteryTable, "what it can give and take, and its window"]
     # state
     charge_c: float
     supply_w: Annotated[float, "what a charger or wire gives at most now; 0: none"]
     current_a: Annotated[float, "of the last step; > 0 discharges"]
     voltage_v: float
-    # counters, J
-    given_j: Annotated[float, "at the terminals, out of the battery"]
-    taken_j: Annotated[float, "at the terminals, into it"]
-    lost_j: Annotated[float, "in its resistance"]
-    supplied_j: Annotated[float, "what chargers and wires gave to the train, at its direct-current link"]
-    missing_j: Annotated[float, "what was asked of it and could not be given"]
-    spilled_j: Annotated[float, "what came back and could not be taken"]
+    flows: BatteryFlows
 
 
 BATTERY: Final = dtype_of(BatteryRow)
+
+
+def battery_row(table: BatteryTable) -> NDArray[np.void]:
+    """The checked table as one BATTERY record, shape (1,), empty; read-only."""
+    row = np.zeros(1, dtype=BATTERY)
+    points = len(table.open_circuit_soc)
+    mean_v = float(np.trapezoid(table.open_circuit_v, table.open_circuit_soc))
+    row["fitted"] = 1
+    row["full_c"] = table.capacity_j * table.capacity_share / mean_v
+    row["ocv_points"] = points
+    row["ocv_soc"][0, :points] = table.open_circuit_soc
+    row["ocv_v"][0, :points] = table.open_circuit_v
+    put_settings(row.view(np.recarray)[0].pack, table)
+    row.flags.writeable = False
+    return row
 
 
 @compiled
@@ -83,16 +94,29 @@ def stored_j(battery: BatteryRow, soc: float) -> float:
 
 
 @compiled
+def window_j(battery: BatteryRow) -> float:
+    """What the battery holds between the ends of its window, J."""
+    return stored_j(battery, battery.pack.soc_high) - stored_j(battery, battery.pack.soc_low)
+
+
+@compiled
+def charge_to(battery: BatteryRow, share: float) -> None:
+    """Set its charge to a share of its window."""
+    low = battery.pack.soc_low
+    battery.charge_c = battery.full_c * (low + share * (battery.pack.soc_high - low))
+
+
+@compiled
 def available_j(battery: BatteryRow) -> float:
     """What the battery holds above the low end of its window, J."""
-    return stored_j(battery, soc_of(battery)) - stored_j(battery, battery.soc_low)
+    return stored_j(battery, soc_of(battery)) - stored_j(battery, battery.pack.soc_low)
 
 
 @compiled
 def current_for_a(battery: BatteryRow, power_w: float) -> float:
     """Current for a power at the terminals (> 0 out), A: P = U I - R I^2; the most there is where P is beyond that."""
     ocv_v = ocv_at(battery, soc_of(battery))
-    resistance = battery.resistance_ohm
+    resistance = battery.pack.resistance_ohm
     if resistance <= 0.0:
         return power_w / ocv_v
     root = ocv_v * ocv_v - 4.0 * resistance * power_w
@@ -104,11 +128,11 @@ def current_for_a(battery: BatteryRow, power_w: float) -> float:
 @compiled
 def discharge_current_max_a(battery: BatteryRow, dt_s: float) -> float:
     """Greatest current that it gives for a step of `dt_s`, A: by current, power, least voltage, and its window."""
-    limit_a = min(battery.discharge_max_a, current_for_a(battery, battery.discharge_max_w))
-    if battery.resistance_ohm > 0.0:
-        sag_v = ocv_at(battery, soc_of(battery)) - battery.voltage_min_v
-        limit_a = min(limit_a, sag_v / battery.resistance_ohm)
-    left_c = battery.charge_c - battery.soc_low * battery.full_c
+    limit_a = min(battery.pack.discharge_max_a, current_for_a(battery, battery.pack.discharge_max_w))
+    if battery.pack.resistance_ohm > 0.0:
+        sag_v = ocv_at(battery, soc_of(battery)) - battery.pack.voltage_min_v
+        limit_a = min(limit_a, sag_v / battery.pack.resistance_ohm)
+    left_c = battery.charge_c - battery.pack.soc_low * battery.full_c
     return max(0.0, min(limit_a, left_c / dt_s))
 
 
@@ -119,14 +143,16 @@ def charge_current_max_a(battery: BatteryRow, power_max_w: float, dt_s: float) -
     It never rises with the state of charge.
     """
     soc = soc_of(battery)
-    limit_a = min(battery.charge_max_a, -current_for_a(battery, -power_max_w))
-    if soc > battery.taper_from_soc:
-        share = (battery.soc_high - soc) / (battery.soc_high - battery.taper_from_soc)
-        limit_a *= battery.taper_to_share + (1.0 - battery.taper_to_share) * min(max(share, 0.0), 1.0)
-    if battery.resistance_ohm > 0.0:
-        rise_v = battery.voltage_max_v - ocv_at(battery, soc)
-        limit_a = min(limit_a, rise_v / battery.resistance_ohm)
-    room_c = battery.soc_high * battery.full_c - battery.charge_c
+    limit_a = min(battery.pack.charge_max_a, -current_for_a(battery, -power_max_w))
+    if soc > battery.pack.taper_from_soc:
+        share = (battery.pack.soc_high - soc) / (battery.pack.soc_high - battery.pack.taper_from_soc)
+        limit_a *= battery.pack.taper_to_share + (1.0 - battery.pack.taper_to_share) * min(
+            max(share, 0.0), 1.0
+        )
+    if battery.pack.resistance_ohm > 0.0:
+        rise_v = battery.pack.voltage_max_v - ocv_at(battery, soc)
+        limit_a = min(limit_a, rise_v / battery.pack.resistance_ohm)
+    room_c = battery.pack.soc_high * battery.full_c - battery.charge_c
     return max(0.0, min(limit_a, room_c / dt_s))
 
 
@@ -135,16 +161,16 @@ def gives_max_w(battery: BatteryRow, dt_s: float) -> float:
     """Greatest power at the terminals for a step, W. Beyond U / 2R a greater current gives less, so it stops there."""
     current_a = discharge_current_max_a(battery, dt_s)
     ocv_v = ocv_at(battery, soc_of(battery))
-    if battery.resistance_ohm > 0.0:
-        current_a = min(current_a, ocv_v / (2.0 * battery.resistance_ohm))
-    return current_a * (ocv_v - battery.resistance_ohm * current_a)
+    if battery.pack.resistance_ohm > 0.0:
+        current_a = min(current_a, ocv_v / (2.0 * battery.pack.resistance_ohm))
+    return current_a * (ocv_v - battery.pack.resistance_ohm * current_a)
 
 
 @compiled
 def takes_max_w(battery: BatteryRow, power_max_w: float, dt_s: float) -> float:
     """Greatest power into the terminals for a step, W (>= 0)."""
     current_a = charge_current_max_a(battery, power_max_w, dt_s)
-    return current_a * (ocv_at(battery, soc_of(battery)) + battery.resistance_ohm * current_a)
+    return current_a * (ocv_at(battery, soc_of(battery)) + battery.pack.resistance_ohm * current_a)
 
 
 @compiled
@@ -156,13 +182,13 @@ def exchange(battery: BatteryRow, power_w: float, power_max_w: float, dt_s: floa
         flows_w = -min(-power_w, takes_max_w(battery, power_max_w, dt_s))
     current_a = current_for_a(battery, flows_w)
     battery.current_a = current_a
-    battery.voltage_v = ocv_at(battery, soc_of(battery)) - battery.resistance_ohm * current_a
+    battery.voltage_v = ocv_at(battery, soc_of(battery)) - battery.pack.resistance_ohm * current_a
     battery.charge_c -= current_a * dt_s
-    battery.lost_j += battery.resistance_ohm * current_a * current_a * dt_s
+    battery.flows.lost_j += battery.pack.resistance_ohm * current_a * current_a * dt_s
     if flows_w > 0.0:
-        battery.given_j += flows_w * dt_s
+        battery.flows.given_j += flows_w * dt_s
     else:
-        battery.taken_j -= flows_w * dt_s
+        battery.flows.taken_j -= flows_w * dt_s
     return flows_w
 
 
@@ -175,15 +201,15 @@ def carry(battery: BatteryRow, drawn_w: float, returned_w: float, dt_s: float) -
     demand_w = drawn_w - returned_w
     spare_w = battery.supply_w - demand_w
     if battery.supply_w > 0.0 and spare_w >= 0.0:
-        flows_w = exchange(battery, -spare_w, battery.charge_max_w, dt_s)
-        battery.supplied_j += max(demand_w - flows_w, 0.0) * dt_s
-        battery.spilled_j += max(flows_w - demand_w, 0.0) * dt_s
+        flows_w = exchange(battery, -spare_w, battery.pack.charge_max_w, dt_s)
+        battery.flows.supplied_j += max(demand_w - flows_w, 0.0) * dt_s
+        battery.flows.spilled_j += max(flows_w - demand_w, 0.0) * dt_s
         return
     asked_w = demand_w - battery.supply_w
-    flows_w = exchange(battery, asked_w, battery.regeneration_max_w, dt_s)
-    battery.supplied_j += battery.supply_w * dt_s
-    battery.missing_j += max(asked_w - flows_w, 0.0) * dt_s
-    battery.spilled_j += max(flows_w - asked_w, 0.0) * dt_s
+    flows_w = exchange(battery, asked_w, battery.pack.regeneration_max_w, dt_s)
+    battery.flows.supplied_j += battery.supply_w * dt_s
+    battery.flows.missing_j += max(asked_w - flows_w, 0.0) * dt_s
+    battery.flows.spilled_j += max(flows_w - asked_w, 0.0) * dt_s
 
 
 @compiled

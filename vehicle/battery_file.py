@@ -6,7 +6,6 @@ from itertools import pairwise
 from typing import Annotated, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from network.files.kinds import about
@@ -20,16 +19,18 @@ from network.files.quantities import (
     VoltageV,
 )
 from network.files.toml_input import Record
-from vehicle.battery import BATTERY, OCV_POINTS_MAX
 
+OCV_POINTS_MAX: Final = 12
 SAG_SHARE_MAX: Final = 0.5  # beyond it more current gives less power: no battery is built to that
 
 
 class BatteryTable(Record):
     """`[battery]`: the traction battery as one pack; a scenario's `[battery]` lets trains run on it."""
 
-    capacity_j: Annotated[BatteryEnergyJ, about("from empty to full when new")]
-    capacity_share: Annotated[ShareAbove0, about("of that which is left, by age", "assumed: new")] = 1.0
+    capacity_j: Annotated[BatteryEnergyJ, about("energy from empty to full when new")]
+    capacity_share: Annotated[
+        ShareAbove0, about("share of the capacity that is left, by age", "assumed: new")
+    ] = 1.0
     open_circuit_soc: Annotated[
         list[Share],
         Field(min_length=2, max_length=OCV_POINTS_MAX),
@@ -43,13 +44,13 @@ class BatteryTable(Record):
     resistance_ohm: Annotated[ResistanceOhm, about("internal resistance of the pack")]
     soc_low: Annotated[Share, about("low end of the window that is used")]
     soc_high: Annotated[Share, about("high end of the window that is used")]
-    taper_from_soc: Annotated[Share, about("from here on the charging current falls linearly")]
-    taper_to_share: Annotated[Share, about("to this share of the greatest current at soc_high")]
-    discharge_max_w: Annotated[BatteryPowerW, about("greatest power out")]
-    charge_max_w: Annotated[BatteryPowerW, about("greatest power in from a charger")]
-    regeneration_max_w: Annotated[BatteryPowerW, about("greatest power in from the motors")]
-    discharge_max_a: Annotated[CurrentA, about("greatest current out")]
-    charge_max_a: Annotated[CurrentA, about("greatest current in")]
+    taper_from_soc: Annotated[Share, about("state of charge from which the charging current falls linearly")]
+    taper_to_share: Annotated[Share, about("share of the greatest current that is left at soc_high")]
+    discharge_max_w: Annotated[BatteryPowerW, about("greatest power taken out")]
+    charge_max_w: Annotated[BatteryPowerW, about("greatest power from a charger")]
+    regeneration_max_w: Annotated[BatteryPowerW, about("greatest power from the motors")]
+    discharge_max_a: Annotated[CurrentA, about("greatest current taken out")]
+    charge_max_a: Annotated[CurrentA, about("greatest charging current")]
     voltage_min_v: Annotated[VoltageV, about("least voltage at the terminals")]
     voltage_max_v: Annotated[VoltageV, about("greatest voltage at the terminals")]
 
@@ -78,32 +79,3 @@ class BatteryTable(Record):
         if self.resistance_ohm * self.discharge_max_a > SAG_SHARE_MAX * low_v:
             raise ValueError("a resistance at which discharge_max_a takes less than half of the voltage")
         return self
-
-
-def battery_row(table: BatteryTable) -> NDArray[np.void]:
-    """The checked table as one BATTERY record, shape (1,), empty; read-only."""
-    row = np.zeros(1, dtype=BATTERY)
-    points = len(table.open_circuit_soc)
-    mean_v = float(np.trapezoid(table.open_circuit_v, table.open_circuit_soc))
-    row["fitted"] = 1
-    row["full_c"] = table.capacity_j * table.capacity_share / mean_v
-    row["ocv_points"] = points
-    row["ocv_soc"][0, :points] = table.open_circuit_soc
-    row["ocv_v"][0, :points] = table.open_circuit_v
-    for name in (
-        "resistance_ohm",
-        "soc_low",
-        "soc_high",
-        "taper_from_soc",
-        "taper_to_share",
-        "discharge_max_w",
-        "charge_max_w",
-        "regeneration_max_w",
-        "discharge_max_a",
-        "charge_max_a",
-        "voltage_min_v",
-        "voltage_max_v",
-    ):
-        row[name] = getattr(table, name)
-    row.flags.writeable = False
-    return row

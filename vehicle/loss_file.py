@@ -18,11 +18,15 @@ class Losses(Record):
     base_speed_mps: Annotated[SpeedMps, about("full flux up to it; above, flux falls as 1 / speed")]
     standby_w: Annotated[MotorLossW, about("inverter and control while they switch")]
     magnetising_w: Annotated[MotorLossW, about("copper loss of the magnetising current at full flux")]
-    hysteresis_w: Annotated[MotorLossW, about("of the iron, as speed, at base speed")]
-    eddy_w: Annotated[MotorLossW, about("of the iron, as speed squared, at base speed")]
-    inverter_w: Annotated[MotorLossW, about("of the inverter, as current, at force_max over the motors")]
-    copper_w: Annotated[MotorLossW, about("of the load current, squared, at force_max over the motors")]
-    gear_share: Annotated[GearLoss, about("of the power at the rim, in the gear")]
+    hysteresis_w: Annotated[MotorLossW, about("iron loss proportional to speed, at base speed")]
+    eddy_w: Annotated[MotorLossW, about("iron loss proportional to speed squared, at base speed")]
+    inverter_w: Annotated[
+        MotorLossW, about("inverter loss proportional to current, at force_max shared by the motors")
+    ]
+    copper_w: Annotated[
+        MotorLossW, about("loss by the load current, squared, at force_max shared by the motors")
+    ]
+    gear_share: Annotated[GearLoss, about("share of the power at the rim lost in the gear")]
     motors_cut_out: Annotated[
         bool, about("the equipment runs as many motors as lose least; else all in service run")
     ]

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Annotated, Final, Protocol
 
 from vehicle.record import dtype_of
+from vehicle.resistance_file import RunningResistance
 
 NOTCHES_MAX: Final = 16
 COMMAND_DELAY_STEPS_MAX: Final = 64
@@ -25,14 +26,7 @@ class TrainRow(Protocol):
     rotating_mass_factor: Annotated[float, "equivalent mass = mass * (1 + factor)"]
     cars: float
     motored_mass_share: Annotated[float, "share of the mass on motored cars, for JIS running resistance"]
-    # running resistance R[N] = sum of mass terms and the air term, see vehicle.resistance
-    resistance_motored_constant_n_per_kn: float
-    resistance_motored_linear_n_per_kn_kmh: float
-    resistance_trailer_constant_n_per_kn: float
-    resistance_trailer_linear_n_per_kn_kmh: float
-    resistance_air_n_per_kmh2: float
-    starting_resistance_n_per_kn: float
-    curve_resistance_coefficient_m: Annotated[float, "permille = coefficient / radius"]
+    resistance: RunningResistance  # see vehicle.resistance
     # traction
     power_notches: float
     traction_force_max_n: float

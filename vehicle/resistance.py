@@ -33,14 +33,14 @@ def running_resistance_n(train: TrainRow, mass_kg: float, speed_mps: float) -> f
     weight_kn = mass_kg * GRAVITY_MPS2 * 1e-3
     speed_kmh = speed_mps * KMH_PER_MPS
     motored = (
-        train.resistance_motored_constant_n_per_kn + train.resistance_motored_linear_n_per_kn_kmh * speed_kmh
+        train.resistance.motored_constant_n_per_kn + train.resistance.motored_linear_n_per_kn_kmh * speed_kmh
     )
     trailer = (
-        train.resistance_trailer_constant_n_per_kn + train.resistance_trailer_linear_n_per_kn_kmh * speed_kmh
+        train.resistance.trailer_constant_n_per_kn + train.resistance.trailer_linear_n_per_kn_kmh * speed_kmh
     )
     share = train.motored_mass_share
     mechanical_n = weight_kn * (share * motored + (1.0 - share) * trailer)
-    return mechanical_n + train.resistance_air_n_per_kmh2 * speed_kmh * speed_kmh
+    return mechanical_n + train.resistance.air_n_per_kmh2 * speed_kmh * speed_kmh
 
 
 @compiled
@@ -51,7 +51,7 @@ def resistance_n(train: TrainRow, mass_kg: float, speed_mps: float) -> float:
     at rest to the running resistance at 3 km/h. A starting value of 0 in the train file switches it off.
     """
     band_mps = STARTING_BAND_KMH / KMH_PER_MPS
-    start_n = train.starting_resistance_n_per_kn * mass_kg * GRAVITY_MPS2 * 1e-3
+    start_n = train.resistance.starting_n_per_kn * mass_kg * GRAVITY_MPS2 * 1e-3
     if start_n <= 0.0 or speed_mps >= band_mps:
         return running_resistance_n(train, mass_kg, speed_mps)
     return start_n + (running_resistance_n(train, mass_kg, band_mps) - start_n) * speed_mps / band_mps
@@ -69,7 +69,7 @@ def curve_resistance_n(train: TrainRow, mass_kg: float, curvature_per_m: float) 
 
     600/R is usual for 1067 mm gauge in Japan, 800/R where a source says so; either sign of curvature resists.
     """
-    return mass_kg * GRAVITY_MPS2 * 1e-3 * train.curve_resistance_coefficient_m * abs(curvature_per_m)
+    return mass_kg * GRAVITY_MPS2 * 1e-3 * train.resistance.curve_coefficient_m * abs(curvature_per_m)
 
 
 def climb_m(
@@ -80,5 +80,5 @@ def climb_m(
     Curve resistance (曲線抵抗) is coefficient / radius in permille of the weight, as a gradient is: over a way it adds
     up to the coefficient times the angle that the track turns by (`turn_rad`, integral of |curvature|).
     """
-    climbs: NDArray[np.float64] = elevation_m + 1e-3 * train.curve_resistance_coefficient_m * turn_rad
+    climbs: NDArray[np.float64] = elevation_m + 1e-3 * train.resistance.curve_coefficient_m * turn_rad
     return climbs

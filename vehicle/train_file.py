@@ -25,12 +25,10 @@ from network.files.names import Identifier, Prose, Title
 from network.files.quantities import (
     Adhesion,
     AdhesionSlope,
-    AirResistance,
     AuxiliaryPowerW,
     BrakeForceN,
     BrakePowerW,
     Cars,
-    CurveResistance,
     DeadTime,
     Deceleration,
     Efficiency,
@@ -43,8 +41,6 @@ from network.files.quantities import (
     Motors,
     PowerW,
     Pulses,
-    Resistance,
-    ResistanceSlope,
     RotatingMass,
     Share,
     ShareAbove0,
@@ -57,9 +53,12 @@ from network.files.quantity import OUT_OF_RANGE, Quantity
 from network.files.raw import is_list, is_table
 from network.files.text_input import existing_file
 from network.files.toml_input import Record, parse_table, read_text
-from vehicle.battery_file import BatteryTable, battery_row
+from vehicle.battery import battery_row
+from vehicle.battery_file import BatteryTable
 from vehicle.loss_file import Losses, set_losses
+from vehicle.record import put_settings
 from vehicle.records import CURVE_POINTS_MAX, NOTCHES_MAX, PLANT, TRAIN
+from vehicle.resistance_file import RunningResistance
 from vehicle.train_checks import check_train
 
 TRAINS_FOLDER: Final = Path(__file__).parent / "trains"
@@ -91,40 +90,18 @@ WRITTEN: Final = {
 class _Body(Record):
     """`[body]`."""
 
-    length_m: Annotated[TrainLength, about("over couplers")]
-    mass_empty_kg: Annotated[MassKg, about("empty, in working order")]
-    mass_load_full_kg: Annotated[LoadKg, about("of a full load")]
+    length_m: Annotated[TrainLength, about("length over couplers")]
+    mass_empty_kg: Annotated[MassKg, about("mass empty, in working order")]
+    mass_load_full_kg: Annotated[LoadKg, about("mass of a full load")]
     rotating_mass_factor: Annotated[RotatingMass, about("equivalent mass is mass times 1 + this")]
     cars: Annotated[Cars, about("number of cars")]
-    motored_mass_share: Annotated[Share, about("of the mass, on motored cars: for the running resistance")]
-    motored_axle_mass_share: Annotated[ShareAbove0, about("of the weight, on driven axles: for adhesion")]
+    motored_mass_share: Annotated[
+        Share, about("share of the mass on motored cars, for the running resistance")
+    ]
+    motored_axle_mass_share: Annotated[
+        ShareAbove0, about("share of the weight on driven axles, for adhesion")
+    ]
     speed_max_mps: Annotated[SpeedMps, about("greatest speed")]
-
-
-class _Resistance(Record):
-    """`[resistance]`: R = sum of the mass terms and the air term, speeds in km/h."""
-
-    resistance_motored_constant_n_per_kn: Annotated[Resistance, about("motored cars, constant term")] = Field(
-        alias="motored_constant_n_per_kn"
-    )
-    resistance_motored_linear_n_per_kn_kmh: Annotated[ResistanceSlope, about("motored cars, linear term")] = (
-        Field(alias="motored_linear_n_per_kn_kmh")
-    )
-    resistance_trailer_constant_n_per_kn: Annotated[Resistance, about("trailers, constant term")] = Field(
-        alias="trailer_constant_n_per_kn"
-    )
-    resistance_trailer_linear_n_per_kn_kmh: Annotated[ResistanceSlope, about("trailers, linear term")] = (
-        Field(alias="trailer_linear_n_per_kn_kmh")
-    )
-    resistance_air_n_per_kmh2: Annotated[AirResistance, about("air, with the square of speed")] = Field(
-        alias="air_n_per_kmh2"
-    )
-    starting_resistance_n_per_kn: Annotated[Resistance, about("at a start")] = Field(
-        alias="starting_n_per_kn"
-    )
-    curve_resistance_coefficient_m: Annotated[
-        CurveResistance, about("permille of resistance times the radius of a curve")
-    ] = Field(alias="curve_coefficient_m")
 
 
 class _Traction(Record):
@@ -138,7 +115,7 @@ class _Traction(Record):
     notch_share: Annotated[
         list[ShareAbove0],
         Field(min_length=1, max_length=NOTCHES_MAX - 1),
-        about("of the full force, by notch"),
+        about("share of the full force, by notch"),
     ]
     notch_speed_cap_mps: Annotated[
         list[SpeedFrom0Mps], about("a notch pulls up to this speed; 0: no cap")
@@ -150,7 +127,7 @@ class _Traction(Record):
     curve_force_n: Annotated[
         list[BrakeForceN], Field(max_length=CURVE_ROWS_MAX), about("measured curve: full-notch force")
     ] = Field(default_factory=list[float])
-    dead_time_s: Annotated[DeadTime, about("from command to first force")]
+    dead_time_s: Annotated[DeadTime, about("time from command to first force")]
     lag_s: Annotated[Lag, about("time constant of the build-up")]
     jerk_max_mps3: Annotated[Jerk, about("limit of the build-up; 0: none")]
     motors: Annotated[Motors, about("number of motors")]
@@ -171,10 +148,12 @@ class _Brakes(Record):
     """`[brakes]`: the service brake, at any load."""
 
     notch_deceleration_mps2: Annotated[
-        list[Deceleration], Field(min_length=1, max_length=NOTCHES_MAX - 1), about("by notch, rising")
+        list[Deceleration],
+        Field(min_length=1, max_length=NOTCHES_MAX - 1),
+        about("deceleration by notch, rising"),
     ]
     stepless: Annotated[bool, about("fractional notches are allowed")]
-    dead_time_s: Annotated[DeadTime, about("from command to first deceleration")]
+    dead_time_s: Annotated[DeadTime, about("time from command to first deceleration")]
     lag_s: Annotated[Lag, about("time constant of the build-up")]
     jerk_max_mps3: Annotated[Jerk, about("limit of the build-up; 0: none")]
 
@@ -190,7 +169,7 @@ class _Emergency(Record):
     """`[emergency]`: the emergency brake."""
 
     deceleration_mps2: Annotated[Deceleration, about("deceleration")]
-    dead_time_s: Annotated[DeadTime, about("from command to first deceleration")]
+    dead_time_s: Annotated[DeadTime, about("time from command to first deceleration")]
     lag_s: Annotated[Lag, about("time constant of the build-up")]
 
 
@@ -238,7 +217,7 @@ class _Energy(Record):
 class _Adhesion(Record):
     """`[adhesion]`: dry / (1 + factor times speed)."""
 
-    dry: Annotated[Adhesion, about("on dry rail at rest")]
+    dry: Annotated[Adhesion, about("adhesion coefficient on dry rail at rest")]
     speed_factor_s_per_m: Annotated[AdhesionSlope, about("how it falls with speed")]
     slide_share_max: Annotated[
         ShareAbove0, about("deepest slide the protection allows, of train speed; 1: wheels may lock")
@@ -248,17 +227,17 @@ class _Adhesion(Record):
 class _Sensors(Record):
     """`[sensors]`: on the axle."""
 
-    wheel_diameter_m: Annotated[WheelDiameterM, about("of the tachometer's axle")]
-    pulses_per_revolution: Annotated[Pulses, about("of the tachometer")]
+    wheel_diameter_m: Annotated[WheelDiameterM, about("wheel diameter of the tachometer's axle")]
+    pulses_per_revolution: Annotated[Pulses, about("pulses of the tachometer per turn")]
 
 
 class TrainFile(Record):
     """A whole train file; keys may end in other units, see `UNITS`."""
 
     id: Annotated[Identifier, about("name of the kind of train")]
-    name: Annotated[Title, Field(min_length=1), about("what people call it")]
+    name: Annotated[Title, Field(min_length=1), about("display name")]
     body: _Body
-    resistance: _Resistance
+    resistance: RunningResistance
     traction: _Traction
     brakes: _Brakes
     emergency: _Emergency
@@ -442,7 +421,7 @@ def _check_provenance(file: str, raw: Mapping[str, object], provenance: Mapping[
 def _row(model: TrainFile) -> NDArray[np.void]:
     """The checked file as one TRAIN record."""
     row = np.zeros(1, dtype=TRAIN)
-    plain: dict[str, float] = {**model.body.model_dump(), **model.resistance.model_dump()}
+    plain: dict[str, float] = {**model.body.model_dump()}
     plain |= {**model.energy.model_dump(exclude={"regenerated_to"}), **model.sensors.model_dump()}
     for table, prefix in ((model.emergency, "emergency_"), (model.regeneration, "regenerative_")):
         plain |= {prefix + key: value for key, value in table.model_dump().items()}
@@ -468,6 +447,7 @@ def _row(model: TrainFile) -> NDArray[np.void]:
     }
     for key, value in plain.items():
         row[key] = value
+    put_settings(row.view(np.recarray)[0].resistance, model.resistance)
     row["traction_notch_share"][0, 1 : len(traction.notch_share) + 1] = traction.notch_share
     row["traction_speed_cap_mps"][0, 1 : len(traction.notch_speed_cap_mps) + 1] = traction.notch_speed_cap_mps
     row["brake_deceleration_mps2"][0, 1 : len(brakes.notch_deceleration_mps2) + 1] = (

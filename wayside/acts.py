@@ -225,7 +225,7 @@ def _set_by_hand(register: Register, event: ConfirmHolding) -> Step:
 
 
 def _doubt_speaker(register: Register, event: ConfirmOutside | ConfirmHolding) -> Step:
-    """Taken down, and the unit asked; it counts if two persons say so and the unit has been asked in vain."""
+    """Recorded, and the unit is asked; it counts if two persons say so and the unit does not answer."""
     unit_id, section_ids = event.unit_id, _sections(event)
     senseless = _senseless(register, event)
     if senseless is None and not reentry.in_station(register, section_ids):
@@ -247,7 +247,7 @@ def _doubt_speaker(register: Register, event: ConfirmOutside | ConfirmHolding) -
 
 
 def _take_back(register: Register, event: TakeBack) -> Step:
-    """Unknown again, and asked: nothing is granted; who holds what it may be in is told to stop."""
+    """Unknown again, and asked: nothing is granted; trains that hold a section it may be in must stop."""
     unit = register.unit(event.unit_id)
     if not unit.by:
         return register, (_refused(event, "it has said so itself"),)
@@ -274,13 +274,13 @@ def _take_back_word(register: Register, event: TakeBack) -> Step:
 
 
 def _refuse_unit_speaks(register: Register, event: ConfirmOutside | ConfirmHolding) -> Step:
-    """Refused: the unit speaks for itself, or claims what another holds."""
+    """Refused: the unit reports itself, or claims what another holds."""
     standing = register.unit(event.unit_id).standing.value
     return register, (_refused(event, f"the unit is {standing}"),)
 
 
 def _take_word(register: Register, event: ConfirmOutside | ConfirmHolding) -> Step:
-    """Taken down, not in force; it counts with the same word of a second person, or once the unit speaks."""
+    """Recorded, not in force; it counts once a second person enters the same, or the unit reports itself."""
     unit_id, section_ids = event.unit_id, _sections(event)
     if (senseless := _senseless(register, event)) is not None:
         return register, (senseless,)
@@ -305,7 +305,7 @@ def _take_correction(register: Register, event: ConfirmOutside | ConfirmHolding)
 
 
 def _enter_section(register: Register, event: EnterSection) -> Step:
-    """Taken down, not in force before the picture is accepted."""
+    """Recorded, not in force before the picture is accepted."""
     if event.section_id not in register.plan.order:
         return register, (_refused(event, "unknown section", (event.section_id,)),)
     changed = reentry.with_entry(register, person_key(event.person), event.section_id, event.unit_id)

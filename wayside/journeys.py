@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from math import inf
 from typing import Final
 
+from msgspec.structs import asdict
+
 from wayside.certificate import CertificateAnswer
 from wayside.config import JourneyMove, ManagerConfig, OrderRule
 from wayside.moves import Move, Train
@@ -18,17 +20,9 @@ from wayside.moves import Move, Train
 LOST: Final = -1  # nobody knows how far a stock is in its day
 
 
-@dataclass(frozen=True, slots=True)
-class PlannedMove:
+class PlannedMove(JourneyMove, frozen=True):
     """A move with what it means. As bits: sections where it begins and ends, and those of open line on its way."""
 
-    train: str
-    route_id: str
-    section_id: str
-    leaves: bool
-    departs_s: float
-    arrives_s: float
-    stays_s: float
     move: Move
     start: int
     end: int
@@ -158,9 +152,7 @@ def days_of(config: ManagerConfig) -> Days | None:
             end | queues[given.section_id] if route is None else sum(bits[s] for s in set(route.section_ids))
         )
         move = Move(needs, 0 if given.leaves else end, given.departs_s)
-        times = given.departs_s, given.arrives_s, given.stays_s
-        name = given.train, given.route_id, given.section_id
-        return PlannedMove(*name, given.leaves, *times, move, start, end, needs & line)
+        return PlannedMove(**asdict(given), move=move, start=start, end=end, line=needs & line)
 
     hops = tuple(tuple(map(hop_of, journey.moves)) for journey in given.journeys)
     unit_ids = tuple(journey.unit_id for journey in given.journeys)

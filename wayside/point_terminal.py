@@ -245,7 +245,7 @@ def _command_while_proven(terminal: Terminal, event: Commanded, now_s: float) ->
 
 
 def _detect(terminal: Terminal, event: PointsDetected, _now_s: float) -> TerminalStep:
-    """Remembered; nobody is told."""
+    """Remembered; no telegram is sent."""
     return _with(terminal, replace(terminal.views[event.points_id], detected=event)), ()
 
 

@@ -68,7 +68,7 @@ class BoundaryPassed(msgspec.Struct, frozen=True, array_like=True, tag=7):
 
 
 class BarUnit(msgspec.Struct, frozen=True, array_like=True, tag=8):
-    """Operator to manager and terminals: the unit is mad or its key stolen, nothing that it says is to count."""
+    """Operator to manager and terminals: the unit is defective or its key stolen; nothing that it says is to count."""
 
     unit_id: str
     person: str

@@ -102,7 +102,7 @@ def tables_of(line: Line, timetable: Timetable, facts: FeedFacts) -> dict[str, l
         ],
         "feed_info.txt": [
             ("feed_publisher_name", "feed_publisher_url", "feed_lang", "feed_version", TIMETABLE),
-            (agency, facts.url, "en", timetable.id, head),
+            (agency, facts.url, "en", timetable.head.id, head),
         ],
     }
     if japanese:

@@ -23,12 +23,11 @@ from exchange.oudia.cells import (
 from exchange.oudia.published import NOT_FOR_PASSENGERS
 from exchange.oudia.route import DOWN, OudiaDia, OudiaRoute, OudiaStation, OudiaTrain
 from exchange.oudia.writer import station_name
-from exchange.timetable_writer import time_text
+from exchange.timetable_writer import time_text, train_table
 from network.errors import InputError
-from network.files.line_schema import DirectionName
 from network.files.names import is_identifier
-from network.files.timetable_schema import CallTable, DiagramTable, TimetableFile, TrainTable
-from network.model import Line
+from network.files.timetable_schema import CallTable, DiagramTable, TimetableFile
+from network.model import Direction, Line
 from network.timetable import DAY_S, timetable_of
 
 
@@ -81,22 +80,18 @@ def _file(route: OudiaRoute, dia: OudiaDia, line: Line, carried: CommentTable) -
     before = {after: number for numbers in sets.values() for number, after in pairwise(numbers)}
     after = {number: following for following, number in before.items()}
     tables = [
-        TrainTable(
-            number=number,
-            direction=_direction(train),
+        train_table(
+            number,
+            Direction.DOWN if train.direction == DOWN else Direction.UP,
+            [table for _, table in calls[number]],
+            _begins(train, route, before.get(number)),
+            _ends(train, route, after.get(number)),
             revenue=NOT_FOR_PASSENGERS.search(train.kind) is None,
-            calls=[table for _, table in calls[number]],
-            begins=_begins(train, route, before.get(number)),
-            ends=_ends(train, route, after.get(number)),
         )
         for number, train in sorted(trains.items(), key=lambda item: (calls[item[0]][0][0], item[0]))
     ]
     diagrams = [DiagramTable(stock=name, trains=numbers) for name, numbers in sets.items()]
     return TimetableFile(timetable=carried.timetable, trains=tables, diagrams=diagrams)
-
-
-def _direction(train: OudiaTrain) -> DirectionName:
-    return "down" if train.direction == DOWN else "up"
 
 
 def _along(train: OudiaTrain, route: OudiaRoute, ids: Sequence[str]) -> list[tuple[OudiaStation, str]]:

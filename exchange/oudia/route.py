@@ -130,7 +130,7 @@ def route_of(text: OudiaText, file: str) -> OudiaRoute:
         raise InputError(file, "Rosen", None, "a route, which is missing")
     if text.root.node("DispProp") is None:
         raise InputError(
-            file, "DispProp", None, "how it is shown, without which no file ends: is it cut off?"
+            file, "DispProp", None, "the display settings at its end: is the file cut off?"
         )
     stations = tuple(_station(node) for node in rosen.nodes("Eki"))
     if not stations:
@@ -138,7 +138,7 @@ def route_of(text: OudiaText, file: str) -> OudiaRoute:
     kinds = [node.text("Syubetsumei") for node in rosen.nodes("Ressyasyubetsu")]
     nodes = rosen.nodes("Dia")
     if not nodes:
-        raise InputError(file, "Rosen.Dia", None, "a timetable, of which there is none")
+        raise InputError(file, "Rosen.Dia", None, "at least one timetable (Dia)")
     reader = _TrainReader(file, text, stations, kinds)
     names = _dia_names(nodes)
     dias = tuple(

@@ -115,8 +115,8 @@ def oudia_of(line: Line, timetable: Timetable, as_run: Sequence[TimetableTrain] 
 
 def plan_name(timetable: Timetable) -> str:
     """Name of the Dia that is the plan; not that of the day as run."""
-    name = timetable.name or timetable.id
-    return name if name != AS_RUN else timetable.id + " (plan)"
+    name = timetable.head.name or timetable.head.id
+    return name if name != AS_RUN else timetable.head.id + " (plan)"
 
 
 def station_name(station: Station) -> str:

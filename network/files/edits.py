@@ -61,18 +61,13 @@ class PatchInFile:
     key: str
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
+class Change(Record):
     """One figure of `file` that is not what the file says; None where it is not there."""
 
     file: str
     key: str
-    old: object
-    new: object
-
-    def as_dict(self) -> dict[str, object]:
-        """For `summary.json`."""
-        return {"file": self.file, "key": self.key, "old": self.old, "new": self.new}
+    old: Any
+    new: Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,10 +220,10 @@ def differences(file: str, old: object, new: object, path: str = "") -> Iterator
         if named or len(old) == len(new):
             yield from differences(file, befores, afters, path)
         else:
-            yield from (Change(file, path, item, None) for item in old if item not in new)
-            yield from (Change(file, path, None, item) for item in new if item not in old)
+            yield from (Change(file=file, key=path, old=item, new=None) for item in old if item not in new)
+            yield from (Change(file=file, key=path, old=None, new=item) for item in new if item not in old)
     elif old != new:
-        yield Change(file, path, old, new)
+        yield Change(file=file, key=path, old=old, new=new)
 
 
 def _lists(node: Data) -> list[str]:

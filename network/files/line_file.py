@@ -166,15 +166,16 @@ def _alignment(file: str, index: int, entry: schema.AlignmentTable) -> Alignment
         SpeedLimit(metres(i.from_km), metres(i.to_km), mps(i.speed_kmh), _directions(i.directions))
         for i in sorted(entry.limits, key=lambda limit: limit.from_km)
     )
+    gradients = tuple(Gradient(metres(g.from_km), metres(g.to_km), g.permille) for g in entry.gradients)
     return Alignment(
-        id=entry.id,
-        from_m=metres(entry.from_km),
-        to_m=metres(entry.to_km),
-        x_m=entry.x_m,
-        y_m=entry.y_m,
-        bearing_deg=entry.bearing_deg,
-        elevation_m=entry.elevation_m,
-        gradients=tuple(Gradient(metres(g.from_km), metres(g.to_km), g.permille) for g in entry.gradients),
+        entry.id,
+        metres(entry.from_km),
+        metres(entry.to_km),
+        entry.x_m,
+        entry.y_m,
+        entry.bearing_deg,
+        entry.elevation_m,
+        gradients,
         curves=tuple(
             Curve(metres(c.from_km), metres(c.to_km), c.radius_m, c.transition_m, c.cant_mm)
             for c in entry.curves
@@ -235,29 +236,29 @@ def _points_drafts(key: str, points: schema.PointsTable, alignment_id: str) -> l
 
 def _piece(draft: PieceDraft, joiner: Joiner) -> Piece:
     return Piece(
-        id=draft.id,
-        section_id=draft.section_id,
-        alignment_id=draft.alignment_id,
-        from_m=draft.from_m,
-        to_m=draft.to_m,
-        low_node=joiner.node_of(draft, Direction.UP),
-        high_node=joiner.node_of(draft, Direction.DOWN),
-        offset_m=joiner.offset_of(draft),
-        points_id=draft.points_id,
-        leg=draft.leg,
+        draft.id,
+        draft.section_id,
+        draft.alignment_id,
+        draft.from_m,
+        draft.to_m,
+        joiner.node_of(draft, Direction.UP),
+        joiner.node_of(draft, Direction.DOWN),
+        joiner.offset_of(draft),
+        draft.points_id,
+        draft.leg,
     )
 
 
 def _points(entry: schema.PointsTable) -> Points:
     return Points(
-        id=entry.id,
-        section_id=entry.section,
-        terminal_id=entry.terminal,
-        node_id=entry.id,
-        faces=DIRECTIONS[entry.faces],
-        stem_piece=f"{entry.id}.stem",
-        normal_piece=f"{entry.id}.normal",
-        reverse_piece=f"{entry.id}.reverse",
+        entry.id,
+        entry.section,
+        entry.terminal,
+        entry.id,
+        DIRECTIONS[entry.faces],
+        f"{entry.id}.stem",
+        f"{entry.id}.normal",
+        f"{entry.id}.reverse",
         throw_time_s=entry.throw_time_s,
         diverging_limit_mps=mps(entry.diverging_limit_kmh),
         initial=Position(entry.initial),
@@ -301,14 +302,9 @@ def _platform(
     check.check_platform(file, key, entry, piece)
     marks_km = {Direction.DOWN: entry.mark_down_km, Direction.UP: entry.mark_up_km}
     marks_m = {direction: metres(km) for direction, km in marks_km.items() if km is not None}
+    usual = tuple(marks_m) if entry.directions is None else _directions(entry.directions)
     return PlatformTrack(
-        station_id=station_id,
-        name=entry.name,
-        section_id=entry.section,
-        piece_id=piece.id,
-        platform_m=_platform_m(entry),
-        marks_m=marks_m,
-        directions=tuple(marks_m) if entry.directions is None else _directions(entry.directions),
+        station_id, entry.name, entry.section, piece.id, _platform_m(entry), marks_m, directions=usual
     )
 
 

@@ -42,16 +42,16 @@ class LineTable(Record):
     """`[line]`."""
 
     id: Annotated[Identifier, about("name of the line")]
-    name: Annotated[Title, about("what people call it")]
+    name: Annotated[Title, about("display name")]
     name_ja: Annotated[Title, about("the same in Japanese")] = ""
-    max_speed_kmh: Annotated[SpeedKmh, about("greatest speed anywhere")]
+    max_speed_kmh: Annotated[SpeedKmh, about("maximum speed of the line")]
     sources: Annotated[list[Prose], Field(max_length=TEXTS_MAX), about("where its figures come from")] = (
         Field(default_factory=list)
     )
     assumed: Annotated[
         list[Prose],
         Field(max_length=TEXTS_MAX),
-        about("what nobody has published, in sentences for the report"),
+        about("what has no published source, in sentences for the report"),
     ] = Field(default_factory=list)
 
 
@@ -80,7 +80,7 @@ class LimitTable(RangeTable):
     """`alignments.limits`."""
 
     speed_kmh: Annotated[SpeedKmh, about("limit")]
-    directions: Annotated[list[DirectionName], about("whom it binds")] = Field(
+    directions: Annotated[list[DirectionName], about("directions for which it holds")] = Field(
         default=["down", "up"], min_length=1, max_length=2
     )
 
@@ -89,12 +89,12 @@ class AlignmentTable(RangeTable):
     """`[[alignments]]`."""
 
     id: Annotated[Identifier, about("name of the axis")]
-    x_m: Annotated[Coordinate, about("where it begins, east")] = 0.0
-    y_m: Annotated[Coordinate, about("where it begins, north")] = 0.0
-    bearing_deg: Annotated[Bearing, about("where it heads, from north")] = 0.0
-    elevation_m: Annotated[Height, about("where it begins, height")] = 0.0
+    x_m: Annotated[Coordinate, about("east coordinate of its beginning")] = 0.0
+    y_m: Annotated[Coordinate, about("north coordinate of its beginning")] = 0.0
+    bearing_deg: Annotated[Bearing, about("bearing at its beginning, from north")] = 0.0
+    elevation_m: Annotated[Height, about("height of its beginning")] = 0.0
     gradients: Annotated[
-        list[GradientTable], Field(max_length=ROWS_MAX), about("from end to end without gap")
+        list[GradientTable], Field(max_length=ROWS_MAX), about("gradients from end to end, without gaps")
     ]
     curves: Annotated[
         list[CurveTable],
@@ -107,13 +107,13 @@ class AlignmentTable(RangeTable):
     coverage: Annotated[list[RangeTable], Field(max_length=ROWS_MAX), about("where the radio reaches")] = (
         Field(default_factory=list)
     )
-    tunnels: Annotated[list[RangeTable], Field(max_length=ROWS_MAX), about("where no sky is seen")] = Field(
-        default_factory=list
-    )
+    tunnels: Annotated[
+        list[RangeTable], Field(max_length=ROWS_MAX), about("tunnels, where no satellites are received")
+    ] = Field(default_factory=list)
     obstructed: Annotated[
         list[RangeTable],
         Field(max_length=ROWS_MAX),
-        about("where slopes, trees or houses hide low satellites and reflect them"),
+        about("where slopes, trees or houses hide low satellites and reflect their signals"),
     ] = Field(default_factory=list)
 
 
@@ -142,20 +142,22 @@ class PointsTable(Record):
     toe_km: Annotated[Kilometrage, about("where the legs part")]
     to_km: Annotated[Kilometrage, about("high end")]
     faces: Annotated[DirectionName, about("direction of the trains that meet the toe first")]
-    stem: Annotated[str, about("what lies before the toe")]
+    stem: Annotated[str, about("section or piece before the toe")]
     normal: Annotated[str, about("where the normal leg leads")]
     reverse: Annotated[str, about("where the reverse leg leads")]
-    throw_time_s: Annotated[ThrowTime, about("from end to end")]
+    throw_time_s: Annotated[ThrowTime, about("throw time from end to end")]
     diverging_limit_kmh: Annotated[SpeedKmh, about("limit on the reverse leg")]
-    offset_m: Annotated[Offset | None, about("of the stem; left out: that of the section before it")] = None
-    initial: Annotated[Literal["normal", "reverse"], about("how they lie at first")] = "normal"
+    offset_m: Annotated[
+        Offset | None, about("lateral offset of the stem; left out: that of the section before it")
+    ] = None
+    initial: Annotated[Literal["normal", "reverse"], about("position at the beginning")] = "normal"
 
 
 class JointTable(Record):
     """`[[joints]]`: the high end of `low` meets the low end of `high`."""
 
-    low: Annotated[str, about("its high end")]
-    high: Annotated[str, about("meets the low end of this one")]
+    low: Annotated[str, about("section whose high end meets the other")]
+    high: Annotated[str, about("section whose low end it meets")]
 
 
 class PlatformTable(Record):
@@ -170,7 +172,8 @@ class PlatformTable(Record):
     mark_down_km: Annotated[Kilometrage | None, about("stopping mark for down trains")] = None
     mark_up_km: Annotated[Kilometrage | None, about("stopping mark for up trains")] = None
     directions: Annotated[
-        list[DirectionName] | None, about("whose usual track it is; left out: all that have a mark")
+        list[DirectionName] | None,
+        about("directions that usually use this track; left out: all that have a mark"),
     ] = None
 
 
@@ -178,7 +181,7 @@ class StationTable(Record):
     """`[[stations]]`."""
 
     id: Annotated[Identifier, about("name of the station")]
-    name: Annotated[Title, about("what people call it")]
+    name: Annotated[Title, about("display name")]
     name_ja: Annotated[Title, about("the same in Japanese")] = ""
     km: Annotated[Kilometrage, about("kilometrage")]
     halt: Annotated[bool, about("on a section between stations, no track of its own")] = False
@@ -195,24 +198,26 @@ class ChargerTable(Record):
         list[str] | None, Field(min_length=1), about("names of the tracks; left out: all of the station")
     ] = None
     power_kw: Annotated[BatteryPowerKw, about("greatest power to a train, behind its converter")]
-    voltage_v: Annotated[VoltageV, about("of the bar or wire")]
+    voltage_v: Annotated[VoltageV, about("voltage of the bar or wire")]
     current_max_a: Annotated[
-        CurrentA | None, about("greatest current to a train that stands; left out: as the power asks for")
+        CurrentA | None, about("greatest current to a standing train; left out: what the power requires")
     ] = None
-    connect_s: Annotated[Wait, about("from a stand to the first current", "assumed: pantograph up")] = 20.0
-    disconnect_s: Annotated[Wait, about("from the last current to a start", "assumed: pantograph down")] = (
-        15.0
+    connect_s: Annotated[Wait, about("time from standing to the first current", "assumed: pantograph up")] = (
+        20.0
     )
+    disconnect_s: Annotated[
+        Wait, about("time from the last current to the start", "assumed: pantograph down")
+    ] = 15.0
     origin: Annotated[Prose, Field(min_length=1), about('source of its figures, or "assumed: why"')]
 
 
 class OnTrackTable(Record):
     """Anything that lies at one place: in `section` when that is a single piece, else on `piece`."""
 
-    section: Annotated[str | None, about("where it lies, if that is one piece")] = None
-    piece: Annotated[str | None, about("where it lies, among points")] = None
+    section: Annotated[str | None, about("its section, if that is one piece")] = None
+    piece: Annotated[str | None, about("its piece, if it lies among points")] = None
     km: Annotated[Kilometrage, about("kilometrage")]
-    directions: Annotated[list[DirectionName], about("for whose trains")] = Field(
+    directions: Annotated[list[DirectionName], about("directions whose trains use it")] = Field(
         default=["down", "up"], min_length=1, max_length=2
     )
 
@@ -220,10 +225,10 @@ class OnTrackTable(Record):
 class TagTable(OnTrackTable):
     """`[[tags]]`."""
 
-    id: Annotated[TagId, about("what the tag (地上子) says")]
+    id: Annotated[TagId, about("id that the tag (地上子) sends")]
     purpose: Annotated[
         Literal["arrival", "control_start", "departed", "approach", "position", "portal"],
-        about("what for: paper, table 3"),
+        about("purpose, after table 3 of the paper"),
     ]
 
 
@@ -231,11 +236,11 @@ class BeaconTable(OnTrackTable):
     """`[[beacons]]`: of the train stop; trains that carry a beacon receiver notice them."""
 
     id: Annotated[TagId, about("its number")]
-    tells_id: Annotated[bool, about("whether a train reads its number, as with ATS-P")] = False
-    used: Annotated[bool, about("whether on-board databases go by it (使用地上子)")] = True
+    tells_id: Annotated[bool, about("whether trains read its number, as with ATS-P")] = False
+    used: Annotated[bool, about("whether on-board databases use it (使用地上子)")] = True
     window_m: Annotated[
         PositionBound | None,
-        about("it is looked for this far either way (検出範囲); left out: by the rule of [beacons]"),
+        about("it is searched this far in both directions (検出範囲); left out: by the rule of [beacons]"),
     ] = None
 
 
@@ -244,9 +249,9 @@ class MarkersTable(OnTrackTable):
 
     id: Annotated[TagId, about("its number")]
     pattern: Annotated[TagId, about("which pattern the markers lie in")]
-    directions: Annotated[list[DirectionName], about("for whose trains; they lie one way round")] = Field(
-        min_length=1, max_length=1
-    )
+    directions: Annotated[
+        list[DirectionName], about("direction whose trains use it; a pattern faces one way")
+    ] = Field(min_length=1, max_length=1)
 
 
 class LineFile(Record):

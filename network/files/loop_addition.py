@@ -159,14 +159,8 @@ def _sections(sections: Iterable[SectionTable], loop: _Loop) -> Iterator[Section
         yield old.model_copy(update={"id": loop.names[0], "to_km": loop.low_km})
         yield SectionTable(id=f"{here}.W", kind="points", alignment=old.alignment)
         for name, _, offset_m in _TRACKS:
-            yield SectionTable(
-                id=f"{here}.{name}",
-                kind="track",
-                alignment=old.alignment,
-                from_km=low_km,
-                to_km=high_km,
-                offset_m=old.offset_m + offset_m,
-            )
+            track = {"id": f"{here}.{name}", "kind": "track", "offset_m": old.offset_m + offset_m}
+            yield old.model_copy(update=track | {"from_km": low_km, "to_km": high_km})
         yield SectionTable(id=f"{here}.E", kind="points", alignment=old.alignment)
         yield old.model_copy(update={"id": loop.names[1], "from_km": loop.high_km})
 

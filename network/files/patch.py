@@ -42,9 +42,9 @@ class TagsOut(Record):
     """`remove_tags`: which tags to take out."""
 
     purpose: Annotated[
-        Literal["arrival", "control_start", "departed", "approach", "position", "portal"], about("what for")
+        Literal["arrival", "control_start", "departed", "approach", "position", "portal"], about("purpose")
     ]
-    near_marks_m: Annotated[PositionBound, about("as near as this to a stopping mark")]
+    near_marks_m: Annotated[PositionBound, about("only tags this near to a stopping mark")]
 
 
 class LinePatch(FilePatch):

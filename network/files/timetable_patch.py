@@ -34,8 +34,8 @@ _LISTS = ("trains", "diagrams")
 class ScaleTable(Record):
     """`scale`: running times between two hours, by a factor."""
 
-    from_s: Annotated[TimeOfDay, Field(alias="from"), about("runs that begin from here")]
-    to_s: Annotated[TimeOfDay, Field(alias="to"), about("and before this")]
+    from_s: Annotated[TimeOfDay, Field(alias="from"), about("runs that begin at this time or later")]
+    to_s: Annotated[TimeOfDay, Field(alias="to"), about("and before this time")]
     times: Annotated[Stretch, about("factor of the running time, to whole seconds")]
     trains: Annotated[list[str] | None, about("only these; left out: all")] = None
 

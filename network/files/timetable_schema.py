@@ -19,7 +19,7 @@ class HeadTable(Record):
     """`[timetable]`."""
 
     id: Annotated[Identifier, about("name of the timetable")]
-    name: Annotated[Title, about("what people call it")] = ""
+    name: Annotated[Title, about("display name")] = ""
     line: Annotated[str, about("id of the line it belongs to")]
     dwell_min_s: Annotated[Wait, about("shortest stop for passengers", "assumed: a quiet platform")] = 20.0
     sources: Annotated[list[Prose], Field(max_length=TEXTS_MAX), about("where its times come from")] = Field(
@@ -28,7 +28,7 @@ class HeadTable(Record):
     assumed: Annotated[
         list[Prose],
         Field(max_length=TEXTS_MAX),
-        about("what nobody has published, in sentences for the report"),
+        about("what has no published source, in sentences for the report"),
     ] = Field(default_factory=list)
 
 

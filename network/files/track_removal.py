@@ -189,14 +189,8 @@ def _plain_section(
     if offset_m is None:
         plain = {section.id: section.offset_m for section in entry.sections if section.kind != "points"}
         offset_m = next(plain[name] for name in ends if name in plain)
-    return SectionTable(
-        id=section_id,
-        kind="between",
-        alignment=points.alignment,
-        from_km=points.from_km,
-        to_km=points.to_km,
-        offset_m=offset_m,
-    )
+    there = points.model_dump(include={"alignment", "from_km", "to_km"})
+    return SectionTable(id=section_id, kind="between", offset_m=offset_m, **there)
 
 
 def _extended(section: SectionTable, points: PointsTable) -> SectionTable:

@@ -387,13 +387,13 @@ def _ladder(place: _StationExtent, stem: str, faces: str, ends_m: dict[str, floa
         for track in (name, *((beyond,) if beyond else ())):
             ends_m[track] = far_m
         yield LaidPoints(
-            id=points_id,
-            section=f"{station.id}.{side}",
-            terminal=f"{station.id}-{side}",
-            from_m=min(from_m, far_m),
-            toe_m=from_m + sign * STEM_M,
-            to_m=max(from_m, far_m),
-            faces=faces,
+            points_id,
+            f"{station.id}.{side}",
+            f"{station.id}-{side}",
+            min(from_m, far_m),
+            from_m + sign * STEM_M,
+            max(from_m, far_m),
+            faces,
             stem=stem,
             normal=onward if straight else here,
             reverse=here if straight else onward,

@@ -61,10 +61,12 @@ class StationRow(Record):
         Literal["right", "left"] | None,
         about("to which side of the first track the others lie, going down; left out: right"),
     ] = None
-    spacing_m: Annotated[Offset | None, about("from track to track; left out: 8, an island platform")] = None
+    spacing_m: Annotated[
+        Offset | None, about("distance from track to track; left out: 8, an island platform")
+    ] = None
     offset_m: Annotated[
         Offset | None,
-        about("of the first track, to the right going down; left out: the tracks lie about the axis"),
+        about("offset of the first track, to the right going down; left out: the tracks lie about the axis"),
     ] = None
     end: Annotated[
         Literal["stub", "portal"] | None,
@@ -76,17 +78,19 @@ class LineHead(Record):
     """`[line]` of a station list; options of the command count before it."""
 
     id: Annotated[Identifier | None, about("name of the line; left out: that of the file")] = None
-    name: Annotated[Title, about("what people call it")] = ""
+    name: Annotated[Title, about("display name")] = ""
     name_ja: Annotated[Title, about("the same in Japanese")] = ""
-    max_speed_kmh: Annotated[SpeedKmh | None, about("greatest speed anywhere; left out: 85, assumed")] = None
+    max_speed_kmh: Annotated[SpeedKmh | None, about("maximum speed of the line; left out: 85, assumed")] = (
+        None
+    )
     train_length_m: Annotated[
         TrainLength | None, about("longest train, for platforms, marks and tags; left out: 40, assumed")
     ] = None
     sources: Annotated[
         list[Prose], Field(max_length=TEXTS_MAX), about("where the list's figures come from")
     ] = Field(default_factory=list)
-    assumed: Annotated[list[Prose], Field(max_length=TEXTS_MAX), about("what nobody has published")] = Field(
-        default_factory=list
+    assumed: Annotated[list[Prose], Field(max_length=TEXTS_MAX), about("what has no published source")] = (
+        Field(default_factory=list)
     )
 
 
@@ -144,7 +148,7 @@ def read_station_list(path: Path) -> StationList:
     else:
         table = parse_table(text, file)
     entry = validate(table, file, StationListFile)
-    return StationList(file, entry.line, tuple(_listed(file, entry.stations)))
+    return StationList(file, entry.line, tuple(listed_stations(file, entry.stations)))
 
 
 def csv_tables(text: str, file: str, columns: Sequence[str], needed: Sequence[str]) -> list[dict[str, str]]:
@@ -202,7 +206,8 @@ def _csv_rows(text: str, file: str) -> list[dict[str, Any]]:
     return rows
 
 
-def _listed(file: str, rows: Sequence[StationRow]) -> Iterator[ListedStation]:
+def listed_stations(file: str, rows: Sequence[StationRow]) -> Iterator[ListedStation]:
+    """The stations that rows describe; `file` names them in errors. Raises InputError."""
     _check_names(file, rows)
     ids = _ids(file, rows)
     last_km: tuple[float, str] | None = None
@@ -248,14 +253,14 @@ def _station(file: str, key: str, row: StationRow, name: str, *, first: bool, la
     if row.normal and row.normal not in tracks:
         raise InputError(file, f"{key}.normal", row.normal, one_of(tracks, row.normal))
     return ListedStation(
-        key=key,
-        id=name,
-        name=row.name or row.name_ja,
-        name_ja=row.name_ja or (row.name if is_japanese(row.name) else ""),
-        km=row.km,
-        tracks=tracks,
-        offsets_m=_offsets_m(row, tracks),
-        is_halt=kind == "halt",
+        key,
+        name,
+        row.name or row.name_ja,
+        row.name_ja or (row.name if is_japanese(row.name) else ""),
+        row.km,
+        tracks,
+        _offsets_m(row, tracks),
+        kind == "halt",
         has_platforms=kind != "signal station",
         points_low=low,
         points_high=high,

@@ -49,7 +49,7 @@ def pattern_mps(unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void], 
     That one counts from where the front may be at the furthest, so with a wide bound it is the lower.
     """
     furthest_m = position_m + unit.bound_ahead_m + RESERVE_M
-    permitted = path[path_index(unit, furthest_m)].permitted_mps - 2.0 * behaviour.service_margin_mps
+    permitted = path[path_index(unit, furthest_m)].permitted_mps - 2.0 * behaviour.settings.service_margin_mps
     return float(max(min(path[path_index(unit, position_m)].driving_mps, permitted), 0.0))
 
 
@@ -59,6 +59,6 @@ def limit_mps(unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void]) ->
     here = pattern_mps(unit, behaviour, path, unit.position_m)
     ahead = pattern_mps(unit, behaviour, path, unit.position_m + max(unit.speed_mps * LOOK_AHEAD_S, 1.0))
     limit = min(here, ahead)
-    limit = min(limit, unit.permitted_mps - behaviour.service_margin_mps)
-    limit = min(limit, unit.restricted_mps - behaviour.driving_margin_mps)
+    limit = min(limit, unit.permitted_mps - behaviour.settings.service_margin_mps)
+    limit = min(limit, unit.restricted_mps - behaviour.settings.driving_margin_mps)
     return float(max(limit, 0.0))

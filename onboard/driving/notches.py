@@ -41,7 +41,7 @@ def curve_demand_mps2(
     falling = (here * here - ahead * ahead) / (2.0 * ahead_m)
     if falling <= 0.0 or here > ceiling_mps or over_mps <= -CURVE_BAND_MPS:
         return 0.0
-    return float(min(-behaviour.cruise_gain_per_s * over_mps - falling, 0.0))
+    return float(min(-behaviour.settings.cruise_gain_per_s * over_mps - falling, 0.0))
 
 
 @compiled
@@ -91,11 +91,11 @@ def driven_notch(board: BoardRow, path: NDArray[np.void], plan: NDArray[np.void]
     if unit.braking_to_stop == 1 and unit.speed_mps == 0.0:
         return -behaviour.standing_brake_notch
     if over_mps > BRAKE_OVERSPEED_MPS:
-        demand_mps2 = max(demand_mps2, behaviour.cruise_gain_per_s * over_mps)
+        demand_mps2 = max(demand_mps2, behaviour.settings.cruise_gain_per_s * over_mps)
     notch = asked
     if demand_mps2 > 0.0 or unit.braking_to_stop == 1:
         notch = min(service_notch(train, max(demand_mps2 - cue.own_mps2, stop_mps2, 0.0)), asked)
-    keeps = unit.notch > 0.0 and unit.notch_held_s < behaviour.notch_hold_s
+    keeps = unit.notch > 0.0 and unit.notch_held_s < behaviour.settings.notch_hold_s
     if (
         board.laws.stops == 0
         and keeps

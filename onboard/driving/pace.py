@@ -107,7 +107,7 @@ class Pace:
             row.position_m,
             there.mark_m,
             available_s,
-            self._behaviour.stop_deceleration_mps2,
+            self._behaviour.settings.stop_deceleration_mps2,
             float(row.speed_mps),
             until_m,
         )
@@ -126,7 +126,7 @@ class Pace:
             row.position_m,
             mark_m,
             float(row.speed_mps),
-            self._behaviour.stop_deceleration_mps2,
+            self._behaviour.settings.stop_deceleration_mps2,
             row.due_s - now_s,
             float(self._law.settings.regeneration_share),
         )
@@ -147,7 +147,7 @@ class Pace:
                 load_share,
                 self.climb_m,
                 self.driving_mps,
-                self._behaviour.stop_deceleration_mps2,
+                self._behaviour.settings.stop_deceleration_mps2,
             )
             times = ArrivalAims(parameters.dwell_min_s, parameters.time_margin_s)
             with suppress(ValueError, WindowMissed):

@@ -82,8 +82,8 @@ def pattern_of(
     whole = limit_for_train(limit_mps, train)
     body_m = mean_over_length(elevation_m, train.length_m)
     permitted = braking_curve(whole, body_m, behaviour.service_guaranteed_mps2, gravity_share)
-    lowered = lowered_by(whole, behaviour.driving_margin_mps)
-    driving = braking_curve(lowered, body_m, behaviour.stop_deceleration_mps2, gravity_share)
+    lowered = lowered_by(whole, behaviour.settings.driving_margin_mps)
+    driving = braking_curve(lowered, body_m, behaviour.settings.stop_deceleration_mps2, gravity_share)
     rows = np.zeros(elevation_m.size, dtype=PATTERN)
     rows["climb_m"] = climb_m(train, elevation_m, turn_rad)
     rows["body_elevation_m"] = body_m

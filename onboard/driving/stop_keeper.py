@@ -30,13 +30,13 @@ def fill_design(design: DesignRow, train: TrainRow, behaviour: BehaviourRow, lea
     """Set a DESIGN row from the train file, the driving parameters and what the train has learned."""
     strongest_mps2 = train.brake_deceleration_mps2[int(train.brake_notches)]
     design.parts = int(WHOLE_LAW)
-    design.pattern_mps2 = min(behaviour.stop_deceleration_mps2, strongest_mps2)
+    design.pattern_mps2 = min(behaviour.settings.stop_deceleration_mps2, strongest_mps2)
     design.pattern_least_mps2 = PATTERN_LEAST_SHARE * design.pattern_mps2
     design.brake_max_mps2 = strongest_mps2
     design.command_jerk_mps3 = train.brake_jerk_max_mps3 or JERK_MPS3
     design.end_mps2 = min(END_MPS2, design.pattern_mps2)
     design.end_jerk_mps3 = END_JERK_MPS3
-    design.gain_per_s = behaviour.stop_gain_per_s
+    design.gain_per_s = behaviour.settings.stop_gain_per_s
     design.integral_gain_per_s2 = 0.0
     design.derivative_gain = 0.0
     design.dead_time_s = learned.dead_time_s

@@ -103,15 +103,15 @@ def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDA
     service = min(ceiling, service_stop)
     unit.permitted_mps = service
     emergency = min(
-        ceiling + behaviour.emergency_margin_mps,
+        ceiling + behaviour.settings.emergency_margin_mps,
         emergency_stop - gain * behaviour.emergency_reaction_s,
     )
     if before == EMERGENCY_INTERVENTION:
         after = EMERGENCY_INTERVENTION  # kept until the event-driven part releases it at a stand
     elif speed > emergency and speed > 0.0:
         after = EMERGENCY_INTERVENTION
-    elif speed > service + behaviour.service_margin_mps or (
-        before == SERVICE_INTERVENTION and speed > max(service - behaviour.release_margin_mps, 0.0)
+    elif speed > service + behaviour.settings.service_margin_mps or (
+        before == SERVICE_INTERVENTION and speed > max(service - behaviour.settings.release_margin_mps, 0.0)
     ):
         after = SERVICE_INTERVENTION
     else:

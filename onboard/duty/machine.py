@@ -185,7 +185,7 @@ def tag_reached(duty: DutyStep, event: TagReached) -> None:
 
 
 def found(duty: DutyStep, _event: FoundByOtherSensor) -> None:
-    """Another sensor, or the driver's eye, has told the position: as for one that a tag has told."""
+    """Another sensor, or the driver's eye, gives the position: the same as by a tag."""
     duty.note(notes.PositionFound())
 
 

@@ -134,16 +134,8 @@ def plan_mission(
     path = path_of(line, pieces, direction)
     spans = _spans(line, path, routes)
     targets = _targets(line, train, path, spans, start_section, leave_by, enter_mark_m)
-    return Mission(
-        number=train.number,
-        direction=direction,
-        revenue=train.revenue,
-        path=path,
-        routes=tuple(routes),
-        spans=spans,
-        tags=_tags(line, path, direction),
-        targets=targets,
-    )
+    tags = _tags(line, path, direction)
+    return Mission(train.number, direction, train.revenue, path, tuple(routes), spans, tags, targets)
 
 
 def _stops(line: Line, train: TimetableTrain, start_section: str, leave_by: str | None) -> list[set[str]]:

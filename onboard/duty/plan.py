@@ -179,14 +179,14 @@ def plan_of(mission: Mission, length_m: float) -> DutyPlan:
         )
     end_piece, end_m = path.locate(mission.spans[-1].end_m)
     return DutyPlan(
-        number=mission.number,
-        direction=mission.direction.name.lower(),
-        spans=tuple(spans),
-        legs=tuple(PlanLeg(r.id, r.from_section, r.section_ids) for r in mission.routes),
-        stops=tuple(stops),
-        tags=tags,
-        end_piece=end_piece,
-        end_kilometrage_m=end_m,
+        mission.number,
+        mission.direction.name.lower(),
+        tuple(spans),
+        tuple(PlanLeg(r.id, r.from_section, r.section_ids) for r in mission.routes),
+        tuple(stops),
+        tags,
+        end_piece,
+        end_m,
         enters=mission.spans[0].kind is SectionKind.PORTAL,
     )
 

@@ -1,14 +1,14 @@
-"""The tachometer against another axle (速度発電機の照合): what the two differ by is in the bounds, or a doubt.
+"""The tachometer compared with another axle (速度発電機の照合): the difference widens the bounds, or is a doubt.
 
-The slide protection has pulses of the last axle, which the tachometer's axle is not: it shows that axle's speed by the
-tachometer's circumference. Two that roll differ by no more than what the way of a turn varies by
-(`unit.axles_differ_share`), which the bounds' growth on what is counted holds already. What is beyond that is added up,
-to either side; as it grows it widens the bound on its side, so the interval spans what both axles say.
+The slide protection shows the speed of the last axle, converted to the tachometer's circumference. Two rolling axles
+differ by no more than the variation of a turn (`unit.axles_differ_share`), which the growth of the bounds covers.
+Differences beyond that are added up in each direction and widen the bound on that side, so the interval spans what both
+axles say.
 
-Invariant: the front is inside the bounds while one of the two axles shows the way as well as wheels are stated to, and
-both while they slide or slip. Axles `APART_M` apart contradict one another: a doubt, told once, until they have agreed
-for `AGREES_M` (decision 072). From then on the train goes by the faster one, and while it brakes by what it may still
-run at the most; an axle that turns when the train must long stand is the liar, and the other one counts.
+Invariant: the front is inside the bounds while at least one of the two axles is as good as wheels are stated to be, and
+both while they slide or slip. Axles that are `APART_M` apart contradict each other: a doubt, reported once, until they
+have agreed for `AGREES_M` (decision 072). From then on the faster axle counts, and during braking the greatest speed
+that the train may still have. An axle that turns when the train must long be standing is wrong; then the other counts.
 """
 
 from __future__ import annotations

@@ -1,15 +1,15 @@
-"""Beacons of the train stop (ATS地上子) as fixes of the position, matched by interval and window (Harada, 2.2).
+"""Train-stop beacons (ATS地上子) as fixes of the position, matched by interval and window (Harada, 2.2).
 
-The database has the beacons that are gone by (使用地上子). From a known place on, a window is laid about the next one,
-by the own position: what is noticed before it counts for nothing, the first beacon noticed in it is taken for that one.
-A window passed without any is a miss; after `MISSES` in a row the localisation by beacons has failed and is over until
-the train begins another path. A beacon that tells its number needs no window.
+The database has the beacons in use (使用地上子). From a known place on, the unit expects the next one in a
+window about its place. Beacons detected before the window are ignored; the first one in it is taken for
+the expected one. A window without a beacon is a miss; after `MISSES` in a row localisation by beacons has
+failed until the train begins another path. A beacon with a number needs no window.
 
-Invariant (`bounded`): a beacon without a number moves the estimate inside the bounds and never the bounds. Another one
-taken for it (added, moved, noticed where none is; wheels that slipped) cannot be told from it, so nothing that is safe
-may rest on it; one that cannot be where it would have to be, by the bounds or by what the beacons before it came to, is
-not taken for it. One with a number cuts the bounds: it lies within `placed_within_m` of its place in the database.
-With `trusts` it is the paper's own method: what is noticed in the window sets position and bounds, whatever they were.
+Invariant (`bounded`): a beacon without a number moves the estimate inside the bounds and never the bounds. It cannot
+be distinguished from another one (added, moved, falsely detected; or after wheels slipped), so safety must not depend
+on it. A beacon that contradicts the bounds, or the beacons before it, is not taken. A beacon with a number cuts the
+bounds: it lies within `placed_within_m` of its place in the database. With `trusts` this is the paper's own method: a
+beacon detected in the window sets position and bounds, whatever they were.
 """
 
 from __future__ import annotations

@@ -1,18 +1,18 @@
 """Curvature collation (曲率照合) in the tick: a yaw gyro and the wheels against a map of curvature.
 
-Harada, Maki, Kazato and Ishiguri, section 3. Every `every_m` the ring of the last metres (`curvature_ring`) is compared
-with the map (equation (2)) over the window that the bounds leave; N_s is the most, not the usual. The window N_r grows
-with the path, up to `window_m`, and is no longer than what the wheels' scale may stretch by little. No fix is taken
-without transition curves in what is compared (3.4), and none while the least mean square of the difference passes a
-threshold (equation (3), 3.5): then the track is another than the map's, or the wheels have slid.
+Harada, Maki, Kazato and Ishiguri, section 3. Every `every_m` the ring of the last metres (`curvature_ring`) is
+compared with the map (equation (2)) over the range that the bounds leave, at most N_s. The window N_r grows with the
+path, up to `window_m`, as long as the wheels' scale error stretches it only slightly. No fix is taken without
+transition curves in the window (3.4), or if the least mean square of the difference exceeds a threshold (equation (3),
+3.5): then the track is not the one in the map, or the wheels have slid.
 
-Invariant: the fix's interval holds the front while gyro, rails and wheels are no worse than stated. It is the hull of
-all shifts that noise explains: by the likelihood of two shifts, the sum of squares (without a constant difference,
-which is bias) is at the true one no greater than the least by more than `sure_sigmas` deviations can make it, or would
-not be but for one jump of the gyro's bias, which may look like the beginning of a curve. It is widened by what pulls a
-fix aside (`curvature_bounds`). Look-alike curves give a wide fix instead of a wrong one. Of the window the fix goes by
-the part that promises the narrowest interval: curves behind say less the longer ago they were. A filter other than by
-space is for experiments; its delay at other speeds widens the interval too.
+Invariant: the fix's interval contains the front while gyro, rails and wheels are no worse than stated. It is the hull
+of all shifts that noise can explain: at the true shift the sum of squares (without a constant difference, which is
+bias) exceeds the least one by no more than `sure_sigmas` standard deviations of noise can cause, allowing for one jump
+of the gyro's bias, which may look like the beginning of a curve. It is widened by systematic errors
+(`curvature_bounds`). Similar curves give a wide fix instead of a wrong one. Of the window the fix uses the part that
+gives the narrowest interval, because older curves say less. A filter other than by distance is for experiments; its
+delay at other speeds widens the interval too.
 """
 
 from __future__ import annotations

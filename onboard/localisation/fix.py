@@ -1,15 +1,15 @@
 """One rule for every fix of the position, whatever sensor it comes from.
 
-Invariant: an interval that holds the true front, cut with another one that holds it, still does. A fix whose interval
-misses the present one is refused: one of the two is wrong, and nobody knows which. A unit without a position takes
-the fix as it is.
+Invariant: where two intervals both contain the true front, their intersection contains it too. A fix whose interval
+does not overlap the bounds is refused, because one of the two is wrong and nobody knows which. A unit without a
+position takes the fix as it is.
 
-A reader of `onboard.localisation.table` gives its fix to `taken` in the compiled tick, event-driven ones give theirs
-to `take`; both `cut`. The new estimate lies between the two, weighted by the squares of what each may be wrong by,
-inside what is left. A tag may lie, and what the tachometer has shown since the one before may be false without anybody
-having noticed: after a tag the bounds span it and what the tags before it say (`onboard.localisation.tags`). A sensor
-that may be deceived (a camera) only has the estimate `leant`: it moves inside the bounds, which stay where they are,
-so nothing that is safe rests on it.
+To `cut` the bounds is to narrow them to their intersection with the fix's interval. The new estimate lies between the
+old one and the fix, weighted by the inverse squares of their greatest errors, inside the new bounds. Readers of
+`onboard.localisation.table` do this by `taken` in the compiled tick, event-driven ones by `take`. A tag may be wrong,
+and so may the tachometer since the tag before, unnoticed: after a tag the bounds span it and what the tags before it
+say (`onboard.localisation.tags`). A sensor that can be deceived (a camera) only moves the estimate inside the bounds
+(`leant`). The bounds stay as they are, so safety never depends on such a sensor.
 """
 
 from __future__ import annotations
@@ -140,6 +140,19 @@ def trusted(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) ->
 
 
 @compiled
+def keep_narrowest(unit: UnitRow) -> None:
+    """Keep the fix just taken to measure the wheels by, unless one before it has the front within less by now."""
+    run_m = abs(unit.odometer_m - unit.narrow_odometer_m)
+    slid_m = unit.slid_ahead_m - unit.narrow_slid_m + unit.slipped_behind_m - unit.narrow_slipped_m
+    kept_m = unit.narrow_high_m - unit.narrow_low_m + 2.0 * unit.bound_growth * run_m + slid_m
+    if unit.narrow != 0 and unit.fix_high_m - unit.fix_low_m > kept_m:
+        return
+    unit.narrow, unit.narrow_low_m, unit.narrow_high_m = 1, unit.fix_low_m, unit.fix_high_m
+    unit.narrow_odometer_m = unit.odometer_m
+    unit.narrow_slid_m, unit.narrow_slipped_m = unit.slid_ahead_m, unit.slipped_behind_m
+
+
+@compiled
 def told(unit: UnitRow, reader: int) -> int:
     """What a reading of an absolute sensor means for virtual tags; event bits."""
     if unit.fix_came == FIX_CUT:
@@ -147,6 +160,7 @@ def told(unit: UnitRow, reader: int) -> int:
         unit.fix_at_m, unit.fix_odometer_m = unit.position_m, unit.odometer_m
         unit.fix_reader = reader
         unit.sure_m = max(unit.sure_m, unit.fix_low_m)
+        keep_narrowest(unit)
         if unit.sure_m >= unit.place_trigger_m:
             unit.place_trigger_m = np.inf
             return EVENT_PLACE

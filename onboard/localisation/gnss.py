@@ -1,31 +1,33 @@
-"""The satellite receiver (GNSS): what its fixes, put onto the path, say of the train's front.
+"""The satellite receiver (GNSS): an interval for the train's front from fixes projected onto the path.
 
-Invariant: as long as the receiver errs as stated below, the interval made here holds the front.
+Invariant: as long as the receiver errs as stated below, the interval made here contains the front.
 
-What may be wrong, and what comes of it (P is the protection level that the receiver states):
-- A fix under an open sky errs by no more than P / 4, and with part of the sky hidden by no more than P, unless a
-  fault makes it err by more than it says.
-- A fix with part of the sky hidden only leans the estimate, inside the bounds: reflections are likeliest there, and
-  few satellites tell them. So does one that has not been borne out by `BORNE_OUT` fixes before it.
-- A fault that comes up moves the fixes against the wheels. Within a window they may move by P / 4, by what wheels may
-  be wrong by (`DRIFT_SHARE`; a window ends where that comes to P / 8), and by what slid or slipped. What moves by more
-  is a lie of the receiver, now or before: the interval spans it from then on, until it moves back; on another path its
-  direction is not known any more. So a fault that comes up by more than 3 % of the way run is held: up to 3 P / 8 of it
-  may hide at the edges of two windows each, beside the P / 4.
-- While wheels slide or slip, a fault may move the fixes by as much the other way, and nothing is seen of it. So all
-  that may have slid is in the interval, too: ahead of the fix, as it is in the bounds; what slipped, behind it. What
-  only a slide or slip explains of a movement may be a lie that came up after it: that is in the interval as well.
-- Without a fix under an open sky for more than half a window's way nothing is compared, and the wheels' error adds up:
-  what they are allowed in that gap, and what they may be wrong by the other way, is in the interval from then on. Of
-  several gaps the greatest counts, until bounds have shown what lie there is: one lie comes up in one of them.
-- Bounds hold the front, whatever made them. A fix that is further from them than P / 4 and the lie that is known shows
-  that it lies, also from the first one on: the interval spans that. One that is nearer shows how great the lie can
-  still be: narrow bounds confirm a receiver, and give back what slides had taken from it.
-- Not held: a fault that comes up by less than 3 % of the way while bounds are too wide to show it; several that are
-  too small to be seen, one after the other. What leaves the bounds altogether is refused by the one rule of fixes.
+Possible errors and their effect (P is the protection level that the receiver states):
+- A fix under an open sky errs by no more than P / 4, and with part of the sky hidden by no more than P, unless there
+  is a fault.
+- A fix with part of the sky hidden only moves the estimate inside the bounds, because reflections are most likely
+  there and few satellites reveal them. The same holds for a fix that is not confirmed by `BORNE_OUT` fixes before it.
+- A growing fault moves the fixes against the wheels. Within a window they may move by P / 4, by the error of wheels
+  (`DRIFT_SHARE`; a window ends where that reaches P / 8), and by slides and slips. A greater movement is an error of
+  the receiver, now or before: the interval spans it from then on, until it moves back; on another path its direction
+  is no longer known. So a fault that grows by more than 3 % of the distance run is covered: at most 3 P / 8 of it may
+  hide at the edges of two windows each, besides the P / 4.
+- While wheels slide or slip, a fault may move the fixes by as much in the other direction, unseen. So everything that
+  may have slid is in the interval too, ahead of the fix, as in the bounds; everything that slipped, behind it. The
+  part of a movement that only a slide or slip explains shifts that allowance: it was one, or an error that appeared
+  after it.
+- Without a fix under an open sky for more than half a window nothing is compared, and the wheels' error adds up. The
+  distance between the fixes on both sides of such a gap is the distance run plus the growth of an error: the part that
+  the wheels, as they are known now, do not explain is in the interval. So knowing them better later makes it narrower.
+  Of several gaps the greatest counts, until bounds have shown the error: one error appears in one of them.
+- Bounds contain the front, whatever made them. A fix further from them than P / 4 plus the known error shows that the
+  receiver is wrong, also at the first fix, and the interval spans that error. A nearer one shows how great the error
+  can still be: narrow bounds confirm a receiver, and remove what slides had added.
+- Not covered: a fault that grows by less than 3 % of the distance while bounds are too wide to show it; several faults
+  in succession that are too small to be seen. What leaves the bounds is refused by the one rule of fixes.
 - A wrong time tag shifts fixes by the speed; it shows, like any other fault, where the speed changes.
 
-A unit without a position takes the interval of a receiver that `FIRST_FIXES` open-sky fixes have borne out.
+A unit without a position takes the interval of a receiver that `FIRST_FIXES` open-sky fixes have confirmed.
 """
 
 from __future__ import annotations
@@ -43,6 +45,9 @@ OLDEST_S: Final = 6.0  # a fix that says it is older is of no use
 STEADY_SHARE: Final = 0.25  # of the protection level, by which fixes that err as stated move within a window
 WHEELS_SHARE: Final = 0.125  # of it, by which the wheels may be wrong within a window
 DRIFT_SHARE: Final = 0.01  # assumed: wheels known to three of their sigma; only suspicion rests on it
+GAP_SHARE_MAX: Final = (
+    2.0 * DRIFT_SHARE
+)  # by which wheels are taken to be wrong in a gap, even while they are doubted
 WINDOW_S: Final = 60.0
 BORNE_OUT: Final = 5  # fixes in a row that agree, before one cuts the bounds
 FIRST_FIXES: Final = 10  # before one gives a unit its position
@@ -76,18 +81,21 @@ class GnssRow(Protocol):
     heard: Annotated[int, "1: it has had a fix"]
     silent_s: Annotated[float, "since the last one"]
     agreeing: Annotated[int, "fixes under an open sky that did not move against the wheels, in a row"]
-    open_way_m: Annotated[float, "the way at the last fix under an open sky"]
-    gap_m: Annotated[
-        float, "what the lie's interval has of a gap without one, since bounds last showed it, m"
-    ]
+    open_at_m: Annotated[float, "the last fix under an open sky"]
+    open_way_m: Annotated[float, "the way there"]
+    open_odometer_m: Annotated[float, "the tachometer there"]
+    gap_counted_m: Annotated[float, "what the tachometer counted in the longest gap without one"]
+    gap_least_m: Annotated[float, "the fixes have gone on over it by no less, beside what moves as stated"]
+    gap_most_m: Annotated[float, "and no more"]
+    gap_low_m: Annotated[float, "a lie that came up in another gap is no less"]
+    gap_high_m: Annotated[float, "and no more"]
     offset_m: Annotated[float, "a fix less the way, at the window's beginning"]
     window_way_m: Annotated[float, "the way there"]
     window_slid_m: float
     window_slipped_m: float
-    window_less_m: Annotated[
-        float, "by how much only what slipped explains that fixes have fallen back since"
+    window_beyond_m: Annotated[
+        float, "by how much only what slid (positive) or slipped explains that fixes have moved since"
     ]
-    window_more_m: Annotated[float, "by how much only what slid explains that they have gone ahead"]
     window_s: Annotated[float, "how long ago that is; negative: there is no window"]
     moved_low_m: Annotated[float, "its lie is no less, as it has moved against the wheels, or may have"]
     moved_high_m: Annotated[float, "and no more"]
@@ -123,8 +131,9 @@ def keep_way(own: GnssRow, unit: UnitRow, step_s: float) -> None:
         own.window_s += step_s
     if own.path != unit.paths_taken_up or own.ticks == 1:
         own.path, own.window_s, own.agreeing = unit.paths_taken_up, -1.0, 0
-        least_m, most_m = lie_m(own)
+        least_m, most_m = lie_m(own, unit)
         either_m = max(-least_m, most_m)  # on another path it may point the other way
+        forget_gaps(own)
         own.moved_low_m, own.moved_high_m = -either_m, either_m
         own.shown_low_m = own.shown_high_m = 0.0
 
@@ -139,9 +148,34 @@ def may_lie(own: GnssRow, less_m: float, more_m: float) -> None:
 
 
 @compiled
-def lie_m(own: GnssRow) -> tuple[float, float]:
+def lie_m(own: GnssRow, unit: UnitRow) -> tuple[float, float]:
     """What the fixes are wrong by at least and at most (m), errors as stated apart: now, or only before."""
-    return min(own.moved_low_m, own.shown_low_m, 0.0), max(own.moved_high_m, own.shown_high_m, 0.0)
+    low_m, high_m = hidden_in_gaps_m(own, unit)
+    return (
+        min(own.moved_low_m, own.shown_low_m, 0.0) + low_m,
+        max(own.moved_high_m, own.shown_high_m, 0.0) + high_m,
+    )
+
+
+@compiled
+def hidden_in_gaps_m(own: GnssRow, unit: UnitRow) -> tuple[float, float]:
+    """What a lie that came up in a gap is at least and at most (m), by what is known of the wheels now."""
+    low_m, high_m = unseen_m(own.gap_least_m, own.gap_most_m, own.gap_counted_m, unit)
+    return min(own.gap_low_m, low_m), max(own.gap_high_m, high_m)
+
+
+@compiled
+def unseen_m(least_m: float, most_m: float, counted_m: float, unit: UnitRow) -> tuple[float, float]:
+    """What the wheels leave of fixes that went on by that while the tachometer counted so much, m; 0 is between."""
+    within = min(unit.bound_growth, GAP_SHARE_MAX)
+    low_m = least_m - counted_m * (unit.odometer_scale + within)
+    return min(low_m, 0.0), max(most_m - counted_m * (unit.odometer_scale - within), 0.0)
+
+
+@compiled
+def forget_gaps(own: GnssRow) -> None:
+    """Nothing is hidden in a gap, or it is counted elsewhere."""
+    own.gap_counted_m = own.gap_least_m = own.gap_most_m = own.gap_low_m = own.gap_high_m = 0.0
 
 
 @compiled
@@ -156,40 +190,51 @@ def front_by_fix(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: floa
 
 
 @compiled
-def hidden_in_gap_m(own: GnssRow, unit: UnitRow, protection_m: float) -> float:
-    """What of a lie wheels may hide that came up since the last fix under an open sky, m; none in half a window."""
-    gap_m, in_window_m = abs(own.way_m - own.open_way_m), WHEELS_SHARE * protection_m
-    if DRIFT_SHARE * gap_m <= 0.5 * in_window_m:
-        return 0.0
-    return float((DRIFT_SHARE + min(unit.bound_growth, 2.0 * DRIFT_SHARE)) * gap_m) - in_window_m
+def keep_gap(own: GnssRow, unit: UnitRow, at_m: float, protection_m: float, counted_m: float) -> None:
+    """Keep what a lie may be that came up since the last fix under an open sky, beside `counted_m` of it; m.
+
+    Nothing in half a window. Of what fixes moved there the lie's interval has room for all but 3 P / 8 already.
+    """
+    if DRIFT_SHARE * abs(own.way_m - own.open_way_m) <= 0.5 * WHEELS_SHARE * protection_m:
+        return
+    run_m, room_m = own.odometer_m - own.open_odometer_m, (STEADY_SHARE + WHEELS_SHARE) * protection_m
+    on_m = at_m - own.open_at_m - counted_m
+    longer = run_m > own.gap_counted_m
+    if longer:
+        own.gap_low_m, own.gap_high_m = hidden_in_gaps_m(own, unit)
+        own.gap_counted_m, own.gap_least_m, own.gap_most_m = run_m, on_m + room_m, on_m - room_m
+    else:
+        low_m, high_m = unseen_m(on_m + room_m, on_m - room_m, run_m, unit)
+        own.gap_low_m, own.gap_high_m = min(own.gap_low_m, low_m), max(own.gap_high_m, high_m)
 
 
 @compiled
 def bears_out(own: GnssRow, unit: UnitRow, at_m: float, protection_m: float) -> bool:
     """Whether a fix under an open sky has moved against the wheels by no more than it may; keeps the window."""
-    offset_m, hidden_m = at_m - own.way_m, hidden_in_gap_m(own, unit, protection_m)
-    own.open_way_m = own.way_m
+    offset_m = at_m - own.way_m
     if own.window_s < 0.0:
         begin_window(own, offset_m)
         own.agreeing = 1
         return True
-    if own.forgives == 0 and hidden_m > own.gap_m:
-        may_lie(own, own.gap_m - hidden_m, hidden_m - own.gap_m)
-        own.gap_m = hidden_m
     moved_m = offset_m - own.offset_m
     wheels_m = DRIFT_SHARE * abs(own.way_m - own.window_way_m)
-    most_m = STEADY_SHARE * protection_m + wheels_m + own.slid_m - own.window_slid_m
-    least_m = -(STEADY_SHARE * protection_m + wheels_m + own.slipped_m - own.window_slipped_m)
+    steady_m = STEADY_SHARE * protection_m + wheels_m
+    most_m = steady_m + own.slid_m - own.window_slid_m
+    least_m = -(steady_m + own.slipped_m - own.window_slipped_m)
     if not least_m <= moved_m <= most_m:
-        may_lie(own, moved_m - wheels_m, moved_m + wheels_m)
+        more_m = moved_m - own.window_beyond_m
+        may_lie(own, more_m - wheels_m, more_m + wheels_m)
+        if own.forgives == 0:
+            keep_gap(own, unit, at_m, protection_m, more_m)
         own.agreeing = 0
         begin_window(own, offset_m)
         return False
-    if own.forgives == 0:  # or it is a lie that came up after the slide
-        more_m = max(moved_m - STEADY_SHARE * protection_m - wheels_m, own.window_more_m)
-        less_m = max(-moved_m - STEADY_SHARE * protection_m - wheels_m, own.window_less_m)
-        may_lie(own, own.window_less_m - less_m, more_m - own.window_more_m)
-        own.window_less_m, own.window_more_m = less_m, more_m
+    if own.forgives == 0:  # what the slide explains may be a lie that came up after it
+        beyond_m = moved_m - min(max(moved_m, -steady_m), steady_m)
+        more_m = beyond_m - own.window_beyond_m
+        may_lie(own, more_m, more_m)
+        keep_gap(own, unit, at_m, protection_m, more_m)
+        own.window_beyond_m = beyond_m
     own.agreeing += 1
     if wheels_m > WHEELS_SHARE * protection_m or own.window_s > WINDOW_S:
         begin_window(own, offset_m)
@@ -200,7 +245,7 @@ def bears_out(own: GnssRow, unit: UnitRow, at_m: float, protection_m: float) -> 
 def begin_window(own: GnssRow, offset_m: float) -> None:
     """From here on the next fixes are compared with this one."""
     own.offset_m, own.window_s = offset_m, 0.0
-    own.window_less_m = own.window_more_m = 0.0
+    own.window_beyond_m = 0.0
     own.window_way_m, own.window_slid_m, own.window_slipped_m = own.way_m, own.slid_m, own.slipped_m
 
 
@@ -213,28 +258,31 @@ def measure_lie(own: GnssRow, unit: UnitRow, at_m: float, wheels_m: float, prote
     steady_m, hidden_m = STEADY_SHARE * protection_m + wheels_m, HIDDEN_SHARE * protection_m
     low_m = at_m - (unit.position_m + unit.bound_ahead_m) - steady_m
     high_m = at_m - (unit.position_m - unit.bound_behind_m) + steady_m
-    meets = low_m <= max(own.moved_high_m, 0.0) + hidden_m and high_m >= min(own.moved_low_m, 0.0) - hidden_m
-    least_m, most_m = lie_m(own)
+    gap_low_m, gap_high_m = hidden_in_gaps_m(own, unit)
+    least_m, most_m = min(own.moved_low_m, 0.0) + gap_low_m, max(own.moved_high_m, 0.0) + gap_high_m
+    meets = low_m <= most_m + hidden_m and high_m >= least_m - hidden_m
+    least_m, most_m = lie_m(own, unit)
+    if low_m > least_m or high_m < most_m:
+        may_lie(own, gap_low_m, gap_high_m)
+        forget_gaps(own)
     if low_m > most_m or high_m < least_m:
         own.shown_low_m, own.shown_high_m = low_m, high_m
     elif -hidden_m <= low_m and high_m <= hidden_m:
-        own.moved_low_m = own.moved_high_m = own.shown_low_m = own.shown_high_m = own.gap_m = 0.0
+        own.moved_low_m = own.moved_high_m = own.shown_low_m = own.shown_high_m = 0.0
+        forget_gaps(own)
     else:
         own.shown_low_m = min(max(own.shown_low_m, low_m), high_m)
         own.shown_high_m = min(max(own.shown_high_m, low_m), high_m)
         if meets:
-            wide_m = own.moved_high_m - own.moved_low_m
             own.moved_low_m = min(max(own.moved_low_m, low_m), high_m)
             own.moved_high_m = min(max(own.moved_high_m, low_m), high_m)
-            if own.moved_high_m - own.moved_low_m < wide_m:
-                own.gap_m = 0.0
     return bool(meets)
 
 
 @compiled
-def outcome_of(own: GnssRow, protection_m: float) -> int:
+def outcome_of(own: GnssRow, unit: UnitRow, protection_m: float) -> int:
     """What came of a fix that was used: nothing new while the receiver is under suspicion."""
-    least_m, most_m = lie_m(own)
+    least_m, most_m = lie_m(own, unit)
     return TAKEN if max(most_m, -least_m) <= STEADY_SHARE * protection_m else NOTHING
 
 
@@ -246,7 +294,7 @@ def leans(own: GnssRow, unit: UnitRow, at_m: float, within_m: float, protection_
     if abs(at_m - unit.position_m) > own.slack_m + within_m:
         return NOTHING
     own.slack_m = leant(unit, own.slack_m, at_m, within_m)
-    return outcome_of(own, protection_m)
+    return outcome_of(own, unit, protection_m)
 
 
 @compiled
@@ -254,10 +302,13 @@ def used(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: float) -> in
     """A fix that is sound: it cuts the bounds under an open sky once borne out, else it leans the estimate."""
     at_m, wheels_m = front_by_fix(own, reading, unit, step_s)
     protection_m, sky_open = reading.protection_m, reading.open_sky != 0
-    if sky_open and not bears_out(own, unit, at_m, protection_m):
+    borne_out = not sky_open or bears_out(own, unit, at_m, protection_m)
+    if sky_open:
+        own.open_at_m, own.open_way_m, own.open_odometer_m = at_m, own.way_m, own.odometer_m
+    if not borne_out:
         return REFUSED
     meets = not sky_open or unit.position_known == 0 or measure_lie(own, unit, at_m, wheels_m, protection_m)
-    least_m, most_m = lie_m(own)
+    least_m, most_m = lie_m(own, unit)
     within_m = protection_m + wheels_m
     if not sky_open or own.agreeing < (BORNE_OUT if unit.position_known == 1 else FIRST_FIXES):
         return leans(own, unit, at_m, within_m + max(most_m, -least_m), protection_m)
@@ -265,7 +316,7 @@ def used(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: float) -> in
         unit.fix_came = FIX_MISSED
         return REFUSED
     came = taken(unit, at_m, within_m + most_m, within_m - least_m)
-    return outcome_of(own, protection_m) if came == TAKEN else REFUSED
+    return outcome_of(own, unit, protection_m) if came == TAKEN else REFUSED
 
 
 @compiled

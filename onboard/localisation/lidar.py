@@ -1,14 +1,14 @@
-"""Markers as a fix and as a speed: what the LiDAR says of the train's front, five times a step.
+"""Markers as a fix and as a speed, from the LiDAR, five times a step.
 
-Invariant: a fix is taken only of a pattern that the map has where the train can be. Where the train could be at another
-group as well, or does not know where it is, the pattern is believed when the group read before it lies as far away as
-the wheels have counted; until then it moves nothing. So neither a pattern misread, nor one laid in another's place,
-moves the estimate off the truth, as long as no two of them are wrong alike.
+Invariant: a fix is taken only from a pattern that the map has at a possible place of the train. If the train could also
+be at another group, or does not know where it is, the pattern is believed once the group read before it lies as far
+away as the wheels have counted; until then it has no effect. So neither a misread pattern nor one laid in the wrong
+place moves the estimate off the truth, unless two of them are wrong in the same way.
 
-The interval of a fix: points are moved by a speed that is wrong by no more than SEEN_WITHIN_MPS once the means are
-filled, half the time that points are kept and since the cycle; the first row's own scatter; and where markers lie.
-Mochizuki, Kudo and Yamaguchi, sections 2 and 3. The speed does not come from the wheels: where they slide it bounds
-what the train may run (`onboard.localisation.tachometer`).
+The interval of a fix covers the shift of points by a speed that is wrong by at most SEEN_WITHIN_MPS, over half the time
+that points are kept and since the cycle; the scatter of the first row; and the error of the markers' places. Mochizuki,
+Kudo and Yamaguchi, sections 2 and 3. The speed does not come from the wheels; while they slide it limits the assumed
+speed of the train (`onboard.localisation.tachometer`).
 """
 
 from __future__ import annotations

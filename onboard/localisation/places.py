@@ -17,7 +17,7 @@ from typing import Final
 
 from network.model import TagPurpose
 from onboard.duty.mission import PathTag
-from onboard.localisation.wheel_scale import FrontAtCount, WheelScale, carried, held
+from onboard.localisation.wheel_scale import FrontAtCount, WheelScale, carried, held, narrowest
 from onboard.records import UnitRow
 from onboard.unit_records import UnitParameters
 
@@ -33,7 +33,7 @@ class Places:
     def __init__(self, row: UnitRow, parameters: UnitParameters) -> None:
         self._row: Final = row
         self._parameters: Final = parameters
-        self._wheel: Final = WheelScale(row, parameters)
+        self._wheel: Final = WheelScale(row, parameters, keeps_first=True)
         self._before: FrontAtCount | None = None  # a fix in doubt, with which the next must agree
         self._tags: tuple[PathTag, ...] = ()
         self._proved = 0  # of the tags, how many by fixes
@@ -45,7 +45,7 @@ class Places:
         row = self._row
         row.sure_m = row.fix_at_m = -math.inf
         row.place_trigger_m = math.inf
-        row.missed_fixes = 0
+        row.missed_fixes = row.narrow = 0
         self._tags, self._before = (), None
         self._wheel.forget_places()
 
@@ -82,12 +82,13 @@ class Places:
         """A position fault: no way is measured over it."""
         self._before = None
         self._wheel.forget()
-        self._row.missed_fixes = 0
+        self._row.missed_fixes = self._row.narrow = 0
 
     def eye(self, front_m: float, within_m: float) -> None:
         """The driver's eye has told where the front is: a fix like that of a sensor."""
         row = self._row
         row.fix_low_m, row.fix_high_m = front_m - within_m, front_m + within_m
+        row.narrow = 0
         row.fix_at_m, row.fix_odometer_m = row.position_m, row.odometer_m
         row.sure_m = max(row.sure_m, row.fix_low_m)
 
@@ -122,5 +123,6 @@ class Places:
             if low_m > here.high_m or high_m < here.low_m:
                 return
             self._wheel.learn(before)
-        self._wheel.learn(here)
+        # Another sensor may have told the position more closely, not long ago.
+        self._wheel.learn(narrowest(row))
         self._wheel.apply(self._wheel.middle)

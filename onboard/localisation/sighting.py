@@ -1,12 +1,12 @@
 """The stop sign (停止位置目標) as a fix of the position: what one frame of the camera says of the train's front.
 
 Invariant: a sighting moves the estimate inside the bounds and never the bounds. A camera can be deceived and can fail
-to see: what is safe rests on tags and wheels, and sightings decide where the train stops at its mark.
+to see: safety depends on tags and wheels, and sightings decide where the train stops at its mark.
 
-What a sighting says holds while the camera pitches no more than assumed. One that contradicts what the sightings
-before it came to is refused; the third in a row has the estimate begin anew. The distance comes from the sign's row
-in the image, so pitch matters: d(distance) = distance^2 / height * pitch, the height being that of the lens over the
-sign (Oda, 3.2.2, figure 16).
+A sighting is valid while the camera pitches no more than assumed. One that contradicts the sightings before it is
+refused; after the third in a row the estimate starts again. The distance comes from the sign's row in the image, so
+pitch matters: d(distance) = distance^2 / height * pitch, with the height of the lens over the sign (Oda, 3.2.2, figure
+16).
 """
 
 from __future__ import annotations

@@ -1,19 +1,19 @@
-"""How far tags and tachometer are to be believed: what bounds rest on, calibration, doubt after a position fault.
+"""How far tags and tachometer are trusted: the bounds after a tag, calibration, doubt after a position fault.
 
-Invariant: of the tags read one after another at most `tags_wrong_together` say where the train is not (a wrong id, one
-of another track, one that was moved), or those that do lie on both sides of it (two that were swapped). So the bounds
-span as many and one more: the newest tag whole, and of what those before it say by now, by the wheels, what the bounds
-before it leave. None of them can move the bounds off the truth. A tag that agrees neither with the last one believed
-nor with one doubted since, as far as the wheels are known, is doubted: it may widen the bounds, but neither moves the
-estimate nor counts as passed, until a later one tells which was wrong.
+Invariant: of the tags read one after another at most `tags_wrong_together` give a wrong place (a wrong id, a tag of
+another track, a moved one), or the wrong places lie on both sides of the train (two swapped tags). So the bounds span
+one tag more than that number: the newest tag fully, and the earlier ones, carried on by the wheels, as far as the
+bounds before allow. No such tag can move the bounds off the truth. A tag that agrees neither with the last trusted tag
+nor with a doubted one since, within the error of the wheels, is doubted: it may widen the bounds, but neither moves
+the estimate nor counts as passed, until a later tag shows which was wrong.
 
-After a position fault a tag fixes the position again only if no other tag can be meant, counting all that the
-tachometer may be wrong, or if it agrees with the tag read before it (地上子位置との照合, Sugiyama, table 5). Where tags
-alone spoke for the fault, the bounds that there were may be true and the tags false: they are spanned too. They stay
-wide until the way between two tags is as the tachometer says; but wheels are not doubted for what they cannot explain:
-a tag that does not lie on the path, or one further from what another sensor has told than they could err by since.
-What was known of the wheels comes back where two places that were told, by a tag believed or by a fix of an absolute
-sensor, the first even before the fault, say that they are worth what they were: then it was the tag that was false.
+After a position fault a tag fixes the position only if no other tag is possible within the tachometer's
+error, or if it agrees with the tag read before it (地上子位置との照合, Sugiyama, table 5). If only tags showed the
+fault, the old bounds may be right and the tags wrong, so the old bounds are spanned too. They stay wide
+until the distance between two tags is as the tachometer says. Wheels are not doubted for what they cannot
+explain: a tag that is not on the path, or one further from another sensor's fix than wheels could err
+since then. The former knowledge of the wheels is restored when two known places, by a trusted tag or a fix
+of an absolute sensor, the first even before the fault, confirm it: then the tag was wrong.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ from onboard.localisation.wheel_scale import (
     WheelScale,
     carried,
     held,
+    narrowest,
     way_between,
 )
 from onboard.records import UnitRow
@@ -328,7 +329,7 @@ class TagDoubt:
     def fix_came(self) -> None:
         """An absolute sensor has told where the front is: what that says of the wheels."""
         row = self._row
-        here = held(row, float(row.fix_low_m), float(row.fix_high_m))
+        here = narrowest(row)
         tells_over_m = (here.high_m - here.low_m) / self._parameters.wheel_error_share
         if here.odometer_m - self._measured_m >= tells_over_m:
             self._measured_m = here.odometer_m

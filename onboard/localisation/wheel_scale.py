@@ -46,6 +46,20 @@ def held(row: UnitRow, low_m: float, high_m: float) -> FrontAtCount:
     return FrontAtCount(low_m, high_m, row.odometer_m, row.slid_ahead_m, row.slipped_behind_m)
 
 
+def narrowest(row: UnitRow) -> FrontAtCount:
+    """The narrowest fix of an absolute sensor since the last that was asked for here; without one the last of all."""
+    if not row.narrow:
+        return held(row, float(row.fix_low_m), float(row.fix_high_m))
+    row.narrow = 0
+    return FrontAtCount(
+        float(row.narrow_low_m),
+        float(row.narrow_high_m),
+        float(row.narrow_odometer_m),
+        float(row.narrow_slid_m),
+        float(row.narrow_slipped_m),
+    )
+
+
 def carried(row: UnitRow, before: FrontAtCount, scales: Scales) -> tuple[float, float]:
     """The interval in which the front lies now, m, if it was in `before` then."""
     run_m = max(row.odometer_m - before.odometer_m, 0.0)
@@ -64,10 +78,14 @@ def way_between(before: FrontAtCount, here: FrontAtCount) -> Scales:
 
 
 class WheelScale:
-    """What one unit knows of its wheels; sets `odometer_scale` and `bound_growth` of its row."""
+    """What one unit knows of its wheels; sets `odometer_scale` and `bound_growth` of its row.
 
-    def __init__(self, row: UnitRow, parameters: UnitParameters) -> None:
+    `keeps_first`: the first place of a path stays one of those kept, as the way from it is the longest.
+    """
+
+    def __init__(self, row: UnitRow, parameters: UnitParameters, *, keeps_first: bool = False) -> None:
         self._row: Final = row
+        self._keeps_first: Final = keeps_first
         self._worn: Final = parameters.wheel_scale_limit
         self._varies: Final = parameters.wheel_varies_share
         self._low, self._high = 1.0 - self._worn, 1.0 + self._worn
@@ -119,6 +137,8 @@ class WheelScale:
         for before in tuple(self._places):
             if here.odometer_m - before.odometer_m >= LEARNED_OVER_M:
                 self._narrow(*way_between(before, here))
+        if self._keeps_first and len(self._places) == PLACES_KEPT:
+            del self._places[1]
         self._places.append(here)
 
     def read(self, tag: FrontAtCount) -> None:

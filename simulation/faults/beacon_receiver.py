@@ -1,4 +1,4 @@
-"""Faults of the receiver of beacons: it notices none, or notices one where none lies."""
+"""Faults of the beacon receiver: it detects no beacon, or one where there is none."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from simulation.faults.fault import SensorFault, UnitFault
 
 
 class DeafReceiver(SensorFault[bool]):
-    """The receiver notices no beacon."""
+    """The receiver detects no beacon."""
 
     kind = "no_beacon"
     changes = "beacon receiver"
@@ -22,7 +22,7 @@ class DeafReceiver(SensorFault[bool]):
 
 
 class FalseBeacon(UnitFault[bool]):
-    """The receiver notices a beacon, without a number, where none lies."""
+    """The receiver detects a beacon, without a number, where there is none."""
 
     kind = "false_beacon"
     changes = "false beacon"

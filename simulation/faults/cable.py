@@ -1,10 +1,10 @@
 """Faults of the cable along the line, over which a central interlocking reaches signals and points (通信ケーブル断).
 
-With a central interlocking (`[operation] interlocking = "central"`) nobody beyond a cut, seen from the centre, is
-granted anything, and no points there are thrown or proven; a train goes on to the end of what it holds and has proven.
-A cut of the whole cable (`*`) is that of a centre which can't be reached at all, or of a system that stops a whole line
-for one cut, as on the Koumi line on 16 October 2024. With interlocking on board the cable carries nothing that trains
-need, and its cut changes nothing.
+With a central interlocking (`[operation] interlocking = "central"`) no train beyond the cut, seen from the centre, is
+granted a route, and no points there are thrown or proven; a train runs on to the end of what it holds and has proven. A
+cut of the whole cable (`*`) stands for a centre that cannot be reached at all, or a system that stops the whole line
+for one cut, as on the Koumi line on 16 October 2024. With interlocking on board trains need nothing from the cable, and
+cutting it has no effect.
 """
 
 from __future__ import annotations
@@ -60,7 +60,10 @@ class CutCable(CableFault):
     """The cable along the line is cut, between two neighbouring stations (`A - B`) or for all of the line (`*`)."""
 
     kind = "cable_cut"
-    along_share: Share = Field(default=0.5, description="how far along from the first station to the second")
+    along_share: Share = Field(
+        default=0.5,
+        description="place of the cut, as a share of the way from the first station to the second",
+    )
 
     def over(self, cuts: tuple[CableCut, ...]) -> tuple[CableCut, ...]:
         return (*cuts, CableCut(self.target, self.along_share))

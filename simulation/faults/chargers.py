@@ -1,7 +1,7 @@
-"""Faults of chargers (充電設備): what a station gives to sets with batteries.
+"""Faults of chargers (充電設備) at stations, for sets with batteries.
 
-All crews are told at once when a charger fails or is mended, so that units reckon with it; a set that was charging
-there keeps what it has.
+All crews are told at once when a charger fails or is repaired, and units plan with that; a set that was charging keeps
+its charge.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class ChargerFault(Fault[bool]):
 
 
 class ChargerDead(ChargerFault):
-    """The charger of a station gives nothing."""
+    """The charger of a station gives no power."""
 
     kind = "charger_dead"
 

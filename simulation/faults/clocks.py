@@ -1,8 +1,8 @@
-"""Faults of the clocks that parties have of their own (装置の時計).
+"""Faults of the parties' own clocks (装置の時計).
 
-All that a party does in time it does by its clock: it stamps telegrams and judges the age of those it hears, its
-timers run by what passes of it, and a unit reads the departures of its timetable off it (a late clock departs late).
-Without a fault every clock is right. A fault that ends leaves it right again at once, as if it had been set.
+A party uses its clock for everything: to stamp telegrams and judge the age of those it receives, for its timers, and,
+in a unit, for the departures of its timetable (with its clock behind, it departs late). Without a fault every clock is
+right. When the fault ends the clock is right again at once, as if somebody had set it.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ class ClockFault(Fault[Clock]):
 
 
 class WrongClock(ClockFault):
-    """The clock shows a wrong time, and goes too fast or too slow."""
+    """The clock shows a wrong time, and runs too fast or too slow."""
 
     kind = "clock"
     offset_s: ClockOffset = Field(
-        default=0.0, description="time by which it is ahead at once; below 0: behind"
+        default=0.0, description="time by which it is ahead from the beginning; below 0: behind"
     )
     drift_ppm: ClockDrift = Field(
-        default=0.0, description="by which it goes too fast from then on; below 0: too slow"
+        default=0.0, description="rate by which it then runs too fast; below 0: too slow"
     )
     _since_s: float = PrivateAttr(default=0.0)
 

@@ -1,10 +1,10 @@
-"""Faults of devices and on-board units: without power, started again, without their durable state, frozen.
+"""Faults of devices and on-board units: no power, a restart, loss of the durable state, frozen.
 
-Power is off while any of these is in force; a person who switches the device on ends them. A party that has lost its
-durable state does not start by itself when it has power again: people must commission it (`commission`). A frozen
-party does nothing, and finds later what has come to it meanwhile; what it last commanded stays. A train whose unit is
-frozen goes on with the last command: its compiled supervision holds it to the stop limit that it has. Losing its power
-a party loses what has piled up, and one that boots while it is frozen goes on only afterwards.
+Power is off while one of these is in force; a person who switches the device on ends it. A party that has lost its
+durable state does not start by itself when power returns: people must commission it (`commission`). A frozen party
+does nothing, and later handles the telegrams received meanwhile; its last command stays in force. A train whose unit is
+frozen runs on with the last command, and its supervision holds it to its stop limit. A party without power loses the
+telegrams received; one that boots while frozen goes on only afterwards.
 """
 
 from __future__ import annotations
@@ -38,26 +38,26 @@ class PowerFault(DeviceFault):
 
 
 class PowerCut(PowerFault):
-    """The device is off; on again after the duration, and without one never."""
+    """The device is off, until the duration is over; without a duration it stays off."""
 
     kind = "power_off"
 
 
 class LostStore(PowerFault):
-    """The device is off and has lost its durable state; after the duration it waits to be commissioned again."""
+    """The device is off and loses its durable state; after the duration it waits to be commissioned."""
 
     kind = "lost_store"
 
 
 class Restart(PowerFault):
-    """The device goes off and on at once."""
+    """The device is switched off and on at once."""
 
     kind = "restart"
     momentary: ClassVar[bool] = True
 
 
 class Frozen(DeviceFault):
-    """The device does nothing, then goes on with what has piled up."""
+    """The device does nothing, then handles what it has received meanwhile."""
 
     kind = "frozen"
     changes = "frozen"

@@ -1,4 +1,4 @@
-"""Faults of the satellite receiver: no signals; fixes beyond its protection level, late, or all of one place."""
+"""Faults of the satellite receiver: no signals; fixes beyond its protection level, late, or always of one place."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class GnssAntenna(GnssFault):
 
 
 class GnssJammed(GnssFault):
-    """Somebody's transmitter drowns the satellites: no fix, and none for a time after."""
+    """A transmitter jams the satellites: no fix, and none for some time after."""
 
     kind = "gnss_jammed"
 
@@ -49,21 +49,21 @@ class GnssJammed(GnssFault):
 
 
 class GnssReflections(GnssFault):
-    """Reflections beyond the protection level, under what the receiver takes for an open sky: it states wrongly."""
+    """Reflections cause errors beyond the protection level, though the receiver sees an open sky."""
 
     kind = "gnss_reflections"
-    bias_m: ReceiverBias = Field(description="what they come to, along the train's way")
-    over_m: CorrelationWay = Field(default=80.0, description="the way over which they come, and go")
+    bias_m: ReceiverBias = Field(description="error along the train's way")
+    over_m: CorrelationWay = Field(default=80.0, description="distance over which it builds up and goes away")
 
     def over(self, reception: Reception) -> Reception:
         return replace(reception, bias_m=reception.bias_m + self.bias_m, over_m=self.over_m)
 
 
 class GnssJump(GnssFault):
-    """The receiver's position jumps, and its statement is wrong."""
+    """The receiver's position jumps, without a greater protection level."""
 
     kind = "gnss_jump"
-    bias_m: ReceiverBias = Field(description="by so much, along the train's way")
+    bias_m: ReceiverBias = Field(description="jump along the train's way")
 
     def over(self, reception: Reception) -> Reception:
         return replace(reception, bias_m=reception.bias_m + self.bias_m, over_m=0.0)
@@ -73,14 +73,14 @@ class GnssTimeTag(GnssFault):
     """Fixes are older than their time tags say."""
 
     kind = "gnss_time_tag"
-    late_s: ReceiverLatency = Field(description="by so much")
+    late_s: ReceiverLatency = Field(description="additional age")
 
     def over(self, reception: Reception) -> Reception:
         return replace(reception, late_s=reception.late_s + self.late_s)
 
 
 class GnssFrozen(GnssFault):
-    """Fixes are all of the place of the last one before, with new time tags: what computes the position has died."""
+    """All fixes repeat the last position, with new time tags."""
 
     kind = "gnss_frozen"
 

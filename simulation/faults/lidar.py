@@ -1,4 +1,4 @@
-"""Faults of the LiDAR, of the air before it, and of the markers that it looks for."""
+"""Faults of the LiDAR, of the air in front of it, and of the markers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class LidarFault(UnitFault[float]):
 
 
 class LidarBlind(LidarFault):
-    """The LiDAR sees nothing: dirt or ice on its window, or it is out of order."""
+    """The LiDAR sees nothing: dirt or ice on its window, or it is defective."""
 
     kind = "lidar_blind"
 
@@ -29,17 +29,17 @@ class LidarBlind(LidarFault):
 
 
 class LidarFog(LidarFault):
-    """Fog, snow or spray before the LiDAR."""
+    """Fog, snow or spray in front of the LiDAR."""
 
     kind = "lidar_fog"
-    visibility_m: VisibilityM = Field(description="how far people see in it")
+    visibility_m: VisibilityM = Field(description="visibility for people")
 
     def over(self, visibility_m: float) -> float:
         return min(visibility_m, self.visibility_m)
 
 
 class MarkerMissing(Fault[bool]):
-    """One marker of a group has gone: its points are seen, its pattern is no pattern any more."""
+    """One marker of a group is missing: the others are seen, but the pattern is not recognised."""
 
     kind = "marker_missing"
     aims_at = "group of markers"

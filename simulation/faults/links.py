@@ -1,4 +1,4 @@
-"""Faults of radio links, behind the air: each telegram passes every fault in force on its way, in their order.
+"""Faults of radio links, beyond the air model: each telegram passes all faults in force on its link, in order.
 
 A link is written `A -> B` or `A <-> B`; `*` is any party.
 """
@@ -142,7 +142,7 @@ class Delay(LinkFault):
 
 
 class Duplicate(ChanceLinkFault):
-    """Telegrams come again a step later."""
+    """Telegrams arrive twice, the second time a step later."""
 
     kind = "duplicate"
 
@@ -151,7 +151,7 @@ class Duplicate(ChanceLinkFault):
 
 
 class Reorder(ChanceLinkFault):
-    """Telegrams are held back and overtaken."""
+    """Telegrams are held back, so that others overtake them."""
 
     kind = "reorder"
     seconds: AddedDelay = Field(default=1.0, description="time held back")
@@ -161,7 +161,7 @@ class Reorder(ChanceLinkFault):
 
 
 class Flip(ChanceLinkFault):
-    """Telegrams have one bit turned."""
+    """Telegrams have one bit inverted."""
 
     kind = "flip"
 
@@ -182,7 +182,7 @@ class LineStretch:
 
 
 class DeadZone(Fault[tuple[LineStretch, ...]]):
-    """The radio does not reach a stretch of line, on all tracks beside each other, and no unit knows of it."""
+    """The radio does not reach a stretch of line, on all parallel tracks, and no unit knows it."""
 
     kind = "dead_zone"
     aims_at = "section"
@@ -190,9 +190,9 @@ class DeadZone(Fault[tuple[LineStretch, ...]]):
     target: str
     from_share: Share = Field(
         default=0.0,
-        description="where it begins, as a share of the section from its end of lower kilometrage",
+        description="where it begins, as a share of the section from its end of lower kilometrage on",
     )
-    length_m: Distance = Field(description="how long it is, beyond the section where that is shorter")
+    length_m: Distance = Field(description="its length, also beyond the section")
 
     @classmethod
     def targets(cls, names: Names) -> tuple[str, ...]:

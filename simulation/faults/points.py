@@ -1,4 +1,4 @@
-"""Faults of point machines (転てつ機). Staff who repair the points end those in force on them."""
+"""Faults of point machines (転てつ機). They end when staff repair the points."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Stuck(PointsFault):
 
 
 class NoDetection(PointsFault):
-    """The points move, detection shows nothing."""
+    """The points move, but are not detected in any position."""
 
     kind = "no_detection"
 
@@ -56,7 +56,7 @@ class Slow(PointsFault):
     """The points take longer to throw."""
 
     kind = "slow"
-    factor: Slowness = Field(description="time of a throw over that of the line")
+    factor: Slowness = Field(description="throw time as a multiple of that in the line file")
 
     def over(self, condition: Condition) -> Condition:
         return replace(condition, throw_factor=condition.throw_factor * self.factor)

@@ -1,4 +1,4 @@
-"""Faults of the rail under a train. The weather's adhesion lies under them: it is drawn anew for each leg."""
+"""Faults of the rail under a train, on top of the adhesion of the weather, which is drawn for each leg."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ class RailFault(UnitFault[float]):
 
 
 class Slippery(RailFault):
-    """The rail is slippery: wheels slip and slide by the physics."""
+    """The rail is slippery: wheels slip and slide if the physics say so."""
 
     kind = "slippery"
-    factor: Share = Field(description="adhesion over that of the weather")
+    factor: Share = Field(description="adhesion as a share of that of the weather")
 
     def over(self, share: float) -> float:
         return share * self.factor

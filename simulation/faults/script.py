@@ -32,28 +32,38 @@ from wayside.said import Started
 class ActKind(Enum):
     """What people do."""
 
-    CONFIRM_OUTSIDE = "confirm_outside"  # controller: this unit is off the line, by which portal it left
-    TAKE_BACK = "take_back"  # controller: what persons said of this unit may be wrong
-    CONFIRM_HOLDING = "confirm_holding"  # controller: enters what a silent unit holds
-    ACCEPT_PICTURE = "accept_picture"  # controller: the restored picture is complete and right
-    POWER_ON = "power_on"  # crew or staff: switch a device on again
-    COMMISSION = "commission"  # staff: put a party into service again whose durable state is lost
-    REPAIR_POINTS = "repair_points"  # staff: set by hand into a position, lock, remove faults
-    ENTER_SECTION = (
-        "enter_section"  # controller, after a restart: these sections are this unit's; no unit: free
-    )
-    REENTER_BY_HAND = (
-        "reenter_by_hand"  # controller: every section, one by one, from what the crews say by voice
-    )
-    REENTER_ASSISTED = (
-        "reenter_assisted"  # controller: looks at the picture until it is complete, and accepts it
-    )
-    BAR_UNIT = "bar_unit"  # controller or staff: nothing that this unit says is to count
-    UNBAR_UNIT = "unbar_unit"  # what it says is to count again
-    HAUL_AWAY = (
-        "haul_away"  # staff: a train without power is taken off the line, out of the portal where it stands
-    )
-    GIVE_BACK = "give_back"  # crew: sets back the route ahead, not entered, and asks for none for a while
+    CONFIRM_OUTSIDE = "confirm_outside"
+    TAKE_BACK = "take_back"
+    CONFIRM_HOLDING = "confirm_holding"
+    ACCEPT_PICTURE = "accept_picture"
+    POWER_ON = "power_on"
+    COMMISSION = "commission"
+    REPAIR_POINTS = "repair_points"
+    ENTER_SECTION = "enter_section"
+    REENTER_BY_HAND = "reenter_by_hand"
+    REENTER_ASSISTED = "reenter_assisted"
+    BAR_UNIT = "bar_unit"
+    UNBAR_UNIT = "unbar_unit"
+    HAUL_AWAY = "haul_away"
+    GIVE_BACK = "give_back"
+
+
+ACT_MEANINGS: Final[Mapping[ActKind, str]] = {
+    ActKind.CONFIRM_OUTSIDE: "controller: this unit is off the line, by which portal it left",
+    ActKind.TAKE_BACK: "controller: what persons said of this unit may be wrong",
+    ActKind.CONFIRM_HOLDING: "controller: enters what a silent unit holds",
+    ActKind.ACCEPT_PICTURE: "controller: the restored picture is complete and right",
+    ActKind.POWER_ON: "crew or staff: switch a device or unit on again",
+    ActKind.COMMISSION: "staff: put a party whose durable state is lost into service again",
+    ActKind.REPAIR_POINTS: "staff: set points by hand into a position, lock them, remove their faults",
+    ActKind.ENTER_SECTION: "controller, after a restart: these sections are this unit's; without a unit, free",
+    ActKind.REENTER_BY_HAND: "controller: enters every section, one by one, as the crews say by voice",
+    ActKind.REENTER_ASSISTED: "controller: watches the picture until it is complete, and accepts it",
+    ActKind.BAR_UNIT: "controller or staff: nothing that this unit says is to count",
+    ActKind.UNBAR_UNIT: "controller or staff: what this unit says is to count again",
+    ActKind.HAUL_AWAY: "staff: haul a train without power off the line, out of the portal where it stands",
+    ActKind.GIVE_BACK: "crew: return the route ahead, not yet entered, and ask for none for a while",
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,9 +1,9 @@
-"""Faults of what a unit says: it is mad, or its key is stolen, and what comes under its name is not so.
+"""Faults of what a unit claims: the unit is defective, or its key is stolen.
 
-Its claims name a section that it does not hold: one unasked as this begins, then each with which it answers. All else
-that it does is right: its train runs to the end of what it really holds, and a unit that does not know where its train
-is says so. A claim of too little would be a word by which a unit frees what its train stands in: against that no
-manager can guard, and it is outside the design.
+Its claims name a section that it does not hold: one claim unasked when the fault begins, then each answer. Everything
+else is right: the train runs to the end of what it really holds, and a unit that does not know where its train is says
+so. A claim of too little would free a section in which the train stands. No block manager can guard against that; it is
+outside the design.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Faults of the tachometer: a scale other than 1, no output, one that stays at a speed for ever.
+"""Faults of the tachometer: a wrong scale, no output, or a constant output.
 
-Factors multiply; one that is stuck shows the same whatever they are.
+Factors multiply; a stuck output stays the same whatever the factors are.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ class ShownByTachometer(UnitFault[Reading]):
 
 
 class Scale(ShownByTachometer):
-    """Shows the speed times a factor."""
+    """The output is the speed times a factor."""
 
     kind = "scale"
-    factor: ReadingFactor = Field(description="shown over real speed")
+    factor: ReadingFactor = Field(description="shown speed as a multiple of the real speed")
 
     def over(self, reading: Reading) -> Reading:
         return replace(reading, gain=reading.gain * self.factor)
 
 
 class NoOutput(ShownByTachometer):
-    """Shows nothing, even if it was stuck before."""
+    """There is no output, even if it was stuck before."""
 
     kind = "no_output"
 
@@ -51,7 +51,7 @@ class NoOutput(ShownByTachometer):
 
 
 class StuckOutput(ShownByTachometer):
-    """Shows for ever what it shows when it begins."""
+    """The output stays as it is when the fault begins."""
 
     kind = "stuck_output"
     _shown_mps: float = PrivateAttr(default=0.0)

@@ -1,4 +1,4 @@
-"""Faults of tags: one that is not read reads as nothing, whatever else is wrong with it."""
+"""Faults of tags. A tag that is not read is not read, whatever else is wrong with it."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Miss(TagFault):
 
 
 class WrongId(TagFault):
-    """The tag reads as another."""
+    """The tag is read with the id of another."""
 
     kind = "wrong_id"
     id: TagId = Field(description="the id read")

@@ -1,9 +1,9 @@
 """Faults of a train's doors, brakes (車両状態・ブレーキ状態, Sugiyama et al. 2017, 4.1.3 (2)) and motors.
 
-The unit sees them by its inputs. A brake that has lost force has lost no more than what it has beyond the share that
-supervision counts on (`[driving] service_guaranteed_share`, `emergency_guaranteed_share`): a weaker brake than the
-guaranteed one is outside the design, for no supervision could stop that train in time. Doors are not modelled beyond
-this: they count as closed whenever a train would start.
+The unit sees them by its inputs. A brake loses at most the force beyond the share that supervision relies on
+(`[driving] service_guaranteed_share`, `emergency_guaranteed_share`): a weaker brake than guaranteed is outside the
+design, because no supervision could stop that train in time. Doors are otherwise not modelled: they count as closed
+when a train starts.
 """
 
 from __future__ import annotations
@@ -53,12 +53,12 @@ class BrakeFault(UnitFault[BrakeState]):
 
 
 class Brake(BrakeFault):
-    """The brake has not the pressure that it should have: its unit sees it, and force may be missing."""
+    """The brake has too little pressure: the unit sees that, and force may be missing."""
 
     kind = "brake"
     reserve: Share = Field(
         default=0.0,
-        description="what is left of the force beyond the guaranteed; 1: only the reading is wrong",
+        description="remaining share of the force beyond the guaranteed one; 1: only the reading is wrong",
     )
 
     def over(self, brake: BrakeState) -> BrakeState:
@@ -75,12 +75,13 @@ class MotorsFault(UnitFault[int]):
 
 
 class Motors(MotorsFault):
-    """Motors are cut out: those that are left pull and brake. The unit sees it, and stays at a stop where they do not
-    suffice for the way to the next one; without any a train on its way rolls.
+    """Motors are cut out. The unit sees it; the train stays at a stop if the others cannot take it to the next one.
+
+    Without any motor a train on its way rolls.
     """
 
     kind = "motors"
-    cut_out: MotorCount = Field(description="so many of the train's motors, or all that it has")
+    cut_out: MotorCount = Field(description="number of motors cut out, at most all of the train")
 
     def over(self, cut_out: int) -> int:
         return cut_out + self.cut_out

@@ -31,7 +31,7 @@ class GyroFault(UnitFault[Gyro]):
 
 
 class GyroDead(GyroFault):
-    """The gyro shows nothing, even if it was stuck before."""
+    """The gyro has no output, even if it was stuck before."""
 
     kind = "gyro_dead"
 
@@ -40,7 +40,7 @@ class GyroDead(GyroFault):
 
 
 class GyroStuck(GyroFault):
-    """The gyro shows for ever what it shows when it begins."""
+    """The gyro's output stays as it is when the fault begins."""
 
     kind = "gyro_stuck"
 
@@ -62,7 +62,7 @@ class GyroNoise(GyroFault):
     """The gyro is noisier."""
 
     kind = "gyro_noise"
-    factor: NoiseFactor = Field(description="on the deviation of its noise")
+    factor: NoiseFactor = Field(description="multiple of the standard deviation of its noise")
 
     def over(self, gyro: Gyro) -> Gyro:
         return replace(gyro, noise_factor=gyro.noise_factor * self.factor)

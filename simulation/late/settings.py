@@ -22,7 +22,7 @@ Ids = Annotated[tuple[str, ...], Field(strict=False, max_length=TEXTS_MAX)]
 Source = Annotated[
     Prose, Field(min_length=1), about("where the figures come from: a publication, or assumed and why")
 ]
-Switch = Annotated[bool, about("whether it counts: off, nothing is drawn from it")]
+Switch = Annotated[bool, about("whether it is used; if not, nothing is drawn from it")]
 
 
 class EntryDelays(Record):
@@ -30,7 +30,7 @@ class EntryDelays(Record):
 
     on: Switch = True
     portals: Annotated[Ids, about("portal sections; none: all")] = ()
-    share: Annotated[Share, about("of the trains that come late", "all of them")] = 1.0
+    share: Annotated[Share, about("share of trains that come late", "all of them")] = 1.0
     seconds: Annotated[DrawnTime, about("how late those are")]
     source: Source
 
@@ -38,18 +38,18 @@ class EntryDelays(Record):
 class Peak(PartOfDay):
     """`late.dwell.<name>.peaks`: a part of the day in which passengers take longer, or less long."""
 
-    times: Annotated[DelayFactor, about("what is drawn is multiplied by this")]
+    times: Annotated[DelayFactor, about("factor of the draw")]
 
 
 class DwellScatter(Record):
     """`[late.dwell.<name>]`: passengers who need longer than the shortest stop; spare time of the plan takes it up."""
 
     on: Switch = True
-    share: Annotated[Share, about("of the stops", "all of them")] = 1.0
-    seconds: Annotated[DrawnTime, about("beyond the shortest stop")]
-    stations: Annotated[
-        dict[str, DelayFactor], about("what is drawn is multiplied by this, by station; elsewhere 1")
-    ] = Field(default_factory=dict)
+    share: Annotated[Share, about("share of stops", "all of them")] = 1.0
+    seconds: Annotated[DrawnTime, about("time beyond the shortest stop")]
+    stations: Annotated[dict[str, DelayFactor], about("factor of the draw, by station; elsewhere 1")] = Field(
+        default_factory=dict
+    )
     peaks: Annotated[
         tuple[Peak, ...],
         Field(strict=False, max_length=TEXTS_MAX),
@@ -67,7 +67,7 @@ class DoorDelays(Record):
     """`[late.doors.<name>]`: doors that do not close at once as the train is to leave: nothing takes that up."""
 
     on: Switch = True
-    share: Annotated[Share, about("of the stops")]
+    share: Annotated[Share, about("share of stops")]
     seconds: Annotated[DrawnTime, about("until they close")]
     source: Source
 

@@ -46,15 +46,17 @@ _FIGURES: Final = ("mean_s", "sigma", "shape", "low_s", "high_s")
 class DrawnTime(Record):
     """A time that is drawn: a distribution with its figures, and a lid."""
 
-    distribution: Annotated[Distribution, Field(strict=False), about("by name")]
-    mean_s: Annotated[Duration | None, about("mean, without the lid; of a fixed one the time itself")] = None
+    distribution: Annotated[Distribution, Field(strict=False), about("name of the distribution")]
+    mean_s: Annotated[Duration | None, about("mean, without the upper limit; for fixed, the time itself")] = (
+        None
+    )
     sigma: Annotated[LogSigma | None, about("lognormal: standard deviation of the logarithm")] = None
     shape: Annotated[
         Shape | None, about("Weibull and gamma: 1 is exponential, above it times cluster, below they scatter")
     ] = None
     low_s: Annotated[DrillTime | None, about("uniform: least")] = None
     high_s: Annotated[Duration | None, about("uniform: greatest")] = None
-    max_s: Annotated[Duration | None, about("lid: what is drawn above it counts as it")] = None
+    max_s: Annotated[Duration | None, about("upper limit: greater draws count as this")] = None
 
     @model_validator(mode="after")
     def _figures_of_it(self) -> Self:

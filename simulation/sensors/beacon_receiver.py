@@ -1,7 +1,6 @@
-"""The receiver of the train stop's beacons (ATS地上子): that one was passed, and where the tachometer stood then.
+"""The receiver of train-stop beacons (ATS地上子): it shows that a beacon was passed, and the tachometer's count then.
 
-Most beacons tell no more than that (ATS-Sx); some tell their number too (ATS-P). Fitted to trains
-that carry `beacons`.
+Most beacons show no more than that (ATS-Sx); some also send a number (ATS-P). Fitted to trains that carry `beacons`.
 """
 
 from __future__ import annotations

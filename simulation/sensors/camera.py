@@ -9,7 +9,7 @@ behind it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -40,22 +40,25 @@ CREEP_MPS: Final = 1e-6  # moving, so vibrating, but not far enough to blur
 
 @dataclass(frozen=True, slots=True)
 class CameraModel:
-    """A camera and its place on the train; `length_scale` sizes the surroundings (1 real, 0.1 the model track)."""
+    """A camera and its place on the train, `PAPER_CAMERA` where nothing is said.
 
-    width_px: int
-    height_px: int
-    focal_length_m: float
-    pixel_m: float
-    lens_height_m: float  # above the ground
-    setback_m: float  # of the lens behind the train's front
-    frame_rate_hz: float
-    readout_s: float  # from the first row's exposure to the last row's (rolling shutter)
-    exposure_s: float
-    noise_grey: float  # standard deviation of a pixel, grey levels of 255
-    edge_px: float  # width of a sharp edge in the image: the lens's blur
-    vibration_rad: float  # standard deviation of pitch from frame to frame while moving
-    trial_rad: float = 0.0  # and from one trial to another of a train that stands
-    length_scale: float = 1.0
+    `length_scale` sizes the surroundings (1 real, 0.1 the model track).
+    """
+
+    width_px: int = 1280
+    height_px: int = 960
+    focal_length_m: float = 3.4e-3
+    pixel_m: float = 3.75e-6
+    lens_height_m: float = 0.359  # above the ground
+    setback_m: float = 0.244  # of the lens behind the train's front
+    frame_rate_hz: float = 52.0
+    readout_s: float = 1.0 / 52.0  # from the first row's exposure to the last row's (rolling shutter)
+    exposure_s: float = 0.005
+    noise_grey: float = 4.0  # standard deviation of a pixel, grey levels of 255
+    edge_px: float = 1.5  # width of a sharp edge in the image: the lens's blur
+    vibration_rad: float = 3e-4  # standard deviation of pitch from frame to frame while moving
+    trial_rad: float = 4.2e-4  # and from one trial to another of a train that stands
+    length_scale: float = 0.1
 
     @property
     def focal_px(self) -> float:
@@ -109,22 +112,7 @@ class Sign:
 # within 0.6 px); readout, exposure, noise, edge, vibration: assumed, an ordinary CMOS camera under tube lamps.
 # The pitch between trials "apart in time" is fitted to the scatter of table 2: 0.41 px, of which writing half pixels
 # makes 0.14.
-PAPER_CAMERA: Final = CameraModel(
-    width_px=1280,
-    height_px=960,
-    focal_length_m=3.4e-3,
-    pixel_m=3.75e-6,
-    lens_height_m=0.359,
-    setback_m=0.244,
-    frame_rate_hz=52.0,
-    readout_s=1.0 / 52.0,
-    exposure_s=0.005,
-    noise_grey=4.0,
-    edge_px=1.5,
-    vibration_rad=3e-4,
-    trial_rad=4.2e-4,
-    length_scale=0.1,
-)
+PAPER_CAMERA: Final = CameraModel()
 PAPER_SIGN: Final = Sign(
     diameter_m=0.018, right_m=0.20, up_m=0.359 - 0.189
 )  # right: assumed, clear of the car
@@ -138,19 +126,14 @@ SIGN_QUARTER: Final = ImageWindow(
 )  # right of and below the axis: all a sign on the right can reach
 
 # The same sensor for a real line, assumed: the paper's lens sees a 0.18 m sign to some 30 m only; 8 mm reach 70 m.
-LINE_CAMERA: Final = CameraModel(
-    width_px=1280,
-    height_px=960,
+LINE_CAMERA: Final = replace(
+    PAPER_CAMERA,
     focal_length_m=8e-3,
-    pixel_m=3.75e-6,
     lens_height_m=2.8,
     setback_m=0.5,
-    frame_rate_hz=52.0,
-    readout_s=1.0 / 52.0,
     exposure_s=0.002,
-    noise_grey=4.0,
-    edge_px=1.5,
-    vibration_rad=3e-4,
+    trial_rad=0.0,
+    length_scale=1.0,
 )
 LINE_SIGN: Final = Sign(diameter_m=0.18, right_m=2.2, up_m=1.0)
 LINE_SIGN_BEYOND_MARK_M: Final = 10.0

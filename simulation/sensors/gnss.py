@@ -1,14 +1,15 @@
-"""The satellite receiver (GNSS): where the front is along the path, a little late, with errors that last.
+"""The satellite receiver (GNSS): where the front is along the path, a little late, with slowly changing errors.
 
-What it shows is already a place on the track: a unit knows its route, and puts the receiver's latitude and longitude
-onto it. Of the receiver's error only the part along the track is left, and a loop beside the main track has the same
-coordinate. Antenna and front are a known length apart.
+Its output is already a place on the track: the unit knows its route and projects latitude and longitude onto it. Only
+the error along the track remains, and a loop has the same coordinate as the main track beside it. The distance from
+antenna to front is known.
 
-Its errors, along the track: a first-order Gauss-Markov process (`sigma_m`, `time_constant_s`: atmosphere, orbits,
-clocks), white noise, and where part of the sky is hidden what reflections add. That depends on the place and on where
-the satellites stand, which come back after a sidereal day: who passes again within minutes errs nearly alike, an hour
-later otherwise, and four minutes earlier on the next day as today. It states one protection level, and whether it sees
-all the satellites that should be in sight. In tunnels and for a time after them it has no fix.
+Errors along the track are a first-order Gauss-Markov process (`sigma_m`, `time_constant_s`: atmosphere, orbits,
+clocks), white noise and, where part of the sky is hidden, reflections. Reflections depend on the place and on the
+satellites' positions, which repeat after a sidereal day: a train that passes again within minutes has nearly the same
+error, an hour later another one, and four minutes earlier on the next day the same again. The receiver states one
+protection level, and whether it sees all satellites that should be visible. In tunnels and for some time after them it
+has no fix.
 """
 
 from __future__ import annotations

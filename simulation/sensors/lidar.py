@@ -1,8 +1,8 @@
-"""The LiDAR of line runs: what its points on the next markers come to, five times a step, without any point.
+"""The LiDAR of line runs: distance and pattern of the next markers, five times a step, without computing points.
 
-Mean distances and what can be read of patterns follow the figures fitted to the scan (`line_scans`). Within a step the
-train's speed goes evenly from what it was to what it is. It sees the next markers ahead alone, and those only until the
-front is over their first row: groups must lie further apart than it sees.
+Mean distances and readable patterns follow figures fitted to a simulated scan (`line_scans`). Within a step the train's
+speed changes evenly. The LiDAR sees only the next markers ahead, until the front is over their first row, so groups of
+markers must lie further apart than it sees.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
 """The slide protection (滑走防止装置): compares its axles with one another and with what a train can do.
 
-It has pulses of the first and of the last axle, and never the train's speed. An axle that turns slower than the other
-one, or slows down faster than any brake could slow the train, slides; one that turns faster, or gains speed faster than
-the motors could give it, slips. While it sees a slide it lets the last axle go (`last_axle_released`): its wheels then
-roll and show the speed that the first one has to come back to.
+It gets pulses of the first and the last axle; it does not know the train's speed. An axle slides if it turns slower
+than the other one, or slows down faster than any brake could slow the train. It slips if it turns faster, or
+accelerates faster than the motors could. During a slide the brake of the last axle is released (`last_axle_released`):
+its wheels roll again and show the speed to which the first axle has to return.
 
-It also shows the unit how fast its last axle turns, in terms of the circumference that the tachometer is set for: by
-how much its wheels differ from those it finds itself while all roll. These pulses are not the tachometer's.
+It also shows the unit how fast the last axle turns, converted to the circumference for which the tachometer is set; it
+learns the ratio of the wheels itself while all of them roll. These pulses are not the tachometer's.
 """
 
 from __future__ import annotations

@@ -7,8 +7,8 @@ stretch changes nothing. The order of the table is the order in which they look.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Protocol, cast
 
 from onboard.board import SensedRow
@@ -28,26 +28,34 @@ def no_reader(_readers: Any, _setup: Setup, _stock_id: str) -> None:  # noqa: AN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SensorPage:
+    """What docs/sensors.md says of a sensor: what it may do to the `estimate` and to the `bounds`.
+
+    `meant_by` is the module of `onboard.localisation` that says what it means; `settings` has the tables of a scenario
+    with its settings, each with its keys there, none where it has all of them.
+    """
+
+    title: str
+    estimate: str
+    bounds: str
+    meant_by: str = ""
+    settings: Mapping[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
+
+
+@dataclass(frozen=True, slots=True)
 class Sensor:
     """One sensor: its compiled function, the class of its own row, and what fills that row when a run begins.
 
     `fit_reader` gives its reader on board the settings that it goes by, in the readers' rows. `carried` is its word in
-    `sensors.carries`, None where all trains have it. The rest is for docs/sensors.md: what it may do to the `estimate`
-    and to the `bounds`, the module of `onboard.localisation` that says what it means, the table of a scenario that has
-    its settings, and its keys there where they are not all.
+    `sensors.carries`, None where all trains have it.
     """
 
     function: Callable[..., None]
     row: type
     fit: Callable[[Any, Setup, str], None]  # own row, setup, stock id
+    page: SensorPage
     fit_reader: Callable[[Any, Setup, str], None] = no_reader
     carried: PositionSensor | None = None
-    title: str
-    estimate: str
-    bounds: str
-    meant_by: str = ""
-    table: str = ""
-    keys: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -57,100 +65,124 @@ class Sensor:
 
 SENSORS: Final = (
     Sensor(
-        function=tacho.tachometer,
-        row=tacho.TachometerRow,
-        fit=tacho.fit,
-        title="Wheels (速度発電機)",
-        estimate="moves with every pulse",
-        bounds="only widen them: with the way, with slides and slips, with what another axle contradicts",
-        meant_by="tachometer",
-        table="sensors",
-        keys=("wheel_factor_sigma", "creep_share", "tread_conicity", "flangeway_m", "tachometer_axle"),
+        tacho.tachometer,
+        tacho.TachometerRow,
+        tacho.fit,
+        SensorPage(
+            title="Wheels (速度発電機)",
+            estimate="moves with every pulse",
+            bounds="widened only: by distance, by slides and slips, by the difference to another axle",
+            meant_by="tachometer",
+            settings={
+                "sensors": (
+                    "wheel_factor_sigma",
+                    "creep_share",
+                    "tread_conicity",
+                    "flangeway_m",
+                    "tachometer_axle",
+                )
+            },
+        ),
     ),
     Sensor(
-        function=slide_protection.slide_protection,
-        row=slide_protection.SlideProtectionRow,
-        fit=slide_protection.fit,
-        title="Slide protection (滑走防止装置)",
-        estimate="none of itself: tells the wheels' reader what not to believe, and shows it another axle",
-        bounds="widen them while wheels slide or slip, and by what the two axles differ",
-        meant_by="axles",
+        slide_protection.slide_protection,
+        slide_protection.SlideProtectionRow,
+        slide_protection.fit,
+        SensorPage(
+            title="Slide protection (滑走防止装置)",
+            estimate="none of its own: shows the wheels' reader when not to rely on wheels, and another axle",
+            bounds="widened while wheels slide or slip, and by the difference of the two axles",
+            meant_by="axles",
+        ),
     ),
     Sensor(
-        function=load.load_sensor,
-        row=load.LoadSensorRow,
-        fit=load.fit,
-        title="Load sensor (応荷重)",
-        estimate="none: it tells the load",
-        bounds="none",
+        load.load_sensor,
+        load.LoadSensorRow,
+        load.fit,
+        SensorPage(
+            title="Load sensor (応荷重)",
+            estimate="none: it measures the load",
+            bounds="none",
+        ),
     ),
     Sensor(
-        function=tag_reader.tag_reader,
-        row=tag_reader.TagReaderRow,
-        fit=tag_reader.fit,
+        tag_reader.tag_reader,
+        tag_reader.TagReaderRow,
+        tag_reader.fit,
+        SensorPage(
+            title="Tags (地上子)",
+            estimate="moved to the tag",
+            bounds="set from the tags read last; a tag that disagrees widens them",
+            meant_by="tags",
+            settings={"sensors": ("tag_read_sigma_m", "tag_read_max_m", "tags", "tag_bit_error_factor")},
+        ),
         carried=PositionSensor.TAGS,
-        title="Tags (地上子)",
-        estimate="moved to the tag",
-        bounds="anew from the tags read last; a tag that disagrees widens them",
-        meant_by="tags",
-        table="sensors",
-        keys=("tag_read_sigma_m", "tag_read_max_m", "tags", "tag_bit_error_factor"),
     ),
     Sensor(
-        function=sign_camera.sign_camera,
-        row=sign_camera.SignCameraRow,
-        fit=sign_camera.fit,
-        title="Camera (停止位置目標)",
-        estimate="leaned on each sighting",
-        bounds="never cut",
-        meant_by="sighting",
-        table="vision",
+        sign_camera.sign_camera,
+        sign_camera.SignCameraRow,
+        sign_camera.fit,
+        SensorPage(
+            title="Camera (停止位置目標)",
+            estimate="moved towards each sighting, inside the bounds",
+            bounds="none",
+            meant_by="sighting",
+            settings={"vision": ()},
+        ),
     ),
     Sensor(
-        function=gnss.gnss_receiver,
-        row=gnss.GnssReceiverRow,
-        fit=gnss.fit,
+        gnss.gnss_receiver,
+        gnss.GnssReceiverRow,
+        gnss.fit,
+        SensorPage(
+            title="Satellites (GNSS)",
+            estimate="moved; inside the bounds only, where part of the sky is hidden",
+            bounds="cut to the protection level under an open sky, plus the receiver's errors seen so far",
+            meant_by="gnss",
+            settings={"gnss": ()},
+        ),
         carried=PositionSensor.GNSS,
-        title="Satellites (GNSS)",
-        estimate="moved, or leaned where part of the sky is hidden",
-        bounds="cut to the protection level under an open sky, wider by what the receiver was seen to lie",
-        meant_by="gnss",
-        table="gnss",
     ),
     Sensor(
-        function=beacon.beacon_receiver,
-        row=beacon.BeaconReceiverRow,
-        fit=beacon.fit,
+        beacon.beacon_receiver,
+        beacon.BeaconReceiverRow,
+        beacon.fit,
+        SensorPage(
+            title="Beacons of the train stop (ATS 地上子)",
+            estimate="moved towards a beacon in its window, inside the bounds",
+            bounds='cut by a beacon with a number, by no other (`trust = "paper"` is for the reproduction)',
+            meant_by="beacons",
+            settings={"beacons": ()},
+        ),
         fit_reader=beacon.fit_reader,
         carried=PositionSensor.BEACONS,
-        title="Beacons of the train stop (ATS 地上子)",
-        estimate="leaned on one in its window",
-        bounds='cut by one that tells its number; others never (`trust = "paper"` is for the reproduction)',
-        meant_by="beacons",
-        table="beacons",
     ),
     Sensor(
-        function=yaw_gyro.yaw_gyro,
-        row=yaw_gyro.YawGyroRow,
-        fit=yaw_gyro.fit,
+        yaw_gyro.yaw_gyro,
+        yaw_gyro.YawGyroRow,
+        yaw_gyro.fit,
+        SensorPage(
+            title="Curvature (線路曲率照合): a yaw gyro and a map",
+            estimate="moved to the best match",
+            bounds="cut to the shifts that noise and one jump of the bias can explain",
+            meant_by="curvature",
+            settings={"curvature": ()},
+        ),
         carried=PositionSensor.CURVATURE,
-        title="Curvature (線路曲率照合): a yaw gyro and a map",
-        estimate="moved to the best match",
-        bounds="cut to the shifts that noise and one jump of the bias can explain",
-        meant_by="curvature",
-        table="curvature",
     ),
     Sensor(
-        function=lidar.lidar,
-        row=lidar.LidarSensorRow,
-        fit=lidar.fit,
+        lidar.lidar,
+        lidar.LidarSensorRow,
+        lidar.fit,
+        SensorPage(
+            title="LiDAR and markers (ターゲットマーカ)",
+            estimate="moved to a marker that was read",
+            bounds="cut to the greatest error of a marker that was read",
+            meant_by="lidar",
+            settings={"lidar": ()},
+        ),
         fit_reader=lidar.fit_reader,
         carried=PositionSensor.LIDAR,
-        title="LiDAR and markers (ターゲットマーカ)",
-        estimate="moved to a marker that was read",
-        bounds="cut by what a marker that was read may be wrong by",
-        meant_by="lidar",
-        table="lidar",
     ),
 )
 

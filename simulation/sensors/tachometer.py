@@ -1,11 +1,11 @@
 """The tachometer (速度発電機): counts the turning of one axle, by a circumference that may not be the wheel's.
 
-What a turn is worth changes on the way (Harada, 2.1): a wheel that pulls creeps forward against the rail, one that
-brakes backward; and the leading axle of a bogie runs outwards in a curve until it rolls or its flange touches. The
-outer wheel, which carries more there, then rolls on a larger circle of its tread, and the inner one gives way: if both
-gave way alike nothing would come of it, so that is the most that can (assumed).
+The distance of one turn changes on the way (Harada, 2.1). A pulling wheel creeps forward against the rail, a braking
+one backward. In a curve the leading axle of a bogie runs outwards until it rolls freely or its flange touches; the
+outer wheel, which carries more, then rolls on a larger circle of its tread, and the inner one slips. That is the worst
+case (assumed): if both slipped alike there would be no error.
 
-It counts whole pulses; its speed comes from the time between them, and is as fine as its clock.
+It counts whole pulses. Its speed comes from the time between them, with the resolution of its clock.
 """
 
 from __future__ import annotations

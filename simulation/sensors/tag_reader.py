@@ -1,7 +1,7 @@
 """The tag reader (地上子読取): latches the tachometer where the front passed a tag, a little early or late.
 
-Which id it reads, or that it reads none, is the tag's own fault or, in a run that reads bit by bit, what the air
-leaves of its telegrams (`tag_air`); one that is not read reads as nothing, whatever else is wrong with it.
+A fault of the tag may give a wrong id or none. In a run that reads tags bit by bit, transmission errors do so too
+(`tag_air`).
 """
 
 from __future__ import annotations

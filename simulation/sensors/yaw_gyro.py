@@ -4,9 +4,9 @@ The body follows the mean heading between its bogies like a mass on a spring wit
 
     body'' + 2 damping w body' + w^2 body = w^2 bogies,    w = 2 pi frequency,
 
-held exactly over each step. Noise is white: what a step shows is the mean of the samples taken in it, so its deviation
-is that of a sample over the root of their number. The bias is a constant of the train and a slow walk about it.
-Harada, Maki, Kazato and Ishiguri, section 3.3, name the body's motion in yaw as what differs with type and speed.
+solved exactly over each step. Noise is white: a step shows the mean of its samples, so its standard deviation is that
+of a sample divided by the root of their number. The bias is a constant of the train plus a slow random change. Harada,
+Maki, Kazato and Ishiguri, section 3.3, name the body's yaw motion as what differs with type and speed.
 """
 
 from __future__ import annotations

@@ -64,7 +64,7 @@ def fits(battery: BatteryRow, charging: ChargingRow) -> None:
 @compiled
 def is_full(battery: BatteryRow) -> bool:
     """Whether it takes no more, or next to nothing."""
-    return bool(battery.charge_c >= FULL_SHARE * battery.soc_high * battery.full_c)
+    return bool(battery.charge_c >= FULL_SHARE * battery.pack.soc_high * battery.full_c)
 
 
 @compiled
@@ -116,7 +116,7 @@ def steer(
 def offer(battery: BatteryRow, plant: PlantRow, dt_s: float) -> None:
     """Say what the battery, and a charger beside it, can give and take in the step that follows."""
     plant.source_gives_w = gives_max_w(battery, dt_s) + battery.supply_w
-    plant.source_takes_w = takes_max_w(battery, battery.regeneration_max_w, dt_s)
+    plant.source_takes_w = takes_max_w(battery, battery.pack.regeneration_max_w, dt_s)
 
 
 @compiled

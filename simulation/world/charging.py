@@ -24,7 +24,7 @@ from simulation.world.records import PASSED_FROM_A_STAND, PASSED_TO_A_STAND
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
 from simulation.world.ways import ways_of
-from vehicle.battery import BatteryRow, available_j, soc_of, stand, stored_j
+from vehicle.battery import BatteryRow, available_j, charge_to, soc_of, stand, stored_j, window_j
 from vehicle.record import cells_of
 
 SAMPLES_EVERY_S: Final = 30.0
@@ -125,13 +125,14 @@ class Charging:
         for name in kind.battery.dtype.names or ():
             row[name] = kind.battery[name][0]
         share = self._settings.start_of.get(stock_id, self._settings.start_share)
-        row["charge_c"] = row["full_c"] * (row["soc_low"] + share * (row["soc_high"] - row["soc_low"]))
+        charge_to(row, share)
         fits(row, self._trains.stock["charging"][slot])
         auxiliary_w = float(self._setup.believed_train(stock_id).row[0]["auxiliary_power_w"])
-        window_j = float(stored_j(row, row["soc_high"]) - stored_j(row, row["soc_low"]))
         settings = self._settings
         rules = ChargeRules(
-            settings.departure is Departure.WAIT, settings.reserve_share * window_j, settings.prediction_share
+            settings.departure is Departure.WAIT,
+            settings.reserve_share * float(window_j(row)),
+            settings.prediction_share,
         )
         gauge = self._gauges[slot] = BatteryGauge(row, self._control[slot], auxiliary_w)
         self._watches[slot] = ChargeWatch(self._setup.believed_line, self._ways[stock_id], rules, gauge)
@@ -295,11 +296,6 @@ class Charging:
                 float(soc_of(row)),
                 float(stored_j(row, soc_of(row))),
                 battery.supply_w,
-                battery.given_j,
-                battery.taken_j,
-                battery.lost_j,
-                battery.supplied_j,
-                battery.missing_j,
-                battery.spilled_j,
+                row["flows"].copy(),
             )
         )

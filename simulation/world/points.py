@@ -11,7 +11,7 @@ from host.parties import Parties
 from host.store import NotCommissioned
 from network.model import Line, Position
 from radio.air import Air
-from radio.envelope import header_of, kind_of
+from radio.envelope import header_of, noted_terms
 from radio.noted import Lost, LostWhere, Sent
 from simulation.agenda import Agenda, AgendaKind
 from simulation.clock import Clock
@@ -105,9 +105,8 @@ class WaysideWorld:
         deliveries = disturbed(self._in_force, source, destination, deliveries)
         whole = not self.cable.severed or self.cable.carries(self._place_m(unit_id), device_id)
         deliveries = deliveries if whole else ()
-        header = header_of(data)
-        kind = None if header is None else kind_of(header)
-        count = self.telegrams[source, destination, kind or "?"]
+        terms = noted_terms(header_of(data))
+        count = self.telegrams[source, destination, terms["kind"] or "?"]
         count["sent"] += 1
         count["bytes"] += len(data)
         count["delivered"] += len(deliveries)
@@ -115,12 +114,9 @@ class WaysideWorld:
         sent = Sent(
             source=source,
             receiver=destination,
-            epoch=None if header is None else header.epoch,
-            sequence=None if header is None else header.sequence,
-            kind=kind,
-            correlation=None if header is None else header.correlation,
             size_bytes=len(data),
             arrives_s=tuple(round(delivery.step / STEPS_PER_S, 1) for delivery in deliveries),
+            **terms,
         )
         self._journal.write(step / STEPS_PER_S, source, sent)
         if not deliveries:
@@ -136,11 +132,8 @@ class WaysideWorld:
         lost = Lost(
             source=None if header is None else header.source,
             receiver=receiver,
-            epoch=None if header is None else header.epoch,
-            sequence=None if header is None else header.sequence,
-            kind=None if header is None else kind_of(header),
-            correlation=None if header is None else header.correlation,
             where=where,
+            **noted_terms(header),
         )
         self._journal.write(step / STEPS_PER_S, WORLD, lost)
 

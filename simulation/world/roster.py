@@ -83,15 +83,9 @@ def _duty(
         start = first_section(line, train)
     leave_by = train.ends.section_id if isinstance(train.ends, AtPortal) else None
     enter_mark_m = portal_mark_m(line, train, start, length_m) if enters else None
-    return Duty(
-        stock_id=stock_id,
-        train=train,
-        mission=plan_mission(line, train, start, leave_by, enter_mark_m),
-        enters=enters,
-        enter_s=train.calls[0].first_s - portal_lead_s if enters else train.calls[0].first_s,
-        leaves=leave_by is not None,
-        becomes=None,
-    )
+    mission = plan_mission(line, train, start, leave_by, enter_mark_m)
+    enter_s = train.calls[0].first_s - portal_lead_s if enters else train.calls[0].first_s
+    return Duty(stock_id, train, mission, enters, enter_s, leaves=leave_by is not None, becomes=None)
 
 
 def first_section(line: Line, train: TimetableTrain) -> str:

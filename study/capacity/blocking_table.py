@@ -41,7 +41,7 @@ def _block(one: SectionHold) -> SectionHeld:
         one.unit,
         one.number,
         one.token,
-        one.heard_s,
+        one.asked.heard_s,
         _or_none(one.freed_s),
         _or_none(entered_s),
         _or_none(cleared_s),

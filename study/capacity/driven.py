@@ -148,7 +148,7 @@ class StockDriving:
     def _run(self, mission: Mission, at: int, dues_s: list[float | None]) -> NDArray[np.float64]:
         """A hop from time 0 on; `dues_s`: when it aims to be at the stations that it passes, and at its stop."""
         here, there = mission.targets[at - 1], mission.targets[at]
-        ground, slows = self._ground(mission), float(self.behaviour.stop_deceleration_mps2)
+        ground, slows = self._ground(mission), float(self.behaviour.settings.stop_deceleration_mps2)
         way = self.train, self.setup.load.load_share_mean, ground.climb_m, ground.driving_mps
         asked_s, at_s, position_m, speed_mps = 0.0, self.start.delay_s, here.mark_m, 0.0
         rows = [np.array([[0.0, position_m, 0.0], [at_s, position_m, 0.0]])]

@@ -50,7 +50,7 @@ def _passage(hold: SectionHold, standing: tuple[PassageStand, ...], line: Line) 
         portal and hold.reported_s is None and visit.enters_s <= hold.arrived_s < hold.freed_s
     ):  # signed off there
         leaves_s = rear_s = reported_s = hold.arrived_s
-    wanted_s, sent_s, heard_s = hold.wanted_s, hold.sent_s, hold.heard_s
+    wanted_s, sent_s, heard_s = hold.asked
     held_s = heard_s if hold.held_s is None else hold.held_s
     if visit.enters_s == -math.inf and not hold.route_id:  # there before anybody asked
         wanted_s = sent_s = heard_s = held_s = min(wanted_s, visit.begin_s)
@@ -151,9 +151,9 @@ def _settings_out(
             case notes.Departs() if unit in begun_s:
                 from_s = begun_s.pop(unit)
                 for hold in holds:
-                    if hold.unit == unit and hold.route_id and from_s <= hold.sent_s <= until_s:
-                        held_s = hold.heard_s if hold.held_s is None else hold.held_s
-                        ways = hold.sent_s, hold.heard_s, held_s, hold.throwing
+                    if hold.unit == unit and hold.route_id and from_s <= hold.asked.sent_s <= until_s:
+                        held_s = hold.asked.heard_s if hold.held_s is None else hold.held_s
+                        ways = hold.asked.sent_s, hold.asked.heard_s, held_s, hold.throwing
                         yield from ((unit, one) for one in setting_out(*ways, until_s))
             case _:
                 pass

@@ -19,12 +19,13 @@ from simulation.result import BatteryEvent, BatteryRecord
 from simulation.setup import Setup
 from study.record.battery import BatteryMoment, ChargeTaken
 from study.record.tables import make_table
-from vehicle.battery import soc_of, stand, stored_j
+from vehicle.battery import BatteryFlows, soc_of, stand, stored_j
+from vehicle.record import fields_of
 
 STEP_S: Final = 1.0
 LONGEST_S: Final = 4.0 * 3600.0  # a charge that does not suffice within it never does
 BEYOND: Final = ""  # the station of what happens off the line
-FLOWS: Final = ("given", "taken", "lost", "supplied", "missing", "spilled")
+FLOWS: Final = tuple(field.name.removesuffix("_j") for field in fields_of(BatteryFlows))
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,11 +41,12 @@ class ChargeWindow:
     @classmethod
     def of(cls, row: Any, settings: BatterySettings) -> ChargeWindow:  # noqa: ANN401
         """That of a BATTERY record."""
-        low_j, high_j = (float(stored_j(row, row[name])) for name in ("soc_low", "soc_high"))
+        pack = row["pack"]
+        low_j, high_j = (float(stored_j(row, pack[name])) for name in ("soc_low", "soc_high"))
         kept_j = low_j + settings.reserve_share * (high_j - low_j)
-        socs = np.linspace(float(row["soc_low"]), float(row["soc_high"]), 201)
+        socs = np.linspace(float(pack["soc_low"]), float(pack["soc_high"]), 201)
         kept_soc = float(np.interp(kept_j, [float(stored_j(row, soc)) for soc in socs], socs))
-        return cls(low_j, kept_j, high_j, float(row["soc_low"]), kept_soc)
+        return cls(low_j, kept_j, high_j, float(pack["soc_low"]), kept_soc)
 
 
 def windows_of(setup: Setup) -> dict[str, ChargeWindow]:
@@ -76,23 +78,23 @@ def _rows(records: Sequence[BatteryRecord], window: ChargeWindow) -> list[Batter
     found: list[BatteryMoment] = []
     for i, record in enumerate(records):
         before = records[max(i - 1, 0)]
-        out_j = record.given_j - record.taken_j - before.given_j + before.taken_j
+        out_j = record.flows.given_j - record.flows.taken_j - before.flows.given_j + before.flows.taken_j
         since_s = record.t_s - before.t_s
         found.append(
             BatteryMoment(
-                t_s=record.t_s,
-                unit=record.stock_id,
-                train=record.number,
-                event=record.event,
-                station=record.station,
-                soc=record.soc,
-                soc_low=window.soc_low,
-                soc_kept=window.soc_kept,
+                record.t_s,
+                record.stock_id,
+                record.number,
+                record.event,
+                record.station,
+                record.soc,
+                window.soc_low,
+                window.soc_kept,
                 stored_kwh=record.stored_j / J_PER_KWH,
                 above_low_kwh=(record.stored_j - window.low_j) / J_PER_KWH,
                 power_kw=out_j / since_s / 1e3 if since_s > 0.0 else 0.0,
                 supply_kw=record.supply_w / 1e3,
-                **{f"{name}_kwh": getattr(record, f"{name}_j") / J_PER_KWH for name in FLOWS},
+                **{f"{name}_kwh": getattr(record.flows, f"{name}_j") / J_PER_KWH for name in FLOWS},
             )
         )
     return found
@@ -114,13 +116,13 @@ def _charges(records: Sequence[BatteryRecord], window: ChargeWindow, setup: Setu
         suffices_s = least_charge_s(setup, begin, needs_j, window, drawn=on_line)
         found.append(
             ChargeTaken(
-                unit=begin.stock_id,
-                train=end.number or begin.number,
-                station=begin.station,
-                from_s=begin.t_s,
-                to_s=end.t_s,
-                soc_from=begin.soc,
-                soc_to=end.soc,
+                begin.stock_id,
+                end.number or begin.number,
+                begin.station,
+                begin.t_s,
+                end.t_s,
+                begin.soc,
+                end.soc,
                 gained_kwh=(end.stored_j - begin.stored_j) / J_PER_KWH,
                 next_way_kwh=needs_j / J_PER_KWH,
                 margin_kwh=(until.stored_j - window.kept_j) / J_PER_KWH,
@@ -147,7 +149,7 @@ def least_charge_s(
     wanted_j = window.kept_j + needs_j
     time_s = 0.0
     while float(stored_j(row, soc_of(row))) < wanted_j:
-        if time_s >= LONGEST_S or float(soc_of(row)) >= float(row["soc_high"]) - 1e-6:
+        if time_s >= LONGEST_S or float(soc_of(row)) >= float(row["pack"]["soc_high"]) - 1e-6:
             return None
         stand(row, auxiliary_w, supply_w, STEP_S, STEP_S)
         time_s += STEP_S

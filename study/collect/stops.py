@@ -16,6 +16,8 @@ from study.measures.passings import PlannedPassing
 from study.record.calls import CallAsRun
 from study.record.tables import make_table
 
+Times = tuple[float | None, float | None]  # of arrival and departure, s
+
 
 @dataclass(frozen=True, slots=True)
 class Passed:
@@ -60,39 +62,30 @@ def stops_table(stops: Sequence[StopRecord], passings: Sequence[Passed] = ()) ->
 
 
 def _of_stop(stop: StopRecord) -> CallAsRun:
-    return CallAsRun(
-        unit=stop.stock_id,
-        train=stop.number,
-        revenue=stop.revenue,
-        station=stop.station_id,
-        track=stop.track,
-        kind=CallKind.STOP if stop.passengers else CallKind.OPERATIONAL,
-        planned_arrival_s=_float(stop.planned_arrival_s),
-        planned_departure_s=_float(stop.planned_departure_s),
-        arrival_s=_float(stop.arrival_s),
-        departure_s=_float(stop.departure_s),
-        late_arrival_s=_late(stop.arrival_s, stop.planned_arrival_s),
-        late_departure_s=_late(stop.departure_s, stop.planned_departure_s),
-        stop_error_m=stop.error_m,
-    )
+    kind = CallKind.STOP if stop.passengers else CallKind.OPERATIONAL
+    planned_s = _float(stop.planned_arrival_s), _float(stop.planned_departure_s)
+    return _call(stop, kind, planned_s, (_float(stop.arrival_s), _float(stop.departure_s)), stop.error_m)
 
 
 def _of_passing(one: Passed) -> CallAsRun:
-    planned = one.planned
+    return _call(one.planned, CallKind.PASS, (None, one.planned.time_s), (None, one.time_s), None)
+
+
+def _call(
+    of: StopRecord | PlannedPassing, kind: CallKind, planned_s: Times, actual_s: Times, error_m: float | None
+) -> CallAsRun:
+    late_s = _late(actual_s[0], planned_s[0]), _late(actual_s[1], planned_s[1])
     return CallAsRun(
-        unit=planned.stock_id,
-        train=planned.number,
-        revenue=planned.revenue,
-        station=planned.station_id,
-        track=planned.track,
-        kind=CallKind.PASS,
-        planned_arrival_s=None,
-        planned_departure_s=planned.time_s,
-        arrival_s=None,
-        departure_s=one.time_s,
-        late_arrival_s=None,
-        late_departure_s=_late(one.time_s, planned.time_s),
-        stop_error_m=None,
+        of.stock_id,
+        of.number,
+        of.revenue,
+        of.station_id,
+        of.track,
+        kind,
+        *planned_s,
+        *actual_s,
+        *late_s,
+        stop_error_m=error_m,
     )
 
 

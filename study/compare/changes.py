@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,22 +18,13 @@ _ASKED: Final = ("link", "carrier")
 COMMAND_LINE: Final = "command line"
 
 
-@dataclass(frozen=True, slots=True)
-class InputChange:
+class InputChange(Change):
     """One figure of the inputs that is not the same; None where it is not there.
 
     `by` are the labels of the runs whose scenario, or a patch of it, has set what stands there.
     """
 
-    file: str
-    key: str
-    old: object
-    new: object
-    by: tuple[str, ...] = ()
-
-    def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return {"file": self.file, "key": self.key, "old": self.old, "new": self.new, "by": list(self.by)}
+    by: tuple[str, ...]
 
 
 def input_changes(base: ComparedRun, new: ComparedRun) -> tuple[InputChange, ...]:
@@ -49,13 +39,16 @@ def input_changes(base: ComparedRun, new: ComparedRun) -> tuple[InputChange, ...
     for name in sorted({*a.trains} & {*b.trains}):
         found += differences(_file(name, name), _figures(a.trains[name]), _figures(b.trains[name]))
     for stock_id in sorted({*a.stock} & {*b.stock}):
+        train_of = {"old": a.stock[stock_id], "new": b.stock[stock_id]}
         if a.stock[stock_id] != b.stock[stock_id]:
-            found.append(Change("scenario", f"train of {stock_id}", a.stock[stock_id], b.stock[stock_id]))
+            found.append(Change(file="scenario", key=f"train of {stock_id}", **train_of))
     found += differences("learned", dict(a.learned), dict(b.learned))
     for key in _ASKED:
         if base.summary.get(key) != new.summary.get(key):
-            found.append(Change(COMMAND_LINE, f"--{key}", base.summary.get(key), new.summary.get(key)))
-    return tuple(InputChange(c.file, c.key, c.old, c.new, _by(c, base, new)) for c in found)
+            found.append(
+                Change(file=COMMAND_LINE, key=f"--{key}", old=base.summary.get(key), new=new.summary.get(key))
+            )
+    return tuple(InputChange(**dict(c), by=_by(c, base, new)) for c in found)
 
 
 def _settings(scenario: Mapping[str, Any]) -> dict[str, Any]:

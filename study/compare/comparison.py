@@ -14,6 +14,7 @@ from study.compare.side import ComparedRun
 from study.compare.times import ComparedTimes, compare_times
 from study.record.tables import RunTables
 from study.wording import compared as words
+from study.wording.catalogue import phrase
 from study.wording.phrase import Phrase, joined
 
 
@@ -21,13 +22,12 @@ from study.wording.phrase import Phrase, joined
 class RunComparison:
     """What changed from `base` to `new`. `over_s` is the threshold, s; `broken` are failures that one of both has.
 
-    `same_inputs`, `same_journal` and `same_tables` say what did not differ at all; `rows` are by table.
+    `same_journal` and `same_tables` say what did not differ at all; `rows` are by table.
     """
 
     base: str
     new: str
     over_s: float
-    same_inputs: bool
     same_journal: bool
     same_tables: bool
     inputs: tuple[InputChange, ...]
@@ -36,6 +36,11 @@ class RunComparison:
     rows: Mapping[str, tuple[ComparedRow, ...]]
     broken_base: tuple[str, ...]
     broken_new: tuple[str, ...]
+
+    @property
+    def same_inputs(self) -> bool:
+        """Whether both ran the same."""
+        return not self.inputs
 
     @property
     def nothing_differs(self) -> bool:
@@ -53,7 +58,7 @@ class RunComparison:
             "nothing_differs": self.nothing_differs,
             "same_inputs": self.same_inputs,
             "same_journal": self.same_journal,
-            "inputs": [change.as_dict() for change in self.inputs],
+            "inputs": [change.model_dump(mode="json") for change in self.inputs],
             "times": {
                 "compared": times.compared,
                 "largest_s": times.largest_s,
@@ -111,18 +116,16 @@ def compare(sides: Sequence[ComparedRun], over_s: float) -> Comparisons:
 
 def compare_two(base: ComparedRun, new: ComparedRun, over_s: float) -> RunComparison:
     """What changed from one run to another; times that moved by at most `over_s` are not listed."""
-    inputs = input_changes(base, new)
     mine, others = base.run.tables, new.run.tables
     return RunComparison(
-        base=base.label,
-        new=new.label,
-        over_s=over_s,
-        same_inputs=not inputs,
-        same_journal=base.summary.get("digest") == new.summary.get("digest"),
-        same_tables=all(getattr(mine, f.name).equals(getattr(others, f.name)) for f in fields(RunTables)),
-        inputs=inputs,
-        times=compare_times(base.run, new.run, over_s),
-        meets=compare_meets(base.run, new.run, over_s),
+        base.label,
+        new.label,
+        over_s,
+        base.summary.get("digest") == new.summary.get("digest"),
+        all(getattr(mine, f.name).equals(getattr(others, f.name)) for f in fields(RunTables)),
+        input_changes(base, new),
+        compare_times(base.run, new.run, over_s),
+        compare_meets(base.run, new.run, over_s),
         rows={table: compare_rows(base, new, table) for table in TABLES},
         broken_base=tuple(text for text in base.broken if text not in new.broken),
         broken_new=tuple(text for text in new.broken if text not in base.broken),
@@ -191,17 +194,19 @@ def _trains(numbers: Sequence[str]) -> Phrase:
 
 
 FATES: Final[Mapping[MeetFate, Phrase]] = {
-    MeetFate.ELSEWHERE: Phrase("{count} elsewhere", "場所 {count}"),
-    MeetFate.OTHER_TIME: Phrase("{count} at another time", "時刻 {count}"),
-    MeetFate.GONE: Phrase("{count} gone", "消滅 {count}"),
-    MeetFate.NEW: Phrase("{count} new", "新規 {count}"),
+    MeetFate.ELSEWHERE: phrase("{count} elsewhere"),
+    MeetFate.OTHER_TIME: phrase("{count} at another time"),
+    MeetFate.GONE: phrase("{count} gone"),
+    MeetFate.NEW: phrase("{count} new"),
 }
-# One and several of a thing, and how Japanese counts it.
-_TIME: Final = ("arrival or departure", "arrivals and departures", " 件")
-_TRAIN: Final = ("train", "trains", " 本")
-_MEET: Final = ("meet", "meets", "")
+# One and several of a thing.
+_TIME: Final = (
+    phrase("{count} arrival or departure", "counted"),
+    phrase("{count} arrivals and departures", "counted"),
+)
+_TRAIN: Final = (phrase("{count} train", "counted"), phrase("{count} trains", "counted"))
+_MEET: Final = (phrase("{count} meet", "counted"), phrase("{count} meets", "counted"))
 
 
-def _count(count: int, names: tuple[str, str, str]) -> Phrase:
-    one, more, counter = names
-    return Phrase(f"{count:,} {one if count == 1 else more}", f"{count:,}{counter}")
+def _count(count: int, names: tuple[Phrase, Phrase]) -> Phrase:
+    return names[count != 1].of(count=f"{count:,}")

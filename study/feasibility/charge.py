@@ -20,7 +20,7 @@ from simulation.world.roster import Duty
 from simulation.world.ways import ways_of
 from study.feasibility.finding import Finding, FindingKind, Severity, lasting, minute, severity_of
 from study.feasibility.planned import PlannedDay
-from vehicle.battery import available_j, soc_of, stand, stored_j
+from vehicle.battery import available_j, charge_to, soc_of, stand, window_j
 
 STEP_S = 5.0
 WAITS_S_MAX = 4.0 * 3600.0
@@ -61,10 +61,11 @@ def charge_of(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
             continue
         row = kind.battery[0].copy()
         share = settings.start_of.get(stock_id, settings.start_share)
-        row["charge_c"] = row["full_c"] * (row["soc_low"] + share * (row["soc_high"] - row["soc_low"]))
-        window_j = float(stored_j(row, row["soc_high"]) - stored_j(row, row["soc_low"]))
+        charge_to(row, share)
         rules = ChargeRules(
-            settings.departure is Departure.WAIT, settings.reserve_share * window_j, settings.prediction_share
+            settings.departure is Departure.WAIT,
+            settings.reserve_share * float(window_j(row)),
+            settings.prediction_share,
         )
         auxiliary_w = float(kind.row[0]["auxiliary_power_w"])
         yield from _day(_SetCharge(setup, settings, ways[stock_id], row, rules, auxiliary_w), duties)
@@ -169,7 +170,10 @@ def _waits_s(one: _SetCharge, power_w: float, needed_j: float) -> float | None:
     """How long a set must go on charging, s; None: it never has enough."""
     time_s = 0.0
     while float(available_j(one.battery)) < needed_j:
-        if time_s >= WAITS_S_MAX or float(soc_of(one.battery)) >= float(one.battery["soc_high"]) - 1e-6:
+        if (
+            time_s >= WAITS_S_MAX
+            or float(soc_of(one.battery)) >= float(one.battery["pack"]["soc_high"]) - 1e-6
+        ):
             return None
         one.charge(power_w, STEP_S)
         time_s += STEP_S

@@ -18,7 +18,7 @@ def checked_new(out: Path, option: str = "OUT") -> str:
     if not out.parent.is_dir():
         raise InputError(COMMAND_LINE, option, str(out), "a path in an existing folder")
     if os.path.lexists(out):
-        raise InputError(COMMAND_LINE, option, str(out), "a new file: this one is somebody's work")
+        raise InputError(COMMAND_LINE, option, str(out), "a new file: this one exists already")
     return out.stem
 
 

@@ -23,7 +23,7 @@ from network.files.text_input import existing_file
 from network.files.timetable_schema import HeadTable
 from network.files.toml_text import text_toml
 from network.model import Direction, Line
-from network.timetable import Call, CallKind, Timetable, parse_timetable
+from network.timetable import Call, CallKind, no_trains, parse_timetable
 from simulation.setup import Setup
 from study.feasibility.check import feasibility
 from study.making.place import checked_new, named_from, write_new
@@ -82,8 +82,7 @@ def _check(pattern: Pattern) -> None:
 
 def timetable_text(line: Line, train: TrainType, pattern: Pattern, stem: str) -> tuple[int, str]:
     """How many trains, and the file. InputError where no even pattern of that interval can work on the line."""
-    nothing = Timetable(stem, "", line.id, DWELL_S, {}, ())
-    times = standard_times(Setup(stem, line, nothing, {"": train}))
+    times = standard_times(Setup(stem, line, no_trains(line, DWELL_S), {"": train}))
     legs = {d: [time for time in times if time.direction is d] for d in Direction}
     if not all(legs.values()):
         raise InputError(
@@ -202,13 +201,12 @@ def _text(day: PatternTrial, pattern: Pattern) -> tuple[int, str] | None:
             line=line.id,
             dwell_min_s=DWELL_S,
             sources=["made by `branchline new timetable`"],
-            assumed=[
-                f"times: {100 * day.slack - 100:.0f} % over the least running time of {train.id}, each leg up to the"
-                f" next {ROUND_S} s",
-                *workings.assumed,
-            ],
         )
-        text = timetable_toml(file_of_trains(head, planned, workings))
+        times = (
+            f"times: {100 * day.slack - 100:.0f} % over the least running time of {train.id}, each leg up to the next"
+            f" {ROUND_S} s"
+        )
+        text = timetable_toml(file_of_trains(head, planned, workings, [times]))
         timetable = parse_timetable(text, stem, line)
     except InputError:
         return None

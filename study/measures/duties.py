@@ -118,10 +118,10 @@ def _duty(
     gaps = tuple(_gaps(running))
     turns = [gap.length_s for gap in gaps if gap.kind == GapKind.TURN.value and gap.length_s is not None]
     return SetDuty(
-        stock_id=diagram.stock_id,
-        trains=trains,
-        gaps=gaps,
-        distance_m=sum(train.distance_m for train in trains),
+        diagram.stock_id,
+        trains,
+        gaps,
+        sum(train.distance_m for train in trains),
         empty_m=sum(train.distance_m for train in trains if not train.revenue),
         on_duty_s=trains[-1].ends_s - trains[0].begins_s if trains else 0,
         running_s=sum(train.ends_s - train.begins_s for train in trains),
@@ -135,14 +135,14 @@ def _train(line: Line, train: TimetableTrain, plan: TimetableTrain, *, planned: 
     first, last = train.calls[0], train.calls[-1]
     ends_m = [line.stations[call.station_id].position_m for call in (first, last)]
     return DutyTrain(
-        number=train.number,
-        direction="down" if train.direction is Direction.DOWN else "up",
-        revenue=train.revenue,
-        from_id=first.station_id,
-        to_id=last.station_id,
-        begins_s=first.last_s,
-        ends_s=last.first_s,
-        distance_m=abs(ends_m[1] - ends_m[0]),
+        train.number,
+        "down" if train.direction is Direction.DOWN else "up",
+        train.revenue,
+        first.station_id,
+        last.station_id,
+        first.last_s,
+        last.first_s,
+        abs(ends_m[1] - ends_m[0]),
         planned_begins_s=plan.calls[0].last_s,
         planned_ends_s=plan.calls[-1].first_s,
         late_s=None if planned else last.first_s - plan.calls[-1].first_s,

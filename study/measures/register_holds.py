@@ -10,7 +10,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, NamedTuple
 
 from network.model import Direction, Line
 from onboard import notes
@@ -43,12 +43,12 @@ def section_holds(result: RunResult, line: Line, lengths_m: Mapping[str, float])
 def _visit(hold: SectionHold, visits: Iterable[SectionVisit]) -> SectionVisit | None:
     """How the unit was in the section while it had it; None: never."""
     own = (v for v in visits if v.section_id == hold.section_id)
-    return next((v for v in own if v.begin_s <= hold.freed_s and v.rear_s >= hold.wanted_s), None)
+    return next((v for v in own if v.begin_s <= hold.freed_s and v.rear_s >= hold.asked.wanted_s), None)
 
 
 def _number(hold: SectionHold, visits: Sequence[SectionVisit]) -> str:
     """The train for which a section was had; who has told of none is the train that is in it, or was seen last."""
-    seen = [v for v in visits if v.begin_s <= hold.heard_s] or visits[:1]
+    seen = [v for v in visits if v.begin_s <= hold.asked.heard_s] or visits[:1]
     seen = seen if hold.visit is None else [hold.visit]
     return hold.number or (seen[-1].number if seen else "")
 
@@ -86,13 +86,21 @@ class Tenure:
     to_s: float = math.inf
 
 
+class AskedAt(NamedTuple):
+    """When a section was wanted, the request for it that was granted was sent, and the register heard that, s."""
+
+    wanted_s: float
+    sent_s: float
+    heard_s: float
+
+
 @dataclass(slots=True)
 class SectionHold:
-    """A section as one unit's, s: by the register from `heard_s` until `freed_s`, by the truth as `visit` has it.
+    """A section as one unit's, s: by the register from `asked.heard_s` until `freed_s`, by the truth as `visit` has it.
 
-    `number`: the train for which it was had. Wanted, and the request that was granted sent, before; `waited_s`: while
-    another had it, or its route. `held_s`: the unit counts it as held, `reported_s`: as given back, `arrived_s`: it has
-    stood in it at its last stop and then left the line. `tenures`: while the manager knew of it, which a restart ends.
+    `number`: the train for which it was had. `waited_s`: while another had it, or its route. `held_s`: the unit counts
+    it as held, `reported_s`: as given back, `arrived_s`: it has stood in it at its last stop and then left the line.
+    `tenures`: while the manager knew of it, which a restart ends.
     """
 
     section_id: str
@@ -100,9 +108,7 @@ class SectionHold:
     number: str
     direction: Direction
     route_id: str
-    wanted_s: float
-    sent_s: float
-    heard_s: float
+    asked: AskedAt
     token: int
     waited_s: float = 0.0
     held_s: float | None = None
@@ -238,9 +244,9 @@ class _Register:
         wanted_s = min(max(first_s, max(free_s, default=-math.inf), self._begin_s), t_s)
         number, direction = self._train.get(unit, ("", Direction.DOWN))
         for section_id in new:
-            asked = wanted_s, max(sent_s, wanted_s), t_s
+            asked = AskedAt(wanted_s, max(sent_s, wanted_s), t_s)
             hold = SectionHold(
-                section_id, unit, number, direction, route_id, *asked, token, max(wanted_s - first_s, 0.0)
+                section_id, unit, number, direction, route_id, asked, token, max(wanted_s - first_s, 0.0)
             )
             self._open[unit][section_id] = hold
             self.holds.append(hold)

@@ -47,12 +47,12 @@ def own_resistance_n(kind: TrainType, mass_kg: float, speed_mps: Floats) -> Floa
     per_kn = sum(
         part
         * (
-            float(row[f"resistance_{cars}_constant_n_per_kn"])
-            + float(row[f"resistance_{cars}_linear_n_per_kn_kmh"]) * speed_kmh
+            float(row["resistance"][f"{cars}_constant_n_per_kn"])
+            + float(row["resistance"][f"{cars}_linear_n_per_kn_kmh"]) * speed_kmh
         )
         for cars, part in (("motored", share), ("trailer", 1.0 - share))
     )
-    return np.asarray(per_kn * weight_kn + float(row["resistance_air_n_per_kmh2"]) * speed_kmh**2)
+    return np.asarray(per_kn * weight_kn + float(row["resistance"]["air_n_per_kmh2"]) * speed_kmh**2)
 
 
 def mass_kg(kind: TrainType, load_share: float) -> float:
@@ -82,7 +82,7 @@ def _traction_of_span_j(
     kinetic_j = 0.5 * mass * (1.0 + float(row["rotating_mass_factor"])) * np.diff(speed_mps**2)
     climb_m = np.diff(_mean_under(profile["elevation_m"], position_m, length_m))
     bend_rad = _mean_under_run(profile["turn_rad"], position_m, length_m)
-    curve_j = weight_n * 1e-3 * float(row["curve_resistance_coefficient_m"]) * bend_rad
+    curve_j = weight_n * 1e-3 * float(row["resistance"]["curve_coefficient_m"]) * bend_rad
     middle_mps = 0.5 * (speed_mps[1:] + speed_mps[:-1])
     work_j = kinetic_j + weight_n * climb_m + curve_j + resistance(kind, mass, middle_mps) * run_m
     if row["losses_given"] > 0.0:

@@ -104,7 +104,7 @@ def planned_hops(setup: Setup) -> Iterator[TrainHop]:
         for duty in duties:
             at_stations = (target for target in duty.mission.targets if target.station_id is not None)
             for here, there in pairwise(at_stations):
-                due_s = there.latest_arrival_s(setup.timetable.dwell_min_s)
+                due_s = there.latest_arrival_s(setup.timetable.head.dwell_min_s)
                 if here.departure_s is not None and due_s is not None:
                     yield TrainHop(stock_id, duty.mission, here, there, here.departure_s, due_s)
 

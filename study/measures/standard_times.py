@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from exchange.running import Running, StationRun
 from network.model import Direction, Line
-from network.timetable import Call, CallKind, Stabled, Timetable, TimetableTrain
+from network.timetable import Call, CallKind, Stabled, TimetableTrain, no_trains
 from onboard.duty.mission import Mission, NoWay, Target, plan_mission
 from simulation.setup import Setup
 from simulation.world.roster import first_section
@@ -131,7 +131,7 @@ def least_by_leg(line: Line, kind: TrainType) -> Running:
 
     With the load and the braking that scenarios have where they say nothing.
     """
-    times = standard_times(Setup("", line, Timetable("", "", line.id, 0.0, {}, ()), {"": kind}))
+    times = standard_times(Setup("", line, no_trains(line, 0.0), {"": kind}))
     onward = {(time.from_id, time.direction): time for time in times}
 
     def least(leg: StationRun) -> float | None:

@@ -14,10 +14,9 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Final, TypedDict
+from typing import Final
 
 import numpy as np
-from typing_extensions import Unpack
 
 from onboard.authority.stop_limit import NOT_PROVEN
 from onboard.vehicle import VehicleInputs
@@ -65,21 +64,6 @@ def _by_unit(entries: Iterable[JournalEntry], into: dict[str, list[JournalEntry]
     for entry in entries:
         into[subject_of(entry)].append(entry)
         yield entry
-
-
-class WaitParts(TypedDict, total=False):
-    """What a wait has besides its stock, its times and its cause; see `Wait`."""
-
-    train: str
-    at_m: float | None
-    asked: Asked
-    section: str
-    points: str
-    party: str
-    party_train: str
-    since_s: float | None
-    until_s: float | None
-    reason: str
 
 
 class _Finder:
@@ -130,15 +114,15 @@ class _Finder:
             yield replace(wait, from_s=at_s, to_s=next_s)
             at_s = next_s
 
-    def _make(self, cause: Cause, **known: Unpack[WaitParts]) -> Wait:
+    def _make(self, cause: Cause) -> Wait:
+        """A wait of this stock where it is now, but for its times and for what it waits for."""
         stretch, view = self._stretch, self._view
         at = None if stretch.phase is None else self._here(stretch.from_s)
         at_m = None if at is None else at[1]
         place = stretch.from_id if stretch.phase in (*AT_ITS_STOP, EnergyPhase.STABLED) else ""
         following = view.next_duty
         train = stretch.train or view.train or ("" if following is None else following.train.number)
-        blank = Wait(view.unit, train, 0.0, 0.0, cause, place, at_m)
-        return replace(blank, **known)
+        return Wait(view.unit, train, 0.0, 0.0, cause, place, at_m)
 
     def _here(self, t_s: float) -> tuple[str, float] | None:
         """Piece and kilometrage (m) of its front; of stock that never moves, the mark where its train begins."""
@@ -164,7 +148,7 @@ class _Finder:
             portal = view.duty.mission.spans[0].section_id
             ails = self._no_unit()
             if ails is not None:
-                return self._make(ails, section=portal), math.inf
+                return replace(self._make(ails), section=portal), math.inf
             if view.signed_on:
                 return self._portal(t_s, portal)
             wait, until_s = self._request(Asked.SIGN_ON, t_s, (portal,))
@@ -177,18 +161,19 @@ class _Finder:
             late = t_s >= following.enter_s
             until_s = following.comes_s if late else following.enter_s
             cause = Cause.LATE if late else Cause.OUTSIDE
-            return self._make(cause, train=train, section=portal, until_s=until_s), until_s
+            return replace(self._make(cause), train=train, section=portal, until_s=until_s), until_s
         return self._before_its_number(following, t_s)
 
     def _before_its_number(self, following: Duty, t_s: float) -> tuple[Wait, float]:
         """At its portal: behind others, or its crew is yet to enter the train number."""
-        known: WaitParts = {"train": following.train.number, "section": following.mission.spans[0].section_id}
+        portal = following.mission.spans[0].section_id
+        wait = replace(self._make(Cause.QUEUE), train=following.train.number, section=portal)
         ahead = list(self._history.ahead(following, self._drawn))
         queues_until_s = max((s for comes_s, s in ahead if comes_s <= t_s < s), default=t_s)
         if queues_until_s > t_s:
-            return self._make(Cause.QUEUE, **known), queues_until_s
+            return wait, queues_until_s
         until_s = min((comes_s for comes_s, _ in ahead if comes_s > t_s), default=math.inf)
-        return self._make(self._no_unit() or Cause.NUMBER, **known), until_s
+        return replace(wait, cause=self._no_unit() or Cause.NUMBER), until_s
 
     def _portal(self, t_s: float, portal: str) -> tuple[Wait, float]:
         """Signed on, before its portal: a train stands there, or its crew takes it in."""
@@ -197,8 +182,8 @@ class _Finder:
             at = self._where.piece(other, t_s)
             there = at is not None and pieces[at[0]].section_id == portal
             if other != view.unit and there and self._history.on_line(other, t_s):
-                return self._make(Cause.PORTAL, section=portal, since_s=view.signed_on_s), math.inf
-        return self._make(Cause.ENTRY, section=portal), math.inf
+                return replace(self._make(Cause.PORTAL), section=portal, since_s=view.signed_on_s), math.inf
+        return replace(self._make(Cause.ENTRY), section=portal), math.inf
 
     # on the line ----------------------------------------------------------------------------------------------
 
@@ -207,7 +192,7 @@ class _Finder:
         view = self._view
         if view.unfit != DOORS_OPEN or not view.powered or t_s >= view.doors_until_s:
             return None
-        return self._make(Cause.DWELL, until_s=view.doors_until_s), view.doors_until_s
+        return replace(self._make(Cause.DWELL), until_s=view.doors_until_s), view.doors_until_s
 
     def _no_unit(self) -> Cause | None:
         """Why the unit does nothing, if so."""
@@ -220,10 +205,10 @@ class _Finder:
         if ails is not None:
             return self._make(ails), math.inf
         if view.mismatch:
-            return self._make(Cause.CONTRADICTION, reason=view.mismatch, party=MANAGER), math.inf
+            return replace(self._make(Cause.CONTRADICTION), reason=view.mismatch, party=MANAGER), math.inf
         if view.unfit or view.unable:
             cause = Cause.VEHICLE if view.unfit else Cause.UNABLE
-            return self._make(cause, reason=view.unfit or view.unable), math.inf
+            return replace(self._make(cause), reason=view.unfit or view.unable), math.inf
         if view.emergency and view.doing in (Doing.RUNNING, Doing.ON_SIGHT):
             return self._make(Cause.EMERGENCY), math.inf
         return None
@@ -257,7 +242,7 @@ class _Finder:
             return self._make(Cause.STABLED), math.inf
         turns = following.mission.direction is not view.duty.mission.direction
         train = following.train.number
-        return self._make(Cause.TURN_BACK if turns else Cause.NEXT_TRAIN, reason=train), math.inf
+        return replace(self._make(Cause.TURN_BACK if turns else Cause.NEXT_TRAIN), reason=train), math.inf
 
     def _at_stop(self, t_s: float) -> tuple[Wait, float]:
         """At a stop: the dwell, the departure time, then the way ahead."""
@@ -271,11 +256,11 @@ class _Finder:
         shown_s = -math.inf if planned_s is None else view.shown_at_s(planned_s)
         leave_s = max(shown_s, view.ready_s)
         if t_s < leave_s and view.ready_s >= shown_s and view.dwells:
-            return self._make(Cause.DWELL, until_s=leave_s), leave_s
+            return replace(self._make(Cause.DWELL), until_s=leave_s), leave_s
         if t_s < leave_s and planned_s is not None:
             why = "" if targets[view.at].passengers else NO_PASSENGERS
             why = why if shown_s == planned_s else WRONG_CLOCK
-            return self._make(Cause.DEPARTURE_TIME, until_s=planned_s, reason=why), leave_s
+            return replace(self._make(Cause.DEPARTURE_TIME), until_s=planned_s, reason=why), leave_s
         if view.emergency:
             return self._make(Cause.EMERGENCY), math.inf
         return self._on_sight(t_s) if view.doing is Doing.ON_SIGHT else self._way_ahead(t_s)
@@ -343,14 +328,12 @@ class _Finder:
         changes_s = self._history.next_change_s(sections, t_s)
         ails, ails_until_s = self._history.ails(MANAGER, t_s)
         until_s = min(changes_s, ails_until_s)
-        known: WaitParts = {"asked": asked, "party": MANAGER}
+        wait = replace(self._make(Cause.ANSWER), asked=asked, party=MANAGER)
         if request is None or not self._covered(t_s):
             cause = Cause.ANSWER if self._covered(t_s) else Cause.COVERAGE
-            return self._make(cause, **known), until_s
-        known["since_s"] = request.since_s
+            return replace(wait, cause=cause), until_s
         if ails or self._view.cable_cut:
-            known["reason"] = ails or CABLE_CUT
-            return self._make(Cause.ANSWER, **known), until_s
+            return replace(wait, since_s=request.since_s, reason=ails or CABLE_CUT), until_s
         for section in sections:
             holder = self._history.holder(section, t_s, self._view.unit)
             if holder is not None and request.refusal.startswith(HELD_REASON):
@@ -358,23 +341,23 @@ class _Finder:
         for reason, cause in NOT_NOW.items():
             if request.refusal.startswith(reason):
                 return self._behind(cause, asked, request), until_s
-        if request.refusal and not request.refusal.startswith(HELD_REASON):
-            known["reason"] = request.refusal
-            return self._make(Cause.REFUSED, **known), until_s
-        if request.refusal:  # nobody has it any more: it asks again in a moment
-            known["since_s"], known["reason"] = None, ASKS_AGAIN
-        return self._make(Cause.ANSWER, **known), until_s
+        if request.refusal.startswith(HELD_REASON):  # nobody has it any more: it asks again in a moment
+            return replace(wait, reason=ASKS_AGAIN), until_s
+        cause = Cause.REFUSED if request.refusal else Cause.ANSWER
+        return replace(wait, cause=cause, since_s=request.since_s, reason=request.refusal), until_s
 
     def _behind(self, cause: Cause, asked: Asked, request: WaitingRequest) -> Wait:
         """Its way is free, but another is to come first: that, and where to, the refusal names last."""
         _, _, named = request.refusal.partition(": section ")
         section, _, unit = named.partition(" of ")
         train, since_s = self._history.train_of(unit, request.since_s), request.since_s
-        return self._make(cause, asked=asked, section=section, party=unit, party_train=train, since_s=since_s)
+        return replace(
+            self._make(cause), asked=asked, section=section, party=unit, party_train=train, since_s=since_s
+        )
 
     def _held(self, asked: Asked, section: str, unit: str, from_s: float, to_s: float, t_s: float) -> Wait:
-        return self._make(
-            Cause.ROUTE_HELD,
+        return replace(
+            self._make(Cause.ROUTE_HELD),
             asked=asked,
             section=section,
             party=unit,
@@ -395,26 +378,18 @@ class _Finder:
         moves, since_s, until_s = self._history.points_move(points, t_s)
         ails, ails_until_s = self._history.ails(item.terminal_id, t_s)
         until_s = min(until_s, ails_until_s)
-        known: WaitParts = {
-            "points": points,
-            "section": view.limit_before or "",
-            "party": item.terminal_id,
-        }
+        wait = self._make(Cause.POINTS_PROOF)
+        wait = replace(wait, points=points, section=view.limit_before or "", party=item.terminal_id)
         if ails or self._view.cable_cut:
-            known["reason"] = ails or CABLE_CUT
-            return self._make(Cause.POINTS_PROOF, **known), until_s
+            return replace(wait, reason=ails or CABLE_CUT), until_s
         if points in view.points_refused:
-            known["reason"] = view.points_refused[points]
-            return self._make(Cause.POINTS_REFUSED, **known), until_s
+            return replace(wait, cause=Cause.POINTS_REFUSED, reason=view.points_refused[points]), until_s
         if moves:
-            known["since_s"] = since_s
-            return self._make(Cause.POINTS_MOVE, **known), until_s
+            return replace(wait, cause=Cause.POINTS_MOVE, since_s=since_s), until_s
         since_s = view.commanded_s.get(item.terminal_id, math.nan)
         if not math.isnan(since_s):
-            known["since_s"] = since_s
-        elif not self._covered(t_s):
-            return self._make(Cause.COVERAGE, **known), until_s
-        return self._make(Cause.POINTS_PROOF, **known), until_s
+            return replace(wait, since_s=since_s), until_s
+        return wait if self._covered(t_s) else replace(wait, cause=Cause.COVERAGE), until_s
 
     def _covered(self, t_s: float) -> bool:
         """Whether the radio reaches the train where it stands; a train outside stands where it is."""
@@ -430,7 +405,7 @@ class _Finder:
     def _runs(self, from_s: float, to_s: float) -> Iterator[Wait]:
         """Runs; from where to where a stop limit short of its next mark slows it down."""
         slowed = self._slowed(from_s, to_s)
-        runs = self._make(Cause.RUNS, at_m=None)
+        runs = replace(self._make(Cause.RUNS), at_m=None)
         if slowed is None:
             yield replace(runs, from_s=from_s, to_s=to_s)
             return

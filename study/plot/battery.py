@@ -14,7 +14,18 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from study.plot.choice import ChosenRun
-from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, RULE, UNIT_COLOURS, WIDTH_IN, clock
+from study.report.style import (
+    DIRECTION_COLOUR,
+    INK,
+    PALE,
+    RED,
+    RULE,
+    UNIT_COLOURS,
+    WIDTH_IN,
+    beside,
+    clock,
+    dots,
+)
 
 PANEL_IN: Final = 1.75
 HOUR_S: Final = 3600.0
@@ -77,17 +88,15 @@ def _panel(axes: Axes, run: ChosenRun, unit: str, rows: pl.DataFrame, colour: st
     axes.plot(times_s, soc, color=colour, lw=1.4)
     at = int(np.argmin(soc))
     lowest = rows.row(at, named=True)
-    axes.plot(times_s[at], soc[at], ls="", marker="v", ms=5, color=colour)
+    dots(axes, times_s[at], soc[at], "v", 5, colour)
     # Towards the middle of the panel, so that it stays inside.
     right = times_s[at] > 0.5 * (times_s[0] + times_s[-1])
-    axes.annotate(
+    beside(
+        axes,
         f"{lowest['train']}: {soc[at]:.0f} %, {lowest['above_low_kwh']:.0f} kWh left to use",
         (times_s[at], soc[at]),
-        xytext=(-6 if right else 6, -1),
-        textcoords="offset points",
-        ha="right" if right else "left",
-        va="top",
-        fontsize=7,
+        (-6 if right else 6, -1),
+        7,
         bbox={"fc": "white", "ec": "none", "alpha": 0.8, "pad": 0.6},
     )
     _numbers(axes, run, unit)

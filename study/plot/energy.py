@@ -23,6 +23,7 @@ from study.report.style import (
     STANDING,
     TRACTION,
     WIDTH_IN,
+    dots,
 )
 
 _STANDS: Final = (
@@ -64,7 +65,7 @@ def draw_energy_hours(run: ChosenRun) -> Figure | None:
     axes.bar(at, moving, 0.72, bottom=traction, color=AUXILIARY, label="auxiliary, running")
     axes.bar(at, standing, 0.72, bottom=traction + moving, color=STANDING, label="auxiliary, standing")
     axes.bar(at, -regenerated, 0.72, color=REGENERATED, label="regenerated")
-    axes.plot(at, net, ls="", marker="o", ms=4, color=INK, label="net")
+    dots(axes, at, net, "o", 4, INK, label="net")
     for x, value in zip(at, net, strict=True):
         axes.annotate(
             f"{value:.0f}".replace("-", "−"),
@@ -126,7 +127,7 @@ def _draw_legs(
         aside = np.linspace(-0.25, 0.25, len(values)) if len(values) > 1 else np.zeros(1)
         mean = float(values.mean())
         axes.bar(column, mean, 0.7, color="#c9d6e4", zorder=1)
-        axes.plot(column + aside, values, ls="", marker="o", ms=2.4, mew=0, color=DIRECTION_COLOUR[direction])
+        dots(axes, column + aside, values, "o", 2.4, DIRECTION_COLOUR[direction], mew=0)
         axes.annotate(
             f"{mean:.1f}".replace("-", "−"),
             (column, max(0.0, float(values.max()))),

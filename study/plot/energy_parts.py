@@ -13,7 +13,7 @@ from network.model import Direction
 from study.plot.choice import ChosenRun
 from study.record.energy import LegEnergy
 from study.record.figure import figures_of
-from study.report.style import AUXILIARY, INK, PALE, REGENERATED, RULE, TRACTION, WIDTH_IN
+from study.report.style import AUXILIARY, INK, PALE, REGENERATED, RULE, TRACTION, WIDTH_IN, dots
 
 _COLOURS: Final = {
     "resistance_kwh": TRACTION,
@@ -68,7 +68,7 @@ def _draw_stack(
         axes.bar(at, kwh, 0.7, bottom=bottom, color=colour, label=figures_of(LegEnergy)[name].name.en)
         above, below = above + np.maximum(kwh, 0.0), below + np.minimum(kwh, 0.0)
     net = [float(row["net_kwh"]) for row in means]
-    axes.plot(at, net, ls="", marker="o", ms=4, color=INK, label="net")
+    dots(axes, at, net, "o", 4, INK, label="net")
     names = [f"{run.name(str(row['from_station']))}\n{run.name(str(row['to_station']))}" for row in means]
     many = len(means) > 12
     axes.set_xticks(at, names)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from network.model import Direction
 from study.plot.choice import ChosenRun
-from study.report.style import DIRECTION_COLOUR, PALE, RED, RULE, WIDTH_IN
+from study.report.style import DIRECTION_COLOUR, PALE, RED, RULE, WIDTH_IN, dots
 
 
 def draw_margins(run: ChosenRun) -> Figure | None:
@@ -56,8 +56,8 @@ def _draw_hops(
             )
             bad = values_s < 0.0
             shown = label if column == 0 else "_"
-            axes.plot(x[~bad], values_s[~bad], ls="", marker="o", ms=2.6, mew=0, color=colour, label=shown)
-            axes.plot(x[bad], values_s[bad], ls="", marker="o", ms=3.2, mew=0, color=RED)
+            dots(axes, x[~bad], values_s[~bad], "o", 2.6, colour, mew=0, label=shown)
+            dots(axes, x[bad], values_s[bad], "o", 3.2, RED, mew=0)
     axes.axhline(0, color=PALE, lw=0.7)
     axes.set_xticks(range(len(hops)), [f"{run.name(a)}\n{run.name(b)}" for a, b in hops])
     axes.tick_params(axis="x", length=0, labelsize=6.5, labelrotation=60 if len(hops) > 12 else 0)

@@ -14,7 +14,7 @@ from network.model import Direction
 from study.measures.localisation import FIX_KINDS, FOUND, HALF_M, LOST, lost_between
 from study.plot.choice import ChosenRun
 from study.report.curve import alignment_of, in_km, mark_stations
-from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, REGENERATED, RULE, WIDTH_IN
+from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, REGENERATED, RULE, WIDTH_IN, dots
 
 BAND: Final = "#c9d6e4"
 UNKNOWN: Final = "#f3d9d6"
@@ -104,6 +104,4 @@ def _mark_events(run: ChosenRun, axes: Axes, unit: str, course: pl.DataFrame) ->
         marker, colour, words = MARKS[kind]
         height_m = low_m + (0.05 + 0.05 * row) * (high_m - low_m)
         where_m = np.interp(times, time_s, at_m)
-        axes.plot(
-            where_m, np.full(times.size, height_m), ls="", marker=marker, ms=4.5, color=colour, label=words
-        )
+        dots(axes, where_m, np.full(times.size, height_m), marker, 4.5, colour, label=words)

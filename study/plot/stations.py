@@ -24,10 +24,14 @@ from study.report.style import (
     RULE,
     WIDTH_IN,
     TimeBand,
+    beside,
+    centred,
+    dots,
     draw_clock_axis,
     time_bands,
     unit_colours,
 )
+from study.wording.catalogue import phrase
 
 ROW_IN: Final = 0.2
 TALL_ROW_IN: Final = 0.85  # of one station alone: its train numbers stand upright in it
@@ -83,7 +87,7 @@ def draw_occupation(run: ChosenRun) -> Figure | None:
 
 def _track_name(run: ChosenRun, station: Station, track: str) -> str:
     name = run.name(station.id)
-    return f"{name} {track}番線" if run.choice.language == "ja" else f"{name}, track {track}"
+    return phrase("{name}, track {track}").of(name=name, track=track).in_(run.choice.language)
 
 
 def _draw_stays(
@@ -133,14 +137,13 @@ def _number(
         return
     last_in[row] = centre_s / s_per_in
     train, following = stay["train"], stay["next_train"]
-    axes.text(
+    centred(
+        axes,
         centre_s,
         row,
         train if train == following else f"{train} → {following}",
+        LABEL_PT,
         rotation=90,
-        ha="center",
-        va="center",
-        fontsize=LABEL_PT,
         color=INK,
         zorder=5,
         bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 0.4},
@@ -211,9 +214,7 @@ def _draw_hours(
 def _draw_call(axes: Axes, run: ChosenRun, x: float, y: float, call: dict[str, Any]) -> None:
     minute, second = int(call["due_s"] // 60 % 60), int(call["due_s"] % 60)
     ends = call["planned_departure_s"] is None
-    goes = (
-        ("着" if run.choice.language == "ja" else "arr.") if ends else _short(run.name(call["destination"]))
-    )
+    goes = phrase("arr.").in_(run.choice.language) if ends else _short(run.name(call["destination"]))
     if call["kind"] == "pass":
         goes = "レ"  # as Japanese timetables mark a train that runs through
     axes.text(x, y - 0.32, goes, ha="center", va="center", fontsize=5.0, color=PALE)
@@ -259,7 +260,7 @@ def draw_punctuality(run: ChosenRun) -> Figure | None:
         own = [rows[s] for s in stations if s in rows]
         _draw_share(share, at, own, what, colour)
         _draw_lateness(late, at, own, what, colour)
-    everywhere = "全駅" if run.choice.language == "ja" else "all"
+    everywhere = phrase("all stations").in_(run.choice.language)
     labels = [everywhere if s == ALL_STATIONS else _in_lines(run.name(s)) for s in stations]
     late.set_xticks(range(len(stations)), labels, fontsize=7 if len(labels) < 16 else 6)
     if len(labels) > 16:
@@ -308,19 +309,15 @@ def _draw_lateness(axes: Axes, at: Any, rows: Sequence[dict[str, Any]], what: st
         label="mean ± σ" if first else None,
     )
     p95_s, worst_s = [row["p95_s"] for _, row in known], [row["worst_s"] for _, row in known]
-    axes.plot(
-        x, p95_s, ls="", marker="_", ms=11, mew=1.6, color=colour, label="95th percentile" if first else None
-    )
-    axes.plot(x, worst_s, ls="", marker="x", ms=4.5, color=RED, label="worst" if first else None)
+    dots(axes, x, p95_s, "_", 11, colour, mew=1.6, label="95th percentile" if first else None)
+    dots(axes, x, worst_s, "x", 4.5, RED, label="worst" if first else None)
     for at_x, row in known:
-        axes.annotate(
+        beside(
+            axes,
             row["worst_train"],
             (at_x, row["worst_s"]),
-            xytext=(0, 4),
-            textcoords="offset points",
-            ha="center",
-            va="bottom",
-            fontsize=5.0,
+            (0, 4),
+            5.0,
             rotation=90 if len(rows) > 10 else 0,
             color=RED,
         )

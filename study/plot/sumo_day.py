@@ -84,7 +84,7 @@ def vehicles_of(setup: Setup) -> tuple[SumoVehicle, ...]:
         drawn = drawn_up(setup, setup.line)
     except NoWay as error:
         raise InputError(
-            setup.timetable.id, "", None, f"trains that the line has a way for: {error}"
+            setup.timetable.head.id, "", None, f"trains that the line has a way for: {error}"
         ) from error
     vehicles: list[SumoVehicle] = []
     for stock_id, duties in drawn.items():
@@ -166,7 +166,7 @@ def _vehicle(setup: Setup, name: str, type_id: str, chain: Sequence[Duty]) -> Su
 
 def _stops(setup: Setup, duty: Duty, following: Duty | None, *, first: bool) -> Iterator[VehicleStop]:
     """Stops of one duty in order; where a set goes on as another train it stands until that leaves."""
-    line, mission, dwell_s = setup.line, duty.mission, setup.timetable.dwell_min_s
+    line, mission, dwell_s = setup.line, duty.mission, setup.timetable.head.dwell_min_s
     targets = [target for target in mission.targets if target.station_id is not None]
     found: list[tuple[float, VehicleStop]] = []
     for index, target in enumerate(targets):

@@ -104,7 +104,7 @@ def figure_of(run: ChosenRun, kind: PlotKind) -> Figure:
     """The picture, with its title, in the language chosen; call within `drawing()`. InputError where there is none."""
     figure = kind.draw(run)
     if figure is None:
-        raise InputError("command line", "KIND", kind.name, "a kind of which the run has something to show")
+        raise InputError("command line", "KIND", kind.name, "a kind for which the run has data")
     figure.suptitle(title_of(run, kind), x=0.008, ha="left", fontsize=9.5)
     translate(figure, run.choice.language)
     return figure
@@ -113,7 +113,7 @@ def figure_of(run: ChosenRun, kind: PlotKind) -> Figure:
 def title_of(run: ChosenRun, kind: PlotKind) -> str:
     """What stands above a picture: the kind, of what of the run, and the run's name."""
     choice = run.choice
-    parts = [kind.title_ja if choice.language == "ja" else kind.title]
+    parts = [kind.title.in_(choice.language)]
     if choice.train is not None:
         parts.append(choice.train)
     if choice.station is not None:

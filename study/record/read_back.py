@@ -11,7 +11,6 @@ from typing import Any, Final
 import polars as pl
 
 from network.errors import InputError
-from network.files.edits import Change
 from network.files.json_input import read_json
 from network.files.line_file import line_of
 from network.files.line_schema import LineFile
@@ -69,11 +68,6 @@ class RunRead:
         """What people call the scenario."""
         return self.settings.name
 
-    @property
-    def changes(self) -> tuple[Change, ...]:
-        """What patches have changed of the files that the scenario names and extends."""
-        return self.inputs.changes
-
 
 def read_run(directory: Path) -> RunRead:
     """Read the directory of a finished run.
@@ -89,19 +83,8 @@ def read_run(directory: Path) -> RunRead:
     _check_tables(directory, shown)
     tables = RunTables.read(directory)
     _check_names(directory, tables, line, inputs)
-    learned = directory / LEARNED_FILE
-    return RunRead(
-        directory=directory,
-        line=line,
-        timetable=timetable,
-        trains=trains,
-        settings=settings,
-        inputs=inputs,
-        summary=summary,
-        tables=tables,
-        learned=read_learned(learned) if existing_file(learned) else {},
-        shown=shown,
-    )
+    learned = read_learned(directory / LEARNED_FILE) if existing_file(directory / LEARNED_FILE) else {}
+    return RunRead(directory, line, timetable, trains, settings, inputs, summary, tables, learned, shown)
 
 
 def parsed(inputs: Inputs, file: str) -> tuple[Line, Timetable, dict[str, TrainType], ScenarioFile]:

@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from study.capacity.equipment import BLOCKS, LeverWorth, Measured
 from study.capacity.line_capacity import Rate
 from study.report.headways import COST_COLOURS, save
-from study.report.style import INK, PALE, RED, WIDTH_IN, drawing
+from study.report.style import INK, PALE, RED, WIDTH_IN, beside, drawing
 
 PICTURE: Final = "occupation"
 TORNADO: Final = "tornado"
@@ -106,16 +106,7 @@ def _draw_swings(axes: Axes, worth: Sequence[LeverWorth], of: Callable[[Measured
         for value, word in words:
             leftmost = same or value == min(low, high)
             text = f"{value:.1f}" if same else f"{word}: {value:.1f}"
-            axes.annotate(
-                text,
-                (value, at),
-                xytext=(-4 if leftmost else 4, 0),
-                textcoords="offset points",
-                ha="right" if leftmost else "left",
-                va="center",
-                fontsize=6.5,
-                color=INK,
-            )
+            beside(axes, text, (value, at), (-4 if leftmost else 4, 0), 6.5, color=INK)
     axes.axvline(base, color=INK, lw=0.8)
     axes.set_yticks(range(len(ordered)), [one.name for one in ordered])
     axes.tick_params(axis="y", length=0)

@@ -16,7 +16,19 @@ from matplotlib.figure import Figure
 from network.model import Direction
 from study.report.data import ReportedRun
 from study.report.graph import station_label
-from study.report.style import AUXILIARY, INK, PALE, RED, REGENERATED, RULE, STANDING, TRACTION, WIDTH_IN
+from study.report.style import (
+    AUXILIARY,
+    INK,
+    PALE,
+    RED,
+    REGENERATED,
+    RULE,
+    STANDING,
+    TRACTION,
+    WIDTH_IN,
+    beside,
+    dots,
+)
 
 _BARS_IN_A_ROW: Final = 64
 _CELL_PT: Final = 6.5
@@ -67,10 +79,7 @@ def _draw_bars(axes: Axes, rows: list[dict[str, Any]], room: int) -> None:
     upright = room > 24
     for i, row in enumerate(rows):
         text = f"{row['net_kwh'] / row['distance_km']:.2f}" if row["distance_km"] > 0 else "–"
-        axes.annotate(
-            text, (i, traction[i] + auxiliary[i]), xytext=(0, 2), textcoords="offset points",
-            ha="center", va="bottom", fontsize=6.5, rotation=90 if upright else 0,
-        )  # fmt: skip
+        beside(axes, text, (i, traction[i] + auxiliary[i]), (0, 2), 6.5, rotation=90 if upright else 0)  # fmt: skip
     axes.axhline(0, color=PALE, lw=0.6)
     axes.set_xticks(at, [row["train"] if row["revenue"] else f"({row['train']})" for row in rows])
     axes.tick_params(axis="x", length=0, labelrotation=90 if upright else 0, labelsize=7)
@@ -111,7 +120,7 @@ def _draw_strips(axes: Axes, run: ReportedRun, stops: pl.DataFrame) -> None:
         if not len(errors_m):
             continue
         aside = np.linspace(-0.25, 0.25, len(errors_m)) if len(errors_m) > 1 else np.zeros(1)
-        axes.plot(column + aside, errors_m, ls="", marker="o", ms=2.2, mew=0, color="#5e81a3")
+        dots(axes, column + aside, errors_m, "o", 2.2, "#5e81a3", mew=0)
         axes.hlines(errors_m.mean(), column - 0.32, column + 0.32, color=INK, lw=1.2)
     axes.axhline(0, color=PALE, lw=0.6)
     labels = [station_label(station).replace(" ", "\n") for station in run.stations]

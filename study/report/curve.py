@@ -14,7 +14,18 @@ from numpy.typing import NDArray
 from network.model import Alignment, Direction, Line
 from study.report.data import ReportedRun, limits_mps
 from study.report.graph import station_label
-from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, RULE, TRACTION, WIDTH_IN, spread
+from study.report.style import (
+    DIRECTION_COLOUR,
+    INK,
+    PALE,
+    RED,
+    RULE,
+    TRACTION,
+    WIDTH_IN,
+    beside,
+    dots,
+    spread,
+)
 
 Floats = NDArray[np.float64]
 
@@ -101,13 +112,13 @@ def _draw_speeds(
         axes.plot(at_m, values_kmh, color=colour, ls=style, lw=width_pt, label=label)
     braked = course.filter(pl.col("intervention") != 0)
     if len(braked):
-        axes.plot(
+        dots(
+            axes,
             braked["kilometrage_m"].to_numpy(),
             braked["speed_mps"].to_numpy() * KMH_PER_MPS,
-            ls="",
-            marker="x",
-            ms=4,
-            color=RED,
+            "x",
+            4,
+            RED,
             label="supervision brakes",
         )
     axes.set_ylim(0, top_kmh)
@@ -150,17 +161,7 @@ def _draw_curves(axes: Axes, alignment: Alignment, direction: Direction, span_m:
 
 def _figure(axes: Axes, at_m: float, value: float, text: str) -> None:
     """A small figure beyond the end of a bar."""
-    axes.annotate(
-        text,
-        (at_m, value),
-        xytext=(0, 1.5 if value > 0 else -1.5),
-        textcoords="offset points",
-        ha="center",
-        va="bottom" if value > 0 else "top",
-        fontsize=5.5,
-        color=INK,
-        annotation_clip=True,
-    )
+    beside(axes, text, (at_m, value), (0, 1.5 if value > 0 else -1.5), 5.5, color=INK, annotation_clip=True)
 
 
 def _draw_notches(axes: Axes, course: pl.DataFrame) -> None:
@@ -182,13 +183,11 @@ def mark_stations(run: ReportedRun, panels: tuple[Axes, ...], low_m: float, high
             axes.axvline(station.position_m, color=RULE, lw=0.8, zorder=0.5)
     labels_m = spread([station.position_m for station in shown], _LEFT_OUT_SHARE * (high_m - low_m))
     for station, label_m in zip(shown, labels_m, strict=True):
-        panels[0].annotate(
+        beside(
+            panels[0],
             station_label(station).replace(" ", "\n"),
             (label_m, 1.0),
+            (0, 2),
+            7,
             xycoords=("data", "axes fraction"),
-            xytext=(0, 2),
-            textcoords="offset points",
-            ha="center",
-            va="bottom",
-            fontsize=7,
         )

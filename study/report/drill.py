@@ -12,7 +12,18 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from study.record.marks import Mark, MarkKind
-from study.report.style import INK, PALE, RED, RULE, TimeBand, TimeGrid, draw_clock_axis, spread
+from study.report.style import (
+    INK,
+    PALE,
+    RED,
+    RULE,
+    TimeBand,
+    TimeGrid,
+    centred,
+    dots,
+    draw_clock_axis,
+    spread,
+)
 
 Courses: TypeAlias = Mapping[tuple[str, str], pl.DataFrame]  # by unit and train, as `Run.courses`
 NO_COURSES: Final[Courses] = {}
@@ -51,14 +62,14 @@ def mark_graph(axes: Axes, marks: Sequence[Mark], band: TimeBand, courses: Cours
     margin_s = _TAG_GAP_SHARE / 2 * width_s
     places = [min(max(mark.from_s, band.from_s + margin_s), band.to_s - margin_s) for mark in shown]
     for mark, at_s in zip(shown, spread(places, _TAG_GAP_SHARE * width_s), strict=True):
-        axes.text(
+        centred(
+            axes,
             at_s,
             0.99,
             mark.label,
+            7,
             transform=axes.get_xaxis_transform(),
-            ha="center",
             va="top",
-            fontsize=7,
             color=RED if mark.kind is MarkKind.FAULT else INK,
             zorder=6,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6},
@@ -110,7 +121,7 @@ def draw_strip(axes: Axes, marks: Sequence[Mark], band: TimeBand, grid: TimeGrid
             axes.barh(row, mark.to_s - mark.from_s, left=mark.from_s, height=0.5, color=RED, alpha=0.55, lw=0)
         else:
             colour = RED if mark.kind is MarkKind.FAULT else INK
-            axes.plot([mark.from_s], [row], ls="", marker="D", ms=4, mew=0, color=colour, clip_on=False)
+            dots(axes, [mark.from_s], [row], "D", 4, colour, mew=0, clip_on=False)
     axes.spines[:].set_color(RULE)
 
 
@@ -123,7 +134,7 @@ def _draw_expectation(axes: Axes, row: int, mark: Mark, band: TimeBand) -> None:
     if band.from_s <= at_s <= band.to_s:
         style, colour = ("o", MET) if mark.passed else ("X", RED)
         size = 4.5 if mark.passed else 6
-        axes.plot([at_s], [row], ls="", marker=style, ms=size, mew=0, color=colour, clip_on=False, zorder=4)
+        dots(axes, [at_s], [row], style, size, colour, mew=0, clip_on=False, zorder=4)
 
 
 def shortened(text: str) -> str:

@@ -24,6 +24,7 @@ from study.report.style import (
     TimeBand,
     TimeGrid,
     can_write_japanese,
+    centred,
     clock,
     draw_clock_axis,
     drawing,
@@ -212,9 +213,7 @@ def _place(line: Line, gap: DutyGap) -> str:
 
 
 def _text(axes: Axes, at_s: float, y: float, text: str, colour: str, align: Align = "center") -> Text:
-    return axes.text(
-        at_s, y, text, fontsize=_TEXT_PT, color=colour, ha=align, va="center", zorder=5, clip_on=False
-    )
+    return centred(axes, at_s, y, text, _TEXT_PT, color=colour, ha=align, zorder=5, clip_on=False)
 
 
 def _span(text: Text) -> tuple[float, float]:

@@ -29,7 +29,9 @@ from study.report.style import (
     WIDTH_IN,
     TimeBand,
     TimeGrid,
+    beside,
     can_write_japanese,
+    dots,
     draw_clock_axis,
     spread,
     time_bands,
@@ -88,15 +90,13 @@ def draw_frame(axes: Axes, run: ReportedRun, band: TimeBand, grid: TimeGrid) -> 
     labels_m = spread([station.position_m for station in run.stations], _LABEL_GAP_MIN * (high_m - low_m))
     axes.set_yticks([])
     for station, label_m in zip(run.stations, labels_m, strict=True):
-        axes.annotate(
+        beside(
+            axes,
             f"{station_label(station)}  {station.position_m / 1000:.1f} km",
-            xy=(0.0, label_m),
+            (0.0, label_m),
+            (-4, 0),
+            7.5,
             xycoords=("axes fraction", "data"),
-            xytext=(-4, 0),
-            textcoords="offset points",
-            ha="right",
-            va="center",
-            fontsize=7.5,
             color="#666666" if station.is_halt else INK,
         )
     axes.spines[:].set_color(RULE)
@@ -133,7 +133,7 @@ def _draw_run(
     axes.plot(t_s, at_m, color=colour, lw=2.2, alpha=0.6, zorder=3, gid=gid)
     braked = course["intervention"].to_numpy() != 0
     began = np.flatnonzero(braked & ~np.concatenate(([False], braked[:-1])))
-    axes.plot(t_s[began], at_m[began], ls="", marker="x", ms=5, mew=1.2, color=RED, zorder=4)
+    dots(axes, t_s[began], at_m[began], "x", 5, RED, mew=1.2, zorder=4)
     return True
 
 

@@ -18,7 +18,7 @@ from study.record.driving import DrivenHop
 from study.record.figure import rows_in
 from study.report.curve import KMH_PER_MPS, alignment_of, draw_gradients, in_km, mark_stations
 from study.report.data import ReportedRun, limits_mps
-from study.report.style import INK, PALE, RULE, UNIT_COLOURS, WIDTH_IN, drawing
+from study.report.style import INK, PALE, RULE, UNIT_COLOURS, WIDTH_IN, beside, drawing
 
 PICTURE: Final = "laws"
 SPEED_IN: Final = 3.4
@@ -118,19 +118,17 @@ def _draw_notches(axes: Axes, one: DrivenHopShown, colour: str) -> None:
     axes.spines[:].set_color(RULE)
     hop = one.hop
     changes = f"{hop.power_changes} power,\n{hop.brake_changes} brake"
-    for text, at, aside_pt, place, colour_of, size_pt in (
-        (one.label, (0.0, 0.5), -24, "right", colour, 7.0),
-        (changes, (1.0, 0.5), 4, "left", INK, 6.5),
+    for text, at, aside_pt, colour_of, size_pt in (
+        (one.label, (0.0, 0.5), -24, colour, 7.0),
+        (changes, (1.0, 0.5), 4, INK, 6.5),
     ):
-        axes.annotate(
+        beside(
+            axes,
             text,
             at,
+            (aside_pt, 0),
+            size_pt,
             xycoords="axes fraction",
-            xytext=(aside_pt, 0),
-            textcoords="offset points",
-            ha=place,
-            va="center",
-            fontsize=size_pt,
             color=colour_of,
             annotation_clip=False,
         )

@@ -78,7 +78,7 @@ def page_of(run: ReportedRun, facts: Mapping[str, Any], shows: PageContents) -> 
         headline=headline(run, facts, shows.drill),
         broken=broken_lines(facts),
         parts=shows.first,
-        assumed=[assumption(text, run.line) for text in (*run.line.assumed, *run.timetable.assumed)],
+        assumed=[assumption(text, run.line) for text in (*run.line.assumed, *run.timetable.head.assumed)],
         style=style_sheet(),
         payload=deflated(payload),
         courses=_COURSES,
@@ -100,7 +100,7 @@ _COURSES: Final = Markup("<!-- courses of trains -->")  # no name can hold it: n
 
 
 def _subtitle(timetable: Timetable, facts: Mapping[str, Any]) -> str:
-    words = [timetable.name or timetable.id, facts.get("day"), facts.get("scenario")]
+    words = [timetable.head.name or timetable.head.id, facts.get("day"), facts.get("scenario")]
     return " · ".join(str(word) for word in dict.fromkeys(words) if word)
 
 

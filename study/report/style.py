@@ -19,6 +19,7 @@ import numpy as np
 from matplotlib import font_manager
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from network.model import Direction
@@ -117,6 +118,33 @@ def svg_of(figure: Figure, name: str, tips: Mapping[str, str] | None = None) -> 
     text = re.sub(r'\bid="([^"]+)"', rf'id="{name}-\1"', text)
     text = re.sub(r'href="#([^"]+)"', rf'href="#{name}-\1"', text)
     return re.sub(r"url\(#([^)]+)\)", rf"url(#{name}-\1)", text)
+
+
+def beside(
+    axes: Axes,
+    text: str,
+    place: tuple[float, float],
+    aside_pt: tuple[float, float],
+    size_pt: float,
+    **how: Any,  # noqa: ANN401 - matplotlib's
+) -> None:
+    """A text that stands `aside_pt` to the right of a place and above it, and goes on away from it."""
+    right_pt, up_pt = aside_pt
+    across = "center" if right_pt == 0 else "left" if right_pt > 0 else "right"
+    upright = "center" if up_pt == 0 else "bottom" if up_pt > 0 else "top"
+    how |= {"textcoords": "offset points", "ha": across, "va": upright, "fontsize": size_pt}
+    axes.annotate(text, place, xytext=aside_pt, **how)
+
+
+def centred(axes: Axes, x: float, y: float, text: str, size_pt: float, **how: Any) -> Text:  # noqa: ANN401
+    """A text whose middle stands at a place."""
+    where: dict[str, Any] = {"ha": "center", "va": "center"}
+    return axes.text(x, y, text, fontsize=size_pt, **where | how)
+
+
+def dots(axes: Axes, x: Any, y: Any, marker: str, size_pt: float, colour: str, **how: Any) -> None:  # noqa: ANN401
+    """Marks at places, with no line through them."""
+    axes.plot(x, y, ls="", marker=marker, ms=size_pt, color=colour, **how)
 
 
 def unit_colours(units: list[str]) -> dict[str, str]:

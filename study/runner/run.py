@@ -239,7 +239,7 @@ def execute(
         "empty_workings_arrived": len(result.empty_arrived),
         "invariants_broken": len(result.violations),
         "collisions": len(result.collisions),
-        "changes": [change.as_dict() for change in scenario.changes],
+        "changes": [change.model_dump() for change in scenario.inputs.changes],
         "violations": [f"{v.t_s:.1f} s {v.checker}: {v.text}" for v in result.violations],
         "ended_because": result.ended_because.value,
         "outside_design": list(outside_design(result)),
@@ -435,5 +435,5 @@ def units_at(name: str, link: PartyLink) -> UnitsAt:
     except ValueError:
         raise InputError("command line", "--units", name, "simulator or processes") from None
     if at is UnitsAt.PROCESSES and link is not PartyLink.ZENOH:
-        raise InputError("command line", "--units", name, "--link zenoh, over which processes talk")
+        raise InputError("command line", "--units", name, "--link zenoh, which processes need")
     return at

@@ -112,7 +112,7 @@ def load_plan(name: str, days: int | None = None, carrier: str | None = None) ->
         raise InputError("command line", "--days", days, f"{SWEEP_DAYS.text()} ({SWEEP_DAYS.name})")
     if not SEED.holds(table.seeds.first + count):
         raise InputError(
-            name, "seeds.first", table.seeds.first, f"a first seed {count} below the last there is"
+            name, "seeds.first", table.seeds.first, f"a first seed at least {count} below the greatest seed"
         )
     scenario = _found(folder, table.scenario)
     try:
@@ -158,7 +158,7 @@ def _keys_of(file: str, where: str, axis: AxisTable) -> tuple[str, ...]:
         raise InputError(file, where, axis.name, "either key and values, or [[axis.point]], and not both")
     if axis.key is None:
         if axis.values or axis.labels:
-            raise InputError(file, f"{where}.values", None, "a key, which says what they are values of")
+            raise InputError(file, f"{where}.values", None, "a key to which the values belong")
         return tuple(dict.fromkeys(key for point in axis.point for key in point.says))
     if not axis.values:
         raise InputError(file, f"{where}.values", None, "at least one value")

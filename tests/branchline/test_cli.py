@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import typer
+from typer.core import TyperCommand, TyperGroup
+from typer.main import get_command
 
 import study.runner.run
 from branchline.cli import ANALYSE, PREPARE, READ, RESEARCH, RUN, app
@@ -133,7 +134,7 @@ def test_who_reads_no_further_ends_it_in_one_line(command: tuple[str, ...]) -> N
     )
     os.close(writer)
     assert done.returncode == Outcome.COULD_NOT_RUN.code
-    assert done.stderr == "error: nobody reads what is written any more\n"
+    assert done.stderr == "error: the reader of the output has closed it\n"
 
 
 @pytest.mark.system
@@ -213,17 +214,17 @@ def test_check_prints_one_object(main: Callable[..., Any]) -> None:
     assert "trains: 1" in main("check", "rtri_test_line").out
 
 
-def commands_of(group: typer.core.TyperGroup) -> Iterator[typer.core.TyperCommand | typer.core.TyperGroup]:
+def commands_of(group: TyperGroup) -> Iterator[TyperCommand | TyperGroup]:
     for command in group.commands.values():
-        assert isinstance(command, typer.core.TyperCommand | typer.core.TyperGroup)
+        assert isinstance(command, TyperCommand | TyperGroup)
         yield command
-        if isinstance(command, typer.core.TyperGroup):
+        if isinstance(command, TyperGroup):
             yield from commands_of(command)
 
 
 def test_help_begins_with_one_short_sentence_and_every_command_stands_in_a_group() -> None:
-    whole = typer.main.get_command(app)
-    assert isinstance(whole, typer.core.TyperGroup)
+    whole = get_command(app)
+    assert isinstance(whole, TyperGroup)
     for command in commands_of(whole):
         first = (command.help or "").partition("\n\n")[0].strip()
         assert first.endswith(".") and ". " not in first and len(first) < 120, (command.name, first)

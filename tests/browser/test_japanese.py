@@ -82,7 +82,9 @@ def test_a_japanese_planner_reads_no_english(
 ) -> None:
     scenario = drills[1].run.scenario
     titles = {
-        word for text in (scenario.name, scenario.setup.timetable.name) for word in re.findall(r"\w+", text)
+        word
+        for text in (scenario.name, scenario.setup.timetable.head.name)
+        for word in re.findall(r"\w+", text)
     }
     with opened(browser, report) as page:
         page.click("#language")

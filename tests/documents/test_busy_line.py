@@ -79,8 +79,8 @@ def test_a_set_turns_back_on_the_track_where_it_stands_and_no_two_stand_on_one()
 
 def test_it_all_says_that_it_is_assumed() -> None:
     assert any("made up" in text for text in LINE.assumed)
-    assert any("all times" in text for text in TIMETABLE.assumed)
-    assert TIMETABLE.sources == ()
+    assert any("all times" in text for text in TIMETABLE.head.assumed)
+    assert TIMETABLE.head.sources == []
 
 
 def _first_two_trains_of_each_set() -> Timetable:

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 import typer
+from typer.core import TyperGroup
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from branchline.cli import app
@@ -37,10 +39,10 @@ def commands(page: str) -> Iterator[str]:
 
 def parse(line: str) -> None:
     """Raises `KeyError` for a command that there is not, `typer.TyperException` for such an option or argument."""
-    command = typer.main.get_command(app)
+    command = get_command(app)
     _, *arguments = shlex.split(line, comments=True)
     name = ""
-    while isinstance(command, typer.core.TyperGroup):
+    while isinstance(command, TyperGroup):
         name = arguments.pop(0)
         command = command.commands[name]
     with command.make_context(name, arguments):
@@ -92,7 +94,7 @@ def test_the_scenarios_of_the_planners_page_load(tmp_path: Path, monkeypatch: py
     for text in blocks(page, "toml"):
         (name,) = re.findall(r'^id = "(.*)"$', text, re.MULTILINE)
         Path(f"{name}.toml").write_text(text, "utf-8")
-        changed[name] = {change.file for change in load_scenario(f"{name}.toml").changes}
+        changed[name] = {change.file for change in load_scenario(f"{name}.toml").inputs.changes}
     assert changed["asahi_published"] == {"asahi_day.toml"}
     assert changed["slow_points"] == {"karasuyama.toml"}
     assert changed["heavy_morning"] >= {"karasuyama.toml", "karasuyama_weekday.toml", "ev_e301.toml"}

@@ -116,7 +116,9 @@ def test_it_says_what_is_assumed_and_whose_the_data_is(real: RealLine) -> None:
     text = shipped_line(real.id).read_text("utf-8")
     assert "station_database, CC BY-SA 4.0" in text
     assert "nagix/mini-tokyo-3d, data from ODPT" in shipped_timetable(f"{real.id}_weekday").read_text("utf-8")
-    said = " ".join((*scenario.setup.line.assumed, *scenario.assumed, *scenario.setup.timetable.assumed))
+    said = " ".join(
+        (*scenario.setup.line.assumed, *scenario.inputs.assumed, *scenario.setup.timetable.head.assumed)
+    )
     for what in (
         "tracks: two at",
         "gradients: level",

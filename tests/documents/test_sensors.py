@@ -14,16 +14,16 @@ from simulation.settings import PositionSensor, Sensors
 def test_every_sensor_reader_and_word_of_a_file_has_its_place() -> None:
     text = document()
     assert {sensor.carried for sensor in SENSORS} - {None} == set(PositionSensor)
-    assert all(f"## {sensor.title}" in text for sensor in SENSORS)
+    assert all(f"## {sensor.page.title}" in text for sensor in SENSORS)
     files = {sensor.function.__module__.rpartition(".")[2] for sensor in SENSORS}
     of_sensors = [kind for kind in KINDS if kind.__module__.rpartition(".")[2] in files]
     assert of_sensors and all(f"`{kind.kind}`" in text for kind in of_sensors)
-    assert f"A default train carries: `{Sensors().carries[0]}`." in text
+    assert f"The default is `{Sensors().carries[0]}`." in text
 
 
 def test_a_reader_that_no_sensor_names_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sensors, "SENSORS", SENSORS[:-1])
-    with pytest.raises(ValueError, match=SENSORS[-1].meant_by):
+    with pytest.raises(ValueError, match=SENSORS[-1].page.meant_by):
         document()
 
 

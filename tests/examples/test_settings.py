@@ -18,7 +18,7 @@ READ = """
 import json, sys
 from scenario.scenario import load_scenario
 loaded = load_scenario("s.toml")
-told = [[change.key, change.old, change.new] for change in loaded.changes]
+told = [[change.key, change.old, change.new] for change in loaded.inputs.changes]
 print(json.dumps({"wait_s": loaded.setup.patience.wait_s, "changes": told}))
 """
 

@@ -343,7 +343,7 @@ def again(
     tmp_path: Path, timetable: Timetable, line_name: str
 ) -> tuple[Timetable | None, PublishedTimetable, str]:
     line = load_line(shipped_line(line_name))
-    path = tmp_path / f"{timetable.id}.zip"
+    path = tmp_path / f"{timetable.head.id}.zip"
     write_gtfs(path, line, timetable)
     day = read_gtfs(path)
     assert day.written is not None

@@ -230,6 +230,6 @@ def test_timetable_can_be_kept(line: Line, day: Timetable) -> None:
         shortest_s = 0.0
         for name, planned_s, run_s, _ in _runs(line, train):
             assert run_s < planned_s + MINUTE_S, name
-            shortest_s += run_s + (day.dwell_min_s if shortest_s else 0.0)
+            shortest_s += run_s + (day.head.dwell_min_s if shortest_s else 0.0)
         planned_s = train.calls[-1].first_s - train.calls[0].last_s
         assert shortest_s < planned_s + MINUTE_S, train.number

@@ -83,7 +83,7 @@ def test_times_in_seconds() -> None:
     assert timetable.trains["3"].ends == Stabled()
     assert not timetable.trains["3"].revenue
     assert timetable.diagrams[0].train_numbers == ("1", "2")
-    assert timetable.dwell_min_s == 30
+    assert timetable.head.dwell_min_s == 30
 
 
 def test_after_midnight_times_go_on() -> None:

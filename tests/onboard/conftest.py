@@ -18,6 +18,7 @@ from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_d
 from onboard.driving.stopping import WAVE
 from onboard.driving.tasc import DESIGN, TASC
 from onboard.driving.tuning import Learned
+from onboard.driving_settings import Driving
 from onboard.duty.mission import Mission, plan_mission
 from onboard.duty.records import DutyPhase
 from onboard.records import BEHAVIOUR, EVENT_MOVING, MODE_DRIVE, UNIT, BehaviourRow, UnitRow
@@ -42,6 +43,7 @@ from tests.onboard.unit_bench import (
     proof,
 )
 from tests.onboard.unit_bench import UNIT as UNIT_ID
+from vehicle.record import put_settings
 from vehicle.records import TrainRow
 from vehicle.train_file import load_train, shipped_train
 
@@ -92,14 +94,7 @@ def behaviour(train: TrainRow) -> BehaviourRow:
     row.service_reaction_s = 1.4
     row.emergency_guaranteed_mps2 = 1.0
     row.emergency_reaction_s = 1.4
-    row.service_margin_mps = 0.6
-    row.release_margin_mps = 1.0
-    row.emergency_margin_mps = 2.0
-    row.driving_margin_mps = 1.2
-    row.stop_deceleration_mps2 = 0.6
-    row.stop_gain_per_s = 0.8
-    row.cruise_gain_per_s = 0.3
-    row.notch_hold_s = 2.0
+    put_settings(row.settings, Driving())
     row.standing_brake_notch = train.brake_notches / 2.0
     row.step_s = 0.1
     return row

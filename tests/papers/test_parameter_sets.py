@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from onboard.driving.tuning import Learned
+from onboard.driving_settings import Driving
 from onboard.unit_records import UnitParameters
 from papers.line_stops import SCENARIO, WITH_SIGNS
 from papers.oda_scale_track import TrackTest, car_bench
@@ -24,7 +25,6 @@ from papers.stop_statistics import statistics_bench
 from papers.table4_stops import best_gain_per_s, controller, oda_train
 from papers.yasunobu_train import paper_bench
 from scenario.scenario import load_scenario
-from simulation.settings import Driving
 
 BENCHES = (
     (SECTION_3_2, controller(best_gain_per_s())),

@@ -6,13 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from onboard.driving.tasc import StopVerdict
+from onboard.driving_settings import Driving
 from onboard.records import EMERGENCY_INTERVENTION
 from onboard.unit_records import UnitParameters
 from papers.carried_train import CarriedTrain
 from papers.parameter_sets import coasting
 from papers.single_train import Bench
 from papers.table4_stops import PATTERN_MPS2, controller, oda_train, plain_stop
-from simulation.settings import Driving
 
 GAIN_PER_S = 0.6
 

@@ -74,7 +74,7 @@ def test_a_track_and_a_train_become_a_course(tmp_path: Path) -> None:
     assert row["efficiency_traction"] == 0.9
     assert course_of(track, train, perfect=True).train["efficiency_regeneration"] == 1.0
     # r0 of 2 kN over the weight in kN comes back as 2 kN
-    assert row["resistance_motored_constant_n_per_kn"] * 981.0 == pytest.approx(2000.0)
+    assert row["resistance"]["motored_constant_n_per_kn"] * 981.0 == pytest.approx(2000.0)
 
 
 def test_a_limit_holds_until_the_rear_has_left_it(tmp_path: Path) -> None:

@@ -30,9 +30,9 @@ def test_the_train_is_that_of_table_1() -> None:
     assert float(row["brake_deceleration_mps2"][9]) * 3.6 == pytest.approx(5.14)
     assert float(row["brake_dead_time_s"]) == 0.2
     assert float(row["brake_lag_s"]) == 0.6
-    assert float(row["resistance_motored_constant_n_per_kn"]) == 1.97
-    assert float(row["resistance_motored_linear_n_per_kn_kmh"]) == 0.016
-    assert float(row["resistance_air_n_per_kmh2"]) == pytest.approx(0.00084 * 129.0 * 9.81, rel=1e-4)
+    assert float(row["resistance"]["motored_constant_n_per_kn"]) == 1.97
+    assert float(row["resistance"]["motored_linear_n_per_kn_kmh"]) == 0.016
+    assert float(row["resistance"]["air_n_per_kmh2"]) == pytest.approx(0.00084 * 129.0 * 9.81, rel=1e-4)
 
 
 def test_what_is_fuzzys_own_passes(result: Reproduction) -> None:

@@ -88,8 +88,8 @@ def test_insertion_of_what_was_meant_for_an_earlier_boot() -> None:
     received(train.open(manager.seal("train", ClaimQuery(), 0.0), 0.0))
     again = endpoint("manager", "train", epoch=2)
     dropped = again.open(train.seal("manager", REPORT, 0.1), 0.1)
-    assert isinstance(dropped, Dropped)
-    assert (dropped.reason, dropped.source) == (DropReason.EARLIER_BOOT, "train")
+    assert isinstance(dropped, Dropped) and dropped.envelope is not None
+    assert (dropped.reason, dropped.envelope.source) == (DropReason.EARLIER_BOOT, "train")
     received(train.open(again.seal("train", ClaimQuery(), 0.2), 0.2))
     assert received(again.open(train.seal("manager", REPORT, 0.3), 0.3)).fresh
 

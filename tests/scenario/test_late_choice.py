@@ -53,7 +53,11 @@ def failures(text: str, of: str = FIXED) -> str:
             "late.failures.it.section",
             "a section",
         ),
-        (failures('kind = "charger_dead"\nmtbf_h = 9.0'), "late.failures.it.kind", "something to aim at"),
+        (
+            failures('kind = "charger_dead"\nmtbf_h = 9.0'),
+            "late.failures.it.kind",
+            "a kind with a target on this line",
+        ),
         (
             failures('kind = "stuck"\ntargets = ["OGN.99"]\nmtbf_h = 9.0'),
             "late.failures.it.targets[0]",

@@ -4,8 +4,8 @@ import pytest
 
 from network.errors import InputError
 from network.files.toml_input import Record, validate
+from onboard.driving_settings import Driving
 from scenario.law_choice import laws_of
-from simulation.settings import Driving
 
 STOCK = ("K1", "K2")
 

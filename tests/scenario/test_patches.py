@@ -38,7 +38,8 @@ def test_a_departure_by_train_and_station(tmp_path: Path) -> None:
     others = set(plain.setup.timetable.trains) - {"323M"}
     assert all(what_if.setup.timetable.trains[n] == plain.setup.timetable.trains[n] for n in others)
     key = "trains.323M.calls.OGN.departure"
-    assert what_if.changes == (Change("karasuyama_weekday.toml", key, "06:56", "06:57"),)
+    change = Change(file="karasuyama_weekday.toml", key=key, old="06:56", new="06:57")
+    assert what_if.inputs.changes == [change]
 
 
 def test_running_times_by_share_between_hours(tmp_path: Path) -> None:
@@ -95,15 +96,18 @@ def test_a_train_file_by_id_and_by_share(tmp_path: Path) -> None:
     assert after["brake_deceleration_mps2"] == pytest.approx(before["brake_deceleration_mps2"] / 2)
     assert after["length_m"] == before["length_m"]
     # The figure is nobody's any more: the report says so.
-    assert any("body.mass_empty_t: assumed: set by what_if.toml" in text for text in what_if.assumed)
-    assert {c.key for c in what_if.changes} == {"body.mass_empty_t", "brakes.notch_deceleration_kmhps"}
+    assert any("body.mass_empty_t: assumed: set by what_if.toml" in text for text in what_if.inputs.assumed)
+    assert {c.key for c in what_if.inputs.changes} == {"body.mass_empty_t", "brakes.notch_deceleration_kmhps"}
 
 
 def test_air_by_share_of_what_the_base_says_or_of_the_default(tmp_path: Path) -> None:
     air = patched(tmp_path, "[patch.air.times]\nloss_good_p = 3.0\nreorder_delay_s = 2.0\n")
     assert air.setup.air.loss_good_p == pytest.approx(0.03)  # the weekday's is 0.01
     assert air.setup.air.reorder_delay_s == 2.0  # the default is 1
-    assert [(c.key, c.old) for c in air.changes] == [("air.loss_good_p", 0.01), ("air.reorder_delay_s", 1.0)]
+    assert [(c.key, c.old) for c in air.inputs.changes] == [
+        ("air.loss_good_p", 0.01),
+        ("air.reorder_delay_s", 1.0),
+    ]
 
 
 def test_all_entries_at_once(tmp_path: Path) -> None:

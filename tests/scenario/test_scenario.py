@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 from network.errors import InputError
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Position
+from onboard.driving_settings import Driving
 from radio.air import DelayShape
 from scenario.layers import laid_over
 from scenario.scenario import find_scenario, load_scenario, shipped_scenarios
-from simulation.settings import Driving, Sensors
+from simulation.settings import Sensors
 from vehicle.train_file import shipped_train
 
 BASE = 'extends = "rtri_test_line"\nid = "s"\n'
@@ -32,7 +33,7 @@ def test_every_shipped_scenario_loads_and_is_named_as_its_file(name: str) -> Non
     scenario = load_scenario(name)
     assert scenario.id == name
     assert set(scenario.setup.trains) == {d.stock_id for d in scenario.setup.timetable.diagrams}
-    assert scenario.assumed  # no scenario is without something that nobody published
+    assert scenario.inputs.assumed  # no scenario is without something that nobody published
 
 
 def test_what_a_scenario_leaves_out_has_the_defaults() -> None:
@@ -40,7 +41,7 @@ def test_what_a_scenario_leaves_out_has_the_defaults() -> None:
     assert setup.driving == Driving()
     assert setup.sensors == Sensors()
     assert (setup.air.delay_min_s, setup.air.delay_mean_s, setup.air.loss_p) == (0.1, 0.1, 0.0)
-    assert setup.unit.dwell_min_s == setup.timetable.dwell_min_s == 20.0
+    assert setup.unit.dwell_min_s == setup.timetable.head.dwell_min_s == 20.0
     assert (setup.seed, setup.limits.time_limit_s, setup.limits.stall_limit_s) == (1, 3600.0, 3600.0)
 
 
@@ -53,8 +54,8 @@ def test_the_seed_of_the_command_line_comes_first(tmp_path: Path) -> None:
 
 def test_a_what_if_changes_what_it_names_and_nothing_else() -> None:
     whole, without = load_scenario("karasuyama_weekday"), load_scenario("karasuyama_without_loop")
-    assert whole.changes == ()
-    assert {change.file for change in without.changes} == {"karasuyama.toml"}
+    assert whole.inputs.changes == []
+    assert {change.file for change in without.inputs.changes} == {"karasuyama.toml"}
     assert set(whole.setup.line.sections) - set(without.setup.line.sections) >= {"OGN.2"}
     assert without.setup.air == whole.setup.air
     assert without.setup.timetable == whole.setup.timetable
@@ -136,7 +137,7 @@ def test_what_cannot_be_is_refused_with_its_key(tmp_path: Path, text: str, key: 
 
 def test_a_list_is_replaced_not_joined(tmp_path: Path) -> None:
     file = written(tmp_path, "s.toml", BASE + 'assumed = ["mine"]\n')
-    assumed = load_scenario(file).assumed
+    assumed = load_scenario(file).inputs.assumed
     assert assumed[0] == "mine"
     assert not any("because the paper reports none" in text for text in assumed)
 

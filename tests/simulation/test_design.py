@@ -10,8 +10,8 @@ import pytest
 
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
+from onboard.driving_settings import Driving
 from simulation.design import design_grip_mps2, overrated
-from simulation.settings import Driving
 from simulation.setup import STEP_S, behaviour_row
 from vehicle.dynamics import step
 from vehicle.train_file import TrainType, load_train, new_plant, shipped_train

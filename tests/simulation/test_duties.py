@@ -39,9 +39,8 @@ def two_trains(setup: Setup, people: People) -> Setup:
         number: TimetableTrain(number, Direction.DOWN, True, calls, AtPortal("PW"), Stabled())
         for number in ("T1", "T2")
     }
-    old = setup.timetable
     diagrams = (Diagram("K1", ("T1",)), Diagram("K2", ("T2",)))
-    timetable = Timetable(old.id, old.name, old.line_id, old.dwell_min_s, trains, diagrams)
+    timetable = Timetable(setup.timetable.head, trains, diagrams)
     kind = setup.trains["K1"]
     return Setup("two", setup.line, timetable, {"K1": kind, "K2": kind}, people=people)
 

@@ -12,7 +12,7 @@ from enum import Enum
 from hashlib import blake2b
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Any, Final, Union, get_args, get_origin, get_type_hints
+from typing import Any, Final, Union, get_args, get_origin
 
 import msgspec
 import pytest
@@ -53,10 +53,8 @@ def values(hint: object) -> st.SearchStrategy[Any]:
 
 
 def made(kind: type[msgspec.Struct]) -> st.SearchStrategy[Any]:
-    hints = get_type_hints(kind)
-    return st.fixed_dictionaries({name: values(hints[name]) for name in kind.__struct_fields__}).map(
-        lambda data: kind(**data)
-    )
+    fields = {field.name: values(field.type) for field in msgspec.structs.fields(kind)}
+    return st.fixed_dictionaries(fields).map(lambda data: kind(**data))
 
 
 def written() -> Journal:

@@ -103,6 +103,6 @@ def scenario(tmp_path: Path) -> Callable[[str], Scenario]:
 def test_a_scenario_and_a_patch_set_it(scenario: Callable[[str], Scenario], text: str) -> None:
     found = scenario(text)
     assert found.setup.people == People(boot_s=60.0)
-    assert [(c.key, c.old, c.new) for c in found.changes if "boot" in c.key] == [
+    assert [(c.key, c.old, c.new) for c in found.inputs.changes if "boot" in c.key] == [
         ("people.boot_s", 20.0, 60.0)
     ]

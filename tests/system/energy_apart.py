@@ -106,7 +106,7 @@ def _add_work(
     apart[Part.RESISTANCE] += float(np.sum(_resistance_n(train, mass, middle_mps) * run_m))
     climb_m, turn_rad = _under(line, span, position_m, train["length_m"])
     apart[Part.GRADIENT] += mass * G_MPS2 * climb_m
-    apart[Part.CURVE] += mass * G_MPS2 * 1e-3 * train["curve_resistance_coefficient_m"] * turn_rad
+    apart[Part.CURVE] += mass * G_MPS2 * 1e-3 * train["resistance.curve_coefficient_m"] * turn_rad
 
 
 def _running_n(train: Numbers, mass: float, speed_mps: Floats) -> Floats:
@@ -114,18 +114,18 @@ def _running_n(train: Numbers, mass: float, speed_mps: Floats) -> Floats:
     kmh, weight_kn = 3.6 * speed_mps, mass * G_MPS2 / 1000.0
     share = train["motored_mass_share"]
     motored = (
-        train["resistance_motored_constant_n_per_kn"] + train["resistance_motored_linear_n_per_kn_kmh"] * kmh
+        train["resistance.motored_constant_n_per_kn"] + train["resistance.motored_linear_n_per_kn_kmh"] * kmh
     )
     trailer = (
-        train["resistance_trailer_constant_n_per_kn"] + train["resistance_trailer_linear_n_per_kn_kmh"] * kmh
+        train["resistance.trailer_constant_n_per_kn"] + train["resistance.trailer_linear_n_per_kn_kmh"] * kmh
     )
     per_kn = share * motored + (1.0 - share) * trailer
-    return np.asarray(per_kn * weight_kn + train["resistance_air_n_per_kmh2"] * kmh**2)
+    return np.asarray(per_kn * weight_kn + train["resistance.air_n_per_kmh2"] * kmh**2)
 
 
 def _resistance_n(train: Numbers, mass: float, speed_mps: Floats) -> Floats:
     """With the starting resistance: below 3 km/h a straight line from it at rest to the running resistance."""
-    at_rest_n = train["starting_resistance_n_per_kn"] * mass * G_MPS2 / 1000.0
+    at_rest_n = train["resistance.starting_n_per_kn"] * mass * G_MPS2 / 1000.0
     at_3_n = _running_n(train, mass, np.array([3.0 / 3.6]))[0]
     slow = at_rest_n + (at_3_n - at_rest_n) * speed_mps * 3.6 / 3.0
     return np.where(speed_mps * 3.6 < 3.0, slow, _running_n(train, mass, speed_mps))
@@ -174,5 +174,8 @@ def _curvature(curves: Sequence[Curve], kilometrage_m: float) -> float:
 
 
 def figures_of(row: Any) -> Numbers:  # noqa: ANN401
-    """The figures of a TRAIN record that are single numbers."""
-    return {name: float(row[name]) for name in row.dtype.names if row[name].shape == ()}
+    """The figures of a TRAIN record that are single numbers, and those of its resistance."""
+    numbers = {name: float(row[name]) for name in row.dtype.names if row.dtype[name] == np.float64}
+    return numbers | {
+        f"resistance.{name}": float(row["resistance"][name]) for name in row["resistance"].dtype.names
+    }

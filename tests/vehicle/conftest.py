@@ -40,9 +40,7 @@ def changed() -> Callable[..., Rows]:
     def change(row: Rows, free: bool = False, **fields: float) -> Rows:
         copy = np.array(row)
         if free:
-            for name in copy.dtype.names or ():
-                if name.startswith(("resistance_", "starting_resistance", "curve_resistance")):
-                    copy[name] = 0.0
+            copy["resistance"] = 0.0
         for name, value in fields.items():
             copy[name] = value
         return copy

@@ -63,7 +63,7 @@ def test_current_and_loss_by_hand() -> None:
     amperes = (630.0 - math.sqrt(630.0**2 - 4.0 * 0.03 * 3e5)) / 0.06
     assert current_for_a(row, 3e5) == pytest.approx(amperes)
     assert exchange(row, 3e5, 0.0, 1.0) == pytest.approx(3e5)
-    assert row["lost_j"] == pytest.approx(0.03 * amperes**2)
+    assert row["flows"]["lost_j"] == pytest.approx(0.03 * amperes**2)
     assert row["charge_c"] == pytest.approx(0.5 * row["full_c"] - amperes)
 
 
@@ -73,8 +73,8 @@ def test_ten_minutes_at_400_kw_by_hand() -> None:
     before_j = stored_j(row, 0.3)
     stand(row, 30e3, 400e3, 600.0, 1.0)
     gained_j = stored_j(row, soc_of(row)) - before_j
-    assert row["taken_j"] == pytest.approx(370e3 * 600.0)
-    assert row["supplied_j"] == pytest.approx(400e3 * 600.0)
+    assert row["flows"]["taken_j"] == pytest.approx(370e3 * 600.0)
+    assert row["flows"]["supplied_j"] == pytest.approx(400e3 * 600.0)
     assert gained_j == pytest.approx(370e3 * 600.0 - 0.03 * 570.0**2 * 600.0, rel=0.005)
 
 
@@ -87,15 +87,17 @@ def test_energy_closes_for_any_power_and_the_charge_stays_in_its_window(
     before_j = stored_j(row, soc_of(row))
     for power_w in powers:
         carry(row, max(power_w, 0.0), max(-power_w, 0.0), STEP_S)
-        assert row["soc_low"] - 1e-12 <= soc_of(row) <= row["soc_high"] + 1e-12
+        assert row["pack"]["soc_low"] - 1e-12 <= soc_of(row) <= row["pack"]["soc_high"] + 1e-12
     change_j = stored_j(row, soc_of(row)) - before_j
-    through_j = row["given_j"] + row["taken_j"]
-    assert row["taken_j"] - row["given_j"] - row["lost_j"] == pytest.approx(
+    through_j = row["flows"]["given_j"] + row["flows"]["taken_j"]
+    assert row["flows"]["taken_j"] - row["flows"]["given_j"] - row["flows"]["lost_j"] == pytest.approx(
         change_j, abs=1e-3 * through_j + 1.0
     )
     asked_j = sum(powers) * STEP_S
-    flowed_j = row["given_j"] - row["taken_j"]
-    assert flowed_j == pytest.approx(asked_j - row["missing_j"] + row["spilled_j"], abs=1e-6 * 2e6)
+    flowed_j = row["flows"]["given_j"] - row["flows"]["taken_j"]
+    assert flowed_j == pytest.approx(
+        asked_j - row["flows"]["missing_j"] + row["flows"]["spilled_j"], abs=1e-6 * 2e6
+    )
 
 
 @settings(deadline=None)
@@ -105,25 +107,28 @@ def test_the_link_balances_with_a_charger(soc: float, supply: float, drawn: floa
     row = battery(soc)[0]
     row["supply_w"] = supply
     carry(row, drawn, back, 1.0)
-    into = row["supplied_j"] + back + row["given_j"] + row["missing_j"]
-    out_of = drawn + row["taken_j"] + row["spilled_j"]
+    into = row["flows"]["supplied_j"] + back + row["flows"]["given_j"] + row["flows"]["missing_j"]
+    out_of = drawn + row["flows"]["taken_j"] + row["flows"]["spilled_j"]
     assert into == pytest.approx(out_of, rel=1e-9, abs=1e-3)
-    assert row["supplied_j"] <= supply + 1e-6
+    assert row["flows"]["supplied_j"] <= supply + 1e-6
 
 
 @pytest.mark.parametrize("limit_w", [50e3, 150e3, 250e3])
 def test_from_the_motors_it_takes_what_its_limit_says_and_from_a_charger_more(limit_w: float) -> None:
     """300 kW come back, which the shipped limit of 400 kW lets in: a lower one binds, and a charger has its own."""
     free, held, charged = battery()[0], battery()[0], battery()[0]
-    held["regeneration_max_w"] = charged["regeneration_max_w"] = limit_w
+    held["pack"]["regeneration_max_w"] = charged["pack"]["regeneration_max_w"] = limit_w
     carry(free, 0.0, 300e3, 1.0)
-    assert (free["taken_j"], free["spilled_j"]) == (pytest.approx(300e3), pytest.approx(0.0, abs=1e-3))
+    assert (free["flows"]["taken_j"], free["flows"]["spilled_j"]) == (
+        pytest.approx(300e3),
+        pytest.approx(0.0, abs=1e-3),
+    )
     carry(held, 0.0, 300e3, 1.0)
-    assert held["taken_j"] == pytest.approx(limit_w)
-    assert held["spilled_j"] == pytest.approx(300e3 - limit_w)
+    assert held["flows"]["taken_j"] == pytest.approx(limit_w)
+    assert held["flows"]["spilled_j"] == pytest.approx(300e3 - limit_w)
     charged["supply_w"] = 300e3
     carry(charged, 0.0, 0.0, 1.0)
-    assert charged["taken_j"] == pytest.approx(300e3)
+    assert charged["flows"]["taken_j"] == pytest.approx(300e3)
 
 
 @settings(deadline=None)
@@ -137,7 +142,7 @@ def test_a_charge_tapers(one: float, other: float, power_w: float) -> None:
 
 def test_without_its_taper_the_current_would_not_fall() -> None:
     straight, tapered = battery(0.88), battery(0.88)
-    straight["taper_to_share"] = 1.0
+    straight["pack"]["taper_to_share"] = 1.0
     both = [charge_current_max_a(row[0], 4e5, STEP_S) for row in (straight, tapered)]
     assert both[1] < 0.5 * both[0]
 
@@ -147,7 +152,7 @@ def test_empty_it_gives_nothing_and_full_it_takes_nothing() -> None:
     assert gives_max_w(empty, STEP_S) == 0.0 and available_j(empty) == 0.0
     assert takes_max_w(full, 4e5, STEP_S) == 0.0
     carry(empty, 5e4, 0.0, 1.0)
-    assert empty["missing_j"] == 5e4
+    assert empty["flows"]["missing_j"] == 5e4
 
 
 def changed(tmp_path: Path, old: str, new: str) -> Path:

@@ -74,7 +74,7 @@ def test_a_record_documents_itself() -> None:
     [
         ("speed_mps", "m/s"),
         ("gain_per_s", "1/s"),
-        ("resistance_trailer_linear_n_per_kn_kmh", "N/(kN km/h)"),
+        ("trailer_linear_n_per_kn_kmh", "N/(kN km/h)"),
         ("adhesion_speed_factor_s_per_m", "s/m"),
         ("sliding", ""),
         ("m", ""),  # a name is not its own unit

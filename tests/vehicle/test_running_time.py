@@ -35,9 +35,10 @@ def flat(limit_mps: float = 50.0, length_m: int = 5000) -> tuple[NDArray[np.floa
 def loaded_br642(br642: Rows, changed: Change) -> Rows:
     """TrainRuns accelerates the loaded mass (88 t) but lets only the empty one (68 t) roll; so do we here."""
     rows = changed(br642)
-    for name in rows.dtype.names or ():
-        if name.startswith("resistance_") and "_n_per_kn" in name:
-            rows[name] *= 68.0 / 88.0
+    resistance = rows["resistance"]
+    for name in resistance.dtype.names or ():
+        if name.startswith(("motored", "trailer")):
+            resistance[name] *= 68.0 / 88.0
     return rows
 
 

@@ -46,7 +46,8 @@ class Cells(NamedTuple):
 def corners_mps(train: Any, load_share: float, limits_mps: Floats) -> Floats:  # noqa: ANN401 - a record of TRAIN
     """Every speed at which a law changes its formula, and the limits, so that no cell reaches beyond one."""
     top = float(limits_mps.max())
-    row = {name: float(train[name]) for name in train.dtype.names if train[name].ndim == 0}
+    figures = [name for name in train.dtype.names if train.dtype[name] == np.float64]
+    row = {name: float(train[name]) for name in figures}
     force = row["traction_force_max_n"]
     if row["traction_load_compensated"] > 0.0:
         force *= mass_kg(train, load_share) / row["mass_empty_kg"]
@@ -105,7 +106,7 @@ def cells_of(train: TrainRow, load_share: float, speed: Floats) -> Cells:
             pull[j, 0], pull[j, 1] = grip[j], grip[j + 1]
         if slip < brake[j] + brake[j + 1] + 2.0 * bump:
             electric[j, 0], electric[j, 1] = grip[j], grip[j + 1]
-    curving = 2.0 * train.resistance_air_n_per_kmh2 * KMH_PER_MPS * KMH_PER_MPS / inertia
+    curving = 2.0 * train.resistance.air_n_per_kmh2 * KMH_PER_MPS * KMH_PER_MPS / inertia
     return Cells(speed, resist, curving, pull, electric, cost_bounds(train, load_share, speed))
 
 

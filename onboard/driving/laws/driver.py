@@ -39,27 +39,34 @@ SPREAD = "calibrated together: papers.driver_scatter"
 class Driver(Record):
     """`[law.driver]`: a driver's habits, each as its mean over drivers and its standard deviation among them."""
 
-    power_share: Annotated[ShareAbove0, about("of the power notches, taken to start", "assumed")] = 0.85
-    power_share_sigma: Annotated[Share, about("among drivers", SPREAD)] = 0.08
+    power_share: Annotated[ShareAbove0, about("share of the power notches used to start", "assumed")] = 0.85
+    power_share_sigma: Annotated[Share, about("standard deviation among drivers", SPREAD)] = 0.08
     swing_mps: Annotated[
         SpeedMarginMps,
-        about("above the speed wanted power is shut off, and below it taken again", "assumed: 4 km/h"),
+        about(
+            "power is shut off this much above the wanted speed, and taken again this much below it",
+            "assumed: 4 km/h",
+        ),
     ] = 4.0 / 3.6
-    swing_sigma_mps: Annotated[SpeedMarginMps, about("among drivers", SPREAD)] = 0.24
-    coast_s: Annotated[Wait, about("before the brake power is shut off for good", "assumed")] = 12.0
-    coast_sigma_s: Annotated[Wait, about("among drivers", SPREAD)] = 3.2
+    swing_sigma_mps: Annotated[SpeedMarginMps, about("standard deviation among drivers", SPREAD)] = 0.24
+    coast_s: Annotated[Wait, about("coasting time before the brake", "assumed")] = 12.0
+    coast_sigma_s: Annotated[Wait, about("standard deviation among drivers", SPREAD)] = 3.2
     look_s: Annotated[
-        Reaction, about("between two looks at the speed, when alone the notch is changed", "assumed")
+        Reaction, about("time between two looks at the speed; the notch is changed only then", "assumed")
     ] = 1.0
-    look_sigma_s: Annotated[Reaction, about("among drivers", SPREAD)] = 0.12
-    under_mps: Annotated[SpeedMarginMps, about("kept from the limit", "assumed: 2 km/h")] = 2.0 / 3.6
-    under_sigma_mps: Annotated[SpeedMarginMps, about("among drivers", SPREAD)] = 0.12
-    brake_share: Annotated[ShareAbove0, about("of the stop pattern's deceleration, from afar", "assumed")] = (
-        0.85
-    )
-    brake_share_sigma: Annotated[Share, about("among drivers", SPREAD)] = 0.08
+    look_sigma_s: Annotated[Reaction, about("standard deviation among drivers", SPREAD)] = 0.12
+    under_mps: Annotated[SpeedMarginMps, about("margin kept below the limit", "assumed: 2 km/h")] = 2.0 / 3.6
+    under_sigma_mps: Annotated[SpeedMarginMps, about("standard deviation among drivers", SPREAD)] = 0.12
+    brake_share: Annotated[
+        ShareAbove0, about("share of the stop pattern's deceleration used far from the mark", "assumed")
+    ] = 0.85
+    brake_share_sigma: Annotated[Share, about("standard deviation among drivers", SPREAD)] = 0.08
     catches_up: Annotated[
-        bool, about("who reckons to be late runs as fast as his time asks for and coasts no more", "assumed")
+        bool,
+        about(
+            "a driver who expects to be late runs as fast as the timetable needs and no longer coasts",
+            "assumed",
+        ),
     ] = True
 
 
@@ -100,7 +107,7 @@ def driver(
     under_mps = max(own.settings.under_mps + own.settings.under_sigma_mps * own.under_drawn, 0.0)
     limit_mps = max(cue.limit_mps - under_mps, 0.0)
     brake_share = own.settings.brake_share + own.settings.brake_share_sigma * own.brake_drawn
-    brake_mps2 = behaviour.stop_deceleration_mps2 * min(max(brake_share, LEAST_BRAKE_SHARE), 1.0)
+    brake_mps2 = behaviour.settings.stop_deceleration_mps2 * min(max(brake_share, LEAST_BRAKE_SHARE), 1.0)
     left_m = unit.target_stop_m - unit.position_m
     wanted_mps = min(limit_mps, unit.cruise_mps)
     own.late_s = late_by_s(cue, wanted_mps, left_m, brake_mps2) if own.ran == 1 else 0.0
@@ -160,7 +167,7 @@ def required_mps(cue: CueRow, left_m: float, brake_mps2: float) -> float:
 @compiled
 def brake_curve_mps(behaviour: BehaviourRow, left_m: float, brake_mps2: float) -> float:
     """Speed at this distance to the mark from which a brake so soft meets the stop pattern where TASC takes over."""
-    there = 2.0 * behaviour.stop_deceleration_mps2 * HAND_OVER_M
+    there = 2.0 * behaviour.settings.stop_deceleration_mps2 * HAND_OVER_M
     return float(np.sqrt(max(there + 2.0 * brake_mps2 * (left_m - HAND_OVER_M), 0.0)))
 
 
@@ -196,7 +203,7 @@ def notch_of(
     """The notch for what he does: the brake where its curve is met, else power or none."""
     over_mps = unit.speed_mps - brake_curve_mps(behaviour, left_m, brake_mps2)
     if over_mps + brake_mps2 * cue.reaction_s > 0.0:
-        demand_mps2 = brake_mps2 + behaviour.cruise_gain_per_s * over_mps - cue.own_mps2
+        demand_mps2 = brake_mps2 + behaviour.settings.cruise_gain_per_s * over_mps - cue.own_mps2
         return service_notch(train, max(demand_mps2, 0.0))
     if own.powering == 0 or own.coasting == 1:
         return 0.0

@@ -25,10 +25,10 @@ class FollowPlan(Record):
     """`[law.follow_plan]`: when a train that is late gives up coasting."""
 
     coasts_until_late_s: Annotated[
-        Wait, about("later than the plan by this, a train no longer coasts", "assumed: what a driver notices")
+        Wait, about("a train later than its plan by this no longer coasts", "assumed: what a driver notices")
     ] = 3.0
     coasts_again_late_s: Annotated[
-        Wait, about("no later than this, it coasts again", "assumed: so that it does not swing")
+        Wait, about("a train no later than this coasts again", "assumed: so that it does not swing")
     ] = 1.0
 
 

@@ -45,7 +45,7 @@ def limit_in_s(
     speed = unit.train_mps
     permitted = min(unit.permitted_mps, unit.restricted_mps)
     if speed > permitted:
-        return (permitted - speed) / behaviour.stop_deceleration_mps2
+        return (permitted - speed) / behaviour.settings.stop_deceleration_mps2
     if speed <= 0.0:
         return np.inf
     furthest_m = unit.position_m + unit.bound_ahead_m + RESERVE_M

@@ -52,7 +52,7 @@ def coast(
     steps = steps_to_act(train)
     speed, position, _ = run_on(own, cue, unit, train, path, 0.0, steps, False)
     time, added = steps * STEP_S, 0.0
-    brake_mps2 = behaviour.stop_deceleration_mps2
+    brake_mps2 = behaviour.settings.stop_deceleration_mps2
     least = own.settings.coast_least_share * min(own.hold_mps, cue.limit_mps)
     piece_m = max(GRID_M, (mark_m - position) / PIECES)
     while speed > least and speed > 0.0:

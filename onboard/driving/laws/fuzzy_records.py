@@ -106,7 +106,10 @@ class PredictiveFuzzy(Record):
     ] = 0.5
     coast_least_share: Annotated[
         ShareAbove0,
-        about("and coasts down to this share of what it holds", "assumed: slower, it hinders what follows"),
+        about(
+            "a train coasts down to this share of the speed that it holds",
+            "assumed: slower, it hinders what follows",
+        ),
     ] = 0.3
     estimates: Annotated[
         bool,

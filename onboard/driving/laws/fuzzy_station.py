@@ -54,7 +54,9 @@ def brake_in_s(
     least = (
         own.settings.stop_allowed_m
     )  # a train that stands on a descent has somewhere to brake from as well
-    brake_mps2 = min(behaviour.stop_deceleration_mps2, max(BRAKE_LEFT_SHARE * (strongest + slowed), 0.05))
+    brake_mps2 = min(
+        behaviour.settings.stop_deceleration_mps2, max(BRAKE_LEFT_SHARE * (strongest + slowed), 0.05)
+    )
     begins_m = mark_m - speed * speed / (2.0 * brake_mps2)
     return (begins_m - position) / max(speed, least)
 

@@ -58,7 +58,7 @@ def holding_notch(
     """
     own_mps2, load_share = cue.own_mps2, cue.load_share
     if unit.notch < 0.0 and over_mps > 0.0:
-        needed = own_mps2 - behaviour.cruise_gain_per_s * over_mps
+        needed = own_mps2 - behaviour.settings.cruise_gain_per_s * over_mps
         return service_notch(train, -needed) if needed < 0.0 else 0.0
     inertia_kg = equivalent_mass_kg(train, load_share)
     strongest_n = full_force_n(train, load_share, unit.speed_mps)
@@ -66,7 +66,7 @@ def holding_notch(
     rising = unit.notch > 0.0 and present_n > own_mps2 * inertia_kg
     upper = HOLD_BAND_MPS if rising else -HOLD_BAND_MPS
     if over_mps < upper:
-        wanted = behaviour.cruise_gain_per_s * max(-over_mps, 0.0)
+        wanted = behaviour.settings.cruise_gain_per_s * max(-over_mps, 0.0)
         return power_notch(train, load_share, unit.speed_mps, (own_mps2 + wanted) * inertia_kg)
     weaker = power_notch(train, load_share, unit.speed_mps, own_mps2 * inertia_kg) - 1.0
     return max(weaker, 0.0)

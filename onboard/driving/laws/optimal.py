@@ -29,21 +29,25 @@ class Optimal(Record):
     """`[law.optimal]`: how closely the optimal profile is driven."""
 
     replan_after_s: Annotated[
-        Wait, about("off its plan by more than this, a train plans anew", "the planner's wish: 5 s")
+        Wait, about("a train off its plan by more than this makes a new plan", "the planner's wish: 5 s")
     ] = 5.0
     regeneration_share: Annotated[
         Share,
         about(
-            "of regenerated energy that counts in the plan", "assumed: battery or other trains take all of it"
+            "share of regenerated energy that counts in the plan",
+            "assumed: battery or other trains take all of it",
         ),
     ] = 1.0
     follow_gain_per_s: Annotated[
         Gain,
-        about("acceleration asked for each m/s off the plan, where speed changes", "assumed: settles in 3 s"),
+        about(
+            "acceleration demanded for each m/s off the plan, where the speed changes",
+            "assumed: settles in 3 s",
+        ),
     ] = 0.3
     force_reserve_share: Annotated[
         Share,
-        about("a notch that gives all but this of the force wanted will do", "assumed: half a notch of 15"),
+        about("share of the wanted force that a notch may lack", "assumed: half a notch of 15"),
     ] = 0.03
 
 

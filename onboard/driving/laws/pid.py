@@ -38,25 +38,29 @@ TUNED = "papers.pid_tuning: least ITAE in the nominal case of Yasunobu and other
 class Pid(Record):
     """`[law.pid]`: gains of the feedback, and how its demand becomes notches."""
 
-    gain_per_s: Annotated[Gain, about("acceleration asked for a speed off the pattern", TUNED)] = 1.4
+    gain_per_s: Annotated[Gain, about("acceleration demanded for each m/s off the pattern", TUNED)] = 1.4
     integral_gain_per_s2: Annotated[
-        IntegralGain, about("the same for the sum of what it was off; 0: no integral", TUNED)
+        IntegralGain, about("the same for the integral of the deviation; 0: no integral", TUNED)
     ] = 0.1
-    derivative_gain: Annotated[DerivativeGain, about("the same for its change; 0: no derivative", TUNED)] = (
-        0.8
-    )
+    derivative_gain: Annotated[
+        DerivativeGain, about("the same for the change of the deviation; 0: no derivative", TUNED)
+    ] = 0.8
     derivative_lag_s: Annotated[
         Lag, about("time constant of the change's smoothing", "assumed: three readings of the tachometer")
     ] = 0.3
     brake_above_mps: Annotated[
         SpeedMarginMps,
         about(
-            "no brake at a constant target until it is passed by this", "assumed: 1.8 km/h, as for every law"
+            "at a constant target, no braking until the speed exceeds it by this",
+            "assumed: 1.8 km/h, as for every law",
         ),
     ] = 0.5
     dead_band_mps2: Annotated[
         AccelerationBand,
-        about("a notch is kept while what it gives is this near the demand", "assumed: half a brake notch"),
+        about(
+            "a notch is kept while its deceleration or acceleration is this near the demand",
+            "assumed: half a brake notch",
+        ),
     ] = 0.08
     notch_hold_s: Annotated[
         Wait, about("a moving train's notch is kept at least this long", "assumed: what switchgear needs")
@@ -87,14 +91,14 @@ def pid(
     """The notch that follows the target-speed pattern."""
     even_mps = min(cue.limit_mps, unit.cruise_mps)
     left_m = max(unit.target_stop_m - unit.position_m, 0.0)
-    stop_mps = np.sqrt(2.0 * behaviour.stop_deceleration_mps2 * left_m)
+    stop_mps = np.sqrt(2.0 * behaviour.settings.stop_deceleration_mps2 * left_m)
     stops = stop_mps < even_mps
     cue.ceiling_mps = min(stop_mps, unit.cruise_mps)
     feed_back(own, unit, min(stop_mps, even_mps) - unit.train_mps, int(stops), behaviour.step_s)
     demand_mps2 = own.settings.gain_per_s * own.error_mps + own.settings.derivative_gain * own.change_mps2
     demand_mps2 += own.settings.integral_gain_per_s2 * own.integral_m
     if stops:
-        demand_mps2 -= behaviour.stop_deceleration_mps2
+        demand_mps2 -= behaviour.settings.stop_deceleration_mps2
     inertia_kg = equivalent_mass_kg(train, cue.load_share)
     most_mps2 = full_force_n(train, cue.load_share, unit.speed_mps) / inertia_kg
     least_mps2 = -service_target_mps2(train, -train.brake_notches)

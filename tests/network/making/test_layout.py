@@ -227,7 +227,7 @@ def test_a_list_of_which_no_line_comes_is_named_itself(
 ) -> None:
     """Switched off, the points lead on where the middle one of five tracks lies: what is told names the list."""
     lay = layout.LaidPoints
-    monkeypatch.setattr(layout, "LaidPoints", lambda **given: lay(**(given | {"offset_m": 0.0})))
+    monkeypatch.setattr(layout, "LaidPoints", lambda *a, **given: lay(*a, **(given | {"offset_m": 0.0})))
     rows: list[dict[str, object]] = [{"name": "A", "km": 0.0}, {"name": "B", "km": 4.0, "tracks": 5}]
     with pytest.raises(InputError) as refused:
         made(tmp_path, rows)

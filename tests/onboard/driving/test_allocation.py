@@ -78,7 +78,9 @@ def test_a_late_train_is_no_later_than_its_least_times_make_it(margin: Margin) -
 def mission_of(number: str) -> tuple[Mission, float]:
     setup = load_scenario("karasuyama_weekday").setup
     duties = (duty for duties in drawn_up(setup, setup.line).values() for duty in duties)
-    return next(duty.mission for duty in duties if duty.train.number == number), setup.timetable.dwell_min_s
+    return next(
+        duty.mission for duty in duties if duty.train.number == number
+    ), setup.timetable.head.dwell_min_s
 
 
 def test_windows_keep_the_departures_and_where_trains_meet_the_tolerance_is_none() -> None:

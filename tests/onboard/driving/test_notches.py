@@ -111,7 +111,7 @@ def test_it_stops_within_a_metre_of_the_mark(
     spare_m: float,
 ) -> None:
     unit, path = copy(unit), track(np.arange(float(TRACK_M)) * permille / 1000.0)
-    braking_m = initial_mps**2 / (2.0 * behaviour.stop_deceleration_mps2) + 2.0 * initial_mps
+    braking_m = initial_mps**2 / (2.0 * behaviour.settings.stop_deceleration_mps2) + 2.0 * initial_mps
     unit.target_stop_m = START_M + braking_m + spare_m
     unit.cruise_mps = initial_mps
     unit.stop_limit_m = unit.target_stop_m + 20.0

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from onboard.localisation.fix import Fix, FixSource, RefusedFix, TakenFix, missed_by_m, take
+from onboard.localisation.fix import Fix, FixSource, RefusedFix, TakenFix, missed_by_m, take, taken, told
+from onboard.localisation.wheel_scale import narrowest
 from onboard.records import UnitRow
 
 shares = st.floats(-1.0, 1.0)
@@ -61,3 +62,39 @@ def test_the_surer_of_two_counts_more(unit: UnitRow) -> None:
     """By the squares: 4 m against 1 m moves the estimate by 16 parts of 17."""
     unit.position_m, unit.bound_behind_m, unit.bound_ahead_m = 100.0, 4.0, 4.0
     assert take(unit, Fix(101.0, 1.0, 1.0, FixSource.TAG)) == TakenFix(pytest.approx(16.0 / 17.0))
+
+
+def fix_taken(unit: UnitRow, within_m: float) -> None:
+    """A fix that has the front where the estimate is, within that either way."""
+    unit.bound_behind_m = unit.bound_ahead_m = 50.0
+    taken(unit, unit.position_m, within_m, within_m)
+    told(unit, 0)
+
+
+@pytest.mark.parametrize(("run_m", "kept"), [(400.0, True), (600.0, False)])
+def test_a_narrow_fix_measures_the_wheels_until_they_have_added_as_much(
+    unit: UnitRow, run_m: float, kept: bool
+) -> None:
+    """A metre, and 2 % either way of what wheels count since, beside 22 m by satellites: it tells more for 525 m."""
+    fix_taken(unit, 0.5)
+    unit.odometer_m += run_m
+    fix_taken(unit, 11.0)
+    one = narrowest(unit)
+    assert (one.high_m - one.low_m == pytest.approx(1.0)) is kept
+    assert (one.odometer_m == 0.0) is kept
+
+
+def test_a_slide_makes_a_narrow_fix_tell_less(unit: UnitRow) -> None:
+    fix_taken(unit, 0.5)
+    unit.slid_ahead_m += 30.0
+    fix_taken(unit, 11.0)
+    one = narrowest(unit)
+    assert one.high_m - one.low_m == pytest.approx(22.0)
+
+
+def test_a_fix_measures_the_wheels_once(unit: UnitRow) -> None:
+    fix_taken(unit, 0.5)
+    fix_taken(unit, 11.0)
+    first, second = narrowest(unit), narrowest(unit)
+    assert first.high_m - first.low_m == pytest.approx(1.0)
+    assert second.high_m - second.low_m == pytest.approx(22.0)

@@ -147,7 +147,7 @@ def test_a_jump_widens_what_the_receiver_says_until_it_goes_back(unit: UnitRow) 
     for _ in range(60):
         assert train.second(50.0) != REFUSED
         assert train.out_m < 0.0
-    assert reader.lie_m(train.own) == pytest.approx((0.0, 50.0), abs=2.0)
+    assert reader.lie_m(train.own, unit) == pytest.approx((0.0, 50.0), abs=2.0)
     train.second(0.0)
     for _ in range(10):
         train.second(0.0)
@@ -160,10 +160,10 @@ def test_narrow_bounds_of_others_confirm_a_receiver(unit: UnitRow) -> None:
     for _ in range(10):
         train.second(30.0)
     train.second(0.0)  # it has come to its senses, which looks as if it had lost them
-    assert reader.lie_m(train.own)[0] < -25.0
+    assert reader.lie_m(train.own, unit)[0] < -25.0
     unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = train.true_m, 0.5, 0.5  # a tag
     train.second(0.0)
-    assert reader.lie_m(train.own) == (0.0, 0.0)
+    assert reader.lie_m(train.own, unit) == (0.0, 0.0)
 
 
 def test_a_new_path_begins_anew(unit: UnitRow) -> None:
@@ -175,7 +175,7 @@ def test_a_new_path_begins_anew(unit: UnitRow) -> None:
         setattr(unit, name, getattr(unit, name) + 5000.0)
     train.true_m += 5000.0
     assert train.second(0.0) != REFUSED
-    assert reader.lie_m(train.own) == (0.0, 0.0)
+    assert reader.lie_m(train.own, unit) == (0.0, 0.0)
 
 
 def forget(own: GnssRow) -> None:
@@ -250,11 +250,74 @@ def test_a_lie_that_comes_up_in_a_gap_is_in_the_interval(
     assert forgives or out_m <= 0.0
 
 
+GAP_M = 1000.0  # 50 s at 20 m/s
+ROOM_M = (reader.STEADY_SHARE + reader.WHEELS_SHARE) * PROTECTION_M
+
+
+def after_a_gap(unit: UnitRow, wheels: float = 1.0, forgives: bool = False) -> Train:
+    """A receiver that is right before and after a kilometre without signals, in which wheels count so."""
+    train = Train(unit, 60.0)
+    for _ in range(20):
+        train.second(0.0)
+    train.own.forgives, train.wheels = int(forgives), wheels
+    for _ in range(49):
+        train.second(None)
+    train.second(0.0)
+    train.wheels = 1.0
+    return train
+
+
+def test_after_a_gap_a_receiver_alone_is_allowed_what_the_wheels_are_and_no_more(unit: UnitRow) -> None:
+    """Of what the wheels may be wrong by (2 % of a kilometre) 3 P / 8 hide in the protection level already."""
+    train = after_a_gap(unit)
+    low_m, high_m = reader.lie_m(train.own, unit)
+    assert (-low_m, high_m) == pytest.approx((0.02 * GAP_M - ROOM_M, 0.02 * GAP_M - ROOM_M), abs=0.1)
+
+
+def test_how_far_fixes_went_on_over_a_gap_tells_which_way_a_lie_may_point(unit: UnitRow) -> None:
+    """Wheels that counted 1 % too little: fixes seem to have jumped ahead by 10 m, if the wheels were right."""
+    train = after_a_gap(unit, 0.99)
+    low_m, high_m = reader.lie_m(train.own, unit)
+    assert high_m == pytest.approx(10.0 + 0.02 * 0.99 * GAP_M - ROOM_M, abs=0.2)
+    assert low_m == pytest.approx(10.0 - 0.02 * 0.99 * GAP_M + ROOM_M, abs=0.2)
+
+
+def test_wheels_that_are_known_better_give_back_what_a_gap_took(unit: UnitRow) -> None:
+    train = after_a_gap(unit)
+    unit.bound_growth = 0.012
+    assert reader.lie_m(train.own, unit)[1] == pytest.approx(0.012 * GAP_M - ROOM_M, abs=0.1)
+    unit.bound_growth = 0.006
+    assert reader.lie_m(train.own, unit) == (0.0, 0.0)
+
+
+def test_wheels_that_turn_out_to_count_too_little_prove_a_receiver_right(unit: UnitRow) -> None:
+    """The jump ahead of 10 m was theirs."""
+    train = after_a_gap(unit, 0.99)
+    unit.odometer_scale, unit.bound_growth = 1.0 / 0.99, 0.005
+    assert reader.lie_m(train.own, unit) == (0.0, 0.0)
+
+
+def test_of_several_gaps_the_greatest_counts_until_bounds_show_what_lie_there_is(unit: UnitRow) -> None:
+    train = after_a_gap(unit)
+    alone = reader.lie_m(train.own, unit)
+    for seconds in (40, 30):
+        for _ in range(20):
+            train.second(0.0)
+        for _ in range(seconds):
+            train.second(None)
+    train.second(0.0)
+    assert reader.lie_m(train.own, unit) == pytest.approx(alone, abs=0.1)
+    unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = train.true_m, 2.0, 2.0
+    train.second(0.0)
+    unit.bound_growth = 0.02
+    assert reader.lie_m(train.own, unit) == (0.0, 0.0)
+
+
 def test_no_gap_is_what_a_few_missing_fixes_leave(unit: UnitRow) -> None:
     train = Train(unit, 60.0)
     for second in range(60):
         train.second(0.0 if second % 5 == 0 else None)
-    assert reader.lie_m(train.own) == (0.0, 0.0)
+    assert reader.lie_m(train.own, unit) == (0.0, 0.0)
 
 
 def test_bounds_that_others_make_narrow_give_back_what_a_slide_took(unit: UnitRow) -> None:
@@ -263,10 +326,23 @@ def test_bounds_that_others_make_narrow_give_back_what_a_slide_took(unit: UnitRo
         train.second(0.0)
     for _ in range(3):
         slide(train, 0.0)
-    assert reader.lie_m(train.own)[0] < -PROTECTION_M
+    low_m, high_m = reader.lie_m(train.own, unit)
+    assert high_m - low_m > 2.0 * PROTECTION_M
     unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = train.true_m, 2.0, 2.0
     train.second(0.0)
-    assert reader.lie_m(train.own) == (0.0, 0.0)
+    assert reader.lie_m(train.own, unit) == (0.0, 0.0)
+
+
+def test_fixes_that_went_on_with_a_slide_are_no_lie_behind(unit: UnitRow) -> None:
+    """What may have slid did: fixes have gone ahead of the wheels by it, so they are not behind by it, too."""
+    train = Train(unit, 60.0)
+    for _ in range(10):
+        train.second(0.0)
+    for _ in range(3):
+        slide(train, 0.0)
+    low_m, high_m = reader.lie_m(train.own, unit)
+    assert high_m - low_m == pytest.approx(48.0, abs=0.1)  # three times 16 m slid
+    assert low_m > -16.0
 
 
 def test_a_lie_from_the_first_fix_on_shows_against_bounds_and_is_held_as_they_grow(unit: UnitRow) -> None:

@@ -374,3 +374,18 @@ def test_what_contradicts_the_wheels_makes_it_begin_anew() -> None:
     ride.run_to(1100.0 + 10.0 * LEARNED_OVER_M)
     wheel.learn(held(ride.row, 2199.0, 2201.0))
     assert wheel.scales == stated
+
+
+def test_fixes_that_are_wide_measure_the_wheels_from_the_first_of_a_path_on() -> None:
+    """40 m wide and 300 m apart: over six of them nothing is learned, over 20 km 0.2 % either way."""
+    ride = Ride(())
+    wheels = [WheelScale(ride.row, PARAMETERS, keeps_first=first) for first in (True, False)]
+    for place in range(67):
+        for wheel in wheels:
+            wheel.learn(held(ride.row, ride.true_m - 20.0, ride.true_m + 20.0))
+        if place < 66:
+            ride.run_to(ride.true_m + 300.0)
+    kept, forgotten = ((wheel.worth.high - wheel.worth.low) / 2.0 for wheel in wheels)
+    varies = PARAMETERS.wheel_varies_share
+    assert kept == pytest.approx(varies + 40.0 / (66 * 300.0), abs=1e-6)
+    assert forgotten == pytest.approx(PARAMETERS.wheel_scale_limit)

@@ -132,15 +132,15 @@ def braked(limit_w: float) -> tuple[float, NDArray[np.void], NDArray[np.void]]:
     assert train.battery is not None
     own, plant = train.battery.copy(), new_plant(1, 18.0)
     own["charge_c"] = 0.5 * own["full_c"]
-    own["regeneration_max_w"] = limit_w
+    own["pack"]["regeneration_max_w"] = limit_w
     most_w = 0.0
     while plant["speed_mps"][0] > 0.0:
         offer(own[0], plant[0], 0.1)
         traction_j, back_j = float(plant["energy_traction_j"][0]), float(plant["energy_regenerated_j"][0])
-        taken_j = float(own["taken_j"][0])
+        taken_j = float(own["flows"]["taken_j"][0])
         step(plant[0], train.row[0], -7.0, False, 0.0, 0.0, 0.1)
         drain(own[0], plant[0], train.row[0], traction_j, back_j, 0.1)
-        most_w = max(most_w, (float(own["taken_j"][0]) - taken_j) / 0.1)
+        most_w = max(most_w, (float(own["flows"]["taken_j"][0]) - taken_j) / 0.1)
     return most_w, own, plant
 
 
@@ -154,6 +154,6 @@ def test_a_limit_on_regeneration_binds_and_the_air_brake_does_the_rest() -> None
     assert held["energy_rejected_j"][0] > 0.2 * free["energy_regenerated_j"][0]
     assert held["energy_friction_j"][0] > free["energy_friction_j"][0]
     assert held["travelled_m"][0] == pytest.approx(free["travelled_m"][0], abs=1e-6)
-    assert own["spilled_j"][0] == pytest.approx(
+    assert own["flows"]["spilled_j"][0] == pytest.approx(
         0.0, abs=1.0
     )  # the motors are held, nothing is given back in vain

@@ -71,7 +71,7 @@ def test_what_is_run_off_the_line_is_taken_whole_however_short_the_time(away_s: 
     before_kwh = world.available_kwh
     world.charging.leaves(world.slot, 1000)
     world.charging.enters(world.slot, 1000 + round(away_s * STEPS_PER_S))
-    lost_kwh = float(world.trains.stock["battery"][world.slot]["lost_j"]) / KWH
+    lost_kwh = float(world.trains.stock["battery"][world.slot]["flows"]["lost_j"]) / KWH
     assert before_kwh - world.available_kwh == pytest.approx(40.0 + lost_kwh, rel=1e-3)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from network.model import Direction
-from network.timetable import Call, Diagram, Stabled, Timetable, TimetableTrain
+from network.timetable import Call, Diagram, Stabled, TimetableTrain
 from onboard.duty.mission import plan_mission
 from simulation.carriers.plain_track import PlainTrack
 from simulation.scatter import ScatterSettings, Weather
@@ -178,14 +178,7 @@ def test_tags_come_one_by_one_with_an_error_within_what_the_reader_keeps(placed:
 def test_chance_belongs_to_the_stock_whatever_else_runs(rtri_setup: Setup) -> None:
     """The same wheels and load with another stock in front of it; other ones with another seed."""
     timetable = rtri_setup.timetable
-    two = Timetable(
-        timetable.id,
-        timetable.name,
-        timetable.line_id,
-        timetable.dwell_min_s,
-        timetable.trains,
-        (Diagram("K0", ()), *timetable.diagrams),
-    )
+    two = replace(timetable, diagrams=(Diagram("K0", ()), *timetable.diagrams))
     kind = rtri_setup.trains["K1"]
     more = replace(rtri_setup, timetable=two, trains={"K0": kind, "K1": kind})
     alone, beside = Trains(rtri_setup, plain(rtri_setup)), Trains(more, plain(more))

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
 import pytest
 
 from scenario.scenario import load_scenario
 from simulation.result import BatteryEvent, BatteryRecord
 from study.collect.battery import ChargeWindow, battery_summary, battery_tables, least_charge_s, windows_of
-from vehicle.battery import soc_of, stand, stored_j
+from vehicle.battery import BatteryFlows, soc_of, stand, stored_j
+from vehicle.record import dtype_of
 
 KWH = 3.6e6
 SETUP = load_scenario("karasuyama_battery").setup
@@ -17,10 +21,11 @@ def record(t_s: float, soc: float, event: BatteryEvent = BatteryEvent.NONE, **va
     """V1's; counters are 0 where not given, in kWh."""
     battery = SETUP.trains["V1"].battery
     assert battery is not None
-    counters = ("given", "taken", "lost", "supplied", "missing", "spilled")
-    sums = {f"{name}_j": values.get(name, 0.0) * KWH for name in counters}
+    flows: Any = np.zeros(1, dtype=dtype_of(BatteryFlows)).view(np.recarray)[0]
+    for name, kwh in values.items():
+        setattr(flows, f"{name}_j", kwh * KWH)
     stored = float(stored_j(battery[0], soc))
-    return BatteryRecord("V1", "322M", t_s, event, "KRS", soc, stored, 4e5, **sums)
+    return BatteryRecord("V1", "322M", t_s, event, "KRS", soc, stored, 4e5, flows)
 
 
 def test_a_window_by_hand() -> None:

@@ -37,8 +37,8 @@ def test_a_run_is_at_its_own_mean_power(setup: Setup, auxiliary_w: float) -> Non
     one = one_set(setup, 0.6, auxiliary_w)
     before_j = available_j(one.battery)
     one.run(10.0 * KWH, 180.0)
-    lost_j = float(one.battery["lost_j"])
-    resistance = float(one.battery["resistance_ohm"])
+    lost_j = float(one.battery["flows"]["lost_j"])
+    resistance = float(one.battery["pack"]["resistance_ohm"])
     current_a = 10.0 * KWH / 180.0 / 620.0
     assert lost_j == pytest.approx(resistance * current_a**2 * 180.0, rel=0.15)
     assert before_j - available_j(one.battery) == pytest.approx(10.0 * KWH + lost_j, rel=1e-3)
@@ -49,7 +49,7 @@ def test_a_run_that_gives_more_than_it_takes_charges(setup: Setup) -> None:
     before_j = stored_j(one.battery, 0.5)
     one.run(-2.0 * KWH, 300.0)
     gained_j = stored_j(one.battery, float(one.battery["charge_c"] / one.battery["full_c"])) - before_j
-    assert gained_j == pytest.approx(2.0 * KWH - float(one.battery["lost_j"]), rel=1e-3)
+    assert gained_j == pytest.approx(2.0 * KWH - float(one.battery["flows"]["lost_j"]), rel=1e-3)
 
 
 def test_every_hop_has_the_time_of_its_run(setup: Setup) -> None:
@@ -63,5 +63,5 @@ def test_what_is_run_off_the_line_is_taken_whole_however_short_the_time(setup: S
     one = one_set(replace(setup, battery=settings), 0.9)
     before_j = available_j(one.battery)
     charge._beyond(one, "321M", away_s)
-    lost_j = float(one.battery["lost_j"])
+    lost_j = float(one.battery["flows"]["lost_j"])
     assert before_j - available_j(one.battery) == pytest.approx(40.0 * KWH + lost_j, rel=1e-3)

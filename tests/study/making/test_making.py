@@ -32,7 +32,7 @@ HOUR_S = 3600
 @pytest.mark.parametrize("base", ["karasuyama_weekday", "rtri_test_line", "busy_line"])
 def test_a_new_scenario_changes_nothing(base: str, tmp_path: Path) -> None:
     made = new_scenario(base, tmp_path / "mine.toml")
-    assert (made.id, made.changes) == ("mine", ())
+    assert (made.id, made.inputs.changes) == ("mine", [])
     assert made.setup.timetable == load_scenario(base).setup.timetable
 
 
@@ -49,7 +49,8 @@ def test_every_example_in_a_new_scenario_is_valid_without_its_hash(base: str, tm
     )
     out.write_text(text, "utf-8")
     changed = load_scenario(str(out))
-    assert {change.file for change in changed.changes} >= {"mine.toml"} or len(changed.changes) > 4
+    changes = changed.inputs.changes
+    assert {change.file for change in changes} >= {"mine.toml"} or len(changes) > 4
     assert changed.setup.unit.request_lead_s == 60.0
     assert changed.setup.seed == 2
 
@@ -69,7 +70,7 @@ def test_each_example_in_a_new_scenario_is_valid_by_itself(base: str, tmp_path: 
         out.write_text(f"{head}\n{plain}\n", "utf-8")
         made = load_scenario(str(out))
         if "[patch.line.add]" in plain:
-            assert made.changes
+            assert made.inputs.changes
     assert said >= {"line", "timetable", "train", "air", "unit"}
 
 
@@ -244,7 +245,7 @@ def test_the_examples_in_words_of_a_new_timetable_are_accepted(tmp_path: Path) -
 def test_the_shipped_line_and_the_file_name_one_another(tmp_path: Path) -> None:
     new_timetable(str(VALLEY), "br642", Pattern(1800, 0, 3600), tmp_path / "tt.toml", None)
     timetable = load_timetable(tmp_path / "tt.toml", load_line(VALLEY))
-    assert timetable.line_id == load_line(VALLEY).id
+    assert timetable.head.line == load_line(VALLEY).id
     with pytest.raises(InputError):
         load_timetable(tmp_path / "tt.toml", load_line(shipped_line("karasuyama")))
 

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from network.files.timetable_schema import HeadTable
 from network.model import Direction
 from network.timetable import Call, Diagram, Stabled, Timetable, TimetableTrain
 from simulation.result import StopRecord
@@ -31,7 +32,7 @@ def plan(trains: dict[str, list[tuple[str, int | None, int | None]]]) -> Timetab
         )
         for number, calls in trains.items()
     }
-    return Timetable("t", "t", "l", 20.0, made, (Diagram("K1", tuple(made)),))
+    return Timetable(HeadTable(id="t", line="l"), made, (Diagram("K1", tuple(made)),))
 
 
 THREE = plan(

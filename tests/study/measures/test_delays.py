@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
+from network.files.timetable_schema import HeadTable
 from network.model import Direction
 from network.timetable import (
     AtPortal,
@@ -49,7 +50,7 @@ def timetable(begins: AtPortal | Stabled = STABLED) -> Timetable:
         "1": TimetableTrain("1", Direction.DOWN, True, CALLS, begins, BecomesTrain("2")),
         "2": TimetableTrain("2", Direction.UP, True, BACK, FromTrain("1"), Stabled()),
     }
-    return Timetable("t", "t", "l", 20.0, trains, (Diagram("K1", ("1", "2")),))
+    return Timetable(HeadTable(id="t", line="l"), trains, (Diagram("K1", ("1", "2")),))
 
 
 def stop(

@@ -36,9 +36,7 @@ LENGTH_M, POWER_MPS2, BRAKE_MPS2 = 40.0, 48_000.0 / (77_900.0 * 1.08), 0.5
 def free_train() -> TrainType:
     """The EV-E301 without resistance, with power for its full force at every speed."""
     row = np.array(EV.row)
-    for name in row.dtype.names or ():
-        if name.startswith(("resistance_", "starting_resistance", "curve_resistance")):
-            row[name] = 0.0
+    row["resistance"] = 0.0
     row["traction_power_max_w"] = 1e9
     row["speed_max_mps"] = 40.0
     return TrainType("free", "free", (), (), row)

@@ -12,8 +12,9 @@ import pytest
 from exchange.running import StationRun
 from network.model import Direction
 from network.timetable import CallKind, parse_timetable
+from onboard.driving_settings import Driving
 from scenario.scenario import load_scenario
-from simulation.settings import Driving, Load
+from simulation.settings import Load
 from simulation.setup import Setup
 from study.measures.standard_times import least_by_leg, planned_runs, standard_times, whole_line
 

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
+from network.files.timetable_schema import HeadTable
 from network.model import Line
 from network.timetable import Timetable, parse_timetable
 from study.measures.missing import planned_times
@@ -23,7 +24,7 @@ from study.record.figure import schema_of
 from study.record.tables import ROWS, make_table
 
 END_S = 86_400.0
-NO_TRAINS = Timetable("none", "none", "karasuyama", 20.0, {}, ())  # what is planned stands in the stops
+NO_TRAINS = Timetable(HeadTable(id="none", line="karasuyama"), {}, ())  # what is planned stands in the stops
 TIMES = """
 [timetable]
 id = "small"

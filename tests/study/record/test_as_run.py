@@ -71,7 +71,7 @@ def test_the_day_as_run_is_a_dia_beside_the_plan() -> None:
     ]
     data = oudia_of(LINE, PLAN, late).encoded()
     route = route_of(parse_oudia(data, "day.oud2"), "day.oud2")
-    plan, run = route.dia(PLAN.name), route.dia(AS_RUN)
+    plan, run = route.dia(PLAN.head.name), route.dia(AS_RUN)
     assert [train.number for train in plan.trains] == [train.number for train in run.trains]
     for planned, ran in zip(plan.trains, run.trains, strict=True):
         for ours, true in zip(planned.cells, ran.cells, strict=True):

@@ -71,7 +71,7 @@ def test_a_run_is_read_back_as_it_was(done: FinishedRun, directory: Path) -> Non
     assert (read.line, read.timetable) == (setup.line, setup.timetable)
     assert {stock: kind.id for stock, kind in read.trains.items()} == {"K1": setup.trains["K1"].id}
     assert read.trains["K1"].row.tobytes() == setup.trains["K1"].row.tobytes()
-    assert (read.name, read.settings.seed, read.changes) == (done.scenario.name, setup.seed, ())
+    assert (read.name, read.settings.seed, read.inputs.changes) == (done.scenario.name, setup.seed, [])
     assert (read.settings.tables.air, read.settings.tables.driving) == (setup.air, setup.driving)
     assert read.inputs == done.scenario.inputs
     assert read.summary == {**done.summary, "out": str(directory)}
@@ -117,8 +117,7 @@ def test_the_inputs_of_every_scenario_say_what_it_runs(name: str, tmp_path: Path
     assert (settings.id, settings.name, settings.seed) == (scenario.id, scenario.name, 17)
     for table in ("air", "driving", "sensors", "scatter", "tuning", "vision", "limits", "operation"):
         assert getattr(settings, table) == getattr(scenario.setup, table)
-    assert inputs.changes == scenario.changes
-    assert inputs.assumed == scenario.assumed
+    assert inputs == scenario.inputs
 
 
 def test_inputs_hold_what_patches_made_of_the_files(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network.errors import InputError
+from network.files.timetable_schema import HeadTable
 from network.model import Direction
 from network.timetable import Call, Stabled, Timetable, TimetableTrain
 from study.measures.summary import arrived_trains, summarise
@@ -33,7 +34,7 @@ def timetable() -> Timetable:
         return TimetableTrain(number, Direction.DOWN, revenue, calls, Stabled(), Stabled())
 
     trains = {number: train(number, number != "X") for number in ("1", "3", "X")}
-    return Timetable("t", "t", "l", 20.0, trains, ())
+    return Timetable(HeadTable(id="t", line="l"), trains, ())
 
 
 def small_stops() -> pl.DataFrame:

@@ -81,7 +81,7 @@ def hostile_run(day: ReportedRun) -> ReportedRun:
     tables["events"] = tables["events"].with_columns(pl.lit(HOSTILE).alias("text"))
     return ReportedRun(
         replace(line, name=HOSTILE, name_ja=HOSTILE, stations=stations, assumed=HOSTILE_TEXTS),
-        replace(day.timetable, name=HOSTILE, trains=trains),
+        replace(day.timetable, head=day.timetable.head.model_copy(update={"name": HOSTILE}), trains=trains),
         RunTables(**tables),
     )
 

@@ -89,7 +89,7 @@ def _busiest_hour() -> Ground:
     kept = _within(day, begins_s)
     name = "karasuyama_hour_times"
     table = {
-        "timetable": {"id": name, "name": name, "line": "karasuyama", "dwell_min_s": day.dwell_min_s},
+        "timetable": {"id": name, "name": name, "line": "karasuyama", "dwell_min_s": day.head.dwell_min_s},
         "trains": [_train_table(train, kept) for train in kept.values()],
         "diagrams": [
             {"stock": diagram.stock_id, "trains": mine}

@@ -13,9 +13,9 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic.fields import FieldInfo
 
 from network.files.quantity import Quantity
+from onboard.driving_settings import Driving
 from simulation.faults.fault import Fault, Names
 from simulation.faults.links import ANY, BOTH_WAYS, ONE_WAY
-from simulation.settings import Driving
 from tests.system.chaos.draw import Draw
 from wayside.config import MANAGER_ID
 

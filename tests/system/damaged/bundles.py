@@ -17,6 +17,7 @@ from network.files.timetable_schema import TimetableFile
 from onboard.driving.laws.settings import LawTables
 from onboard.driving.planner.wish import Planning
 from onboard.driving.tuning import DEAD_TIMES, OFFSETS
+from onboard.driving_settings import Driving
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from scenario.scenario_file import ScenarioFile
@@ -25,7 +26,7 @@ from simulation.battery_settings import BatterySettings
 from simulation.gnss_settings import Gnss
 from simulation.people import People
 from simulation.sensor_settings import Beacons, Curvature, Lidar
-from simulation.settings import Dispatch, Driving, Interlocking, Limits, Operation, Sensors
+from simulation.settings import Dispatch, Interlocking, Limits, Operation, Sensors
 from vehicle.train_file import TrainFile, shipped_train
 
 Data = dict[str, Any]

@@ -15,11 +15,11 @@ from onboard.driving.laws.fuzzy_records import KEPT_CHANGES, FuzzyRule, Predicti
 from onboard.driving.laws.fuzzy_station import choose_at_station
 from onboard.driving.laws.fuzzy_told import told
 from onboard.driving.laws.settings import LawTables
+from onboard.driving_settings import Driving
 from papers.parameter_sets import LINE, TABLE_1
 from papers.single_hop import HopBench, HopWay
 from papers.single_run import Rows, new_hops
 from papers.single_train import Bench
-from simulation.settings import Driving
 from vehicle.records import TrainRow
 from vehicle.train_file import load_train, shipped_train
 
