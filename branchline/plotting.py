@@ -78,7 +78,7 @@ def _list(*, as_json: bool) -> None:
                 "kinds": [
                     {
                         "name": kind.name,
-                        "title": kind.title,
+                        "title": kind.title.en,
                         "takes": sorted(option.value for option in kind.takes),
                         "needs": sorted(option.value for option in kind.needs),
                     }
@@ -92,4 +92,4 @@ def _list(*, as_json: bool) -> None:
             option.value + (" (needed)" if option in kind.needs else "")
             for option in sorted(kind.takes, key=lambda option: option.value)
         ]
-        sys.stdout.write(f"{kind.name:18} {kind.title:42} {', '.join(options)}\n")
+        sys.stdout.write(f"{kind.name:18} {kind.title.en:42} {', '.join(options)}\n")

@@ -154,7 +154,7 @@ def _net(energy: dict[str, Any]) -> str:
     """Net energy of the day, and by distance as the report says it."""
     from study.report.facts import net_by_distance
 
-    return "; ".join(filter(None, (f"{energy['all']['net']:,.1f} kWh", net_by_distance(energy))))
+    return "; ".join(filter(None, (f"{energy['all']['net']:,.1f} kWh", net_by_distance(energy).en)))
 
 
 def _print_run(done: FinishedRun, report: Path) -> None:

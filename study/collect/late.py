@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Final
 
 from network.clock import clock
 from simulation.late_day import DrawnDisturbance, counts_of, late_day
@@ -10,11 +11,18 @@ from simulation.result import RunResult
 from simulation.setup import Setup
 from study.measures.day_figures import day_figures
 from study.record.parts import PagePart, TextTable
-from study.wording.outcome import DRAWN
+from study.wording.catalogue import phrase
 from study.wording.parties import party
+from study.wording.phrase import Language
 
-_HEAD_JA = ("時刻", "列車・装置", "場所", "秒", "内容", "分布")
-_HEAD = ("when", "who", "where", "seconds", "what", "drawn from")
+_HEAD: Final = (
+    phrase("when"),
+    phrase("who"),
+    phrase("where"),
+    phrase("seconds"),
+    phrase("what", "drill"),
+    phrase("drawn from"),
+)
 
 
 def late_summary(result: RunResult, setup: Setup) -> dict[str, Any]:
@@ -42,40 +50,47 @@ def late_part(setup: Setup) -> PagePart | None:
     day = late_day(setup)
     if not day.drawn:
         return None
-    rows = tuple(
-        (_clock(one), one.who, one.place, f"{one.seconds:.1f}", one.what, _from(one)) for one in day.drawn
+    counted = ", ".join(f"{number} from {source}" for source, number in counts_of(day).items())
+    caption = phrase(
+        "Seed {seed} draws this, and the same again: {counted}. When: the planned time that it is about."
+    ).of(seed=setup.seed, counted=counted)
+    folded = phrase("{count} things drawn").of(count=len(day.drawn))
+    title = phrase("What was drawn for this day")
+    return PagePart(
+        title.en,
+        caption.en,
+        grids=(_grid(setup, day.drawn, "en"),),
+        folded=folded.en,
+        folded_ja=folded.ja,
+        grids_ja=(_grid(setup, day.drawn, "ja"),),
+        title_ja=title.ja,
+        caption_ja=caption.ja,
     )
-    said = [(one, DRAWN[one.source.split(".")[1]], _place(setup, one.place)) for one in day.drawn]
-    rows_ja = tuple(
+
+
+def _grid(setup: Setup, drawn: Sequence[DrawnDisturbance], language: Language) -> TextTable:
+    rows = tuple(
         (
             _clock(one),
-            party(one.who).in_("ja"),
-            place,
+            party(one.who).in_(language),
+            one.place if language == "en" else _place(setup, one.place),
             f"{one.seconds:.1f}",
-            form.format(who=party(one.who).in_("ja"), place=place, seconds=one.seconds),
-            _from(one),
+            one.what if language == "en" else _what(setup, one),
+            f"{one.source}: {one.of}",
         )
-        for one, form, place in said
+        for one in drawn
     )
-    counted = ", ".join(f"{number} from {source}" for source, number in counts_of(day).items())
-    return PagePart(
-        "What was drawn for this day",
-        f"Seed {setup.seed} draws this, and the same again: {counted}. When: the planned time that it is about.",
-        grids=(TextTable(_HEAD, rows, 3, 4),),
-        folded=f"{len(rows)} things drawn",
-        folded_ja=f"{len(rows)} 件",
-        grids_ja=(TextTable(_HEAD_JA, rows_ja, 3, 4),),
-        title_ja="この日に生じさせた遅れの原因",
-        caption_ja=f"乱数の種 {setup.seed} から決まり、同じ種では同じになる。時刻はその計画上の時刻",
-    )
+    return TextTable(tuple(name.in_(language) for name in _HEAD), rows, 3, 4)
+
+
+def _what(setup: Setup, one: DrawnDisturbance) -> str:
+    """What was drawn, in Japanese."""
+    form = phrase(one.source.split(".")[1], "drawn").ja
+    return form.format(who=party(one.who).in_("ja"), place=_place(setup, one.place), seconds=one.seconds)
 
 
 def _clock(one: DrawnDisturbance) -> str:
     return "" if one.at_s is None else clock(int(one.at_s))
-
-
-def _from(one: DrawnDisturbance) -> str:
-    return f"{one.source}: {one.of}"
 
 
 def _place(setup: Setup, place: str) -> str:

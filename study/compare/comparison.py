@@ -14,6 +14,7 @@ from study.compare.side import ComparedRun
 from study.compare.times import ComparedTimes, compare_times
 from study.record.tables import RunTables
 from study.wording import compared as words
+from study.wording.catalogue import phrase
 from study.wording.phrase import Phrase, joined
 
 
@@ -193,17 +194,19 @@ def _trains(numbers: Sequence[str]) -> Phrase:
 
 
 FATES: Final[Mapping[MeetFate, Phrase]] = {
-    MeetFate.ELSEWHERE: Phrase("{count} elsewhere", "場所 {count}"),
-    MeetFate.OTHER_TIME: Phrase("{count} at another time", "時刻 {count}"),
-    MeetFate.GONE: Phrase("{count} gone", "消滅 {count}"),
-    MeetFate.NEW: Phrase("{count} new", "新規 {count}"),
+    MeetFate.ELSEWHERE: phrase("{count} elsewhere"),
+    MeetFate.OTHER_TIME: phrase("{count} at another time"),
+    MeetFate.GONE: phrase("{count} gone"),
+    MeetFate.NEW: phrase("{count} new"),
 }
-# One and several of a thing, and how Japanese counts it.
-_TIME: Final = ("arrival or departure", "arrivals and departures", " 件")
-_TRAIN: Final = ("train", "trains", " 本")
-_MEET: Final = ("meet", "meets", "")
+# One and several of a thing.
+_TIME: Final = (
+    phrase("{count} arrival or departure", "counted"),
+    phrase("{count} arrivals and departures", "counted"),
+)
+_TRAIN: Final = (phrase("{count} train", "counted"), phrase("{count} trains", "counted"))
+_MEET: Final = (phrase("{count} meet", "counted"), phrase("{count} meets", "counted"))
 
 
-def _count(count: int, names: tuple[str, str, str]) -> Phrase:
-    one, more, counter = names
-    return Phrase(f"{count:,} {one if count == 1 else more}", f"{count:,}{counter}")
+def _count(count: int, names: tuple[Phrase, Phrase]) -> Phrase:
+    return names[count != 1].of(count=f"{count:,}")

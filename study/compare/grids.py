@@ -17,7 +17,7 @@ from study.record.figure import Figure, Kind, ShownIn, seen_in
 from study.record.parts import TextTable, signed
 from study.record.tables import ROWS
 from study.report.data import place_said
-from study.wording.compared import EARLIER, HEADING, LATER, word
+from study.wording.compared import EARLIER, HEADING, LATER, compared_name
 from study.wording.phrase import Language, Phrase, joined
 from study.wording.telegrams import telegram
 
@@ -34,7 +34,7 @@ _FIGURES: Final = {
 
 def _named(text: str, language: Language) -> str:
     """A figure's name: its own, or from the words of comparisons."""
-    return _FIGURES[text].in_(language) if text in _FIGURES else word(text, language)
+    return (_FIGURES.get(text) or compared_name(text)).in_(language)
 
 
 def measures_grid(found: Comparisons, language: Language = "en", *, changed_only: bool = False) -> TextTable:
@@ -44,14 +44,21 @@ def measures_grid(found: Comparisons, language: Language = "en", *, changed_only
     for measure in found.measures:
         if changed_only and not changed(measure):
             continue
-        unit = f", {word(measure.unit, language)}" if measure.unit else ""
+        unit = f", {compared_name(measure.unit).in_(language)}" if measure.unit else ""
         cells = [
             _value(measure, index, language) + (_apart(measure, index) if len(labels) > 2 else "")
             for index in range(len(labels))
         ]
         last = (_by(measure, 1),) if len(labels) == 2 else ()
-        rows.append((word(measure.group, language), f"{_named(measure.name, language)}{unit}", *cells, *last))
-    header = ("", "", *labels, *((word("difference", language),) if len(labels) == 2 else ()))
+        rows.append(
+            (
+                compared_name(measure.group).in_(language),
+                f"{_named(measure.name, language)}{unit}",
+                *cells,
+                *last,
+            )
+        )
+    header = ("", "", *labels, *((compared_name("difference").in_(language),) if len(labels) == 2 else ()))
     return TextTable(header, tuple(rows), numbers_from=2)
 
 
@@ -63,7 +70,8 @@ def changed(measure: Measure) -> bool:
 def inputs_grid(found: RunComparison, language: Language = "en") -> TextTable:
     """Inputs that differ, with who patched them."""
     rows = tuple(
-        (word(c.file, language), c.key, _json(c.old), _json(c.new), ", ".join(c.by)) for c in found.inputs
+        (compared_name(c.file).in_(language), c.key, _json(c.old), _json(c.new), ", ".join(c.by))
+        for c in found.inputs
     )
     return TextTable(_heads(language, "file", "key", "old", "new", "set by"), rows)
 
@@ -78,13 +86,13 @@ def moved_grid(
     rows = tuple(
         (
             moved.train,
-            word(moved.direction, language),
+            compared_name(moved.direction).in_(language),
             place_said(new.run, moved.station).in_(language),
-            word(moved.what.value, language),
+            compared_name(moved.what.value).in_(language),
             _clock(moved.old_s),
             _clock(moved.new_s),
             _later(moved.by_s).in_(language),
-            NONE if moved.plan_by_s is None else signed(moved.plan_by_s, 0, word("s", language)),
+            NONE if moved.plan_by_s is None else signed(moved.plan_by_s, 0, compared_name("s").in_(language)),
         )
         for moved in listed
     )
@@ -102,7 +110,7 @@ def moved_matrix(found: RunComparison, new: ComparedRun, language: Language = "e
     rows = tuple(
         (
             train,
-            word(new.run.directions[train].name.lower(), language),
+            compared_name(new.run.directions[train].name.lower()).in_(language),
             *(_cell(by_train[train].get(p.id, {})) for p in places),
         )
         for train in new.run.trains
@@ -118,7 +126,7 @@ def once_grid(found: RunComparison, new: ComparedRun, language: Language = "en")
         (
             once.train,
             place_said(new.run, once.station).in_(language),
-            word(once.what.value, language),
+            compared_name(once.what.value).in_(language),
             found.new if once.in_new else found.base,
             _clock(once.at_s),
         )
@@ -147,7 +155,7 @@ def meets_grid(
         (
             c.down_train,
             c.up_train,
-            word(c.fate.value, language),
+            compared_name(c.fate.value).in_(language),
             place(base, c.old),
             place(new, c.new),
             later(c),
@@ -192,7 +200,7 @@ def _name(side: ComparedRun, said: Figure, name: str, language: Language) -> str
 
 
 def _heads(language: Language, *names: str) -> tuple[str, ...]:
-    return tuple(word(name, language) for name in names)
+    return tuple(compared_name(name).in_(language) for name in names)
 
 
 def columns_of(table: str) -> tuple[str, ...]:

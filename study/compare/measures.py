@@ -30,6 +30,11 @@ NOT_LATE_S: Final = (
     5  # brakes take 1.4 s to release, and whole seconds are read off clocks: nobody calls that late
 )
 WITHIN_S: Final = (NOT_LATE_S, 15, 60, 180, 300)
+_COUNTED: Final = {
+    "intervention": "interventions",
+    "refusal": "refusals",
+    "fault": "faults",
+}  # kinds of events
 Value: TypeAlias = float | None
 
 
@@ -115,10 +120,8 @@ def figures_of(side: ComparedRun) -> Iterator[RunFigure]:
         )
     yield RunFigure("telegrams", "volume", "kB", 1, float(tables.telegrams["bytes"].sum()) / 1000.0)
     yield from _stop_errors(side)
-    for kind in ("intervention", "refusal", "fault"):
-        yield RunFigure(
-            "events", f"{kind}s", "", 0, float(tables.events.filter(pl.col("kind") == kind).height)
-        )
+    for kind, name in _COUNTED.items():
+        yield RunFigure("events", name, "", 0, float(tables.events.filter(pl.col("kind") == kind).height))
     for key, name in (("invariants_broken", "invariants broken"), ("collisions", "collisions")):
         yield RunFigure("safety", name, "", 0, _number(side.summary.get(key)))
 

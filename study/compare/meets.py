@@ -167,7 +167,7 @@ def _change(
     missing_in = runs[1] if new is None else runs[0]
     ran = {number for _, number in missing_in.courses}
     absent = [number for number in pair if number not in ran]
-    which = words.phrase("new" if new is None else "base")
+    which = words.compared_name("new" if new is None else "base")
     trains = joined(map(Phrase, absent), words.AND.en, words.AND.ja)
     why = words.DID_NOT_RUN.of(trains=trains, which=which) if absent else NOTHING
     return MeetChange(*pair, MeetFate.GONE if new is None else MeetFate.NEW, old, new, why)

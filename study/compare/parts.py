@@ -22,6 +22,7 @@ from study.compare.side import ComparedRun
 from study.record.parts import PagePart, TextTable
 from study.report.style import svg_of
 from study.wording import compared as words
+from study.wording.catalogue import phrase
 from study.wording.phrase import NOTHING, Language, Phrase, joined
 
 OPEN_ROWS: Final = 40  # longer tables are folded
@@ -29,45 +30,33 @@ _GRAPH_HELP: Final = (
     "Trains that moved: thick in colour as they ran, thin and dashed as they ran in the other run."
     " Pale: not moved."
 )
-_INPUTS: Final = Phrase("Inputs that differ", "入力の相違")
-_MOVED: Final = Phrase("Times that moved", "変化した着発時刻")
-_MOVED_HELP: Final = Phrase(
-    "Seconds by which arrival / departure moved, where by more than {over} s; + is later in {label}.",
-    "着／発の変化（秒、{over} 秒を超えるもの）。＋は {label} の方が遅い",
+_INPUTS: Final = phrase("Inputs that differ")
+_MOVED: Final = phrase("Times that moved")
+_MOVED_HELP: Final = phrase(
+    "Seconds by which arrival / departure moved, where by more than {over} s; + is later in {label}."
 )
-_EVERY_TIME: Final = Phrase("Every time that moved", "変化した着発時刻の一覧")
-_ONCE: Final = Phrase("Came in one run only", "一方の走行だけの着発")
-_ONCE_HELP: Final = Phrase("Of trains that run in both.", "両走行に共通の列車のもの")
-_MEETS: Final = Phrase("Meets that moved", "変化した行違い")
-_MEETS_HELP: Final = Phrase(
-    "As run: where and when the fronts passed.", "走行実績で、列車の先頭どうしがすれ違った時刻と場所"
-)
+_EVERY_TIME: Final = phrase("Every time that moved")
+_ONCE: Final = phrase("Came in one run only")
+_ONCE_HELP: Final = phrase("Of trains that run in both.")
+_MEETS: Final = phrase("Meets that moved")
+_MEETS_HELP: Final = phrase("As run: where and when the fronts passed.")
 _ROWS: Final = {
     "margins": (
-        Phrase("Margins that differ", "余裕時分の相違"),
-        Phrase(
-            "As planned over the least running time, and what was left on arrival.",
-            "計画の余裕（最小運転時分に対する）と、到着時に残った余裕",
-        ),
+        phrase("Margins that differ"),
+        phrase("As planned over the least running time, and what was left on arrival."),
     ),
     "energy": (
-        Phrase("Energy by train", "列車別電力量"),
-        Phrase("What differs, the largest difference first.", "相違のあるもの、差の大きい順"),
+        phrase("Energy by train"),
+        phrase("What differs, the largest difference first."),
     ),
     "driving": (
-        Phrase("Driving by hop", "駅間ごとの運転"),
-        Phrase(
-            "Traction less what came back, notches, coasting and arrival; the largest difference first.",
-            "力行から回生を引いた電力量、ノッチ、惰行、到着。差の大きい順",
-        ),
+        phrase("Driving by hop"),
+        phrase("Traction less what came back, notches, coasting and arrival; the largest difference first."),
     ),
-    "telegrams": (Phrase("Telegrams by kind", "電文の種別"), NOTHING),
+    "telegrams": (phrase("Telegrams by kind"), NOTHING),
     "stops": (
-        Phrase("Stops at the mark", "停止位置"),
-        Phrase(
-            "Errors that differ by a millimetre or more; beyond the mark is positive.",
-            "誤差が 1 mm 以上異なるもの。行き過ぎが正",
-        ),
+        phrase("Stops at the mark"),
+        phrase("Errors that differ by a millimetre or more; beyond the mark is positive."),
     ),
 }
 

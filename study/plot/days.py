@@ -14,7 +14,6 @@ from matplotlib.patches import Patch
 from study.measures.duties import SetDuty, duties_of
 from study.measures.wait_text import text_of
 from study.plot.choice import ChosenRun
-from study.plot.words import cause_name
 from study.record.as_run import trains_as_run
 from study.record.figure import rows_in
 from study.record.wait import Cause, Wait
@@ -28,6 +27,7 @@ from study.report.style import (
     draw_clock_axis,
     time_bands,
 )
+from study.wording.catalogue import phrase
 
 ROW_IN: Final = 0.34
 NUMBER_PT: Final = 6.0
@@ -75,7 +75,7 @@ def waits_table(run: ChosenRun) -> pl.DataFrame:
     if run.choice.station is not None:
         rows = rows.filter(pl.col("place") == run.choice.station)
     language = run.choice.language
-    sentences = [text_of(wait, language, run.names) for wait in rows_in(Wait, rows)]
+    sentences = [text_of(wait, run.names).in_(language) for wait in rows_in(Wait, rows)]
     return rows.with_columns(pl.Series("sentence", sentences, dtype=pl.String))
 
 
@@ -101,7 +101,10 @@ def draw_waits(run: ChosenRun) -> Figure | None:
                 )
         _numbers(axes, run, units, band)
     shown = [cause for cause in CAUSE_COLOURS if (table["cause"] == cause.value).any()]
-    legend = [Patch(color=CAUSE_COLOURS[c], lw=0, label=cause_name(c, run.choice.language)) for c in shown]
+    legend = [
+        Patch(color=CAUSE_COLOURS[c], lw=0, label=phrase(c.value, "cause").in_(run.choice.language))
+        for c in shown
+    ]
     figure.legend(handles=legend, loc="outside lower left", ncols=9, handlelength=1.2)
     return figure
 

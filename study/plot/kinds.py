@@ -26,6 +26,8 @@ from study.report.curve import draw_run_curve
 from study.report.graph import draw_train_graph
 from study.report.occupancy import draw_occupancy
 from study.report.running_times import draw_running_times
+from study.wording.catalogue import phrase
+from study.wording.phrase import Phrase
 
 
 class PlotOption(Enum):
@@ -42,8 +44,7 @@ class PlotKind:
     """A kind of plot. `needs` must be chosen for its picture; its table does without."""
 
     name: str
-    title: str
-    title_ja: str
+    title: Phrase
     table: Callable[[ChosenRun], pl.DataFrame]
     draw: Callable[[ChosenRun], Figure | None]
     takes: frozenset[PlotOption] = frozenset()
@@ -96,25 +97,22 @@ _STATION: Final = frozenset({PlotOption.STATION})
 _KINDS: Final = (
     PlotKind(
         "train-graph",
-        "Train graph, plan thin and run thick",
-        "列車ダイヤ（細線：計画、太線：実績）",
+        phrase("Train graph, plan thin and run thick"),
         _times_of_stops,
         lambda run: draw_train_graph(run, _marks(run))[0],
         _TIME,
     ),
-    PlotKind("run-curve", "Run curve", "運転曲線", _run_curve_table, _run_curve, _TRAIN, _TRAIN),
+    PlotKind("run-curve", phrase("Run curve"), _run_curve_table, _run_curve, _TRAIN, _TRAIN),
     PlotKind(
         "track-occupation",
-        "Track occupation",
-        "番線使用",
+        phrase("Track occupation"),
         stations.occupation_table,
         stations.draw_occupation,
         _ALL,
     ),
     PlotKind(
         "station-timetable",
-        "Station timetable",
-        "駅時刻表",
+        phrase("Station timetable"),
         stations.timetable_table,
         stations.draw_timetable,
         _STATION | _TIME,
@@ -122,65 +120,57 @@ _KINDS: Final = (
     ),
     PlotKind(
         "punctuality",
-        "Punctuality by station",
-        "駅別定時性",
+        phrase("Punctuality by station"),
         stations.punctuality_table,
         stations.draw_punctuality,
         _STATION | _TIME,
     ),
-    PlotKind("delays", "Lateness of every call, s", "列車別・駅別の遅れ [s]", _times_of_stops, draw_delays),
+    PlotKind("delays", phrase("Lateness of every call, s"), _times_of_stops, draw_delays),
     PlotKind(
         "waits",
-        "Why each stock waited",
-        "待ちの理由",
+        phrase("Why each stock waited"),
         days.waits_table,
         days.draw_waits,
         _ALL,
     ),
-    PlotKind("duties", "Duties", "運用", days.duties_table, days.draw_duties),
+    PlotKind("duties", phrase("Duties"), days.duties_table, days.draw_duties),
     PlotKind(
         "energy-train",
-        "Energy by train; above, net kWh a train-km",
-        "列車別電力量（数値は正味kWh/列車キロ）",
+        phrase("Energy by train; above, net kWh a train-km"),
         lambda run: run.tables.energy,
         draw_energy,
     ),
     PlotKind(
         "energy-leg",
-        "Net energy by leg",
-        "区間別電力量（正味）",
+        phrase("Net energy by leg"),
         lambda run: run.shown(run.tables.energy_legs),
         energy.draw_energy_legs,
         _TRAIN,
     ),
     PlotKind(
         "energy-parts",
-        "Where the energy of each leg went",
-        "区間別電力量の内訳",
+        phrase("Where the energy of each leg went"),
         lambda run: run.shown(run.tables.energy_legs),
         draw_energy_parts,
         _TRAIN,
     ),
     PlotKind(
         "energy-hour",
-        "Energy by hour",
-        "時間帯別電力量",
+        phrase("Energy by hour"),
         energy.energy_hours_table,
         energy.draw_energy_hours,
         _TIME,
     ),
     PlotKind(
         "battery",
-        "State of charge of each set",
-        "編成別の充電状態",
+        phrase("State of charge of each set"),
         battery.battery_table,
         battery.draw_battery,
         _TIME,
     ),
     PlotKind(
         "laws",
-        "One hop as driven: speed, gradient, notches",
-        "一駅間の運転：速度・勾配・ノッチ",
+        phrase("One hop as driven: speed, gradient, notches"),
         laws.hops_table,
         laws.draw_laws,
         _TRAIN | _STATION | {PlotOption.RUNS},
@@ -188,8 +178,7 @@ _KINDS: Final = (
     ),
     PlotKind(
         "position",
-        "Where it believed to be: error and bounds",
-        "位置の誤差と範囲",
+        phrase("Where it believed to be: error and bounds"),
         position.position_table,
         position.draw_position,
         _TRAIN,
@@ -197,55 +186,48 @@ _KINDS: Final = (
     ),
     PlotKind(
         "margins",
-        "Margins by hop",
-        "区間別余裕時分",
+        phrase("Margins by hop"),
         lambda run: run.shown(run.tables.margins),
         draw_margins,
         _TRAIN,
     ),
     PlotKind(
         "section-occupancy",
-        "Sections, held pale and occupied solid",
-        "閉そく区間の確保（淡）と在線（濃）",
+        phrase("Sections, held pale and occupied solid"),
         _blocks_table,
         draw_occupancy,
         _TIME,
     ),
     PlotKind(
         "stairway",
-        "Blocking-time stairway",
-        "閉そく占有時分",
+        phrase("Blocking-time stairway"),
         stairway_table,
         draw_stairway_of,
         _TIME | _TRAIN,
     ),
     PlotKind(
         "headway",
-        "Least headways by station",
-        "駅別の運転時隔",
+        phrase("Least headways by station"),
         fullness.headways_table,
         fullness.draw_headways,
         _STATION,
     ),
     PlotKind(
         "occupation",
-        "Occupancy by part of the line (UIC 406)",
-        "線路容量の利用率（UIC 406）",
+        phrase("Occupancy by part of the line (UIC 406)"),
         fullness.occupation_table,
         fullness.draw_occupations,
         _TIME,
     ),
     PlotKind(
         "stop-errors",
-        "Stop errors",
-        "停止誤差",
+        phrase("Stop errors"),
         lambda run: run.shown(run.tables.stops).filter(pl.col("stop_error_m").is_not_null()),
         _stop_errors,
     ),
     PlotKind(
         "running-times",
-        "Minimum running times",
-        "基準運転時分",
+        phrase("Minimum running times"),
         _running_times_table,
         _running_times,
     ),

@@ -29,4 +29,4 @@ def draw_stairway_of(run: ChosenRun) -> Figure | None:
     conflicts = conflicts_of(occupations(setup_of(run.read)))
     number = run.choice.train
     own = [c for c in conflicts if number is None or number in (c.first.number, c.second.number)]
-    return draw_stairway(run, _shown(run), own, japanese=run.choice.language == "ja")
+    return draw_stairway(run, _shown(run), own, language=run.choice.language)

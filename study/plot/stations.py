@@ -31,6 +31,7 @@ from study.report.style import (
     time_bands,
     unit_colours,
 )
+from study.wording.catalogue import phrase
 
 ROW_IN: Final = 0.2
 TALL_ROW_IN: Final = 0.85  # of one station alone: its train numbers stand upright in it
@@ -86,7 +87,7 @@ def draw_occupation(run: ChosenRun) -> Figure | None:
 
 def _track_name(run: ChosenRun, station: Station, track: str) -> str:
     name = run.name(station.id)
-    return f"{name} {track}番線" if run.choice.language == "ja" else f"{name}, track {track}"
+    return phrase("{name}, track {track}").of(name=name, track=track).in_(run.choice.language)
 
 
 def _draw_stays(
@@ -213,9 +214,7 @@ def _draw_hours(
 def _draw_call(axes: Axes, run: ChosenRun, x: float, y: float, call: dict[str, Any]) -> None:
     minute, second = int(call["due_s"] // 60 % 60), int(call["due_s"] % 60)
     ends = call["planned_departure_s"] is None
-    goes = (
-        ("着" if run.choice.language == "ja" else "arr.") if ends else _short(run.name(call["destination"]))
-    )
+    goes = phrase("arr.").in_(run.choice.language) if ends else _short(run.name(call["destination"]))
     if call["kind"] == "pass":
         goes = "レ"  # as Japanese timetables mark a train that runs through
     axes.text(x, y - 0.32, goes, ha="center", va="center", fontsize=5.0, color=PALE)
@@ -261,7 +260,7 @@ def draw_punctuality(run: ChosenRun) -> Figure | None:
         own = [rows[s] for s in stations if s in rows]
         _draw_share(share, at, own, what, colour)
         _draw_lateness(late, at, own, what, colour)
-    everywhere = "全駅" if run.choice.language == "ja" else "all"
+    everywhere = phrase("all stations").in_(run.choice.language)
     labels = [everywhere if s == ALL_STATIONS else _in_lines(run.name(s)) for s in stations]
     late.set_xticks(range(len(stations)), labels, fontsize=7 if len(labels) < 16 else 6)
     if len(labels) > 16:

@@ -113,7 +113,7 @@ def figure_of(run: ChosenRun, kind: PlotKind) -> Figure:
 def title_of(run: ChosenRun, kind: PlotKind) -> str:
     """What stands above a picture: the kind, of what of the run, and the run's name."""
     choice = run.choice
-    parts = [kind.title_ja if choice.language == "ja" else kind.title]
+    parts = [kind.title.in_(choice.language)]
     if choice.train is not None:
         parts.append(choice.train)
     if choice.station is not None:

@@ -8,7 +8,7 @@ from typing import Annotated
 from simulation.result import BatteryEvent
 from study.record.columns import Station, Train, Unit, clock, kwh
 from study.record.figure import Figure, Kind, ShownIn
-from study.wording.phrase import Phrase
+from study.wording.catalogue import phrase
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,15 +27,15 @@ class BatteryMoment:
     above_low_kwh: float
     power_kw: Annotated[float, "at the terminals, the mean since the row before; above 0 out"]
     supply_kw: Annotated[float, "what charger or wire gives at most"]
-    given_kwh: Annotated[float, kwh("given", "放電", digits=1), "at the terminals, out"]
-    taken_kwh: Annotated[float, kwh("taken", "充電", digits=1), "at the terminals, in"]
-    lost_kwh: Annotated[float, kwh("lost", "損失", digits=1), "in its resistance"]
+    given_kwh: Annotated[float, kwh("given", digits=1), "at the terminals, out"]
+    taken_kwh: Annotated[float, kwh("taken", context="battery", digits=1), "at the terminals, in"]
+    lost_kwh: Annotated[float, kwh("lost", context="battery", digits=1), "in its resistance"]
     supplied_kwh: Annotated[
         float,
-        kwh("from chargers and wires", "充電設備・架線から", digits=1),
+        kwh("from chargers and wires", digits=1),
         "by chargers and wires, to battery and train",
     ]
-    missing_kwh: Annotated[float, kwh("missing", "不足", digits=1), "asked for and not to be had"]
+    missing_kwh: Annotated[float, kwh("missing", digits=1), "asked for and not to be had"]
     spilled_kwh: Annotated[float, "came back and was not taken"]
 
 
@@ -46,24 +46,24 @@ class ChargeTaken:
     unit: Unit
     train: Annotated[Train, "that leaves with it"]
     station: Annotated[Station, "empty: off the line"]
-    from_s: Annotated[float, clock("from", "開始")]
-    to_s: Annotated[float, clock("to", "終了")]
+    from_s: Annotated[float, clock("from")]
+    to_s: Annotated[float, clock("to")]
     soc_from: float
     soc_to: float
-    minutes: Annotated[float, Figure(Phrase("minutes charged", "充電 分"), "", 1, seen=ShownIn.REPORT)]
+    minutes: Annotated[float, Figure(phrase("minutes charged"), "", 1, seen=ShownIn.REPORT)]
     minutes_suffice: Annotated[
         float | None,
-        Figure(Phrase("minutes that suffice", "充足分"), "", 1, seen=ShownIn.REPORT),
+        Figure(phrase("minutes that suffice"), "", 1, seen=ShownIn.REPORT),
         "so that it comes there with just that; none: no time would do",
     ]
-    gained_kwh: Annotated[float, kwh("gained", "増加", digits=1, kind=Kind.SIGNED)]
+    gained_kwh: Annotated[float, kwh("gained", digits=1, kind=Kind.SIGNED)]
     next_way_kwh: Annotated[
         float,
-        kwh("next way takes", "次の区間", digits=1),
+        kwh("next way takes", digits=1),
         "what the battery lost from there to the next charge",
     ]
     margin_kwh: Annotated[
         float,
-        kwh("margin over what is kept", "留保分との差", digits=1, kind=Kind.SIGNED),
+        kwh("margin over what is kept", digits=1, kind=Kind.SIGNED),
         "above what is to be kept back, at the next charge",
     ]

@@ -10,10 +10,10 @@ import polars as pl
 from network.timetable import CallKind
 from study.record.columns import STATION, Revenue, Train, Unit, Way, clock
 from study.record.figure import Figure, Kind, ShownIn
-from study.wording.phrase import Phrase
+from study.wording.catalogue import phrase
 
-TRACK: Final = Figure(Phrase("track", "番線"), seen=ShownIn.REPORT, kind=Kind.TEXT)
-CALL: Final = Figure(Phrase("kind", "種別"), seen=ShownIn.REPORT, kind=Kind.CALL)
+TRACK: Final = Figure(phrase("track"), seen=ShownIn.REPORT, kind=Kind.TEXT)
+CALL: Final = Figure(phrase("kind"), seen=ShownIn.REPORT, kind=Kind.CALL)
 _WHERE: Final = replace(STATION, seen=ShownIn.REPORT | ShownIn.ROWS_NAMED)
 _LISTED: Final = ShownIn.REPORT | ShownIn.ROWS_COMPARED | ShownIn.ROWS_LISTED
 
@@ -52,16 +52,16 @@ class CallAsRun:
     station: Annotated[str, _WHERE]
     track: Annotated[str, TRACK]
     kind: Annotated[CallKind, CALL]
-    planned_arrival_s: Annotated[float | None, clock("planned arrival", "計画着")]
-    planned_departure_s: Annotated[float | None, clock("planned departure", "計画発")]
-    arrival_s: Annotated[float | None, clock("arrival", "実績着")]
-    departure_s: Annotated[float | None, clock("departure", "実績発")]
+    planned_arrival_s: Annotated[float | None, clock("planned arrival")]
+    planned_departure_s: Annotated[float | None, clock("planned departure")]
+    arrival_s: Annotated[float | None, clock("arrival", context="as run")]
+    departure_s: Annotated[float | None, clock("departure", context="as run")]
     late_arrival_s: float | None
     late_departure_s: float | None
     stop_error_m: Annotated[
         float | None,
         Figure(
-            Phrase("error", "誤差"),
+            phrase("error"),
             "m",
             3,
             seen=_LISTED,

@@ -8,14 +8,14 @@ import polars as pl
 
 from network.model import Direction
 from study.record.figure import Adds, Figure, Kind, ShownIn
-from study.wording.phrase import Phrase
+from study.wording.catalogue import phrase
 
-UNIT: Final = Figure(Phrase("unit", "編成・単位"), seen=ShownIn.REPORT, kind=Kind.TEXT)
-TRAIN: Final = Figure(Phrase("train", "列車"), seen=ShownIn.REPORT | ShownIn.ROWS_NAMED, kind=Kind.TRAIN)
-STATION: Final = Figure(Phrase("station", "駅"), seen=ShownIn.REPORT, kind=Kind.PLACE)
-FROM: Final = Figure(Phrase("from", "駅間（発）"), seen=ShownIn.REPORT | ShownIn.ROWS_NAMED, kind=Kind.PLACE)
-TO: Final = Figure(Phrase("to", "駅間（着）"), seen=ShownIn.REPORT | ShownIn.ROWS_NAMED, kind=Kind.PLACE)
-TRAINS: Final = Figure(Phrase("trains", "本数"))
+UNIT: Final = Figure(phrase("unit"), seen=ShownIn.REPORT, kind=Kind.TEXT)
+TRAIN: Final = Figure(phrase("train"), seen=ShownIn.REPORT | ShownIn.ROWS_NAMED, kind=Kind.TRAIN)
+STATION: Final = Figure(phrase("station"), seen=ShownIn.REPORT, kind=Kind.PLACE)
+FROM: Final = Figure(phrase("from", "place"), seen=ShownIn.REPORT | ShownIn.ROWS_NAMED, kind=Kind.PLACE)
+TO: Final = Figure(phrase("to", "place"), seen=ShownIn.REPORT | ShownIn.ROWS_NAMED, kind=Kind.PLACE)
+TRAINS: Final = Figure(phrase("trains", "count"))
 
 Unit: TypeAlias = Annotated[str, UNIT]
 Train: TypeAlias = Annotated[str, TRAIN]
@@ -23,30 +23,36 @@ Station: TypeAlias = Annotated[str, STATION]
 From: TypeAlias = Annotated[str, FROM, "station, or portal's section"]
 To: TypeAlias = Annotated[str, TO, "station, or portal's section"]
 Way: TypeAlias = Annotated[Direction, pl.Int8]
-Revenue: TypeAlias = Annotated[
-    bool, Figure(Phrase("passengers", "営業"), kind=Kind.WORD), "carries passengers"
-]
+Revenue: TypeAlias = Annotated[bool, Figure(phrase("passengers"), kind=Kind.WORD), "carries passengers"]
 
 
 def seconds(
-    en: str, ja: str, digits: int = 0, kind: Kind = Kind.NUMBER, seen: ShownIn = ShownIn.REPORT
+    name: str,
+    digits: int = 0,
+    kind: Kind = Kind.NUMBER,
+    seen: ShownIn = ShownIn.REPORT,
+    context: str = "",
 ) -> Figure:
-    """A time, s."""
-    return Figure(Phrase(en, ja), "s", digits, seen=seen, kind=kind)
+    """A time, s; like all names here by its English, with the context that it has in the catalogue."""
+    return Figure(phrase(name, context), "s", digits, seen=seen, kind=kind)
 
 
-def clock(en: str, ja: str, digits: int = 0, seen: ShownIn = ShownIn.REPORT) -> Figure:
+def clock(name: str, digits: int = 0, seen: ShownIn = ShownIn.REPORT, context: str = "") -> Figure:
     """A time of the day."""
-    return Figure(Phrase(en, ja), "", digits, seen=seen, kind=Kind.CLOCK)
+    return Figure(phrase(name, context), "", digits, seen=seen, kind=Kind.CLOCK)
 
 
 def kwh(
-    en: str, ja: str, seen: ShownIn = ShownIn.REPORT, digits: int = 2, kind: Kind = Kind.NUMBER
+    name: str,
+    seen: ShownIn = ShownIn.REPORT,
+    digits: int = 2,
+    kind: Kind = Kind.NUMBER,
+    context: str = "",
 ) -> Figure:
     """An energy, which adds up."""
-    return Figure(Phrase(en, ja), "kWh", digits, Adds.SUM, seen=seen, kind=kind)
+    return Figure(phrase(name, context), "kWh", digits, Adds.SUM, seen=seen, kind=kind)
 
 
-def said(en: str, ja: str, seen: ShownIn = ShownIn.REPORT) -> Figure:
+def said(name: str, seen: ShownIn = ShownIn.REPORT, context: str = "") -> Figure:
     """A text in both languages."""
-    return Figure(Phrase(en, ja), seen=seen, kind=Kind.SAID)
+    return Figure(phrase(name, context), seen=seen, kind=Kind.SAID)

@@ -10,23 +10,21 @@ from typing import Annotated, Final
 
 from study.record.columns import From, Revenue, To, Train, kwh
 from study.record.figure import Adds, Figure, Kind, ShownIn
-from study.wording.phrase import Phrase
+from study.wording.catalogue import phrase
 
 _EVERYWHERE: Final = ShownIn.SUMS | ShownIn.TOTALS_COMPARED | ShownIn.ROWS_COMPARED | ShownIn.ROWS_LISTED
 _FILES: Final = ShownIn.SUMS | ShownIn.TOTALS_COMPARED | ShownIn.ROWS_COMPARED
 _TOTALS: Final = ShownIn.SUMS | ShownIn.TOTALS_COMPARED
-LAW: Final = Figure(Phrase("driving law", "運転制御"), seen=ShownIn.REPORT, kind=Kind.TEXT)
+LAW: Final = Figure(phrase("driving law"), seen=ShownIn.REPORT, kind=Kind.TEXT)
 
 
-def _changes(en: str, ja: str, seen: ShownIn) -> Figure:
-    return Figure(
-        Phrase(f"{en} notch changes a hop", f"駅間あたり{ja}ノッチ変化"), "", 1, Adds.MEAN, seen=seen
-    )
+def _changes(name: str, seen: ShownIn) -> Figure:
+    return Figure(phrase(name), "", 1, Adds.MEAN, seen=seen)
 
 
-def _share(en: str, ja: str, over: str, seen: ShownIn = ShownIn.NOWHERE) -> Figure:
-    of, of_ja = ("of the time", "時間比") if over == "run_s" else ("of the way", "距離比")
-    return Figure(Phrase(f"{en}, {of}", f"{ja}（{of_ja}）"), "%", 1, Adds.WEIGHED_MEAN, over, seen)
+def _share(name: str, over: str, seen: ShownIn = ShownIn.NOWHERE) -> Figure:
+    of = phrase("{what}, of the time" if over == "run_s" else "{what}, of the way")
+    return Figure(of.of(what=phrase(name)), "%", 1, Adds.WEIGHED_MEAN, over, seen)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,42 +44,40 @@ class DrivenHop:
     begin_s: Annotated[float, "when it began to move"]
     run_s: Annotated[float, "moving"]
     distance_m: float
-    traction_kwh: Annotated[float, kwh("traction", "力行", ShownIn.SUMS)]
-    regenerated_kwh: Annotated[float, kwh("regenerated", "回生", ShownIn.SUMS)]
-    running_kwh: Annotated[float, kwh("traction less what came back", "力行−回生", _EVERYWHERE)]
-    power_changes: Annotated[int, _changes("power", "力行", _EVERYWHERE), "the first one too"]
-    brake_changes: Annotated[int, _changes("brake", "ブレーキ", _FILES), "the release at the start too"]
+    traction_kwh: Annotated[float, kwh("traction", ShownIn.SUMS)]
+    regenerated_kwh: Annotated[float, kwh("regenerated", ShownIn.SUMS)]
+    running_kwh: Annotated[float, kwh("traction less what came back", _EVERYWHERE)]
+    power_changes: Annotated[int, _changes("power notch changes a hop", _EVERYWHERE), "the first one too"]
+    brake_changes: Annotated[
+        int, _changes("brake notch changes a hop", _FILES), "the release at the start too"
+    ]
     jerk_max_mps3: Annotated[
         float,
-        Figure(Phrase("largest jerk", "加加速度の最大"), "m/s³", 2, Adds.LARGEST, seen=_TOTALS),
+        Figure(phrase("largest jerk"), "m/s³", 2, Adds.LARGEST, seen=_TOTALS),
         "of the true acceleration from step to step; the step that ends in a stand left out",
     ]
     jerk_rms_mps3: Annotated[
         float,
-        Figure(
-            Phrase("jerk, rms", "加加速度の実効値"), "m/s³", 3, Adds.WEIGHED_ROOT_MEAN_SQUARE, "run_s", _FILES
-        ),
+        Figure(phrase("jerk, rms"), "m/s³", 3, Adds.WEIGHED_ROOT_MEAN_SQUARE, "run_s", _FILES),
     ]
     jolt_mps2: Annotated[
         float,
-        Figure(Phrase("jolt at the stop", "停止時の衝動"), "m/s²", 2, Adds.LARGEST),
+        Figure(phrase("jolt at the stop"), "m/s²", 2, Adds.LARGEST),
         "deceleration in the last whole step before the stand",
     ]
-    coasting_time_percent: Annotated[float, _share("coasting", "惰行", "run_s", ShownIn.TOTALS_COMPARED)]
-    coasting_way_percent: Annotated[float, _share("coasting", "惰行", "distance_m", _EVERYWHERE)]
+    coasting_time_percent: Annotated[float, _share("coasting", "run_s", ShownIn.TOTALS_COMPARED)]
+    coasting_way_percent: Annotated[float, _share("coasting", "distance_m", _EVERYWHERE)]
     cruising_time_percent: Annotated[
-        float, _share("even speed under power", "定速力行", "run_s"), "within 0.1 m/s² of even speed"
+        float, _share("even speed under power", "run_s"), "within 0.1 m/s² of even speed"
     ]
-    cruising_way_percent: Annotated[
-        float, _share("even speed under power", "定速力行", "distance_m", _TOTALS)
-    ]
-    braking_time_percent: Annotated[float, _share("braking", "制動", "run_s")]
-    braking_way_percent: Annotated[float, _share("braking", "制動", "distance_m", _TOTALS)]
+    cruising_way_percent: Annotated[float, _share("even speed under power", "distance_m", _TOTALS)]
+    braking_time_percent: Annotated[float, _share("braking", "run_s")]
+    braking_way_percent: Annotated[float, _share("braking", "distance_m", _TOTALS)]
     late_s: Annotated[
-        float | None, Figure(Phrase("late", "遅れ"), "s", 1, seen=ShownIn.ROWS_COMPARED | ShownIn.ROWS_LISTED)
+        float | None, Figure(phrase("late"), "s", 1, seen=ShownIn.ROWS_COMPARED | ShownIn.ROWS_LISTED)
     ]
     stop_error_m: float | None
 
 
 # Of several hops together alone.
-EARLY: Final = Figure(Phrase("arrival before the time, mean", "平均早着"), "s", 1, kind=Kind.SIGNED)
+EARLY: Final = Figure(phrase("arrival before the time, mean"), "s", 1, kind=Kind.SIGNED)

@@ -11,7 +11,7 @@ from typing import Annotated, Final
 from simulation.result import EnergyPhase
 from study.record.columns import From, Revenue, Station, To, Train, Unit, clock, kwh, seconds
 from study.record.figure import Adds, Figure, Kind, ShownIn, figures_of, seen_in
-from study.wording.phrase import Phrase
+from study.wording.catalogue import phrase
 from vehicle.train_file import RegenerationReceiver
 
 _SUMS: Final = ShownIn.REPORT | ShownIn.SUMS
@@ -21,44 +21,42 @@ _FIRST: Final = _LISTED | ShownIn.LISTED_BY
 
 
 def _km(digits: int) -> Figure:
-    return Figure(Phrase("km", "キロ"), "", digits, Adds.SUM, seen=_FILES)
+    return Figure(phrase("km"), "", digits, Adds.SUM, seen=_FILES)
 
 
-def _part(en: str, ja: str) -> Figure:
-    return kwh(en, ja, ShownIn.PARTS)
+def _part(name: str) -> Figure:
+    return kwh(name, ShownIn.PARTS)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Taken:
     """What was drawn and given back."""
 
-    traction_kwh: Annotated[float, kwh("traction", "力行", _LISTED)]
-    auxiliary_kwh: Annotated[float, kwh("auxiliary", "補機", _FILES | ShownIn.PARTS)]
-    regenerated_kwh: Annotated[float, kwh("regenerated", "回生", _LISTED)]
-    net_kwh: Annotated[float, kwh("net", "正味", _FIRST), "traction and auxiliary, less what came back"]
+    traction_kwh: Annotated[float, kwh("traction", _LISTED)]
+    auxiliary_kwh: Annotated[float, kwh("auxiliary", _FILES | ShownIn.PARTS)]
+    regenerated_kwh: Annotated[float, kwh("regenerated", _LISTED)]
+    net_kwh: Annotated[float, kwh("net", _FIRST), "traction and auxiliary, less what came back"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Spent(Taken):
     """The same, and where it went."""
 
-    kinetic_kwh: Annotated[float, _part("change of motion", "運動エネルギー"), "of what turns too"]
-    resistance_kwh: Annotated[float, _part("running resistance", "走行抵抗"), "starting resistance too"]
-    gradient_kwh: Annotated[float, _part("gradients", "勾配"), "lifted; below 0 downhill"]
-    curve_kwh: Annotated[float, _part("curves", "曲線抵抗")]
-    friction_kwh: Annotated[float, _part("air brake", "空気ブレーキ")]
-    traction_loss_kwh: Annotated[
-        float, _part("losses pulling", "力行損失"), "motors and inverters that pull or coast"
-    ]
+    kinetic_kwh: Annotated[float, _part("change of motion"), "of what turns too"]
+    resistance_kwh: Annotated[float, _part("running resistance"), "starting resistance too"]
+    gradient_kwh: Annotated[float, _part("gradients"), "lifted; below 0 downhill"]
+    curve_kwh: Annotated[float, _part("curves")]
+    friction_kwh: Annotated[float, _part("air brake")]
+    traction_loss_kwh: Annotated[float, _part("losses pulling"), "motors and inverters that pull or coast"]
     regeneration_loss_kwh: Annotated[
-        float, _part("losses braking", "回生損失"), "motors and inverters that brake, and resistors"
+        float, _part("losses braking"), "motors and inverters that brake, and resistors"
     ]
     rejected_kwh: Annotated[
         float,
-        _part("of these not taken back", "うち回生失効"),
+        _part("of these not taken back"),
         "no part: not taken by battery or wire, burnt by resistors",
     ]
-    residual_kwh: Annotated[float, _part("left open", "残差"), "what the parts leave open"]
+    residual_kwh: Annotated[float, _part("left open"), "what the parts leave open"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,8 +77,8 @@ class _WhoAndWhere(_Who):
 class _Ran:
     cars: int
     distance_km: Annotated[float, _km(1)]
-    running_s: Annotated[float, seconds("running", "走行")]
-    standing_s: Annotated[float, seconds("standing", "停車")]
+    running_s: Annotated[float, seconds("running")]
+    standing_s: Annotated[float, seconds("standing")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +87,7 @@ class SpentByTrain(Spent, _Ran):
 
     standing_kwh: Annotated[
         float,
-        kwh("of it standing", "うち停車中", _SUMS),
+        kwh("of it standing", _SUMS),
         "of the auxiliary: at stops, before stop limits, in portals",
     ]
 
@@ -124,14 +122,10 @@ class HourOfEnergy(Taken, _WhenAndWho):
 class _Stay:
     unit: Unit
     station: Station
-    after_train: Annotated[
-        str | None, Figure(Phrase("after train", "前列車"), seen=ShownIn.REPORT, kind=Kind.TRAIN)
-    ]
-    before_train: Annotated[
-        str | None, Figure(Phrase("before train", "次列車"), seen=ShownIn.REPORT, kind=Kind.TRAIN)
-    ]
-    from_s: Annotated[float, clock("from", "開始")]
-    to_s: Annotated[float, clock("to", "終了")]
+    after_train: Annotated[str | None, Figure(phrase("after train"), seen=ShownIn.REPORT, kind=Kind.TRAIN)]
+    before_train: Annotated[str | None, Figure(phrase("before train"), seen=ShownIn.REPORT, kind=Kind.TRAIN)]
+    from_s: Annotated[float, clock("from")]
+    to_s: Annotated[float, clock("to")]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,6 +15,7 @@ from typing import Any, Final, TypeVar, get_args, get_type_hints
 
 import polars as pl
 
+from study.wording.catalogue import phrase, phrase_or_name
 from study.wording.phrase import Phrase
 
 Row = TypeVar("Row")
@@ -74,11 +75,13 @@ class Figure:
     @property
     def heading(self) -> Phrase:
         """Name and unit, as columns are headed."""
-        unit = _UNITS_JA.get(self.unit, self.unit)
-        return Phrase(f"{self.name.en}, {self.unit}", f"{self.name.ja} {unit}") if self.unit else self.name
+        return (
+            phrase("{what}, {unit}").of(what=self.name, unit=phrase_or_name(self.unit))
+            if self.unit
+            else self.name
+        )
 
 
-_UNITS_JA: Final = {"s": "秒"}
 _TYPES: Final[Mapping[object, type[pl.DataType]]] = {
     str: pl.String,
     bool: pl.Boolean,

@@ -7,7 +7,7 @@ from typing import Annotated, Final
 
 from study.record.columns import From, Revenue, To, Train, seconds
 from study.record.figure import Figure, Kind, ShownIn
-from study.wording.phrase import Phrase
+from study.wording.catalogue import phrase
 
 _FILES: Final = ShownIn.REPORT | ShownIn.ROWS_COMPARED
 
@@ -23,24 +23,24 @@ class HopMargin:
     to_station: To
     planned_s: Annotated[
         float,
-        seconds("planned", "計画", seen=_FILES),
+        seconds("planned", seen=_FILES),
         "from departure to the latest arrival that keeps arrival and next departure",
     ]
     least_s: Annotated[
-        float, seconds("least", "最小", 1, seen=_FILES), "least running time at the limits of the line"
+        float, seconds("least", 1, seen=_FILES), "least running time at the limits of the line"
     ]
     attainable_s: Annotated[
-        float, seconds("attainable", "到達可能", 1), "the same as far below the limits as trains are driven"
+        float, seconds("attainable", 1), "the same as far below the limits as trains are driven"
     ]
     margin_s: Annotated[
-        float, seconds("margin", "余裕", 1, Kind.SIGNED, _FILES | ShownIn.ROWS_LISTED), "planned less least"
+        float, seconds("margin", 1, Kind.SIGNED, _FILES | ShownIn.ROWS_LISTED), "planned less least"
     ]
     margin_percent: Annotated[
-        float | None, Figure(Phrase("margin", "余裕"), "%", kind=Kind.SIGNED), "of the least running time"
+        float | None, Figure(phrase("margin"), "%", kind=Kind.SIGNED), "of the least running time"
     ]
-    run_s: Annotated[float | None, seconds("run", "走行", 1, seen=_FILES)]
+    run_s: Annotated[float | None, seconds("run", 1, seen=_FILES)]
     left_s: Annotated[
         float | None,
-        seconds("left", "残り", 1, Kind.SIGNED, _FILES | ShownIn.ROWS_LISTED),
+        seconds("left", 1, Kind.SIGNED, _FILES | ShownIn.ROWS_LISTED),
         "from the true arrival to that latest one",
     ]

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from study.wording.phrase import Phrase
+
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """One line of the headline, in English and in Japanese; `bad` is set in red."""
+    """One line of the headline; `bad` is set in red."""
 
-    name: str
-    value: str
+    name: Phrase
+    value: Phrase
     bad: bool = False
-    name_ja: str = ""
-    value_ja: str = ""
 
 
 @dataclass(frozen=True, slots=True)

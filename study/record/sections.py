@@ -7,9 +7,9 @@ from typing import Annotated
 
 from study.record.columns import Train, Unit, Way, clock
 from study.record.figure import Figure, Kind, ShownIn
-from study.wording.phrase import Phrase
+from study.wording.catalogue import phrase
 
-_SECTION = Figure(Phrase("section", "区間"), seen=ShownIn.REPORT, kind=Kind.TEXT)
+_SECTION = Figure(phrase("section"), seen=ShownIn.REPORT, kind=Kind.TEXT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,10 +20,10 @@ class SectionHeld:
     unit: Unit
     train: Train
     token: int
-    granted_s: Annotated[float, clock("granted", "確保")]
-    released_s: Annotated[float | None, clock("released", "解放")]
-    entered_s: Annotated[float | None, clock("entered", "進入")]
-    cleared_s: Annotated[float | None, clock("cleared", "進出")]
+    granted_s: Annotated[float, clock("granted")]
+    released_s: Annotated[float | None, clock("released")]
+    entered_s: Annotated[float | None, clock("entered")]
+    cleared_s: Annotated[float | None, clock("cleared")]
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,18 +11,18 @@ from study.record.columns import TRAIN, UNIT
 from study.record.figure import Figure, Kind, ShownIn, figures_of, seen_in
 from study.report.data import ReportedRun
 from study.report.tabular import Table, table_of
-from study.wording.phrase import Phrase
+from study.wording.catalogue import phrase
 
 _OF_A_SET: Final = {
     "unit": UNIT,
-    "soc_first": Figure(Phrase("charge at first", "始め"), "%", 1),
-    "soc_lowest": Figure(Phrase("lowest", "最低"), "%", 1),
-    "lowest_at_s": Figure(Phrase("when", "時刻"), kind=Kind.CLOCK),
-    "lowest_train": replace(TRAIN, name=Phrase("train then", "その列車")),
+    "soc_first": Figure(phrase("charge at first"), "%", 1),
+    "soc_lowest": Figure(phrase("lowest"), "%", 1),
+    "lowest_at_s": Figure(phrase("when"), kind=Kind.CLOCK),
+    "lowest_train": replace(TRAIN, name=phrase("train then")),
     "margin_kwh": figures_of(ChargeTaken)["margin_kwh"],
-    "soc_last": Figure(Phrase("at last", "終り"), "%", 1),
+    "soc_last": Figure(phrase("at last"), "%", 1),
     **seen_in(BatteryMoment, ShownIn.REPORT),
-    "unbalanced_percent": Figure(Phrase("unbalanced", "収支の差"), "%", 4),
+    "unbalanced_percent": Figure(phrase("unbalanced"), "%", 4),
 }
 
 
@@ -38,6 +38,6 @@ def battery_tables(run: ReportedRun, facts: Mapping[str, Any]) -> tuple[Table, .
     ]
     charges = [{**row, "station": row["station"] or None} for row in run.tables.charges.iter_rows(named=True)]
     return (
-        table_of("battery_sets", rows, _OF_A_SET),
-        table_of("charges", charges, seen_in(ChargeTaken, ShownIn.REPORT)),
+        table_of("battery_sets", phrase("Batteries by set"), rows, _OF_A_SET),
+        table_of("charges", phrase("Charges"), charges, seen_in(ChargeTaken, ShownIn.REPORT)),
     )

@@ -13,7 +13,10 @@ from functools import cache
 from importlib.resources import files
 from typing import Final
 
+from study.wording.catalogue import phrases_of
+
 PREFIX: Final = "branchline/"
+PAGE_CONTEXTS: Final = ("", "call", "short")
 _IMPORT: Final = re.compile(r"""(\bfrom\s+|\bimport\s+)(["'])\./([\w-]+\.js)\2""")
 
 
@@ -28,6 +31,18 @@ def modules() -> dict[str, str]:
 def style_sheet() -> str:
     """The page's style sheet."""
     return (files("study") / "report" / "web" / "report.css").read_text("utf-8")
+
+
+@cache
+def words_of_the_page() -> dict[str, str]:
+    """The catalogue's Japanese for what the modules say, by English, with the context as gettext joins them."""
+    text = "".join(modules().values())
+    return {
+        f"{context}\u0004{english}" if context else english: said.ja
+        for context in PAGE_CONTEXTS
+        for english, said in phrases_of(context).items()
+        if json.dumps(english, ensure_ascii=False) in text
+    }
 
 
 def import_map() -> str:

@@ -10,6 +10,7 @@ from study.record.driving import EARLY, LAW, DrivenHop
 from study.record.figure import Adds, Figure, ShownIn, rows_in, seen_in
 from study.report.data import ReportedRun
 from study.report.tabular import Table, table_of
+from study.wording.catalogue import phrase
 
 FIGURES: Final[dict[str, Figure]] = {**seen_in(DrivenHop, ShownIn.SUMS), "early_s": EARLY}
 COLUMNS: Final = {"from_station": FROM, "to_station": TO, "law": LAW, "trains": TRAINS, **FIGURES}
@@ -29,7 +30,14 @@ def driving_tables(run: ReportedRun) -> tuple[Table, ...]:
         return -direction, direction * order.get(hops[0].from_station, -direction * float("inf"))
 
     rows = [_row(hops) for hops in sorted(together.values(), key=place)]
-    return (table_of("driving", rows, COLUMNS),)
+    return (
+        table_of(
+            "driving",
+            phrase("Driving by hop, means over the trains; energy is traction less what came back"),
+            rows,
+            COLUMNS,
+        ),
+    )
 
 
 def _row(hops: list[DrivenHop]) -> dict[str, Any]:

@@ -8,23 +8,30 @@ from typing import Any, Final
 
 import polars as pl
 
-from study.record.columns import FROM, TO, TRAIN, TRAINS
+from study.record.columns import FROM, TO, TRAIN, TRAINS, said
 from study.record.energy import PARTS, TAKEN, LayoverEnergy, LegEnergy, Taken, TrainEnergy
 from study.record.figure import Figure, Kind, ShownIn, figures_of, seen_in
 from study.record.told import ComparedFigure
 from study.report.data import ReportedRun
 from study.report.tabular import Column, Table, table_of
 from study.wording import opinions as words
+from study.wording.catalogue import phrase
 from study.wording.phrase import Phrase
 from vehicle.train_file import RegenerationReceiver
 
-RECEIVER_WORDS: Final[Mapping[str, str]] = {
-    RegenerationReceiver.BATTERY.value: "to_battery",
-    RegenerationReceiver.OTHER_TRAINS.value: "to_other_trains",
-    RegenerationReceiver.SUBSTATION.value: "to_substation",
-    RegenerationReceiver.RESISTORS.value: "to_resistors",
+RECEIVERS: Final[Mapping[str, Phrase]] = {
+    RegenerationReceiver.BATTERY.value: phrase("the train's own battery"),
+    RegenerationReceiver.OTHER_TRAINS.value: phrase("other trains on the wire (assumed: all of it)"),
+    RegenerationReceiver.SUBSTATION.value: phrase("the substation"),
+    RegenerationReceiver.RESISTORS.value: phrase("resistors, from which nothing comes back"),
 }
-NET_PER_KM: Final = Figure(Phrase("net per train-km", "正味/列車キロ"), digits=2)
+PHASES: Final[Mapping[str, Phrase]] = {
+    "running": phrase("trains, running"),
+    "standing": phrase("trains, standing"),
+    "layovers": phrase("layovers"),
+    "all": phrase("all"),
+}
+NET_PER_KM: Final = Figure(phrase("net per train-km"), digits=2)
 _KWH: Final = Figure(Phrase("kWh"), digits=1)
 _ENDS: Final = {"from_station": FROM, "to_station": TO, "trains": TRAINS}
 
@@ -40,8 +47,18 @@ def energy_tables(run: ReportedRun, facts: Mapping[str, Any]) -> tuple[Table, ..
         *_by_hour(run),
         _by_leg(run),
         _parts_by_leg(run),
-        table_of("energy_legs", run.tables.energy_legs.to_dicts(), seen_in(LegEnergy, ShownIn.REPORT)),
-        table_of("layovers", run.tables.layovers.to_dicts(), seen_in(LayoverEnergy, ShownIn.REPORT)),
+        table_of(
+            "energy_legs",
+            phrase("Energy of each train by leg"),
+            run.tables.energy_legs.to_dicts(),
+            seen_in(LegEnergy, ShownIn.REPORT),
+        ),
+        table_of(
+            "layovers",
+            phrase("Layovers"),
+            run.tables.layovers.to_dicts(),
+            seen_in(LayoverEnergy, ShownIn.REPORT),
+        ),
         *_opinion(facts),
     )
 
@@ -63,57 +80,60 @@ def _by_train(run: ReportedRun) -> Table:
         "net_per_km": NET_PER_KM,
         "revenue": revenue,
     }
-    return table_of("energy_trains", sorted(rows, key=lambda row: order.get(row["train"], len(order))), shown)
+    return table_of(
+        "energy_trains",
+        phrase("Energy of each train"),
+        sorted(rows, key=lambda row: order.get(row["train"], len(order))),
+        shown,
+    )
 
 
 def _sums(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     energy = facts["energy"]
-    phases = ("running", "standing", "layovers", "all")
     sums = Table(
         "energy_sums",
+        phrase("Energy of the day"),
         (
-            Column("phase", _word("phase", "区分"), [f"phase_{name}" for name in phases]),
+            Column("phase", said("phase"), [phase.both for phase in PHASES.values()]),
             *(
                 Column(
                     name,
                     replace(figure, digits=1),
-                    [energy[phase][name.removesuffix("_kwh")] for phase in phases],
+                    [energy[phase][name.removesuffix("_kwh")] for phase in PHASES],
                 )
                 for name, figure in figures_of(Taken).items()
             ),
         ),
     )
     per = [
-        (unit, energy[km], energy[key]["trains"], energy[key]["all"])
+        (phrase(unit).both, energy[km], energy[key]["trains"], energy[key]["all"])
         for unit, km, key in (
-            ("per_train_km", "train_km", "net_kwh_per_train_km"),
-            ("per_car_km", "car_km", "net_kwh_per_car_km"),
+            ("train-km", "train_km", "net_kwh_per_train_km"),
+            ("car-km", "car_km", "net_kwh_per_car_km"),
         )
         if energy[key]["all"] is not None
     ]
     headings = (
-        ("per", _word("per", "当たり")),
+        ("per", said("per")),
         ("km", Figure(Phrase("km"), digits=1)),
-        ("net_trains", Figure(Phrase("net kWh, trains", "正味 kWh（列車）"), digits=2)),
-        ("net_all", Figure(Phrase("with layovers", "折返し含む"), digits=2)),
+        ("net_trains", Figure(phrase("net kWh, trains"), digits=2)),
+        ("net_all", Figure(phrase("with layovers"), digits=2)),
     )
     per_km = Table(
         "energy_per_km",
+        phrase("Net energy per km"),
         tuple(Column(name, figure, [row[i] for row in per]) for i, (name, figure) in enumerate(headings)),
     )
     taken = energy["regenerated_to"]
     takes = Table(
         "energy_taken",
+        phrase("Regenerated energy is taken by"),
         (
-            Column("taken_by", _word("taken by", "行先"), [RECEIVER_WORDS[receiver] for receiver in taken]),
+            Column("taken_by", said("taken by"), [RECEIVERS[receiver].both for receiver in taken]),
             Column("kwh", _KWH, list(taken.values())),
         ),
     )
     return sums, per_km, takes
-
-
-def _word(en: str, ja: str) -> Figure:
-    return Figure(Phrase(en, ja), kind=Kind.WORD)
 
 
 def _parts(facts: Mapping[str, Any]) -> Table:
@@ -124,15 +144,15 @@ def _parts(facts: Mapping[str, Any]) -> Table:
         name: energy["parts"][name.removesuffix("_kwh")] for name in PARTS
     }
     share = [100.0 * kwh / whole["net"] if whole["net"] > 0.0 else None for kwh in rows.values()]
-    said = Figure(Phrase("part", "内訳"), kind=Kind.SAID)
     return Table(
         "energy_parts",
+        phrase("Where the net energy went"),
         (
-            Column("part", said, [figures[name].heading.both for name in rows]),
+            Column("part", said("part"), [figures[name].heading.both for name in rows]),
             Column("kwh", _KWH, list(rows.values())),
             Column(
                 "percent_of_net",
-                Figure(Phrase("% of net", "正味比 %"), digits=1, kind=Kind.SIGNED),
+                Figure(phrase("% of net"), digits=1, kind=Kind.SIGNED),
                 share,
             ),
         ),
@@ -149,21 +169,23 @@ def _by_hour(run: ReportedRun) -> tuple[Table, ...]:
     )
     if hours.is_empty():
         return ()
-    shown = {"hour": Figure(Phrase("h", "時")), **figures_of(Taken)}
-    return (table_of("energy_hours", hours.to_dicts(), shown),)
+    shown = {"hour": Figure(phrase("h", "short")), **figures_of(Taken)}
+    return (table_of("energy_hours", phrase("Energy by hour"), hours.to_dicts(), shown),)
 
 
 def _by_leg(run: ReportedRun) -> Table:
     """A row a leg, DOWN before UP, along the line."""
     shown = {**_ENDS, **seen_in(LegEnergy, ShownIn.SUMS), "net_per_km": NET_PER_KM}
-    return table_of("energy_by_leg", _summed_by_leg(run), shown)
+    return table_of("energy_by_leg", phrase("Energy by leg, all trains"), _summed_by_leg(run), shown)
 
 
 def _parts_by_leg(run: ReportedRun) -> Table:
     """Where the energy of each leg went, a train on average: what driving and timetable can change stands out."""
     kwh = {**seen_in(LegEnergy, ShownIn.PARTS), "net_kwh": figures_of(LegEnergy)["net_kwh"]}
     rows = [{**row, **{name: row[name] / row["trains"] for name in kwh}} for row in _summed_by_leg(run)]
-    return table_of("energy_parts_by_leg", rows, {**_ENDS, **kwh})
+    return table_of(
+        "energy_parts_by_leg", phrase("Where it went by leg, a train on average"), rows, {**_ENDS, **kwh}
+    )
 
 
 def _summed_by_leg(run: ReportedRun) -> list[dict[str, Any]]:
@@ -194,13 +216,14 @@ def _opinion(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     if not compared:
         return ()
     figures = seen_in(ComparedFigure, ShownIn.REPORT)
-    said = [name for name, figure in figures.items() if figure.kind is Kind.SAID]
+    texts = [name for name, figure in figures.items() if figure.kind is Kind.SAID]
     return (
         table_of(
             "opinion",
-            [row | {name: words.opinion(row[name]).both for name in said} for row in compared],
+            phrase("A second opinion on energy"),
+            [row | {name: words.opinion(row[name]).both for name in texts} for row in compared],
             figures,
-            tuple((said.en, said.in_("ja")) for said in meanings(compared)),
+            meanings(compared),
         ),
     )
 

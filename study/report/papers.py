@@ -22,11 +22,13 @@ from study.record.sections import SectionHeld
 from study.record.shown import LearnedTrain
 from study.record.told import EventTold, TelegramsOfWay
 from study.report.battery import battery_tables
-from study.report.data import ReportedRun, place_name
+from study.report.data import ReportedRun, place_said
 from study.report.driving import driving_tables
 from study.report.energy import energy_tables
 from study.report.tabular import Column, Table, table_of
 from study.report.tasc import KMHPS_PER_MPS2
+from study.wording.catalogue import phrase, phrase_or_name
+from study.wording.outcome import MET, NOT_MET
 from study.wording.parties import party
 from study.wording.phrase import NOTHING, Phrase
 from study.wording.telegrams import telegram
@@ -61,45 +63,52 @@ _OCCUPATION: Final = {
     "station": STATION,
     "track": TRACK,
     "train": TRAIN,
-    "next_train": replace(TRAIN, name=Phrase("goes on as", "次列車")),
+    "next_train": replace(TRAIN, name=phrase("goes on as")),
     "unit": UNIT,
     "kind": CALL,
-    "planned_from_s": clock("planned from", "計画 着", 1),
-    "planned_to_s": clock("planned to", "計画 発", 1),
-    "from_s": clock("from", "開始", 1),
-    "to_s": clock("to", "終了", 1),
+    "planned_from_s": clock("planned from", 1),
+    "planned_to_s": clock("planned to", 1),
+    "from_s": clock("from", 1),
+    "to_s": clock("to", 1),
 }
 
 
 def _occupation(run: ReportedRun) -> Table:
     """Stays at the tracks of the stations, planned and as run."""
     stays = track_occupation(run.tables.stops, run.line, run.timetable)
-    return table_of("occupation", stays.to_dicts(), _OCCUPATION)
+    return table_of("occupation", phrase("Every stay at a track"), stays.to_dicts(), _OCCUPATION)
 
 
 _PUNCTUALITY: Final = {
     "station": STATION,
-    "what": Figure(Phrase("what", "着発・内容"), kind=Kind.WORD),
-    "planned": Figure(Phrase("planned", "計画本数")),
-    "came": Figure(Phrase("came", "実績本数")),
-    "on_time_percent": Figure(Phrase("less than 1 min late", "遅れ1分未満"), "%", 1),
-    "mean_s": Figure(Phrase("mean, s after plan", "平均遅れ 秒"), digits=1, kind=Kind.SIGNED),
-    "sigma_s": seconds("σ", "標準偏差", 1),
-    "p95_s": seconds("95 %", "95%", 1, Kind.SIGNED),
-    "worst_s": seconds("worst", "最大", 1, Kind.SIGNED),
-    "worst_train": replace(TRAIN, name=Phrase("of train", "列車")),
-    "plan_in": Figure(Phrase("plan in", "計画の単位"), kind=Kind.WORD),
+    "what": said("what"),
+    "planned": Figure(phrase("planned", "count")),
+    "came": Figure(phrase("came")),
+    "on_time_percent": Figure(phrase("less than 1 min late"), "%", 1),
+    "mean_s": Figure(phrase("mean, s after plan"), digits=1, kind=Kind.SIGNED),
+    "sigma_s": seconds("σ", 1),
+    "p95_s": seconds("95 %", 1, Kind.SIGNED),
+    "worst_s": seconds("worst", 1, Kind.SIGNED),
+    "worst_train": replace(TRAIN, name=phrase("of train")),
+    "plan_in": said("plan in"),
 }
+
+
+_OF_CALLS: Final = {"arrival": phrase("arrivals"), "departure": phrase("departures")}
 
 
 def _punctuality(run: ReportedRun) -> Table:
     """Arrivals and departures of each station against the plan."""
-    rows = punctuality(planned_times(run.tables.stops, run.timetable), run.line).with_columns(
-        (100.0 * pl.col("on_time_share")).alias("on_time_percent"),
-        ("what_" + pl.col("what")).alias("what"),
-        pl.when("whole_minutes").then(pl.lit("minutes")).otherwise(pl.lit("seconds_too")).alias("plan_in"),
-    )
-    return table_of("punctuality", rows.to_dicts(), _PUNCTUALITY)
+    rows = [
+        row
+        | {
+            "on_time_percent": 100.0 * row["on_time_share"],
+            "what": _OF_CALLS[row["what"]].both,
+            "plan_in": phrase("whole minutes" if row["whole_minutes"] else "seconds too").both,
+        }
+        for row in punctuality(planned_times(run.tables.stops, run.timetable), run.line).iter_rows(named=True)
+    ]
+    return table_of("punctuality", phrase("Punctuality by station"), rows, _PUNCTUALITY)
 
 
 def _drill(drill: DrillShown) -> tuple[Table, ...]:
@@ -109,32 +118,35 @@ def _drill(drill: DrillShown) -> tuple[Table, ...]:
     def named(marks: Sequence[Mark]) -> tuple[Column, Column]:
         return (
             Column("mark", Figure(NOTHING, kind=Kind.TEXT), [mark.label for mark in marks]),
-            Column("what", said("what", "着発・内容"), [mark.said.both for mark in marks]),
+            Column("what", said("what", context="drill"), [mark.said.both for mark in marks]),
         )
 
     over = [["–", "–"] if mark.kind is MarkKind.ACT else mark.became.both for mark in items]
-    verdict = Figure(Phrase("verdict", "判定"), kind=Kind.WORD)
-    verdicts = Column("verdict", verdict, ["met" if mark.passed else "not_met" for mark in judged])
-    happened = Column("happened", said("what happened", "経過"), [mark.became.both for mark in judged])
+    verdicts = Column("verdict", said("verdict"), [(MET if mark.passed else NOT_MET).both for mark in judged])
+    happened = Column("happened", said("what happened"), [mark.became.both for mark in judged])
     found = [
         Table(
             "expectations",
+            phrase("Expectations"),
             (*named(judged), verdicts, happened),
-            ((drill.score, drill.score_ja or drill.score),),
+            (Phrase(drill.score, drill.score_ja),),
         )
     ]
     if items:
-        begun = Column("begun", clock("begun", "開始"), [mark.from_s for mark in items])
+        begun = Column("begun", clock("begun"), [mark.from_s for mark in items])
         found.insert(
-            0, Table("drill_items", (*named(items), begun, Column("over", said("over", "終了"), over)))
+            0,
+            Table(
+                "drill_items",
+                phrase("Faults and acts"),
+                (*named(items), begun, Column("over", said("over"), over)),
+            ),
         )
     return tuple(found)
 
 
-_CHANGE: Final = {
-    key: Figure(Phrase(key, ja), kind=Kind.TEXT)
-    for key, ja in (("file", "ファイル"), ("key", "キー"), ("old", "旧"), ("new", "新"))
-}
+_MORE_IN: Final = phrase("and {count} more in {file}")
+_CHANGE: Final = {key: Figure(phrase(key), kind=Kind.TEXT) for key in ("file", "key", "old", "new")}
 
 
 def _changes(changes: Sequence[Mapping[str, Any]]) -> tuple[Table, ...]:
@@ -143,7 +155,7 @@ def _changes(changes: Sequence[Mapping[str, Any]]) -> tuple[Table, ...]:
         return ()
     shown = changes[:CHANGES_SHOWN]
     rest = len(changes) - len(shown)
-    notes = ((f"and {rest:,} more in summary.json", f"ほか {rest:,} 件は summary.json にある"),)
+    notes = (_MORE_IN.of(count=f"{rest:,}", file="summary.json"),)
     written = [
         {
             **{key: str(change[key]) for key in ("file", "key")},
@@ -151,7 +163,7 @@ def _changes(changes: Sequence[Mapping[str, Any]]) -> tuple[Table, ...]:
         }
         for change in shown
     ]
-    return (table_of("changes", written, _CHANGE, notes if rest else ()),)
+    return (table_of("changes", phrase("What was changed"), written, _CHANGE, notes if rest else ()),)
 
 
 def _value(value: object) -> str:
@@ -159,25 +171,25 @@ def _value(value: object) -> str:
     return "–" if value is None else json.dumps(value, ensure_ascii=False)
 
 
-def _between(name: str, which: str, which_ja: str) -> Figure:
-    """The least or the most of a time of several trains."""
-    figure = _MARGIN[name]
-    return Figure(Phrase(f"{figure.heading.en}, {which}", f"{figure.name.ja} {which_ja} 秒"))
+def _between(name: str, form: str) -> Figure:
+    """The least or the most of a time of several trains, s."""
+    return Figure(phrase(form).of(time=_MARGIN[name].name), "s")
 
 
+_LEAST, _MOST = "{time}, least", "{time}, most"
 _MARGIN: Final = figures_of(HopMargin)
 _OF_A_HOP: Final = {
     "from_station": FROM,
     "to_station": TO,
     "trains": TRAINS,
-    "planned_least_s": _between("planned_s", "least", "最短"),
-    "planned_most_s": _between("planned_s", "most", "最長"),
+    "planned_least_s": _between("planned_s", _LEAST),
+    "planned_most_s": _between("planned_s", _MOST),
     **{
         name: replace(_MARGIN[name], digits=0)
         for name in ("least_s", "attainable_s", "margin_s", "margin_percent", "train")
     },
-    "run_from_s": _between("run_s", "least", "最短"),
-    "run_to_s": _between("run_s", "most", "最長"),
+    "run_from_s": _between("run_s", _LEAST),
+    "run_to_s": _between("run_s", _MOST),
     "left_s": replace(_MARGIN["left_s"], digits=0),
 }
 
@@ -206,27 +218,28 @@ def _margins(run: ReportedRun) -> tuple[Table, ...]:
         rows.append(((-int(direction), direction * order[str(from_id)]), cells))
     by_hop = [cells for _, cells in sorted(rows, key=lambda row: row[0])]
     return (
-        table_of("margins", by_hop, _OF_A_HOP, _cannot_be_kept(run, margins)),
-        table_of("legs", margins.to_dicts(), seen_in(HopMargin, ShownIn.REPORT)),
+        table_of("margins", phrase("Margins by hop"), by_hop, _OF_A_HOP, _cannot_be_kept(run, margins)),
+        table_of(
+            "legs", phrase("Margins of each train"), margins.to_dicts(), seen_in(HopMargin, ShownIn.REPORT)
+        ),
     )
 
 
-def _cannot_be_kept(run: ReportedRun, margins: pl.DataFrame) -> tuple[tuple[str, str], ...]:
+def _cannot_be_kept(run: ReportedRun, margins: pl.DataFrame) -> tuple[Phrase, ...]:
     """A sentence for each hop that is planned faster than a train can run it."""
-    found: list[tuple[str, str]] = []
-    for row in margins.filter(pl.col("margin_s") < 0.0).iter_rows(named=True):
-        ends = [
-            " – ".join(place_name(run, row[f"{end}_station"], japanese=japanese) for end in ("from", "to"))
-            for japanese in (False, True)
-        ]
-        planned, least = f"{row['planned_s']:.0f}", f"{row['least_s']:.0f}"
-        found.append(
-            (
-                f"The plan cannot be kept: {row['train']} {ends[0]}, {planned} s planned, at least {least} s needed.",
-                f"計画どおりには走れない：{row['train']} {ends[1]}、計画 {planned} 秒、最小 {least} 秒",
-            )
+    return tuple(
+        phrase(
+            "The plan cannot be kept: {train} {here} – {there}, {planned_s:.0f} s planned,"
+            " at least {least_s:.0f} s needed."
+        ).of(
+            train=row["train"],
+            here=place_said(run, row["from_station"]),
+            there=place_said(run, row["to_station"]),
+            planned_s=row["planned_s"],
+            least_s=row["least_s"],
         )
-    return tuple(found)
+        for row in margins.filter(pl.col("margin_s") < 0.0).iter_rows(named=True)
+    )
 
 
 def _learned(tuned: Mapping[str, LearnedTrain]) -> tuple[Table, ...]:
@@ -244,16 +257,21 @@ def _learned(tuned: Mapping[str, LearnedTrain]) -> tuple[Table, ...]:
         }
         for unit, one in sorted(tuned.items())
     ]
-    return (table_of("learned", rows, _LEARNED),)
+    return (table_of("learned", phrase("Learned"), rows, _LEARNED),)
 
 
 _LEARNED: Final = {
     "unit": UNIT,
-    "stops_counted": Figure(Phrase("stops counted", "採用した停止")),
-    "left_out": Figure(Phrase("left out", "除外")),
-    "dead_time_designed": seconds("dead time designed", "設計むだ時間", 1),
-    "dead_time_learned": seconds("learned", "学習値", 1),
-    "offset_learned": Figure(Phrase("offset learned", "学習補正"), "km/h/s", 1, kind=Kind.SIGNED),
+    "stops_counted": Figure(phrase("stops counted")),
+    "left_out": Figure(phrase("left out")),
+    "dead_time_designed": seconds("dead time designed", 1),
+    "dead_time_learned": seconds("learned", 1, context="value"),
+    "offset_learned": Figure(phrase("offset learned"), "km/h/s", 1, kind=Kind.SIGNED),
+}
+_TELEGRAMS_BY: Final = {
+    "kind": phrase("Telegrams by kind"),
+    "source": phrase("Telegrams by sender"),
+    "destination": phrase("Telegrams by receiver"),
 }
 _TELEGRAM_NAMES: Final = {"kind": telegram, "source": party, "destination": party}
 
@@ -265,7 +283,7 @@ def _telegrams(telegrams: pl.DataFrame) -> tuple[Table, ...]:
     for key, named in _TELEGRAM_NAMES.items():
         sums = telegrams.group_by(key).agg(pl.col(*counts).sum()).sort(key)
         rows = [row | {key: named(row[key]).both} for row in sums.iter_rows(named=True)]
-        found.append(table_of(f"telegrams_{key}", rows, {key: figures[key], **counts}))
+        found.append(table_of(f"telegrams_{key}", _TELEGRAMS_BY[key], rows, {key: figures[key], **counts}))
     return tuple(found)
 
 
@@ -278,11 +296,12 @@ def _refusals_once(events: pl.DataFrame) -> pl.DataFrame:
     one = [*again, "kind", "spell"]
     first = spells.with_columns(pl.len().over(one).alias("times")).filter(~(refused & soon))
     many = refused & (pl.col("times") > 1)
+    repeated = phrase("{} (× {})")
     texts = [
         pl.when(many & (pl.col(name) != ""))
         .then(pl.format(form, pl.col(name), pl.col("times")))
         .otherwise(name)
-        for name, form in (("text", "{} (× {})"), ("text_ja", "{}（{} 回）"))
+        for name, form in (("text", repeated.en), ("text_ja", repeated.ja))
     ]
     return first.with_columns(*texts).select(events.columns)
 
@@ -297,48 +316,62 @@ def _events(events: pl.DataFrame) -> Table:
         keep = ~lesser | (lesser.cum_sum() <= room)
         shown = known.filter(keep).head(EVENTS_SHOWN_MAX)
     rest = len(known) - len(shown)
-    notes = ((f"and {rest:,} more in events.parquet", f"ほか {rest:,} 件は events.parquet にある"),)
+    notes = (_MORE_IN.of(count=f"{rest:,}", file="events.parquet"),)
     rows = [
         {
             "t_s": row["t_s"],
             "source": party(row["source"]).both,
-            "kind": f"event_{row['kind']}",
+            "kind": phrase_or_name(row["kind"], "event kind").both,
             "text": [row["text"], row["text_ja"] or row["text"]],
         }
         for row in shown.iter_rows(named=True)
     ]
-    return table_of("events", rows, seen_in(EventTold, ShownIn.REPORT), notes if rest else ())
+    return table_of(
+        "events", phrase("Events"), rows, seen_in(EventTold, ShownIn.REPORT), notes if rest else ()
+    )
 
 
 _CALLS: Final = figures_of(CallAsRun)
 _OF_A_CALL: Final = ("planned_arrival_s", "arrival_s", "planned_departure_s", "departure_s", "stop_error_m")
 # Tables whose rows the page has already, of what it draws.
-ROWS_OF_THE_PAGE: Final[Mapping[str, Mapping[str, Figure]]] = {
-    "trains": {
-        "train": TRAIN,
-        "unit": UNIT,
-        "direction": Figure(Phrase("direction", "方向"), kind=Kind.WORD),
-        "revenue": _CALLS["revenue"],
-        "from": replace(STATION, name=Phrase("from", "始発")),
-        "to": replace(STATION, name=Phrase("to", "終着")),
-        **{
-            name: _CALLS[name]
-            for name in ("planned_departure_s", "departure_s", "planned_arrival_s", "arrival_s")
+ROWS_OF_THE_PAGE: Final[Mapping[str, tuple[Phrase, Mapping[str, Figure]]]] = {
+    "trains": (
+        phrase("Plan and run of every train"),
+        {
+            "train": TRAIN,
+            "unit": UNIT,
+            "direction": Figure(phrase("direction"), kind=Kind.WORD),
+            "revenue": _CALLS["revenue"],
+            "from": replace(STATION, name=phrase("from", "journey")),
+            "to": replace(STATION, name=phrase("to", "journey")),
+            **{
+                name: _CALLS[name]
+                for name in ("planned_departure_s", "departure_s", "planned_arrival_s", "arrival_s")
+            },
+            "late_s": seconds("late", 0, Kind.SIGNED),
+            "run": Figure(phrase("Run"), kind=Kind.WORD),
         },
-        "late_s": seconds("late", "遅れ", 0, Kind.SIGNED),
-        "run": Figure(Phrase("Run", "走行"), kind=Kind.WORD),
-    },
-    "calls": {"train": TRAIN, **{name: _CALLS[name] for name in ("station", "track", "kind", *_OF_A_CALL)}},
-    "errors": {
-        "train": TRAIN,
-        "unit": UNIT,
-        **{name: _CALLS[name] for name in ("station", "arrival_s", "stop_error_m")},
-    },
-    "blocks": seen_in(SectionHeld, ShownIn.REPORT),
-    "waits": {
-        "unit": UNIT,
-        "from_s": clock("from", "開始"),
-        "until": clock("until", "まで"),
-        "why": Figure(Phrase("why", "理由"), kind=Kind.SAID),
-    },
+    ),
+    "calls": (
+        phrase("Every call"),
+        {"train": TRAIN, **{name: _CALLS[name] for name in ("station", "track", "kind", *_OF_A_CALL)}},
+    ),
+    "errors": (
+        phrase("Stop errors of every stop"),
+        {
+            "train": TRAIN,
+            "unit": UNIT,
+            **{name: _CALLS[name] for name in ("station", "arrival_s", "stop_error_m")},
+        },
+    ),
+    "blocks": (phrase("Every grant"), seen_in(SectionHeld, ShownIn.REPORT)),
+    "waits": (
+        phrase("Waits"),
+        {
+            "unit": UNIT,
+            "from_s": clock("from"),
+            "until": clock("until"),
+            "why": Figure(phrase("why"), kind=Kind.SAID),
+        },
+    ),
 }

@@ -16,6 +16,7 @@ from study.record.parts import PagePart
 from study.record.shown import LearnedTrain
 from study.record.wait import Cause, Wait
 from study.report.beside import Beside
+from study.report.bundle import words_of_the_page
 from study.report.courses import (
     Fineness,
     bare_courses_shown,
@@ -32,6 +33,7 @@ from study.report.papers import ROWS_OF_THE_PAGE, tables_shown
 from study.report.stairway import stairway_shown
 from study.report.tabular import headed
 from study.report.tasc import KMHPS_PER_MPS2, most_telling, response_surface, waves_shown
+from study.wording.catalogue import phrase
 from study.wording.outcome import checker_name
 from study.wording.phrase import names_of
 
@@ -55,6 +57,7 @@ def payload_of(run: ReportedRun, facts: Mapping[str, Any], shows: PageContents) 
     tuned, drill = shows.tuned, shows.drill
     return {
         "format": FORMAT,
+        "words": words_of_the_page(),
         "line": line_shown(run.line),
         "window": [begin_s, end_s],
         "trains": trains_shown(run),
@@ -67,8 +70,11 @@ def payload_of(run: ReportedRun, facts: Mapping[str, Any], shows: PageContents) 
         "waits": waits_shown(run),
         "tuning": _tuning(tuned),
         "columns": {
-            name: [headed(label, figure) for label, figure in figures.items()]
-            for name, figures in ROWS_OF_THE_PAGE.items()
+            name: {
+                "title": title.both,
+                "columns": [headed(label, figure) for label, figure in figures.items()],
+            }
+            for name, (title, figures) in ROWS_OF_THE_PAGE.items()
         },
         "tables": [table.as_dict() for table in tables_shown(run, facts, tuned, drill)],
     }
@@ -114,6 +120,7 @@ def _broken_at(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
     return [
         {
             "t": _finite(item["t_s"]),
+            "kind": phrase("broken invariant").both,
             "checker": checker_name(str(item.get("checker", ""))).both,
             "text": [str(item.get("text", "")), str(item.get("ja") or item.get("text", ""))],
         }
@@ -126,18 +133,17 @@ def waits_shown(run: ReportedRun) -> dict[str, Any]:
     """Why each stock waited, and when: sentences once each, in both languages; whole seconds."""
     names = names_of(run.line)
     waits = [wait for wait in rows_in(Wait, run.tables.waits) if wait.cause not in _UNSAID]
-    pairs = [(text_of(wait, "en", names), text_of(wait, "ja", names)) for wait in waits]
-    distinct = list(dict.fromkeys(pairs))
-    place = {pair: i for i, pair in enumerate(distinct)}
+    said = [text_of(wait, names) for wait in waits]
+    distinct = list(dict.fromkeys(said))
+    place = {sentence: i for i, sentence in enumerate(distinct)}
     units, of = places_in([wait.unit for wait in waits])
     return {
-        "en": [en for en, _ in distinct],
-        "ja": [ja for _, ja in distinct],
+        "said": [sentence.both for sentence in distinct],
         "units": units,
         "unit": of,
         "from": packed([wait.from_s for wait in waits], 1),
         "to": packed([wait.to_s for wait in waits], 1),
-        "text": [place[pair] for pair in pairs],
+        "text": [place[sentence] for sentence in said],
     }
 
 

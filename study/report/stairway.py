@@ -21,30 +21,32 @@ from study.capacity.occupation import Conflict, Occupation, OccupationPart
 from study.report.data import ReportedRun, section_name, sections_in_order
 from study.report.packing import packed, places_in
 from study.report.style import INK, RED, RULE, WIDTH_IN, TimeBand, centred, draw_clock_axis, time_bands
+from study.wording.catalogue import phrase
+from study.wording.phrase import Language
 
 PANEL_IN: Final = 4.4
 LEAST_SHARE: Final = 0.045  # of the panel's height, that the shortest section has
 SEEN_S: Final = 1.0  # on the page shorter slices are their neighbour's
 
-# One hue a cost, one shade a part of it; what the part is called in Japanese.
-SHOWN_AS: Final[Mapping[OccupationPart, tuple[str, str]]] = {
-    OccupationPart.REQUEST: ("#08306b", "要求"),
-    OccupationPart.AIR: ("#2171b5", "伝送"),
-    OccupationPart.GRANT: ("#4292c6", "確保"),
-    OccupationPart.PROOF: ("#6baed6", "照査"),
-    OccupationPart.RELEASE: ("#9ecae1", "解放"),
-    OccupationPart.THROW: ("#e6550d", "転換"),
-    OccupationPart.APPROACH: ("#c7e9c0", "接近"),
-    OccupationPart.RUN: ("#41ab5d", "走行"),
-    OccupationPart.HELD: ("#00602b", "機外停止"),
-    OccupationPart.LENGTH: ("#84c98a", "列車長"),
-    OccupationPart.READY: ("#f2e6c2", "待機"),
-    OccupationPart.DWELL: ("#d9b95a", "停車"),
-    OccupationPart.LAYOVER: ("#e8d28f", "折返し"),
-    OccupationPart.CHANGE_ENDS: ("#a6801d", "エンド交換"),
-    OccupationPart.CHARGING: ("#d36ba6", "充電"),
-    OccupationPart.START: ("#238b45", "起動"),
-    OccupationPart.BOUND: ("#cbbfe0", "位置の幅"),
+# One hue a cost, one shade a part of it.
+PART_COLOURS: Final[Mapping[OccupationPart, str]] = {
+    OccupationPart.REQUEST: "#08306b",
+    OccupationPart.AIR: "#2171b5",
+    OccupationPart.GRANT: "#4292c6",
+    OccupationPart.PROOF: "#6baed6",
+    OccupationPart.RELEASE: "#9ecae1",
+    OccupationPart.THROW: "#e6550d",
+    OccupationPart.APPROACH: "#c7e9c0",
+    OccupationPart.RUN: "#41ab5d",
+    OccupationPart.HELD: "#00602b",
+    OccupationPart.LENGTH: "#84c98a",
+    OccupationPart.READY: "#f2e6c2",
+    OccupationPart.DWELL: "#d9b95a",
+    OccupationPart.LAYOVER: "#e8d28f",
+    OccupationPart.CHANGE_ENDS: "#a6801d",
+    OccupationPart.CHARGING: "#d36ba6",
+    OccupationPart.START: "#238b45",
+    OccupationPart.BOUND: "#cbbfe0",
 }
 
 
@@ -53,14 +55,14 @@ def draw_stairway(
     occupations: Sequence[Occupation],
     conflicts: Sequence[Conflict] = (),
     *,
-    japanese: bool = False,
+    language: Language = "en",
 ) -> Figure | None:
     """The stairway in the panels of the train graph; hatched in red: what two trains want at once. None: no time."""
     if not occupations:
         return None
     bands, grid = time_bands(*run.window_s)
     rows = _rows(run)
-    names = [section_name(run, section_id, japanese=japanese) for section_id in rows]
+    names = [section_name(run, section_id, japanese=language == "ja") for section_id in rows]
     figure = Figure(figsize=(WIDTH_IN, PANEL_IN * len(bands) + 0.7), layout="constrained")
     for axes, band in zip(figure.subplots(len(bands), 1, squeeze=False)[:, 0], bands, strict=True):
         draw_clock_axis(axes, band, grid)
@@ -74,7 +76,10 @@ def draw_stairway(
         _draw_trains(axes, run, rows, band)
         axes.spines[:].set_color(RULE)
     parts = [part for part in OccupationPart if any(one.of_part(part) > 0.0 for one in occupations)]
-    legend = [Patch(color=SHOWN_AS[part][0], lw=0, label=part.value) for part in parts]
+    legend = [
+        Patch(color=PART_COLOURS[part], lw=0, label=phrase(part.value, "part").in_(language))
+        for part in parts
+    ]
     if conflicts:
         legend.append(Patch(fc="none", ec=RED, hatch="////", lw=0.8, label="conflict"))
     figure.legend(handles=legend, loc="outside lower left", ncols=9, handlelength=1.2, fontsize=6.5)
@@ -107,7 +112,7 @@ def _draw_boxes(
         frames.append(Rectangle((one.begin_s, row[0]), one.length_s, row[1] - row[0]))
         for piece in one.slices:
             boxes.append(Rectangle((piece.begin_s, row[0]), piece.length_s, row[1] - row[0]))
-            colours.append(SHOWN_AS[piece.part][0])
+            colours.append(PART_COLOURS[piece.part])
     axes.add_collection(PatchCollection(boxes, facecolor=colours, edgecolor="none", alpha=0.75, zorder=1.0))
     axes.add_collection(PatchCollection(frames, facecolor="none", edgecolor=INK, lw=0.45, zorder=1.6))
 
@@ -167,8 +172,8 @@ def stairway_shown(run: ReportedRun) -> dict[str, Any]:
     return {
         "sections": sections,
         "trains": trains,
-        "parts": [[part, SHOWN_AS[OccupationPart(part)][1]] for part in parts],
-        "colours": [SHOWN_AS[OccupationPart(part)][0] for part in parts],
+        "parts": [phrase(part, "part").both for part in parts],
+        "colours": [PART_COLOURS[OccupationPart(part)] for part in parts],
         "section": at,
         "train": of,
         "part": what,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from study.record.figure import Figure, Kind
+from study.wording.phrase import Phrase
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,27 +49,30 @@ def _rounded(value: float | None, digits: int) -> float | int | None:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table. `id` names it among the page's words; `notes` are sentences under it, English and Japanese."""
+    """A table: its name in the page and its files, what stands above it, and sentences under it."""
 
     id: str
+    title: Phrase
     columns: tuple[Column, ...]
-    notes: tuple[tuple[str, str], ...] = ()
+    notes: tuple[Phrase, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """For the page."""
         return {
             "id": self.id,
+            "title": self.title.both,
             "columns": [column.as_dict() for column in self.columns],
-            "notes": [list(note) for note in self.notes],
+            "notes": [note.both for note in self.notes],
         }
 
 
 def table_of(
     table_id: str,
+    title: Phrase,
     rows: Sequence[Mapping[str, Any]],
     figures: Mapping[str, Figure],
-    notes: tuple[tuple[str, str], ...] = (),
+    notes: tuple[Phrase, ...] = (),
 ) -> Table:
     """A table from rows: of each row the values named in `figures`, which head them."""
     made = tuple(Column(key, figure, [row[key] for row in rows]) for key, figure in figures.items())
-    return Table(table_id, made, notes)
+    return Table(table_id, title, made, notes)

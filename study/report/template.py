@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from study.wording.catalogue import phrase
+
 
 def rendered(template: str, **shown: object) -> str:
-    """A template with what it shows."""
+    """A template with what it shows, and `phrase` for its own words."""
     environment = Environment(
         loader=PackageLoader("study", "templates"),
         autoescape=True,
@@ -14,4 +16,4 @@ def rendered(template: str, **shown: object) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template(template).render(shown)
+    return environment.get_template(template).render(shown, phrase=phrase)

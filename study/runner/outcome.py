@@ -23,7 +23,7 @@ def rules_said(result: RunResult) -> list[tuple[float, Phrase]]:
     What followed from less adhesion than the design counts on is not among them; a collision always is.
     """
     outside = {(v.t_s, v.text) for v in result.outside_design}
-    collided = words.CHECKERS[Checker.SUMO_COLLISION]
+    collided = words.checker_name(Checker.SUMO_COLLISION.value).ja
     broken = [(result.end_step / STEPS_PER_S, Phrase(text, collided)) for text in result.collisions]
     unsafe = [
         (entry.t_s, words.DANGER.of(unit=entry.event.unit_id, how=words.unsafe_text(entry.event)))

@@ -15,7 +15,8 @@ from radio.noted import Noted, TelegramDropped
 from simulation import events
 from simulation.events import EventType
 from simulation.judge.checkers import Checker
-from study.wording.outcome import CHECKERS, unsafe_text
+from study.wording.catalogue import phrase
+from study.wording.outcome import checker_name, unsafe_text
 from study.wording.phrase import NOTHING, Names, Phrase
 from study.wording.script import act_text, fault_text, value_text
 from study.wording.telegrams import telegram
@@ -31,150 +32,108 @@ class EventWording:
     clauses: Mapping[str, Phrase] = field(default_factory=dict[str, Phrase])
 
 
-_WHY: Final = {"why": Phrase(": {}", "：{}")}
+_WHY: Final = {"why": phrase(": {}")}
 _OF_UNIT: Final = {
-    "unit_id": Phrase(" to {}", "{}の"),
-    "section_ids": Phrase(", sections {}", "（区間 {}）"),
-    "token": Phrase(", token {}", "、トークン {}"),
-    "other_id": Phrase(", against {}", "、相手 {}"),
+    "unit_id": phrase(" to {}"),
+    "section_ids": phrase(", sections {}"),
+    "token": phrase(", token {}"),
+    "other_id": phrase(", against {}"),
     **_WHY,
 }
 _AT_POINTS: Final = {
-    "section_id": Phrase(", section {}", "（{}区間）"),
-    "token": Phrase(", token {}", "、トークン {}"),
+    "section_id": phrase(", section {}"),
+    "token": phrase(", token {}"),
     **_WHY,
 }
 TOLD: Final[Mapping[EventType, EventWording]] = {
-    notes.Intervention: EventWording("intervention", Phrase("{level}", "{level}")),
+    notes.Intervention: EventWording("intervention", phrase("{level}")),
     notes.EmergencyReleased: EventWording(
-        "intervention", Phrase("the driver has acknowledged the emergency stop", "非常停止を運転士が確認")
+        "intervention", phrase("the driver has acknowledged the emergency stop")
     ),
-    notes.RouteDenied: EventWording(
-        "refusal", Phrase("route {route_id} refused{why}", "進路 {route_id} の要求を拒否された{why}"), _WHY
-    ),
+    notes.RouteDenied: EventWording("refusal", phrase("route {route_id} refused{why}"), _WHY),
     notes.ThrowDenied: EventWording(
         "refusal",
-        Phrase("points {points_id} refused{why}", "転てつ機 {points_id} の制御を拒否された{why}"),
+        phrase("points {points_id} refused{why}"),
         _WHY,
     ),
-    notes.SignOnDenied: EventWording(
-        "refusal", Phrase("sign-on refused{why}", "在線登録を拒否された{why}"), _WHY
-    ),
+    notes.SignOnDenied: EventWording("refusal", phrase("sign-on refused{why}"), _WHY),
     said.Refused: EventWording(
         "refusal",
-        Phrase(
-            "refused{unit_id}{section_ids}{token}{other_id}{why}",
-            "{unit_id}要求を拒否{section_ids}{token}{other_id}{why}",
-        ),
+        phrase("refused{unit_id}{section_ids}{token}{other_id}{why}"),
         _OF_UNIT,
     ),
     said.ThrowRefused: EventWording(
         "refusal",
-        Phrase(
-            "points {points_id} refused to {unit_id}{section_id}{token}{why}",
-            "{unit_id}からの転てつ機 {points_id} の制御を拒否{section_id}{token}{why}",
-        ),
+        phrase("points {points_id} refused to {unit_id}{section_id}{token}{why}"),
         _AT_POINTS,
     ),
     said.Contradicted: EventWording(
         "contradiction",
-        Phrase(
-            "contradiction{unit_id}{section_ids}{token}{other_id}{why}",
-            "{unit_id}登録が矛盾{section_ids}{token}{other_id}{why}",
-        ),
-        _OF_UNIT | {"unit_id": Phrase(" of {}", "{}の")},
+        phrase("contradiction{unit_id}{section_ids}{token}{other_id}{why}"),
+        _OF_UNIT | {"unit_id": phrase(" of {}")},
     ),
-    events.FaultBegan: EventWording("fault", Phrase("{fault}", "{fault}")),
-    events.FaultOver: EventWording("fault over", Phrase("{fault}", "{fault}")),
-    events.Acted: EventWording("act", Phrase("{acted}", "{acted}")),
+    events.FaultBegan: EventWording("fault", phrase("{fault}")),
+    events.FaultOver: EventWording("fault over", phrase("{fault}")),
+    events.Acted: EventWording("act", phrase("{acted}")),
     events.CameLate: EventWording(
         "late",
-        Phrase(
-            "{train} ({unit_id}) comes {late_s:.0f} s late to its portal",
-            "{train}（{unit_id}）が線区端に {late_s:.0f} 秒遅れて到着",
-        ),
+        phrase("{train} ({unit_id}) comes {late_s:.0f} s late to its portal"),
     ),
     events.DoorsHeld: EventWording(
         "doors",
-        Phrase(
+        phrase(
             "doors of {train} ({unit_id}) at {station} closed at {until}:"
-            " {people_s:.0f} s people, {doors_s:.0f} s doors",
-            "{train}（{unit_id}）{station} の戸閉が {until}（客扱い {people_s:.0f} 秒、戸閉不良 {doors_s:.0f} 秒）",
+            " {people_s:.0f} s people, {doors_s:.0f} s doors"
         ),
     ),
-    notes.PositionFault: EventWording("fault", Phrase("position fault{why}", "位置検知異常{why}"), _WHY),
-    notes.PositionFound: EventWording("position found", Phrase("the position is known again", "位置が確定")),
+    notes.PositionFault: EventWording("fault", phrase("position fault{why}"), _WHY),
+    notes.PositionFound: EventWording("position found", phrase("the position is known again")),
     notes.FoundElsewhere: EventWording(
         "fix refused",
-        Phrase(
-            "{reader} finds the train where it does not hold all sections",
-            "{reader}の示す位置が確保区間の外のため棄却",
-        ),
+        phrase("{reader} finds the train where it does not hold all sections"),
     ),
     notes.FixTaken: EventWording(
         "fix",
-        Phrase(
-            "{reader} taken after {after}: the position moved by {correction_m:+.2f} m",
-            "{reader}による位置補正 {correction_m:+.2f} m（直前：{after}）",
-        ),
+        phrase("{reader} taken after {after}: the position moved by {correction_m:+.2f} m"),
     ),
-    notes.FixRefused: EventWording(
-        "fix refused", Phrase("{reader} misses the bounds", "{reader}の示す位置が誤差範囲の外のため棄却")
-    ),
-    notes.FixMissed: EventWording(
-        "fix missed", Phrase("{reader} shows nothing where it should", "{reader}が検知すべき所で検知なし")
-    ),
+    notes.FixRefused: EventWording("fix refused", phrase("{reader} misses the bounds")),
+    notes.FixMissed: EventWording("fix missed", phrase("{reader} shows nothing where it should")),
     notes.ForeignTrack: EventWording(
         "foreign track",
-        Phrase(
-            "{reader} sees a track that is not the map's", "{reader}の測定が地図と一致しない（異曲率区間）"
-        ),
+        phrase("{reader} sees a track that is not the map's"),
     ),
     notes.StoppedShort: EventWording(
         "stop",
-        Phrase("stands {short_m:.1f} m before its target{why}", "停止位置の {short_m:.1f} m 手前で停止{why}"),
+        phrase("stands {short_m:.1f} m before its target{why}"),
         _WHY,
     ),
     notes.StopImpossible: EventWording(
         "stop",
-        Phrase("the stop at {station} cannot be made{why}", "{station} の停止位置に停止できない{why}"),
+        phrase("the stop at {station} cannot be made{why}"),
         _WHY,
     ),
-    notes.UnableToLeave: EventWording(
-        "unable to leave", Phrase("unable to leave {station}{why}", "{station} を出発できない{why}"), _WHY
-    ),
-    notes.AbleToLeave: EventWording(
-        "able to leave", Phrase("able to leave {station}", "{station} を出発できる")
-    ),
+    notes.UnableToLeave: EventWording("unable to leave", phrase("unable to leave {station}{why}"), _WHY),
+    notes.AbleToLeave: EventWording("able to leave", phrase("able to leave {station}")),
     notes.Overran: EventWording(
         "stop",
-        Phrase("stands {beyond_m:.2f} m beyond the mark", "停止目標を {beyond_m:.2f} m 行き過ぎて停止"),
+        phrase("stands {beyond_m:.2f} m beyond the mark"),
     ),
-    events.Unsafe: EventWording("unsafe", Phrase("{unit_id} {how}", "{unit_id}{how}")),
-    events.Collision: EventWording("unsafe", Phrase("{text}", CHECKERS[Checker.SUMO_COLLISION])),
-    events.PointsForced: EventWording(
-        "unsafe", Phrase("points {points_id} were run through", "転てつ機 {points_id} の割出し")
-    ),
+    events.Unsafe: EventWording("unsafe", phrase("{unit_id} {how}")),
+    events.Collision: EventWording("unsafe", Phrase("{text}", checker_name(Checker.SUMO_COLLISION.value).ja)),
+    events.PointsForced: EventWording("unsafe", phrase("points {points_id} were run through")),
     TelegramDropped: EventWording(
         "telegram",
-        Phrase("dropped by {receiver}{kind}{source}{why}", "{receiver}が電文を棄却{kind}{source}{why}"),
-        {"kind": Phrase(": {}", "（{}）"), "source": Phrase(" of {}", "、送信元 {}"), **_WHY},
+        phrase("dropped by {receiver}{kind}{source}{why}"),
+        {"kind": phrase(": {}", "clause"), "source": phrase(" of {}", "clause"), **_WHY},
     ),
     said.PointsUnproven: EventWording(
         "points",
-        Phrase(
-            "points {points_id} of {unit_id} not proven{section_id}{token}{why}",
-            "{unit_id}の転てつ機 {points_id} が未照査{section_id}{token}{why}",
-        ),
+        phrase("points {points_id} of {unit_id} not proven{section_id}{token}{why}"),
         _AT_POINTS,
     ),
-    events.Reversed: EventWording(
-        "reversal", Phrase("{unit_id} changes ends", "{unit_id} が折返し（エンド交換）")
-    ),
-    events.Entered: EventWording(
-        "train", Phrase("{train} ({unit_id}) comes onto the line", "{train}（{unit_id}）が線区に進入")
-    ),
-    events.Left: EventWording("train", Phrase("{unit_id} has left the line", "{unit_id} が線区から進出")),
+    events.Reversed: EventWording("reversal", phrase("{unit_id} changes ends")),
+    events.Entered: EventWording("train", phrase("{train} ({unit_id}) comes onto the line")),
+    events.Left: EventWording("train", phrase("{unit_id} has left the line")),
 }
 
 

@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Final
 
-from simulation.events import MANAGER, WORLD
+from study.wording.catalogue import phrase_or_name
 from study.wording.phrase import Phrase
 
-PARTIES: Final[Mapping[str, Phrase]] = {
-    MANAGER: Phrase(MANAGER, "閉そく管理装置"),
-    WORLD: Phrase(WORLD, "現場"),
-    "drill": Phrase("drill", "訓練"),
-    "controller": Phrase("controller", "指令員"),
-    "staff": Phrase("staff", "係員"),
-    "crew": Phrase("crew", "乗務員"),
-    "*": Phrase("any party", "全装置"),
-}
+ANY_PARTY: Final = "any party"
 
 
 def party(name: str) -> Phrase:
     """What people call a party; its id where that is its name."""
-    return PARTIES.get(name, Phrase(name))
+    return phrase_or_name(ANY_PARTY if name == "*" else name, "party")

@@ -25,6 +25,7 @@ CODE = [package for package in PACKAGES if package != "tests"]
 # What a recipe says in a form that can be followed: a file that is laid in, and an entry of a table or class.
 FILE = re.compile(r"\[`([\w./]+)`\]\(\.\./(tests/examples/[\w./]+)\)")
 ENTRY = re.compile(r"```python\n# ([\w./]+), (in|before|at the end) ?(\w*)\n(.*?)```", re.DOTALL)
+LABELS = re.compile(r"```po\n# ([\w./]+), at the end\n(.*?)```", re.DOTALL)
 # Pages that follow from what an example adds, as `make docs` writes them.
 PAGES = ("files", "faults", "sensors", "tables", "reproductions")
 
@@ -90,6 +91,9 @@ class Clone:
             self.add(ROOT / file, place)
         for place, where, name_there, entry in ENTRY.findall(text):
             self.entry(place, where, name_there, entry)
+        for place, labels in LABELS.findall(text):
+            with (self.root / place).open("a", encoding="utf-8") as catalogue:
+                catalogue.write(f"\n{labels}")
         assert self.touched
         self.tool("ruff", "format", *self.touched)
         self.tool("ruff", "check", "--fix", "--no-cache", *self.touched)

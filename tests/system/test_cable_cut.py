@@ -136,5 +136,5 @@ def test_the_reason_of_a_wait_is_the_cable() -> None:
     waits = [w for w in waits_of(result, setup, holds) if w.reason == CABLE_CUT]
     assert {(w.unit, w.cause) for w in waits} >= {("K1", Cause.POINTS_PROOF), ("K2", Cause.ANSWER)}
     assert all(TEN_S < w.from_s < w.to_s < TEN_S + 310.0 for w in waits)
-    assert "the cable to the centre is cut" in text_of(waits[0], "en")
+    assert "the cable to the centre is cut" in text_of(waits[0]).en
     assert lost_in_the_cable(result) > 20

@@ -56,7 +56,7 @@ def test_with_it_all_arrive_and_it_is_told_why_each_waited(name: str, waits: str
     (told,) = {w.party: w for w in found if w.cause is Cause.NO_WAY_ON}.values()
     train, _, rest = waits.partition(" waits ")
     assert (told.train, f"for {told.party} to come to section {told.section}") == (train, rest)
-    assert "not all trains could still finish" in text_of(told, "en")
+    assert "not all trains could still finish" in text_of(told).en
 
 
 @pytest.mark.parametrize("name", WITH)

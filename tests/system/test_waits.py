@@ -160,7 +160,7 @@ def test_every_wait_is_a_sentence(name: str) -> None:
     run = observed(name)
     names = names_of(run.setup.line)
     for wait in run.waits:
-        english, japanese = text_of(wait, "en", names), text_of(wait, "ja", names)
+        english, japanese = text_of(wait, names).both
         assert english.endswith(".") and japanese.endswith("。")
         assert not re.search(r"None|\{|\}|  | \.|：。|（）", english + japanese)
         assert "\n" not in english + japanese
@@ -209,10 +209,10 @@ def test_a_route_that_another_train_holds_names_it_and_until_when() -> None:
     assert wait.until_s == wait.to_s
     assert wait.since_s is not None and wait.since_s < wait.from_s
     names = names_of(run.setup.line)
-    assert text_of(wait, "en", names).startswith(
+    assert text_of(wait, names).en.startswith(
         "T3 waits at A for its way: section 8 is held by T1 (K1) since "
     )
-    assert "8区間をT1 (K1)が" in text_of(wait, "ja", names)
+    assert "8区間をT1 (K1)が" in text_of(wait, names).ja
 
 
 @pytest.mark.system

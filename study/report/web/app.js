@@ -8,9 +8,9 @@ import { wordsIn } from "./words.js";
 // Papers that stand in the page already have the id of an element and are moved to their place.
 const STANDING = { summary: "summary", compared: "compared" };
 const PAPERS = [
-  ["graph", null], ["summary", null], ["compared", null], ["curve", panels.curvePaper], ["stations", panels.stationsPaper],
-  ["punctuality", panels.punctualityPaper], ["energy", panels.energyPaper], ["margins", panels.marginsPaper],
-  ["stopping", panels.stoppingPaper], ["sections", panels.sectionsPaper], ["trains", panels.trainsPaper], ["events", panels.eventsPaper],
+  ["graph", "Train graph", null], ["summary", "Summary", null], ["compared", "What changed", null], ["curve", "Run curve", panels.curvePaper], ["stations", "Stations", panels.stationsPaper],
+  ["punctuality", "Punctuality", panels.punctualityPaper], ["energy", "Energy", panels.energyPaper], ["margins", "Margins", panels.marginsPaper],
+  ["stopping", "Stopping", panels.stoppingPaper], ["sections", "Sections", panels.sectionsPaper], ["trains", "Trains", panels.trainsPaper], ["events", "Events and telegrams", panels.eventsPaper],
 ];
 
 /** Make the page of a day in a document that has #papers, and #summary where there is one. Returns a handle on what it shows. */
@@ -50,7 +50,7 @@ function build(page) {
     standing.hidden = true;
     doc.body.append(standing);
   }
-  const words = wordsIn(state.lang, day.stations);
+  const words = wordsIn(state.lang, day.stations, day.words);
   const live = element(doc, "div", { class: "unseen", "aria-live": "polite" });
   page.context = {
     day, words, state, layers: page.layers,
@@ -69,11 +69,11 @@ function build(page) {
       live.textContent = text;
     },
   };
-  page.tabs = new Map(page.papers.map(([id]) => [id, element(doc, "button", {
+  page.tabs = new Map(page.papers.map(([id, title]) => [id, element(doc, "button", {
     type: "button", role: "tab", id: `tab-${id}`, "aria-controls": `paper-${id}`, onclick: () => show(page, id),
-  }, words.say(`paper_${id}`))]));
+  }, words.say(title))]));
   page.places = new Map(page.papers.map(([id]) => [id, element(doc, "section", { class: "paper", role: "tabpanel", id: `paper-${id}`, "aria-labelledby": `tab-${id}` })]));
-  const tabs = element(doc, "div", { class: "tabs", role: "tablist", "aria-label": words.say("papers"), onkeydown: (event) => turnTab(page, event) }, ...page.tabs.values());
+  const tabs = element(doc, "div", { class: "tabs", role: "tablist", "aria-label": words.say("Papers"), onkeydown: (event) => turnTab(page, event) }, ...page.tabs.values());
   doc.getElementById("papers").replaceChildren(bar(page), tabs, live, ...page.places.values());
   show(page, state.paper);
 }
@@ -83,23 +83,23 @@ function bar(page) {
   const { words } = context;
   const answer = element(doc, "span", { class: "answer", "aria-live": "polite" });
   const names = element(doc, "datalist", { id: "train-numbers" }, ...day.trains.map((train) => element(doc, "option", { value: train.number })));
-  const field = element(doc, "input", { type: "search", id: "search", list: "train-numbers", placeholder: words.say("search"), "aria-label": words.say("search_label"), size: 16 });
+  const field = element(doc, "input", { type: "search", id: "search", list: "train-numbers", placeholder: words.say("Train number"), "aria-label": words.say("Search for a train"), size: 16 });
   const find = (event) => {
     event.preventDefault();
     const text = field.value.trim();
     const train = searched(day, text);
-    answer.textContent = text && !train ? words.say("not_found", { text }) : "";
+    answer.textContent = text && !train ? words.say("no train {text}", { text }) : "";
     if (train) context.showTrain(train.number);
   };
   const turn = element(doc, "button", {
-    type: "button", id: "language", "aria-label": words.say("language_label"),
+    type: "button", id: "language", "aria-label": words.say("Switch to Japanese"),
     onclick: () => {
       page.state.lang = page.state.lang === "ja" ? "en" : "ja";
       build(page);
       doc.getElementById("language").focus();
     },
-  }, words.say("language"));
-  const print = element(doc, "button", { type: "button", onclick: () => doc.defaultView.print() }, words.say("print"));
+  }, words.say("日本語"));
+  const print = element(doc, "button", { type: "button", onclick: () => doc.defaultView.print() }, words.say("Print"));
   return element(doc, "div", { class: "bar" }, element(doc, "form", { role: "search", onsubmit: find }, field, names), answer, print, turn);
 }
 
@@ -130,7 +130,8 @@ function make(page, id) {
   page.made.set(id, true);
   const { doc, context } = page;
   const place = page.places.get(id);
-  place.replaceChildren(element(doc, "h2", {}, context.words.say(`paper_${id}`)));
+  const [, title, paper] = PAPERS.find(([name]) => name === id);
+  place.replaceChildren(element(doc, "h2", {}, context.words.say(title)));
   if (id === "graph") {
     page.graph = makeGraphPaper(place, context);
     page.layers.push(page.graph.layer);
@@ -141,7 +142,7 @@ function make(page, id) {
     const more = standing.querySelector("#summary-more");
     more?.replaceChildren();
     if (more) panels.summaryTables(more, context);
-  } else PAPERS.find(([name]) => name === id)[1](place, context);
+  } else paper(place, context);
 }
 
 function turnTab(page, event) {

@@ -101,7 +101,7 @@ function waitsOf(raw) {
   const from = column(raw.from);
   const to = column(raw.to);
   raw.unit.forEach((unit, i) => {
-    found.get(raw.units[unit]).push({ from: from[i], to: to[i], en: raw.en[raw.text[i]], ja: raw.ja[raw.text[i]] });
+    found.get(raw.units[unit]).push({ from: from[i], to: to[i], said: raw.said[raw.text[i]] });
   });
   for (const spans of found.values()) spans.sort((a, b) => a.from - b.from);
   return found;
@@ -174,17 +174,17 @@ const idOf = (event) => (Array.isArray(event.source) ? event.source[0] : event.s
 /** Events with their kind bare and their place on the graph; broken invariants among them. Source and text in both languages. */
 function eventsOf(data, table, courses) {
   const told = rowsOf(table).map((row) => ({
-    t: row.t_s, source: row.source, kind: row.kind.slice("event_".length), text: row.text,
+    t: row.t_s, source: row.source, kind: row.kind[0], called: row.kind, text: row.text,
   }));
-  const broken = data.broken.map((row) => ({ t: row.t, source: row.checker, kind: "broken", text: row.text }));
+  const broken = data.broken.map((row) => ({ t: row.t, source: row.checker, kind: row.kind[0], called: row.kind, text: row.text }));
   return [...told, ...broken].filter((event) => event.t !== null).map((event) => ({
     ...event, m: data.devices[idOf(event)] ?? placeOf(courses, idOf(event), event.t),
   })).sort((a, b) => a.t - b.t);
 }
 
-/** Why a stock waited at a time, in a language; null where nothing is said. */
-export function waitAt(day, unit, time, lang) {
+/** Why a stock waited at a time, in both languages; null where nothing is said. */
+export function waitAt(day, unit, time) {
   const spans = day.waits.get(unit) ?? [];
   const found = spans.filter((span) => span.from <= time && time <= span.to);
-  return found.length ? found[found.length - 1][lang] : null;
+  return found.length ? found[found.length - 1].said : null;
 }

@@ -7,6 +7,11 @@ import { element } from "./tables.js";
 import { boundsOf, drawTrainGraph, gutterOf, nearestTrain, plotOf, scaleOf } from "./traingraph.js";
 import { clock } from "./view.js";
 
+// What may be shown or left out.
+const LAYERS = {
+  plan: "Plan", run: "Run", sections: "Sections", stairway: "Blocking times", lesser: "All events",
+  beside: "{label} (dashed: trains that moved; red: not in this run)",
+};
 const PRINTED_S = 4.7 * 3600; // on a sheet, so that minutes can be read
 const PRINTED_PX = [1040, 600]; // a sheet, with its heading
 const AROUND_S = 1800; // what a drill's graph shows before and after what is done
@@ -16,10 +21,10 @@ const STEP_S = 10;
 export function whereIs(day, m, words) {
   const { stations } = day.line;
   const at = stations.find((station) => Math.abs(station.m - m) < 120 || station.marks.some((mark) => Math.abs(mark - m) < 30));
-  if (at) return words.say("tip_at", { place: words.place(at) });
+  if (at) return words.say("at {place}", { place: words.place(at) });
   const after = stations.findIndex((station) => station.m > m);
   if (after <= 0) return "";
-  return words.say("tip_between", { a: words.place(stations[after - 1]), b: words.place(stations[after]) });
+  return words.say("{a} – {b}", { a: words.place(stations[after - 1]), b: words.place(stations[after]) });
 }
 
 /** How late a train was at the last of its calls before a time, in words; empty where none was planned. */
@@ -31,8 +36,8 @@ export function latenessAt(train, t, words) {
   }
   if (!last) return "";
   const s = Math.round(last.late);
-  const key = s > 0 ? "tip_late" : s < 0 ? "tip_early" : "tip_on_time";
-  return words.say(key, { s: Math.abs(s), place: words.place(last.call.station) });
+  const form = s > 0 ? "{s} s after plan at {place}" : s < 0 ? "{s} s before plan at {place}" : "on time at {place}";
+  return words.say(form, { s: Math.abs(s), place: words.place(last.call.station) });
 }
 
 /** What a graph opens on: the day; of a drill within a much longer day what was done, with some time around it. */
@@ -60,14 +65,14 @@ export function told(day, hit, words) {
   const { train, course, t, m, planned } = hit;
   const v = course ? valueAt(course.t, course.v, t) : NaN;
   const unit = course?.unit ?? train.unit;
-  const speed = Number.isNaN(v) ? words.say("tip_planned")
-    : v < 0.05 ? words.say("tip_stands") : words.say("tip_speed", { kmh: v.toFixed(0) });
-  const wait = unit && !planned ? waitAt(day, unit, t, words.lang) : null;
+  const speed = Number.isNaN(v) ? words.say("planned")
+    : v < 0.05 ? words.say("stands") : words.say("{kmh} km/h", { kmh: v.toFixed(0) });
+  const wait = unit && !planned ? waitAt(day, unit, t) : null;
   return [
-    [train.number, unit ? words.say("tip_unit", { unit }) : "", words.say(train.direction > 0 ? "down" : "up")].filter(Boolean).join(" · "),
-    [clock(t, true), words.say("tip_km", { km: (m / 1000).toFixed(2) }), whereIs(day, m, words)].filter(Boolean).join(" · "),
+    [train.number, unit ? words.say("unit {unit}", { unit }) : "", words.say(train.direction > 0 ? "down" : "up")].filter(Boolean).join(" · "),
+    [clock(t, true), words.say("km {km}", { km: (m / 1000).toFixed(2) }), whereIs(day, m, words)].filter(Boolean).join(" · "),
     [speed, planned ? "" : latenessAt(train, t, words)].filter(Boolean).join(" · "),
-    ...(wait ? [wait] : []),
+    ...(wait ? [words.said(wait)] : []),
   ];
 }
 
@@ -77,14 +82,14 @@ export function makeGraphPaper(host, context) {
   const doc = host.ownerDocument;
   const options = Object.assign(state.graph, { words, gutter: 120 });
   const tip = element(doc, "div", { class: "tip", hidden: true });
-  const popup = element(doc, "div", { class: "popup", role: "dialog", hidden: true, "aria-label": words.say("event_here") });
+  const popup = element(doc, "div", { class: "popup", role: "dialog", hidden: true, "aria-label": words.say("Events here") });
   const stage = element(doc, "div", { class: "stage graph" });
   const pane = { bounds: boundsOf(day), least: { x: 120, y: (day.extent[1] - day.extent[0]) / 40 || 50 } };
   pane.view = state.graphView ?? openingOf(day);
   const layer = makeLayer(stage, (canvas, width, height) => {
     options.gutter = gutterOf(canvas, day, words, width);
     drawTrainGraph(canvas, day, pane.view, options, width, height);
-  }, words.say("graph_label"));
+  }, words.say("Train graph: time across, stations down. Arrow keys move, plus and minus zoom, 0 shows the whole day, n and p choose the next and the previous train, comma and full stop move along it."));
   pane.plot = () => plotOf(day, options, layer.width, layer.height);
   pane.changed = () => {
     state.graphView = pane.view;
@@ -99,9 +104,9 @@ export function makeGraphPaper(host, context) {
   paper.choose = (number, show = true) => choose(paper, context, number, show);
   stage.append(tip, popup);
   host.append(
-    element(doc, "p", { class: "caption" }, words.say("graph_caption", { m: day.tolerance.m })),
+    element(doc, "p", { class: "caption" }, words.say("Plan thin, run thick; blue runs down, orange up, dashed carries no passengers; dotted links are turn-rounds. Zoomed in: minutes of arrival and departure at the stations (seconds after the point). Point at a line for its train; click a mark for its text. Curves are within {m} m of the run's samples at every second.", { m: day.tolerance.m })),
     tools(doc, paper, context), stage, legend(doc, day, options, words),
-    element(doc, "p", { class: "caption screen-only" }, words.say("graph_keys")),
+    element(doc, "p", { class: "caption screen-only" }, words.say("Drag or arrow keys move; Ctrl+wheel or + and − zoom in time (Shift: in distance, keys * and /), 0 shows all; once the graph is clicked the wheel alone moves it. n, p: next and previous train; comma, full stop: along it; Enter: its run curve.")),
     element(doc, "div", { class: "print-only" }),
   );
   paper.printed = () => host.querySelector(".print-only").replaceChildren(...bandsOf(doc, day, options));
@@ -126,12 +131,12 @@ function tools(doc, paper, context) {
       if (name === "lesser" || name === "stairway") doc.querySelector(".legend")?.replaceWith(legend(doc, context.day, options, words));
       layer.invalidate();
     },
-  }), words.say({ sections: "sections_layer", stairway: "stairway_layer" }[name] ?? name, { label: context.day.beside?.label }));
+  }), words.say(LAYERS[name], { label: context.day.beside?.label }));
   return element(doc, "div", { class: "tools" },
-    button("−", words.say("zoom_out"), () => pane.zoom(1.6, 1)), button("+", words.say("zoom_in"), () => pane.zoom(1 / 1.6, 1)),
-    button(words.say("zoom_all"), words.say("zoom_all"), () => pane.fit()),
-    button(words.say("hours_2"), words.say("hours_2"), toWidth(7200)), button(words.say("minutes_20"), words.say("minutes_20"), toWidth(1200)),
-    button("↕+", words.say("taller"), () => pane.zoom(1, 1 / 1.4)), button("↕−", words.say("flatter"), () => pane.zoom(1, 1.4)),
+    button("−", words.say("Zoom out"), () => pane.zoom(1.6, 1)), button("+", words.say("Zoom in"), () => pane.zoom(1 / 1.6, 1)),
+    button(words.say("Whole day"), words.say("Whole day"), () => pane.fit()),
+    button(words.say("2 h"), words.say("2 h"), toWidth(7200)), button(words.say("20 min"), words.say("20 min"), toWidth(1200)),
+    button("↕+", words.say("Stretch distance"), () => pane.zoom(1, 1 / 1.4)), button("↕−", words.say("Shrink distance"), () => pane.zoom(1, 1.4)),
     ...["plan", "run", "sections", ...(context.day.stairway.length ? ["stairway"] : []), "lesser", ...(context.day.beside ? ["beside"] : [])].map(box));
 }
 
@@ -144,10 +149,10 @@ function legend(doc, day, options, words) {
     return sign;
   };
   const drill = marksLegend(day).map(([word, draw]) => element(doc, "span", {}, signOf(draw), words.say(word)));
-  const items = kindsShown(day, options).map(({ kind, shape }) => {
+  const items = kindsShown(day, options).map(({ kind, called, shape }) => {
     const sign = signOf((drawn) => drawShape(drawn, 8, 8, ...shape));
     const count = shownEvents(day, options).filter((event) => event.kind === kind).length;
-    return element(doc, "span", {}, sign, `${words.has(`event_${kind}`) ? words.say(`event_${kind}`) : kind} ${count}`);
+    return element(doc, "span", {}, sign, `${words.said(called)} ${count}`);
   });
   const parts = (options.stairway ? partsOf(day) : []).map(([part, colour]) => element(doc, "span", {},
     element(doc, "span", { class: "part", style: `background:${colour}` }), words.said(part)));
@@ -189,11 +194,10 @@ function pick(paper, context, popup, x, y) {
     return;
   }
   const doc = popup.ownerDocument;
-  const kind = (name) => (words.has(`event_${name}`) ? words.say(`event_${name}`) : name);
   popup.replaceChildren(
-    element(doc, "button", { type: "button", class: "quiet", onclick: () => { popup.hidden = true; } }, words.say("close")),
-    element(doc, "strong", {}, words.say("event_here")),
-    ...events.slice(0, 40).map((event) => element(doc, "p", {}, `${clock(event.t, true)} ${words.said(event.source)} · ${kind(event.kind)} · ${words.said(event.text)}`)),
+    element(doc, "button", { type: "button", class: "quiet", onclick: () => { popup.hidden = true; } }, words.say("Close")),
+    element(doc, "strong", {}, words.say("Events here")),
+    ...events.slice(0, 40).map((event) => element(doc, "p", {}, `${clock(event.t, true)} ${words.said(event.source)} · ${words.said(event.called)} · ${words.said(event.text)}`)),
   );
   popup.style.left = `${Math.max(Math.min(x + 10, paper.layer.width - 340), 4)}px`;
   popup.style.top = `${Math.max(Math.min(y + 10, paper.layer.height - 140), 4)}px`;
@@ -216,7 +220,7 @@ function choose(paper, context, number, show) {
   pane.view = { x0, x1: x0 + size, y0: bounds.y0, y1: bounds.y1 };
   options.moment = null;
   pane.changed();
-  context.say(context.words.say("found", { train: number }));
+  context.say(context.words.say("{train} chosen", { train: number }));
 }
 
 /** First and last time of a train, planned or run, s. */

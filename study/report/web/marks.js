@@ -7,7 +7,7 @@ const ROW_PX = 16;
 const ROWS_MAX = 14;
 // Shape and colour of an event's mark by its kind; lesser ones are shown when asked for.
 const SHAPES = {
-  broken: ["square", COLOURS.red, 6], unsafe: ["square", COLOURS.red, 5.5], intervention: ["cross", COLOURS.red, 4.5],
+  "broken invariant": ["square", COLOURS.red, 6], unsafe: ["square", COLOURS.red, 5.5], intervention: ["cross", COLOURS.red, 4.5],
   fault: ["triangle", COLOURS.red, 5.5], "fault over": ["hollow", COLOURS.green, 5], act: ["diamond", COLOURS.ink, 5],
   contradiction: ["diamond", "#7a1fa2", 4.5], stop: ["dot", "#d55e00", 3.5], points: ["dot", "#8c6d1f", 3.5],
   reversal: ["dot", "#009e73", 3.5], expectation: ["hollow", COLOURS.pale, 4],
@@ -78,8 +78,8 @@ export function drawShape(context, x, y, shape, colour, r) {
 
 /** The kinds of events of a day with their shapes, for the legend. */
 export function kindsShown(day, options) {
-  const kinds = [...new Set(shownEvents(day, options).map((event) => event.kind))];
-  return kinds.map((kind) => ({ kind, shape: SHAPES[kind] ?? LESSER }));
+  const kinds = new Map(shownEvents(day, options).map((event) => [event.kind, event.called]));
+  return [...kinds].map(([kind, called]) => ({ kind, called, shape: SHAPES[kind] ?? LESSER }));
 }
 
 // Where a fault is while it lasts: a stretch of line as a box, a train as a broad band along its run.
@@ -120,10 +120,10 @@ export function marksLegend(day) {
     context.fillStyle = colour;
     context.fillRect(1, 3, 14, 10);
   };
-  if (faults.length) found.push(["legend_fault_time", sign("rgba(179,38,30,0.14)")]);
-  if (faults.some((mark) => mark.stretches.length)) found.push(["legend_fault_stretch", sign("rgba(179,38,30,0.37)")]);
+  if (faults.length) found.push(["while a fault lasts (F)", sign("rgba(179,38,30,0.14)")]);
+  if (faults.some((mark) => mark.stretches.length)) found.push(["its stretch of the line", sign("rgba(179,38,30,0.37)")]);
   if (faults.some((mark) => mark.units.length)) {
-    found.push(["legend_fault_train", (context) => {
+    found.push(["the train that has it", (context) => {
       context.strokeStyle = "rgba(179,38,30,0.37)";
       context.lineWidth = 5;
       context.lineCap = "round";
@@ -134,7 +134,7 @@ export function marksLegend(day) {
     }]);
   }
   if (day.marks.some((mark) => mark.kind === "A")) {
-    found.push(["legend_act", (context) => {
+    found.push(["a person acts (A)", (context) => {
       context.strokeStyle = COLOURS.ink;
       context.lineWidth = 1.2;
       context.setLineDash([3, 3]);

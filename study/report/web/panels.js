@@ -42,13 +42,13 @@ export function curvePaper(host, context) {
   const train = day.byNumber.get(number);
   const choice = element(doc, "select", { id: "curve-train", onchange: (event) => context.showCurve(event.target.value) },
     ...ran.map((one) => element(doc, "option", { value: one.number, selected: one === train }, one.number)));
-  host.append(element(doc, "div", { class: "tools" }, element(doc, "label", {}, `${words.say("curve_train")} `, choice)));
+  host.append(element(doc, "div", { class: "tools" }, element(doc, "label", {}, `${words.say("Train")} `, choice)));
   if (!train) {
-    host.append(element(doc, "p", { class: "caption" }, words.say("nothing")));
+    host.append(element(doc, "p", { class: "caption" }, words.say("Nothing to show: the run has none.")));
     return;
   }
-  if (state.chosen && state.chosen !== number) host.append(element(doc, "p", { class: "caption" }, words.say("curve_none", { train: state.chosen })));
-  host.append(element(doc, "p", { class: "caption" }, words.say("curve_caption", { kmh: day.tolerance.kmh })));
+  if (state.chosen && state.chosen !== number) host.append(element(doc, "p", { class: "caption" }, words.say("{train} did not run.", { train: state.chosen })));
+  host.append(element(doc, "p", { class: "caption" }, words.say("Speed over distance from left to right in the direction of travel: limit of the line black, permitted by supervision red, target dashed, speed thick; green is the time since the last stand. Below: gradient and curves as the train meets them (climbing and right-hand above the line), notch. At the foot: minutes and seconds from stop to stop as run. Within {kmh} km/h of the run's samples.", { kmh: day.tolerance.kmh })));
   const readout = element(doc, "p", { class: "readout", "aria-live": "polite" }, "\u00a0");
   const course = [...train.courses].sort((a, b) => (b.to - b.from) - (a.to - a.from))[0];
   const bounds = curveBounds(course, train);
@@ -56,7 +56,7 @@ export function curvePaper(host, context) {
   pane.view = { ...pane.bounds };
   const options = { words };
   host.append(readout);
-  const layer = chart(host, context, 560, words.say("curve_label", { train: number }), (canvas, width, height) =>
+  const layer = chart(host, context, 560, words.say("Run curve of {train}", { train: number }), (canvas, width, height) =>
     drawRunCurve(canvas, day, course, train, pane.view, options, width, height));
   pane.plot = () => curvePlot(layer.width, layer.height, options.top ?? 60);
   pane.changed = () => layer.invalidate();
@@ -92,7 +92,7 @@ function readoutOf(day, course, t, words) {
   const index = [...course.axes].reverse().find(([from]) => course.t[from] <= t) ?? course.axes[0];
   const limits = day.line.axes[index[1]].limits[String(course.direction)];
   const limit = [...limits].reverse().find(([from]) => from <= m)?.[1] ?? limits[0][1];
-  return words.say("curve_tip", {
+  return words.say("km {km} · {kmh} km/h · limit {limit} · {time}", {
     km: (m / 1000).toFixed(3), kmh: valueAt(course.t, course.v, t).toFixed(1), limit: `${+limit.toFixed(1)} km/h`, time: clock(t, true),
   });
 }
@@ -108,14 +108,14 @@ function says(readout) {
 export function stationsPaper(host, context) {
   const { day, words } = context;
   const doc = host.ownerDocument;
-  heading(doc, host, words.say("tracks_title"), words.say("tracks_caption"));
+  heading(doc, host, words.say("Track occupation"), words.say("A row a track of each station: outlined as planned, filled as run, in the colour of the unit. A train stands from arrival to departure; where it turns round, until the next train of its unit leaves. Passing trains are a thin line."));
   const readout = element(doc, "p", { class: "readout", "aria-live": "polite" }, "\u00a0");
   const stage = element(doc, "div", { class: "stage" });
   host.append(readout, stage);
   const bounds = { x0: day.window[0] - 300, x1: day.window[1] + 300 };
-  const gantt = makeGantt(stage, bounds, () => trackRows(day, words), words.say("tracks_label"), says(readout));
+  const gantt = makeGantt(stage, bounds, () => trackRows(day, words), words.say("Track occupation over time"), says(readout));
   context.layers.push(gantt.layer);
-  heading(doc, host, words.say("timetable_title"), words.say("timetable_caption"));
+  heading(doc, host, words.say("Station timetable"), words.say("Departures as planned, hour by hour; in brackets as run, seconds after plan, from 15 s on. Small: where the train goes."));
   const place = element(doc, "div", { class: "timetables" });
   const choice = element(doc, "select", { id: "timetable-station", onchange: (event) => fill(event.target.value) },
     ...day.line.stations.map((station) => element(doc, "option", { value: station.id, selected: station.id === context.state.station }, words.place(station))));
@@ -123,7 +123,7 @@ export function stationsPaper(host, context) {
     context.state.station = id;
     place.replaceChildren(...[1, -1].map((direction) => stationTimetable(doc, day, day.stations.get(id), direction, context)));
   };
-  host.append(element(doc, "div", { class: "tools" }, element(doc, "label", {}, `${words.say("station")} `, choice)), place);
+  host.append(element(doc, "div", { class: "tools" }, element(doc, "label", {}, `${words.say("Station")} `, choice)), place);
   if (choice.value) fill(choice.value);
   tables(host, context, ["occupation"]);
   host.append(makeTable(doc, papers.callsTable(day), context));
@@ -150,7 +150,7 @@ function trackRows(day, words) {
 function stayBar(day, stay, planned, words) {
   const numbers = stay.next ? `${stay.train} → ${stay.next}` : stay.train;
   const title = [
-    numbers, stay.unit ? words.say("tip_unit", { unit: stay.unit }) : "", words.say(planned ? "plan" : "run"),
+    numbers, stay.unit ? words.say("unit {unit}", { unit: stay.unit }) : "", words.say(planned ? "Plan" : "Run"),
     stay.passes ? `${words.say("passes")} ${clock(stay.to, true)}` : `${clock(stay.from, true)} – ${clock(stay.to, true)}`,
     words.place(stay.station), stay.track ? `${words.say("track")} ${stay.track}` : "",
   ].filter(Boolean).join(" · ");
@@ -164,7 +164,7 @@ function stayBar(day, stay, planned, words) {
 function stationTimetable(doc, day, station, direction, context) {
   const { words } = context;
   const hours = papers.departures(day, station, direction);
-  const title = words.say(direction > 0 ? "direction_down" : "direction_up");
+  const title = words.say(direction > 0 ? "Down" : "Up");
   const cell = ({ at, call, train, late }) => {
     const passes = call.kind === "pass";
     const last = train.calls[train.calls.length - 1].station;
@@ -178,7 +178,7 @@ function stationTimetable(doc, day, station, direction, context) {
   };
   const rows = hours.map(({ hour, trains }) => element(doc, "tr", {}, element(doc, "th", { scope: "row" }, String(hour)), element(doc, "td", {}, ...trains.map(cell))));
   return element(doc, "div", {}, element(doc, "h4", {}, `${words.place(station)} · ${title}`),
-    rows.length ? element(doc, "table", { class: "departures" }, ...rows) : element(doc, "p", { class: "caption" }, words.say("no_departures")));
+    rows.length ? element(doc, "table", { class: "departures" }, ...rows) : element(doc, "p", { class: "caption" }, words.say("No departures.")));
 }
 
 const CLASS_COLOURS = ["#7fb2d9", "#5b8c5a", "#b7c96b", "#e6b04d", "#c4492f", "#555555"];
@@ -188,18 +188,18 @@ export function punctualityPaper(host, context) {
   const { day, words } = context;
   const doc = host.ownerDocument;
   const rows = papers.punctualityClasses(day);
-  host.append(element(doc, "p", { class: "caption" }, words.say("punctuality_caption")));
+  host.append(element(doc, "p", { class: "caption" }, words.say("Share of calls by station, arrivals (A) and departures (D), by how far they were from plan. The plan is in whole minutes where nothing else is given: to arrive early is no fault, a departure before its time is.")));
   if (!rows.length) {
-    host.append(element(doc, "p", { class: "caption" }, words.say("nothing")));
+    host.append(element(doc, "p", { class: "caption" }, words.say("Nothing to show: the run has none.")));
     return;
   }
-  chart(host, context, 380, words.say("punctuality_label"), (canvas, width, height) => drawBars(canvas, width, height, {
-    labels: rows.map((row) => `${words.place(row.station)} ${words.say(row.what === "arrival" ? "a_short" : "d_short")}`),
+  chart(host, context, 380, words.say("Punctuality by station"), (canvas, width, height) => drawBars(canvas, width, height, {
+    labels: rows.map((row) => `${words.place(row.station)} ${words.say(row.what === "arrival" ? "A" : "D", {}, "short")}`),
     series: papers.CLASSES.map((name, i) => ({ label: words.say(name), colour: CLASS_COLOURS[i], values: rows.map((row) => (100 * row.classes[i]) / row.calls) })),
-    unit: words.say("share_percent"),
+    unit: words.say("share of calls, %"),
   }));
   tables(host, context, ["punctuality"], true);
-  heading(doc, host, words.say("delays_title"), words.say("delays_caption"));
+  heading(doc, host, words.say("Delays"), words.say("Seconds after plan, arrival/departure (minus: before it), in the colour of the worse of both; a departure before its time is red."));
   for (const direction of [1, -1]) host.append(delays(doc, day, direction, context));
 }
 
@@ -207,7 +207,7 @@ export function punctualityPaper(host, context) {
 export function lateText(late, words) {
   if (Number.isNaN(late)) return "";
   const s = Math.round(late);
-  const text = Math.abs(s) >= 600 ? `${s > 0 ? "+" : ""}${Math.round(s / 60)}${words.say("minutes_short")}` : s > 0 ? `+${s}` : String(s);
+  const text = Math.abs(s) >= 600 ? `${s > 0 ? "+" : ""}${Math.round(s / 60)}${words.say("min")}` : s > 0 ? `+${s}` : String(s);
   return text.replace("-", "−");
 }
 
@@ -215,7 +215,7 @@ function delays(doc, day, direction, context) {
   const { words } = context;
   const trains = day.trains.filter((train) => train.direction === direction);
   const stations = [...day.line.stations].sort((a, b) => direction * (a.m - b.m));
-  const details = element(doc, "details", { class: "table delays-of" }, element(doc, "summary", {}, `${words.say(direction > 0 ? "direction_down" : "direction_up")} · ${words.say("rows", { count: trains.length })}`));
+  const details = element(doc, "details", { class: "table delays-of" }, element(doc, "summary", {}, `${words.say(direction > 0 ? "Down" : "Up")} · ${words.say("{count} rows", { count: trains.length })}`));
   const fill = () => {
     if (details.childElementCount > 1) return;
     const head = element(doc, "tr", {}, element(doc, "th", {}, words.say("train")), ...stations.map((s) => element(doc, "th", {}, words.place(s))));
@@ -254,19 +254,19 @@ export function energyPaper(host, context) {
   const doc = host.ownerDocument;
   const table = day.tables.get("energy_trains");
   if (!table) {
-    host.append(element(doc, "p", { class: "caption" }, words.say("nothing")));
+    host.append(element(doc, "p", { class: "caption" }, words.say("Nothing to show: the run has none.")));
     return;
   }
-  heading(doc, host, words.say("energy_trains_title"), words.say("energy_caption"));
+  heading(doc, host, words.say("Energy by train"), words.say("kWh from where a train begins to move to where it ends; layovers apart. Figures above: net kWh per train-km. Numbers in brackets carry no passengers."));
   const [trains, traction, auxiliary, standing, regenerated, perKm, revenue] =
     ["train", "traction_kwh", "auxiliary_kwh", "standing_kwh", "regenerated_kwh", "net_per_km", "revenue"].map((label) => valuesOf(table, label));
-  chart(host, context, 320, words.say("energy_label"), (canvas, width, height) => drawBars(canvas, width, height, {
-    labels: trains.map((number, i) => (revenue[i] === "yes" ? number : `(${number})`)), unit: words.say("energy_kwh"),
+  chart(host, context, 320, words.say("Energy by train"), (canvas, width, height) => drawBars(canvas, width, height, {
+    labels: trains.map((number, i) => (revenue[i] === "yes" ? number : `(${number})`)), unit: words.say("energy, kWh"),
     tops: perKm.map((value) => (value === null ? "–" : value.toFixed(2))),
     series: [
       { label: words.say("traction"), colour: COLOURS.traction, values: traction },
-      { label: words.say("auxiliary_running"), colour: COLOURS.auxiliary, values: auxiliary.map((kwh, i) => kwh - standing[i]) },
-      { label: words.say("auxiliary_standing"), colour: COLOURS.standing, values: standing },
+      { label: words.say("auxiliary, running"), colour: COLOURS.auxiliary, values: auxiliary.map((kwh, i) => kwh - standing[i]) },
+      { label: words.say("auxiliary, standing"), colour: COLOURS.standing, values: standing },
       { label: words.say("regenerated"), colour: COLOURS.regenerated, values: regenerated.map((kwh) => -kwh) },
     ],
   }));
@@ -283,9 +283,9 @@ function batteries(host, context) {
   const { day, words } = context;
   const table = day.tables.get("battery_sets");
   if (!table?.columns[0].values.length) return;
-  heading(host.ownerDocument, host, words.say("battery_title"), words.say("battery_caption"));
+  heading(host.ownerDocument, host, words.say("Batteries"), words.say("Lowest state of charge of each set in the day; above, how far its energy then lay over what is to be kept back. Minutes that suffice: the least charging after which the set comes to its next charge with just that; – where no time would do. A place – lies off the line. Given, taken and lost are counted at the battery; missing is what a train asked of it and did not get."));
   const [units, lowest, margins] = ["unit", "soc_lowest", "margin_kwh"].map((label) => valuesOf(table, label));
-  chart(host, context, 220, words.say("battery_label"), (canvas, width, height) => drawBars(canvas, width, height, {
+  chart(host, context, 220, words.say("Lowest state of charge by set"), (canvas, width, height) => drawBars(canvas, width, height, {
     labels: units, unit: "%", tops: margins.map((kwh) => `${kwh > 0 ? "+" : ""}${kwh.toFixed(0)} kWh`.replace("-", "−")),
     series: [{ label: headingOf(columnOf(table, "soc_lowest"), words), colour: COLOURS.traction, values: lowest }],
   }));
@@ -296,10 +296,10 @@ function energyByHour(host, context) {
   const { day, words } = context;
   const table = day.tables.get("energy_hours");
   if (!table?.columns[0].values.length) return;
-  heading(host.ownerDocument, host, words.say("energy_hours_title"), words.say("energy_hours_caption"));
+  heading(host.ownerDocument, host, words.say("Energy by hour"), words.say("Of all trains and layovers, by the hour in which it was taken."));
   const hours = valuesOf(table, "hour");
-  chart(host, context, 260, words.say("energy_hours_label"), (canvas, width, height) => drawBars(canvas, width, height, {
-    labels: hours.map(String), unit: words.say("energy_kwh"),
+  chart(host, context, 260, words.say("Energy by hour"), (canvas, width, height) => drawBars(canvas, width, height, {
+    labels: hours.map(String), unit: words.say("energy, kWh"),
     series: [["traction", 1], ["auxiliary", 1], ["regenerated", -1]].map(([name, sign]) => ({
       label: words.say(name), colour: COLOURS[name], values: valuesOf(table, `${name}_kwh`).map((kwh) => sign * kwh),
     })),
@@ -311,16 +311,16 @@ function energyByHour(host, context) {
 export function marginsPaper(host, context) {
   const { day, words } = context;
   const table = day.tables.get("margins");
-  host.append(element(host.ownerDocument, "p", { class: "caption" }, words.say(table ? "margins_caption" : "nothing")));
+  host.append(element(host.ownerDocument, "p", { class: "caption" }, words.say(table ? "Planned: from the departure to the latest arrival that keeps the planned arrival, and the least dwell before the next departure. Least: full power and the planned braking, at the limits of the line, with the mean load and no reaction times; attainable: as far below the limits as trains are driven. Margin: planned less least, in percent of the least. Left: what was left on arrival as run; automatic driving spends a margin on a lower speed, so little is left by intent." : "Nothing to show: the run has none.")));
   if (!table) return;
   const [from, to, least, margin] = ["from_station", "to_station", "least_s", "margin_s"].map((label) => valuesOf(table, label));
-  chart(host, context, 400, words.say("margins_label"), (canvas, width, height) => drawBars(canvas, width, height, {
-    labels: from.map((id, i) => `${words.place(id)}–${words.place(to[i])}`), unit: words.say("seconds"),
+  chart(host, context, 400, words.say("Planned and least running time by hop"), (canvas, width, height) => drawBars(canvas, width, height, {
+    labels: from.map((id, i) => `${words.place(id)}–${words.place(to[i])}`), unit: words.say("s"),
     tops: margin.map((s) => (s > 0 ? `+${s}` : String(s).replace("-", "−"))),
     series: [
       { label: words.say("least"), colour: "#c9d6e4", values: least },
-      { label: words.say("smallest_margin"), colour: COLOURS.traction, values: margin.map((s) => Math.max(s, 0)) },
-      { label: words.say("too_short"), colour: COLOURS.red, values: margin.map((s) => Math.min(s, 0)) },
+      { label: words.say("smallest margin"), colour: COLOURS.traction, values: margin.map((s) => Math.max(s, 0)) },
+      { label: words.say("planned too short"), colour: COLOURS.red, values: margin.map((s) => Math.min(s, 0)) },
     ].filter(({ values }) => values.some((value) => value !== 0)),
   }));
   tables(host, context, ["margins"], true);
@@ -332,12 +332,12 @@ export function stoppingPaper(host, context) {
   const { day, words } = context;
   const doc = host.ownerDocument;
   const errors = papers.errorsTable(day);
-  heading(doc, host, words.say("errors_title"), words.say("errors_caption"));
-  if (!errors.columns[0].values.length) host.append(element(doc, "p", { class: "caption" }, words.say("nothing")));
+  heading(doc, host, words.say("Stop errors"), words.say("How far the front stood beyond the mark, by station; bars are means."));
+  if (!errors.columns[0].values.length) host.append(element(doc, "p", { class: "caption" }, words.say("Nothing to show: the run has none.")));
   else {
     const [, , stations, , values] = errors.columns.map((col) => col.values);
-    chart(host, context, 280, words.say("errors_label"), (canvas, width, height) => drawDots(canvas, width, height, {
-      groups: day.line.stations.map((s) => ({ label: words.place(s), values: values.filter((_, i) => stations[i] === s.id) })), unit: words.say("beyond_m"),
+    chart(host, context, 280, words.say("Stop errors by station"), (canvas, width, height) => drawDots(canvas, width, height, {
+      groups: day.line.stations.map((s) => ({ label: words.place(s), values: values.filter((_, i) => stations[i] === s.id) })), unit: words.say("front beyond the mark, m"),
     }));
     host.append(makeTable(doc, errors, context));
     approachesIn(host, context);
@@ -350,15 +350,15 @@ function approachesIn(host, context) {
   const { day, words } = context;
   const all = papers.approaches(day);
   const units = [...new Set(all.map((one) => one.unit))].sort();
-  heading(host.ownerDocument, host, words.say("approaches_title"), words.say("approaches_caption"));
+  heading(host.ownerDocument, host, words.say("Approaches"), words.say("The last 400 m of every stop at a mark, by unit: what the train ran (blue) and what its target-speed pattern asked for (orange, dashed)."));
   const width = host.clientWidth || 1000;
   const columns = Math.max(1, Math.min(units.length, Math.floor(width / 320)));
-  chart(host, context, 260 * Math.ceil(units.length / columns), words.say("approaches_label"), (canvas, w, h) => drawPanels(canvas, w, h, {
-    columns, from: 400, to: -10, unitX: words.say("before_m"), unitY: words.say("speed_kmh"),
+  chart(host, context, 260 * Math.ceil(units.length / columns), words.say("The last 400 m of every stop"), (canvas, w, h) => drawPanels(canvas, w, h, {
+    columns, from: 400, to: -10, unitX: words.say("before the mark, m"), unitY: words.say("speed, km/h"),
     panels: units.map((unit) => {
       const own = all.filter((one) => one.unit === unit);
       return {
-        title: words.say("stops_of", { unit, count: own.length }),
+        title: words.say("{unit}, {count} stops", { unit, count: own.length }),
         curves: own.flatMap((one) => [
           { x: one.x, y: one.v, colour: COLOURS.traction, alpha: 0.5 },
           { x: one.x, y: one.target, colour: COLOURS.target, dash: [5, 3], alpha: 0.5 },
@@ -372,18 +372,18 @@ function tuningIn(host, context) {
   const { day, words } = context;
   const { tuning } = day;
   if (!tuning) return;
-  heading(host.ownerDocument, host, words.say("tuning_title"), words.say("tuning_caption", { unit: tuning.unit }));
+  heading(host.ownerDocument, host, words.say("Self-tuning"), words.say("What each train has learned of its brake from its own stops, and the evaluation function J of the last stop of {unit}, which differs most from its design: dark is least, the ring is the least of all. Beside it the deceleration designed (orange), measured (grey) and smoothed (blue).", { unit: tuning.unit }));
   const cells = tuning.surface.flatMap((row, j) => row.map((value, i) => ({ value, x: i * tuning.step_s, y: (j - tuning.zero) * tuning.step_kmhps })));
   const least = cells.reduce((a, b) => (b.value < a.value ? b : a));
-  chart(host, context, 300, words.say("tuning_label"), (canvas, width, height) => drawSurface(canvas, Math.min(width, 560), height, {
+  chart(host, context, 300, words.say("Evaluation function of one stop"), (canvas, width, height) => drawSurface(canvas, Math.min(width, 560), height, {
     rows: tuning.surface, x0: 0, stepX: tuning.step_s, y0: -tuning.zero * tuning.step_kmhps, stepY: tuning.step_kmhps,
-    unitX: words.say("dead_time"), unitY: words.say("offset"), marks: [least],
+    unitX: words.say("dead time, s"), unitY: words.say("offset, km/h/s"), marks: [least],
   }));
   const waves = [["actual", COLOURS.auxiliary], ["designed", COLOURS.target], ["smooth", COLOURS.traction]]
     .map(([name, colour]) => ({ y: Array.from(column(tuning[name])), colour, width: 1.3 }));
   const x = waves[0].y.map((_, i) => (i - waves[0].y.length) * tuning.step_s);
-  chart(host, context, 240, words.say("waves_label"), (canvas, width, height) => drawPanels(canvas, Math.min(width, 720), height, {
-    columns: 1, from: x[0], to: 0, unitX: words.say("before_rest"), unitY: words.say("deceleration"),
+  chart(host, context, 240, words.say("Deceleration designed and measured"), (canvas, width, height) => drawPanels(canvas, Math.min(width, 720), height, {
+    columns: 1, from: x[0], to: 0, unitX: words.say("before rest, s"), unitY: words.say("deceleration, m/s²"),
     panels: [{ title: tuning.unit, curves: waves.map((wave) => ({ ...wave, x })) }],
   }));
 }
@@ -392,13 +392,13 @@ function tuningIn(host, context) {
 export function sectionsPaper(host, context) {
   const { day, words } = context;
   const doc = host.ownerDocument;
-  host.append(element(doc, "p", { class: "caption" }, words.say("sections_caption")));
+  host.append(element(doc, "p", { class: "caption" }, words.say("By the manager's register (pale) and in truth (solid), by unit.")));
   const readout = element(doc, "p", { class: "readout", "aria-live": "polite" }, "\u00a0");
   const stage = element(doc, "div", { class: "stage" });
   host.append(readout, stage);
   const end = day.window[1];
   const until = (time) => (Number.isNaN(time) ? end : time);
-  const said = (what) => headingOf(day.columns.blocks.find((column) => column.label === `${what}_s`), words);
+  const said = (what) => headingOf(day.columns.blocks.columns.find((column) => column.label === `${what}_s`), words);
   const rows = () => ({
     rowPx: 18,
     rows: day.sections.map((section) => ({
@@ -406,7 +406,7 @@ export function sectionsPaper(host, context) {
       bars: day.blocks.filter((block) => block.section?.id === section.id).flatMap((block) => {
         const colour = unitColour(day.units, block.unit);
         const title = [
-          section.id, block.train, words.say("tip_unit", { unit: block.unit }),
+          section.id, block.train, words.say("unit {unit}", { unit: block.unit }),
           ...["granted", "entered", "cleared", "released"].map((what) => `${said(what)} ${clock(block[what], true)}`),
         ].join(" · ");
         const held = { from: block.granted, to: until(block.released), colour, alpha: 0.28, share: 0.8, title };
@@ -416,7 +416,7 @@ export function sectionsPaper(host, context) {
     })),
   });
   const bounds = { x0: day.window[0] - 300, x1: day.window[1] + 300 };
-  context.layers.push(makeGantt(stage, bounds, rows, words.say("sections_label"), says(readout)).layer);
+  context.layers.push(makeGantt(stage, bounds, rows, words.say("Section occupancy over time"), says(readout)).layer);
   host.append(makeTable(doc, papers.blocksTable(day), context));
 }
 
@@ -426,7 +426,7 @@ export function trainsPaper(host, context) {
   host.append(makeTable(host.ownerDocument, papers.trainsTable(day), context, true));
   const waits = papers.waitsTable(day);
   if (!waits.columns[0].values.length) return;
-  heading(host.ownerDocument, host, words.say("waits_title"), words.say("waits_caption"));
+  heading(host.ownerDocument, host, words.say("Why did it wait?"), words.say("What each unit waited for, moment by moment."));
   host.append(makeTable(host.ownerDocument, waits, context));
 }
 
@@ -434,9 +434,9 @@ export function trainsPaper(host, context) {
 export function eventsPaper(host, context) {
   const { day, words } = context;
   const doc = host.ownerDocument;
-  host.append(element(doc, "p", { class: "caption" }, words.say(day.events.length ? "events_caption" : "events_none")));
+  host.append(element(doc, "p", { class: "caption" }, words.say(day.events.length ? "What a person should hear of; the journal has all. Refusals that repeat are one line with their count." : "None: no intervention, refusal or fault.")));
   tables(host, context, ["events"], true);
-  host.append(element(doc, "p", { class: "caption" }, words.say("telegrams_caption")));
+  host.append(element(doc, "p", { class: "caption" }, words.say("Lost by the air, dropped by the receiver's checks.")));
   tables(host, context, ["telegrams_kind", "telegrams_source", "telegrams_destination"], true);
 }
 

@@ -5,7 +5,7 @@ import { lastBefore, rowsOf, valueAt } from "./data.js";
 export const lateness = (call) => ({ arrival: call.a - call.pa, departure: call.d - call.pd });
 
 /** Classes of lateness, in order, and which one a number of seconds after plan falls into; null: it never came. */
-export const CLASSES = ["class_early", "class_15", "class_60", "class_180", "class_more", "class_never"];
+export const CLASSES = ["early by over 15 s", "within 15 s", "to 1 min late", "to 3 min late", "later", "did not come"];
 export function classOf(late) {
   if (late === null || Number.isNaN(late)) return 5;
   if (late < -15) return 0;
@@ -92,7 +92,7 @@ export function approaches(day, reach = 400) {
 
 /** A table of rows that the page has, with the columns that the run says of it. */
 const tableOf = (day, id, rows) => ({
-  id, columns: day.columns[id].map((column) => ({ ...column, values: rows.map((row) => row[column.label]) })),
+  id, title: day.columns[id].title, columns: day.columns[id].columns.map((column) => ({ ...column, values: rows.map((row) => row[column.label]) })),
 });
 
 /** The columns of a call, as planned and as it went. */
@@ -109,7 +109,7 @@ export function trainsTable(day) {
     return {
       train: train.number, unit: train.unit, direction: train.direction > 0 ? "down" : "up", revenue: train.revenue ? "yes" : "no",
       from: first.station?.id, to: last.station?.id, planned_departure_s: first.pd, departure_s: first.d,
-      planned_arrival_s: last.pa, arrival_s: last.a, late_s: last.a - last.pa, run: train.courses.length ? "run" : "did_not_run",
+      planned_arrival_s: last.pa, arrival_s: last.a, late_s: last.a - last.pa, run: train.courses.length ? "Run" : "did not run",
     };
   }));
 }
@@ -119,7 +119,7 @@ export const callsTable = (day) => tableOf(day, "calls", day.trains.flatMap((tra
 
 /** Every wait. */
 export const waitsTable = (day) => tableOf(day, "waits", [...day.waits.entries()].flatMap(([unit, spans]) =>
-  spans.map((span) => ({ unit, from_s: span.from, until: span.to, why: [span.en, span.ja] }))));
+  spans.map((span) => ({ unit, from_s: span.from, until: span.to, why: span.said }))));
 
 /** Every grant of a section. */
 export const blocksTable = (day) => tableOf(day, "blocks", day.blocks.filter((block) => block.section).map((block) => ({
@@ -137,6 +137,7 @@ export function curveLegs(day, number) {
   const own = table ? table.columns[0].values.map((train, i) => (train === number ? i : -1)).filter((i) => i >= 0) : [];
   return {
     id: "curve_legs",
+    title: "Leg minutes of this train",
     columns: (table?.columns.slice(1) ?? []).map((column) => ({ ...column, values: own.map((i) => column.values[i]) })),
   };
 }

@@ -6,8 +6,8 @@ import { niceStep, spread } from "./view.js";
 const LEFT = 52;
 const RIGHT = 46;
 const NAME_ANGLE = Math.PI / 5;
-const STRIPS = [["gradient", 46], ["curve", 40], ["notch", 40]];
-const BELOW = STRIPS.reduce((sum, [, px]) => sum + px, 0) + 24;
+const STRIPS = [["gradient", "‰", 46], ["curve", "R, m", 40], ["notch", "", 40]];
+const BELOW = STRIPS.reduce((sum, [, , px]) => sum + px, 0) + 24;
 
 /** The axis of kilometrage on which most of a course lies, and from and to where on it; with the points there. */
 export function onAxis(course, axes) {
@@ -112,9 +112,9 @@ function drawGrid(context, plot, y, top, words) {
     context.fillStyle = COLOURS.ink;
     context.fillText(String(Math.round(v)), plot.left - 5, y(v));
   }
-  turned(context, words.say("speed_kmh"), 12, plot.top + plot.height / 2);
+  turned(context, words.say("speed, km/h"), 12, plot.top + plot.height / 2);
   context.fillStyle = COLOURS.green;
-  turned(context, words.say("time_min"), plot.left + plot.width + RIGHT - 7, plot.top + plot.height / 2);
+  turned(context, words.say("time since the stand, min"), plot.left + plot.width + RIGHT - 7, plot.top + plot.height / 2);
 }
 
 function turned(context, text, x, y) {
@@ -255,7 +255,7 @@ function drawCursor(context, course, t, places, plot, y) {
 
 function drawStrips(context, course, axis, inside, places, plot, words) {
   let top = plot.top + plot.height;
-  for (const [name, px] of STRIPS) {
+  for (const [name, unit, px] of STRIPS) {
     const strip = { left: plot.left, top, width: plot.width, height: px };
     context.strokeStyle = COLOURS.rule;
     context.lineWidth = 1;
@@ -264,8 +264,8 @@ function drawStrips(context, course, axis, inside, places, plot, words) {
     context.fillStyle = COLOURS.ink;
     context.textAlign = "right";
     context.textBaseline = "middle";
-    context.fillText(words.say(`strip_${name}`), plot.left - 4, top + px / 2 - 6);
-    context.fillText(words.say(`strip_${name}_unit`), plot.left - 4, top + px / 2 + 7);
+    context.fillText(words.say(name), plot.left - 4, top + px / 2 - 6);
+    context.fillText(words.say(unit), plot.left - 4, top + px / 2 + 7);
     clipped(context, strip, () => STRIP_DRAWN[name](context, course, axis, inside, places, strip));
     top += px;
   }
@@ -373,5 +373,5 @@ function drawKilometres(context, course, bounds, view, places, plot, height, wor
     context.fillText(String(+((i * step) / 1000).toFixed(3)), x, height - 11);
   }
   context.textAlign = "right";
-  context.fillText(words.say("km"), plot.left - 6, height - 11);
+  context.fillText("km", plot.left - 6, height - 11);
 }

@@ -2,6 +2,7 @@
 import { clock } from "./view.js";
 
 const SHOWN = 200;
+const CALLS = { stop: ["stop", {}, "call"], operational: ["operational stop"], pass: ["passes"] };
 const NUMBERS = new Set(["number", "signed", "clock"]);
 
 /** An element with attributes, listeners (keys that begin with "on") and children; text is always set as text. */
@@ -20,11 +21,11 @@ export function element(doc, tag, attributes = {}, ...children) {
 export function written(value, column, words) {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
   switch (column.kind) {
-    case "place": return value === "" ? words.say("whole_line") : words.place(value);
+    case "place": return value === "" ? words.say("whole line") : words.place(value);
     case "clock": return clock(value, true);
     case "word": return words.say(value);
     case "said": return words.said(value);
-    case "call": return words.say(`call_${value}`);
+    case "call": return words.say(...CALLS[value]);
     case "number": return fixed(value, column.digits, words.lang);
     case "signed": return (value > 0 ? "+" : "") + fixed(value, column.digits, words.lang);
     default: return String(value);
@@ -64,16 +65,16 @@ function compared(column, words) {
 }
 
 /**
- * A table as an element: {id, columns: [{label, heading, kind, digits, values}], notes}. `open` shows it at once, else it is made when it
+ * A table as an element: {id, title, columns: [{label, heading, kind, digits, values}], notes}. `open` shows it at once, else it is made when it
  * is opened. `context`: words, showTrain(number).
  */
 export function makeTable(doc, table, context, open = false) {
   const { words } = context;
-  const title = words.say(`table_${table.id}`);
+  const title = words.said(table.title);
   const count = table.columns[0]?.values.length ?? 0;
   const body = element(doc, "div", { class: "grid" });
   const details = element(doc, "details", { class: "table", id: `table-${table.id}` },
-    element(doc, "summary", {}, `${title} · ${words.say(count === 1 ? "row" : "rows", { count: count.toLocaleString(words.lang) })}`), body);
+    element(doc, "summary", {}, `${title} · ${words.say(count === 1 ? "{count} row" : "{count} rows", { count: count.toLocaleString(words.lang) })}`), body);
   const fill = () => body.childElementCount || fillTable(doc, body, table, context, title);
   details.addEventListener("toggle", () => details.open && fill());
   if (open) {
@@ -89,9 +90,9 @@ function fillTable(doc, body, table, context, title) {
   const order = Array.from({ length: count }, (_, i) => i);
   let [sorted, falling, all] = [null, false, false];
   const save = element(doc, "button", {
-    type: "button", class: "quiet", "aria-label": words.say("csv_label", { table: title }),
+    type: "button", class: "quiet", "aria-label": words.say("Save {table} as CSV", { table: title }),
     onclick: () => saveText(doc, `${table.id}.csv`, csvOf(table, words)),
-  }, words.say("csv"));
+  }, words.say("CSV"));
   const grid = element(doc, "table", { "aria-label": title });
   const more = element(doc, "button", { type: "button", class: "quiet", onclick: () => { all = true; draw(); } });
   const draw = () => {
@@ -109,17 +110,17 @@ function fillTable(doc, body, table, context, title) {
     }))));
     const shown = all ? order : order.slice(0, SHOWN);
     grid.append(element(doc, "tbody", {}, ...shown.map((i) => element(doc, "tr", {}, ...table.columns.map((column) => cellOf(doc, column, i, context))))));
-    more.textContent = words.say("show_all", { count: count.toLocaleString(words.lang) });
+    more.textContent = words.say("Show all {count} rows", { count: count.toLocaleString(words.lang) });
     more.hidden = shown.length === count;
   };
   draw();
-  body.append(save, grid, more, ...(table.notes ?? []).map((note) => element(doc, "p", { class: "caption" }, note[words.lang === "ja" ? 1 : 0])));
+  body.append(save, grid, more, ...(table.notes ?? []).map((note) => element(doc, "p", { class: "caption" }, words.said(note))));
 }
 
 function cellOf(doc, column, i, context) {
   const value = column.values[i];
   const text = written(value, column, context.words);
-  const bad = value === "not_met";
+  const bad = Array.isArray(value) && value[0] === "NOT MET";
   if (column.kind !== "train" || !value) return element(doc, "td", { class: NUMBERS.has(column.kind) ? "number" : bad ? "bad" : text.length > 30 ? "long" : null }, text);
   return element(doc, "td", {}, element(doc, "button", { type: "button", class: "train", onclick: () => context.showTrain(value) }, text));
 }

@@ -127,7 +127,7 @@ def test_the_page_says_whether_the_drill_was_passed_and_what_was_not_met(
     assert [mark["label"] for mark in payload["marks"]] == ["F1", "A1", "E1", "E2"]
     items, judged = table_in(payload, "drill_items"), table_in(payload, "expectations")
     assert items["what"][0] == ["cut K1 <-> *", "cut K1 <-> *"]
-    assert judged["verdict"] == ["met", "not_met"]
+    assert judged["verdict"] == [["met", "成立"], ["NOT MET", "不成立"]]
     assert [t["notes"] for t in payload["tables"] if t["id"] == "expectations"] == [
         [["Latest 90 s after plan."] * 2]
     ]

@@ -122,7 +122,7 @@ def test_waits_are_told_in_both_languages(weekday: ReportedRun) -> None:
     run = with_table(weekday, waits=waits)
     shown = payload_of(run, summarise(run.tables, run.timetable), PageContents())["waits"]
     assert (unpacked(shown["from"]), unpacked(shown["to"])) == ([36_000.0], [36_060.0])
-    assert "Ogane" in shown["en"][0] and "大金" in shown["ja"][0]
+    assert "Ogane" in shown["said"][0][0] and "大金" in shown["said"][0][1]
 
 
 def test_margins_name_the_train_of_the_smallest(weekday: ReportedRun) -> None:

@@ -23,12 +23,13 @@ from radio import messages
 from radio.envelope import DropReason
 from radio.noted import Noted
 from scenario.scenario import load_scenario
-from simulation.events import EVENTS, Collision, Danger, EventType, FaultBegan, FaultOver
+from simulation.events import EVENTS, Collision, Danger, EventType, FaultBegan, FaultOver, word_of
 from simulation.faults.script import ActKind, Expectation, Property, ScriptedFault, matcher_of
 from simulation.faults.table import FAULTS
 from simulation.judge.checkers import Checker
 from simulation.late.settings import Late
 from simulation.result import Ending
+from study.capacity.occupation import OccupationPart
 from study.compare.comparison import FATES
 from study.compare.measures import TABLES, columns_in
 from study.compare.meets import MeetFate
@@ -36,17 +37,15 @@ from study.drilling.drill import find_drill
 from study.record.driving import EARLY, DrivenHop
 from study.record.figure import figures_of
 from study.record.tables import ROWS
-from study.report.bundle import modules
-from study.wording import outcome, script
-from study.wording.assumptions import FORMS, assumption
-from study.wording.compared import WORDS
-from study.wording.event_names import EVENT_NAMES
+from study.record.wait import Cause
+from study.wording import script
+from study.wording.assumptions import assumption
+from study.wording.catalogue import phrases_of
+from study.wording.compared import compared_name
 from study.wording.events import TOLD, event_text
 from study.wording.forms import found
-from study.wording.opinions import FORMS as OPINIONS
 from study.wording.phrase import Phrase
 from study.wording.reasons import reason
-from study.wording.telegrams import TELEGRAMS
 from wayside.reentry import PictureClash
 from wayside.register import ReentryStage, UnitStanding
 
@@ -105,32 +104,32 @@ def test_a_reason_that_is_missing_takes_its_clause_with_it() -> None:
     assert said == Phrase("refused: HELD", "要求を拒否：他の列車が確保しています")
 
 
-def test_every_kind_of_event_has_its_word_on_the_page() -> None:
-    words = modules()["words.js"]
-    for told in TOLD.values():
-        assert f"event_{told.kind}:" in words or f'"event_{told.kind}":' in words, told.kind
-
-
 @pytest.mark.parametrize(
-    ("there", "said"),
+    ("there", "context"),
     [
-        (set(EVENTS.values()), set(EVENT_NAMES)),
-        (set(FAULTS), set(script.FAULT_NAMES)),
-        ({f for kind in FAULTS.values() for f in kind.model_fields} - {"target"}, set(script.FIGURE_NAMES)),
-        (set(ActKind), set(script.ACT_NAMES)),
-        (set(TagPurpose), set(script.PURPOSES)),
-        ({*READER_NAMES, *OUTCOMES, "driver's eye"}, set(script.READERS)),
-        (set(Checker), set(outcome.CHECKERS)),
-        (set(Danger), set(outcome.DANGERS)),
-        (set(Ending), set(outcome.ENDINGS)),
-        (set(MeetFate), set(FATES)),
-        (set(Late.model_fields), set(outcome.DRAWN)),
-        ({kind.__name__ for kind in get_args(messages.AnyMessage)}, set(TELEGRAMS)),
+        ({word_of(event).replace("_", " ") for event in EVENTS.values()}, "event"),
+        (set(FAULTS), "fault"),
+        ({f for kind in FAULTS.values() for f in kind.model_fields} - {"target"}, "fault figure"),
+        ({kind.value for kind in ActKind}, "act"),
+        ({purpose.value for purpose in TagPurpose}, "tag"),
+        ({*READER_NAMES, *OUTCOMES, "driver's eye"}, "reader"),
+        ({*(rule.value for rule in Checker), "unsafe"}, "rule"),
+        ({danger.value for danger in Danger}, "danger"),
+        ({ending.value for ending in Ending}, "ending"),
+        ({cause.value for cause in Cause}, "cause"),
+        ({part.value for part in OccupationPart}, "part"),
+        ({told.kind for told in TOLD.values()} | {"train"}, "event kind"),
+        (set(Late.model_fields), "drawn"),
+        ({kind.__name__ for kind in get_args(messages.AnyMessage)}, "telegram"),
     ],
-    ids=lambda names: None if not names else str(sorted(map(str, names))[0]),
+    ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_every_table_of_words_is_whole(there: set[Any], said: set[Any]) -> None:
-    assert there == said
+def test_every_list_of_the_catalogue_is_whole(there: set[str], context: str) -> None:
+    assert there == set(phrases_of(context))
+
+
+def test_every_meet_changed_is_said() -> None:
+    assert set(FATES) == set(MeetFate)
 
 
 def reasons() -> Iterator[str]:
@@ -231,7 +230,9 @@ def test_what_is_compared_has_its_words() -> None:
         if isinstance(node.args[i], ast.Constant)
     }
     assert len(names) > 30
-    assert {name for name in names - set(WORDS) if english_in(name)} == set()
+    assert {
+        name for name in names - {name for name in names if compared_name(name).ja} if english_in(name)
+    } == set()
     assert all(columns_in(table) for table in TABLES)
     assert [said.name.en for said in (*figures_of(DrivenHop).values(), EARLY) if not said.name.ja] == []
 
@@ -269,11 +270,17 @@ def test_what_a_shipped_line_rests_on_is_said_in_japanese(line_id: str) -> None:
     assert {text: words for text, words in left.items() if words} == {}
 
 
-@pytest.mark.parametrize("form", [*FORMS, *OPINIONS], ids=lambda form: form.en[:40])
+@pytest.mark.parametrize(
+    "form",
+    [*phrases_of("assumption").values(), *phrases_of("opinion").values()],
+    ids=lambda form: form.en[:40],
+)
 def test_a_sentence_is_found_by_its_form_with_its_figures(form: Phrase) -> None:
     count = form.en.count("{}")
     values = [str(11 * (i + 1)) for i in range(count)]
-    said = found([*FORMS, *OPINIONS], form.en.format(*values), Phrase)
+    said = found(
+        [*phrases_of("assumption").values(), *phrases_of("opinion").values()], form.en.format(*values), Phrase
+    )
     assert said is not None and said.en == form.en.format(*values)
     assert all(value in said.ja for value in values) or "times:" in form.en
-    assert found(FORMS, "something else", Phrase) is None
+    assert found(phrases_of("assumption").values(), "something else", Phrase) is None

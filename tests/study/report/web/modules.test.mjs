@@ -11,7 +11,7 @@ const { csvOf, written } = await from("tables.js");
 const columnOf = (label, kind, values, digits = 0) => ({ label, heading: [label, `${label} (ja)`], kind, values, digits });
 const { nearestTrain, boundsOf, plotOf, scaleOf } = await from("traingraph.js");
 const { searched } = await from("app.js");
-const { WORDS, wordsIn } = await from("words.js");
+const { wordsIn } = await from("words.js");
 const { whereIs, latenessAt } = await from("graphpaper.js");
 const { drawStairway, partsOf } = await from("stairway.js");
 const { standsOf, onAxis } = await from("runcurve.js");
@@ -47,9 +47,9 @@ function example() {
     ],
     courses: [course("T1", 1, [0, 100, 170, 320], [0, 1000, 1000, 2000], [0, 0, 0, 0]), course("T2", -1, [600, 700], [2000, 1500], [18, 18])],
     broken: [], beside: null, tuning: null, tolerance: { m: 1, kmh: 1, notch: 1 },
-    waits: { en: ["waits"], ja: ["待つ"], units: ["U1"], unit: [0], from: packed([100]), to: packed([170]), text: [0] },
+    waits: { said: [["waits", "待つ"]], units: ["U1"], unit: [0], from: packed([100]), to: packed([170]), text: [0] },
     tables: [
-      { id: "events", notes: [], columns: [columnOf("t_s", "clock", [50, 60]), columnOf("source", "text", ["U1", "P"]), columnOf("kind", "word", ["event_fault", "event_act"]), columnOf("text", "text", ["one", "two"])] },
+      { id: "events", notes: [], columns: [columnOf("t_s", "clock", [50, 60]), columnOf("source", "text", ["U1", "P"]), columnOf("kind", "said", [["fault", "故障"], ["act", "人の操作"]]), columnOf("text", "text", ["one", "two"])] },
       { id: "occupation", notes: [], columns: [
         columnOf("station", "place", ["A", "C"]), columnOf("track", "text", ["1", "1"]), columnOf("train", "train", ["T1", "T1"]), columnOf("next_train", "train", ["T1", "T2"]),
         columnOf("unit", "text", ["U1", "U1"]), columnOf("kind", "call", ["stop", "stop"]), columnOf("planned_from_s", "clock", [null, 300]), columnOf("planned_to_s", "clock", [0, 600]),
@@ -149,9 +149,9 @@ test("a search finds the very train, else one that begins so, else one that has 
 test("a day is made of its parts", () => {
   const day = dayOf(example());
   assert.deepEqual(day.events.map((event) => event.m), [500, 500]);
-  assert.equal(waitAt(day, "U1", 120, "ja"), "待つ");
-  assert.equal(waitAt(day, "U1", 99, "en"), null);
-  assert.equal(waitAt(day, "U9", 120, "en"), null);
+  assert.equal(waitAt(day, "U1", 120)[1], "待つ");
+  assert.equal(waitAt(day, "U1", 99), null);
+  assert.equal(waitAt(day, "U9", 120), null);
   assert.ok(Number.isNaN(day.blocks[0].entered) && day.blocks[0].released === 45);
   const words = wordsIn("en", day.stations);
   assert.equal(whereIs(day, 1500, words), "Name B – Name C");
@@ -181,13 +181,10 @@ test("legs of a course lie between its stands, on the axis where it runs most", 
   assert.equal(onAxis(day.courses[0], day.line.axes).axis.id, "x");
 });
 
-test("every word is in both languages, with the same places to fill", () => {
-  for (const [key, [en, ja]] of Object.entries(WORDS)) {
-    const places = (text) => [...text.matchAll(/\{(\w+)\}/g)].map((m) => m[1]).sort();
-    assert.deepEqual(places(en), places(ja), key);
-    assert.equal(en === "", ja === "", key);
-  }
-  const words = wordsIn("ja", new Map([["A", { name: "Ogane", ja: "大金" }], ["B", { name: "Only", ja: "" }]]));
+test("words are said in either language, in their context, with what fills them", () => {
+  const words = wordsIn("ja", new Map([["A", { name: "Ogane", ja: "大金" }], ["B", { name: "Only", ja: "" }]]), { "{count} rows": "{count} 行", "call\u0004stop": "停車" });
+  assert.deepEqual([words.say("{count} rows", { count: 3 }), words.say("stop", {}, "call"), words.say("other")], ["3 行", "停車", "other"]);
+  assert.deepEqual([words.said(["plan", "計画"]), wordsIn("en").said(["plan", "計画"]), wordsIn("en").say("{count} rows", { count: 3 })], ["計画", "plan", "3 rows"]);
   assert.deepEqual([words.place("A"), words.place("B"), words.place("P1")], ["大金", "Only", "P1"]);
 });
 
