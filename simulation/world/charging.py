@@ -12,6 +12,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+import numpy as np
+
 from network.model import Charger
 from onboard.charge import ChargeRules, ChargeWatch
 from onboard.reach import charger_at
@@ -295,6 +297,7 @@ class Charging:
         on_line = slot not in self._off
         place = "" if duty is None or at is None or not on_line else duty.mission.targets[at].station_id or ""
         self._sampled_s[slot] = step / STEPS_PER_S
+        flows: Any = np.asarray(row["flows"].copy()).view(np.recarray)[()]  # a copy, with its names
         self.records.append(
             BatteryRecord(
                 self._trains.stock_ids[slot],
@@ -305,6 +308,6 @@ class Charging:
                 float(soc_of(row)),
                 float(stored_j(row, soc_of(row))),
                 battery.supply_w,
-                row["flows"].copy(),
+                flows,
             )
         )
