@@ -272,6 +272,7 @@ HAZARDS: Final = (
             "rtri/28_unit_restart_at_departure",
             "karasuyama/28_unit_restart_out_of_coverage",
             "rtri/73_restart_without_tags",
+            "rtri/74_silent_wheels_without_tags",
         ),
         ("full speed after a restart",),
     ),

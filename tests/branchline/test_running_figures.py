@@ -23,7 +23,7 @@ def test_energy_by_distance_is_that_of_the_report() -> None:
     assert net == "2,363.7 kWh"
     assert distance == "2.88 kWh/train-km (1.44 per car-km), 3.52 (1.76) with layovers"
     frame = pl.DataFrame({"regenerated_to": ["other_trains"]})
-    assert energy_fact({"energy": ENERGY}, frame).value.endswith(f"; {distance}")
+    assert energy_fact({"energy": ENERGY}, frame).value.en.endswith(f"; {distance}")
     nobody: dict[str, Any] = {"trains": None, "all": None}
     assert _net(ENERGY | {"net_kwh_per_train_km": nobody, "net_kwh_per_car_km": nobody}) == "2,363.7 kWh"
 

@@ -141,4 +141,4 @@ def test_ends_joined_are_one_node(pairs: list[tuple[int, int]]) -> None:
             groups[member] = whole
     for a in range(10):
         for b in range(10):
-            assert (joined.node_end((f"t{a}", 0)) == joined.of((f"t{b}", 0))) == (b in groups[a])
+            assert (joined.node_end((f"t{a}", 0)) == joined.node_end((f"t{b}", 0))) == (b in groups[a])

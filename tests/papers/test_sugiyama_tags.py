@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from papers.reproduction import Options, Reproduction, reproduction
+from papers.reproduction import Options, Reproduction
+from papers.specification import reproduction
 from simulation.sensors.tag_air import BIT_ERROR_RATES
 
 

@@ -71,7 +71,7 @@ class World:
         self.hauled: list[str] = []
         shown = [DrivingCommand(on_line=True, held=("3", "5")), DrivingCommand(on_line=False, held=("PW",))]
         on_board: Any = SimpleNamespace(
-            shown=shown.__getitem__, uncommissioned={0}, lose_store=self.lost.append
+            shown_to_driver=shown.__getitem__, uncommissioned={0}, lose_store=self.lost.append
         )
         self.wayside: Any
         trains: Any = SimpleNamespace(

@@ -163,7 +163,7 @@ def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:
         return take_interval(row, fix)
 
     patch.setattr("onboard.localisation.tags.missed_by_m", lambda *_: 0.0)
-    patch.setattr("onboard.localisation.tags.take", take_any)
+    patch.setattr("onboard.localisation.tags.take_interval", take_any)
     patch.setattr(TagDoubt, "believes", lambda *_: True)
 
 

@@ -141,9 +141,9 @@ SHORT = "FileType=OuDiaSecond.1.10\nRosen.\nRosenmei=烏山線の平日の時刻
         (UTF8 + SHORT.encode() + b".\n", "line 5 is '.'; expected no end of a node here: none is open"),
         (b"FileType=OuDia.1.02\n" + b"A.\n" * 99, "nodes at most 8 deep"),
         (b"FileType=OuDia.1.02\n", "Rosen; expected a route, which is missing"),
-        (b"FileType=OuDia.1.02\nRosen.\n.\n", "DispProp; expected how it is shown"),
+        (b"FileType=OuDia.1.02\nRosen.\n.\n", "DispProp; expected the display settings"),
         (b"FileType=OuDia.1.02\nRosen.\n.\nDispProp.\n.\n", "Rosen.Eki; expected stations"),
-        (b"FileType=OuDia.1.02\nRosen.\nEki.\n.\n.\nDispProp.\n.\n", "Rosen.Dia; expected a timetable"),
+        (b"FileType=OuDia.1.02\nRosen.\nEki.\n.\n.\nDispProp.\n.\n", "Rosen.Dia; expected at least one timetable"),
         (
             b"FileType=OuDia.1.02\nRosen.\nEki.\n.\nDia.\nDiaName=a\nKudari.\n.\n.\n.\nDispProp.\n.\n",
             "Dia 'a'; expected Nobori, its trains of that direction",

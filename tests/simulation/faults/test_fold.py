@@ -149,8 +149,8 @@ def test_bounds_are_not_judged_until_the_last_of_a_tachometers_faults_is_over() 
     rests = []
     for second in (1, 5, 20, 70):
         world.run_to(second * 10)
-        world.trains.premises.fixed(0, holds=True)
-        rests.append(world.trains.premises.broken(0))
+        world.trains.premises.note_fix(0, holds=True)
+        rests.append(world.trains.premises.is_false(0))
     assert rests == [False, True, True, False]
 
 

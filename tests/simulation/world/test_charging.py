@@ -90,7 +90,7 @@ def test_who_moves_so_is_unsafe_and_who_is_held_on_sight_looks_again(on_sight: b
         _step=0,
         _unsafe=lambda _slot, danger: unsafe.append(danger),
         _cabs=SimpleNamespace(tell=lambda slot, _step, what: happened.append((slot, what))),
-        on_board=SimpleNamespace(shown=lambda _slot: SimpleNamespace(on_sight=on_sight)),
+        on_board=SimpleNamespace(shown_to_driver=lambda _slot: SimpleNamespace(on_sight=on_sight)),
     )
     world.control["moved"], world.control["pantograph"] = MOVED, FALLING
     Simulation._look_at_pantographs(loop, world.charging)

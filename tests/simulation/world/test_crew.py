@@ -59,7 +59,7 @@ class Cab:
         )
         on_board: Any = SimpleNamespace(
             plan=lambda _slot: self.plan,
-            shown=lambda _slot: self.shown,
+            shown_to_driver=lambda _slot: self.shown,
             drives_on_sight=lambda _slot: self.on_sight,
             unpowered=set[int](),
         )

@@ -178,7 +178,7 @@ def test_every_train_must_arrive_empty_ones_too() -> None:
 
 def test_who_should_have_left_must_have_left_and_the_run_must_have_reached_its_end() -> None:
     all_arrive = Expectation("t", holds=Property.EVERYONE_ARRIVES)
-    stays = "K1 has neither left the line nor stands where its last duty ends"
+    stays = "K1 has not left the line and does not stand where its last duty ends"
     assert verdict(all_arrive, result_of(unfinished=("K1",))) == (False, stays)
     for because in (Ending.TIME_LIMIT, Ending.STALLED):
         passed, happened = verdict(all_arrive, result_of(ended_because=because))

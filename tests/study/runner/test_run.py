@@ -104,7 +104,7 @@ def test_what_makes_a_run_a_failure() -> None:
     assert broken_by(result(violations=(seen,)), setup) == ("points-under-train: P5 moves under K1",)
     forced = "ran through points P5 set against it"
     assert broken_by(result(unsafe="P5"), setup) == (f"K1 {forced}",)
-    stays = "K1 has neither left the line nor stands where its last duty ends"
+    stays = "K1 has not left the line and does not stand where its last duty ends"
     assert broken_by(result(unfinished=("K1",)), setup) == (stays,)
 
 
