@@ -64,7 +64,10 @@ class Yard:
             input=lambda _step, _device, value: self.inputs.append(value),
         )
         checkers: Any = SimpleNamespace(
-            entered=lambda *_: None, train_left=lambda *_: None, observe=lambda *_: None, reversed=lambda *_: None
+            entered=lambda *_: None,
+            train_left=lambda *_: None,
+            observe=lambda *_: None,
+            reversed=lambda *_: None,
         )
         self.books = Books(self.trains)
         lengths = dict.fromkeys(self.trains.stock_ids, 40.0)

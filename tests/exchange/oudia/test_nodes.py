@@ -143,7 +143,10 @@ SHORT = "FileType=OuDiaSecond.1.10\nRosen.\nRosenmei=烏山線の平日の時刻
         (b"FileType=OuDia.1.02\n", "Rosen; expected a route, which is missing"),
         (b"FileType=OuDia.1.02\nRosen.\n.\n", "DispProp; expected the display settings"),
         (b"FileType=OuDia.1.02\nRosen.\n.\nDispProp.\n.\n", "Rosen.Eki; expected stations"),
-        (b"FileType=OuDia.1.02\nRosen.\nEki.\n.\n.\nDispProp.\n.\n", "Rosen.Dia; expected at least one timetable"),
+        (
+            b"FileType=OuDia.1.02\nRosen.\nEki.\n.\n.\nDispProp.\n.\n",
+            "Rosen.Dia; expected at least one timetable",
+        ),
         (
             b"FileType=OuDia.1.02\nRosen.\nEki.\n.\nDia.\nDiaName=a\nKudari.\n.\n.\n.\nDispProp.\n.\n",
             "Dia 'a'; expected Nobori, its trains of that direction",
