@@ -11,7 +11,15 @@ from vehicle.response import approach, dead_time_steps
 
 @pytest.mark.parametrize(
     ("dead_s", "dt_s", "steps"),
-    [(0.0, 0.1, 0), (0.2, 0.1, 2), (0.5, 0.1, 5), (1.0, 0.02, 50), (9.0, 0.1, 63)],
+    [
+        (0.0, 0.1, 0),
+        (0.2, 0.1, 2),
+        (0.5, 0.1, 5),
+        (1.0, 0.02, 50),
+        (0.3, 0.1, 3),
+        (0.26, 0.1, 3),
+        (9.0, 0.1, 63),
+    ],
 )
 def test_dead_time_in_whole_steps(dead_s: float, dt_s: float, steps: int) -> None:
     assert dead_time_steps(dead_s, dt_s) == steps
