@@ -104,7 +104,7 @@ def test_a_mark_counts_until_the_driver_has_it_behind_him(mission: Mission, beyo
     """Whatever makes him look again in the last metre: the train has not stopped there yet."""
     cab = Cab(mission, 0.0, "3", "5", "6", "7", "8", "10")
     mark_m = mission.targets[-1].mark_m
-    cab.truth.position_m = mark_m + beyond_m
+    cab.truth.position_m, cab.plant.speed_mps = mark_m + beyond_m, 0.3
     assert cab.sight_m() == pytest.approx(mark_m + 2.0)
     cab.truth.position_m = mark_m + 2.5
     assert cab.sight_m() > mark_m + 2.0
