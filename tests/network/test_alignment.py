@@ -121,6 +121,14 @@ def _placed(rows: Sequence[tuple[float, float, bool, float]]) -> Alignment:
     return make(curves, length_m=at_m + 50.0, bearing_deg=77.0)
 
 
+def test_an_offset_lies_to_the_right_of_the_way_down() -> None:
+    """Going north, to the east; going east, to the south."""
+    for bearing_deg, moved in ((0.0, (2.0, 0.0)), (90.0, (0.0, -2.0))):
+        line, at_m = make(bearing_deg=bearing_deg), np.array([500.0])
+        beside = positions(line, at_m, 2.0) - positions(line, at_m)
+        assert beside[0, :2] == pytest.approx(moved, abs=1e-9)
+
+
 @given(curve_lists, st.floats(-6.0, 6.0))
 def test_offset_is_kept_and_steps_have_their_length(
     rows: list[tuple[float, float, bool, float]], offset_m: float

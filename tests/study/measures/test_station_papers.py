@@ -198,6 +198,16 @@ def test_punctuality_by_station_by_hand(stops: pl.DataFrame, line: Line) -> None
     assert everywhere["whole_minutes"]
 
 
+@pytest.mark.parametrize(("late_s", "share"), [(59.0, 1.0), (60.0, 0.0)])
+def test_who_is_a_minute_late_is_not_on_time(
+    stops: pl.DataFrame, line: Line, late_s: float, share: float
+) -> None:
+    """As Japanese operators count: less than a minute late is on time."""
+    late = stops.with_columns(pl.lit(late_s).alias("late_arrival_s"))
+    rows = punctuality(planned_times(late, NO_TRAINS, END_S), line).to_dicts()
+    assert {row["on_time_share"] for row in rows if row["what"] == "arrival"} == {share}
+
+
 def test_what_did_not_come_is_not_on_time(stops: pl.DataFrame, line: Line) -> None:
     lost = stops.with_columns(
         pl.when(pl.col("station") == "SHN").then(None).otherwise(pl.col(name)).alias(name)
