@@ -112,7 +112,9 @@ def test_summary_of_a_small_run_worked_out_by_hand() -> None:
     # Errors 0.1, -0.3, 0.5, 0.1: mean 0.1, deviations 0, -0.4, 0.4, 0: sigma = sqrt(0.32 / 3).
     assert summary["stop_error_m_mean"] == pytest.approx(0.1)
     assert summary["stop_error_m_sigma"] == pytest.approx((0.32 / 3) ** 0.5)
-    assert summary["stop_error_m_max_abs"] == 0.5
+    short = {**parts, "stops": small_stops().with_columns(-pl.col("stop_error_m"))}
+    for each in (summary, summarise(RunTables(**{**empty(), **short}), timetable())):
+        assert each["stop_error_m_max_abs"] == 0.5  # beyond the mark, or short of it
     assert summary["stops_off"] == 1
     off = summary["stop_off_at"]
     assert off["error_m"] == 0.5
