@@ -70,7 +70,9 @@ class Crew:
         stops = [spans[index].start_m for index, _ in self._unproven(slot, plan, shown)]
         marks_m = [target.mark_m for target in duty.mission.targets[shown.at + 1 :]]
         # A mark counts until a train that moves has it behind it; one that stands there is to go on from it.
-        beyond_m = front_m + 1.0 if self._trains.plants[slot].speed_mps == 0.0 else front_m - SEES_MARK_BEYOND_M
+        beyond_m = (
+            front_m + 1.0 if self._trains.plants[slot].speed_mps == 0.0 else front_m - SEES_MARK_BEYOND_M
+        )
         stops += [mark_m + SEES_MARK_BEYOND_M for mark_m in marks_m if mark_m > beyond_m]
         stops.append(self._held_end_m(slot, shown))
         truth.sight_m = min(truth.sight_m, *stops)
