@@ -271,6 +271,7 @@ HAZARDS: Final = (
             "rtri/05b_extra_tag",
             "rtri/28_unit_restart_at_departure",
             "karasuyama/28_unit_restart_out_of_coverage",
+            "karasuyama/29_unit_restart_before_a_halt",
             "rtri/73_restart_without_tags",
             "rtri/74_silent_wheels_without_tags",
         ),

@@ -163,6 +163,7 @@ class Cabs:
     def crew_stands(self, slot: int, step: int) -> None:
         """A train on sight has come to a stand: its crew will look at the points, or say what mark it has reached."""
         if self._crew.has_to_look(slot):
+            self._crew.look_ahead(slot)
             self._begins(Pause.STAND, slot, step)
 
     def crew_due(self, pause: Pause, slot: int, step: int) -> None:

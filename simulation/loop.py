@@ -40,6 +40,7 @@ from simulation.world.records import (
     PASSED_FRONT,
     PASSED_REAR,
     PASSED_TAG,
+    PASSED_TO_A_STAND,
     TRACE,
 )
 from simulation.world.roster import drawn_up
@@ -340,8 +341,8 @@ class Simulation:
             cabs.tell(slot, step, sensed)
             if any(isinstance(what, TagBelieved | FoundByOtherSensor) for what in sensed):
                 trains.position_fixed(slot)
-            if events & EVENT_STOPPED:
-                cabs.crew_stands(slot, step)
+        if passed & PASSED_TO_A_STAND or events & EVENT_STOPPED:
+            cabs.crew_stands(slot, step)
 
     # the end ------------------------------------------------------------------------------------------------------
 

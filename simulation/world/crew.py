@@ -62,18 +62,16 @@ class Crew:
         """Set where the driver will stop: before points not proven, at the mark, at the end of what is held."""
         truth, plan, duty = self._trains.truths[slot], self._on_board.plan(slot), self._trains.duties[slot]
         truth.sight_m = self._obstacle_m(slot)
-        powered = slot not in self._on_board.unpowered
-        if not (powered and self._on_board.shown_to_driver(slot).on_sight) or plan is None or duty is None:
+        if not self._on_board.drives_on_sight(slot) or plan is None or duty is None:
             return
         front_m, shown = float(truth.position_m), self._on_board.shown_to_driver(slot)
         spans = duty.mission.spans
         stops = [spans[index].start_m for index, _ in self._unproven(slot, plan, shown)]
         marks_m = [target.mark_m for target in duty.mission.targets[shown.at + 1 :]]
-        # A mark counts until a train that moves has it behind it; one that stands there is to go on from it.
-        beyond_m = (
-            front_m + 1.0 if self._trains.plants[slot].speed_mps == 0.0 else front_m - SEES_MARK_BEYOND_M
-        )
-        stops += [mark_m + SEES_MARK_BEYOND_M for mark_m in marks_m if mark_m > beyond_m]
+        stops += [m + SEES_MARK_BEYOND_M for m in marks_m if m > front_m - SEES_MARK_BEYOND_M]
+        stands = self._trains.plants[slot].speed_mps == 0.0
+        if stands and self._mark_reached(duty.mission, shown, front_m) is not None:
+            stops.append(front_m)  # until the driver has said that it stands there
         stops.append(self._held_end_m(slot, shown))
         truth.sight_m = min(truth.sight_m, *stops)
 

@@ -244,9 +244,8 @@ class OnBoard:
         return None if duty is None else self._plan(slot, duty.mission)
 
     def drives_on_sight(self, slot: int) -> bool:
-        """Whether the driver drives on sight: the unit shows that it does not know where it is."""
-        powered = slot not in self.unpowered
-        return powered and self.shown_to_driver(slot).on_sight and not self._trains.units[slot].position_known
+        """Whether the driver drives on sight: the unit shows that it does not know where it is, or what it holds."""
+        return slot not in self.unpowered and self.shown_to_driver(slot).on_sight
 
     def learned(self) -> dict[str, Learned]:
         """What the trains know of their brakes, by stock id; empty where none learns."""

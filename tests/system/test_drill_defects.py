@@ -32,6 +32,7 @@ from onboard.vehicle import VehicleInputs
 from radio.envelope import header_of
 from simulation.world.cable import Cable
 from simulation.world.crew import Crew
+from simulation.world.on_board import OnBoard
 from simulation.world.points import WaysideWorld
 from study.drilling.drill import shipped_drills
 from study.runner.run import FinishedRun
@@ -316,6 +317,27 @@ def test_a_drill_fails_without_the_behaviour_that_it_checks(
     switched_off, objector = WITHOUT[drill]
     _, objections = run_with(FOLDER + drill, switched_off)
     assert objector in objections
+
+
+def test_a_driver_on_sight_stops_at_a_halt_whatever_his_unit_knows(
+    run_with: Callable[..., tuple[FinishedRun, set[str]]],
+) -> None:
+    """Placed by a tag, but without radio, the unit shows that it runs on sight and tells nobody of an arrival."""
+
+    def drives_while_unplaced(patch: pytest.MonkeyPatch) -> None:
+        patch.setattr(
+            OnBoard,
+            "drives_on_sight",
+            lambda self, slot: (
+                slot not in self.unpowered
+                and self.shown_to_driver(slot).on_sight
+                and not self._trains.units[slot].position_known
+            ),
+        )
+
+    drill = "karasuyama/29_unit_restart_before_a_halt"
+    _, objections = run_with(drill, drives_while_unplaced)
+    assert "it calls at the halt, before the manager has answered" in objections
 
 
 def test_no_drill_is_left_out() -> None:

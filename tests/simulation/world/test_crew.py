@@ -110,6 +110,18 @@ def test_a_mark_counts_until_the_driver_has_it_behind_him(mission: Mission, beyo
     assert cab.sight_m() > mark_m + 2.0
 
 
+@pytest.mark.parametrize("beyond_m", [-1.5, 0.4, 3.0])
+def test_who_stands_at_a_mark_goes_on_when_he_has_said_so(mission: Mission, beyond_m: float) -> None:
+    """However far the train would still draw up, and whatever its unit would have it do."""
+    cab = Cab(mission, 0.0, "3", "5", "6", "7", "8", "10")
+    last = len(mission.targets) - 1
+    cab.truth.position_m = mission.targets[-1].mark_m + beyond_m
+    assert cab.sight_m() == cab.truth.position_m
+    assert cab.crew.stand(0, 10.0) == [AtMark(last, 0.0)]
+    cab.shown = msgspec.structs.replace(cab.shown, stands_at=last, at=last)
+    assert cab.sight_m() > cab.truth.position_m + 2.0
+
+
 def test_it_does_not_leave_what_is_held(mission: Mission) -> None:
     cab = Cab(mission, 0.0, "3")
     cab.truth.position_m = mission.targets[0].mark_m

@@ -106,6 +106,8 @@ def test_a_unit_that_boots_has_forgotten_and_brakes(cab: Cab) -> None:
     assert cab.trains.units[0].position_known == 0
     assert cab.trains.units[0].intervention == EMERGENCY_INTERVENTION
     assert cab.on_board.drives_on_sight(0)
+    cab.trains.units[0].position_known = 1  # by a tag, while the manager has not yet said what it holds
+    assert cab.on_board.drives_on_sight(0)
 
 
 @pytest.mark.parametrize("drift", [0.1, -0.1])
