@@ -16,6 +16,7 @@ from network.errors import InputError
 
 if TYPE_CHECKING:
     from scenario.scenario import Scenario
+    from study.compare.against import Against
     from study.compare.side import ComparedRun
     from study.runner.run import FinishedRun
 
@@ -54,7 +55,6 @@ def run(
     A plan that cannot work is refused with exit code 2.
     """
     from scenario.scenario import load_scenario
-    from study.compare.against import changes_from_base as compared_with
     from study.feasibility.check import refuse
     from study.record.directory import reserved
     from study.runner.run import NO_MORE, CarrierKind, end_room_bytes, execute, fill_run, link_of, units_at
@@ -83,7 +83,7 @@ def run(
                 delay_ms=gui_delay,
             )
         print_aside("writing the report")
-        compared = None if base is None else compared_with(done, base, over)
+        compared = None if base is None else _compared(done, base, over)
         report = fill_run(done, place, more=NO_MORE if compared is None else compared.more)
     outcome = judged_outcome(not done.broken)
     if as_json:
@@ -107,6 +107,13 @@ def _base_of(directory: Path, scenario: Scenario) -> ComparedRun:
     from study.compare.against import base_of
 
     return base_of(directory, scenario.setup.line)
+
+
+def _compared(done: FinishedRun, base: ComparedRun, over_s: float) -> Against:
+    """What changed since; only who compares needs what draws both graphs."""
+    from study.compare.against import changes_from_base
+
+    return changes_from_base(done, base, over_s)
 
 
 def _passing(at: dict[str, Any] | None) -> list[tuple[str, str]]:
@@ -139,7 +146,7 @@ def _hop(row: dict[str, Any]) -> str:
 
 def _off_the_mark(summary: dict[str, Any]) -> str | None:
     """What is said of stops that were not at their marks; None where all were."""
-    from study.measures.summary import OFF_MARK_M
+    from simulation.tolerance import OFF_MARK_M
 
     at = summary["stop_off_at"]
     if at is None:

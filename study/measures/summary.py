@@ -8,6 +8,7 @@ import polars as pl
 
 from network.timetable import CallKind, Timetable
 from simulation.result import DRAWN
+from simulation.tolerance import OFF_MARK_M
 from study.measures.driving import driving_summary
 from study.measures.missing import planned_times
 from study.record.energy import PARTS
@@ -17,7 +18,6 @@ from study.record.told import TelegramsOfWay
 
 NEVER_CAME: Final = "missing arrival"
 TELEGRAM_COUNTS: Final = tuple(seen_in(TelegramsOfWay, ShownIn.TOTALS_COMPARED))
-OFF_MARK_M: Final = 0.35  # a stop farther from its mark than this is told: doors no longer meet their places
 NAMED: Final = ("train", "from_station", "to_station", "planned_s", "least_s", "margin_s", "margin_percent")
 
 
