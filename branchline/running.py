@@ -9,14 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from branchline.comparing import OVER_S, Over, check_over, print_comparison
-from branchline.ending import crashes_into, end, judged_outcome, print_json
+from branchline.ending import end, judged_outcome, print_json
 from branchline.options import Json, LinkName, Out, ScenarioName, Seed, UnitsName
-from branchline.progress import print_aside, progress_of
-from network.errors import InputError
+from branchline.progress import print_aside
 
 if TYPE_CHECKING:
-    from scenario.scenario import Scenario
-    from study.compare.side import ComparedRun
     from study.runner.run import FinishedRun
 
 
@@ -53,44 +50,21 @@ def run(
 
     A plan that cannot work is refused with exit code 2.
     """
+    from branchline.whole_run import RunAsked, run_whole
     from scenario.scenario import load_scenario
-    from study.compare.against import changes_from_base as compared_with
-    from study.feasibility.check import refuse
-    from study.record.directory import reserved
-    from study.runner.run import NO_MORE, CarrierKind, end_room_bytes, execute, fill_run, link_of, units_at
 
-    chosen = link_of(link)
-    hosted = units_at(units, chosen)
-    if carrier not in {CarrierKind.SUMO.value, CarrierKind.PLAIN.value}:
-        raise InputError("command line", "--carrier", carrier, "sumo or plain")
     check_over(over)
-    if gui and carrier != CarrierKind.SUMO.value:
-        raise InputError("command line", "--gui", None, "--carrier sumo, which alone has a window")
+    asked = RunAsked(link, units, carrier, against, over, anyway, gui, gui_delay)
     loaded = load_scenario(scenario, seed)
-    refuse(scenario, loaded.setup, anyway=anyway)
-    base = None if against is None else _base_of(against, loaded)
     directory = (out or Path("runs") / loaded.id).resolve()
-    with reserved(directory) as place:
-        place.hold_room(end_room_bytes(loaded.setup))
-        with crashes_into(directory), progress_of(loaded.id) as progress:
-            done = execute(
-                loaded,
-                chosen,
-                units=hosted,
-                carrier=CarrierKind.SUMO_GUI if gui else CarrierKind(carrier),
-                progress=progress,
-                journal=place.journal,
-                delay_ms=gui_delay,
-            )
-        print_aside("writing the report")
-        compared = None if base is None else compared_with(done, base, over)
-        report = fill_run(done, place, more=NO_MORE if compared is None else compared.more)
+    ran = run_whole(loaded, directory, asked, progress=True)
+    done, compared = ran.done, ran.compared
     outcome = judged_outcome(not done.broken)
     if as_json:
         found = {} if compared is None else {"against": compared.found.as_dict()}
         print_json(done.summary | {"out": str(directory)} | found, outcome)
     else:
-        _print_run(done, report)
+        _print_run(done, ran.report)
         if compared is not None:
             print_comparison(compared.found)
     if (off := _off_the_mark(done.summary)) is not None:
@@ -100,13 +74,6 @@ def run(
     for text in done.broken:
         print_aside(f"broken: {text}")
     end(outcome)
-
-
-def _base_of(directory: Path, scenario: Scenario) -> ComparedRun:
-    """The run to compare with; read before the new one, which may be bound for its place."""
-    from study.compare.against import base_of
-
-    return base_of(directory, scenario.setup.line)
 
 
 def _passing(at: dict[str, Any] | None) -> list[tuple[str, str]]:
