@@ -28,8 +28,9 @@ from study.record.read_back import read_run
 HEAVY = ("numba", "libsumo", "matplotlib", "polars", "numpy", "scipy", "zenoh", "cv2", "pydantic")
 
 
-def test_help_needs_nothing_heavy() -> None:
-    asked = f"import sys, branchline.cli; print([m for m in {HEAVY} if m in sys.modules])"
+@pytest.mark.parametrize("module", ["branchline", "branchline.cli"])
+def test_help_needs_nothing_heavy(module: str) -> None:
+    asked = f"import sys, {module}; print([m for m in {HEAVY} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 
