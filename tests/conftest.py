@@ -12,11 +12,19 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
-# No verdict depends on how fast the machine is, and the same examples are tried everywhere.
-settings.register_profile("branchline", deadline=None, derandomize=True)
-settings.load_profile("branchline")
+# No verdict depends on how fast the machine is, and the same examples are tried everywhere. Fixtures are shared by the
+# examples of a test: who changes one sets it anew. `make nightly` asks for the profile of many.
+settings.register_profile(
+    "few",
+    max_examples=20,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+settings.register_profile("many", settings.get_profile("few"), max_examples=300)
+settings.load_profile("few")
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
@@ -69,13 +77,18 @@ timetable = "turn_back_times.toml"
 """
 
 
-@pytest.fixture
-def turn_back(tmp_path: Path) -> str:
+def turn_back_in(folder: Path) -> str:
     """A scenario file: one set of the Karasuyama line that changes ends at Ogane, with the weekday's air."""
-    (tmp_path / "turn_back_times.toml").write_text(TURN_BACK_TIMETABLE, "utf-8")
-    file = tmp_path / "turn_back.toml"
+    (folder / "turn_back_times.toml").write_text(TURN_BACK_TIMETABLE, "utf-8")
+    file = folder / "turn_back.toml"
     file.write_text(TURN_BACK_SCENARIO, "utf-8")
     return str(file)
+
+
+@pytest.fixture
+def turn_back(tmp_path: Path) -> str:
+    """`turn_back_in` the test's own folder."""
+    return turn_back_in(tmp_path)
 
 
 @dataclass(frozen=True)

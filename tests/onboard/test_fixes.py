@@ -9,7 +9,7 @@ from typing import Final
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -124,7 +124,6 @@ def test_bounds_by_the_tachometer_prove_nothing(motion: UnitMotion) -> None:
     ]
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
 @given(fixes=st.lists(st.tuples(st.floats(0.0, 650.0), st.floats(0.0, 60.0)), min_size=1, max_size=6))
 def test_no_place_is_passed_before_a_fix_proves_it(
     motion: UnitMotion, mission: Mission, fixes: list[tuple[float, float]]

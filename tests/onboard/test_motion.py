@@ -9,7 +9,7 @@ from typing import Final
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -78,7 +78,6 @@ def test_at_the_start_it_knows_where_it_stands(motion: UnitMotion) -> None:
     assert (place.near, place.passed) == (0, 0)
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])  # each example sets the row
 @given(
     position_m=st.floats(0.0, 690.0),
     ahead_m=st.floats(0.0, 60.0),

@@ -17,7 +17,8 @@ from scenario.scenario import load_scenario
 from simulation.journal import read_journal
 from study.outcome import Outcome
 from study.record.tables import ROWS
-from study.runner.run import PartyLink, execute
+from study.runner.run import CarrierKind, PartyLink, execute
+from tests.nightly import others_nightly
 
 pytestmark = pytest.mark.system
 
@@ -40,10 +41,12 @@ def limited(
 @pytest.fixture(scope="module")
 def journal() -> bytes:
     """That of the day without a limit."""
-    return execute(load_scenario(DAY), PartyLink.SIMULATED).result.journal.to_bytes()
+    return execute(
+        load_scenario(DAY), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN
+    ).result.journal.to_bytes()
 
 
-@pytest.mark.parametrize("room_bytes", [100_000, 1_000_000, 2_000_000])
+@pytest.mark.parametrize("room_bytes", others_nightly((100_000, 1_000_000, 2_000_000), [2_000_000]))
 def test_no_room_is_told_before_a_day_is_simulated(
     command: tuple[str, ...], tmp_path: Path, room_bytes: int
 ) -> None:
@@ -64,7 +67,7 @@ main()
 """
 
 
-@pytest.mark.parametrize("room_bytes", [300_000, 1_000_000])
+@pytest.mark.parametrize("room_bytes", others_nightly((300_000, 1_000_000), [300_000]))
 def test_a_disk_that_is_full_costs_no_day(tmp_path: Path, journal: bytes, room_bytes: int) -> None:
     """Full in the middle of the day, and when tables are written: what was run so far is there, to the byte.
 
@@ -138,6 +141,7 @@ main()
     assert {path.name for path in small.iterdir()} == {"run", "of_others"}
 
 
+@pytest.mark.nightly
 def test_a_small_file_system_keeps_what_fits(tmp_path: Path, small: Path, journal: bytes) -> None:
     done = subprocess.run(
         [sys.executable, "-c", UNHELD, "run", DAY, "--out", str(small / "run")],
