@@ -98,6 +98,8 @@ def test_opposites_are_said_as_the_field_says_them() -> None:
         "departure": "発",
         "down": "下り",
         "up": "上り",
+        "held": "確保",
+        "occupied": "在線",
         "traction": "力行",
         "regenerated": "回生",
     }
