@@ -104,3 +104,5 @@ def test_opposites_are_said_as_the_field_says_them() -> None:
         "regenerated": "回生",
     }
     assert {english: phrase(english).ja for english in terms} == terms
+    of_pictures = {"down trains": "下り列車", "up trains": "上り列車"}
+    assert {english: phrase(english, "picture").ja for english in of_pictures} == of_pictures
