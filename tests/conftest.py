@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import json
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -123,25 +125,38 @@ def branchline(command: tuple[str, ...]) -> Callable[..., Ended]:
     return run
 
 
-@pytest.fixture
-def main(
-    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path
-) -> Iterator[Callable[..., Ended]]:
-    """Run the command in this process, in the test's own folder: the same entry point, without the imports."""
+def ended_in_process(arguments: Sequence[str], cwd: Path, output: Callable[[], tuple[str, str]]) -> Ended:
+    """Run the command in this process; `output` gives what was written to stdout and stderr since it was asked last."""
     from branchline import cli, ending
 
     before = {number: signal.getsignal(number) for number in ending.STOPS}
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments: str) -> Ended:
-        monkeypatch.setattr(sys, "argv", ["branchline", *arguments])
-        capfd.readouterr()
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        out, err = capfd.readouterr()
-        code = ended.value.code
-        return Ended(code if isinstance(code, int) else 0, out, err)
-
-    yield run
+    output()
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(SystemExit) as ended:
+        patch.chdir(cwd)
+        patch.setattr(sys, "argv", ["branchline", *arguments])
+        cli.main()
     for number, handler in before.items():
         signal.signal(number, handler)
+    code = ended.value.code
+    return Ended(code if isinstance(code, int) else 0, *output())
+
+
+@pytest.fixture
+def main(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Callable[..., Ended]:
+    """Run the command in this process, in the test's own folder: the same entry point, without the imports."""
+    monkeypatch.chdir(tmp_path)
+    return lambda *arguments: ended_in_process(arguments, tmp_path, capfd.readouterr)
+
+
+@pytest.fixture(scope="session")
+def main_in() -> Callable[..., Ended]:
+    """As `main`, for runs that the tests of a module share; `cwd` must be a folder of the test."""
+
+    def run(*arguments: str, cwd: Path) -> Ended:
+        out, err = io.StringIO(), io.StringIO()
+        with redirect_stdout(out), redirect_stderr(err):
+            return ended_in_process(arguments, cwd, lambda: (out.getvalue(), err.getvalue()))
+
+    return run

@@ -1,4 +1,4 @@
-"""Long tables of cases: some in every run, the others in `make nightly`."""
+"""Long tables of cases and costly examples: some in every run, the others in `make nightly`."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 import pytest
+from hypothesis import settings
+
+A_FIFTH = settings(max_examples=settings().max_examples // 5)  # of the profile's examples: each is a run
 
 
 def others_nightly(cases: Iterable[Any] | Mapping[str, Any], every_run: Collection[Any]) -> list[Any]:

@@ -30,6 +30,7 @@ from study.measures.waits import CABLE_CUT, waits_of
 from study.record.wait import Cause
 from study.runner.outcome import broken_rules, unfinished
 from study.runner.run import simulation_of
+from tests.nightly import A_FIFTH
 from wayside.said import Granted
 
 pytestmark = pytest.mark.system
@@ -83,6 +84,7 @@ def lost_in_the_cable(result: RunResult) -> int:
     return sum(event.where is LostWhere.CABLE for event in lost)
 
 
+@A_FIFTH
 @given(st.floats(-30.0, 420.0), st.floats(5.0, 900.0))
 def test_while_all_is_cut_nobody_gets_further_and_afterwards_all_arrive(at_s: float, for_s: float) -> None:
     result = run(Interlocking.CENTRAL, (WHOLE, 0.5, at_s, for_s))
@@ -91,6 +93,7 @@ def test_while_all_is_cut_nobody_gets_further_and_afterwards_all_arrive(at_s: fl
     assert unfinished(result) == ()
 
 
+@A_FIFTH
 @given(
     st.lists(
         st.tuples(

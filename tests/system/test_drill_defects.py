@@ -330,7 +330,7 @@ EVERY_RUN: Final = (
     "41_clock_drifts",
     "42_doors",
     "50_unit_power_before_entry",
-    "53b_two_wrong_persons",
+    "58d_hauled_away_uncounted",
     "54_tachometer_over_reads",
     "56_proof_lost_in_braking",
     "58_portal_answer_lost",

@@ -15,7 +15,7 @@ from tests.system.energy_apart import Balance, Part, balances, figures_of
 pytestmark = pytest.mark.system
 
 CLOSES: float = 1e-3
-LEGS_LEAST = {"turn_back": 6, "karasuyama_weekday": 200}
+LEGS_LEAST = {"turn_back": 4, "karasuyama_weekday": 200}
 
 
 @pytest.fixture(scope="module", params=others_nightly(LEGS_LEAST, ["turn_back"]))

@@ -14,7 +14,6 @@ import pytest
 from scenario.scenario import load_scenario
 from simulation.sensors.camera import LINE_CAMERA
 from simulation.sensors.open_air import CHIP
-from tests.nightly import others_nightly
 from tests.system.switches_compiled import Stops, run_with
 
 pytestmark = pytest.mark.system
@@ -71,7 +70,8 @@ def test_it_is_as_stressed_as_its_file_says() -> None:
                 assert not [ahead_m for ahead_m in before if 0.0 < ahead_m < 200.0]
 
 
-@pytest.mark.parametrize("seed", others_nightly((1, 2, 3, 4), [1]))
+@pytest.mark.nightly
+@pytest.mark.parametrize("seed", [1, 2, 3, 4])
 def test_with_every_part_of_it_the_stops_hold(stops: Callable[..., Stops], seed: int) -> None:
     found = stops(None, STRESSED, seed)
     assert objections(found) == set()

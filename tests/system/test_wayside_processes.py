@@ -142,7 +142,7 @@ STOPS: Final[Mapping[Callable[[subprocess.Popen[str]], None], Outcome]] = {
 }
 
 
-@pytest.mark.parametrize("stop", others_nightly(STOPS, [twice, terminate_all]))
+@pytest.mark.parametrize("stop", others_nightly(STOPS, [twice]))
 def test_a_stopped_run_leaves_nothing_behind(
     running: Running, stop: Callable[[subprocess.Popen[str]], None]
 ) -> None:

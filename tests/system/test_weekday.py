@@ -65,10 +65,10 @@ def timetable(line: Line) -> Timetable:
 
 
 @pytest.fixture(scope="module")
-def run_day(branchline: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Day]:
+def run_day(main_in: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Day]:
     def run(*options: str) -> Day:
         cwd = tmp_path_factory.mktemp("day")
-        ended = branchline("run", "karasuyama_weekday", "--json", *options, cwd=cwd)
+        ended = main_in("run", "karasuyama_weekday", "--json", *options, cwd=cwd)
         assert ended.code == 0, ended.err
         figures = ended.figures()
         return Day(figures, ended.err, Path(figures["out"]))
@@ -223,11 +223,11 @@ def test_no_section_is_two_trains(simulated: Day) -> None:
 
 
 @pytest.mark.nightly
-def test_theory_says_when_each_section_is_whose(branchline: Callable[..., Any], tmp_path: Path) -> None:
+def test_theory_says_when_each_section_is_whose(main: Callable[..., Any], tmp_path: Path) -> None:
     """The same sections as in a run in which people take the means of their times, on average within 2 s."""
     text = 'extends = "karasuyama_weekday"\nid = "means"\nname = "People take their means"\n[people]\nsigma = 0.0\n'
     (tmp_path / "means.toml").write_text(text, "utf-8")
-    ended = branchline("run", "means.toml", "--json", cwd=tmp_path)
+    ended = main("run", "means.toml", "--json")
     assert ended.code == 0, ended.err
     run = read_blocking(RunTables.read(Path(ended.figures()["out"])).blocking)
     both = theory_and_run(occupations(load_scenario("karasuyama_weekday").setup), run)

@@ -20,6 +20,7 @@ from study.feasibility.planned import planned_day
 from study.feasibility.rehearsal import Rehearsal
 from study.measures.running_times import planned_legs
 from study.measures.summary import OFF_MARK_M
+from tests.nightly import A_FIFTH, others_nightly
 from tests.study.feasibility.broken_plans import BREAKS, STATIONS, TEN, Broken, good, journey
 from tests.study.feasibility.good_plans import good_plan
 from tests.study.feasibility.plans import Plan, call_at, later, with_call
@@ -64,7 +65,10 @@ def test_no_good_plan_is_refused(plans: int) -> None:
     assert meets > plans // 2
 
 
-@pytest.mark.parametrize("name", shipped_scenarios())
+@pytest.mark.parametrize(
+    "name",
+    others_nightly(shipped_scenarios(), ("busy_line", "karasuyama_weekday", "rtri_test_line", *NOT_TO_WORK)),
+)
 def test_what_is_shipped_is_good_unless_it_is_meant_not_to_work(name: str) -> None:
     found = feasibility(load_scenario(name).setup)
     assert found.good is (name not in NOT_TO_WORK), [f.sentence for f in found.impossible]
@@ -115,6 +119,7 @@ def test_a_leg_that_is_somewhat_short_is_told_and_not_refused() -> None:
     assert not feasibility(plan.with_train(later(plan.train("W"), -150, "OKA")).setup()).good
 
 
+@A_FIFTH
 @given(st.integers(-6 * 3600, 8 * 3600))
 def test_the_same_plan_at_another_time_is_found_alike(by_s: int) -> None:
     whole_s = by_s // 60 * 60
