@@ -275,6 +275,7 @@ HAZARDS: Final = (
             "rtri/73_restart_without_tags",
             "rtri/74_silent_wheels_without_tags",
             "rtri/75_claim_far_behind",
+            "rtri/75b_claim_off_the_path",
         ),
         ("full speed after a restart",),
     ),

@@ -23,11 +23,14 @@ def clear_behind(duty: DutyStep) -> None:
     arrived(duty)
     clear = place.clear_at_mark if at_mark else place.clear
     duty.give_back_behind(min(clear, duty.state.freed))
-    on_path = {span.section_id for span in duty.plan.spans}
-    # The train lies on its path as a whole, so it is not elsewhere and will not be.
-    elsewhere = tuple(s for s in state.authority.held if s not in on_path)
-    if useless := (*elsewhere, *useless_ahead(duty)):
+    if useless := (*elsewhere(duty), *useless_ahead(duty)):
         duty.authority(GiveBack(useless))
+
+
+def elsewhere(duty: DutyStep) -> tuple[str, ...]:
+    """What it holds off its path, by the register's word after a false claim: it lies on its path as a whole."""
+    on_path = {span.section_id for span in duty.plan.spans}
+    return tuple(section for section in duty.state.authority.held if section not in on_path)
 
 
 def useless_ahead(duty: DutyStep) -> tuple[str, ...]:

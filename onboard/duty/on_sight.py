@@ -13,7 +13,16 @@ from msgspec.structs import replace
 
 from network.model import SectionKind
 from onboard import notes
-from onboard.authority.records import BeginOnLine, CheckedByCrew, FoundAt, RequestKind, Throw, Withdrawn
+from onboard.authority.records import (
+    BeginOnLine,
+    CheckedByCrew,
+    FoundAt,
+    GiveBack,
+    RequestKind,
+    Throw,
+    Withdrawn,
+)
+from onboard.duty.arrival import elsewhere
 from onboard.duty.duty_step import DutyStep
 from onboard.duty.records import (
     AtMark,
@@ -98,6 +107,8 @@ def at_mark(duty: DutyStep, event: AtMark) -> None:
     stop = duty.stop(event.stop)
     duty.note(notes.Arrived(station=stop.place, error_m=None))
     duty.give_back_behind(stop.clear)
+    if off_path := elsewhere(duty):
+        duty.authority(GiveBack(off_path))
 
 
 def end_of_held(duty: DutyStep, event: EndOfHeld) -> None:

@@ -8,8 +8,7 @@ backwards from the front: blocks of `BLOCK_M` by their mean square, and all from
 
 A bias that jumps on the way looks like the beginning of a curve, and no test of what is left at the least shift shows
 it while the map has one within the search: the shift explains it. So all shifts count that noise and one jump of the
-gyro's bias explain together, of any size, anywhere in the newest metres. One further back than the search reaches and
-a transition is long has the curve that it imitates behind it as well, and is left over at every shift.
+gyro's bias explain together, of any size, anywhere in what is compared. One before that is bias.
 """
 
 from __future__ import annotations
@@ -29,7 +28,6 @@ BLOCK_M: Final = 25  # what is judged by itself: a wave that the filter damps
 SURE_OF_BLOCK: Final = 4.0  # deviations of the root mean square of a block
 WHITE_PER_M: Final = 0.058  # variance that the filter leaves of white noise of 1 a metre
 CALIBRATES_M: Final = 300.0  # wheels are compared over no less
-TRANSITION_M: Final = 100.0  # no transition is longer, with what the filter makes of it
 JUMPS_EVERY: Final = 3  # metres at which a jump is looked for: far less than the filter takes over one
 WORSE: Final = (
     2.0  # what is left may be so many times the rails' stated variance, before the gyro counts as worse
@@ -242,8 +240,7 @@ def without_jump(own: CurvatureRow, known: Samples, count: int, shift: int) -> f
     mean = total / count
     least = whole = total2 - mean * total
     turned = level = level2 = 0.0  # of the metres beyond those over which the filter takes it up
-    back = min(count, int(own.span + TRANSITION_M))
-    for first in range(count - 1, count - back - 1, -1):
+    for first in range(count - 1, -1, -1):
         done = first + RISES_M
         if done < count:
             slow = own.slow_s_per_m[begin + done]

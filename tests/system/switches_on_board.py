@@ -17,7 +17,7 @@ from onboard.authority import records as sym
 from onboard.authority.records import Authority
 from onboard.authority.stop_limit import stop_limit
 from onboard.authority.tables import Handler, Result
-from onboard.duty import arrival, shown
+from onboard.duty import arrival, on_sight, shown
 from onboard.duty import machine as duty_machine
 from onboard.duty.duty_step import DutyStep
 from onboard.duty.mission import Mission
@@ -162,6 +162,11 @@ def ends_its_way_at_a_gap_behind(patch: pytest.MonkeyPatch) -> None:
         return stop_limit(plan, state, *known, **{**how, "left": 0})
 
     patch.setattr(duty_machine, "stop_limit", from_the_first_held)
+
+
+@switch
+def keeps_what_is_off_its_way(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(on_sight, "elsewhere", lambda _duty: ())
 
 
 @switch

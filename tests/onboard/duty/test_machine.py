@@ -20,11 +20,13 @@ from onboard.authority.records import (
 from onboard.duty.machine import TABLE, step
 from onboard.duty.records import (
     LEAVE,
+    AtMark,
     ChangeEnds,
     DutyPhase,
     DutyState,
     Event,
     Looked,
+    PlaceInJoints,
     TagBelieved,
     TelegramHeard,
     TimerDue,
@@ -152,6 +154,13 @@ def test_the_rear_that_is_watched_is_that_of_the_first_section_held() -> None:
 
 def test_no_rear_is_watched_before_the_arrival_tag() -> None:
     assert command_of(PLAN, replace(RUNNING, proved=4)).rear is None
+
+
+def test_seen_at_its_mark_a_train_gives_back_what_lies_off_its_way() -> None:
+    """The register gave it back after a false claim; who holds two sections cannot sign off."""
+    held = replace(HOLDS_REST, held=(*HOLDS_REST.held, "99"))
+    after, _ = step(PLAN, TIMES, replace(ON_SIGHT, authority=held), AtMark(1), PlaceInJoints(), NOW_S)
+    assert after.authority.held == HOLDS_8.held
 
 
 @pytest.mark.parametrize("at", DutyPhase)

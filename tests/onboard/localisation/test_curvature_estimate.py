@@ -120,9 +120,9 @@ def seen_with_a_jump(own: CurvatureRow, first: int, jump_radps: float) -> np.nda
     return known
 
 
-@pytest.mark.parametrize("back_m", [3, 33, 63, 99])
+@pytest.mark.parametrize("back_m", [3, 33, 63, 99, 150, 270])
 @pytest.mark.parametrize("jump_radps", [-8e-3, 3e-3])
-def test_a_jump_in_the_newest_metres_leaves_nothing_over_at_the_true_shift(
+def test_a_jump_leaves_nothing_over_at_the_true_shift(
     own: CurvatureRow, back_m: int, jump_radps: float
 ) -> None:
     known = seen_with_a_jump(own, SEEN_M - back_m, jump_radps)
