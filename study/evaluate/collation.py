@@ -57,7 +57,7 @@ def fix_ms(scenario: str, fixes: int = FIXES) -> tuple[float, int]:
     unit.position_known, unit.odometer_scale = 1, 1.0
     chart = Chart(pool.pattern, pool.known_places)
     laid = pool.pattern["curvature_per_m"][unit.path_offset : unit.path_offset + unit.path_rows]
-    half = int(own.search_m)
+    half = int(own.settings.search_m)
     front = int(np.flatnonzero(np.isfinite(laid))[0]) + 2 * WINDOW_MAX
     ring = laid[front - WINDOW_MAX + 1 : front + 1]
     own.bent_per_m[:WINDOW_MAX] = own.bent_per_m[WINDOW_MAX:] = ring
