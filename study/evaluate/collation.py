@@ -81,7 +81,7 @@ def run_child(what: str, scenario: str) -> dict[str, Any]:
 
 
 def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, Any]:
-    """The median of a fix, and medians of wall time of both days with their ratio. `tell` is told what goes on."""
+    """The median of a fix, and medians of wall time of both days with their ratio. `tell` gets what goes on."""
     found_ms, shifts = fix_ms(scenario)
     tell(f"{scenario}: one fix over {shifts} shifts takes {found_ms:.3f} ms")
     figures: dict[str, list[dict[str, Any]]] = {what: [] for what in CARRIED}
