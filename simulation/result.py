@@ -27,7 +27,7 @@ TRACE_EVERY_STEPS: Final = 10  # a sample a second, and one at every event
 
 
 class Ending(StrEnum):
-    """Why a run ended; all but the first cut it short, so that it is no success whatever it reached."""
+    """Why a run ended; what cuts it short makes it no success whatever it reached, but for who asked for a part."""
 
     FINISHED = "all trains have finished"
     TIME_LIMIT = "the time limit of the run"
@@ -35,6 +35,13 @@ class Ending(StrEnum):
     COLLISION = "a collision"
     END_OF_TRACK = "a train ran off the end of the track"
     CANNOT_TURN = "a train overran its track and cannot turn back"
+    PART_OVER = "the end of the part of the day that was asked for"
+    STOPPED = "it was stopped by a signal"
+
+    @property
+    def of_part(self) -> bool:
+        """Whether a part of the day was run as asked: who is still on its way is not missing."""
+        return self in {Ending.PART_OVER, Ending.STOPPED}
 
 
 @dataclass(slots=True)
