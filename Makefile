@@ -2,7 +2,6 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
-PACKAGES := network exchange sumo_cfg vehicle radio onboard wayside host simulation scenario study papers documents branchline
 SCENARIO ?= karasuyama_weekday
 UNIT_LINES ?= 250
 FILE_LINES ?= 500
@@ -43,8 +42,8 @@ interpreted: install
 		--cov=vehicle --cov=onboard.driving --cov=onboard.localisation --cov=onboard.tick --cov-report=term-missing:skip-covered
 
 check: install
-	$(BIN)/ruff format --check $(PACKAGES) typings tests
-	$(BIN)/ruff check $(PACKAGES) typings tests
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/basedpyright
 	$(BIN)/python -m documents.structure --unit-lines $(UNIT_LINES) --file-lines $(FILE_LINES)
@@ -86,8 +85,8 @@ nets: install
 	$(BIN)/python -m sumo_cfg.build
 
 format: install
-	$(BIN)/ruff format $(PACKAGES) typings tests
-	$(BIN)/ruff check --fix $(PACKAGES) typings tests
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
 
 clean:
 	rm -rf $(VENV) build dist runs *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

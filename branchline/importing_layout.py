@@ -81,7 +81,7 @@ def _report(layout: ForeignLayout, out: Path | None, *, as_json: bool) -> None:
         print_json(as_dict(layout), Outcome.GOOD)
         return
     lines = [f"{layout.source}: {layout.name}"]
-    for word, sentences in (("taken", layout.taken), ("assumed", layout.assumed), ("left", layout.left)):
+    for word, sentences in (("taken", layout.used), ("assumed", layout.assumed), ("left", layout.left)):
         lines += [f"{word}: {sentence}" for sentence in sentences]
     for station in layout.stations:
         where = "no kilometrage" if station.position_m is None else f"km {station.position_m / 1000:.3f}"

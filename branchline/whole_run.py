@@ -61,7 +61,12 @@ class WholeRun:
 
 
 def run_whole(
-    scenario: Scenario, directory: Path, asked: RunAsked, *, progress: bool, stop: Callable[[], bool] | None = None
+    scenario: Scenario,
+    directory: Path,
+    asked: RunAsked,
+    *,
+    progress: bool,
+    stop: Callable[[], bool] | None = None,
 ) -> WholeRun:
     """Run and write all of it or nothing, or what there is when `stop` says so; its progress stands on stderr.
 

@@ -1,7 +1,7 @@
-"""What grows unless it is counted: names taken twice, circles of imports, lines, lists of fields that are restated.
+"""What grows unless it is counted: names taken twice, lines, lists of fields that are restated.
 
-`documents/ceilings.toml` has what there still is of each. It may only shrink: a name, circle or figure in it that is
-no longer so is an error too, so that what was mended stays mended.
+`documents/ceilings.toml` has what there still is of each. It may only shrink: a name or figure in it that is no
+longer so is an error too, so that what was mended stays mended.
 """
 
 from __future__ import annotations
@@ -28,10 +28,9 @@ DIVIDED: Final = "study"  # its folders are rooms of their own
 
 @dataclass(frozen=True, slots=True)
 class Ceilings:
-    """What may still be. `circles`: the modules of each; `pairs`: of restated lists of fields."""
+    """What may still be. `pairs`: of restated lists of fields."""
 
     class_names: frozenset[str]
-    circles: tuple[frozenset[str], ...]
     product_lines: int
     test_lines: int
     pairs: int
@@ -42,7 +41,6 @@ def ceilings(file: Path = CEILINGS) -> Ceilings:
     said = tomllib.loads(file.read_text("utf-8"))
     return Ceilings(
         frozenset(said["class_names"]),
-        tuple(frozenset(circle) for circle in said["circles"]),
         said["product_lines"],
         said["test_lines"],
         said["pairs"],
@@ -68,29 +66,6 @@ def class_names_rule(product: Mapping[Path, ast.Module], excepted: frozenset[str
     gone = [_take_out(name, "class_names") for name in sorted(excepted - twice.keys())]
     found = f"{len(places)} names, {len(twice)} of them still taken more than once"
     return StructureRule("no class name twice", found, (*new, *gone))
-
-
-def circles_rule(product: Mapping[Path, ast.Module], excepted: Sequence[frozenset[str]]) -> StructureRule:
-    """What stands in a circle can only be read, tested and moved as a whole; imports for types alone count too."""
-    found = import_circles(product)
-    advice = "move what both need into a module below them"
-    new = [
-        f"{' <-> '.join(sorted(circle))}: {advice}"
-        for circle in found
-        if not any(circle <= known for known in excepted)
-    ]
-    gone = [_take_out(", ".join(sorted(known)), "circles") for known in excepted if known not in found]
-    return StructureRule("no circle of imports", f"{len(found)} still there", (*new, *gone))
-
-
-def import_circles(product: Mapping[Path, ast.Module]) -> list[frozenset[str]]:
-    """The modules of each circle: all that can be reached from one another."""
-    modules = {_module(file): tree for file, tree in product.items()}
-    known = frozenset(modules)
-    imported = {name: set(_imported(tree, known)) - {name} for name, tree in modules.items()}
-    reached = {name: _reached(name, imported) for name in modules}
-    found = {frozenset(n for n in reached[m] if m in reached[n]) for m in modules if m in reached[m]}
-    return sorted(found, key=sorted)
 
 
 def sizes_rule(root: Path, ceiling: Ceilings) -> StructureRule:
@@ -176,7 +151,6 @@ def rules(root: Path, ceiling: Ceilings) -> tuple[StructureRule, ...]:
     product = trees(root)
     return (
         class_names_rule(product, ceiling.class_names),
-        circles_rule(product, ceiling.circles),
         sizes_rule(root, ceiling),
         field_lists_rule(product, ceiling.pairs),
     )
@@ -204,32 +178,6 @@ def _with_bases(name: str, bases: Mapping[str, Sequence[str]]) -> Iterator[str]:
         yield name
         for base in bases[name]:
             yield from _with_bases(base, bases)
-
-
-def _module(file: Path) -> str:
-    parts = file.with_suffix("").parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
-
-
-def _imported(tree: ast.Module, known: frozenset[str]) -> Iterator[str]:
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.module is not None:
-            inner = [f"{node.module}.{alias.name}" for alias in node.names]
-            yield from (
-                name if name in known else node.module for name in inner if {name, node.module} & known
-            )
-        elif isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names if alias.name in known)
-
-
-def _reached(start: str, imported: Mapping[str, set[str]]) -> set[str]:
-    found, ahead = set[str](), list(imported[start])
-    while ahead:
-        name = ahead.pop()
-        if name not in found:
-            found.add(name)
-            ahead += imported.get(name, ())
-    return found
 
 
 def _lines(file: Path) -> int:

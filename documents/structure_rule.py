@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
-PRODUCT: Final = (
-    "network",
-    "exchange",
-    "sumo_cfg",
-    "vehicle",
-    "radio",
-    "onboard",
-    "wayside",
-    "host",
-    "simulation",
-    "scenario",
-    "study",
-    "papers",
-    "documents",
-    "branchline",
+_PROJECT: Final = Path(__file__).resolve().parent.parent / "pyproject.toml"
+PRODUCT: Final[tuple[str, ...]] = tuple(
+    tomllib.loads(_PROJECT.read_text("utf-8"))["tool"]["importlinter"]["root_packages"]
 )
 TESTS: Final = "tests"
 

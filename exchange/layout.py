@@ -158,7 +158,7 @@ class ForeignLayout:
     stations: tuple[LayoutStation, ...]
     signals: tuple[LayoutSignal, ...]
     milestones: tuple[Milestone, ...]
-    taken: tuple[str, ...]
+    used: tuple[str, ...]
     assumed: tuple[str, ...]
     left: tuple[str, ...]
     origin_deg: Place | None = None  # longitude and latitude of the plane's (0, 0)

@@ -17,7 +17,7 @@ End = tuple[str, int]  # a piece of track and which end of it: 0 the low one, 1 
 
 
 class JoinedEnds:
-    """Which ends are one node: told pair by pair."""
+    """Which ends are one node, as pairs say."""
 
     def __init__(self) -> None:
         self._over: dict[End, End] = {}

@@ -101,7 +101,7 @@ def as_dict(layout: ForeignLayout) -> dict[str, Any]:
     return {
         "name": layout.name,
         "source": layout.source,
-        "taken": list(layout.taken),
+        "taken": list(layout.used),
         "assumed": list(layout.assumed),
         "left": list(layout.left),
         "obstacles": list(obstacles(layout)),
@@ -174,10 +174,10 @@ def _covers(track: LayoutTrack, km_m: float) -> bool:
 
 def _track_names(layout: ForeignLayout, station: LayoutStation) -> list[str]:
     """Names of a station's tracks as identifiers, in their order; empty where a track has none."""
-    said = {spot.track_id: spot.track_name for spot in station.spots}
+    track_names = {spot.track_id: spot.track_name for spot in station.spots}
     names: list[str] = []
     for track_id in station.track_ids:
-        name = _NO_ID.sub("", said.get(track_id, "") or layout.track_of[track_id].name)
+        name = _NO_ID.sub("", track_names.get(track_id, "") or layout.track_of[track_id].name)
         names.append(name if is_identifier(name) and name not in ("P", "W", "E") else "")
     # Sources name them in orders of their own; which side the first lies on is for the planner to say.
     return sorted(names, key=lambda name: (len(name), name))

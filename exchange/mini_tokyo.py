@@ -116,7 +116,7 @@ def read_mini_tokyo(
 
 
 def _check_form(source: Path) -> None:
-    """Another program's file is told as that, whatever its encoding. Raises InputError."""
+    """A file of another program is named as such, whatever its encoding. Raises InputError."""
     begins = read_bytes(source, JSON_BYTES_MAX).removeprefix(codecs.BOM_UTF8).lstrip()[: len(_OUDIA)]
     if begins == _OUDIA:
         raise InputError(str(source), "", None, f"{_FORM}; this is one of OuDia, for branchline import oudia")
@@ -153,15 +153,15 @@ def _stations(order: Sequence[str], file: Path | None) -> tuple[PublishedStation
 def _numbers(file: str, rows: Iterable[tuple[int, _TrainRow]]) -> dict[str, str]:
     """Numbers by id; of trains with the same one on a day the second is ...-2."""
     numbers: dict[str, str] = {}
-    taken: set[str] = set()
+    names: set[str] = set()
     for index, row in rows:
         if row.id in numbers:
             raise InputError(file, f"[{index}].id", row.id, "an id of its own")
         name, again = row.n, 1
-        while name in taken:
+        while name in names:
             again += 1
             name = f"{row.n}-{again}"
-        taken.add(name)
+        names.add(name)
         numbers[row.id] = name
     return numbers
 

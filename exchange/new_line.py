@@ -60,32 +60,32 @@ class NewLine:
     remarks: tuple[str, ...]
 
 
-def make_line(list_file: Path, line_id: str, asked: NewLineOptions) -> NewLine:
+def make_line(list_file: Path, line_id: str, options: NewLineOptions) -> NewLine:
     """Make a line; `line_id` counts where neither list nor command line names it. Raises InputError."""
     stations = read_station_list(list_file)
-    max_speed_kmh, train_length_m = _figures(stations, asked)
+    max_speed_kmh, train_length_m = _figures(stations, options)
     rule = LayoutRule(train_length_m, max_speed_kmh / 3.6)
-    joined = _joined(stations, asked, max_speed_kmh)
+    joined = _joined(stations, options, max_speed_kmh)
     layout = lay_out(stations.file, stations.stations, joined.places_m, rule)
     alignment = prolonged_axis(joined.alignment, layout.from_m, layout.to_m)
     gradients: tuple[Gradient, ...] = (Gradient(alignment.from_m, alignment.to_m, 0.0),)
     remarks = joined.remarks
-    if asked.gradients is not None:
-        gradients, more = read_gradients(asked.gradients, alignment.from_m, alignment.to_m)
+    if options.gradients is not None:
+        gradients, more = read_gradients(options.gradients, alignment.from_m, alignment.to_m)
         remarks += more
     given: tuple[SpeedLimit, ...] = ()
-    if asked.limits is not None:
-        given, more = read_limits(asked.limits, alignment.from_m, alignment.to_m)
+    if options.limits is not None:
+        given, more = read_limits(options.limits, alignment.from_m, alignment.to_m)
         remarks += more
     derived = (*joined.alignment.limits, *_stub_limits(layout, max_speed_kmh))
     alignment = replace(alignment, gradients=gradients, limits=joined_limits(derived, given))
     words = LineHeader(
-        _line_id(stations, asked, line_id),
-        _title("--name", asked.name) or stations.head.name or line_id,
-        _title("--name-ja", asked.name_ja) or stations.head.name_ja,
+        _line_id(stations, options, line_id),
+        _title("--name", options.name) or stations.head.name or line_id,
+        _title("--name-ja", options.name_ja) or stations.head.name_ja,
         max_speed_kmh,
-        sources=(*stations.head.sources, *joined.sources, *_file_sources(asked)),
-        assumed=(*stations.head.assumed, *joined.assumed, *_assumed(stations, asked, layout, rule)),
+        sources=(*stations.head.sources, *joined.sources, *_file_sources(options)),
+        assumed=(*stations.head.assumed, *joined.assumed, *_assumed(stations, options, layout, rule)),
         comment=(
             "Made by `branchline new line`; what it rests on stands in `sources` and `assumed`.",
             *joined.comment,
@@ -100,43 +100,43 @@ def make_line(list_file: Path, line_id: str, asked: NewLineOptions) -> NewLine:
     return NewLine(text, line, joined.rows, remarks)
 
 
-def write_line(list_file: Path, out_file: Path, asked: NewLineOptions) -> NewLine:
+def write_line(list_file: Path, out_file: Path, options: NewLineOptions) -> NewLine:
     """Make a line and write its file, whole or not at all. Raises InputError."""
     if not out_file.parent.is_dir():
         raise InputError(str(out_file), "", None, "a writable path in an existing folder")
     if out_file.suffix != ".toml":
         raise InputError(COMMAND_LINE, "OUT", str(out_file), "a name ending in .toml")
-    made = make_line(list_file, out_file.stem, asked)
-    write_aside(out_file, made.text)
-    return made
+    new_line = make_line(list_file, out_file.stem, options)
+    write_aside(out_file, new_line.text)
+    return new_line
 
 
-def _figures(stations: StationList, asked: NewLineOptions) -> tuple[float, float]:
+def _figures(stations: StationList, options: NewLineOptions) -> tuple[float, float]:
     """Greatest speed (km/h) and train length (m): asked, else listed, else assumed."""
     for option, value, quantity in (
-        ("--max-speed", asked.max_speed_kmh, SPEED),
-        ("--train-length", asked.train_length_m, TRAIN_LENGTH),
+        ("--max-speed", options.max_speed_kmh, SPEED),
+        ("--train-length", options.train_length_m, TRAIN_LENGTH),
     ):
         if value is not None and not quantity.holds(value):
             raise InputError(COMMAND_LINE, option, value, f"{quantity.text()} ({quantity.name})")
-    speed = (asked.max_speed_kmh, stations.head.max_speed_kmh, MAX_SPEED_KMH)
-    length = (asked.train_length_m, stations.head.train_length_m, TRAIN_LENGTH_M)
+    speed = (options.max_speed_kmh, stations.head.max_speed_kmh, MAX_SPEED_KMH)
+    length = (options.train_length_m, stations.head.train_length_m, TRAIN_LENGTH_M)
     return next(v for v in speed if v is not None), next(v for v in length if v is not None)
 
 
-def _joined(stations: StationList, asked: NewLineOptions, max_speed_kmh: float) -> StationsOnAxis:
-    if asked.polyline is None and asked.stations_geometry is None:
+def _joined(stations: StationList, options: NewLineOptions, max_speed_kmh: float) -> StationsOnAxis:
+    if options.polyline is None and options.stations_geometry is None:
         return without_geometry(stations)
-    if asked.polyline is None or asked.stations_geometry is None:
-        missing = "--polyline" if asked.polyline is None else "--stations-geometry"
+    if options.polyline is None or options.stations_geometry is None:
+        missing = "--polyline" if options.polyline is None else "--stations-geometry"
         raise InputError(
             COMMAND_LINE, missing, None, "both files of the geometry, the track and its stations"
         )
-    return with_geometry(stations, asked.polyline, asked.stations_geometry, max_speed_kmh)
+    return with_geometry(stations, options.polyline, options.stations_geometry, max_speed_kmh)
 
 
-def _line_id(stations: StationList, asked: NewLineOptions, line_id: str) -> str:
-    name = asked.line_id or stations.head.id or line_id
+def _line_id(stations: StationList, options: NewLineOptions, line_id: str) -> str:
+    name = options.line_id or stations.head.id or line_id
     if not is_identifier(name):
         raise InputError(COMMAND_LINE, "--id", name, IDENTIFIER_HELP)
     return name
@@ -159,23 +159,23 @@ def _stub_limits(layout: LineLayout, max_speed_kmh: float) -> Iterator[SpeedLimi
         yield SpeedLimit(from_m, to_m, STUB_SPEED_KMH / 3.6, (direction,))
 
 
-def _file_sources(asked: NewLineOptions) -> Iterator[str]:
-    for what, file in (("gradients", asked.gradients), ("limits", asked.limits)):
+def _file_sources(options: NewLineOptions) -> Iterator[str]:
+    for what, file in (("gradients", options.gradients), ("limits", options.limits)):
         if file is not None:
             yield f"{what}: {title_of(file.name)}"
 
 
 def _assumed(
-    stations: StationList, asked: NewLineOptions, layout: LineLayout, rule: LayoutRule
+    stations: StationList, options: NewLineOptions, layout: LineLayout, rule: LayoutRule
 ) -> Iterator[str]:
     """A sentence for each figure that neither the list nor a joined file gives."""
-    if asked.max_speed_kmh is None and stations.head.max_speed_kmh is None:
+    if options.max_speed_kmh is None and stations.head.max_speed_kmh is None:
         yield f"maximum speed: {MAX_SPEED_KMH:g} km/h, a common figure for branch lines"
-    if asked.polyline is not None:
+    if options.polyline is not None:
         yield "limits of curves: the customary basic speeds of 1067 mm gauge, 3.7 sqrt(R) to the nearest 5 km/h"
     if layout.stubs:
         yield f"limits of stubs: {STUB_SPEED_KMH:g} km/h on the last track, towards its end"
-    if asked.gradients is None:
+    if options.gradients is None:
         yield "gradients: level, because no profile was joined"
     else:
         yield "gradients: level where the file has none"

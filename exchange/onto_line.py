@@ -70,7 +70,7 @@ class _UntimedTrain:
 
 
 @dataclass(slots=True)
-class _Said:
+class _Remarks:
     """Names of trains (or stations) by what is to be said of them; each is one sentence in the end."""
 
     by_text: dict[str, list[str]] = field(default_factory=dict[str, list[str]])
@@ -107,30 +107,30 @@ def onto_line(
     """
     file = published.source
     join = join_stations(file, published.stations, line, by_hand, hand_file=hand_file, in_order=in_order)
-    said = _Said()
-    cuts = _cut_all(published, line, join, said)
+    remarks = _Remarks()
+    cuts = _cut_all(published, line, join, remarks)
     times = _times(cuts, line, running, least)
     trains: list[TrainOnLine] = []
     computed = 0
     for cut in cuts:
         try:
-            timed = _timed(cut, line, times, said)
+            timed = _timed(cut, line, times, remarks)
         except UntimedError as why:
-            said.note(f"left out: {{}} ({why})", cut.number)
+            remarks.note(f"left out: {{}} ({why})", cut.number)
             continue
-        trains.append(_planned(cut, timed, line, said))
+        trains.append(_planned(cut, timed, line, remarks))
         computed += len(timed.inferred)
     if not trains:
         raise InputError(
             file, "trains", f"{len(published.trains)} trains", f"one with two stops on {line.id}"
         )
     trains.sort(key=lambda train: (train.calls[0].first_s, train.number))
-    trains = _linked(trains, cuts, said)
+    trains = _linked(trains, cuts, remarks)
     stops = sum(len(train.calls) for train in trains)
     assumed = _assumed(computed, stops, given=running is not None, least_of="" if least is None else least_of)
     meets = tuple(meet.text(line) for meet in hidden_meets(trains, line))
-    remarks = (*_of_join(join, line), *said.sentences(), *meets)
-    return OntoLine(tuple(trains), join, assumed, remarks, len(published.trains) - len(cuts))
+    all_remarks = (*_of_join(join, line), *remarks.sentences(), *meets)
+    return OntoLine(tuple(trains), join, assumed, all_remarks, len(published.trains) - len(cuts))
 
 
 def some_names(names: Sequence[str]) -> str:
@@ -169,7 +169,7 @@ def _first_of(*known: Running | None) -> Running:
 
 
 def _cut_all(
-    published: PublishedTimetable, line: Line, join: StationJoin, said: _Said
+    published: PublishedTimetable, line: Line, join: StationJoin, remarks: _Remarks
 ) -> list[_UntimedTrain]:
     """Trains that run on the line, cut to it; what cannot be used is said."""
     found: list[tuple[PublishedTrain, list[Call], bool, bool]] = []
@@ -183,25 +183,25 @@ def _cut_all(
         calls = [train.calls[i] for i in joined]
         for i in set(range(joined[0], joined[-1])) - set(joined):
             name = names[train.calls[i].station_id]
-            said.note(f"calls at {name}, which is not on the line, are left out: {{}}", train.number)
+            remarks.note(f"calls at {name}, which is not on the line, are left out: {{}}", train.number)
         found.append((train, calls, before or bool(train.comes_from), after or bool(train.goes_to)))
     numbers = numbers_of((train.number, _runs_down(calls, line, join)) for train, calls, _, _ in found)
     cuts: list[_UntimedTrain] = []
     for (train, calls, before, after), number in zip(found, numbers, strict=True):
         direction = Direction.DOWN if _runs_down(calls, line, join) else Direction.UP
         if not train.number:
-            said.note("trains without a number are given one: {}", number)
+            remarks.note("trains without a number are given one: {}", number)
         elif number != train.number:
-            said.note("numbers: {}", f"{train.number} is {number}")
+            remarks.note("numbers: {}", f"{train.number} is {number}")
         try:
             ours = _merged(
-                [_call(call, join.ids[call.station_id], line, direction, said, number) for call in calls]
+                [_call(call, join.ids[call.station_id], line, direction, remarks, number) for call in calls]
             )
             _check_one_way(ours, line, direction)
             cut = _UntimedTrain(train, number, direction, ours, before, after)
-            _trim_passes(cut, line, said)
+            _trim_passes(cut, line, remarks)
         except UntimedError as why:
-            said.note(f"left out: {{}} ({why})", number)
+            remarks.note(f"left out: {{}} ({why})", number)
             continue
         cuts.append(cut)
     return cuts
@@ -212,14 +212,16 @@ def _runs_down(calls: Sequence[Call], line: Line, join: StationJoin) -> bool:
     return last > first
 
 
-def _call(call: Call, station_id: str, line: Line, direction: Direction, said: _Said, number: str) -> Call:
+def _call(
+    call: Call, station_id: str, line: Line, direction: Direction, remarks: _Remarks, number: str
+) -> Call:
     """A call at a station of the line, with its track where the line has one of that name."""
     station = line.stations[station_id]
     track = None
     if call.track:
         track = _track_named(call.track, station.tracks, direction)
         if track is None:
-            said.note(
+            remarks.note(
                 f"tracks: {station.name} has no {call.track!r} for trains going {direction.name.lower()}; the usual one"
                 " is taken for {}",
                 number,
@@ -269,13 +271,13 @@ def _check_one_way(calls: Sequence[Call], line: Line, direction: Direction) -> N
             raise UntimedError(f"it turns round at {line.stations[before.station_id].name}")
 
 
-def _trim_passes(cut: _UntimedTrain, line: Line, said: _Said) -> None:
+def _trim_passes(cut: _UntimedTrain, line: Line, remarks: _Remarks) -> None:
     """The first and the last call are stops: a train that passes the first station on the line calls at the next."""
     for end, where in ((0, "first"), (-1, "last")):
         while cut.calls and not cut.calls[end].stops:
             call = cut.calls.pop(end)
             name = line.stations[call.station_id].name
-            said.note(f"passing {name} as the {where} station on the line is left out: {{}}", cut.number)
+            remarks.note(f"passing {name} as the {where} station on the line is left out: {{}}", cut.number)
             if end == 0:
                 cut.from_beyond = True
             else:
@@ -284,31 +286,33 @@ def _trim_passes(cut: _UntimedTrain, line: Line, said: _Said) -> None:
         raise UntimedError("it stops at less than two stations of the line")
 
 
-def _timed(cut: _UntimedTrain, line: Line, times: KnownRunningTimes, said: _Said) -> TimedCalls:
+def _timed(cut: _UntimedTrain, line: Line, times: KnownRunningTimes, remarks: _Remarks) -> TimedCalls:
     """The train's calls with all times; at the ends of its run there is one time, on the way there are two."""
     calls = cut.calls
     first, last = calls[0], calls[-1]
     if first.departure_s is None and first.arrival_s is not None:
         calls[0] = replace(first, departure_s=first.arrival_s, arrival_s=None)
-        said.note("the one time at the first station is read as the departure of {}", cut.number)
+        remarks.note("the one time at the first station is read as the departure of {}", cut.number)
     if not cut.to_beyond and last.departure_s is not None:
         if last.arrival_s is None:
             calls[-1] = replace(last, arrival_s=last.departure_s, departure_s=None)
         elif last.arrival_s == last.departure_s:
             calls[-1] = replace(last, departure_s=None)
     positions_m = [line.stations[call.station_id].position_m for call in calls]
-    timed = _spaced(with_all_times(calls, positions_m, times), positions_m, line, cut.number, said)
-    _say_short(timed.calls, times, line, cut.number, said)
+    timed = _spaced(with_all_times(calls, positions_m, times), positions_m, line, cut.number, remarks)
+    _say_short(timed.calls, times, line, cut.number, remarks)
     return timed
 
 
-def _say_short(calls: Sequence[Call], times: KnownRunningTimes, line: Line, number: str, said: _Said) -> None:
+def _say_short(
+    calls: Sequence[Call], times: KnownRunningTimes, line: Line, number: str, remarks: _Remarks
+) -> None:
     """Legs for which the times leave less than any train takes; the run will be late there."""
     for before, call in pairwise(calls):
         left_s, needed_s = call.first_s - before.last_s, math.ceil(times.least(leg_of(before, call)))
         if left_s < needed_s:
             from_name, to_name = (line.stations[one.station_id].name for one in (before, call))
-            said.note(
+            remarks.note(
                 f"times too short: from {from_name} to {to_name} {left_s} s are left, where at least {needed_s} s are"
                 " needed: {}",
                 number,
@@ -316,7 +320,7 @@ def _say_short(calls: Sequence[Call], times: KnownRunningTimes, line: Line, numb
 
 
 def _spaced(
-    timed: TimedCalls, positions_m: Sequence[float], line: Line, number: str, said: _Said
+    timed: TimedCalls, positions_m: Sequence[float], line: Line, number: str, remarks: _Remarks
 ) -> TimedCalls:
     """Times in whole minutes may leave none for a run: within the minute the later time is moved."""
     calls = list(timed.calls)
@@ -338,18 +342,18 @@ def _spaced(
             departure_s = max(departure_s, call.first_s + late_s)
         calls[i] = replace(call, arrival_s=arrival_s, departure_s=departure_s)
         inferred.add(i)
-        said.note("times in one minute with those before are moved by up to a minute: {}", number)
+        remarks.note("times in one minute with those before are moved by up to a minute: {}", number)
     return TimedCalls(tuple(calls), frozenset(inferred))
 
 
-def _planned(cut: _UntimedTrain, timed: TimedCalls, line: Line, said: _Said) -> TrainOnLine:
+def _planned(cut: _UntimedTrain, timed: TimedCalls, line: Line, remarks: _Remarks) -> TrainOnLine:
     """The train; where there is no platform it stands without passengers."""
     calls: list[Call] = []
     revenue = cut.source.revenue
     for call in timed.calls:
         if revenue and call.kind is CallKind.STOP and _without_platform(line, call, cut.direction):
             name = line.stations[call.station_id].name
-            said.note(f"stops at {name}, which has no platform, are not for passengers: {{}}", cut.number)
+            remarks.note(f"stops at {name}, which has no platform, are not for passengers: {{}}", cut.number)
             calls.append(replace(call, kind=CallKind.OPERATIONAL))
         else:
             calls.append(call)
@@ -374,7 +378,9 @@ def _without_platform(line: Line, call: Call, direction: Direction) -> bool:
         return False  # no mark in this direction: what reads the timetable file says so
 
 
-def _linked(trains: Sequence[TrainOnLine], cuts: Sequence[_UntimedTrain], said: _Said) -> list[TrainOnLine]:
+def _linked(
+    trains: Sequence[TrainOnLine], cuts: Sequence[_UntimedTrain], remarks: _Remarks
+) -> list[TrainOnLine]:
     """Links between trains by the numbers that they have here; one to a number that several have is left out."""
     ours: dict[str, list[str]] = {}
     for cut in cuts:
@@ -387,9 +393,11 @@ def _linked(trains: Sequence[TrainOnLine], cuts: Sequence[_UntimedTrain], said: 
                 case [one]:
                     found.append(one)
                 case []:
-                    said.note("links to trains that are not on the line are left out: {}", number)
+                    remarks.note("links to trains that are not on the line are left out: {}", number)
                 case _:
-                    said.note(f"links to {name}, which several trains are called, are left out: {{}}", number)
+                    remarks.note(
+                        f"links to {name}, which several trains are called, are left out: {{}}", number
+                    )
         return tuple(found)
 
     return [

@@ -88,7 +88,7 @@ def read_osm(path: Path) -> ForeignLayout:
     stations, homeless = _stations(source, done, tracks)
     signals = tuple(_signals(source, done))
     nodes = tuple(_node(source, node, ends, crossings) for node, ends in meeting.items())
-    taken = _taken(source, tracks, points, stations, signals, milestones)
+    used = _used(source, tracks, points, stations, signals, milestones)
     assumed = _assumed(source, points, given, tracks)
     left = [*odd, *unused, *homeless, *_left(source)]
     without = sum(not track.kilometrage for track in tracks)
@@ -105,7 +105,7 @@ def read_osm(path: Path) -> ForeignLayout:
         tuple(stations),
         signals,
         milestones,
-        tuple(taken),
+        tuple(used),
         tuple(assumed),
         tuple(left),
         source.origin_deg,
@@ -323,14 +323,14 @@ def _measured(
             alone += bool(known)
             known = []
         measured.append(replace(track, kilometrage=km_rows(track.length_m, known, ())))
-    said: list[str] = []
+    remarks: list[str] = []
     if alone:
-        said.append(
+        remarks.append(
             f"{count_text(alone, 'milestone')} alone on a track: which way its kilometrage grows is not said"
         )
     if crossed:
-        said.append(f"milestones of {count_text(crossed, 'track')}, which are in no order")
-    return measured, said
+        remarks.append(f"milestones of {count_text(crossed, 'track')}, which are in no order")
+    return measured, remarks
 
 
 def _stations(
@@ -338,7 +338,7 @@ def _stations(
 ) -> tuple[list[LayoutStation], list[str]]:
     """Stations by name: stops on tracks are their spots; one without any takes the nearest track."""
     named: dict[str, list[_OsmNode]] = defaultdict(list)
-    said: list[str] = []
+    remarks: list[str] = []
     nameless = 0
     for node in source.nodes.values():
         if node.tags.get("railway") in STATION_TAGS:
@@ -347,7 +347,7 @@ def _stations(
             if name:
                 named[name].append(node)
     if nameless:
-        said.append(f"{count_text(nameless, 'stop')} without a name")
+        remarks.append(f"{count_text(nameless, 'stop')} without a name")
     by_id = {track.id: track for track in tracks}
     stations: list[LayoutStation] = []
     for name, nodes in named.items():
@@ -359,13 +359,13 @@ def _stations(
         if not spots and (near := _nearest(nodes[0].place, tracks)) is not None:
             spots = [near]
         if not spots:
-            said.append(f"no place on the tracks: station {name}")
+            remarks.append(f"no place on the tracks: station {name}")
         known = [km_m for spot in spots if (km_m := by_id[spot.track_id].km_m(spot.offset_m)) is not None]
         code = next((n.tags["railway:ref"] for n in nodes if "railway:ref" in n.tags), "")
         position_m = round(sum(known) / len(known), 3) if known else None
         stations.append(LayoutStation(nodes[0].id, code, name, position_m, tuple(spots)))
     stations.sort(key=lambda entry: (entry.position_m is None, entry.position_m or 0.0))
-    return stations, said
+    return stations, remarks
 
 
 def _nearest(place: Place, tracks: Iterable[LayoutTrack]) -> Spot | None:
@@ -398,7 +398,7 @@ def _signals(source: _Source, done: Merged) -> Iterator[LayoutSignal]:
         yield LayoutSignal(node.tags.get("ref", ""), here[0], here[1], forward)
 
 
-def _taken(
+def _used(
     source: _Source,
     tracks: Sequence[LayoutTrack],
     points: Sequence[LayoutPoints],
@@ -409,7 +409,7 @@ def _taken(
     service = Counter(way.tags["service"] for way in source.ways if "service" in way.tags)
     spots = sum(len(station.spots) for station in stations)
     ways = count_text(len({way.id.partition("~")[0] for way in source.ways}), "way")
-    taken = [
+    used = [
         f"{ways} as {count_text(len(tracks), 'track')} of {sum(t.length_m for t in tracks) / 1000:.3f} km in all",
         f"{count_text(len(points), 'set of points', 'sets of points')}",
         f"{count_text(len(stations), 'station')} with {count_text(spots, 'stop')}",
@@ -418,8 +418,8 @@ def _taken(
     ]
     if service:
         kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(service.items()))
-        taken.insert(1, f"service tracks among them: {kinds}")
-    return taken
+        used.insert(1, f"service tracks among them: {kinds}")
+    return used
 
 
 def _assumed(
@@ -428,8 +428,8 @@ def _assumed(
     assumed = ["lengths are those of the mapped polylines on a plane (transverse Mercator, GRS80)"]
     unsaid = sum(source.nodes[entry.node_id].tags.get("railway") != "switch" for entry in points)
     if unsaid:
-        said = count_text(unsaid, "set of points", "sets of points")
-        assumed.append(f"{said}: three tracks meet there, though the map has no railway=switch")
+        count = count_text(unsaid, "set of points", "sets of points")
+        assumed.append(f"{count}: three tracks meet there, though the map has no railway=switch")
     if points:
         assumed.append(
             "the stem of points is the track that both others run on into; the normal leg is the one of the stem's name"

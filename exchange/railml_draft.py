@@ -120,7 +120,7 @@ def layout_of(draft: RailmlDraft, source: str) -> ForeignLayout:
     )
     nodes = tuple(_nodes(tracks, draft, {entry.node_id for entry in draft.points}))
     platforms = sum(len(station.platforms) for station in stations)
-    taken = [
+    used = [
         f"{count_text(len(tracks), 'track')} of {sum(track.length_m for track in tracks) / 1000:.3f} km in all",
         count_text(len(points), "set of ordinary points", "sets of ordinary points"),
         f"{count_text(len(stations), 'station')} with {count_text(platforms, 'platform')}",
@@ -128,7 +128,7 @@ def layout_of(draft: RailmlDraft, source: str) -> ForeignLayout:
     ]
     jumps = sum(_jumps(track) for track in tracks)
     if jumps:
-        taken.append(count_text(jumps, "jump of the kilometrage", "jumps of the kilometrage"))
+        used.append(count_text(jumps, "jump of the kilometrage", "jumps of the kilometrage"))
     assumed = list(draft.assumed)
     if draft.points:
         assumed.append("the normal leg of points is the one that the track continues on")
@@ -152,18 +152,18 @@ def layout_of(draft: RailmlDraft, source: str) -> ForeignLayout:
         stations,
         signals,
         (),
-        tuple(taken),
+        tuple(used),
         tuple(assumed),
         tuple(left),
     )
 
 
-def left_of(elements: Iterable[ET.Element], taken: frozenset[str]) -> list[str]:
+def left_of(elements: Iterable[ET.Element], used: frozenset[str]) -> list[str]:
     """One sentence for what has an id and is not taken, counted by its kind."""
     counts: Counter[str] = Counter()
     for element in elements:
         name = local_name(element)
-        if element.get("id") and name not in taken:
+        if element.get("id") and name not in used:
             word = _WORDS.get(name, name)
             if word:
                 counts[word] += 1

@@ -171,7 +171,7 @@ def _uses(
     line: Line, station_id: str, trains: Sequence[TrainOnLine], stands: Iterable[StandBetweenTrains]
 ) -> list[_Use]:
     uses: list[_Use] = []
-    taken: set[tuple[str, int]] = set()
+    paired: set[tuple[str, int]] = set()
     for stand in stands:
         if stand.station_id != station_id:
             continue
@@ -180,7 +180,7 @@ def _uses(
             keys.append((stand.arrives.number, len(stand.arrives.calls) - 1))
         if stand.leaves is not None:
             keys.append((stand.leaves.number, 0))
-        taken.update(keys)
+        paired.update(keys)
         usable = standing_tracks(line, stand.arrives, stand.leaves)
         held_from_s = stand.from_s if stand.arrives is None else _held_from_s(line, stand.arrives, -1)
         held_to_s = stand.to_s if stand.leaves is None else _held_to_s(line, stand.leaves, 0)
@@ -189,7 +189,7 @@ def _uses(
         )
     for train in trains:
         for i, call in enumerate(train.calls):
-            if call.station_id == station_id and (train.number, i) not in taken:
+            if call.station_id == station_id and (train.number, i) not in paired:
                 usable = _usable(line, [(call, train.direction)])
                 key = (train.number, i)
                 held = (_held_from_s(line, train, i), _held_to_s(line, train, i))

@@ -75,8 +75,8 @@ def read_sumo_net(path: Path, additional: Path | None = None) -> ForeignLayout:
         meeting[track.low_node].append((track, False))
         meeting[track.high_node].append((track, True))
     points: list[LayoutPoints] = []
-    said: list[str] = []
-    kinds = {node: _kind(net, node, ends, of_edge, points, said) for node, ends in meeting.items()}
+    remarks: list[str] = []
+    kinds = {node: _kind(net, node, ends, of_edge, points, remarks) for node, ends in meeting.items()}
     stations, known = _stations(net, additional, of_edge)
     rows = (km_rows(track.length_m, known.get(track.id, ()), ()) for track in tracks)
     tracks = [replace(track, kilometrage=row) for track, row in zip(tracks, rows, strict=True)]
@@ -84,7 +84,7 @@ def read_sumo_net(path: Path, additional: Path | None = None) -> ForeignLayout:
     by_id = {track.id: track for track in tracks}
     stations = [_placed(station, by_id) for station in stations]
     one_way = sum(not edge.bidi for edge in net.edges.values())
-    taken = [
+    used = [
         f"{count_text(len(tracks), 'track')} of {sum(track.length_m for track in tracks) / 1000:.3f} km in all",
         count_text(len(points), "set of points", "sets of points"),
         f"{count_text(len(stations), 'station')} with {count_text(sum(len(s.spots) for s in stations), 'stop')}",
@@ -98,7 +98,7 @@ def read_sumo_net(path: Path, additional: Path | None = None) -> ForeignLayout:
         assumed.append(
             f"kilometrage of {count_text(len(given), 'track')} carried over from those they continue"
         )
-    left = [*said, *(count_text(count, what) for what, count in sorted(net.left.items()))]
+    left = [*remarks, *(count_text(count, what) for what, count in sorted(net.left.items()))]
     without = sum(not track.kilometrage for track in tracks)
     if without:
         left.append(f"no kilometrage: {count_text(without, 'track')}; a net has none of its own")
@@ -112,7 +112,7 @@ def read_sumo_net(path: Path, additional: Path | None = None) -> ForeignLayout:
         tuple(stations),
         (),
         (),
-        tuple(taken),
+        tuple(used),
         tuple(assumed),
         tuple(left),
     )
@@ -215,7 +215,7 @@ def _kind(
     ends: Sequence[tuple[LayoutTrack, bool]],
     of_edge: Mapping[str, tuple[LayoutTrack, bool]],
     points: list[LayoutPoints],
-    said: list[str],
+    remarks: list[str],
 ) -> NodeKind:
     """What a junction is; points are added to `points`."""
     if len(ends) <= 2:
@@ -227,7 +227,7 @@ def _kind(
     }
     stems = [t for t, _ in ends if all(frozenset((t.id, o.id)) in together for o, _ in ends if o.id != t.id)]
     if len(ends) != 3 or len(stems) != 1 or len({t.id for t, _ in ends}) != 3:
-        said.append(
+        remarks.append(
             f"not among points: junction {node}, at which {len(ends)} tracks meet and {len(stems)} lead to all"
         )
         return NodeKind.CROSSING

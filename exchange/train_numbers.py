@@ -23,7 +23,7 @@ def numbers_of(published: Iterable[tuple[str, bool]]) -> tuple[str, ...]:
     A train without one is D001, D002, ... or U001, ...; of trains with the same one the second is ...-2.
     """
     found: list[str] = []
-    taken: set[str] = set()
+    numbers: set[str] = set()
     counts = {True: 0, False: 0}
     pairs = list(published)
     plain = [_plain(text) for text, _ in pairs]
@@ -34,10 +34,10 @@ def numbers_of(published: Iterable[tuple[str, bool]]) -> tuple[str, ...]:
             counts[down] += 1
             name = f"{'D' if down else 'U'}{counts[down]:03d}"
         again = 1
-        while name in taken:
+        while name in numbers:
             again += 1
             name = f"{number}-{again}"
-        taken.add(name)
+        numbers.add(name)
         found.append(name)
     return tuple(found)
 

@@ -75,10 +75,10 @@ def scatter(
     """`drivers` drivers over one hop in `time_s`, drawn as on the line, by (seed, driver, number)."""
     tables = LawTables.model_validate({"driver": settings})
     over = one_gradient(HOP_M) if way is None else way
-    made: list[TimedHop] = []
+    hops: list[TimedHop] = []
     for number in range(drivers):
-        made.append(HopBench(paper_bench("driver", tables, habit_draws(seed, number)), over).timed(time_s))
-    punctual = tuple(hop for hop in made if abs(hop.off_s) <= PUNCTUAL_S)
+        hops.append(HopBench(paper_bench("driver", tables, habit_draws(seed, number)), over).timed(time_s))
+    punctual = tuple(hop for hop in hops if abs(hop.off_s) <= PUNCTUAL_S)
     return DriverScatter(punctual, drivers - len(punctual))
 
 

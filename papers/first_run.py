@@ -86,14 +86,14 @@ def map_by_run(setup: Setup, number: str) -> CurvatureMap:
     )
     run = MeasuringRun(replace(setup, timetable=timetable, sensors=sensors, curvature_map=None), number)
     run.run()
-    made = f"{run.duty.mission.number}, seed {setup.seed}"
+    source = f"{run.duty.mission.number}, seed {setup.seed}"
     line = setup.believed_line
-    return measured_map(run.record(), run.mission.path, line, MOUNTING, setup.unit.tag_accuracy_m, made)
+    return measured_map(run.record(), run.mission.path, line, MOUNTING, setup.unit.tag_accuracy_m, source)
 
 
 def new_curvature_map(scenario: str, out: Path, number: str | None, seed: int | None) -> CurvatureMap:
     """Write the map of a scenario's line: by a first run of a train, or without one from the design."""
     setup = load_scenario(scenario, seed).setup
-    made = design_map(setup.believed_line) if number is None else map_by_run(setup, number)
-    write_map(made, out)
-    return made
+    curvature_map = design_map(setup.believed_line) if number is None else map_by_run(setup, number)
+    write_map(curvature_map, out)
+    return curvature_map

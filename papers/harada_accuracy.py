@@ -59,7 +59,7 @@ class CaseRuns:
         return float(self.errors_m.std())
 
     @property
-    def told(self) -> dict[str, Any]:
+    def figures(self) -> dict[str, Any]:
         """What a row says of them."""
         errors_m = self.errors_m
         return {
@@ -136,7 +136,7 @@ def rows_of(
         CaseRow(
             f"run {number}, {SLOWER_MPS[number - 1] * 3.6:g} km/h slower",
             None,
-            CaseRuns("", (ride,)).told,
+            CaseRuns("", (ride,)).figures,
             ride.result.arrived,
             "it arrives",
         )
@@ -149,14 +149,14 @@ def rows_of(
             CaseRow(
                 f"the same with {runs.name}",
                 "worse (3.3)",
-                runs.told,
+                runs.figures,
                 runs.sigma_m > space.sigma_m,
                 "a greater sigma",
             )
             for runs in others
         ),
         *(
-            CaseRow(f"the same with {runs.name}", None, runs.told, all(ride.result.arrived for ride in runs.rides),
+            CaseRow(f"the same with {runs.name}", None, runs.figures, all(ride.result.arrived for ride in runs.rides),
                 "told; it arrives")
             for runs in noisy
         ),
@@ -173,7 +173,7 @@ def accuracy(runs: CaseRuns, quick: str = "") -> tuple[CaseRow, CaseRow]:
     return (
         CaseRow(SIGMA, SIGMA_MAX_M, round(sigma_m, 3), sigma_m <= SIGMA_MAX_M,
             f"at most {SIGMA_MAX_M:g} m{quick}"),
-        CaseRow(WITHIN, "all within 2 m", runs.told, within, "every one within 2 m"),
+        CaseRow(WITHIN, "all within 2 m", runs.figures, within, "every one within 2 m"),
     )  # fmt: skip
 
 
@@ -281,12 +281,12 @@ def experiment(options: Options) -> Findings:
             f"Missed by {space.sigma_m - SIGMA_MAX_M:.2f} m; by the design as map sigma is {design.sigma_m:.2f} m: it"
             " comes with the map of a first run."
         )
-    told = histogram(space.errors_m)
+    quarters = histogram(space.errors_m)
     return Findings(
         rows_of(space, others, noisy, " (of a slice)" if options.quick else ""),
         parameters(bench.runs),
         remarks,
-        [UnjudgedFigure("histogram of figure 5, m", told, "errors in each quarter of a metre")],
+        [UnjudgedFigure("histogram of figure 5, m", quarters, "errors in each quarter of a metre")],
         accuracy(wheels_alone(bench)),
         chart(space, others).write,
     )

@@ -63,7 +63,7 @@ class Method:
         return missed[0] if missed else None
 
     @property
-    def told(self) -> dict[str, object]:
+    def figures(self) -> dict[str, object]:
         """What a row says."""
         errors = {f"error at {name}_m": round(self.error_at_m(name), 2) for name in NAMES}
         failed_m = self.failed_at_m
@@ -79,7 +79,7 @@ def slip(place: MountainLine) -> list[Moment]:
 def run_method(
     words: str, carries: tuple[PositionSensor, ...], trust: BeaconTrust, seed: int, *, slips: bool = True
 ) -> Method:
-    """The run by one method; without the slip if told."""
+    """The run by one method, with the slip or without."""
     place = mountain_line(stations=STATIONS)
     trip = PlannedTrip(place, carries=carries, seed=seed, beacons=Beacons(trust=trust))
     return Method(words, trip.run(slip(place) if slips else ()))
@@ -92,7 +92,7 @@ def beacon_rows(paper: Method, dry: Method, bounded: Method) -> tuple[CaseRow, .
         CaseRow(
             "by beacons, wheels that roll",
             "every beacon is found (figure 1 (1), (2))",
-            dry.told,
+            dry.figures,
             dry.failed_at_m is None and max(abs(dry.error_at_m(name)) for name in NAMES) <= WITHIN_M,
             "within 2 m at each, and no failure",
         ),
@@ -106,14 +106,14 @@ def beacon_rows(paper: Method, dry: Method, bounded: Method) -> tuple[CaseRow, .
         CaseRow(
             "by beacons, C and the next one are missed",
             "localisation has failed after two windows in a row (2.3)",
-            paper.told,
+            paper.figures,
             paper.failed_at_m is not None and misread,
             "told in the journal",
         ),
         CaseRow(
             "by beacons that may not break the bounds",
             None,
-            {**bounded.told, "out of bounds_m": round(bounded.ride.result.out_m, 3)},
+            {**bounded.figures, "out of bounds_m": round(bounded.ride.result.out_m, 3)},
             bounded.ride.result.out_m <= 0.0 < paper.ride.result.out_m,
             "the paper's method puts the truth out of its bounds, this one never",
         ),

@@ -54,8 +54,8 @@ WHEELS: Final = LINE.unit.model_copy(update={"believes_wheels": True})
 class PlannedTrip:
     """What is run: by what the train knows where it is, how fast it is driven, which day and which train of the kind.
 
-    `told`: the timetable that the unit goes by, where the train is sent another way. `wheels`: an interval of the way
-    over what they count (`Ride.wheels` of another day).
+    `unit_timetable`: the one that the unit goes by, where the train is sent another way. `wheels`: an interval of the
+    way over what they count (`Ride.wheels` of another day).
     """
 
     place: MountainLine
@@ -67,7 +67,7 @@ class PlannedTrip:
     curvature_map: CurvatureMap | None = None  # None: that of the design
     beacons: Beacons = field(default_factory=Beacons)
     timetable: Timetable | None = None
-    told: Timetable | None = None
+    unit_timetable: Timetable | None = None
     unit: UnitParameters = WHEELS
     locks: bool = False  # the train has no slide protection
     creep_share: float = CREEP_SHARE
@@ -99,7 +99,7 @@ class PlannedTrip:
 
     def run(self, moments: Sequence[Moment] = ()) -> TripRun:
         """Run it from the first mark to the last; `moments` by kilometrage (m) of the front."""
-        run = PositionRun(self.setup, told=self.told)
+        run = PositionRun(self.setup, unit_timetable=self.unit_timetable)
         if self.wheels is not None:
             own, unit = run.trains.readers[SLOT].curvature, run.trains.units[SLOT]
             own.scale_low, own.scale_high = self.wheels

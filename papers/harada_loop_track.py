@@ -50,7 +50,7 @@ class Loop:
 
     @property
     def fixes_inside(self) -> int:
-        """Looks on the loop at which the last thing told of curvature is a fix taken.
+        """Looks on the loop at which the last note of curvature is a fix that was used.
 
         Counted from where it was noticed; where it never was, from where it had to be at the latest.
         """
@@ -138,7 +138,7 @@ def run_loop(seed: int, settings: Curvature | None = None, *, sent: bool = True)
     watched = Watch(from_m - BEFORE_M, to_m + AFTER_M, curvature.mismatch_per_m)
     over = (here.station_ids[AT],) if sent else ()
     trip = PlannedTrip(
-        here, seed=seed, curvature=curvature, timetable=here.timetable(over), told=here.timetable()
+        here, seed=seed, curvature=curvature, timetable=here.timetable(over), unit_timetable=here.timetable()
     )
     return Loop(trip.run(watched.moments()), watched, from_m, to_m)
 

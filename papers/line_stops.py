@@ -111,12 +111,12 @@ def figures(errors: NDArray[np.float64]) -> dict[str, float]:
     }
 
 
-def stops_row(case: str, errors: NDArray[np.float64], told: object = None) -> CaseRow:
+def stops_row(case: str, errors: NDArray[np.float64], ours: object = None) -> CaseRow:
     """Whether stops end as near their marks as is asked."""
     found = figures(errors)
     passed = found["within_0.5_m"] == 1.0 and found["within_0.35_m"] >= NEAR_SHARE
     criterion = "after: every stop within 0.5 m, 99 % within 0.35 m"
-    return CaseRow(case, "1 m asked for (2.2)", told or found, passed, criterion)
+    return CaseRow(case, "1 m asked for (2.2)", ours or found, passed, criterion)
 
 
 def rows_of(fleets: Sequence[Fleet], with_signs: FinishedRun) -> tuple[CaseRow, ...]:

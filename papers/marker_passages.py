@@ -96,7 +96,7 @@ class MarkerPassage:
         """The train's at the end of each cycle."""
         return self.motion.speed_mps + self.motion.acceleration_mps2 * self.times_s
 
-    def seen(self, use: Use) -> PassageReadings:
+    def readings_by(self, use: Use) -> PassageReadings:
         """What the unit makes of it."""
         points, own, cycles = self.points, np.zeros(1, SPEED).view(np.recarray)[0], np.zeros((self.cycles, 5))
         used = use.used._replace(spacing_m=self.spacing_m)
@@ -127,14 +127,14 @@ class MarkerPassage:
 
 @dataclass(frozen=True, slots=True)
 class Readings:
-    """Of a passage: how often its pattern was looked for, told rightly and told wrongly."""
+    """Of a passage: how often its pattern was looked for, recognised rightly and recognised wrongly."""
 
     looked: int
     right: int
     wrong: int
 
     @property
-    def told(self) -> bool:
+    def recognised(self) -> bool:
         """Whether the passage gives its pattern: more than half of its readings do."""
         return 2 * self.right > self.looked
 

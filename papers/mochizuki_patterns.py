@@ -53,7 +53,7 @@ class PatternReadings:
     @property
     def right(self) -> tuple[bool, ...]:
         """Which passages gave their pattern."""
-        return tuple(each.told for each in self.readings)
+        return tuple(each.recognised for each in self.readings)
 
     @property
     def share(self) -> float:
@@ -85,12 +85,12 @@ def told_at(speed_kmh: float, runs: int, seed: int, uses: Sequence[str]) -> dict
     for number in range(runs):
         passage = pass_markers(f"{speed_kmh:g} km/h", number, seed, speed_kmh / KMH)
         for name in uses:
-            found[name].append(passage.seen(USES[name]).readings)
+            found[name].append(passage.readings_by(USES[name]).readings)
     return {name: PatternReadings(tuple(readings)) for name, readings in found.items()}
 
 
 def mcnemar_p(before: PatternReadings, after: PatternReadings) -> float:
-    """McNemar's exact test: how likely as many passages are told only by `after`, if neither is better."""
+    """McNemar's exact test: how likely as many passages are recognised only by `after`, if neither is better."""
     pairs = list(zip(before.right, after.right, strict=True))
     gained = sum(b < a for b, a in pairs)
     changed = sum(b != a for b, a in pairs)
@@ -98,21 +98,21 @@ def mcnemar_p(before: PatternReadings, after: PatternReadings) -> float:
 
 
 def fisher_p(there: PatternReadings, here: PatternReadings) -> float:
-    """Fisher's exact test: how likely so many fewer are told `there` than `here`, if there is no difference."""
+    """Fisher's exact test: how likely so many fewer are recognised `there` than `here`, if there is no difference."""
     table = np.array([[sum(t.right), len(t.right) - sum(t.right)] for t in (there, here)], dtype=np.int64)
     return float(fisher_exact(table, alternative="less").pvalue)
 
 
-def binomial_p(told: PatternReadings, share: float) -> float:
-    """Exact binomial test: how likely so many are told if it were this share and no more."""
-    return float(binomtest(sum(told.right), len(told.right), share, alternative="greater").pvalue)
+def binomial_p(readings: PatternReadings, share: float) -> float:
+    """Exact binomial test: how likely so many are recognised if it were this share and no more."""
+    return float(binomtest(sum(readings.right), len(readings.right), share, alternative="greater").pvalue)
 
 
 def share_rows(found: dict[float, dict[str, PatternReadings]], corrected: str = MOVED) -> list[CaseRow]:
     """The rows of the four speeds; `corrected`: the use of points that is judged as corrected."""
     rows: list[CaseRow] = []
-    for kmh, told in found.items():
-        moved, raw = told[corrected], told[RAW]
+    for kmh, by_use in found.items():
+        moved, raw = by_use[corrected], by_use[RAW]
         p_raw = mcnemar_p(raw, moved)
         rows.append(
             CaseRow(
@@ -147,16 +147,16 @@ def share_rows(found: dict[float, dict[str, PatternReadings]], corrected: str = 
             )
         what = "what the same scan gives if points come with their own times"
         rows.append(
-            reported_figure(f"{kmh:g} km/h: corrected, with {OWN_TIME}", told[OWN_TIME].as_dict(), what)
+            reported_figure(f"{kmh:g} km/h: corrected, with {OWN_TIME}", by_use[OWN_TIME].as_dict(), what)
         )
-    wrong = sum(each.wrong for told in found.values() for each in told.values())
+    wrong = sum(each.wrong for by_use in found.values() for each in by_use.values())
     rows.append(none_of("wrong patterns told", wrong, "none, in any reading of any passage", paper=0))
     return rows
 
 
 @dataclass(frozen=True, slots=True)
 class Spaced:
-    """The least spacing (m) at which enough passages are told, None: none of SPACINGS_M; shares by spacing tried."""
+    """The least spacing (m) at which enough passages are recognised, None: no such one; shares by spacing tried."""
 
     speed_kmh: float
     least_m: float | None
@@ -164,21 +164,21 @@ class Spaced:
 
 
 def spacing_for(speed_kmh: float, runs: int, seed: int, use: Use, from_m: float = SPACINGS_M[0]) -> Spaced:
-    """Try spacings upwards until `LEAST` of the passages are told."""
+    """Try spacings upwards until `LEAST` of the passages are recognised."""
     shares: list[tuple[float, float]] = []
     for spacing_m in (each for each in SPACINGS_M if each >= from_m):
-        told = 0
+        recognised = 0
         for number in range(runs):
             name = f"{speed_kmh:g} km/h, {spacing_m:g} m"
             passage = pass_markers(name, number, seed, speed_kmh / KMH, spacing_m=spacing_m)
-            told += passage.seen(use).readings.told
-            if number + 1 - told > (1.0 - LEAST) * runs:  # it cannot be met any more
+            recognised += passage.readings_by(use).readings.recognised
+            if number + 1 - recognised > (1.0 - LEAST) * runs:  # it cannot be met any more
                 runs_made = number + 1
                 break
         else:
             runs_made = runs
-        shares.append((spacing_m, told / runs_made))
-        if told >= LEAST * runs:
+        shares.append((spacing_m, recognised / runs_made))
+        if recognised >= LEAST * runs:
             return Spaced(speed_kmh, spacing_m, tuple(shares))
     return Spaced(speed_kmh, None, tuple(shares))
 
@@ -201,7 +201,7 @@ def spacing_rows(quick: bool, seed: int) -> tuple[list[CaseRow], dict[str, list[
 def points(passage: MarkerPassage, name: str, x: str, y: str) -> Panel:
     """Points as taken or as moved (figures 7 and 8), with the cells of the grid and the markers as they lie."""
     use, taken = USES[name], passage.points
-    seen = passage.seen(use)
+    readings = passage.readings_by(use)
     half_m = 0.5 * (ROWS - 1) * passage.spacing_m
     ways = passage.motion.from_m - np.cumsum(passage.speeds_mps) * CYCLE_S
     cycle = int(np.argmin(np.abs(ways + half_m - SHOWN_AT_M)))
@@ -209,7 +209,7 @@ def points(passage: MarkerPassage, name: str, x: str, y: str) -> Panel:
     times = use.stamped_times(taken.time_s)
     kept = np.flatnonzero((times <= now_s + 1e-9) & (times > now_s - KEPT_S))
     first, end = int(kept[0]), int(kept[-1]) + 1
-    speed_mps = float(seen.speed_mps[cycle]) if use.used.corrected else 0.0
+    speed_mps = float(readings.speed_mps[cycle]) if use.used.corrected else 0.0
     at_m = places_now(taken.x_m, times, first, end, now_s, speed_mps) - float(ways[cycle])
     places = marker_places(passage.pattern, passage.spacing_m)
     cells = Ruled(

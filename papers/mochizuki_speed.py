@@ -149,7 +149,7 @@ class Settled:
 def find_runs(case: SpeedCase, runs: int, seed: int, use: Use | None) -> Settled:
     """All runs of a case; without a use of points the sensor is perfect."""
     passages = (case.run(number, seed) for number in range(runs))
-    seen = [each.seen_perfectly() if use is None else each.seen(use) for each in passages]
+    seen = [each.seen_perfectly() if use is None else each.readings_by(use) for each in passages]
     errors = [errors_kmh(each) for each in seen]
     return Settled(
         case,

@@ -170,7 +170,7 @@ def frame_row(gain_per_s: float) -> CaseRow:
     """By how much a camera's sign puts the estimate ahead of the train (3.2.1), in a stop with no other error."""
     stop = stop_of(SignRun(1, True, 100.0, 0.0))
     stop["count_error"] = 0.0
-    _, trace = controller(gain_per_s).one(stop, STEPS_MAX)
+    _, trace = controller(gain_per_s).single_stop(stop, STEPS_MAX)
     seen = trace[(trace["position_m"] >= -100.0) & (trace["speed_mps"] > 0.0)]
     least_m, most_m = float(seen["estimate_error_m"].min()), float(seen["estimate_error_m"].max())
     bound_m = frame_rate_error_m(float(seen["speed_mps"].max()), FRAME_RATE_FPS)
@@ -194,19 +194,19 @@ def impossible_rows(gain_per_s: float) -> Iterator[CaseRow]:
     """Stops that cannot be made."""
     bench = controller(gain_per_s)
     for name, expected, stop in impossible_stops():
-        result, _ = bench.one(stop)
+        result, _ = bench.single_stop(stop)
         verdict = StopVerdict(int(result.verdict))
         ours = {
-            "verdict": _words(verdict),
+            "verdict": _verdict_text(verdict),
             "stopped_m": round(float(result.error_m), 2),
             "stop_limit_m": float(stop[0]["stop_limit_m"]),
             "emergency_brake": bool(result.intervention == EMERGENCY_INTERVENTION),
         }
-        criterion = f"reported as {_words(expected)}, and stopped within the stop limit"
+        criterion = f"reported as {_verdict_text(expected)}, and stopped within the stop limit"
         yield CaseRow(name, None, ours, verdict is expected and bool(result.within_limit), criterion)
 
 
-def _words(verdict: StopVerdict) -> str:
+def _verdict_text(verdict: StopVerdict) -> str:
     return verdict.name.lower().replace("_", " ")
 
 

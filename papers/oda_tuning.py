@@ -222,7 +222,7 @@ def tune(nominal: TrainType, seed: int, name: str) -> TunedTrain:
     delivered = bench_with(nominal, hidden, new)
     settled_after = full_counted = 0
     for index, full in enumerate(is_full(stops)):
-        delivered.one(stops[index : index + 1])
+        delivered.single_stop(stops[index : index + 1])
         kept = delivered.keeper().record(float(stops["load_share"][index]))
         if kept is not None:
             record = with_noise(noise, kept)

@@ -159,10 +159,10 @@ def acting_row(runs: Sequence[Ran]) -> CaseRow:
         own = [ran for ran in runs if ran.carried is carried]
         if not own:
             continue
-        plain, told = own[0].result.trace, [note for _, _, note in own[0].result.notes]
+        plain, plain_notes = own[0].result.trace, [note for _, _, note in own[0].result.notes]
         for ran in own[1:]:
             trace = ran.result.trace
-            if [note for _, _, note in ran.result.notes] != told:
+            if [note for _, _, note in ran.result.notes] != plain_notes:
                 continue
             if trace.size == plain.size and all(
                 np.allclose(trace[name], plain[name], atol=ACTS_M)
@@ -195,7 +195,7 @@ def outages(carried: SensorSet, seed: int) -> Floats:
 
 
 def published_rows(runs: Sequence[Ran], seed: int) -> tuple[CaseRow, ...]:
-    """Figures of others, measured on trains, beside ours, which are simulated: told together, judged by theirs."""
+    """Figures of others, measured on trains, beside ours, which are simulated: reported together, judged by theirs."""
     rows: list[CaseRow] = []
     for carried in SETS:
         alone = set(carried.carries) - {PositionSensor.CURVATURE}

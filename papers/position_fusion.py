@@ -181,13 +181,15 @@ def wider_row(
     Judged where both state a position: what a set states where a sensor alone states none is no reason against it.
     """
     ratios = {kind: times_as_wide(fused, alone) for kind, alone in members.items()}
-    told = ", ".join(f"{kind} {_told(members[kind])}, {ratio:.2f} times" for kind, ratio in ratios.items())
+    widths = ", ".join(
+        f"{kind} {_width_text(members[kind])}, {ratio:.2f} times" for kind, ratio in ratios.items()
+    )
     most = max((ratio for ratio in ratios.values() if math.isfinite(ratio)), default=math.inf)
     missed = f"; missed: {most:.2f}" if not most <= WIDER_MOST else ""
     return CaseRow(
         f"median half-width of the bounds, m, {case}",
         None,
-        f"{_told(fused)}; alone: {told}",
+        f"{_width_text(fused)}; alone: {widths}",
         not missed,
         f"at most {WIDER_MOST:g} times that of each member alone, where both state a position{missed}",
     )
@@ -227,7 +229,7 @@ def set_rows(seed: int, count: int) -> tuple[CaseRow, ...]:
     return tuple(rows)
 
 
-def _told(outcomes: Sequence[FusionOutcome]) -> str:
+def _width_text(outcomes: Sequence[FusionOutcome]) -> str:
     known = sum(one.known_steps for one in outcomes) / max(sum(one.steps for one in outcomes), 1)
     return f"{median_half_m(outcomes):.1f} (known in {known:.0%} of the steps)"
 

@@ -94,15 +94,15 @@ class SensorDay:
 
     def as_dict(self) -> dict[str, Any]:
         """For the figures and the picture."""
-        kept = {name: value for name, value in asdict(self).items() if name not in _NOT_TOLD}
-        return kept | {"release_s": asdict(Quantiles.of_values(np.array(list(self.releases_s.values()))))}
+        shown = {name: value for name, value in asdict(self).items() if name not in _NOT_SHOWN}
+        return shown | {"release_s": asdict(Quantiles.of_values(np.array(list(self.releases_s.values()))))}
 
 
-_NOT_TOLD: Final = ("case", "planned", "broken", "releases_s")
+_NOT_SHOWN: Final = ("case", "planned", "broken", "releases_s")
 
 
 def case_table(days: Mapping[str, SensorDay]) -> dict[str, dict[str, Any]]:
-    """What is told of each case, and by how much its releases are later than with tags."""
+    """What is reported of each case, and by how much its releases are later than with tags."""
     later = {name: asdict(Quantiles.of_values(day.later_than(days["tags"]))) for name, day in days.items()}
     return {name: day.as_dict() | {"release_later_s": later[name]} for name, day in days.items()}
 
@@ -161,7 +161,7 @@ def case_figures(case: PositionCase, run: FinishedRun) -> SensorDay:
     tables, summary = run.tables, run.summary
     half = known_positions(tables).select("unit", "t_s", "half_m").sort("t_s")
     stops = tables.stops.filter(pl.col("arrival_s").is_not_null())
-    said = [entry.event for entry in run.result.journal.entries]
+    events = [entry.event for entry in run.result.journal.entries]
     late = tables.stops["late_arrival_s"].drop_nulls().to_numpy()
     return SensorDay(
         case,
@@ -175,9 +175,9 @@ def case_figures(case: PositionCase, run: FinishedRun) -> SensorDay:
         Quantiles.of_values(np.abs(stops["stop_error_m"].drop_nulls().to_numpy())),
         round(float(summary["late_s_max"] or 0.0), 1),
         round(float(np.maximum(late, 0.0).mean()), 2) if late.size else 0.0,
-        sum(isinstance(event, notes.Intervention) and event.level > 0 for event in said),
-        sum(isinstance(event, notes.PositionFault) for event in said),
-        sum(isinstance(event, notes.FixTaken) and event.reader == EYE for event in said),
+        sum(isinstance(event, notes.Intervention) and event.level > 0 for event in events),
+        sum(isinstance(event, notes.PositionFault) for event in events),
+        sum(isinstance(event, notes.FixTaken) and event.reader == EYE for event in events),
     )
 
 

@@ -121,8 +121,8 @@ class PositionResult:
 class PositionRun:
     """One run in progress; `result` fills as it goes. `moments` are by true path coordinate.
 
-    `number`: of the first stock's trains the one that runs, its first by default. `told`: the timetable that the unit
-    goes by, where the train is sent another way than that.
+    `number`: of the first stock's trains the one that runs, its first by default. `unit_timetable`: the one that the
+    unit goes by, where the train is sent another way than that.
     """
 
     def __init__(
@@ -132,7 +132,7 @@ class PositionRun:
         *,
         number: str | None = None,
         steps_max: int = MOVING_STEPS_MAX,
-        told: Timetable | None = None,
+        unit_timetable: Timetable | None = None,
     ) -> None:
         self.setup: Final = setup
         self.steps_max: Final = steps_max  # that the kernel runs ahead
@@ -143,7 +143,7 @@ class PositionRun:
         duties = drawn_up(setup, setup.line)[stock_id]
         at = next((i for i, duty in enumerate(duties) if duty.mission.number == number), 0)
         self.duty: Final[Duty] = duties[at]
-        heard = setup if told is None else replace(setup, timetable=told)
+        heard = setup if unit_timetable is None else replace(setup, timetable=unit_timetable)
         believed = drawn_up(heard, setup.believed_line)[stock_id][at].mission
         self.mission: Final = believed
         self.now_s = float(self.duty.enter_s)

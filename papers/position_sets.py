@@ -188,18 +188,18 @@ def on_the_track(line: Line, path: Path, troubles: Sequence[Trouble]) -> Line:
     return line
 
 
-def _within(path: Path, thing: Any, trouble: Trouble) -> bool:  # noqa: ANN401 - a tag, a beacon, markers
-    if thing.piece_id not in path or path.direction not in thing.directions:
+def _within(path: Path, mark: Any, trouble: Trouble) -> bool:  # noqa: ANN401 - a tag, a beacon, markers
+    if mark.piece_id not in path or path.direction not in mark.directions:
         return False
-    return trouble.from_m <= path.to_path_m(thing.piece_id, thing.position_m) <= trouble.to_m
+    return trouble.from_m <= path.to_path_m(mark.piece_id, mark.position_m) <= trouble.to_m
 
 
-def _aside(path: Path, thing: Any, trouble: Trouble) -> Any:  # noqa: ANN401
-    if not _within(path, thing, trouble):
-        return thing
-    at_m = path.to_path_m(thing.piece_id, thing.position_m) + MOVED_M
+def _aside(path: Path, mark: Any, trouble: Trouble) -> Any:  # noqa: ANN401
+    if not _within(path, mark, trouble):
+        return mark
+    at_m = path.to_path_m(mark.piece_id, mark.position_m) + MOVED_M
     piece_id, km_m = path.locate(at_m)
-    return replace(thing, piece_id=piece_id, position_m=km_m)
+    return replace(mark, piece_id=piece_id, position_m=km_m)
 
 
 def moments_of(trouble: Trouble, stock_id: str, key: int, in_force: InForce) -> list[Moment]:

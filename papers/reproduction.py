@@ -21,7 +21,7 @@ class Parameter:
 class CaseRow:
     """One case: what the paper says, what we found, and whether ours passes the stated criterion.
 
-    `judged` False: the same case under another assumption, which is told; it has `passed` set.
+    `judged` False: the same case under another assumption, which is reported; it has `passed` set.
     """
 
     case: str
@@ -65,7 +65,7 @@ class NullMethod:
 
 @dataclass(frozen=True, slots=True)
 class UnjudgedFigure:
-    """A figure that is told and not judged, and what it says."""
+    """A figure that is reported and not judged, and what it says."""
 
     name: str
     value: object

@@ -156,13 +156,13 @@ def take_fixes(
 ) -> tuple[int, int]:
     """Let the unit take what its reader and its camera show after a step: fixes taken, and refused."""
     truth, unit = row.truth, row.board.unit
-    taken = refused = 0
+    accepted = refused = 0
     if found & PASSED_TAG != 0:
         beacon_m = mark_m - run.beacon_m[truth.tag_next] + run.beacon_error_m[truth.tag_next]
         truth.tag_next += 1
         position_m, bound_m = front_by_tag(unit, beacon_m, row.sensors.tag_reader.latched_m, tag_accuracy_m)
         if cut_interval(unit, position_m, bound_m, bound_m) <= 0.0:
-            taken += 1
+            accepted += 1
         else:
             refused += 1
     for i in range(run.signs):
@@ -172,10 +172,10 @@ def take_fixes(
             seen_m = ahead_m - row.plant.speed_mps * run.frame_s
             position_m, bound_m = front_by_sign(unit, sign_m, seen_m)
             if sign_sighted(row.board.readers.sign, unit, position_m, bound_m) == TAKEN:
-                taken += 1
+                accepted += 1
             else:
                 refused += 1
-    return taken, refused
+    return accepted, refused
 
 
 @compiled
@@ -239,8 +239,8 @@ def run_one(
         found, events = step_one(row, track, i + 1)
         if i < trace.shape[0]:
             sample(trace[i], row, i + 1, 0)
-        taken, refused = take_fixes(row, run, found, mark_m, tag_accuracy_m)
-        fixed = fixed or taken > 0
+        accepted, refused = take_fixes(row, run, found, mark_m, tag_accuracy_m)
+        fixed = fixed or accepted > 0
         if run.expects_sign != 0 and not fixed and sign_is_missing(mark_m, unit.position_m):
             judge(tasc, TARGET_NOT_SEEN)
         keep_step(outcome, row, events, refused)

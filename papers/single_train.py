@@ -154,7 +154,7 @@ class Bench:
         """Path coordinate at which runs begin, m: the whole train is on the path."""
         return float(np.ceil(self.prepared["body"]["length_m"][0])) + 1.0
 
-    def one(self, stop: Rows, trace_steps: int = 0) -> tuple[BenchOutcomeRow, Rows]:
+    def single_stop(self, stop: Rows, trace_steps: int = 0) -> tuple[BenchOutcomeRow, Rows]:
         """Make a single stop, shape (1,); also its trace, in m past the mark."""
         outcomes, trace = self.run(stop, trace_steps)
         trace["position_m"] -= self.begin_m + float(stop["start_m"][0])

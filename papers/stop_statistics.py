@@ -184,9 +184,9 @@ def count_with_interval(share: float, n: int) -> tuple[int, ProbabilityEstimate]
 
 
 def within_rows(result: StopStatistics) -> tuple[tuple[CaseRow, ...], tuple[UnjudgedFigure, ...]]:
-    """How many stops end within each of LIMITS_M, with intervals: that of the paper judged, the others told."""
+    """How many stops end within each of LIMITS_M, with intervals: that of the paper judged, the others reported."""
     n = result.errors_m.size
-    told: list[UnjudgedFigure] = []
+    unjudged: list[UnjudgedFigure] = []
     judged: list[CaseRow] = []
     for limit_m, share in result.within.items():
         hits, interval = count_with_interval(share, n)
@@ -197,8 +197,8 @@ def within_rows(result: StopStatistics) -> tuple[tuple[CaseRow, ...], tuple[Unju
             judged.append(CaseRow(WITHIN.format(limit_m), "asked for (2.2)", ours, passed, criterion))
         else:
             whom = "99 of 100 stops" if limit_m == LIMITS_M[0] else "every stop"
-            told.append(UnjudgedFigure(WITHIN.format(limit_m), ours, f"what line-stops asks of {whom}"))
-    return tuple(judged), tuple(told)
+            unjudged.append(UnjudgedFigure(WITHIN.format(limit_m), ours, f"what line-stops asks of {whom}"))
+    return tuple(judged), tuple(unjudged)
 
 
 def share_rows(result: StopStatistics) -> tuple[CaseRow, ...]:
@@ -272,7 +272,7 @@ def experiment(options: Options) -> Findings:
     """100,000 stops and what their scatter comes from."""
     n = STOPS_QUICK if options.quick else STOPS
     result = stop_statistics(n, options.seed)
-    judged, told = within_rows(result)
+    judged, unjudged = within_rows(result)
     return Findings(
         (*judged, *share_rows(result)),
         parameters(n),
@@ -281,7 +281,7 @@ def experiment(options: Options) -> Findings:
             "stop can miss: that is stop-window. Intervals (95 %) are those of independent draws; a hypercube's are no "
             "wider.",
         ],
-        (*told, *spread_figures(result), slippery_figure(max(n // 5, STOPS_QUICK), options.seed)),
+        (*unjudged, *spread_figures(result), slippery_figure(max(n // 5, STOPS_QUICK), options.seed)),
     )
 
 

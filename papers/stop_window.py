@@ -164,10 +164,10 @@ def coasting_apart_m(found: StopSet, rng: np.random.Generator) -> float:
     speed = rng.uniform(SPEED_LEAST_MPS, found.top_mps, 1)
     start = found.distance_m(np.ones(1), speed) + BEYOND_M
     brakes, adhesions = random_brakes(rng, 1)
-    first, trace = stop_bench().one(stops_from(start, speed, brakes, adhesions), STEPS_MAX)
+    first, trace = stop_bench().single_stop(stops_from(start, speed, brakes, adhesions), STEPS_MAX)
     later = trace[COASTED_STEPS]
     state = np.array([-later["position_m"]]), np.array([later["speed_mps"]])
-    again, _ = stop_bench().one(stops_from(*state, brakes, adhesions))
+    again, _ = stop_bench().single_stop(stops_from(*state, brakes, adhesions))
     return abs(float(first.error_m) - float(again.error_m))
 
 
@@ -316,7 +316,7 @@ def what_ends_it(found: StopSet) -> str:
 
 def edge_figures(found: StopSet) -> tuple[UnjudgedFigure, ...]:
     """The edge of the set at a few speeds, and how much of what any law could hold it takes."""
-    told = [
+    figures = [
         UnjudgedFigure(
             "share in the set of what any law could hold, once the law brakes",
             round(found.holds_share(), 3),
@@ -328,14 +328,14 @@ def edge_figures(found: StopSet) -> tuple[UnjudgedFigure, ...]:
         speed = np.array([speed_kmh / 3.6])
         edge = float(found.distance_m(found.least_share(speed), speed)[0])
         none, begin = (float(found.distance_m(np.array([share]), speed)[0]) for share in (0.0, 1.0))
-        told.append(
+        figures.append(
             UnjudgedFigure(
                 f"from {speed_kmh:.0f} km/h every brake needs, m",
                 round(edge, 1),
                 f"{none:.1f} m is what any law needs, {begin:.1f} m where the law has not braked yet",
             )
         )
-    return tuple(told)
+    return tuple(figures)
 
 
 reproduce: Final = Specification(

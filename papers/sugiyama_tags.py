@@ -77,7 +77,7 @@ def _figures(rates: FailureProbabilities) -> dict[str, float]:
 
 
 def _speed_rows(scheme: Scheme = PAPER) -> list[CaseRow]:
-    """A scheme, if not told the paper's, at each speed of table 7."""
+    """A scheme, the paper's by default, at each speed of table 7."""
     rows: list[CaseRow] = []
     for speed_kmh, bit_error_rates in BIT_ERROR_RATES.items():
         rates = _rates(scheme, Channel(bit_error_rates))

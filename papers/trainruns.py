@@ -180,7 +180,7 @@ def plant_s(kind: TrainType, way: HopWay) -> float:
     return float(outcomes["time_s"][0])
 
 
-def _others(folder: Path) -> Iterator[UnjudgedFigure]:
+def _published_trains(folder: Path) -> Iterator[UnjudgedFigure]:
     """Trains of which we have no file: that model alone."""
     for (name, path_name), published_s in PUBLISHED.items():
         if name == OWN:
@@ -220,7 +220,7 @@ def _parameters(kind: TrainType, train: ReferenceTrain) -> tuple[Parameter, ...]
 
 
 def experiment(options: Options) -> Findings:
-    """The four running times of the BR 642, within 0.02 s, and ours beside them; other trains are told."""
+    """The four running times of the BR 642, within 0.02 s, and ours beside them; other trains are reported."""
     folder = reference_folder(options, FOLDER)
     kind, train = load_train(shipped_train(OWN_TRAIN)), own_train(folder)
     rows: list[CaseRow] = []
@@ -237,7 +237,7 @@ def experiment(options: Options) -> Findings:
             "'converged' is our least running time with that train's braking; what it differs by is taken apart below",
             "the running times are those of its own tests; the four of the BR 642 are judged, its other trains told",
         ),
-        (*figures, *_others(folder), *_forces(kind, train)),
+        (*figures, *_published_trains(folder), *_forces(kind, train)),
     )
 
 

@@ -86,8 +86,8 @@ def _figures(pairs: list[MeshPair]) -> tuple[UnjudgedFigure, ...]:
 
     def greatest(name: str, gaps: list[float], meaning: str) -> UnjudgedFigure:
         within = sum(gap <= GAP for gap in gaps)
-        said = f"{meaning}; {within} of {len(gaps)} are within {100.0 * GAP:g} %"
-        return UnjudgedFigure(f"greatest gap, {name}, %", round(100.0 * max(gaps), 3), said)
+        text = f"{meaning}; {within} of {len(gaps)} are within {100.0 * GAP:g} %"
+        return UnjudgedFigure(f"greatest gap, {name}, %", round(100.0 * max(gaps), 3), text)
 
     return (
         greatest(

@@ -115,8 +115,8 @@ def _stretch(setup: Setup, low: Station, high: Station, blocks: int, rules: Rule
     legs: list[SetLeg] = []
     copies: list[SetLeg] = []
     for number, path in enumerate(standard_paths(setup)):
-        made = occupations(path_alone(cut, path), rules)
-        first = [replace(one, stock_id=f"first {number}", number=f"{one.number}{number}") for one in made]
+        alone = occupations(path_alone(cut, path), rules)
+        first = [replace(one, stock_id=f"first {number}", number=f"{one.number}{number}") for one in alone]
         second = [replace(one, stock_id=f"second {number}").moved(LATER_S) for one in first]
         legs += legs_of(first, places_of(line))
         copies += legs_of(second, places_of(line))
@@ -181,11 +181,11 @@ def _figures(curve: BlocksCurve) -> tuple[UnjudgedFigure, ...]:
         for point in curve.points
     ]
     whole = curve.had_whole[0]
-    said = (
+    meaning = (
         f"trains an hour at today's speed with routes had whole and given back at the arrival tag, as units do;"
         f" following {whole.stretch.following_s[0]:.0f} s down, {whole.stretch.following_s[1]:.0f} s up"
     )
-    return (*own, UnjudgedFigure(f"{curve.name}: as units do", round(whole.trains_per_hour, 2), said))
+    return (*own, UnjudgedFigure(f"{curve.name}: as units do", round(whole.trains_per_hour, 2), meaning))
 
 
 REMARKS: Final = (

@@ -222,8 +222,8 @@ def percent(share: float) -> float:
 def row_of(cell: EnergyCell) -> CaseRow:
     """One cell: energies at equal running time, and what each is above the bound."""
     if cell.optimum_j is None or cell.bound_j is None:
-        said = f"impossible: at least {cell.least_s:.1f} s"
-        return CaseRow(cell.name, None, said, False, "a running time that there is")
+        impossible = f"impossible: at least {cell.least_s:.1f} s"
+        return CaseRow(cell.name, None, impossible, False, "a running time that there is")
     ours = {f"{way.value}, kWh": round(cell.hops[way].traction_kwh, 2) for way in DrivingWay}
     ours |= {
         "optimum, kWh": round(cell.optimum_j / J_PER_KWH, 2),
@@ -324,7 +324,7 @@ def saved_percent(pid_mps2: float, fuzzy_mps2: float, power_kw: float = POWERS_K
 
 
 def open_rows() -> tuple[CaseRow, ...]:
-    """What the miss of the nominal cell hangs on; the paper's running curves are not in its text: nothing is chosen."""
+    """What the miss of the nominal cell depends on; the paper prints no running curves: nothing is chosen."""
     by_stop: dict[str, str] = {}
     for pid_mps2, fuzzy_mps2 in OWN_MPS2:
         saved, net = saved_percent(pid_mps2, fuzzy_mps2)

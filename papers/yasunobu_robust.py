@@ -155,12 +155,12 @@ def drop_rows() -> tuple[CaseRow, ...]:
 
 
 def hold_row(hops: Rows, fuzzy: Scattered) -> CaseRow:
-    """What the rows on the PID hang on: how long it keeps a notch, which the paper does not print."""
-    told: dict[str, object] = {}
+    """What the rows on the PID depend on: how long it keeps a notch, which the paper does not print."""
+    ours: dict[str, object] = {}
     for hold_s in HOLDS_S:
         own = settings(pid=Pid(notch_hold_s=hold_s))
         found = scattered_stops(PID, hops, own)
-        told[f"{hold_s:g} s"] = {
+        ours[f"{hold_s:g} s"] = {
             "sigma_m": round(found.sigma_m, 3),
             "fuzzy_over_it": round(fuzzy.sigma_m / found.sigma_m, 2),
             "descent_m": round(drop_miss_m(PID, own), 2),
@@ -168,7 +168,7 @@ def hold_row(hops: Rows, fuzzy: Scattered) -> CaseRow:
     return CaseRow(
         "the same by how long the PID keeps a notch",
         f"a third, and {PAPERS_MISS_M} m",
-        told,
+        ours,
         True,
         f"{Pid().notch_hold_s:g} s is assumed, and {BRAKE_SETTLES_S:g} s, after which a notch has shown what it does"
         " (table 1's dead time and lag), changes little; at 1 s it comes after the fact and the stops fall apart",
@@ -215,7 +215,7 @@ def _figure(name: str, found: Scattered) -> UnjudgedFigure:
 
 def figures(hops: Rows, fuzzy: Scattered, pid: Scattered) -> tuple[UnjudgedFigure, ...]:
     """The stops in full, other orders, and both laws with parts taken away."""
-    taken = tuple(
+    without_parts = tuple(
         figure
         for name, own in TAKEN_AWAY.items()
         for figure in (
@@ -227,7 +227,7 @@ def figures(hops: Rows, fuzzy: Scattered, pid: Scattered) -> tuple[UnjudgedFigur
             ),
         )
     )
-    others = tuple(
+    other_pids = tuple(
         figure
         for name, own in OTHER_PIDS.items()
         for figure in (
@@ -248,7 +248,7 @@ def figures(hops: Rows, fuzzy: Scattered, pid: Scattered) -> tuple[UnjudgedFigur
         )
         for name, law in (("fuzzy", FUZZY), ("PID", PID))
     )
-    return (_figure("fuzzy", fuzzy), _figure("PID", pid), *misses, *taken, *others)
+    return (_figure("fuzzy", fuzzy), _figure("PID", pid), *misses, *without_parts, *other_pids)
 
 
 def _set_to(law: str, given: Record) -> tuple[Parameter, ...]:

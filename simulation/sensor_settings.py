@@ -12,18 +12,12 @@ from network.files.kinds import about
 from network.files.quantities import (
     BodyDamping,
     BodyFrequency,
-    CurvatureError,
     MarkerError,
-    MatchedWay,
     NoiseFactor,
-    PositionBound,
     ReadError,
     SampleRate,
-    SearchedWay,
     Share,
-    ShareAbove0,
     Sigma,
-    Sigmas,
     SpeedMps,
     SpreadShare,
     VisibilityM,
@@ -31,6 +25,8 @@ from network.files.quantities import (
     YawRateDegps,
 )
 from network.files.toml_input import Record
+from onboard.localisation.beacons import BeaconWindow
+from onboard.localisation.curvature_row import CurvatureComparison
 
 
 class BeaconTrust(StrEnum):
@@ -40,7 +36,7 @@ class BeaconTrust(StrEnum):
     PAPER = "paper"  # set the position and bounds, as in Harada, 2.2
 
 
-class Beacons(Record):
+class Beacons(BeaconWindow):
     """`[beacons]`: how trains that carry a receiver go by the beacons of the train stop."""
 
     trust: Annotated[
@@ -50,31 +46,6 @@ class Beacons(Record):
             "effect of a beacon detected in its window; with `paper` alone a mistaken one can make the bounds wrong"
         ),
     ] = BeaconTrust.BOUNDED
-    window_share: Annotated[
-        ShareAbove0,
-        about(
-            "share of the interval in which a beacon is searched, in both directions",
-            "Harada, table 1: 40 m of 440",
-        ),
-    ] = 0.1
-    window_least_m: Annotated[
-        PositionBound,
-        about(
-            "least distance in which a beacon is searched, in both directions",
-            "Harada, 3.2: some windows can be no wider",
-        ),
-    ] = 10.0
-    accuracy_m: Annotated[
-        PositionBound,
-        about("half-width of the position's bounds at a detected beacon", "assumed: the receiver's field"),
-    ] = 1.0
-    placed_within_m: Annotated[
-        PositionBound,
-        about(
-            "greatest distance of a numbered beacon from its place in the database",
-            "assumed: kilometrages to the metre; moved beacons are entered in the database",
-        ),
-    ] = 2.0
     notice_sigma_m: Annotated[
         ReadError,
         about(
@@ -103,7 +74,7 @@ class Filter(StrEnum):
     OFF = "off"
 
 
-class Curvature(Record):
+class Curvature(CurvatureComparison):
     """`[curvature]`: yaw gyro, rails as laid, comparison with the map, where `sensors.carries` has curvature."""
 
     map: Annotated[
@@ -177,36 +148,6 @@ class Curvature(Record):
     filter_speed_mps: Annotated[
         SpeedMps, about("speed at which a filter by time equals one by distance", "assumed: 72 km/h")
     ] = 20.0
-    window_m: Annotated[MatchedWay, about("longest distance compared, N_r", "Harada, figure 2: 600 m")] = (
-        600.0
-    )
-    window_least_m: Annotated[
-        MatchedWay, about("shortest distance compared, after a path has begun", "assumed: about a curve")
-    ] = 100.0
-    search_m: Annotated[
-        SearchedWay,
-        about(
-            "greatest distance searched in both directions, N_s; never beyond the bounds",
-            "Harada, figure 2: 200 m",
-        ),
-    ] = 200.0
-    every_m: Annotated[
-        MatchedWay, about("distance between two comparisons", "assumed: about one a second at line speed")
-    ] = 25.0
-    transition_m: Annotated[
-        MatchedWay,
-        about("least length of transition curve in what is compared (section 3.4)", "assumed: half of one"),
-    ] = 20.0
-    mismatch_per_m: Annotated[
-        CurvatureError,
-        about(
-            "root mean square of the difference beyond which the track counts as foreign (equation 3)",
-            "assumed: four times what rails of high disturbance leave after the filter",
-        ),
-    ] = 2.5e-4
-    sure_sigmas: Annotated[
-        Sigmas, about("standard deviations covered by the bounds of a fix", "assumed: one in two million")
-    ] = 5.0
 
     def step_sigma_radps(self, step_s: float) -> float:
         """Standard deviation (rad/s) of the mean of the samples of a step."""

@@ -7,4 +7,4 @@ from typing import Final
 CALLS_SHORT_M: Final = 6.0  # stood this far before the mark, a train calls there all the same
 CALLS_BEYOND_M: Final = 40.0  # and this far beyond it, or on its track: no train sets back
 # Further short of it a train calls that stands alongside its platform, with its whole length.
-OFF_MARK_M: Final = 0.35  # a stop farther from its mark than this is told: doors no longer meet their places
+OFF_MARK_M: Final = 0.35  # a stop farther off its mark is reported: doors no longer meet their places

@@ -8,7 +8,7 @@ of that very class, `fields_of` its documentation:
     class WheelRow(Protocol):
         speed_mps: float
         sliding: Annotated[int, "1: adhesion exceeded in this step"]
-        pulses: Annotated[list[int], 16, "of the last steps"]  # a number is the length of an array
+        pulses: Annotated[list[int], 16, "of the last steps"]  # a number is the length of an array, of NDArray too
         axle: AxleRow  # a record in a record
         settings: Wheel  # a table of a file in a record: its numbers and switches; `put_settings` fills it
 
@@ -25,6 +25,7 @@ from functools import cache
 from typing import Annotated, Any, Final, TypeVar, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
+from numpy.typing import NDArray
 
 from network.files.toml_input import Record
 
@@ -32,6 +33,7 @@ RowT = TypeVar("RowT")
 
 SCALARS: Final[dict[object, str]] = {float: "f8", int: "i8"}
 NUMBERS: Final[dict[object, type]] = {float: float, int: int, bool: int}  # of a table of a file
+FLOATS: Final[object] = NDArray[np.float64]
 UNITS: Final = {
     "m": "m",
     "s": "s",
@@ -92,8 +94,8 @@ def fields_of(row: type) -> tuple[Field, ...]:
         kind, notes = _taken_apart(hint)
         lengths = [note for note in notes if isinstance(note, int)]
         meanings = [note for note in notes if isinstance(note, str)]
-        listed = get_origin(kind) is list
-        of = get_args(kind)[0] if listed else kind
+        listed = get_origin(kind) is list or kind == FLOATS
+        of = float if kind == FLOATS else get_args(kind)[0] if listed else kind
         record = not listed and bool(getattr(of, "__annotations__", None))
         if len(lengths) != int(listed) or not (of in SCALARS or record):
             raise TypeError(f"{row.__name__}.{name}: a record holds no {hint}")
@@ -112,9 +114,11 @@ def dtype_of(row: type) -> np.dtype[np.void]:
     return np.dtype(columns, align=True)
 
 
-def put_settings(row: object, settings: Record) -> None:
-    """Put the numbers and switches of a table of a file into its record."""
-    for field in fields_of(type(settings)):
+def put_settings(row: object, settings: Record, table: type[Record] | None = None) -> None:
+    """Put the numbers and switches of a table of a file into its record, which has those of `table` where it is given:
+    a class that the table derives from.
+    """
+    for field in fields_of(table or type(settings)):
         setattr(row, field.name, getattr(settings, field.name))
 
 

@@ -16,6 +16,9 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Protocol
 
+from network.files.kinds import about
+from network.files.quantities import PositionBound, ShareAbove0
+from network.files.toml_input import Record
 from onboard.localisation.fix import (
     FOREIGN,
     MISSED,
@@ -44,15 +47,42 @@ class BeaconReading(Protocol):
     number: int
 
 
+class BeaconWindow(Record):
+    """Of `[beacons]`, what the unit goes by: where it looks for the next beacon, and how near one is to its place."""
+
+    window_share: Annotated[
+        ShareAbove0,
+        about(
+            "share of the interval in which a beacon is searched, in both directions",
+            "Harada, table 1: 40 m of 440",
+        ),
+    ] = 0.1
+    window_least_m: Annotated[
+        PositionBound,
+        about(
+            "least distance in which a beacon is searched, in both directions",
+            "Harada, 3.2: some windows can be no wider",
+        ),
+    ] = 10.0
+    accuracy_m: Annotated[
+        PositionBound,
+        about("half-width of the position's bounds at a detected beacon", "assumed: the receiver's field"),
+    ] = 1.0
+    placed_within_m: Annotated[
+        PositionBound,
+        about(
+            "greatest distance of a numbered beacon from its place in the database",
+            "assumed: kilometrages to the metre; moved beacons are entered in the database",
+        ),
+    ] = 2.0
+
+
 class BeaconsRow(Protocol):
     """What the unit keeps of the beacons that it goes by."""
 
     fitted: Annotated[int, "1: the train has a receiver"]
     trusts: Annotated[int, "1: what is noticed in a window sets the position"]
-    window_share: Annotated[float, "of the interval: how far either way a beacon is looked for"]
-    window_least_m: Annotated[float, "at least this far"]
-    accuracy_m: Annotated[float, "bound of where a beacon is noticed"]
-    placed_within_m: Annotated[float, "one with a number lies this near to its place in the database"]
+    settings: BeaconWindow
     path: Annotated[int, "path of these coordinates, counted from 1; 0: none"]
     failed_on: Annotated[int, "the path on which localisation by beacons has failed; 0: none"]
     next: Annotated[int, "row of the unit's places: the next beacon gone by; -1: none ahead"]
@@ -88,7 +118,9 @@ def half_window_m(own: BeaconsRow, unit: UnitRow, chart: Chart) -> float:
     place = chart.places[unit.places_offset + own.next]
     if place.window_m > 0.0:
         return float(place.window_m)
-    return float(max(own.window_share * (place.position_m - own.from_m), own.window_least_m))
+    return float(
+        max(own.settings.window_share * (place.position_m - own.from_m), own.settings.window_least_m)
+    )
 
 
 @compiled
@@ -113,11 +145,11 @@ def taken_for(own: BeaconsRow, reading: BeaconReading, unit: UnitRow, chart: Cha
     place = chart.places[unit.places_offset + row]
     since_m = (unit.odometer_m - unit.odometer_off_m - reading.odometer_m) * unit.odometer_scale
     front_m = place.position_m + since_m
-    within_m = own.accuracy_m + unit.pulse_m + abs(since_m) * unit.bound_growth
+    within_m = own.settings.accuracy_m + unit.pulse_m + abs(since_m) * unit.bound_growth
     if own.trusts != 0:
         return trusted(unit, front_m, within_m, within_m)
     if reading.told != 0:
-        within_m += own.placed_within_m
+        within_m += own.settings.placed_within_m
         outcome = fix_by_rule(unit, front_m, within_m, within_m)
         carry_slack(own, unit)
         return outcome

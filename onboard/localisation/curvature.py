@@ -115,14 +115,14 @@ def lay_window(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
     the front could be where nobody has looked.
     """
     own.whole = 0
-    if unit.bound_ahead_m + unit.bound_behind_m > 2.0 * own.search_m:
+    if unit.bound_ahead_m + unit.bound_behind_m > 2.0 * own.settings.search_m:
         return 0
-    longest, since = comparable_metres(own, min(own.metres, int(own.window_m)))
+    longest, since = comparable_metres(own, min(own.metres, int(own.settings.window_m)))
     own.low = -math.ceil(unit.bound_behind_m) - MARGIN_M
     own.span = math.ceil(unit.bound_ahead_m) + MARGIN_M - own.low
     newest_m = unit.position_m - (own.along_m - own.metre)
     missing = lay_map(own, unit, chart, newest_m - (longest - 1) + own.low, longest + own.span)
-    if longest - missing < own.window_least_m:
+    if longest - missing < own.settings.window_least_m:
         return 0
     own.whole = longest - missing
     if missing > 0:
@@ -141,9 +141,9 @@ def collate_with_map(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
     begin = own.at + WINDOW_MAX - own.whole
     least = all_squares(own.known_per_m, own.bent_per_m, begin, own.whole, own.span, own.energy, own.free)
     own.mismatch_per_m = math.sqrt(np.min(own.energy[: own.span + 1]) / own.whole)
-    if own.mismatch_per_m > own.mismatch_most_per_m:
+    if own.mismatch_per_m > own.settings.mismatch_per_m:
         return FOREIGN
-    if transitions_m(own.bent_per_m, begin, own.whole) < own.transition_m:
+    if transitions_m(own.bent_per_m, begin, own.whole) < own.settings.transition_m:
         return NOTHING
     count = best_count(own, least, most)
     return NOTHING if count == 0 else fix_by(own, unit, count)
@@ -162,11 +162,11 @@ def fix_by(own: CurvatureRow, unit: UnitRow, count: int) -> int:
     beyond = own.free[least] / count - WORSE * own.rail_variance_per_m2 - own.misfit / count
     white = max(beyond, 0.0) / WHITE_PER_M
     noise = noise_of(own, own.slope2, own.bend2, own.slow_mean_s_per_m) + white
-    sure_m = own.sure_sigmas * math.sqrt(noise / own.left) if own.left > 0.0 else np.inf
+    sure_m = own.settings.sure_sigmas * math.sqrt(noise / own.left) if own.left > 0.0 else np.inf
     if not (sure_m <= NEAR_M and explains(own, least, count, white)):
         return NOTHING
-    limit = own.free[least] + own.sure_sigmas * own.sure_sigmas * noise
-    far = own.sure_sigmas * math.sqrt(own.rail_peak + noise) + math.sqrt(own.misfit)
+    limit = own.free[least] + own.settings.sure_sigmas * own.settings.sure_sigmas * noise
+    far = own.settings.sure_sigmas * math.sqrt(own.rail_peak + noise) + math.sqrt(own.misfit)
     hull = explained_shifts(own.free, own.span, least, NEAR_M, limit, own.free[least] + far * far)
     from_m, to_m = hull
     first, last = math.floor(from_m), min(math.ceil(to_m), own.span)
@@ -240,5 +240,5 @@ def curvature(
     measure(own, unit, reading.yaw_radps, step_s)
     if own.along_m < own.next_m or unit.position_known == 0 or own.same > 0:
         return NOTHING
-    own.next_m = own.along_m + own.every_m
+    own.next_m = own.along_m + own.settings.every_m
     return collate_with_map(own, unit, chart)

@@ -65,13 +65,13 @@ def best_count(own: CurvatureRow, shift: int, most: int) -> int:
             slope * slope * (own.ahead_m - own.then_ahead_m[i] + own.behind_m - own.then_behind_m[i]) / 2.0
         )
         count = k + 2
-        if count < own.window_least_m or (count % BLOCK_M != 0 and count != most):
+        if count < own.settings.window_least_m or (count % BLOCK_M != 0 and count != most):
             continue
         turned = known[newest] - known[t - 1]
         left = slope2 - turned * turned / count - own.map_slope2_per_m * count
         if left > 0.0:
             noise = noise_of(own, slope2, bend2, slow / count)
-            half_m = own.sure_sigmas * math.sqrt(noise / left) + pull / slope2
+            half_m = own.settings.sure_sigmas * math.sqrt(noise / left) + pull / slope2
             if half_m < least_m:
                 best, least_m = count, half_m
     return best
@@ -97,9 +97,9 @@ def weigh_shift(own: CurvatureRow, shift: int, count: int) -> None:
     steady = (known[newest] - known[newest - count + 1]) / (count - 1.0)
     own.slow_mean_s_per_m = float(np.mean(own.slow_s_per_m[end - count : end]))
     # what shows as bias may be bias: it has jumped where it is more than was known
-    shown_radps = own.mean_per_m / own.slow_mean_s_per_m / own.sure_sigmas
+    shown_radps = own.mean_per_m / own.slow_mean_s_per_m / own.settings.sure_sigmas
     own.bias_radps2 = max(own.bias_radps2, shown_radps * shown_radps)
-    gain, bias_radps = gain_doubt(own), own.sure_sigmas * math.sqrt(own.bias_radps2)
+    gain, bias_radps = gain_doubt(own), own.settings.sure_sigmas * math.sqrt(own.bias_radps2)
     own.slope2 = own.bend2 = own.left = own.misfit = 0.0
     ahead = behind = by_gain = by_bias = by_delay = 0.0
     for k in range(count - 1):
@@ -144,7 +144,7 @@ def explains(own: CurvatureRow, shift: int, count: int, white: float) -> bool:
     end, newest = own.at + WINDOW_MAX, own.whole - 1 + shift
     known = own.known_per_m
     steady = (known[newest] - known[newest - count + 1]) / (count - 1.0)
-    gain, bias_radps = gain_doubt(own), own.sure_sigmas * math.sqrt(own.bias_radps2)
+    gain, bias_radps = gain_doubt(own), own.settings.sure_sigmas * math.sqrt(own.bias_radps2)
     unseen = lean = total = allowed = block2 = block_most = 0.0
     for k in range(count - 1):
         t, i = newest - k, end - 1 - k
@@ -154,7 +154,7 @@ def explains(own: CurvatureRow, shift: int, count: int, white: float) -> bool:
         away = known[t] - own.bent_per_m[i] - own.mean_per_m
         most = SURE_OF_BLOCK * math.sqrt(own.rail_variance_per_m2 + WHITE_PER_M * density)
         turns = 2.0 * own.rail_heading_rad * own.rail_heading_rad + density * (k + 1.0)
-        turns_most = own.sure_sigmas * math.sqrt(turns)
+        turns_most = own.settings.sure_sigmas * math.sqrt(turns)
         block2 += away * away
         block_most = max(block_most, most + off + abs(slope))
         total += away

@@ -31,7 +31,7 @@ def begin_anew(own: CurvatureRow, unit: UnitRow) -> None:
     own.settling_m = -1.0
     own.bias_metre = 0
     own.stood_steps = STOOD_STEPS if unit.speed_mps == 0.0 else 0
-    own.next_m = own.every_m
+    own.next_m = own.settings.every_m
     own.anchored = 0
     own.within_m = 0.0
 

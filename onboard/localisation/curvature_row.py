@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Protocol
 
+from network.files.kinds import about
+from network.files.quantities import CurvatureError, MatchedWay, SearchedWay, Sigmas
+from network.files.toml_input import Record
+
 BY_SPACE: Final = 0  # what run and map are filtered by
 BY_TIME: Final = 1
 UNFILTERED: Final = 2
@@ -22,6 +26,41 @@ class CurvatureReading(Protocol):
     yaw_radps: Annotated[float, "mean yaw rate of the step, to the right"]
 
 
+class CurvatureComparison(Record):
+    """Of `[curvature]`, how run and map are compared."""
+
+    window_m: Annotated[MatchedWay, about("longest distance compared, N_r", "Harada, figure 2: 600 m")] = (
+        600.0
+    )
+    window_least_m: Annotated[
+        MatchedWay, about("shortest distance compared, after a path has begun", "assumed: about a curve")
+    ] = 100.0
+    search_m: Annotated[
+        SearchedWay,
+        about(
+            "greatest distance searched in both directions, N_s; never beyond the bounds",
+            "Harada, figure 2: 200 m",
+        ),
+    ] = 200.0
+    every_m: Annotated[
+        MatchedWay, about("distance between two comparisons", "assumed: about one a second at line speed")
+    ] = 25.0
+    transition_m: Annotated[
+        MatchedWay,
+        about("least length of transition curve in what is compared (section 3.4)", "assumed: half of one"),
+    ] = 20.0
+    mismatch_per_m: Annotated[
+        CurvatureError,
+        about(
+            "root mean square of the difference beyond which the track counts as foreign (equation 3)",
+            "assumed: four times what rails of high disturbance leave after the filter",
+        ),
+    ] = 2.5e-4
+    sure_sigmas: Annotated[
+        Sigmas, about("standard deviations covered by the bounds of a fix", "assumed: one in two million")
+    ] = 5.0
+
+
 class CurvatureRow(Protocol):
     """What the unit knows of its gyro and its line, and keeps of the last metres."""
 
@@ -30,13 +69,7 @@ class CurvatureRow(Protocol):
     filtered: Annotated[int, "BY_SPACE, BY_TIME or UNFILTERED"]
     numbers: Annotated[list[float], 10, "of the filter's sections, by metre or by step"]
     rises: Annotated[list[float], RISES_M, "what it has made of a step of 1 by each metre behind it"]
-    window_m: float
-    window_least_m: float
-    search_m: float
-    every_m: float
-    transition_m: float
-    mismatch_most_per_m: float
-    sure_sigmas: float
+    settings: CurvatureComparison
     worn_share: Annotated[float, "most that wheels are worn by"]
     varies_share: Annotated[
         float, "most that their count differs from their mean, on any way: a climb, curves to one side"

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Protocol
 
 from onboard.board import SensedRow
-from onboard.localisation.beacons import BeaconsRow
+from onboard.localisation.beacons import BeaconsRow, BeaconWindow
 from simulation.sensor_settings import BeaconTrust
 from simulation.sensors.noise import source_of
 from simulation.sensors.scene import SceneRow
@@ -16,6 +16,7 @@ from simulation.sensors.tag_reader import WithTachometer, latch
 from simulation.settings import PositionSensor
 from simulation.setup import Setup
 from vehicle.compiled import compiled
+from vehicle.record import put_settings
 
 
 class BeaconReceiverRow(Protocol):
@@ -40,11 +41,9 @@ def fit(own: BeaconReceiverRow, setup: Setup, stock_id: str) -> None:
 def fit_reader(readers: Any, setup: Setup, stock_id: str) -> None:  # noqa: ANN401 - all readers' rows
     """What its unit goes by."""
     own: BeaconsRow = readers.beacons
-    settings = setup.beacons
     own.fitted = int(PositionSensor.BEACONS in setup.sensors.carried_by(stock_id))
-    own.trusts = int(settings.trust is BeaconTrust.PAPER)
-    own.window_share, own.window_least_m = settings.window_share, settings.window_least_m
-    own.accuracy_m, own.placed_within_m = settings.accuracy_m, settings.placed_within_m
+    own.trusts = int(setup.beacons.trust is BeaconTrust.PAPER)
+    put_settings(own.settings, setup.beacons, BeaconWindow)
 
 
 @compiled

@@ -20,11 +20,13 @@ from typing import Annotated, Any, Final, Protocol
 from network.profile import NO_SKY, OPEN_SKY
 from onboard.board import SensedRow
 from simulation.faults.gnss import Reception
+from simulation.gnss_settings import Gnss, GnssReceiver
 from simulation.sensors.noise import normal, source_of
 from simulation.sensors.scene import SceneRow
 from simulation.settings import PositionSensor
 from simulation.setup import Setup
 from vehicle.compiled import compiled
+from vehicle.record import put_settings
 
 RING: Final = 64  # fixes under way: more than the latest tag of the fastest receiver needs
 SIDEREAL_DAY_S: Final = 86_164.1  # after which the satellites stand as before
@@ -43,13 +45,9 @@ class GnssReceiverRow(Protocol):
     source: Annotated[int, "of the error that lasts"]
     noise_source: int
     place_source: Annotated[int, "of reflections: the same for all trains"]
-    sigma_m: float
-    noise_sigma_m: float
-    time_constant_s: float
-    multipath_sigma_m: float
-    multipath_way_m: float
+    settings: Gnss
+    receiver: GnssReceiver
     ahead_s: Annotated[float, "how far the satellites are ahead of where they stood at this time on day 1"]
-    protection_m: Annotated[float, "stated with each fix"]
     step_s: float
     lasting_m: Annotated[float, "error that lasts, along the line, at `lasting_step`"]
     lasting_step: int
@@ -82,9 +80,8 @@ def fit(own: GnssReceiverRow, setup: Setup, stock_id: str) -> None:
     own.source = source_of(setup.seed, "gnss", stock_id, *setup.today)
     own.noise_source = source_of(setup.seed, "gnss noise", stock_id, *setup.today)
     own.place_source = source_of(setup.seed, "gnss reflections")
-    own.sigma_m, own.noise_sigma_m = receiver.sigma_m, receiver.noise_sigma_m
-    own.multipath_sigma_m, own.multipath_way_m = receiver.multipath_sigma_m, gnss.multipath_way_m
-    own.protection_m, own.time_constant_s = receiver.protection_m, gnss.time_constant_s
+    put_settings(own.settings, gnss)
+    put_settings(own.receiver, receiver)
     own.ahead_s = (setup.day - 1) * (DAY_S - SIDEREAL_DAY_S)
     own.lasting_m = receiver.sigma_m * normal(own.source, -1)
     own.lost_step = LONG_AGO
@@ -112,7 +109,7 @@ def gnss_receiver(own: GnssReceiverRow, _sensors: Any, scene: SceneRow, sensed: 
     since_m = own.run_m - own.taken_run_m[slot]
     shown.position_m = scene.front_m - since_m + own.taken_error_m[slot]
     shown.age_s = own.latency_steps * own.step_s
-    shown.protection_m = own.protection_m
+    shown.protection_m = own.receiver.protection_m
     shown.open_sky = own.taken_open[slot]
 
 
@@ -121,15 +118,15 @@ def draw_fix(own: GnssReceiverRow, scene: SceneRow) -> None:
     """One fix: its error, and whether it was taken under an open sky."""
     slot = scene.step // own.every_steps % RING
     own.taken_step[slot], own.taken_run_m[slot] = scene.step, own.run_m
-    keeps = math.exp(-(scene.step - own.lasting_step) * own.step_s / own.time_constant_s)
-    fresh_m = own.sigma_m * normal(own.source, scene.step)
+    keeps = math.exp(-(scene.step - own.lasting_step) * own.step_s / own.settings.time_constant_s)
+    fresh_m = own.receiver.sigma_m * normal(own.source, scene.step)
     own.lasting_m = keeps * own.lasting_m + math.sqrt(1.0 - keeps * keeps) * fresh_m
     own.lasting_step = scene.step
-    error_m = own.lasting_m + own.noise_sigma_m * normal(own.noise_source, scene.step)
+    error_m = own.lasting_m + own.receiver.noise_sigma_m * normal(own.noise_source, scene.step)
     own.taken_open[slot] = 1
     if scene.sky < OPEN_SKY:
         own.taken_open[slot] = 0
-        error_m += own.multipath_sigma_m * reflection_sigmas(own, scene.kilometrage_m, scene.now_s)
+        error_m += own.receiver.multipath_sigma_m * reflection_sigmas(own, scene.kilometrage_m, scene.now_s)
     own.error_m = scene.down * error_m + own.bias_m
     if own.frozen != 0:
         own.error_m = own.frozen_error_m - (own.run_m - own.frozen_run_m)
@@ -142,7 +139,7 @@ def reflection_sigmas(own: GnssReceiverRow, kilometrage_m: float, now_s: float) 
 
     Standard normal numbers at knots of place and time, blended by the cosine so that the variance is 1 everywhere.
     """
-    place = kilometrage_m / own.multipath_way_m
+    place = kilometrage_m / own.settings.multipath_way_m
     hour = (now_s + own.ahead_s) % SIDEREAL_DAY_S / SIDEREAL_DAY_S * HOURS
     i, j = math.floor(place), math.floor(hour)
     along, later = 0.5 * math.pi * (place - i), 0.5 * math.pi * (hour - j)

@@ -16,17 +16,26 @@ from onboard.board import SensedRow
 from onboard.localisation.lidar import SETBACK_M, LidarRow
 from onboard.localisation.lidar_points import CYCLE_S, FARTHEST_M, KEPT_S, SPOTS
 from onboard.localisation.marker_patterns import HALF_M
+from simulation.sensor_settings import Lidar
 from simulation.sensors.lidar_scan import SIGN_SHEETING
-from simulation.sensors.line_scans import COLUMNS, PLACES_M, SMEARS_M, SPEEDS_MPS, line_scans
+from simulation.sensors.line_scans import (
+    COLUMNS,
+    PLACES,
+    PLACES_M,
+    SMEARS,
+    SMEARS_M,
+    SPEEDS,
+    SPEEDS_MPS,
+    Scans,
+    line_scans,
+)
 from simulation.sensors.noise import normal, source_of, uniform
 from simulation.sensors.scene import SceneRow
 from simulation.settings import PositionSensor
 from simulation.setup import Setup
 from vehicle.compiled import compiled
+from vehicle.record import put_settings
 
-PLACES: Final = len(PLACES_M)
-SPEEDS: Final = len(SPEEDS_MPS)
-SMEARS: Final = len(SMEARS_M)
 PLACES_AT: Final = np.array(PLACES_M)
 SPEEDS_AT: Final = np.array(SPEEDS_MPS)
 SMEARS_AT: Final = np.array(SMEARS_M)
@@ -40,29 +49,24 @@ class LidarSensorRow(Protocol):
 
     fitted: Annotated[int, "1: there is one"]
     blind: Annotated[int, "1: something covers its window"]
-    visibility_m: Annotated[float, "of the air about the train"]
-    dirt_share: Annotated[float, "of the light that dirt on its window takes"]
-    laid_m: Annotated[float, "markers lie within so much of where they should"]
+    settings: Lidar
+    visibility_m: Annotated[float, "of the air about the train now"]
     before_mps: Annotated[float, "speed a step ago"]
     source: Annotated[int, "of the noise of mean distances"]
     none_source: Annotated[int, "of whether any point hits a marker"]
     read_source: Annotated[int, "of what is read"]
     row_source: Annotated[int, "of where the first row is read"]
     laid_source: Annotated[int, "of where markers lie"]
-    none_share: Annotated[list[float], SPEEDS * PLACES]
-    bias_m: Annotated[list[float], SPEEDS * PLACES]
-    sigma_m: Annotated[list[float], SPEEDS * PLACES]
-    read_share: Annotated[list[float], SPEEDS * SMEARS]
-    row_bias_m: Annotated[list[float], SPEEDS]
-    row_sigma_m: Annotated[list[float], SPEEDS]
+    scans: Scans
 
 
 def fit(own: LidarSensorRow, setup: Setup, stock_id: str) -> None:
     """A LiDAR where the stock carries one."""
-    own.visibility_m, own.dirt_share = setup.lidar.visibility_m, setup.lidar.dirt_share
+    put_settings(own.settings, setup.lidar)
+    own.visibility_m = setup.lidar.visibility_m
     if PositionSensor.LIDAR not in setup.sensors.carried_by(stock_id):
         return
-    own.fitted, own.laid_m = 1, setup.lidar.laid_within_m
+    own.fitted = 1
     own.source = source_of(setup.seed, "lidar", stock_id, *setup.today)
     own.none_source = source_of(setup.seed, "lidar hits none", stock_id, *setup.today)
     own.read_source = source_of(setup.seed, "lidar reads", stock_id, *setup.today)
@@ -70,7 +74,7 @@ def fit(own: LidarSensorRow, setup: Setup, stock_id: str) -> None:
     own.laid_source = source_of(setup.seed, "markers laid")
     figures = line_scans()
     for column in COLUMNS:
-        getattr(own, column)[:] = getattr(figures, column).ravel()
+        getattr(own.scans, column)[:] = getattr(figures, column).ravel()
 
 
 def fit_reader(readers: Any, setup: Setup, stock_id: str) -> None:  # noqa: ANN401 - all readers' rows
@@ -85,7 +89,7 @@ def reach_m(own: LidarSensorRow) -> float:
 
     In air of that visibility 5 % are left (Koschmieder); dirt takes its share both ways.
     """
-    left = (1.0 - own.dirt_share) * (1.0 - own.dirt_share) * HIT_SHARE * SIGN_SHEETING_GAIN
+    left = (1.0 - own.settings.dirt_share) * (1.0 - own.settings.dirt_share) * HIT_SHARE * SIGN_SHEETING_GAIN
     if own.blind != 0 or left <= 1.0:
         return 0.0
     return float(math.log(left) / (2.0 * math.log(20.0)) * own.visibility_m)
@@ -131,10 +135,10 @@ def mean_noise(source: int, cycle: int) -> float:
 def bears_m(own: LidarSensorRow, cycle: int, speed_mps: float) -> float:
     """Up to which spread this cycle's points give their pattern; -1: not at any."""
     chance = uniform(own.read_source, cycle)
-    if chance >= at_speed(own.read_share, SMEARS, 0, speed_mps):
+    if chance >= at_speed(own.scans.read_share, SMEARS, 0, speed_mps):
         return -1.0
     for k in range(1, SMEARS):
-        if chance >= at_speed(own.read_share, SMEARS, k, speed_mps):
+        if chance >= at_speed(own.scans.read_share, SMEARS, k, speed_mps):
             return float(SMEARS_AT[k - 1])
     return float(SMEARS_AT[SMEARS - 1])
 
@@ -150,7 +154,7 @@ def lidar(own: LidarSensorRow, _sensors: Any, scene: SceneRow, sensed: SensedRow
     shown.looks = 1
     shown.pattern = max(scene.markers_number, 0)
     accelerates = (scene.speed_mps - before_mps) / scene.step_s
-    aside_m = own.laid_m * (2.0 * uniform(own.laid_source, abs(scene.markers_number)) - 1.0)
+    aside_m = own.settings.laid_within_m * (2.0 * uniform(own.laid_source, abs(scene.markers_number)) - 1.0)
     sees_m = reach_m(own)
     for k in range(SPOTS):
         ago_s = (SPOTS - 1 - k) * CYCLE_S
@@ -163,16 +167,20 @@ def lidar(own: LidarSensorRow, _sensors: Any, scene: SceneRow, sensed: SensedRow
             + aside_m
         )
         middle_m = row_m + HALF_M
-        none = uniform(own.none_source, cycle // NONE_CYCLES) < at_place(own.none_share, speed_mps, middle_m)
+        none = uniform(own.none_source, cycle // NONE_CYCLES) < at_place(
+            own.scans.none_share, speed_mps, middle_m
+        )
         shown.mean_m[k], shown.row_m[k], shown.bears_m[k] = -1.0, 0.0, -1.0
         shown.run_m[k] = speed_mps * KEPT_S
         if none or middle_m > sees_m:
             continue
-        sigma_m = at_place(own.sigma_m, speed_mps, middle_m)
-        lag_m = 0.5 * KEPT_S * speed_mps + at_place(own.bias_m, speed_mps, middle_m)
+        sigma_m = at_place(own.scans.sigma_m, speed_mps, middle_m)
+        lag_m = 0.5 * KEPT_S * speed_mps + at_place(own.scans.bias_m, speed_mps, middle_m)
         shown.mean_m[k] = middle_m + lag_m + sigma_m * mean_noise(own.source, cycle)
-        row_sigma_m = at_speed(own.row_sigma_m, 1, 0, speed_mps)
+        row_sigma_m = at_speed(own.scans.row_sigma_m, 1, 0, speed_mps)
         shown.row_m[k] = (
-            row_m + at_speed(own.row_bias_m, 1, 0, speed_mps) + row_sigma_m * normal(own.row_source, cycle)
+            row_m
+            + at_speed(own.scans.row_bias_m, 1, 0, speed_mps)
+            + row_sigma_m * normal(own.row_source, cycle)
         )
         shown.bears_m[k] = bears_m(own, cycle, speed_mps)

@@ -10,7 +10,7 @@ import tomllib
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib.resources import files
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,18 +22,21 @@ SPEEDS_MPS: Final = (1.4, 3.0, 6.0, 10.0, 15.0, 20.0, 28.0, 36.0)
 PLACES_M: Final = (5.0, 7.0, 10.0, 14.0, 19.0, 24.0, 30.0)  # from the LiDAR to the markers' middle
 # by how much points of 0.1 s may stay spread by a wrong speed; what is read of them then
 SMEARS_M: Final = (0.0, 0.03, 0.06, 0.09, 0.12, 0.15, 0.18, 0.21, 0.24)
+PLACES: Final = len(PLACES_M)
+SPEEDS: Final = len(SPEEDS_MPS)
+SMEARS: Final = len(SMEARS_M)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scans:
     """The error model; rows are speeds. `none_share` to `sigma_m` by PLACES_M, `read_share` by SMEARS_M."""
 
-    none_share: Floats  # of cycles in which there is no point at all
-    bias_m: Floats  # of the mean distance over the markers' middle half of the time ago
-    sigma_m: Floats
-    read_share: Floats  # of readings that give the pattern; the others give none
-    row_bias_m: Floats  # of the first row's distance, where it is read; one a speed
-    row_sigma_m: Floats
+    none_share: Annotated[Floats, SPEEDS * PLACES, "of cycles in which there is no point at all"]
+    bias_m: Annotated[Floats, SPEEDS * PLACES, "of the mean distance over the middle half of the time ago"]
+    sigma_m: Annotated[Floats, SPEEDS * PLACES]
+    read_share: Annotated[Floats, SPEEDS * SMEARS, "of readings that give the pattern; the others give none"]
+    row_bias_m: Annotated[Floats, SPEEDS, "of the first row's distance, where it is read"]
+    row_sigma_m: Annotated[Floats, SPEEDS]
 
 
 COLUMNS: Final = tuple(column.name for column in fields(Scans))

@@ -11,13 +11,20 @@ from numpy.typing import NDArray
 
 from network.path import Path
 from onboard.localisation.curvature_map import SIMPSON, CurvatureMap, Mounting, design_map, laid_per_m
-from onboard.localisation.curvature_row import BY_SPACE, BY_TIME, UNFILTERED, CurvatureRow
+from onboard.localisation.curvature_row import (
+    BY_SPACE,
+    BY_TIME,
+    UNFILTERED,
+    CurvatureComparison,
+    CurvatureRow,
+)
 from onboard.localisation.spatial_filter import CORNER_M, delay_m, filter_gain, sections, step_response
 from onboard.unit_records import UnitParameters
 from simulation.sensor_settings import Curvature, Filter
 from simulation.sensors.yaw_gyro import CUT_SIGMAS
 from simulation.setup import STEP_S, Setup
 from simulation.world.irregularities import heading_density
+from vehicle.record import put_settings
 
 Floats = NDArray[np.float64]
 
@@ -70,22 +77,12 @@ def fit(own: CurvatureRow, setup: Setup, stock_id: str, mounting: Mounting) -> N
     own.numbers[:] = sections(corner)
     by_space = given.filter is Filter.SPACE
     own.rises[:] = step_response(np.array(sections(corner))) if by_space else np.ones(len(own.rises))
-    for name in (
-        "window_m",
-        "window_least_m",
-        "search_m",
-        "every_m",
-        "transition_m",
-        "sure_sigmas",
-        "bias_walk_s",
-    ):
-        setattr(own, name, getattr(given, name))
-    own.mismatch_most_per_m = given.mismatch_per_m
+    put_settings(own.settings, given, CurvatureComparison)
     _state_wheels(own, setup.unit)
     own.doubtful_share = setup.unit.wheel_error_share + 1e-9
     own.scale_low, own.scale_high = 1.0 - own.worn_share, 1.0 + own.worn_share
     own.gain_share = CUT_SIGMAS * given.gain_sigma
-    own.bias_walk_radps = math.radians(given.bias_walk_degps)
+    own.bias_walk_radps, own.bias_walk_s = math.radians(given.bias_walk_degps), given.bias_walk_s
     own.bias_radps2 = math.radians(given.bias_sigma_degps + given.bias_walk_degps) ** 2
     own.yaw_density = given.stated_sigma_radps(STEP_S) ** 2 * STEP_S
     own.body_delay_s = 2.0 * given.body_damping / (2.0 * math.pi * given.body_frequency_hz)

@@ -107,6 +107,6 @@ class Clearing:
 
 
 def _known_m(journey: TrainJourney) -> list[float]:
-    """Where the position was told: where the journey begins, and at each tag, m."""
+    """Where the position became known: where the journey begins, and at each tag, m."""
     start_m = journey.mission.targets[0].mark_m
     return [start_m, *(tag.position_m for tag in journey.mission.tags if tag.position_m > start_m)]

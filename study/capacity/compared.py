@@ -1,6 +1,6 @@
 """Blocking times of theory beside those of a run: part by part, how far they differ, where most, and why there.
 
-Two occupations are one where section, stock and train are. Why a part differs is told by what the run shows: the train
+Two occupations are one where section, stock and train are. Why a part differs, the run shows: the train
 waited for another, telegrams were lost, or it ran earlier or later than predicted.
 """
 
@@ -14,7 +14,7 @@ from typing import Final
 from study.capacity.occupation import COST_OF, TOUCH_S, Occupation, OccupationPart
 
 SEEN_S: Final = 0.05  # differences below this are none
-LATE_S: Final = 5.0  # a train so far off its prediction is told as such
+LATE_S: Final = 5.0  # a train so far off its prediction is reported as such
 REPEATED_S: Final = 1.5  # a telegram that took so much longer was sent again
 
 
@@ -88,10 +88,10 @@ class Compared:
 
     def differences(self) -> tuple[Difference, ...]:
         """Each part that either has, in the order of parts."""
-        found = (self._of(part) for part in OccupationPart)
+        found = (self._difference(part) for part in OccupationPart)
         return tuple(one for one in found if one is not None)
 
-    def _of(self, part: OccupationPart) -> Difference | None:
+    def _difference(self, part: OccupationPart) -> Difference | None:
         own = [
             p for p in self.pairs if p.usable and max(p.run.of_part(part), p.theory.of_part(part)) > TOUCH_S
         ]

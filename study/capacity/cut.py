@@ -49,7 +49,7 @@ def is_crossing_station(station: Station) -> bool:
     return not station.is_halt and len(station.tracks) > 1
 
 
-def _whole(line: Line) -> tuple[CutPart, ...]:
+def _as_one_part(line: Line) -> tuple[CutPart, ...]:
     sections = frozenset(s.id for s in line.sections.values() if s.kind is not SectionKind.PORTAL)
     stations = _stations(line)
     return (CutPart(_name(stations[0], stations[-1]), PartKind.LINE, sections),)
@@ -88,7 +88,7 @@ def _section(line: Line) -> tuple[CutPart, ...]:
 
 WAYS: Final[Mapping[str, tuple[str, Callable[[Line], tuple[CutPart, ...]]]]] = MappingProxyType(
     {
-        "whole": ("the whole line at once: trains keep all their stops and meets", _whole),
+        "whole": ("the whole line at once: trains keep all their stops and meets", _as_one_part),
         "crossing": (
             "between stations where trains can pass each other; single tracks and ends of the line belong to it",
             _crossing,

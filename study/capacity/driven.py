@@ -88,7 +88,7 @@ class StockDriving:
                 if not self.rules.late:
                     leaves_s = max(leaves_s, setting.way_free_s(plan, leg, asks_s[leg.route_id]))
             stays.append(JourneyStay(at, stands_s, leaves_s))
-        made = TrainJourney(
+        journey = TrainJourney(
             self.stock_id,
             mission,
             plan,
@@ -101,7 +101,7 @@ class StockDriving:
             duty.leaves,
             asks_s,
         )
-        return made.ended(self._done_s(made))
+        return journey.ended(self._done_s(journey))
 
     def _signs_on(self, planned: PlannedTrain, setting: Setting, stands_s: float) -> tuple[float, float]:
         """When a stock at its portal since a time has its number, and is signed on, s: as soon or as late as it can."""

@@ -1,6 +1,6 @@
 """How many more trains a day fits, and where: standard paths put in, and the day with them judged like any other plan.
 
-What fits between occupations is a claim; it is told when `study.feasibility` finds nothing impossible in the
+What fits between occupations is a claim; it is made only when `study.feasibility` finds nothing impossible in the
 timetable with the new trains. Those that it names go out again, until it finds nothing.
 """
 
@@ -68,10 +68,10 @@ class AddedTrains:
 def more_trains(setup: Setup, period: Period, search: PathSearch) -> AddedTrains:
     """As many standard paths as fit into a period of the day and hold when the day is judged; see `fill`."""
     paths = standard_paths(setup)
-    taken = OccupiedSpans.of_occupations(occupations(setup))
+    occupied = OccupiedSpans.of_occupations(occupations(setup))
     templates = [template(setup, path) for path in paths]
-    placed = fill_period(templates, (period.from_s, period.to_s), taken, search)
-    found = [_made(setup, paths, templates, one, number) for number, one in enumerate(placed, start=1)]
+    placed = fill_period(templates, (period.from_s, period.to_s), occupied, search)
+    found = [_added_path(setup, paths, templates, one, number) for number, one in enumerate(placed, start=1)]
     dropped: list[str] = []
     for _ in range(ROUNDS_MAX):
         named = _impossible(setup, [(one, path) for _, one, path in found])
@@ -96,7 +96,7 @@ def template(setup: Setup, path: StandardPath) -> tuple[SetLeg, ...]:
     return legs_of(occupations(path_alone(setup, path), STANDARD), places_of(setup.line))
 
 
-def _made(
+def _added_path(
     setup: Setup,
     paths: Sequence[StandardPath],
     templates: Sequence[tuple[SetLeg, ...]],

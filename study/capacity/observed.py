@@ -78,7 +78,7 @@ def _passage(hold: SectionHold, standing: tuple[PassageStand, ...], line: Line) 
 def _standing(
     result: RunResult, line: Line, holds: Sequence[SectionHold]
 ) -> dict[str, tuple[PassageStand, ...]]:
-    """What each stock stood for, by the truth; of what went on at once the last one told counts.
+    """What each stock stood for, by the truth; of what went on at once the last one noted counts.
 
     A stand of no length is that of a train that comes to a stand as the run ends.
     """

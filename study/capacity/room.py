@@ -50,10 +50,10 @@ class OccupiedSpans:
     @staticmethod
     def of_occupations(occupations: Iterable[Occupation]) -> OccupiedSpans:
         """What trains that run take."""
-        taken = OccupiedSpans()
+        occupied = OccupiedSpans()
         for one in occupations:
-            taken.add(one.section_id, one.begin_s, one.end_s)
-        return taken
+            occupied.add(one.section_id, one.begin_s, one.end_s)
+        return occupied
 
     def add(self, section_id: str, begin_s: float, end_s: float) -> None:
         """One more."""
@@ -77,14 +77,14 @@ class PathSearch:
 
 
 def place(
-    legs: Sequence[SetLeg], departs_s: float, taken: OccupiedSpans, search: PathSearch
+    legs: Sequence[SetLeg], departs_s: float, occupied: OccupiedSpans, search: PathSearch
 ) -> Placed | None:
     """A standard path that leaves at a time; None where it does not fit. Nothing is taken."""
     moves_s: list[float] = []
     for index, leg in enumerate(legs):
         least_s = departs_s - leg.departs_s if index == 0 else moves_s[-1]
         last_s = least_s if index == 0 else least_s + search.wait_s_max
-        move_s = _free_move_s(legs, index, (least_s, last_s), moves_s, (taken, search.buffer_s))
+        move_s = _free_move_s(legs, index, (least_s, last_s), moves_s, (occupied, search.buffer_s))
         if move_s is None:
             return None
         moves_s.append(move_s)
@@ -99,7 +99,7 @@ def _free_move_s(
     among: tuple[OccupiedSpans, float],
 ) -> float | None:
     """The least move of a leg with which nothing is in its way; whole seconds later than the least."""
-    taken, buffer_s = among
+    occupied, buffer_s = among
     least_s, last_s = between_s
     leg, move_s = legs[index], least_s
     while move_s <= last_s:
@@ -107,14 +107,16 @@ def _free_move_s(
             (until_s - one.begin_s + buffer_s - move_s)
             for one in leg.occupations
             if (
-                until_s := taken.until_s(one.section_id, one.begin_s + move_s, _end_s(one) + move_s, buffer_s)
+                until_s := occupied.until_s(
+                    one.section_id, one.begin_s + move_s, _end_s(one) + move_s, buffer_s
+                )
             )
             is not None
         ]
         stays = leg.start
         if stays is not None:  # the place that it leaves is its own for as long as it waits there
             begin_s = _begin_s(stays, leg) + (moves_s[-1] if moves_s else move_s)
-            until_s = taken.until_s(stays.section_id, begin_s, stays.end_s + move_s, buffer_s)
+            until_s = occupied.until_s(stays.section_id, begin_s, stays.end_s + move_s, buffer_s)
             if until_s is not None:
                 if moves_s:  # it cannot wait there any longer
                     return None
@@ -135,21 +137,21 @@ def _begin_s(start: Occupation, leg: SetLeg) -> float:
     return start.begin_s if math.isfinite(start.begin_s) else leg.occupations[0].begin_s
 
 
-def take_sections(placed: Placed, taken: OccupiedSpans) -> None:
+def take_sections(placed: Placed, occupied: OccupiedSpans) -> None:
     """The sections of a path, taken; its places from when it is let in to when it has left."""
     for index, (leg, move_s) in enumerate(zip(placed.legs, placed.moves_s, strict=True)):
         if index == 0 and leg.start is not None:
-            taken.add(leg.start.section_id, _begin_s(leg.start, leg) + move_s, leg.start.end_s + move_s)
+            occupied.add(leg.start.section_id, _begin_s(leg.start, leg) + move_s, leg.start.end_s + move_s)
         for one in leg.occupations:
             leaves = index + 1 < len(placed.legs) and placed.legs[index + 1].start is one
             end_s = one.end_s + placed.moves_s[index + 1] if leaves else _end_s(one) + move_s
-            taken.add(one.section_id, one.begin_s + move_s, end_s)
+            occupied.add(one.section_id, one.begin_s + move_s, end_s)
 
 
 def fill_period(
     paths: Sequence[Sequence[SetLeg]],
     period_s: tuple[float, float],
-    taken: OccupiedSpans,
+    occupied: OccupiedSpans,
     search: PathSearch,
     step_s: float = 60.0,
 ) -> tuple[Placed, ...]:
@@ -161,14 +163,16 @@ def fill_period(
     found: list[Placed] = []
     next_s = [begins_s for _ in paths]
     while True:
-        options = [_first(legs, next_s[i], (ends_s, step_s), taken, search) for i, legs in enumerate(paths)]
+        options = [
+            _first(legs, next_s[i], (ends_s, step_s), occupied, search) for i, legs in enumerate(paths)
+        ]
         for i, option in enumerate(options):
             next_s[i] = math.inf if option is None else option.departs_s
         some = [(next_s[i], i, option) for i, option in enumerate(options) if option is not None]
         if not some:
             return tuple(found)
         _, kind, best = min(some, key=lambda one: one[:2])
-        take_sections(best, taken)
+        take_sections(best, occupied)
         next_s[kind] += step_s
         found.append(best)
 
@@ -177,12 +181,12 @@ def _first(
     legs: Sequence[SetLeg],
     from_s: float,
     until_s: tuple[float, float],
-    taken: OccupiedSpans,
+    occupied: OccupiedSpans,
     search: PathSearch,
 ) -> Placed | None:
     ends_s, step_s = until_s
     while from_s < ends_s:
-        placed = place(legs, from_s, taken, search)
+        placed = place(legs, from_s, occupied, search)
         if placed is not None:
             return placed if placed.arrives_s <= ends_s else None
         from_s += step_s

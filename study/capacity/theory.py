@@ -106,8 +106,8 @@ class Theory:
         for journey, own in zip(journeys, set_ups, strict=True):
             goes_on = bool(found) and not journey.enters
             reported_s = setting.clearing.reported_s(journey)
-            made = list(self._moments(journey, own, reported_s, found.pop() if goes_on else None))
-            found += [replace(p, standing=_within(standing, p)) for p in made]
+            parts = list(self._moments(journey, own, reported_s, found.pop() if goes_on else None))
+            found += [replace(p, standing=_within(standing, p)) for p in parts]
         return tuple(found)
 
     # the day ----------------------------------------------------------------------------------------------------------
@@ -231,7 +231,7 @@ class Theory:
     def _standing(
         self, stock_id: str, journeys: Sequence[TrainJourney], set_ups: Sequence[Mapping[int, SetUp]]
     ) -> Iterator[PassageStand]:
-        """All stands of a stock, until it moves; of what goes on at once the last one told counts."""
+        """All stands of a stock, until it moves; of what goes on at once the last one noted counts."""
         change_s, moves_s = self.setup.operation.change_ends_s, self._driving[stock_id].start.moves_s
         for at, journey in enumerate(journeys):
             follows = journeys[at + 1] if at + 1 < len(journeys) and not journeys[at + 1].enters else None

@@ -25,10 +25,10 @@ from study.measures.register_holds import SectionHold
 from study.measures.running_times import PlannedLeg
 from study.record.calls import TracePoint
 from study.record.figure import schema_of
+from study.record.journal_rows import EventInWords, TelegramsOfWay
 from study.record.spans import rows_by_span
 from study.record.tables import RunTables, make_table
-from study.record.told import EventTold, TelegramsOfWay
-from study.wording.events import TOLD, event_text
+from study.wording.events import EVENT_WORDINGS, event_text
 from study.wording.phrase import Names, names_of
 
 
@@ -110,10 +110,10 @@ def _telegrams(result: RunResult) -> pl.DataFrame:
 
 
 def _events(result: RunResult, names: Names) -> pl.DataFrame:
-    told: list[EventTold] = []
+    rows: list[EventInWords] = []
     for entry in result.journal.entries:
-        kind = TOLD.get(type(entry.event))
+        kind = EVENT_WORDINGS.get(type(entry.event))
         if kind is not None:
             text = event_text(entry.event, names)
-            told.append(EventTold(entry.t_s, entry.who, kind.kind, text.en, text.in_("ja")))
-    return make_table("events", told)
+            rows.append(EventInWords(entry.t_s, entry.who, kind.kind, text.en, text.in_("ja")))
+    return make_table("events", rows)

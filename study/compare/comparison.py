@@ -1,4 +1,4 @@
-"""What changed between two runs, or between one and several: everything that is told, drawn and written of it."""
+"""What changed between two runs, or between one and several: everything that is reported, drawn and written of it."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def compare_two(base: ComparedRun, new: ComparedRun, over_s: float) -> RunCompar
 
 def verdict_of(found: RunComparison) -> tuple[str, ...]:
     """`verdict_said` in English."""
-    return tuple(said.en for said in verdict_said(found))
+    return tuple(sentence.en for sentence in verdict_said(found))
 
 
 def verdict_said(found: RunComparison) -> tuple[Phrase, ...]:
@@ -143,17 +143,17 @@ def verdict_said(found: RunComparison) -> tuple[Phrase, ...]:
         inputs = words.SAME_INPUTS if found.same_inputs else words.OTHER_INPUTS
         return (words.NOTHING_AT_ALL.fill(inputs=inputs),)
     times = found.times
-    told = [_moved(found)]
+    sentences = [_moved(found)]
     for numbers, where in ((times.only_new, found.new), (times.only_base, found.base)):
         if numbers:
-            told.append(words.ONLY_IN.fill(where=where, trains=_trains(numbers)))
+            sentences.append(words.ONLY_IN.fill(where=where, trains=_trains(numbers)))
     if times.once:
-        told.append(words.CAME_ONCE.fill(count=_count(len(times.once), _TIME)))
-    told.append(_meets(found.meets))
+        sentences.append(words.CAME_ONCE.fill(count=_count(len(times.once), _TIME)))
+    sentences.append(_meets(found.meets))
     for texts, where in ((found.broken_new, found.new), (found.broken_base, found.base)):
         if texts:
-            told.append(words.BROKEN_ONLY.fill(where=where, texts="; ".join(texts)))
-    return tuple(told)
+            sentences.append(words.BROKEN_ONLY.fill(where=where, texts="; ".join(texts)))
+    return tuple(sentences)
 
 
 def _moved(found: RunComparison) -> Phrase:

@@ -1,9 +1,8 @@
-"""Two train graphs laid over each other: the new run in colour where it moved, the other thin beneath it."""
+"""Two train graphs in one picture: the new run in colour where it moved, the other thin beneath it."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
 from itertools import chain
 from typing import Final
 
@@ -12,27 +11,25 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from network.model import Direction
 from study.compare.comparison import RunComparison
 from study.compare.meets import MeetFate
 from study.compare.side import ComparedRun
 from study.report.data import ReportedRun
 from study.report.graph import draw_frame, numbers_of, write_numbers
 from study.report.labels import Number
-from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, WIDTH_IN, TimeBand, time_bands
+from study.report.pictures import TRAIN_GRAPH, WAYS, Layer
+from study.report.style import INK, PALE, RED, WIDTH_IN, TimeBand, time_bands
+from study.wording.phrase import NOTHING
 
-UNMOVED: Final = "#a9b4bf"
-BASE: Final = "#3c3c3c"
-ADDED: Final = "#2e7d4f"
+BASE: Final = TRAIN_GRAPH.layers["beside"]
+GONE: Final = TRAIN_GRAPH.layers["gone"]
+UNMOVED: Final = Layer(NOTHING, "#a9b4bf", width_pt=1.0)
+ADDED: Final = Layer(NOTHING, "#2e7d4f", opacity=0.75, width_pt=2.2)
+_MOVED: Final[Mapping[int, Layer]] = {
+    direction: TRAIN_GRAPH.layers[f"run_{way}"] for direction, way in WAYS.items()
+}
 _PANEL_IN: Final = 3.7
-_DASHES: Final = (0, (4, 2))
-
-
-@dataclass(frozen=True, slots=True)
-class _Looks:
-    colour: str
-    width_pt: float
-    style: str | tuple[int, tuple[int, int]]
-    zorder: float
 
 
 def draw_both(base: ComparedRun, new: ComparedRun, found: RunComparison) -> Figure:
@@ -64,9 +61,9 @@ def _draw_base(
 ) -> None:
     for (_, number), course in run.courses.items():
         if number in gone:
-            _draw(axes, course, band, _Looks(RED, 1.4, _DASHES, 4.0))
+            _draw(axes, course, band, GONE, 4.0)
         elif number in moved:
-            _draw(axes, course, band, _Looks(BASE, 0.8, _DASHES, 4.0))
+            _draw(axes, course, band, BASE, 4.0)
 
 
 def _draw_new(
@@ -74,20 +71,17 @@ def _draw_new(
 ) -> None:
     for (_, number), course in run.courses.items():
         if number in added:
-            _draw(axes, course, band, _Looks(ADDED, 2.2, "-", 3.2))
+            _draw(axes, course, band, ADDED, 3.2)
         elif number in moved:
-            _draw(axes, course, band, _Looks(DIRECTION_COLOUR[run.directions[number]], 2.0, "-", 3.0))
+            _draw(axes, course, band, _MOVED[run.directions[number]], 3.0)
         else:
-            _draw(axes, course, band, _Looks(UNMOVED, 1.0, "-", 2.5))
+            _draw(axes, course, band, UNMOVED, 2.5)
 
 
-def _draw(axes: Axes, course: pl.DataFrame, band: TimeBand, looks: _Looks) -> None:
+def _draw(axes: Axes, course: pl.DataFrame, band: TimeBand, layer: Layer, zorder: float) -> None:
     t_s, at_m = course["t_s"].to_numpy(), course["kilometrage_m"].to_numpy()
     if band.meets(float(t_s[0]), float(t_s[-1])):
-        alpha = 0.75 if looks.width_pt > 1.4 else 1.0
-        axes.plot(
-            t_s, at_m, color=looks.colour, lw=looks.width_pt, ls=looks.style, zorder=looks.zorder, alpha=alpha
-        )
+        axes.plot(t_s, at_m, **layer.line(), zorder=zorder)
 
 
 def _draw_meets(axes: Axes, found: RunComparison, band: TimeBand) -> None:
@@ -104,19 +98,16 @@ def _draw_meets(axes: Axes, found: RunComparison, band: TimeBand) -> None:
 def _legend(figure: Figure, base: str, new: str) -> None:
     """What the lines are, above all panels."""
 
-    def line(colour: str, width_pt: float, style: str | tuple[int, tuple[int, int]]) -> Line2D:
-        return Line2D([], [], color=colour, lw=width_pt, ls=style)
-
     def mark(shape: str) -> Line2D:
         return Line2D([], [], ls="", marker=shape, ms=7, mfc="none", mec=RED, mew=1.1)
 
     entries = [
-        (line(BASE, 0.8, _DASHES), f"{_short(base)}, trains that moved"),
-        (line(next(iter(DIRECTION_COLOUR.values())), 2.0, "-"), f"{_short(new)}, down"),
-        (line(list(DIRECTION_COLOUR.values())[1], 2.0, "-"), "up"),
-        (line(UNMOVED, 1.0, "-"), "not moved"),
-        (line(RED, 1.4, _DASHES), f"only in {_short(base)}"),
-        (line(ADDED, 2.2, "-"), f"only in {_short(new)}"),
+        (Line2D([], [], **BASE.line()), f"{_short(base)}, trains that moved"),
+        (Line2D([], [], **_MOVED[Direction.DOWN].line()), f"{_short(new)}, down"),
+        (Line2D([], [], **_MOVED[Direction.UP].line()), "up"),
+        (Line2D([], [], **UNMOVED.line()), "not moved"),
+        (Line2D([], [], **GONE.line()), f"only in {_short(base)}"),
+        (Line2D([], [], **ADDED.line()), f"only in {_short(new)}"),
         (mark("o"), "meet moved or new"),
         (mark("s"), "meet gone"),
     ]
@@ -142,7 +133,9 @@ def _numbers(
     mine = numbers_of(new, band)
     first = {*moved, *found.times.only_new}
     ordered = chain((n for n in mine if n.text in first), gone, (n for n in mine if n.text not in first))
-    colours = dict.fromkeys(found.times.only_base, RED) | dict.fromkeys(found.times.only_new, ADDED)
+    colours = dict.fromkeys(found.times.only_base, GONE.colour) | dict.fromkeys(
+        found.times.only_new, ADDED.colour
+    )
     return [
         Number(n.text, colours.get(n.text, n.colour if n.text in moved else PALE), n.t_s, n.at_m)
         for n in ordered

@@ -24,9 +24,9 @@ from study.wording.telegrams import telegram
 SAME: Final = "="
 NONE: Final = "–"
 _FIGURES: Final = {
-    said.name.en: said.name
-    for said in (
-        *(said for row in ROWS.values() for said in seen_in(row, ShownIn.TOTALS_COMPARED).values()),
+    figure.name.en: figure.name
+    for figure in (
+        *(figure for row in ROWS.values() for figure in seen_in(row, ShownIn.TOTALS_COMPARED).values()),
         EARLY,
     )
 }
@@ -171,28 +171,28 @@ def rows_grid(found: RunComparison, table: str, new: ComparedRun, language: Lang
     """What differs in margins, energy, telegrams or stops, by more than can be left out, most first."""
     shown = seen_in(ROWS[table], ShownIn.ROWS_LISTED)
     by = next(iter({**seen_in(ROWS[table], ShownIn.LISTED_BY), **shown}))
-    listed = [row for row in found.rows[table] if any(_told(row, *column) for column in shown.items())]
+    listed = [row for row in found.rows[table] if any(_is_shown(row, *column) for column in shown.items())]
     rows = tuple(
         (
             *(
-                _name(new, said, name, language)
-                for said, name in zip(names_in(table).values(), row.names, strict=True)
+                _name(new, figure, name, language)
+                for figure, name in zip(names_in(table).values(), row.names, strict=True)
             ),
-            *(text for column, said in shown.items() for text in _old_new_by(row, column, said.digits)),
+            *(text for column, figure in shown.items() for text in _old_new_by(row, column, figure.digits)),
         )
         for row in sorted_by(listed, by)
     )
     headings = [
         text
-        for said in shown.values()
-        for text in (HEADING.fill(what=said.heading).in_(language), *_heads(language, "new", "by"))
+        for figure in shown.values()
+        for text in (HEADING.fill(what=figure.heading).in_(language), *_heads(language, "new", "by"))
     ]
-    titles = [said.name.in_(language) for said in names_in(table).values()]
+    titles = [figure.name.in_(language) for figure in names_in(table).values()]
     return TextTable((*titles, *headings), rows, numbers_from=len(titles))
 
 
-def _name(side: ComparedRun, said: Figure, name: str, language: Language) -> str:
-    match said.kind:
+def _name(side: ComparedRun, figure: Figure, name: str, language: Language) -> str:
+    match figure.kind:
         case Kind.PLACE:
             return place_said(side.run, name).in_(language)
         case Kind.SAID:
@@ -220,10 +220,10 @@ def first_rows(grid: TextTable, most: int) -> tuple[TextTable, int]:
     )
 
 
-def _told(row: ComparedRow, column: str, said: Figure) -> bool:
+def _is_shown(row: ComparedRow, column: str, figure: Figure) -> bool:
     """Whether a difference can be read, or one of both has none."""
     old, new = row.values[column]
-    return (old is None) != (new is None) or abs(row.by(column) or 0.0) >= 0.5 * 10.0**-said.digits
+    return (old is None) != (new is None) or abs(row.by(column) or 0.0) >= 0.5 * 10.0**-figure.digits
 
 
 def _old_new_by(row: ComparedRow, column: str, digits: int) -> tuple[str, str, str]:

@@ -19,13 +19,13 @@ from study.measures.summary import arrived_trains, energy_summary
 from study.record.driving import EARLY, DrivenHop
 from study.record.figure import Adds, ShownIn, rows_in, seen_in
 from study.record.figure import Figure as Said
+from study.record.journal_rows import TelegramsOfWay
 from study.record.tables import ROWS
-from study.record.told import TelegramsOfWay
 from study.report.data import place_said
 from study.wording import compared as words
 from study.wording.phrase import NOTHING, Phrase, joined_phrases
 
-# Minutes as punctuality is told in, and the 15 s in which Japanese timetables are planned.
+# Minutes in which punctuality is given, and the 15 s in which Japanese timetables are planned.
 NOT_LATE_S: Final = (
     5  # brakes take 1.4 s to release, and whole seconds are read off clocks: nobody calls that late
 )
@@ -114,9 +114,9 @@ def figures_of(side: ComparedRun) -> Iterator[RunFigure]:
     yield from _margins(side)
     yield from _energy(side)
     yield from _driving(side)
-    for name, said in seen_in(TelegramsOfWay, ShownIn.TOTALS_COMPARED).items():
+    for name, figure in seen_in(TelegramsOfWay, ShownIn.TOTALS_COMPARED).items():
         yield RunFigure(
-            "telegrams", said.name.en, said.unit, said.digits, float(tables.telegrams[name].sum())
+            "telegrams", figure.name.en, figure.unit, figure.digits, float(tables.telegrams[name].sum())
         )
     yield RunFigure("telegrams", "volume", "kB", 1, float(tables.telegrams["bytes"].sum()) / 1000.0)
     yield from _stop_errors(side)
@@ -182,9 +182,9 @@ def _energy(side: ComparedRun) -> Iterator[RunFigure]:
 def _driving(side: ComparedRun) -> Iterator[RunFigure]:
     """Means over the hops as `study.measures.driving.driving_sums` has them; none of a run without any."""
     whole = driving_sums(rows_in(DrivenHop, side.run.tables.driving))
-    for name, said in (*seen_in(DrivenHop, ShownIn.TOTALS_COMPARED).items(), ("early_s", EARLY)):
+    for name, figure in (*seen_in(DrivenHop, ShownIn.TOTALS_COMPARED).items(), ("early_s", EARLY)):
         value = None if whole is None else whole[name]
-        yield RunFigure("driving", said.name.en, said.unit, said.digits, value)
+        yield RunFigure("driving", figure.name.en, figure.unit, figure.digits, value)
 
 
 def _stop_errors(side: ComparedRun) -> Iterator[RunFigure]:
@@ -246,7 +246,8 @@ def compare_rows(base: ComparedRun, new: ComparedRun, table: str) -> tuple[Compa
 def _rows(side: ComparedRun, table: str) -> dict[tuple[str, ...], dict[str, Value]]:
     names, columns = tuple(names_in(table)), tuple(columns_in(table))
     frame: pl.DataFrame = getattr(side.run.tables, table)
-    if all(said.adds is Adds.SUM for said in columns_in(table).values()):  # several rows of a name are one
+    # several rows of a name are one
+    if all(figure.adds is Adds.SUM for figure in columns_in(table).values()):
         frame = frame.group_by(names, maintain_order=True).agg(pl.col(columns).sum())
     else:
         frame = frame.filter(pl.any_horizontal(pl.col(columns).is_not_null()))

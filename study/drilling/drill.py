@@ -25,9 +25,9 @@ from study.drilling.scores import Scores, score
 from study.drilling.verdict import ExpectationVerdict, judge
 from study.record.directory import Reserved
 from study.record.fault_place import place_of_fault
+from study.record.journal_rows import EventInWords
 from study.record.marks import DrillShown, Mark, MarkKind, mark_of
 from study.record.tables import RunTables, make_table
-from study.record.told import EventTold
 from study.runner.outcome import unfinished
 from study.runner.run import FinishedRun, PartyLink, UnitsAt, execute, fill_run
 from study.wording import outcome as words
@@ -192,13 +192,13 @@ def _course_dict(course: ItemCourse) -> dict[str, Any]:
 
 def _with_verdicts(tables: RunTables, verdicts: tuple[ExpectationVerdict, ...], end_s: float) -> RunTables:
     """The tables with a row among the events for each verdict, at the time when it fell."""
-    told: list[EventTold] = []
+    rows: list[EventInWords] = []
     for v in verdicts:
         met = words.MET if v.passed else words.NOT_MET
         said = words.VERDICT.fill(met=met, text=v.expected, happened=v.said)
         at_s = min(v.to_s, end_s) if v.at_s is None else v.at_s
-        told.append(EventTold(at_s, "drill", "expectation", said.en, said.in_("ja")))
-    events = pl.concat([tables.events, make_table("events", told)]).sort("t_s", maintain_order=True)
+        rows.append(EventInWords(at_s, "drill", "expectation", said.en, said.in_("ja")))
+    events = pl.concat([tables.events, make_table("events", rows)]).sort("t_s", maintain_order=True)
     return replace(tables, events=events)
 
 

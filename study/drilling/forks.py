@@ -116,12 +116,12 @@ class Forks(Generic[T]):
             name = signal.Signals(os.WTERMSIG(status)).name
             return CopyDied(name, f"ended by {name}")
         try:
-            said = msgspec.msgpack.decode(heard, type=_Done | CopyDied)
+            answer = msgspec.msgpack.decode(heard, type=_Done | CopyDied)
         except msgspec.MsgspecError:
             return CopyDied("exit", f"ended with code {os.waitstatus_to_exitcode(status)} and no result")
-        if isinstance(said, CopyDied):
-            return said
-        found: T = msgspec.msgpack.decode(said.found, type=self._kind)
+        if isinstance(answer, CopyDied):
+            return answer
+        found: T = msgspec.msgpack.decode(answer.found, type=self._kind)
         return found
 
 
@@ -144,13 +144,13 @@ def _work(work: Callable[[], object], to_parent: int) -> NoReturn:
     _, hard = resource.getrlimit(resource.RLIMIT_CPU)
     used_s = sum(resource.getrusage(resource.RUSAGE_SELF)[:2])
     resource.setrlimit(resource.RLIMIT_CPU, (int(used_s) + CPU_LIMIT_S, hard))
-    said: _Done | CopyDied
+    answer: _Done | CopyDied
     try:
-        said = _Done(msgspec.msgpack.encode(work()))
+        answer = _Done(msgspec.msgpack.encode(work()))
     except BaseException as error:
         cause = error.__cause__ or error
-        said = CopyDied(type(cause).__name__, exception_line(error))
-    data = memoryview(msgspec.msgpack.encode(said))
+        answer = CopyDied(type(cause).__name__, exception_line(error))
+    data = memoryview(msgspec.msgpack.encode(answer))
     while data:
         data = data[os.write(to_parent, data) :]
     os._exit(0)

@@ -327,7 +327,7 @@ def run_child(way: str, scenario: str, recording: Path, net: Path) -> dict[str, 
 
 
 def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, Any]:
-    """The three-way table: medians of wall time, ratios, parts and peak memory. `tell` is told what goes on."""
+    """The three-way table: medians of wall time, ratios, parts and peak memory. `tell` gets what goes on."""
     with scratch("branchline-bench-") as folder:
         tell(f"recording {scenario}")
         recording = record(scenario, folder)

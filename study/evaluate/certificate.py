@@ -2,7 +2,7 @@
 
 The manager alone is asked, as its host does it: every stock asks for its next route when it is due, in blocks without
 minutes, and gives back what lies behind. Late days have every stock delayed anew at each train, from a seed, so that
-orders change and some are refused. What a grant costs without a certificate is told beside it.
+orders change and some are refused. What a grant costs without a certificate is reported beside it.
 """
 
 from __future__ import annotations

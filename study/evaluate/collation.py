@@ -57,7 +57,7 @@ def fix_ms(scenario: str, fixes: int = FIXES) -> tuple[float, int]:
     unit.position_known, unit.odometer_scale = 1, 1.0
     chart = Chart(pool.pattern, pool.known_places)
     laid = pool.pattern["curvature_per_m"][unit.path_offset : unit.path_offset + unit.path_rows]
-    half = int(own.search_m)
+    half = int(own.settings.search_m)
     front = int(np.flatnonzero(np.isfinite(laid))[0]) + 2 * WINDOW_MAX
     ring = laid[front - WINDOW_MAX + 1 : front + 1]
     own.bent_per_m[:WINDOW_MAX] = own.bent_per_m[WINDOW_MAX:] = ring
@@ -81,7 +81,7 @@ def run_child(what: str, scenario: str) -> dict[str, Any]:
 
 
 def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, Any]:
-    """The median of a fix, and medians of wall time of both days with their ratio. `tell` is told what goes on."""
+    """The median of a fix, and medians of wall time of both days with their ratio. `tell` gets what goes on."""
     found_ms, shifts = fix_ms(scenario)
     tell(f"{scenario}: one fix over {shifts} shifts takes {found_ms:.3f} ms")
     figures: dict[str, list[dict[str, Any]]] = {what: [] for what in CARRIED}

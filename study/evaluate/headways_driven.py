@@ -52,7 +52,7 @@ class Driven:
     much less, at most, they may be apart as the points by which the second leaves lie right. `kept_s`: by how much the
     second is late at most with the headway and `driving_s`, less `spared_s` if that is all spared; `nearer_s`: with a
     second less; infinite where it does not come. `needs_s`: the least time between the two events, to a second, with
-    which it is not late; `why` is told where the two cannot be driven.
+    which it is not late; `why` says why the two cannot be driven.
     """
 
     case: HeadwayCase

@@ -34,8 +34,8 @@ def run_child(law: str, scenario: str) -> dict[str, Any]:
 
 
 def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, Any]:
-    """Medians of wall time of both laws, and their ratio. `tell` is told what goes on."""
-    load_scenario(scenario)  # a name that there is not is told before anything runs
+    """Medians of wall time of both laws, and their ratio. `tell` gets what goes on."""
+    load_scenario(scenario)  # an unknown name is an error before anything runs
     figures: dict[str, list[dict[str, Any]]] = {law: [] for law in COMPARED}
     for number in range(rounds):
         for law in COMPARED:

@@ -46,7 +46,7 @@ IDLE_MAX: Final = 0.1
 
 def run_child(way: str, scenario: str, file: str, net: str) -> dict[str, Any]:
     """Days of one way in this process: processor time of each but the first, peak memory, digests."""
-    with _one(way, scenario, file, net) as one:
+    with _day_of(way, scenario, file, net) as one:
         digests = [one()]
         cpu_s: list[float] = []
         for _ in range(1 if way == SUMO else DAYS):
@@ -58,7 +58,7 @@ def run_child(way: str, scenario: str, file: str, net: str) -> dict[str, Any]:
 
 
 @contextmanager
-def _one(way: str, scenario: str, file: str, net: str) -> Generator[Callable[[], str]]:
+def _day_of(way: str, scenario: str, file: str, net: str) -> Generator[Callable[[], str]]:
     """One day of a way; it gives the digest of its journal, of SUMO alone none."""
     if way == SUMO:
 
@@ -128,7 +128,7 @@ def _spent_s() -> float:
 
 
 def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, Any]:
-    """Medians of processor time of all ways, and one real sweep. `tell` is told what goes on."""
+    """Medians of processor time of all ways, and one real sweep. `tell` gets what goes on."""
     with scratch("branchline-bench-") as folder:
         tell(f"recording {scenario}")
         recording = record(scenario, folder)
@@ -139,17 +139,17 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
                 figures[way].append(_child(way, scenario, recording))
     jobs = psutil.cpu_count() or 1
     tell(f"{scenario}: a sweep of {jobs * SWEPT_DAYS} days by {jobs} processes")
-    ran = json.loads(_said("sweep", scenario, str(jobs), str(jobs * SWEPT_DAYS)))
+    ran = json.loads(_output_of("sweep", scenario, str(jobs), str(jobs * SWEPT_DAYS)))
     return {"scenario": scenario, "rounds": rounds, "sweep": ran} | report(figures, ran)
 
 
 def _child(way: str, scenario: str, recording: Recording) -> dict[str, Any]:
     """The figures of one way in a fresh process."""
-    found: dict[str, Any] = json.loads(_said(way, scenario, str(recording.file), str(recording.net)))
+    found: dict[str, Any] = json.loads(_output_of(way, scenario, str(recording.file), str(recording.net)))
     return found
 
 
-def _said(what: str, *arguments: str) -> str:
+def _output_of(what: str, *arguments: str) -> str:
     command = [sys.executable, "-m", "study.evaluate.sweep_bench", what, *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False, env=os.environ)
     if done.returncode != 0:

@@ -132,14 +132,14 @@ def _nowhere(day: PlannedDay) -> Iterator[Finding]:
 
 
 def _circles(day: PlannedDay, waits: Sequence[BlockedTrain]) -> Iterator[Finding]:
-    """Trains that never get on, each circle of them once; those that only wait behind one are not told."""
+    """Trains that never get on, each circle of them once; those that only wait behind one are left out."""
     by_stock = {one.train.stock_id: one for one in waits}
-    told: set[str] = set()
+    reported: set[str] = set()
     for one in sorted(waits, key=_planned_s):
         circle = _circle(one, by_stock)
-        if not circle or told & {each.train.stock_id for each in circle}:
+        if not circle or reported & {each.train.stock_id for each in circle}:
             continue
-        told |= {each.train.stock_id for each in circle}
+        reported |= {each.train.stock_id for each in circle}
         yield _circle_finding(day, circle)
 
 

@@ -1,8 +1,8 @@
 """Gradients that a train cannot manage: on which it cannot start, comes to a stand, or could not start again.
 
 With its mean load on a dry rail that refuses the plan. With the heaviest load that the scenario may draw, on the worst
-rail of its weather at that time, with the motors that its faults leave it, it is told; so is a place where a train that
-had to stop there would stay. The laws are those of the run (`vehicle.running_time`), on the real line.
+rail of its weather at that time, with the motors that its faults leave it, it is tight; so is a place where a train
+that had to stop there would stay. The laws are those of the run (`vehicle.running_time`), on the real line.
 """
 
 from __future__ import annotations

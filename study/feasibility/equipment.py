@@ -72,10 +72,10 @@ class _TrainUnderWay:
         return measured_growth(unit) if known else unit.wheel_error_share
 
     def known_m(self, at_m: float) -> list[PositionKnown]:
-        """What has told the train where it is by then: at least where it last knew before this mission."""
+        """From what the train knows where it is by then: at least where it last knew before this mission."""
         start_m, accuracy_m = self.mission.targets[0].mark_m, self.setup.unit.tag_accuracy_m
-        told = [*self.fixes, *(PositionKnown(mended_m, accuracy_m) for mended_m in self.mended_m)]
-        known = [fix for fix in told if start_m <= fix.at_m <= at_m]
+        fixes = [*self.fixes, *(PositionKnown(mended_m, accuracy_m) for mended_m in self.mended_m)]
+        known = [fix for fix in fixes if start_m <= fix.at_m <= at_m]
         return known or [PositionKnown(start_m - self.since_m, accuracy_m)]
 
     @property
@@ -97,7 +97,7 @@ class _TrainUnderWay:
         return self.measured or (len(read_m) > 1 and read_m[-1] - read_m[0] >= MEASURED_OVER_M)
 
     def run_since_tag_m(self, at_m: float) -> float:
-        """How far the train has run at a place since something last told it where it is."""
+        """How far the train has run at a place since it last learnt where it is."""
         return at_m - max(fix.at_m for fix in self.known_m(at_m))
 
     def stops_before_m(self, limit_m: float) -> float:
@@ -232,7 +232,7 @@ def _mark(way: _TrainUnderWay, target: Target) -> Iterator[Finding]:
 
 
 def _wide(way: _TrainUnderWay, target: Target, short_m: float, off_m: float) -> Iterator[Finding]:
-    """A stop that is made, but farther off its mark than a run's summary calls at it; told once a place and cause."""
+    """A stop that is made, but farther off its mark than a run's summary calls at it; named once a place and cause."""
     misses_m = max(short_m, off_m)
     if misses_m <= OFF_MARK_M or not way.reads_tags:
         return

@@ -8,7 +8,7 @@ When a finding refuses a plan (`Severity.IMPOSSIBLE`), by what the run would mak
   published in whole minutes may hide up to 59 s of the truth, and no more. Where a plan gives seconds, by 30 s or more;
 - or many small ones add up: a train would come 180 s or more after its time.
 
-Anything less is told as tight and refuses nothing: the trains run, late by about that much, and may recover.
+Anything less is reported as tight and refuses nothing: the trains run, late by about that much, and may recover.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from network.clock import clock
 
 HIDDEN_BY_MINUTES_S: Final = 60.0  # a plan in whole minutes is short of the truth by less than this
 HIDDEN_BY_SECONDS_S: Final = 30.0  # assumed: two steps of 15 s, in which railways plan
-SAID_IN_SECONDS_S: Final = 120  # longer times are told in minutes
+SAID_IN_SECONDS_S: Final = 120  # longer times are given in minutes
 LATE_S: Final = 180.0  # assumed: later than this, trains miss those that they are to meet
 
 

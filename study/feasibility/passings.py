@@ -32,7 +32,7 @@ def _late(setup: Setup, day: PlannedDay, train: PlannedTrain) -> Iterator[Findin
         for passing, least_s in zip(there.target.passings, there.passes_s, strict=True):
             short_s = before.departs_s + least_s - passing.time_s
             if not math.isfinite(short_s) or short_s < NEGLIGIBLE_S:
-                continue  # a train that cannot climb is told of its leg
+                continue  # a train that cannot climb is a finding of its leg
             left, name = stations[before.target.station_id].name, stations[passing.station_id].name
             yield Finding(
                 FindingKind.LEG,

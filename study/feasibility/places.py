@@ -58,11 +58,11 @@ def free_track(line: Line, clash: HoldingConflict, by_section: Mapping[str, list
         if track.section_id == clash.section_id or train.direction not in track.marks_m:
             continue
         others = by_section.get(track.section_id, [])
-        taken = any(
+        occupied = any(
             hold.stock_id != second.stock_id and hold.from_s < second.to_s and second.from_s < hold.to_s
             for hold in others
         )
-        if not taken and _reaches(line, before, track.section_id, train.direction):
+        if not occupied and _reaches(line, before, track.section_id, train.direction):
             return track.name
     return None
 

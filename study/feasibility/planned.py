@@ -104,27 +104,27 @@ def planned_day(setup: Setup) -> PlannedDay:
     trains: dict[str, tuple[PlannedTrain, ...]] = {}
     missing: list[WayMissing] = []
     for diagram in setup.timetable.diagrams:
-        duties, lacking = _drawn(setup, diagram)
+        duties, lacking = _duties_of(setup, diagram)
         trains[diagram.stock_id] = tuple(_planned(setup, duty, times) for duty in duties)
         missing += lacking
     return PlannedDay(setup.believed_line, trains, tuple(missing))
 
 
-def _drawn(setup: Setup, diagram: Diagram) -> tuple[tuple[Duty, ...], list[WayMissing]]:
+def _duties_of(setup: Setup, diagram: Diagram) -> tuple[tuple[Duty, ...], list[WayMissing]]:
     """The duties of one set, up to the first that has no way."""
 
-    def drawn(count: int) -> tuple[Duty, ...]:
+    def first_duties(count: int) -> tuple[Duty, ...]:
         part = replace(diagram, train_numbers=diagram.train_numbers[:count])
         day = replace(setup, timetable=replace(setup.timetable, diagrams=(part,)))
         return drawn_up(day, setup.believed_line)[diagram.stock_id]
 
     try:
-        return drawn(len(diagram.train_numbers)), []
+        return first_duties(len(diagram.train_numbers)), []
     except NO_ROUTE:
         before: tuple[Duty, ...] = ()
         for count, number in enumerate(diagram.train_numbers, start=1):
             try:
-                before = drawn(count)
+                before = first_duties(count)
             except NO_ROUTE as why:
                 return before, [WayMissing(number, str(why))]
         raise

@@ -166,10 +166,10 @@ class Rehearsal:
     def _try(self, one: _RehearsedSet, now_s: float) -> None:
         if one.waits_since_s is None:
             return
-        taken = next((s for s in one.wants if self._holder.get(s, one) is not one), None)
-        if taken is not None:
-            one.blocked_by = taken
-            ahead = self._holder[taken].train.number
+        held_by_other = next((s for s in one.wants if self._holder.get(s, one) is not one), None)
+        if held_by_other is not None:
+            one.blocked_by = held_by_other
+            ahead = self._holder[held_by_other].train.number
             if ahead not in one.behind:
                 one.behind.append(ahead)
             return

@@ -47,7 +47,9 @@ def _legs(setup: Setup, line: Line, train: PlannedTrain, times: RunTimes) -> Ite
             continue
         least_s = due_s(there.target, setup.unit.dwell_min_s)
         short_s = before.departs_s + there.run_s - least_s
-        if short_s < NEGLIGIBLE_S or math.isinf(short_s):  # who cannot climb is told of the gradient
+        if short_s < NEGLIGIBLE_S or math.isinf(
+            short_s
+        ):  # a train that cannot climb is a finding of the gradient
             continue
         names = _name(line, before), _name(line, there)
         planned_s = least_s - before.departs_s
@@ -71,7 +73,7 @@ def _legs(setup: Setup, line: Line, train: PlannedTrain, times: RunTimes) -> Ite
 def _dwells(setup: Setup, line: Line, train: PlannedTrain) -> Iterator[Finding]:
     """Stops for passengers that are shorter than units keep; the first and the last of a train are none.
 
-    Whole minutes hide a stop that arrives and leaves in the same one: it is told where the train cannot leave in time.
+    Whole minutes hide a stop that arrives and leaves in the same one: it is named where the train cannot leave in time.
     """
     for before, stand in pairwise(train.stands):
         target = stand.target

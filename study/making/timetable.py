@@ -95,9 +95,9 @@ def timetable_text(line: Line, train: TrainType, pattern: Pattern, stem: str) ->
                 day = PatternTrial(line, train, legs, kinds, slack, offset_s, stem)
                 if _text(day, short) is None:
                     continue
-                made = _text(day, pattern)
-                if made is not None:
-                    return made
+                text = _text(day, pattern)
+                if text is not None:
+                    return text
     raise InputError(COMMAND_LINE, "--every", pattern.every_s // 60, _expected(line, legs, pattern))
 
 

@@ -63,7 +63,7 @@ def new_train(like: str, out: Path, figures: Figures) -> TrainType:
 def train_text(text: str, stem: str, figures: Figures, like: str) -> str:
     """The new file: the old one's lines, each key with what it means, own figures in their places, named as given."""
     schema = schema_of("train")
-    given = _given(text, figures)
+    given = _own_figures(text, figures)
     rows = [
         f"# A kind of train, begun from {like}. `branchline check` and `run` name what cannot be; every figure has its",
         "# source, or `assumed: why`, in [provenance]. A figure may be in other units: docs/files.md lists them.",
@@ -91,7 +91,7 @@ def train_text(text: str, stem: str, figures: Figures, like: str) -> str:
     return "\n".join(rows) + "\n"
 
 
-def _given(text: str, figures: Figures) -> dict[str, str]:
+def _own_figures(text: str, figures: Figures) -> dict[str, str]:
     """Own figures by table and key, in the unit that the file has."""
     found: dict[str, str] = {}
     for option, table, begin, units in _PLACES:
@@ -99,7 +99,12 @@ def _given(text: str, figures: Figures) -> dict[str, str]:
         if value is None:
             continue
         unit = next(
-            (u for u in units if re.search(rf"(?m)^{begin}{'_' if u else ''}{u} = ", _of(text, table))), None
+            (
+                u
+                for u in units
+                if re.search(rf"(?m)^{begin}{'_' if u else ''}{u} = ", _table_text(text, table))
+            ),
+            None,
         )
         if unit is None:
             raise InputError(
@@ -112,7 +117,7 @@ def _given(text: str, figures: Figures) -> dict[str, str]:
     return found
 
 
-def _of(text: str, table: str) -> str:
+def _table_text(text: str, table: str) -> str:
     """The lines of a table."""
     return text.partition(f"[{table}]\n")[2].partition("\n[")[0]
 

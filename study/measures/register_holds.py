@@ -47,7 +47,7 @@ def _visit(hold: SectionHold, visits: Iterable[SectionVisit]) -> SectionVisit | 
 
 
 def _number(hold: SectionHold, visits: Sequence[SectionVisit]) -> str:
-    """The train for which a section was had; who has told of none is the train that is in it, or was seen last."""
+    """The train for which a section was had; where none was named, the one that is in it, or was seen last."""
     seen = [v for v in visits if v.begin_s <= hold.asked.heard_s] or visits[:1]
     seen = seen if hold.visit is None else [hold.visit]
     return hold.number or (seen[-1].number if seen else "")

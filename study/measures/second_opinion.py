@@ -19,8 +19,8 @@ from study.measures.replayed import (
     own_resistance_n,
     traction_j,
 )
+from study.record.journal_rows import ComparedFigure
 from study.record.tables import make_table
-from study.record.told import ComparedFigure
 from vehicle.train_file import TrainType
 
 JR_SOURCE = (

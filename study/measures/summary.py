@@ -13,8 +13,8 @@ from study.measures.driving import driving_summary
 from study.measures.missing import planned_times
 from study.record.energy import PARTS
 from study.record.figure import ShownIn, seen_in
+from study.record.journal_rows import TelegramsOfWay
 from study.record.tables import RunTables
-from study.record.told import TelegramsOfWay
 
 NEVER_CAME: Final = "missing arrival"
 TELEGRAM_COUNTS: Final = tuple(seen_in(TelegramsOfWay, ShownIn.TOTALS_COMPARED))
@@ -93,9 +93,9 @@ def energy_summary(tables: RunTables) -> dict[str, Any]:
     train_km = float(energy["distance_km"].sum())
     car_km = float((energy["distance_km"] * energy["cars"]).sum())
     whole = trains["net"] + stays["net"]
-    taken = energy.group_by("regenerated_to").agg(pl.col("regenerated_kwh").sum()).sort("regenerated_to")
+    returned = energy.group_by("regenerated_to").agg(pl.col("regenerated_kwh").sum()).sort("regenerated_to")
     return {
-        "regenerated_to": dict(taken.iter_rows()),
+        "regenerated_to": dict(returned.iter_rows()),
         "running": {
             **trains,
             "auxiliary": trains["auxiliary"] - standing,
@@ -143,27 +143,27 @@ def worst_late(
     times = planned_times(stops, timetable, end_s, revenue_only=True)
     arrival = pl.col("what") == "arrival"
     never = times.filter(~pl.col("came") & arrival).with_columns(pl.lit(NEVER_CAME).alias("what"))
-    told = pl.concat([_lateness(stops), never.select("train", "station", "what", "late_s")])
-    told = told.filter(pl.col("late_s") > 0.0).sort("late_s", descending=True, maintain_order=True)
-    return None if told.is_empty() else told.row(0, named=True)
+    late = pl.concat([_lateness(stops), never.select("train", "station", "what", "late_s")])
+    late = late.filter(pl.col("late_s") > 0.0).sort("late_s", descending=True, maintain_order=True)
+    return None if late.is_empty() else late.row(0, named=True)
 
 
 def worst_passing(stops: pl.DataFrame) -> dict[str, Any] | None:
     """The latest passing by the plan: train, station, late_s. None: no train passed at a time planned."""
     came = pl.col("late_departure_s").is_not_null()
-    told = (
+    late = (
         stops.filter(came, pl.col("kind") == CallKind.PASS.value)
         .select("train", "station", pl.col("late_departure_s").alias("late_s"))
         .sort("late_s", descending=True, maintain_order=True)
     )
-    return None if told.is_empty() else told.row(0, named=True)
+    return None if late.is_empty() else late.row(0, named=True)
 
 
 def worst_early(stops: pl.DataFrame) -> dict[str, Any] | None:
     """The earliest departure of all, if before plan, as `worst_late` has it. None: none was."""
     left = pl.col("what") == "departure"
-    told = _lateness(stops).filter(left, pl.col("late_s") < 0.0).sort("late_s", maintain_order=True)
-    return None if told.is_empty() else told.row(0, named=True)
+    early = _lateness(stops).filter(left, pl.col("late_s") < 0.0).sort("late_s", maintain_order=True)
+    return None if early.is_empty() else early.row(0, named=True)
 
 
 def _lateness(stops: pl.DataFrame) -> pl.DataFrame:

@@ -156,5 +156,5 @@ def _why(wait: Wait, parts: Mapping[str, object]) -> Phrase:
     if wait.reason in _REASONS:
         return _REASONS[wait.reason]
     limited = _LIMITED_BY.get(wait.reason)
-    said = reason(wait.reason) if limited is None else limited.fill(**parts)
-    return phrase(": {said}").fill(said=said) if said.en else NOTHING
+    why = reason(wait.reason) if limited is None else limited.fill(**parts)
+    return phrase(": {said}").fill(said=why) if why.en else NOTHING

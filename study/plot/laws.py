@@ -13,14 +13,16 @@ from study.report.data import ReportedRun
 from study.report.hop import draw_hop, driving_of
 
 
-def _shown(run: ChosenRun) -> list[tuple[str, RunRead]]:
+def _runs_shown(run: ChosenRun) -> list[tuple[str, RunRead]]:
     return [(str(read.settings.id), read) for read in (run.read, *run.choice.beside)]
 
 
 def hops_table(run: ChosenRun) -> pl.DataFrame:
     """The table `driving` of all runs shown, of the train and the station where the hop begins, with the run's name."""
     choice = run.choice
-    tables = [read.tables.driving.select(pl.lit(name).alias("run"), pl.all()) for name, read in _shown(run)]
+    tables = [
+        read.tables.driving.select(pl.lit(name).alias("run"), pl.all()) for name, read in _runs_shown(run)
+    ]
     table = pl.concat(tables)
     if choice.train is not None:
         table = table.filter(pl.col("train") == choice.train)
@@ -37,7 +39,7 @@ def draw_laws(run: ChosenRun) -> Figure | None:
         return None
     found = [
         (name, driving_of(ReportedRun(read.line, read.timetable, read.tables), train, run.choice.station))
-        for name, read in _shown(run)
+        for name, read in _runs_shown(run)
     ]
     known = [(name, one) for name, one in found if one is not None]
     laws = Counter(one.label for _, one in known)

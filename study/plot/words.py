@@ -19,6 +19,6 @@ def plot_word(text: str, language: Language) -> str:
 def translate(figure: Figure, language: Language) -> None:
     """Put every known text of a figure into a language."""
     for text in figure.findobj(Text):
-        said = plot_word(text.get_text(), language)
-        if said != text.get_text():
-            text.set_text(said)
+        translated = plot_word(text.get_text(), language)
+        if translated != text.get_text():
+            text.set_text(translated)

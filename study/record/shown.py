@@ -1,4 +1,4 @@
-"""What a run directory needs besides tables, summary and inputs for its report to be made again from it."""
+"""What a run directory needs besides tables, summary and inputs so that its report can be made anew from it."""
 
 from __future__ import annotations
 
@@ -101,15 +101,15 @@ def shown_of(
     drill: DrillShown | None,
     tables: dict[str, str],
 ) -> Shown:
-    """What the report shows of a run; trains that did not arrive are told once."""
+    """What the report shows of a run; trains that did not arrive are named once."""
     rules = [v for v in result.violations if v.checker != Checker.EVERYONE_ARRIVES]
-    told = {rule_text(v).en for v in rules}
-    apart = [said for said in broken if said.en not in told]
+    rule_texts = {rule_text(v).en for v in rules}
+    apart = [sentence for sentence in broken if sentence.en not in rule_texts]
     return Shown(
         parties=(*result.stock_ids, "block-manager", *terminals),
         violations=tuple(RuleBroken(v.t_s, str(v.checker), v.text, rule_text(v).in_("ja")) for v in rules),
-        broken=tuple(said.en for said in apart),
-        broken_ja=tuple(said.in_("ja") for said in apart),
+        broken=tuple(sentence.en for sentence in apart),
+        broken_ja=tuple(sentence.in_("ja") for sentence in apart),
         waves={unit: _waves(stop) for unit, stop in result.learned_from.items()},
         drill=drill,
         tables=tables,

@@ -20,9 +20,9 @@ from study.record.calls import CallAsRun, TracePoint
 from study.record.driving import DrivenHop
 from study.record.energy import HourOfEnergy, LayoverEnergy, LegEnergy, TrainEnergy
 from study.record.figure import added_to, columns_of, schema_of
+from study.record.journal_rows import ComparedFigure, EventInWords, TelegramsOfWay
 from study.record.margins import HopMargin
 from study.record.sections import SectionHeld, SliceOfBlocking
-from study.record.told import ComparedFigure, EventTold, TelegramsOfWay
 from study.record.wait import Wait
 
 
@@ -48,7 +48,7 @@ class RunTables:
     waits: Annotated[pl.DataFrame, Wait]
     battery: Annotated[pl.DataFrame, BatteryMoment]
     charges: Annotated[pl.DataFrame, ChargeTaken]
-    events: Annotated[pl.DataFrame, EventTold]
+    events: Annotated[pl.DataFrame, EventInWords]
 
     def __post_init__(self) -> None:
         for name, row in ROWS.items():

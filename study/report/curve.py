@@ -26,10 +26,10 @@ _LABEL_WIDTH_SHARE: Final = 0.022  # a gradient or curve narrower than this carr
 
 def chosen_trains(run: ReportedRun) -> tuple[tuple[str, str], ...]:
     """(unit, train) of each direction worth a curve: most calls made, then latest, then first."""
-    made = run.tables.stops.group_by("train").agg(
+    by_train = run.tables.stops.group_by("train").agg(
         pl.col("arrival_s").count().alias("calls"), pl.col("late_arrival_s").max().alias("late_s")
     )
-    rank = {train: (calls, late_s or 0.0) for train, calls, late_s in made.iter_rows()}
+    rank = {train: (calls, late_s or 0.0) for train, calls, late_s in by_train.iter_rows()}
     chosen: list[tuple[str, str]] = []
     for direction in Direction:
         ran = [key for key in run.courses if run.directions[key[1]] == direction]

@@ -45,8 +45,8 @@ def _row(hops: list[DrivenHop]) -> dict[str, Any]:
     first, whole = hops[0], driving_sums(hops) or {}
     return {
         **{
-            name: whole[name] / len(hops) if said.adds is Adds.SUM else whole[name]
-            for name, said in FIGURES.items()
+            name: whole[name] / len(hops) if figure.adds is Adds.SUM else whole[name]
+            for name, figure in FIGURES.items()
         },
         "from_station": first.from_station,
         "to_station": first.to_station,

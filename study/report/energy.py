@@ -11,7 +11,7 @@ import polars as pl
 from study.record.columns import FROM, TO, TRAIN, TRAINS, said_in_both
 from study.record.energy import PARTS, TAKEN, LayoverEnergy, LegEnergy, Taken, TrainEnergy
 from study.record.figure import Figure, Kind, ShownIn, figures_of, seen_in
-from study.record.told import ComparedFigure
+from study.record.journal_rows import ComparedFigure
 from study.report.data import ReportedRun
 from study.report.tabular import Column, Table, table_of
 from study.wording import opinions as words
@@ -124,13 +124,15 @@ def _sums(facts: Mapping[str, Any]) -> tuple[Table, ...]:
         phrase("Net energy per km"),
         tuple(Column(name, figure, [row[i] for row in per]) for i, (name, figure) in enumerate(headings)),
     )
-    taken = energy["regenerated_to"]
+    returned_kwh = energy["regenerated_to"]
     takes = Table(
         "energy_taken",
         phrase("Regenerated energy is taken by"),
         (
-            Column("taken_by", said_in_both("taken by"), [RECEIVERS[receiver].both for receiver in taken]),
-            Column("kwh", _KWH, list(taken.values())),
+            Column(
+                "taken_by", said_in_both("taken by"), [RECEIVERS[receiver].both for receiver in returned_kwh]
+            ),
+            Column("kwh", _KWH, list(returned_kwh.values())),
         ),
     )
     return sums, per_km, takes

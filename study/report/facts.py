@@ -11,9 +11,9 @@ from network.files.raw import is_table
 from simulation.tolerance import OFF_MARK_M
 from study.record.energy import PARTS, TrainEnergy
 from study.record.figure import figures_of
+from study.record.journal_rows import TelegramsOfWay
 from study.record.marks import DrillShown
 from study.record.parts import Fact, signed_number
-from study.record.told import TelegramsOfWay
 from study.report.data import ReportedRun, place_said
 from study.report.style import clock
 from study.wording.catalogue import phrase
@@ -98,13 +98,13 @@ _SOME_MISSING: Final = phrase("; {count} trains did not arrive")
 
 
 def _invariants(facts: Mapping[str, Any]) -> Fact:
-    """How many rules were broken; that a train has not arrived is one, and said apart."""
+    """How many rules were broken; that a train has not arrived is one, and named apart."""
     named = len(facts.get("violations", ()))
     all_of_them = max(int(facts.get("invariants_broken", named)), named)
     missing = all_of_them - named
     broken = phrase("{count}, {missing} of them that a train has not arrived" if missing else "{count}")
-    said = broken.fill(count=all_of_them, missing=missing) if all_of_them else phrase("none")
-    return Fact(phrase("Invariants broken"), said, all_of_them > 0)
+    text = broken.fill(count=all_of_them, missing=missing) if all_of_them else phrase("none")
+    return Fact(phrase("Invariants broken"), text, all_of_them > 0)
 
 
 def _ending(facts: Mapping[str, Any]) -> tuple[Fact, ...]:
@@ -121,11 +121,11 @@ def _margin(run: ReportedRun, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
     if not margins:
         return ()
     least = margins["smallest_margin_s"]
-    said = _hop_named(run, least)
+    text = _hop_named(run, least)
     tightest = margins.get("smallest_margin_percent", least)
     if _hop(tightest) != _hop(least):
-        said = phrase("{least}; in percent {tightest}").fill(least=said, tightest=_hop_named(run, tightest))
-    return (Fact(phrase("Smallest margin"), said, least["margin_s"] < 0.0),)
+        text = phrase("{least}; in percent {tightest}").fill(least=text, tightest=_hop_named(run, tightest))
+    return (Fact(phrase("Smallest margin"), text, least["margin_s"] < 0.0),)
 
 
 def _hop(row: Mapping[str, Any]) -> tuple[str, str, str]:
@@ -165,11 +165,11 @@ def _stops(run: ReportedRun, facts: Mapping[str, Any]) -> Fact:
 def energy_fact(facts: Mapping[str, Any], energy_table: pl.DataFrame) -> Fact:
     """Net energy of the day in one line."""
     energy = facts["energy"]
-    said = phrase(
+    text = phrase(
         "{net:,.1f} kWh net {at}: traction {traction:,.1f}, auxiliary {auxiliary:,.1f},"
         " regenerated {regenerated:,.1f}"
     ).fill(at=drawn_at(energy_table), **energy["all"])
-    return Fact(phrase("Energy"), joined_phrases((said, net_by_distance(energy)), "; ", "；"))
+    return Fact(phrase("Energy"), joined_phrases((text, net_by_distance(energy)), "; ", "；"))
 
 
 # Parts that say what of the others is lost, or that nothing is.
@@ -181,14 +181,14 @@ def parts_fact(facts: Mapping[str, Any]) -> Fact:
     energy = facts["energy"]
     parts, auxiliary = energy["parts"], energy["all"]["auxiliary"]
     of = figures_of(TrainEnergy)
-    told = [(of[name].name, parts[name.removesuffix("_kwh")]) for name in PARTS if name not in _NO_PARTS]
-    told = [(said, kwh) for said, kwh in sorted(told, key=lambda row: -row[1]) if abs(kwh) >= 0.05]
-    told.insert(0, (of["auxiliary_kwh"].name, auxiliary))
-    said = joined_phrases(phrase("{what} {kwh:,.1f}").fill(what=what, kwh=kwh) for what, kwh in told)
+    largest = [(of[name].name, parts[name.removesuffix("_kwh")]) for name in PARTS if name not in _NO_PARTS]
+    largest = [(text, kwh) for text, kwh in sorted(largest, key=lambda row: -row[1]) if abs(kwh) >= 0.05]
+    largest.insert(0, (of["auxiliary_kwh"].name, auxiliary))
+    text = joined_phrases(phrase("{what} {kwh:,.1f}").fill(what=what, kwh=kwh) for what, kwh in largest)
     if parts["rejected"] >= 0.05:
         lost = phrase("{kwh:,.1f} could have come back and was not taken").fill(kwh=parts["rejected"])
-        said = joined_phrases((said, lost), "; ", "；")
-    return Fact(phrase("Where it went"), phrase("{parts} kWh").fill(parts=said))
+        text = joined_phrases((text, lost), "; ", "；")
+    return Fact(phrase("Where it went"), phrase("{parts} kWh").fill(parts=text))
 
 
 def net_by_distance(energy: Mapping[str, Any]) -> Phrase:

@@ -19,11 +19,11 @@ from study.record.marks import Mark
 from study.report.data import ReportedRun
 from study.report.drill import draw_strip, falls_in_panel, mark_graph, mark_legend, strip_height_in
 from study.report.labels import Box, Number, place_numbers
+from study.report.pictures import TRAIN_GRAPH, WAYS
 from study.report.style import (
     DIRECTION_COLOUR,
     INK,
     PALE,
-    PLAN_COLOUR,
     RED,
     RULE,
     WIDTH_IN,
@@ -112,14 +112,10 @@ def _draw_plan(axes: Axes, run: ReportedRun, train: TimetableTrain, band: TimeBa
     if not band.meets(train.calls[0].first_s, train.calls[-1].last_s):
         return
     t_s, at_m = _planned_course(run, train)
-    axes.plot(
-        t_s,
-        at_m,
-        color=PLAN_COLOUR[train.direction],
-        lw=0.6,
-        ls="-" if train.revenue else (0, (5, 3)),
-        zorder=3.5,
-    )
+    line = TRAIN_GRAPH.layers[f"plan_{WAYS[train.direction]}"].line()
+    if not train.revenue:
+        line["ls"] = TRAIN_GRAPH.layers["empty"].line()["ls"]
+    axes.plot(t_s, at_m, **line, zorder=3.5)
 
 
 def _draw_run(
@@ -129,8 +125,8 @@ def _draw_run(
     t_s, at_m = course["t_s"].to_numpy(), course["kilometrage_m"].to_numpy()
     if not band.meets(t_s[0], t_s[-1]):
         return False
-    colour = DIRECTION_COLOUR[run.directions[number]]
-    axes.plot(t_s, at_m, color=colour, lw=2.2, alpha=0.6, zorder=3, gid=gid)
+    layer = TRAIN_GRAPH.layers[f"run_{WAYS[run.directions[number]]}"]
+    axes.plot(t_s, at_m, **layer.line(), zorder=3, gid=gid)
     braked = course["intervention"].to_numpy() != 0
     began = np.flatnonzero(braked & ~np.concatenate(([False], braked[:-1])))
     dots(axes, t_s[began], at_m[began], "x", 5, RED, mew=1.2, zorder=4)
@@ -145,7 +141,8 @@ def _draw_turns(axes: Axes, run: ReportedRun, band: TimeBand) -> None:
         ended_s, ended_m = last.get(unit, (-np.inf, np.inf))
         turns = 0 <= begins_s - ended_s < _TURN_S_MAX and abs(begins_m - ended_m) < 500
         if turns and band.meets(ended_s, begins_s):
-            axes.plot([ended_s, begins_s], [ended_m, begins_m], color=PALE, lw=1.0, ls=":", zorder=2)
+            line = TRAIN_GRAPH.layers["turn"].line()
+            axes.plot([ended_s, begins_s], [ended_m, begins_m], **line, zorder=2)
         last[unit] = float(course["t_s"][-1]), float(course["kilometrage_m"][-1])
 
 
@@ -176,10 +173,12 @@ def numbers_of(run: ReportedRun, band: TimeBand) -> list[Number]:
 
 def write_numbers(axes: Axes, numbers: Sequence[Number]) -> None:
     """Write numbers beside their courses, on no other line of the panel where there is room; it must be laid out."""
-    taken = [_screen_box(text) for text in axes.texts if text.get_transform() is axes.get_xaxis_transform()]
+    occupied = [
+        _screen_box(text) for text in axes.texts if text.get_transform() is axes.get_xaxis_transform()
+    ]
     courses = [np.asarray(line.get_xydata()) for line in axes.lines]
     lines = [course for course in courses if len(course) > 2]  # the others are the grid
-    place_numbers(axes, numbers, lines, taken, _NUMBER_PT)
+    place_numbers(axes, numbers, lines, occupied, _NUMBER_PT)
 
 
 def _screen_box(text: Text) -> Box:

@@ -79,11 +79,11 @@ def dense(points_px: Floats) -> Floats:
 
 
 def place_numbers(
-    axes: Axes, numbers: Sequence[Number], lines: Iterable[Floats], taken: Sequence[Box], size_pt: float
+    axes: Axes, numbers: Sequence[Number], lines: Iterable[Floats], occupied: Sequence[Box], size_pt: float
 ) -> list[Text]:
     """Write the numbers; one for which no place is free of other numbers is left out.
 
-    The figure must have been laid out. `lines` are polylines in data coordinates, shape (n, 2); `taken` are boxes on
+    The figure must have been laid out. `lines` are polylines in data coordinates, shape (n, 2); `occupied` are boxes on
     the screen where something stands. Of the places without another number the one on the fewest lines is taken.
     """
     to_px = axes.transData.transform
@@ -92,7 +92,7 @@ def place_numbers(
     # Samples of a second lie much closer than can be seen.
     cloud = np.unique(np.round(np.concatenate(clouds)), axis=0) if clouds else np.zeros((0, 2))
     cloud = cloud[(cloud[:, 0] >= window.x0) & (cloud[:, 0] <= window.x1)]
-    boxes, texts = list(taken), list[Text]()
+    boxes, texts = list(occupied), list[Text]()
     for number in numbers:
         text = axes.text(
             0.0,

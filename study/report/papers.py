@@ -16,11 +16,11 @@ from study.measures.station_papers import track_occupation
 from study.record.calls import CALL, TRACK, CallAsRun
 from study.record.columns import FROM, STATION, TO, TRAIN, TRAINS, UNIT, clock, said_in_both, seconds
 from study.record.figure import Adds, Figure, Kind, ShownIn, figures_of, seen_in
+from study.record.journal_rows import EventInWords, TelegramsOfWay
 from study.record.margins import HopMargin
 from study.record.marks import DrillShown, Mark, MarkKind
 from study.record.sections import SectionHeld
 from study.record.shown import LearnedTrain
-from study.record.told import EventTold, TelegramsOfWay
 from study.report.battery import battery_tables
 from study.report.data import ReportedRun, place_said
 from study.report.driving import driving_tables
@@ -329,7 +329,7 @@ def _events(events: pl.DataFrame) -> Table:
         for row in shown.iter_rows(named=True)
     ]
     return table_of(
-        "events", phrase("Events"), rows, seen_in(EventTold, ShownIn.REPORT), notes if rest else ()
+        "events", phrase("Events"), rows, seen_in(EventInWords, ShownIn.REPORT), notes if rest else ()
     )
 
 

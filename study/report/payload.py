@@ -136,8 +136,8 @@ def waits_shown(run: ReportedRun) -> dict[str, Any]:
     """Why each stock waited, and when: sentences once each, in both languages; whole seconds."""
     names = names_of(run.line)
     waits = [wait for wait in rows_in(Wait, run.tables.waits) if wait.cause not in _UNSAID]
-    said = [text_of(wait, names) for wait in waits]
-    distinct = list(dict.fromkeys(said))
+    sentences = [text_of(wait, names) for wait in waits]
+    distinct = list(dict.fromkeys(sentences))
     place = {sentence: i for i, sentence in enumerate(distinct)}
     units, of = places_in([wait.unit for wait in waits])
     return {
@@ -146,7 +146,7 @@ def waits_shown(run: ReportedRun) -> dict[str, Any]:
         "unit": of,
         "from": packed_column([wait.from_s for wait in waits], 1),
         "to": packed_column([wait.to_s for wait in waits], 1),
-        "text": [place[sentence] for sentence in said],
+        "text": [place[sentence] for sentence in sentences],
     }
 
 

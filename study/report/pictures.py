@@ -119,8 +119,23 @@ DRILL: Final = PictureDesign(
         "act": Layer(phrase("a person acts (A)"), INK, width_pt=0.8, dashes=(2, 2)),
     }
 )
+# Lines of trains, by direction, and what else links or compares them. `empty`: the dashes of trains without passengers.
+TRAIN_GRAPH: Final = PictureDesign(
+    {
+        "turn": Layer(NOTHING, PALE, width_pt=0.75, dashes=(1.5, 2.5)),
+        "run_down": Layer(NOTHING, DIRECTION_COLOUR[Direction.DOWN], opacity=0.6, width_pt=2.0),
+        "run_up": Layer(NOTHING, DIRECTION_COLOUR[Direction.UP], opacity=0.6, width_pt=2.0),
+        "plan_down": Layer(NOTHING, PLAN_COLOUR[Direction.DOWN], width_pt=0.65),
+        "plan_up": Layer(NOTHING, PLAN_COLOUR[Direction.UP], width_pt=0.65),
+        "empty": Layer(NOTHING, PALE, width_pt=0.65, dashes=(6, 4)),
+        "beside": Layer(NOTHING, "#3c3c3c", width_pt=0.9, dashes=(4, 2)),
+        "gone": Layer(NOTHING, RED, width_pt=1.0, dashes=(4, 2)),
+    }
+)
+WAYS: Final[Mapping[int, str]] = {Direction.DOWN: "down", Direction.UP: "up"}
 STOP_ERRORS: Final = PictureDesign({}, up=phrase("front beyond the mark, m"))
 PICTURES: Final[Mapping[str, PictureDesign]] = {
+    "train_graph": TRAIN_GRAPH,
     "run_curve": RUN_CURVE,
     "energy": ENERGY,
     "occupancy": OCCUPANCY,
@@ -134,8 +149,6 @@ PALETTE: Final[Mapping[str, str | tuple[str, ...]]] = {
     "red": RED,
     "down": DIRECTION_COLOUR[Direction.DOWN],
     "up": DIRECTION_COLOUR[Direction.UP],
-    "planDown": PLAN_COLOUR[Direction.DOWN],
-    "planUp": PLAN_COLOUR[Direction.UP],
     "traction": TRACTION,
     "regenerated": REGENERATED,
     "auxiliary": AUXILIARY,

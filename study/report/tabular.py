@@ -74,5 +74,5 @@ def table_of(
     notes: tuple[Phrase, ...] = (),
 ) -> Table:
     """A table from rows: of each row the values named in `figures`, which head them."""
-    made = tuple(Column(key, figure, [row[key] for row in rows]) for key, figure in figures.items())
-    return Table(table_id, title, made, notes)
+    columns = tuple(Column(key, figure, [row[key] for row in rows]) for key, figure in figures.items())
+    return Table(table_id, title, columns, notes)

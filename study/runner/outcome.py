@@ -14,7 +14,7 @@ from study.wording.phrase import Phrase
 
 def broken_rules(result: RunResult) -> list[tuple[float, str]]:
     """`rules_said` in English."""
-    return [(at_s, said.en) for at_s, said in rules_said(result)]
+    return [(at_s, sentence.en) for at_s, sentence in rules_said(result)]
 
 
 def rules_said(result: RunResult) -> list[tuple[float, Phrase]]:
@@ -30,7 +30,7 @@ def rules_said(result: RunResult) -> list[tuple[float, Phrase]]:
         for entry in result.journal.entries
         if isinstance(entry.event, Unsafe)
     ]
-    broken += [(at_s, said) for at_s, said in unsafe if (at_s, said.en) not in outside]
+    broken += [(at_s, sentence) for at_s, sentence in unsafe if (at_s, sentence.en) not in outside]
     broken += [
         (v.t_s, words.rule_text(v)) for v in result.violations if v.checker != Checker.EVERYONE_ARRIVES
     ]
@@ -39,20 +39,20 @@ def rules_said(result: RunResult) -> list[tuple[float, Phrase]]:
 
 def outside_design(result: RunResult) -> tuple[str, ...]:
     """`outside_said` in English."""
-    return tuple(said.en for said in outside_said(result))
+    return tuple(sentence.en for sentence in outside_said(result))
 
 
 def outside_said(result: RunResult) -> tuple[Phrase, ...]:
-    """Who ran on less adhesion than the design counts on, and what followed from it: told, and not broken."""
+    """Who ran on less adhesion than the design counts on, and what followed from it: reported, but no rule broken."""
     by_unit: dict[str, list[LowAdhesion]] = {}
     for stretch in result.slippery:
         by_unit.setdefault(stretch.unit_id, []).append(stretch)
-    told: list[Phrase] = []
+    sentences: list[Phrase] = []
     for unit_id, stretches in sorted(by_unit.items()):
         last_s = stretches[-1].to_s
         until = words.THE_END if last_s is None else Phrase(clock(int(last_s)))
         count = len(stretches)
-        told.append(
+        sentences.append(
             words.SLIPPERY.fill(
                 unit=unit_id,
                 times=words.ONCE if count == 1 else words.TIMES.fill(count=count),
@@ -64,12 +64,12 @@ def outside_said(result: RunResult) -> tuple[Phrase, ...]:
     followed = (
         words.OUTSIDE.fill(at=clock(int(v.t_s)), what=words.rule_text(v)) for v in result.outside_design
     )
-    return (*told, *followed)
+    return (*sentences, *followed)
 
 
 def unfinished(result: RunResult) -> tuple[str, ...]:
     """`missing_said` in English."""
-    return tuple(said.en for said in missing_said(result))
+    return tuple(sentence.en for sentence in missing_said(result))
 
 
 def missing_said(result: RunResult) -> tuple[Phrase, ...]:
@@ -78,11 +78,11 @@ def missing_said(result: RunResult) -> tuple[Phrase, ...]:
         return ()  # how late they are by then is in the figures
     planned = (*result.trains_planned, *result.empty_planned)
     missing = [n for n in planned if n not in (*result.trains_arrived, *result.empty_arrived)]
-    told = [words.MISSING.fill(count=len(missing), trains=", ".join(missing))] if missing else []
-    told += [words.NOT_HOME.fill(unit=stock_id) for stock_id in result.unfinished]
+    sentences = [words.MISSING.fill(count=len(missing), trains=", ".join(missing))] if missing else []
+    sentences += [words.NOT_HOME.fill(unit=stock_id) for stock_id in result.unfinished]
     if result.ended_because is not Ending.FINISHED:
-        told.append(words.CUT_SHORT.fill(why=words.ending_text(result.ended_because.value)))
-    return tuple(told)
+        sentences.append(words.CUT_SHORT.fill(why=words.ending_text(result.ended_because.value)))
+    return tuple(sentences)
 
 
 def waiting_said(waiting: Waiting) -> Phrase:

@@ -133,7 +133,7 @@ class ClusterPump:
         try:
             threads: dict[str, int] = client.nthreads()
             new = sorted(threads.keys() - self._workers)
-            said = (
+            files = (
                 client.run(missing_on_worker, str(self._out), self._token, workers=new, on_error="return")
                 if new
                 else {}
@@ -145,7 +145,7 @@ class ClusterPump:
                 raise GivenUpError(
                     f"workers of one thread, since a process has one SUMO; {name} has {threads[name]}"
                 )
-        for name, text in sorted(said.items()):
+        for name, text in sorted(files.items()):
             if isinstance(text, str) and text:
                 raise GivenUpError(f"a worker that can run days; {name}: {text}")
         self._workers = frozenset(threads)

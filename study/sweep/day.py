@@ -120,27 +120,27 @@ class ProcessCache:
 
 def run_day(spec: DaySpec, index: int, warm: ProcessCache) -> DayRecord:
     """Run a day. A bug ends in a record of a crashed day; what the machine lacks, and bad input, are raised."""
-    made: list[Carrier] = []
+    carriers: list[Carrier] = []
     try:
-        return _run(spec, index, warm, made)
+        return _run(spec, index, warm, carriers)
     except Exception as error:
         if outcome_of(error) is not Outcome.BUG:
             raise
         why = f"{exception_line(error)}; again: {warm.replay_of(spec)}"
         return DayRecord(spec, index, DayOutcome.CRASHED, why, None)
     finally:
-        for carrier in made:
+        for carrier in carriers:
             carrier.close()
 
 
-def _run(spec: DaySpec, index: int, warm: ProcessCache, made: list[Carrier]) -> DayRecord:
+def _run(spec: DaySpec, index: int, warm: ProcessCache, carriers: list[Carrier]) -> DayRecord:
     scenario = warm.scenario(spec)
     net, seen = warm.net(scenario.setup.line)
     make = carrier_factory(CarrierKind(spec.carrier), scenario.setup.line, net)
 
     def noted(begin_s: float) -> Carrier:
-        made.append(make(begin_s))
-        return made[-1]
+        carriers.append(make(begin_s))
+        return carriers[-1]
 
     with scratch(TEMPORARY) as folder:
         course = RunOptions(noted, seen, folder, journal=lambda: Journal(kept=KEPT_EVENTS))

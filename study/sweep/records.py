@@ -32,7 +32,7 @@ class DaySpec(msgspec.Struct, frozen=True):
     """All that fixes a day. `scenario`: name or file of the one that is varied.
 
     `inputs`: digest of all the tables that the day is made of, drawn values and seed apart.
-    `point`: what a point of the grid says over the scenario, `drawn`: what was drawn for this day, laid over both.
+    `point`: what a point of the grid says over the scenario, `drawn`: what was drawn for this day, over both.
     `carrier`: study.runner.run.CarrierKind.
     """
 

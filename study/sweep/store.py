@@ -7,7 +7,7 @@
     replays/*.toml        scenario files of days worth looking at
 
 A day is written aside, brought to the disk and renamed, and so is its name. What is torn, or not what its name says, is
-told by name and run again.
+named and run again.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Events that a person should hear of, as sentences: one template a type of event and language.
 
-`TOLD` is the whole table. A field that may be empty has a clause of its own, which then is left out.
+`EVENT_WORDINGS` is the whole table. A field that may be empty has a clause of its own, which then is left out.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ _AT_POINTS: Final = {
     "token": phrase(", token {}"),
     **_WHY,
 }
-TOLD: Final[Mapping[EventType, EventWording]] = {
+EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
     notes.Intervention: EventWording("intervention", phrase("{level}")),
     notes.EmergencyReleased: EventWording(
         "intervention", phrase("the driver has acknowledged the emergency stop")
@@ -139,14 +139,14 @@ TOLD: Final[Mapping[EventType, EventWording]] = {
 
 def event_text(event: Noted, names: Names) -> Phrase:
     """An event as a sentence, with the names of stations."""
-    told = TOLD[type(event)]
-    return told.words.fill(
-        **{name: _part(told, name, value) for name, value in _values(event, names).items()}
+    wording = EVENT_WORDINGS[type(event)]
+    return wording.words.fill(
+        **{name: _part(wording, name, value) for name, value in _values(event, names).items()}
     )
 
 
-def _part(told: EventWording, name: str, value: object) -> object:
-    clause = told.clauses.get(name)
+def _part(wording: EventWording, name: str, value: object) -> object:
+    clause = wording.clauses.get(name)
     if clause is None:
         return value
     words = value if isinstance(value, Phrase) else Phrase(str(value))

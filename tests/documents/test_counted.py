@@ -9,16 +9,14 @@ import pytest
 
 from documents.counted import (
     Ceilings,
-    circles_rule,
     class_names_rule,
     field_lists_rule,
     sizes_rule,
     trees,
 )
 
-NONE = Ceilings(frozenset(), (), product_lines=20, test_lines=1, pairs=0)
+NONE = Ceilings(frozenset(), product_lines=20, test_lines=1, pairs=0)
 RECORD = "class {name}:\n    a: int\n    b: int\n    c: int\n    d: int\n    e: int\n    {last}: int\n"
-CIRCLE = frozenset({"network.graph", "network.route"})
 
 
 @pytest.fixture
@@ -50,33 +48,6 @@ def test_a_class_name_taken_twice_is_found_in_whatever_package(tree: Path) -> No
 def test_a_name_that_is_unique_by_now_must_leave_the_list(tree: Path) -> None:
     (found,) = class_names_rule(trees(tree), frozenset({"Route"})).broken
     assert found == "Route: mended, take it out of `class_names` in ceilings.toml"
-
-
-@pytest.mark.parametrize(
-    "import_back",
-    [
-        "from network.route import Route\n",
-        "from network import route\n",
-        "import network.route\n",
-        "if TYPE_CHECKING:\n    from network.route import Route\n",
-        "def later() -> None:\n    from network.route import Route\n",
-    ],
-)
-def test_a_circle_is_found_wherever_the_import_that_closes_it_stands(tree: Path, import_back: str) -> None:
-    assert circles_rule(trees(tree), ()).broken == ()
-    graph = tree / "network/graph.py"
-    graph.write_text(graph.read_text() + import_back)
-    (found,) = circles_rule(trees(tree), ()).broken
-    assert found == "network.graph <-> network.route: move what both need into a module below them"
-    assert circles_rule(trees(tree), (CIRCLE,)).broken == ()
-
-
-def test_a_circle_that_is_cut_or_smaller_by_now_must_leave_the_list(tree: Path) -> None:
-    (found,) = circles_rule(trees(tree), (CIRCLE,)).broken
-    assert found.startswith("network.graph, network.route: mended, take it out of `circles`")
-    graph = tree / "network/graph.py"
-    graph.write_text(graph.read_text() + "from network.route import Route\n")
-    assert len(circles_rule(trees(tree), (CIRCLE | {"papers.curve"},)).broken) == 1
 
 
 def test_lines_beyond_the_ceiling_and_a_ceiling_far_above_the_lines_are_both_told(tree: Path) -> None:

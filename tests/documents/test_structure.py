@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from documents.structure import ROOT, imports_rule, kernel_files, lengths_rule, parameters_rule, unit_rule
+from documents.structure_rule import PRODUCT
 
+CONTRACT = "[[tool.importlinter.contracts]]\n"
 LAW = """
 from vehicle.compiled import compiled
 from vehicle.mass import weigh
@@ -53,11 +56,42 @@ def test_an_import_that_runs_back_is_found(tmp_path: Path) -> None:
     for package in ("upper", "lower"):
         (tmp_path / package).mkdir()
         (tmp_path / package / "__init__.py").write_text("")
-    contract = (
-        "[[tool.importlinter.contracts]]\nname = 'one way'\ntype = 'layers'\nlayers = ['upper', 'lower']\n"
-    )
+    contract = f"{CONTRACT}name = 'one way'\ntype = 'layers'\nlayers = ['upper', 'lower']\n"
     roots = "[tool.importlinter]\nroot_packages = ['upper', 'lower']\n"
     (tmp_path / "pyproject.toml").write_text(roots + contract)
     assert imports_rule(tmp_path).broken == ()
     (tmp_path / "lower" / "thing.py").write_text("import upper\n")
     assert imports_rule(tmp_path).broken == ("one way BROKEN",)
+
+
+@pytest.mark.parametrize(
+    "import_back",
+    [
+        "from network.route import Route\n",
+        "from network import route\n",
+        "import network.route\n",
+        "if TYPE_CHECKING:\n    from network.route import Route\n",
+        "def later() -> None:\n    from network.route import Route\n",
+    ],
+)
+def test_a_circle_is_found_wherever_the_import_that_closes_it_stands(
+    tmp_path: Path, import_back: str
+) -> None:
+    """By the contract of the project's own pyproject.toml, which is of all packages, here over one of two files."""
+    linter = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]
+    (circles,) = (one for one in linter["contracts"] if one["type"] == "acyclic_siblings")
+    assert tuple(circles["ancestors"]) == PRODUCT
+    (tmp_path / "pyproject.toml").write_text(
+        f"[tool.importlinter]\nroot_packages = ['network']\n{CONTRACT}name = 'circles'\n"
+        f"type = '{circles['type']}'\nancestors = ['network']\n"
+    )
+    (tmp_path / "network").mkdir()
+    (tmp_path / "network/__init__.py").write_text("")
+    (tmp_path / "network/route.py").write_text(
+        "from network.graph import Graph\n\n\nclass Route(Graph): ...\n"
+    )
+    graph = tmp_path / "network/graph.py"
+    graph.write_text("from typing import TYPE_CHECKING\n\n\nclass Graph: ...\n")
+    assert imports_rule(tmp_path).broken == ()
+    graph.write_text(graph.read_text() + import_back)
+    assert imports_rule(tmp_path).broken == ("circles BROKEN",)

@@ -170,8 +170,8 @@ def test_stem_and_legs_are_found_however_points_lie(
 @needs_shared
 def test_the_cut_of_bad_hersfeld() -> None:
     layout = read_osm(SHARED)
-    assert any(text.startswith("49 ways as ") for text in layout.taken)
-    assert any("10 yard" in text for text in layout.taken)
+    assert any(text.startswith("49 ways as ") for text in layout.used)
+    assert any("10 yard" in text for text in layout.used)
     # Every node that the map calls a switch is among the points: 23, counted in the file by its tags.
     tagged = SHARED.read_text("utf-8").count('k="railway" v="switch"')
     unsaid = next(int(text.split()[0]) for text in layout.assumed if "no railway=switch" in text)

@@ -112,7 +112,7 @@ def test_both_versions_of_the_published_layouts_give_the_same(example: str) -> N
         assert any("doubleSwitchCrossing" in text and "4 tracks" in text for text in layout.left)
         assert sum(node.kind is NodeKind.CROSSING for node in layout.nodes) == 1
         assert any("derailer" in text for text in layout.left)
-        assert any("jump of the kilometrage" in text for text in layout.taken)
+        assert any("jump of the kilometrage" in text for text in layout.used)
 
 
 @needs_shared

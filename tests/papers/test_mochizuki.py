@@ -94,7 +94,7 @@ def test_without_what_the_method_rests_on_rows_fail(name: str) -> None:
 
 
 def test_what_never_settles_has_no_distance() -> None:
-    seen = pass_markers("never", 0, 1, 10.0).seen(USES["as the paper"])
+    seen = pass_markers("never", 0, 1, 10.0).readings_by(USES["as the paper"])
     seen.mean_m[:] = -1.0
     assert settles_m(seen) != settles_m(seen)
 

@@ -46,7 +46,7 @@ def test_there_are_22_runs_with_the_papers_figures() -> None:
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_every_cell_has_the_papers_verdict(case: SignRun) -> None:
-    outcome, _ = controller(GAIN_PER_S).one(stop_of(case))
+    outcome, _ = controller(GAIN_PER_S).single_stop(stop_of(case))
     if case.paper_m > 1.0:
         assert outcome.error_m > 1.0
         assert abs(outcome.error_m - case.paper_m) <= 0.4 * case.paper_m
@@ -60,7 +60,7 @@ def test_every_cell_has_the_papers_verdict(case: SignRun) -> None:
 def test_impossible_stops_are_told_and_stay_within_the_limit(
     name: str, expected: StopVerdict, stop: Rows
 ) -> None:
-    outcome, _ = controller(GAIN_PER_S).one(stop)
+    outcome, _ = controller(GAIN_PER_S).single_stop(stop)
     assert outcome.verdict == expected
     assert outcome.within_limit
 

@@ -26,14 +26,14 @@ def test_without_errors_the_train_stops_at_the_mark(speed_kmh: float, gradient_p
     )  # uphill a long run up would end before it
     stop["gradient_permille"] = gradient_permille
     stop["gradient_believed_permille"] = gradient_permille
-    result, _ = controller(GAIN_PER_S).one(stop)
+    result, _ = controller(GAIN_PER_S).single_stop(stop)
     assert abs(result.error_m) < 0.05
     assert result.verdict == StopVerdict.POSSIBLE
     assert result.intervention != EMERGENCY_INTERVENTION
 
 
 def test_the_final_stop_is_soft() -> None:
-    result, trace = controller(GAIN_PER_S).one(plain_stop(70.0), 2000)
+    result, trace = controller(GAIN_PER_S).single_stop(plain_stop(70.0), 2000)
     # at rest little more ends than the 0.3 m/s^2 and running resistance that the pattern leaves
     assert result.rest_mps2 < 0.5
     assert result.deceleration_max_mps2 < 0.93 + 0.1
@@ -49,8 +49,8 @@ def test_a_weak_brake_leaves_proportional_following_past_the_mark_and_pid_nearer
     pid = controller(GAIN_PER_S, 0.7)
     pid.design.integral_gain_per_s2 = 0.1
     pid.design.derivative_gain = 0.02
-    by_proportional, _ = proportional.one(stop)
-    by_pid, _ = pid.one(stop)
+    by_proportional, _ = proportional.single_stop(stop)
+    by_pid, _ = pid.single_stop(stop)
     assert 0.1 < by_proportional.error_m < 1.0
     assert abs(by_pid.error_m) < by_proportional.error_m / 2.0
 
@@ -59,18 +59,18 @@ def test_a_beacon_takes_the_odometer_error_off() -> None:
     stop = plain_stop(60.0)
     stop["since_fix_m"] = 550.0
     stop["count_error"] = 0.01
-    without, _ = controller(GAIN_PER_S).one(stop)
+    without, _ = controller(GAIN_PER_S).single_stop(stop)
     # 1 % of 1000 m
     assert without.error_m == pytest.approx(-10.0, abs=0.2)
     stop["beacons"] = 1
     stop["beacon_m"][0, 0] = 100.0
-    with_beacon, _ = controller(GAIN_PER_S).one(stop)
+    with_beacon, _ = controller(GAIN_PER_S).single_stop(stop)
     assert with_beacon.error_m == pytest.approx(-1.0, abs=0.1)
 
 
 def test_the_trace_is_the_run() -> None:
     stop = plain_stop(60.0)
-    result, trace = controller(GAIN_PER_S).one(stop, 2000)
+    result, trace = controller(GAIN_PER_S).single_stop(stop, 2000)
     assert trace.size * 0.1 == pytest.approx(result.time_s)
     assert trace["position_m"][0] == pytest.approx(-450.0 + 60.0 / 3.6 * 0.1, abs=0.001)  # one step later
     assert trace["position_m"][-1] == pytest.approx(result.error_m)
@@ -97,7 +97,7 @@ def test_the_train_stops_within_its_authority_whatever_the_brake_and_the_sign(
         stop["signs"] = 1
         stop["detection_m"] = 60.0
         stop["frame_s"] = -1.0 / 52.0
-    result, _ = controller(GAIN_PER_S).one(stop)
+    result, _ = controller(GAIN_PER_S).single_stop(stop)
     assert result.within_limit
     assert result.error_m <= limit_m
     if limit_m < 0.0:
@@ -108,7 +108,7 @@ def test_step_by_step_on_the_plain_carrier_the_stop_is_the_same() -> None:
     stop = plain_stop(50.0)
     stop["gradient_permille"] = stop["gradient_believed_permille"] = -5.0
     bench = controller(GAIN_PER_S)
-    at_once, trace = bench.one(stop, 2000)
+    at_once, trace = bench.single_stop(stop, 2000)
     train = CarriedTrain(bench, stop)
     speeds = []
     while not train.stands:
@@ -123,7 +123,7 @@ def test_many_stops_are_each_as_if_made_alone() -> None:
     stops = np.concatenate([plain_stop(speed_kmh) for speed_kmh in (70.0, 30.0, 50.0)])
     stops["gradient_permille"] = (5.0, 0.0, -5.0)
     together, _ = bench.run(stops)
-    alone = [bench.one(stops[i : i + 1])[0].error_m for i in range(3)]
+    alone = [bench.single_stop(stops[i : i + 1])[0].error_m for i in range(3)]
     assert together["error_m"].tolist() == alone
 
 
@@ -141,7 +141,7 @@ def test_a_tachometer_counts_whole_pulses() -> None:
     """860 mm and 60 pulses a turn: what is counted lies within a pulse (45.03 mm) behind what was run."""
     train = oda_train()
     bench = Bench(train, coasting(Driving()), UnitParameters(), pulses=True)
-    result, trace = bench.one(plain_stop(60.0), 2000)
+    result, trace = bench.single_stop(plain_stop(60.0), 2000)
     behind_m = -trace["estimate_error_m"]
     pulse_m = np.pi * 0.860 / 60
     assert behind_m.min() >= -1e-9

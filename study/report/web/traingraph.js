@@ -1,6 +1,6 @@
 // The train graph (列車ダイヤ): time across, stations down at true distances, plan thin and run thick.
 import { lastBefore, valueAt } from "./data.js";
-import { COLOURS, font, unitColour } from "./layer.js";
+import { COLOURS, dress, font, unitColour } from "./layer.js";
 import { drawEvents, drawFaultNumbers, drawFaults, drawStrip, stripHeight } from "./marks.js";
 import { drawStairway } from "./stairway.js";
 import { clock, clockGrid, spread } from "./view.js";
@@ -72,7 +72,7 @@ export function drawTrainGraph(context, day, view, options, width, height) {
   drawClockLines(context, view, scale, plot, grid);
   drawStationLines(context, day, scale, plot);
   drawTurns(context, day, view, scale);
-  if (options.beside && day.beside) drawBeside(context, day.beside, view, scale);
+  if (options.beside && day.beside) drawBeside(context, day.beside, day.pictures.train_graph.layers, view, scale);
   if (options.run) drawRuns(context, day, view, scale);
   if (options.plan) drawPlans(context, day, view, scale);
   drawChosen(context, day, view, scale, options);
@@ -176,6 +176,8 @@ function trace(context, times, places, view, scale) {
   }
 }
 
+const wayOf = (direction) => (direction > 0 ? "down" : "up");
+
 const inView = (from, to, view) => from <= view.x1 && to >= view.x0;
 
 /** The points of a course that are fine enough for the scale. */
@@ -188,15 +190,16 @@ function levelOf(course, scale) {
 
 /**
  * Strokes what looks alike together. Hairlines are one path: a day of 500 trains is four strokes. Thick lines are one path each,
- * because a canvas without a graphics card takes seconds for the outline of all of them at once.
+ * because a canvas without a graphics card takes seconds for the outline of all of them at once. `of`: "run" or "plan".
  */
-function strokeGroups(context, items, style) {
+function strokeGroups(context, items, layers, of, widthMax = Infinity) {
   for (const direction of [1, -1]) {
     for (const revenue of [true, false]) {
       const group = items.filter((item) => item.direction === direction && item.revenue === revenue);
       if (!group.length) continue;
-      style(direction);
-      context.setLineDash(revenue ? [] : [6, 4]);
+      dress(context, layers[`${of}_${wayOf(direction)}`]);
+      context.lineWidth = Math.min(context.lineWidth, widthMax);
+      if (!revenue) context.setLineDash(layers.empty.dashes);
       const hair = context.lineWidth <= 1;
       if (hair) context.beginPath();
       for (const item of group) {
@@ -225,10 +228,7 @@ function drawRuns(context, day, view, scale) {
   for (const aside of one ? [0] : [-0.45, 0.45]) {
     context.save();
     context.translate(aside, 0);
-    strokeGroups(context, items, (direction) => {
-      context.strokeStyle = direction > 0 ? "rgba(31,78,121,0.6)" : "rgba(180,83,26,0.6)";
-      context.lineWidth = many ? 1 : 2.6;
-    });
+    strokeGroups(context, items, day.pictures.train_graph.layers, "run", many ? 1 : Infinity);
     context.restore();
   }
 }
@@ -236,10 +236,7 @@ function drawRuns(context, day, view, scale) {
 function drawPlans(context, day, view, scale) {
   const items = day.trains.filter(({ plan }) => plan.t.length && inView(plan.t[0], plan.t[plan.t.length - 1], view))
     .map((train) => ({ ...train, trace: () => trace(context, train.plan.t, train.plan.m, view, scale) }));
-  strokeGroups(context, items, (direction) => {
-    context.strokeStyle = direction > 0 ? COLOURS.planDown : COLOURS.planUp;
-    context.lineWidth = 0.9;
-  });
+  strokeGroups(context, items, day.pictures.train_graph.layers, "plan");
 }
 
 function drawChosen(context, day, view, scale, options) {
@@ -259,11 +256,9 @@ function drawChosen(context, day, view, scale, options) {
 }
 
 /** Trains that moved, or are gone, as they ran in the other run: dashed, dark or red. */
-function drawBeside(context, beside, view, scale) {
-  context.setLineDash([5, 3]);
-  context.lineWidth = 1.3;
+function drawBeside(context, beside, layers, view, scale) {
   for (const gone of [false, true]) {
-    context.strokeStyle = gone ? COLOURS.red : "#3c3c3c";
+    dress(context, gone ? layers.gone : layers.beside);
     context.beginPath();
     for (const course of beside.courses) {
       if (beside.gone.has(course.train) !== gone || !course.t.length) continue;
@@ -277,9 +272,7 @@ function drawBeside(context, beside, view, scale) {
 /** Thin dotted links from a unit's train to its next one at the same place (折返し). */
 function drawTurns(context, day, view, scale) {
   const last = new Map();
-  context.strokeStyle = COLOURS.pale;
-  context.lineWidth = 1;
-  context.setLineDash([1.5, 2.5]);
+  dress(context, day.pictures.train_graph.layers.turn);
   context.beginPath();
   for (const course of day.courses) {
     const before = last.get(course.unit);
@@ -328,7 +321,7 @@ function drawMinutes(context, day, view, scale, plot, options) {
   context.setLineDash([]);
   for (const train of day.trains) {
     context.fillStyle = train.number === options.chosen ? COLOURS.chosen
-      : train.direction > 0 ? COLOURS.planDown : COLOURS.planUp;
+      : day.pictures.train_graph.layers[`plan_${wayOf(train.direction)}`].colour;
     for (const call of train.calls) {
       const y = scale.y(call.station.m);
       if (y < plot.top - 2 || y > plot.top + plot.height + 2) continue;

@@ -11,10 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from onboard.localisation.beacons import MISSES, BeaconReading, BeaconsRow, beacons
+from onboard.localisation.beacons import MISSES, BeaconReading, BeaconsRow, BeaconWindow, beacons
 from onboard.localisation.fix import FOREIGN, MISSED, NOTHING, REFUSED, TAKEN
 from onboard.localisation.table import READERS_ROW, READINGS
 from onboard.records import PATTERN, PLACE, PLACE_BEACON, PLACE_MARKERS, UNIT, Chart, UnitRow
+from vehicle.record import put_settings
 
 STEP_S = 0.1
 STEP_M = 2.0
@@ -93,7 +94,7 @@ def ride(
     unit.places_rows = places.size
     own: Any = np.zeros(1, READERS_ROW).view(np.recarray)[0].beacons
     own.fitted, own.trusts = 1, int(trusts)
-    own.window_share, own.window_least_m, own.accuracy_m, own.placed_within_m = 0.1, 10.0, 1.0, 2.0
+    put_settings(own.settings, BeaconWindow())
     made = Ride(unit, own, Chart(np.zeros(1, dtype=PATTERN), places))
     made.step(0.0)
     return made

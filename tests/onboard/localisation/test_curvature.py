@@ -151,7 +151,7 @@ def test_without_room_for_noise_the_bounds_break(setup: Setup, monkeypatch: pyte
         replace(setup, sensors=setup.sensors.model_copy(update={"carries": (PositionSensor.CURVATURE,)}))
     )
     own = run.trains.readers[SLOT].curvature
-    own.sure_sigmas = own.gain_share = own.delay_share = 0.01
+    own.settings.sure_sigmas = own.gain_share = own.delay_share = 0.01
     own.rail_heading_rad = own.yaw_density = own.rail_level = own.rail_peak = 1e-12
     own.map_error_m = -0.3
     own.varies_share = 0.0

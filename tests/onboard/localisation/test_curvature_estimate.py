@@ -28,7 +28,7 @@ def own() -> CurvatureRow:
     """A reader that knows nothing yet, with the filter by distance."""
     rows: Any = np.zeros(1, dtype=READERS_ROW).view(np.recarray)
     row = rows[0].curvature
-    row.sure_sigmas, row.worn_share, row.doubtful_share = 5.0, 0.018, 0.02
+    row.settings.sure_sigmas, row.worn_share, row.doubtful_share = 5.0, 0.018, 0.02
     row.scale_low, row.scale_high = 0.982, 1.018
     row.filtered, row.settling_m = BY_SPACE, -1.0
     row.numbers[:] = sections(CORNER_M)

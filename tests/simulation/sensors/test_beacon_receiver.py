@@ -81,6 +81,11 @@ def test_the_unit_is_told_what_the_scenario_says(rtri_setup: Setup) -> None:
     readers: Any = np.zeros(1, READERS_ROW).view(np.recarray)[0]
     fit_reader(readers, replace(rtri_setup, sensors=CARRIES, beacons=settings), "K1")
     own = readers.beacons
-    assert (own.fitted, own.trusts, own.window_share, own.window_least_m) == (1, 1, 0.2, 15.0)
+    assert (own.fitted, own.trusts, own.settings.window_share, own.settings.window_least_m) == (
+        1,
+        1,
+        0.2,
+        15.0,
+    )
     fit_reader(readers, rtri_setup, "K1")
     assert (own.fitted, own.trusts) == (0, 0)

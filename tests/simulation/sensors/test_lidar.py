@@ -58,7 +58,7 @@ def test_a_train_without_one_and_markers_out_of_range_show_nothing(rtri_setup: S
 
 def test_five_moments_of_a_step_lie_where_an_even_change_of_speed_has_them(rtri_setup: Setup) -> None:
     own = carried(rtri_setup)
-    figures: Any = own
+    figures: Any = own.scans
     figures.row_sigma_m[:] = figures.row_bias_m[:] = 0.0
     shown = look(own, 10.0, speed_mps=9.0, before_mps=10.0)
     for k in range(SPOTS):

@@ -42,7 +42,7 @@ from study.wording import script
 from study.wording.assumptions import assumption
 from study.wording.catalogue import phrases_of
 from study.wording.compared import compared_name
-from study.wording.events import TOLD, event_text
+from study.wording.events import EVENT_WORDINGS, event_text
 from study.wording.forms import phrase_by_form
 from study.wording.phrase import Phrase
 from study.wording.reasons import reason
@@ -87,7 +87,7 @@ def made(event: EventType) -> Noted:
     return event(**fields)
 
 
-@pytest.mark.parametrize("event", TOLD, ids=lambda event: event.__name__)
+@pytest.mark.parametrize("event", EVENT_WORDINGS, ids=lambda event: event.__name__)
 def test_every_event_that_is_told_is_told_in_japanese_with_all_that_it_says(event: EventType) -> None:
     said = event_text(made(event), {"K1": Phrase("Here", "甲")})
     assert english_in(said.in_("ja")) == []
@@ -118,7 +118,7 @@ def test_a_reason_that_is_missing_takes_its_clause_with_it() -> None:
         ({ending.value for ending in Ending}, "ending"),
         ({cause.value for cause in Cause}, "cause"),
         ({part.value for part in OccupationPart}, "part"),
-        ({told.kind for told in TOLD.values()} | {"train"}, "event kind"),
+        ({told.kind for told in EVENT_WORDINGS.values()} | {"train"}, "event kind"),
         (set(Late.model_fields), "drawn"),
         ({kind.__name__ for kind in get_args(messages.AnyMessage)}, "telegram"),
     ],

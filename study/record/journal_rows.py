@@ -32,7 +32,7 @@ class TelegramsOfWay:
 
 
 @dataclass(frozen=True, slots=True)
-class EventTold:
+class EventInWords:
     """One intervention, refusal, fault: what a person should hear of."""
 
     t_s: Annotated[float, Figure(phrase("time"), "", 1, seen=ShownIn.REPORT, kind=Kind.CLOCK)]
