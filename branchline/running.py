@@ -101,6 +101,7 @@ def run(
                 journal=place.journal,
                 delay_ms=gui_delay,
                 stop=asked,
+                say=print_aside,
             )
         print_aside("writing the report")
         compared = None if base is None else _compared(done, base, over)

@@ -165,7 +165,11 @@ def _along(setup: Setup, kind: TrainType, direction: Direction) -> Iterator[Stan
         way = RunWay(setup.line, path, marks_m[start], marks_m[end])
         driving = setup.driving
         return least_times_s(
-            kind, way, [marks_m[at] for at in passed], setup.load.load_share_mean, driving.stop_deceleration_mps2
+            kind,
+            way,
+            [marks_m[at] for at in passed],
+            setup.load.load_share_mean,
+            driving.stop_deceleration_mps2,
         )
 
     through_s = (0.0, *times_s(0, last, range(1, last)))
