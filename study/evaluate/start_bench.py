@@ -82,7 +82,7 @@ def _env() -> dict[str, str]:
 
 def report(figures: dict[str, list[float]]) -> dict[str, Any]:
     """What the figures of all rounds come to: a row each, and the budgets with whether they are kept."""
-    rows = [
+    rows: list[dict[str, Any]] = [
         {
             "command": what,
             "cpu_s": round(statistics.median(found), 3),
@@ -92,12 +92,12 @@ def report(figures: dict[str, list[float]]) -> dict[str, Any]:
         for what, found in figures.items()
     ]
     budgets = [
-        {"what": f"CPU s of {row['command']}", "limit": CPU_S_MAX[str(row["command"])], "found": row["cpu_s"]}
+        {"what": f"CPU s of {row['command']}", "limit": CPU_S_MAX[row["command"]], "found": row["cpu_s"]}
         for row in rows
     ]
     return {
         "rows": rows,
-        "budgets": [each | {"kept": float(each["found"]) <= float(each["limit"])} for each in budgets],
+        "budgets": [each | {"kept": each["found"] <= each["limit"]} for each in budgets],
     }
 
 
@@ -118,7 +118,8 @@ def _run_child(arguments: Sequence[str]) -> None:
         day_s.append(time.process_time() - begun_s[0])
         return result
 
-    Simulation.advance, Simulation.finish = advance_timed, finish_timed  # type: ignore[method-assign]
+    timed: Any = Simulation
+    timed.advance, timed.finish = advance_timed, finish_timed
     sys.argv = ["branchline", *arguments]
     try:
         import_module("branchline.cli").main()
