@@ -33,9 +33,10 @@ browser: install
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[browser]'
 	$(BIN)/python -m pytest tests/browser
 
-# What is too long for every change, and the laws once more as Python runs them, with their coverage.
+# What is too long for every change, many examples of what every run tries few of, and the laws as Python runs them,
+# with their coverage.
 nightly: install interpreted
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m nightly
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "nightly or hypothesis" --hypothesis-profile many
 
 interpreted: install
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --dist loadfile $(LAWS) \

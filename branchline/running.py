@@ -9,17 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from branchline.comparing import OVER_S, Over, check_over, print_comparison
-from branchline.ending import AskedToStop, crashes_into, end, judged_outcome, print_json
+from branchline.ending import AskedToStop, end, judged_outcome, print_json
 from branchline.options import Json, LinkName, Out, ScenarioName, Seed, UnitsName
-from branchline.progress import print_aside, progress_of
+from branchline.progress import print_aside
 from network.clock import clock
-from network.errors import InputError
 from study.outcome import BY_SIGNAL
 
 if TYPE_CHECKING:
-    from scenario.scenario import Scenario
-    from study.compare.against import Against
-    from study.compare.side import ComparedRun
     from study.runner.run import FinishedRun
 
 
@@ -67,19 +63,12 @@ def run(
 
     A plan that cannot work is refused with exit code 2.
     """
+    from branchline.whole_run import RunAsked, run_whole
     from scenario.part_of_day import part_of_day
     from scenario.scenario import load_scenario
-    from study.feasibility.check import refuse
-    from study.record.directory import reserved
-    from study.runner.run import NO_MORE, CarrierKind, end_room_bytes, execute, fill_run, link_of, units_at
 
-    chosen = link_of(link)
-    hosted = units_at(units, chosen)
-    if carrier not in {CarrierKind.SUMO.value, CarrierKind.PLAIN.value}:
-        raise InputError("command line", "--carrier", carrier, "sumo or plain")
     check_over(over)
-    if gui and carrier != CarrierKind.SUMO.value:
-        raise InputError("command line", "--gui", None, "--carrier sumo, which alone has a window")
+    asked = RunAsked(link, units, carrier, against, over, anyway, gui, gui_delay)
     loaded = load_scenario(scenario, seed)
     of_part = "".join(
         f"-{word}-{at.replace(':', '')}" for word, at in (("from", begins), ("until", until)) if at
@@ -87,31 +76,15 @@ def run(
     if of_part:
         loaded = part_of_day(loaded, begins, until)
     directory = (out or Path("runs") / f"{loaded.id}{of_part}").resolve()
-    refuse(scenario, loaded.setup, anyway=anyway)
-    base = None if against is None else _base_of(against, loaded)
-    with reserved(directory) as place, AskedToStop() as asked:
-        place.hold_room(end_room_bytes(loaded.setup))
-        with crashes_into(directory), progress_of(loaded.id) as progress:
-            done = execute(
-                loaded,
-                chosen,
-                units=hosted,
-                carrier=CarrierKind.SUMO_GUI if gui else CarrierKind(carrier),
-                progress=progress,
-                journal=place.journal,
-                delay_ms=gui_delay,
-                stop=asked,
-                say=print_aside,
-            )
-        print_aside("writing the report")
-        compared = None if base is None else _compared(done, base, over)
-        report = fill_run(done, place, more=NO_MORE if compared is None else compared.more)
-    outcome = judged_outcome(not done.broken) if asked.by is None or not done.stopped else BY_SIGNAL[asked.by]
+    with AskedToStop() as stop:
+        ran = run_whole(loaded, directory, asked, progress=True, stop=stop)
+    done, compared = ran.done, ran.compared
+    outcome = judged_outcome(not done.broken) if stop.by is None or not done.stopped else BY_SIGNAL[stop.by]
     if as_json:
         found = {} if compared is None else {"against": compared.found.as_dict()}
-        print_json(done.summary | {"out": str(report.parent)} | found, outcome)
+        print_json(done.summary | {"out": str(ran.report.parent)} | found, outcome)
     else:
-        _print_run(done, report)
+        _print_run(done, ran.report)
         if compared is not None:
             print_comparison(compared.found)
     if (off := _off_the_mark(done.summary)) is not None:
@@ -122,22 +95,8 @@ def run(
         print_aside(f"broken: {text}")
     if done.stopped:
         at = clock(done.scenario.setup.latest_end_s)
-        print_aside(f"interrupted at {at}; what was run so far is in {report.parent}")
+        print_aside(f"interrupted at {at}; what was run so far is in {ran.report.parent}")
     end(outcome)
-
-
-def _base_of(directory: Path, scenario: Scenario) -> ComparedRun:
-    """The run to compare with; read before the new one, which may be bound for its place."""
-    from study.compare.against import base_of
-
-    return base_of(directory, scenario.setup.line)
-
-
-def _compared(done: FinishedRun, base: ComparedRun, over_s: float) -> Against:
-    """What changed since; only who compares needs what draws both graphs."""
-    from study.compare.against import changes_from_base
-
-    return changes_from_base(done, base, over_s)
 
 
 def _passing(at: dict[str, Any] | None) -> list[tuple[str, str]]:

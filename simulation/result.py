@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from network.timetable import CallKind
 from onboard.driving.tuning import Learned, StopDecelerations
 from simulation.faults.script import ItemCourse
 from simulation.journal import Journal
@@ -45,7 +46,10 @@ class Ending(StrEnum):
 
 @dataclass(slots=True)
 class StopRecord:
-    """A timetabled stop as it really went; `error_m` is beyond the mark, by the truth."""
+    """A call of the timetable as it really went; `error_m` is beyond the mark, by the truth.
+
+    Where a train runs through, `departure_s` is when its front passes the mark, and there is no arrival.
+    """
 
     stock_id: str
     number: str
@@ -57,7 +61,7 @@ class StopRecord:
     arrival_s: float | None = None
     departure_s: float | None = None
     error_m: float | None = None
-    passengers: bool = True
+    kind: CallKind = CallKind.STOP
 
 
 class EnergyPhase(StrEnum):

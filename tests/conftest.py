@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
+import io
 import json
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
-# No verdict depends on how fast the machine is, and the same examples are tried everywhere.
-settings.register_profile("branchline", deadline=None, derandomize=True)
-settings.load_profile("branchline")
+# No verdict depends on how fast the machine is, and the same examples are tried everywhere. Fixtures are shared by the
+# examples of a test: who changes one sets it anew. `make nightly` asks for the profile of many.
+settings.register_profile(
+    "few",
+    max_examples=20,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+settings.register_profile("many", settings.get_profile("few"), max_examples=300)
+settings.load_profile("few")
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
@@ -69,13 +79,18 @@ timetable = "turn_back_times.toml"
 """
 
 
-@pytest.fixture
-def turn_back(tmp_path: Path) -> str:
+def turn_back_in(folder: Path) -> str:
     """A scenario file: one set of the Karasuyama line that changes ends at Ogane, with the weekday's air."""
-    (tmp_path / "turn_back_times.toml").write_text(TURN_BACK_TIMETABLE, "utf-8")
-    file = tmp_path / "turn_back.toml"
+    (folder / "turn_back_times.toml").write_text(TURN_BACK_TIMETABLE, "utf-8")
+    file = folder / "turn_back.toml"
     file.write_text(TURN_BACK_SCENARIO, "utf-8")
     return str(file)
+
+
+@pytest.fixture
+def turn_back(tmp_path: Path) -> str:
+    """`turn_back_in` the test's own folder."""
+    return turn_back_in(tmp_path)
 
 
 @dataclass(frozen=True)
@@ -110,25 +125,38 @@ def branchline(command: tuple[str, ...]) -> Callable[..., Ended]:
     return run
 
 
-@pytest.fixture
-def main(
-    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path
-) -> Iterator[Callable[..., Ended]]:
-    """Run the command in this process, in the test's own folder: the same entry point, without the imports."""
+def ended_in_process(arguments: Sequence[str], cwd: Path, output: Callable[[], tuple[str, str]]) -> Ended:
+    """Run the command in this process; `output` gives what was written to stdout and stderr since it was asked last."""
     from branchline import cli, ending
 
     before = {number: signal.getsignal(number) for number in ending.STOPS}
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments: str) -> Ended:
-        monkeypatch.setattr(sys, "argv", ["branchline", *arguments])
-        capfd.readouterr()
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        out, err = capfd.readouterr()
-        code = ended.value.code
-        return Ended(code if isinstance(code, int) else 0, out, err)
-
-    yield run
+    output()
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(SystemExit) as ended:
+        patch.chdir(cwd)
+        patch.setattr(sys, "argv", ["branchline", *arguments])
+        cli.main()
     for number, handler in before.items():
         signal.signal(number, handler)
+    code = ended.value.code
+    return Ended(code if isinstance(code, int) else 0, *output())
+
+
+@pytest.fixture
+def main(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Callable[..., Ended]:
+    """Run the command in this process, in the test's own folder: the same entry point, without the imports."""
+    monkeypatch.chdir(tmp_path)
+    return lambda *arguments: ended_in_process(arguments, tmp_path, capfd.readouterr)
+
+
+@pytest.fixture(scope="session")
+def main_in() -> Callable[..., Ended]:
+    """As `main`, for runs that the tests of a module share; `cwd` must be a folder of the test."""
+
+    def run(*arguments: str, cwd: Path) -> Ended:
+        out, err = io.StringIO(), io.StringIO()
+        with redirect_stdout(out), redirect_stderr(err):
+            return ended_in_process(arguments, cwd, lambda: (out.getvalue(), err.getvalue()))
+
+    return run

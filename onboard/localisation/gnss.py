@@ -23,8 +23,8 @@ Possible errors and their effect (P is the protection level that the receiver st
 - Bounds contain the front, whatever made them. A fix further from them than P / 4 plus the known error shows that the
   receiver is wrong, also at the first fix, and the interval spans that error. A nearer one shows how great the error
   can still be: narrow bounds confirm a receiver, and remove what slides had added.
-- A receiver that has shown nothing under an open sky for `LOST_S` when a path begins, or the unit, is compared with nothing
-  by its first fix there: it may lie by all that the bounds leave then.
+- A receiver that has shown nothing under an open sky for `LOST_S` when a path begins, or the unit, is compared with
+  nothing by its first fix there: it may lie by all that the bounds leave then.
 - Not covered: a fault that grows by less than 3 % of the distance while bounds are too wide to show it; several faults
   in succession that are too small to be seen. What leaves the bounds is refused by the one rule of fixes.
 - A wrong time tag shifts fixes by the speed; it shows, like any other fault, where the speed changes.

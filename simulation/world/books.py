@@ -173,7 +173,7 @@ class Books:
             target.track,
             target.arrival_s if index > 0 else None,
             target.departure_s,
-            passengers=target.passengers,
+            kind=target.kind,
         )
         self.stops.append(record)
         return record

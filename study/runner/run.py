@@ -9,6 +9,7 @@ from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
@@ -30,6 +31,7 @@ from simulation.journal import Journal
 from simulation.loop import Progress, Simulation
 from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup, unit_configs
+from simulation.world.roster import drawn_up
 from study.collect.battery import battery_summary, battery_tables
 from study.collect.energy import StockMake
 from study.collect.late import late_part, late_summary
@@ -37,7 +39,6 @@ from study.collect.tables_of_run import tables_of
 from study.feasibility.check import feasibility
 from study.measures.driving import driving_table
 from study.measures.localisation import localisation_summary
-from study.measures.passings import planned_passings
 from study.measures.register_holds import section_holds
 from study.measures.running_times import planned_legs
 from study.measures.second_opinion import comparisons_of
@@ -229,7 +230,8 @@ def execute(
     stage("computing the tables")
     fleet = {stock_id: StockMake.of_kind(kind) for stock_id, kind in setup.trains.items()}
     holds = section_holds(result, setup.line, setup.lengths_m)
-    booked = tables_of(result, setup.line, fleet, holds, planned_legs(setup), planned_passings(setup))
+    duties = chain.from_iterable(drawn_up(setup, setup.line).values())
+    booked = tables_of(result, setup.line, fleet, holds, planned_legs(setup), duties)
     stage("comparing with second opinions")
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
     tables = replace(

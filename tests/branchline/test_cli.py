@@ -28,8 +28,9 @@ from study.record.read_back import read_run
 HEAVY = ("numba", "libsumo", "matplotlib", "polars", "numpy", "scipy", "zenoh", "cv2", "pydantic")
 
 
-def test_help_needs_nothing_heavy() -> None:
-    asked = f"import sys, branchline.cli; print([m for m in {HEAVY} if m in sys.modules])"
+@pytest.mark.parametrize("module", ["branchline", "branchline.cli"])
+def test_help_needs_nothing_heavy(module: str) -> None:
+    asked = f"import sys, {module}; print([m for m in {HEAVY} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 
@@ -116,7 +117,7 @@ def test_one_object_says_how_it_ended(
         assert ended.err.endswith(f"error: {figures['message']}\n")
 
 
-@pytest.mark.parametrize("arguments", [("drill", "list"), ("schema",), ("--help",), ("run", "--json")])
+@pytest.mark.parametrize("arguments", [("schema",), ("--help",), ("run", "--json")])
 def test_what_cannot_be_printed_was_not_said(command: tuple[str, ...], arguments: tuple[str, ...]) -> None:
     """A full disk under stdout is told, whatever the command; not a traceback at the end of the interpreter."""
     with Path("/dev/full").open("w") as full:
@@ -130,12 +131,10 @@ def test_what_cannot_be_printed_was_not_said(command: tuple[str, ...], arguments
 
 
 def test_who_reads_no_further_ends_it_in_one_line(command: tuple[str, ...]) -> None:
-    """As `branchline drill list | head -1` does."""
+    """As `branchline schema | head -1` does."""
     reader, writer = os.pipe()
     os.close(reader)
-    done = subprocess.run(
-        [*command, "drill", "list"], stdout=writer, stderr=subprocess.PIPE, text=True, check=False
-    )
+    done = subprocess.run([*command, "schema"], stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
     os.close(writer)
     assert done.returncode == Outcome.COULD_NOT_RUN.code
     assert done.stderr == "error: the reader of the output has closed it\n"

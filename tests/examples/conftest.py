@@ -1,4 +1,4 @@
-"""A clone of the project in which an example is made as its recipe in docs/make-a.md says, and then checked."""
+"""A clone of the project in which examples are made as their recipes in docs/make-a.md say, and then checked."""
 
 from __future__ import annotations
 
@@ -9,13 +9,10 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from textwrap import indent
 from typing import Any
-
-import pytest
 
 from documents.structure import PACKAGES
 
@@ -26,8 +23,12 @@ CODE = [package for package in PACKAGES if package != "tests"]
 FILE = re.compile(r"\[`([\w./]+)`\]\(\.\./(tests/examples/[\w./]+)\)")
 ENTRY = re.compile(r"```python\n# ([\w./]+), (in|before|at the end) ?(\w*)\n(.*?)```", re.DOTALL)
 LABELS = re.compile(r"```po\n# ([\w./]+), at the end\n(.*?)```", re.DOTALL)
+RECIPES = ("column", "command", "driving law", "fault", "paper", "sensor", "table of settings")
 # Pages that follow from what an example adds, as `make docs` writes them.
 PAGES = ("files", "faults", "sensors", "tables", "reproductions")
+WRITE_PAGES = (
+    f"import runpy\nfor page in {PAGES}: runpy.run_module(f'documents.{{page}}', run_name='__main__')"
+)
 
 
 def recipe(name: str) -> str:
@@ -84,9 +85,10 @@ class Clone:
         (self.root / place).write_text("\n".join(lines) + "\n", "utf-8")
         self.touched.add(place)
 
-    def follow(self, name: str) -> None:
-        """Do what a recipe says, to the word, and `make format` and `make docs` after it."""
+    def follow(self, name: str) -> set[str]:
+        """Do what a recipe says, to the word; the files touched."""
         text = recipe(name)
+        before, self.touched = self.touched, set()
         for place, file in FILE.findall(text):
             self.add(ROOT / file, place)
         for place, where, name_there, entry in ENTRY.findall(text):
@@ -94,12 +96,14 @@ class Clone:
         for place, labels in LABELS.findall(text):
             with (self.root / place).open("a", encoding="utf-8") as catalogue:
                 catalogue.write(f"\n{labels}")
-        assert self.touched
+        own, self.touched = self.touched, self.touched | before
+        return own
+
+    def finish(self) -> None:
+        """What `make format` and `make docs` make of it."""
         self.tool("ruff", "format", *self.touched)
         self.tool("ruff", "check", "--fix", "--no-cache", *self.touched)
-        for page in PAGES:
-            done = self.python("-m", f"documents.{page}")
-            assert done.returncode == 0, done.stderr
+        self.succeeds("-c", WRITE_PAGES)
 
     def tool(self, name: str, *arguments: str) -> None:
         """Run a tool of `make check` there; it must have nothing to object to."""
@@ -113,23 +117,11 @@ class Clone:
         )
         assert done.returncode == 0, done.stdout + done.stderr
 
-    def holds(self, *tests: str) -> None:
-        """What takes seconds of `make check`, and the tests of a part."""
-        self.tool("ruff", "format", "--check", "--no-cache", *PACKAGES)
-        self.tool("ruff", "check", "--no-cache", *PACKAGES)
-        for command in (
-            ("documents.structure",),
-            ("pytest", "-p", "no:cacheprovider", "-m", "not system", *tests),
-        ):
-            done = self.python("-m", *command)
-            assert done.returncode == 0, done.stdout + done.stderr
-
-    def checked(self) -> None:
-        """The rest of `make check`, which takes minutes."""
-        for name, arguments in (("mypy", ()), ("basedpyright", CODE)):
-            self.tool(name, *arguments)
-        done = self.python("-m", "documents.generated")
+    def succeeds(self, *arguments: str) -> str:
+        """What Python prints there; it must end well."""
+        done = self.python(*arguments)
         assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
 
     def python(self, *arguments: str) -> subprocess.CompletedProcess[str]:
         """Run Python there."""
@@ -150,10 +142,11 @@ class Clone:
         figures: dict[str, Any] = json.loads(done.stdout)
         return figures
 
-    def is_what_is_told(self, name: str) -> bool:
-        """Whether the recipe names what was touched and no other file of the code."""
-        code, text = rf"(?:{'|'.join(CODE)})/[\w./]+\.py", recipe(name)
-        return self.touched == {*re.findall(rf"`({code})`", text), *re.findall(rf"# ({code}), ", text)}
+
+def files_of(name: str) -> set[str]:
+    """The files of the code that a recipe names."""
+    code, text = rf"(?:{'|'.join(CODE)})/[\w./]+\.py", recipe(name)
+    return {*re.findall(rf"`({code})`", text), *re.findall(rf"# ({code}), ", text)}
 
 
 def _named(node: ast.stmt) -> str:
@@ -163,14 +156,11 @@ def _named(node: ast.stmt) -> str:
     return node.target.id if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) else ""
 
 
-@pytest.fixture
-def clone(tmp_path: Path) -> Callable[[], Clone]:
-    def make() -> Clone:
-        for name in COPIED:
-            if (ROOT / name).is_dir():
-                shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
-            else:
-                shutil.copy(ROOT / name, tmp_path / name)
-        return Clone(tmp_path)
-
-    return make
+def cloned(to: Path) -> Clone:
+    """The project as it is, laid into a folder."""
+    for name in COPIED:
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, to / name, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(ROOT / name, to / name)
+    return Clone(to)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from tests.examples.conftest import Clone, cloned, files_of
 
 HERE = Path(__file__).parent / "telegram"
 ASKED_FROM_S = 10 * 3600.0 - 45.0  # a route is asked for 45 s before the departure
@@ -45,7 +46,7 @@ EVENT = '''class HeldBack(msgspec.Struct, frozen=True, tag=True):
 '''
 
 
-def made_in(clone: Any) -> Any:  # noqa: ANN401 - of the fixture
+def with_telegram(clone: Clone) -> Clone:
     clone.write(
         "radio/messages.py",
         (
@@ -106,21 +107,15 @@ def made_in(clone: Any) -> Any:  # noqa: ANN401 - of the fixture
     return clone
 
 
-def told(clone: Any, story: str) -> dict[str, Any]:  # noqa: ANN401 - of the fixture
-    done = clone.python(str(HERE / "conversation.py"), story)
-    assert done.returncode == 0, done.stderr
-    figures: dict[str, Any] = json.loads(done.stdout)
-    return figures
-
-
 def asked_s(figures: dict[str, Any]) -> list[float]:
     return [now_s for now_s, who, what in figures["said"] if (who, what) == ("K1", "RouteRequest")]
 
 
-def test_held_back_a_train_asks_for_no_route_until_it_is_let_go(clone: Callable[[], Any]) -> None:
-    made = made_in(clone())
-    assert made.is_what_is_told("telegram")
-    free, held, released = (told(made, story) for story in ("neither", "hold", "release"))
+def test_held_back_a_train_asks_for_no_route_until_it_is_let_go(tmp_path: Path) -> None:
+    made = with_telegram(cloned(tmp_path))
+    assert made.touched == files_of("telegram")
+    told = made.succeeds(str(HERE / "conversation.py"), "neither", "hold", "release")
+    free, held, released = (json.loads(figures) for figures in told.splitlines())
     assert asked_s(free) == [ASKED_FROM_S]
     assert asked_s(held) == []
     assert asked_s(released)[0] == pytest.approx(RELEASED_S + 1.0)

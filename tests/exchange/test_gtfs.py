@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exchange.gtfs import tables as tables_module
-from exchange.gtfs.days import WEEKDAYS, next_date, read_services
+from exchange.gtfs.days import next_date, read_services
 from exchange.gtfs.exact import read_back
 from exchange.gtfs.reader import GtfsChoice, GtfsDay, read_gtfs
 from exchange.gtfs.tables import Feed
@@ -38,73 +38,44 @@ LINES = {name: load_line(shipped_line(name)) for name in ("karasuyama", "busy_li
 Table = Sequence[Sequence[str]]
 
 
+# Two tracks at the first of three stations; a trip there and one back on weekdays, one at the weekend, and a bus.
+FEED = {
+    "agency.txt": """agency_id,agency_name,agency_url,agency_timezone
+1,A,https://example.com/,Asia/Tokyo""",
+    "stops.txt": """stop_id,stop_name,stop_lat,stop_lon,location_type,parent_station,platform_code
+A,Aoki,36.0,140.0,1,,
+A1,Aoki,36.0,140.0,0,A,1
+A2,Aoki,36.0,140.0,0,A,2
+B,Bessho,36.1,140.0,0,,
+C,Chuo,36.2,140.0,0,,""",
+    "routes.txt": """route_id,route_short_name,route_type
+R,Line,2
+Q,Bus,3""",
+    "trips.txt": """route_id,service_id,trip_id,direction_id,block_id
+R,WD,1,0,x
+R,WD,2,1,x
+R,WE,9,0,
+Q,WD,b,0,""",
+    "stop_times.txt": """trip_id,arrival_time,departure_time,stop_id,stop_sequence,pickup_type,drop_off_type
+1,6:00:00,6:00:00,A1,1,,
+1,6:05:00,6:06:00,B,5,,
+1,6:10:00,6:10:00,C,9,,
+2,23:50:00,23:50:00,C,1,,
+2,23:59:00,24:01:00,B,2,1,1
+2,24:10:00,24:10:00,A2,3,,
+9,00:30:00,00:30:00,A1,1,,
+9,00:40:00,00:40:00,C,2,,
+b,07:00:00,07:00:00,A,1,,
+b,07:40:00,07:40:00,C,2,,""",
+    "calendar.txt": """service_id,monday,tuesday,wednesday,thursday,friday,saturday,sunday,start_date,end_date
+WD,1,1,1,1,1,0,0,20260101,20261231
+WE,0,0,0,0,0,1,1,20260101,20261231""",
+}
+
+
 def feed() -> dict[str, list[list[str]]]:
-    """Two stations with two tracks, a third without; three trips there and back on weekdays."""
-    return {
-        "agency.txt": [
-            ["agency_id", "agency_name", "agency_url", "agency_timezone"],
-            ["1", "A", "https://example.com/", "Asia/Tokyo"],
-        ],
-        "stops.txt": [
-            [
-                "stop_id",
-                "stop_name",
-                "stop_lat",
-                "stop_lon",
-                "location_type",
-                "parent_station",
-                "platform_code",
-            ],
-            *(
-                ["A", "Aoki", "36.0", "140.0", "1", "", ""],
-                ["A1", "Aoki", "36.0", "140.0", "0", "A", "1"],
-                ["A2", "Aoki", "36.0", "140.0", "0", "A", "2"],
-                ["B", "Bessho", "36.1", "140.0", "0", "", ""],
-                ["C", "Chuo", "36.2", "140.0", "0", "", ""],
-            ),
-        ],
-        "routes.txt": [["route_id", "route_short_name", "route_type"], ["R", "Line", "2"], ["Q", "Bus", "3"]],
-        "trips.txt": [
-            ["route_id", "service_id", "trip_id", "direction_id", "block_id"],
-            ["R", "WD", "1", "0", "x"],
-            ["R", "WD", "2", "1", "x"],
-            ["R", "WE", "9", "0", ""],
-            ["Q", "WD", "b", "0", ""],
-        ],
-        "stop_times.txt": [
-            *(
-                [
-                    "trip_id",
-                    "arrival_time",
-                    "departure_time",
-                    "stop_id",
-                    "stop_sequence",
-                    "pickup_type",
-                    "drop_off_type",
-                ],
-            ),
-            *(["1", "6:00:00", "6:00:00", "A1", "1", "", ""], ["1", "6:05:00", "6:06:00", "B", "5", "", ""]),
-            *(["1", "6:10:00", "6:10:00", "C", "9", "", ""],),
-            *(
-                ["2", "23:50:00", "23:50:00", "C", "1", "", ""],
-                ["2", "23:59:00", "24:01:00", "B", "2", "1", "1"],
-            ),
-            *(["2", "24:10:00", "24:10:00", "A2", "3", "", ""],),
-            *(
-                ["9", "00:30:00", "00:30:00", "A1", "1", "", ""],
-                ["9", "00:40:00", "00:40:00", "C", "2", "", ""],
-            ),
-            *(
-                ["b", "07:00:00", "07:00:00", "A", "1", "", ""],
-                ["b", "07:40:00", "07:40:00", "C", "2", "", ""],
-            ),
-        ],
-        "calendar.txt": [
-            ["service_id", *WEEKDAYS, "start_date", "end_date"],
-            ["WD", "1", "1", "1", "1", "1", "0", "0", "20260101", "20261231"],
-            ["WE", "0", "0", "0", "0", "0", "1", "1", "20260101", "20261231"],
-        ],
-    }
+    """The rows of each table, its columns first."""
+    return {name: [row.split(",") for row in text.splitlines()] for name, text in FEED.items()}
 
 
 def write(path: Path, tables: Mapping[str, Table]) -> Path:
@@ -144,7 +115,7 @@ def test_a_weekday(tmp_path: Path) -> None:
     assert [station.key for station in day.published.stations] == ["A", "B", "C"]
     assert day.published.stations[0].tracks == ("1", "2")
     first, back, late = day.published.trains
-    assert [c.station for c in first.calls] == ["A", "B", "C"]
+    assert [c.station_id for c in first.calls] == ["A", "B", "C"]
     assert (first.calls[0].arrival_s, first.calls[0].departure_s, first.calls[0].track) == (None, 21_600, "1")
     assert (first.calls[-1].arrival_s, first.calls[-1].departure_s) == (22_200, None)
     assert (first.direction, back.direction) == ("down", "up")

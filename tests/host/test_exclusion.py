@@ -30,6 +30,7 @@ from radio.messages import SignOnAccepted
 from radio.noted import Noted, TelegramDropped
 from tests.host.exclusion_bench import World
 from tests.host.exclusion_trains import SECTIONS, UNITS, Where
+from tests.nightly import others_nightly
 from wayside.config import (
     ReentryMode,
 )
@@ -54,6 +55,7 @@ from wayside.said import (
 )
 
 SEEDS: Final = 16
+SLICE: Final = 4  # of them in every run
 
 units = st.sampled_from(UNITS)
 goals = st.sampled_from(["E", "E2"])
@@ -154,7 +156,7 @@ class Exclusion(RuleBasedStateMachine):
 
 
 TestExclusion = Exclusion.TestCase
-TestExclusion.settings = settings(max_examples=60, stateful_step_count=60, deadline=None)
+TestExclusion.settings = settings(stateful_step_count=60)
 
 
 class Walker:
@@ -238,7 +240,7 @@ class Walker:
 
 @pytest.mark.parametrize("mode", ReentryMode)
 @pytest.mark.parametrize("recovering", [False, True], ids=["walk", "recovery"])
-@pytest.mark.parametrize("seed", range(SEEDS))
+@pytest.mark.parametrize("seed", others_nightly(range(SEEDS), range(SLICE)))
 def test_walks_and_after_them_all_goes_on(seed: int, recovering: bool, mode: ReentryMode) -> None:
     walker = Walker(seed, mode)
     for _ in range(300):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +22,9 @@ from onboard.driving.tuning import Learned
 from onboard.driving_settings import Driving
 from onboard.duty.mission import Mission, plan_mission
 from onboard.duty.records import DutyPhase
-from onboard.records import BEHAVIOUR, EVENT_MOVING, MODE_DRIVE, UNIT, BehaviourRow, UnitRow
+from onboard.motion import UnitMotion
+from onboard.records import BEHAVIOUR, EVENT_MOVING, MODE_DRIVE, UNIT, BehaviourRow, PathData, UnitRow
+from onboard.unit_records import UnitParameters
 from radio.messages import (
     HoldingConfirmed,
     HoldingReport,
@@ -142,16 +145,13 @@ def keeper(train: TrainRow, behaviour: BehaviourRow) -> Callable[[], StopKeeper]
     return make
 
 
-# a unit and its driving part, phase by phase --------------------------------------------------------------------
-
-
 @pytest.fixture
 def path(track: Callable[..., Rows], mission: Mission) -> Rows:
     return track(np.zeros(math.ceil(mission.path.length_m) + 1))
 
 
 @pytest.fixture
-def switched_off(
+def at_start(
     rtri: Line,
     mission: Mission,
     unit: UnitRow,
@@ -159,8 +159,36 @@ def switched_off(
     behaviour: BehaviourRow,
     keeper: Callable[[], StopKeeper],
     path: Rows,
-) -> Bench:
-    return Bench(rtri, mission, unit, train, behaviour, keeper(), path)
+) -> Callable[..., UnitMotion]:
+    """The driving part of a unit at the mark of section 3, with options of `UnitMotion`; new at each call."""
+
+    def make(**options: Any) -> UnitMotion:  # noqa: ANN401
+        motion = UnitMotion(rtri, UnitParameters(), unit, train, behaviour, keeper(), **options)
+        motion.stand_at_start(mission, PathData(path, 0), 0.0)
+        return motion
+
+    return make
+
+
+# a unit and its driving part, phase by phase --------------------------------------------------------------------
+
+
+@pytest.fixture
+def bench_on(
+    mission: Mission,
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    path: Rows,
+) -> Callable[[Line], Bench]:
+    """A unit on a line, switched off; new at each call."""
+    return lambda line: Bench(line, mission, unit, train, behaviour, keeper(), path)
+
+
+@pytest.fixture
+def switched_off(bench_on: Callable[[Line], Bench], rtri: Line) -> Bench:
+    return bench_on(rtri)
 
 
 @pytest.fixture

@@ -9,13 +9,12 @@ from typing import Final
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from network.model import Line, TagPurpose
+from network.model import TagPurpose
 from onboard import notes
-from onboard.driving.stop_keeper import StopKeeper
 from onboard.duty.mission import Mission
 from onboard.duty.records import (
     AtMark,
@@ -36,12 +35,8 @@ from onboard.records import (
     EVENT_IDLE,
     EVENT_PLACE,
     EVENT_POSITION,
-    BehaviourRow,
-    PathData,
-    UnitRow,
 )
 from onboard.unit_records import UnitParameters
-from vehicle.records import TrainRow
 
 Rows = NDArray[np.void]
 MARK_B_M: Final = 660.0
@@ -58,19 +53,9 @@ UNKNOWN_TAG: Final = 60_000
 
 
 @pytest.fixture
-def motion(
-    rtri: Line,
-    mission: Mission,
-    unit: UnitRow,
-    train: TrainRow,
-    behaviour: BehaviourRow,
-    keeper: Callable[[], StopKeeper],
-    track: Callable[..., Rows],
-) -> UnitMotion:
+def motion(at_start: Callable[..., UnitMotion]) -> UnitMotion:
     """At the mark of section 3, without a reader of tags."""
-    motion = UnitMotion(rtri, UnitParameters(), unit, train, behaviour, keeper(), reads_tags=False)
-    path = PathData(track(np.zeros(math.ceil(mission.path.length_m) + 1)), 0)
-    motion.stand_at_start(mission, path, 0.0)
+    motion = at_start(reads_tags=False)
     motion.obey(RUN, 0.0)
     return motion
 
@@ -124,7 +109,6 @@ def test_bounds_by_the_tachometer_prove_nothing(motion: UnitMotion) -> None:
     ]
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
 @given(fixes=st.lists(st.tuples(st.floats(0.0, 650.0), st.floats(0.0, 60.0)), min_size=1, max_size=6))
 def test_no_place_is_passed_before_a_fix_proves_it(
     motion: UnitMotion, mission: Mission, fixes: list[tuple[float, float]]

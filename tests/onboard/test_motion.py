@@ -9,12 +9,10 @@ from typing import Final
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from network.model import Line
-from onboard.driving.stop_keeper import StopKeeper
 from onboard.duty.mission import Mission
 from onboard.duty.records import (
     AtMark,
@@ -39,12 +37,9 @@ from onboard.records import (
     MODE_DRIVE,
     MODE_HOLD,
     NO_INTERVENTION,
-    BehaviourRow,
     PathData,
-    UnitRow,
 )
 from onboard.unit_records import UnitParameters
-from vehicle.records import TrainRow
 
 Rows = NDArray[np.void]
 # Sections 3, 5, 6, 7 and 8 of mission T1 begin here; the path ends at 690 m.
@@ -55,20 +50,8 @@ RUN: Final = DrivingCommand(drive=True, target=1, limit=StopLimit(5, None, "end 
 
 
 @pytest.fixture
-def motion(
-    rtri: Line,
-    mission: Mission,
-    unit: UnitRow,
-    train: TrainRow,
-    behaviour: BehaviourRow,
-    keeper: Callable[[], StopKeeper],
-    track: Callable[..., Rows],
-) -> UnitMotion:
-    """At the mark of section 3."""
-    motion = UnitMotion(rtri, UnitParameters(), unit, train, behaviour, keeper())
-    path = PathData(track(np.zeros(math.ceil(mission.path.length_m) + 1)), 0)
-    motion.stand_at_start(mission, path, 0.0)
-    return motion
+def motion(at_start: Callable[[], UnitMotion]) -> UnitMotion:
+    return at_start()
 
 
 def test_at_the_start_it_knows_where_it_stands(motion: UnitMotion) -> None:
@@ -78,7 +61,6 @@ def test_at_the_start_it_knows_where_it_stands(motion: UnitMotion) -> None:
     assert (place.near, place.passed) == (0, 0)
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])  # each example sets the row
 @given(
     position_m=st.floats(0.0, 690.0),
     ahead_m=st.floats(0.0, 60.0),

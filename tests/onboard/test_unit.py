@@ -11,8 +11,6 @@ import pytest
 
 from network.model import Coverage, Line, Position
 from onboard import motion as driving
-from onboard.driving.stop_keeper import StopKeeper
-from onboard.duty.mission import Mission
 from onboard.duty.records import (
     DutyPhase,
     Event,
@@ -33,8 +31,6 @@ from onboard.records import (
     MODE_DRIVE,
     MODE_HOLD,
     NO_INTERVENTION,
-    BehaviourRow,
-    UnitRow,
 )
 from onboard.unit import OnboardUnit
 from onboard.unit_records import UnitParameters
@@ -61,11 +57,9 @@ from tests.onboard.unit_bench import (
     TOKEN,
     UNIT,
     Bench,
-    Rows,
     capabilities,
     proof,
 )
-from vehicle.records import TrainRow
 
 # the run as it should be ----------------------------------------------------------------------------------------
 
@@ -392,17 +386,10 @@ def test_switched_on_again_it_knows_nothing_and_stands_braked(running: Bench) ->
 
 
 def test_what_is_due_out_of_reach_goes_out_where_the_radio_begins_again(
-    rtri: Line,
-    mission: Mission,
-    unit: UnitRow,
-    train: TrainRow,
-    behaviour: BehaviourRow,
-    keeper: Callable[[], StopKeeper],
-    path: Rows,
+    rtri: Line, bench_on: Callable[[Line], Bench]
 ) -> None:
     main = replace(rtri.alignments["main"], coverage=(Coverage(0.0, 100.0), Coverage(500.0, 1410.0)))
-    gap = replace(rtri, alignments={"main": main})
-    bench = Bench(gap, mission, unit, train, behaviour, keeper(), path)
+    bench = bench_on(replace(rtri, alignments={"main": main}))
     bench.begin()
     assert bench.said == []
     assert bench.wake_at_s == DEPARTURE_S - LEAD_S  # and no repeat

@@ -41,29 +41,17 @@ def switch(function: Switch) -> Switch:
 # the stop law -------------------------------------------------------------------------------------------------
 
 
-@switch
-def prediction_removed(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(stop_keeper, "WHOLE_LAW", WHOLE_LAW & ~StopLawPart.PREDICTION)
+def _without(part: StopLawPart) -> Switch:
+    return lambda patch: patch.setattr(stop_keeper, "WHOLE_LAW", WHOLE_LAW & ~part)
 
 
-@switch
-def redrawing_removed(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(stop_keeper, "WHOLE_LAW", WHOLE_LAW & ~StopLawPart.REDRAWING)
-
-
-@switch
-def feed_forward_removed(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(stop_keeper, "WHOLE_LAW", WHOLE_LAW & ~StopLawPart.FEED_FORWARD)
-
-
-@switch
-def resistance_not_taken_off(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(stop_keeper, "WHOLE_LAW", WHOLE_LAW & ~StopLawPart.RESISTANCE)
-
-
-@switch
-def soft_end_removed(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(stop_keeper, "WHOLE_LAW", WHOLE_LAW & ~StopLawPart.SOFT_END)
+SWITCHES.update(
+    prediction_removed=_without(StopLawPart.PREDICTION),
+    redrawing_removed=_without(StopLawPart.REDRAWING),
+    feed_forward_removed=_without(StopLawPart.FEED_FORWARD),
+    resistance_not_taken_off=_without(StopLawPart.RESISTANCE),
+    soft_end_removed=_without(StopLawPart.SOFT_END),
+)
 
 
 @switch
@@ -142,17 +130,7 @@ def brakes_beyond_the_stated_range(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(stop_window, "random_brakes", worn)
 
 
-@switch
-def set_taken_too_large(patch: pytest.MonkeyPatch) -> None:
-    _shift_edge(patch, -0.4)
-
-
-@switch
-def set_taken_too_small(patch: pytest.MonkeyPatch) -> None:
-    _shift_edge(patch, 0.2)
-
-
-def _shift_edge(patch: pytest.MonkeyPatch, share: float) -> None:
+def _edge_shifted(share: float) -> Switch:
     lowest_shares = stop_set.lowest_shares
 
     def shifted(
@@ -161,7 +139,10 @@ def _shift_edge(patch: pytest.MonkeyPatch, share: float) -> None:
         lowest = np.clip(lowest_shares(shares, least_m, most_m) + share, 0.0, None)
         return np.where(lowest > 1.0, np.inf, lowest)
 
-    patch.setattr(stop_set, "lowest_shares", shifted)
+    return lambda patch: patch.setattr(stop_set, "lowest_shares", shifted)
+
+
+SWITCHES.update(set_taken_too_large=_edge_shifted(-0.4), set_taken_too_small=_edge_shifted(0.2))
 
 
 # where trains are ---------------------------------------------------------------------------------------------------

@@ -10,20 +10,21 @@ from papers import trainruns, ttobench
 from papers.reference_data import BESIDE
 from papers.reproduction import Options
 from papers.specification import REPRODUCTIONS, reproduction
+from tests.nightly import others_nightly
 from vehicle.compiled import INTERPRETED
 
-# whole days of a line or hundreds of runs
-LONG: Final = {"line-stops", "position-fusion", "position-operations"}
+# Whole days of a line, hundreds of runs or stops, scans.
+LONG: Final = {
+    *("line-stops", "line-driving", "battery-day", "virtual-blocks", "stop-window", "harada-accuracy"),
+    *("position-compare", "position-fusion", "position-operations", "mochizuki-patterns", "mochizuki-speed"),
+}
 READS: Final = {"trainruns": trainruns.FOLDER, "ttobench": ttobench.FOLDER}
 
 
 @pytest.mark.skipif(INTERPRETED, reason="thousands of stops, and scans")
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=[pytest.mark.nightly] if name in LONG else [])
-        for name in sorted(REPRODUCTIONS)
-    ],
+    others_nightly(sorted(REPRODUCTIONS), set(REPRODUCTIONS) - LONG),
 )
 def test_it_misses_every_criterion_that_it_must(name: str) -> None:
     if name in READS and not (BESIDE / READS[name]).is_dir():

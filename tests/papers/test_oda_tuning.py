@@ -41,6 +41,7 @@ def test_every_criterion_holds_on_a_small_fleet(result: Reproduction) -> None:
     assert "short slice" in result.remarks[-1]
 
 
+@pytest.mark.nightly
 def test_the_same_seed_gives_the_same_figures(result: Reproduction) -> None:
     assert reproduce(Options(seed=5, quick=True)).as_dict() == result.as_dict()
 

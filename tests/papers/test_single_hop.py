@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_HOLD
@@ -54,7 +54,6 @@ def test_the_trace_is_the_run(course: HopBench) -> None:
     assert trace["speed_mps"].max() == found.outcome["speed_max_mps"]
 
 
-@settings(max_examples=20)
 @given(st.floats(-10.0, 10.0), st.floats(76.0, 110.0))
 def test_what_is_drawn_pays_for_the_climb_and_more(gradient_permille: float, order_s: float) -> None:
     """Energy at the wire is at least that of the climb over the efficiency, and a slower order costs no more speed."""

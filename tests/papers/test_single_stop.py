@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from onboard.driving.tasc import StopVerdict
@@ -78,7 +78,6 @@ def test_the_trace_is_the_run() -> None:
     assert (np.diff(trace["position_m"]) >= 0.0).all()
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     brake_factor=st.floats(0.3, 1.2),
     odometer_error=st.floats(-0.01, 0.01),

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from papers.reproduction import Options
@@ -96,7 +96,6 @@ def test_between_the_points_of_the_grid_stops_stay_within_what_it_spans(found: S
     assert 2.0 * beyond_the_grid_m(found, generator(7, "test"), 1000) <= MARGIN_M
 
 
-@settings(max_examples=100, deadline=None)
 @given(
     speed_mps=st.floats(SPEED_LEAST_MPS, 18.0),
     above=st.floats(0.0, 1.0),

@@ -6,7 +6,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import binom
 
@@ -89,7 +89,6 @@ def test_both_items_of_a_telegram_are_lost_in_one_shift() -> None:
     assert right_twice == pytest.approx(0.99**4 * 0.99**64, rel=1e-6)
 
 
-@settings(max_examples=15, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 3), st.integers(1, 5), st.integers(1, 4))
 def test_windows_are_followed_as_the_reader_judges(
     seed: int, agree: int, telegrams: int, window: int

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from network.errors import InputError
@@ -96,7 +96,6 @@ def test_our_laws_by_its_assumptions_come_to_what_its_model_converges_to(path: s
     assert converged_s(kind.row, way_of(way), theirs.braking_mps2) > ours_s + 1.0  # its load rolls
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     limits=st.lists(st.floats(4.0, 40.0), min_size=4, max_size=8),
     permille=st.lists(st.floats(-20.0, 20.0), min_size=8, max_size=8),

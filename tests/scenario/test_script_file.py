@@ -15,7 +15,6 @@ from simulation.faults.script import DEFAULTS, ActKind, Property
 from study.outcome import Outcome
 
 HEAD = 'extends = "rtri_test_line"\nid = "tried"\n'
-MET = '[[expect]]\ntext = "t"\nproperty = "everyone_arrives"\n'
 
 
 def scenario_of(tmp_path: Path, script: str) -> Scenario:
@@ -24,145 +23,94 @@ def scenario_of(tmp_path: Path, script: str) -> Scenario:
     return load_scenario(str(file))
 
 
+def fault(kind: str, target: str, *keys: str, start: str = "10:00") -> str:
+    return "\n".join(("[[fault]]", f'kind = "{kind}"', f'target = "{target}"', *keys, f'start = "{start}"\n'))
+
+
+def act(kind: str, *keys: str) -> str:
+    return "\n".join(("[[act]]", f'kind = "{kind}"', *keys, 'start = "10:00"\n'))
+
+
+def expect(*keys: str) -> str:
+    return "\n".join(("[[expect]]", 'text = "t"', *keys)) + "\n"
+
+
 REFUSED = {
-    "unknown fault": ('[[fault]]\nkind = "explodes"\ntarget = "K1"\nstart = "10:00"\n', "fault[0].kind"),
-    "claims an unknown section": (
-        '[[fault]]\nkind = "false_claims"\ntarget = "K1"\nsection = "X"\nstart = "10:00"\n',
-        "fault[0].section",
-    ),
-    "unknown device": ('[[fault]]\nkind = "power_off"\ntarget = "K9"\nstart = "10:00"\n', "fault[0].target"),
-    "unknown points": ('[[fault]]\nkind = "stuck"\ntarget = "P1"\nstart = "10:00"\n', "fault[0].target"),
-    "unknown tag": ('[[fault]]\nkind = "miss"\ntarget = "9"\nstart = "10:00"\n', "fault[0].target"),
-    "a unit is no tag": ('[[fault]]\nkind = "miss"\ntarget = "K1"\nstart = "10:00"\n', "fault[0].target"),
-    "no link": ('[[fault]]\nkind = "cut"\ntarget = "K1"\nstart = "10:00"\n', "fault[0].target"),
-    "link to nobody": ('[[fault]]\nkind = "cut"\ntarget = "K1 <-> K9"\nstart = "10:00"\n', "fault[0].target"),
-    "a link of three": (
-        '[[fault]]\nkind = "cut"\ntarget = "K1 <-> B-W <-> K2"\nstart = "10:00"\n',
-        "fault[0].target",
-    ),
-    "two arrows": (
-        '[[fault]]\nkind = "cut"\ntarget = "K1 -> B-W <-> K1"\nstart = "10:00"\n',
-        "fault[0].target",
-    ),
-    "an end missing": ('[[fault]]\nkind = "cut"\ntarget = " -> B-W"\nstart = "10:00"\n', "fault[0].target"),
-    "a duration of what is over at once": (
-        '[[fault]]\nkind = "restart"\ntarget = "K1"\nduration_s = 5.0\nstart = "10:00"\n',
-        "fault[0].duration_s",
-    ),
-    "held back for ever": (
-        '[[fault]]\nkind = "reorder"\ntarget = "* <-> *"\np = 0.5\nseconds = 1e6\nstart = "10:00"\n',
-        "fault[0].seconds",
-    ),
-    "half an id": (
-        '[[fault]]\nkind = "wrong_id"\ntarget = "602"\nid = 1.5\nstart = "10:00"\n',
-        "fault[0].id",
-    ),
+    "unknown fault": (fault("explodes", "K1"), "fault[0].kind"),
+    "claims an unknown section": (fault("false_claims", "K1", 'section = "X"'), "fault[0].section"),
+    "unknown device": (fault("power_off", "K9"), "fault[0].target"),
+    "unknown points": (fault("stuck", "P1"), "fault[0].target"),
+    "unknown tag": (fault("miss", "9"), "fault[0].target"),
+    "a unit is no tag": (fault("miss", "K1"), "fault[0].target"),
+    "no link": (fault("cut", "K1"), "fault[0].target"),
+    "link to nobody": (fault("cut", "K1 <-> K9"), "fault[0].target"),
+    "a link of three": (fault("cut", "K1 <-> B-W <-> K2"), "fault[0].target"),
+    "two arrows": (fault("cut", "K1 -> B-W <-> K1"), "fault[0].target"),
+    "an end missing": (fault("cut", " -> B-W"), "fault[0].target"),
+    "a duration of what is over at once": (fault("restart", "K1", "duration_s = 5.0"), "fault[0].duration_s"),
+    "held back for ever": (fault("reorder", "* <-> *", "p = 0.5", "seconds = 1e6"), "fault[0].seconds"),
+    "half an id": (fault("wrong_id", "602", "id = 1.5"), "fault[0].id"),
     "safety in a stretch of time": (
-        '[[expect]]\ntext = "t"\nproperty = "everyone_arrives"\nafter = "K1 restarts"\n',
+        expect('property = "everyone_arrives"', 'after = "K1 restarts"'),
         "expect[0].after",
     ),
     "not slow": (
-        '[[expect]]\ntext = "t"\nproperty = "speed_at_most"\nunit = "K1"\nkmh = 1.0\nabsent = true\n',
+        expect('property = "speed_at_most"', 'unit = "K1"', "kmh = 1.0", "absent = true"),
         "expect[0].absent",
     ),
-    "parameter missing": ('[[fault]]\nkind = "loss"\ntarget = "* <-> *"\nstart = "10:00"\n', "fault[0].p"),
-    "parameter too large": (
-        '[[fault]]\nkind = "loss"\ntarget = "* <-> *"\np = 1.5\nstart = "10:00"\n',
-        "fault[0].p",
-    ),
-    "foreign parameter": (
-        '[[fault]]\nkind = "cut"\ntarget = "* <-> *"\np = 0.5\nstart = "10:00"\n',
-        "fault[0].p",
-    ),
-    "words that name nothing": (
-        '[[fault]]\nkind = "restart"\ntarget = "K1"\nstart = "train T1 sings"\n',
-        "fault[0].start",
-    ),
+    "parameter missing": (fault("loss", "* <-> *"), "fault[0].p"),
+    "parameter too large": (fault("loss", "* <-> *", "p = 1.5"), "fault[0].p"),
+    "foreign parameter": (fault("cut", "* <-> *", "p = 0.5"), "fault[0].p"),
+    "words that name nothing": (fault("restart", "K1", start="train T1 sings"), "fault[0].start"),
     "a train that does not run": (
-        '[[fault]]\nkind = "restart"\ntarget = "K1"\nstart = "train T9 departs A"\n',
+        fault("restart", "K1", start="train T9 departs A"),
         "fault[0].start: train",
     ),
-    "unknown act": ('[[act]]\nkind = "prays"\nstart = "10:00"\n', "act[0].kind"),
-    "act on nobody": ('[[act]]\nkind = "give_back"\ntarget = "K9"\nstart = "10:00"\n', "act[0].target"),
-    "no position": (
-        '[[act]]\nkind = "repair_points"\ntarget = "P7"\nposition = "up"\nstart = "10:00"\n',
-        "act[0].position",
-    ),
-    "unknown section": (
-        '[[act]]\nkind = "enter_section"\nsections = ["99"]\nstart = "10:00"\n',
-        "act[0].sections[0]",
-    ),
-    "a place that is no section": (
-        '[[act]]\nkind = "confirm_outside"\ntarget = "K1"\nplace = "99"\nstart = "10:00"\n',
-        "act[0].place",
-    ),
-    "a place where none is said": (
-        '[[act]]\nkind = "take_back"\ntarget = "K1"\nplace = "PE"\nstart = "10:00"\n',
-        "act[0].place",
-    ),
-    "a place that is no word": (
-        '[[act]]\nkind = "confirm_outside"\ntarget = "K1"\nplace = 7\nstart = "10:00"\n',
-        "act[0].place",
-    ),
-    "taken back of nobody": (
-        '[[act]]\nkind = "take_back"\ntarget = "K9"\nstart = "10:00"\n',
-        "act[0].target",
-    ),
-    "no sections": ('[[act]]\nkind = "confirm_holding"\ntarget = "K1"\nstart = "10:00"\n', "act[0].sections"),
-    "neither event nor property": ('[[expect]]\ntext = "t"\n', "expect[0]"),
-    "event and property": ('[[expect]]\ntext = "t"\nevent = "K1 restarts"\nproperty = "x"\n', "expect[0]"),
-    "a word no journal has": (
-        '[[expect]]\ntext = "t"\nevent = { who = "K1", what = "dances" }\n',
-        "expect[0].event.what",
-    ),
+    "unknown act": (act("prays"), "act[0].kind"),
+    "act on nobody": (act("give_back", 'target = "K9"'), "act[0].target"),
+    "no position": (act("repair_points", 'target = "P7"', 'position = "up"'), "act[0].position"),
+    "unknown section": (act("enter_section", 'sections = ["99"]'), "act[0].sections[0]"),
+    "a place that is no section": (act("confirm_outside", 'target = "K1"', 'place = "99"'), "act[0].place"),
+    "a place where none is said": (act("take_back", 'target = "K1"', 'place = "PE"'), "act[0].place"),
+    "a place that is no word": (act("confirm_outside", 'target = "K1"', "place = 7"), "act[0].place"),
+    "taken back of nobody": (act("take_back", 'target = "K9"'), "act[0].target"),
+    "no sections": (act("confirm_holding", 'target = "K1"'), "act[0].sections"),
+    "neither event nor property": (expect(), "expect[0]"),
+    "event and property": (expect('event = "K1 restarts"', 'property = "x"'), "expect[0]"),
+    "a word no journal has": (expect('event = { who = "K1", what = "dances" }'), "expect[0].event.what"),
     "a party that does not exist": (
-        '[[expect]]\ntext = "t"\nevent = { who = "K9", what = "restarted" }\n',
+        expect('event = { who = "K9", what = "restarted" }'),
         "expect[0].event.who",
     ),
     "a section in a list that does not exist": (
-        '[[expect]]\ntext = "t"\nevent = { what = "freed", sections = ["5", "99"] }\n',
+        expect('event = { what = "freed", sections = ["5", "99"] }'),
         "expect[0].event.sections",
     ),
-    "a duration from no beginning": (
-        '[[expect]]\ntext = "t"\nevent = "K1 restarts"\nwithin_s = 5.0\n',
-        "expect[0].within_s",
-    ),
-    "long after the run": (
-        '[[expect]]\ntext = "t"\nevent = "K1 restarts"\nby = "59:00"\n',
-        "expect[0].by",
-    ),
-    "unknown property": ('[[expect]]\ntext = "t"\nproperty = "beautiful"\n', "expect[0].property"),
-    "speed of nobody": (
-        '[[expect]]\ntext = "t"\nproperty = "speed_at_most"\nkmh = 15.0\n',
-        "expect[0].unit",
-    ),
-    "no speed": ('[[expect]]\ntext = "t"\nproperty = "speed_at_most"\nunit = "K1"\n', "expect[0].kmh"),
+    "a duration from no beginning": (expect('event = "K1 restarts"', "within_s = 5.0"), "expect[0].within_s"),
+    "long after the run": (expect('event = "K1 restarts"', 'by = "59:00"'), "expect[0].by"),
+    "unknown property": (expect('property = "beautiful"'), "expect[0].property"),
+    "speed of nobody": (expect('property = "speed_at_most"', "kmh = 15.0"), "expect[0].unit"),
+    "no speed": (expect('property = "speed_at_most"', 'unit = "K1"'), "expect[0].kmh"),
     "a time before the run": (
-        '[[expect]]\ntext = "t"\nevent = "K1 restarts"\nabsent = true\nby = "03:00"\n',
+        expect('event = "K1 restarts"', "absent = true", 'by = "03:00"'),
         "expect[0].by",
     ),
     "a section of a speed": (
-        '[[expect]]\ntext = "t"\nproperty = "speed_at_most"\nunit = "K1"\nkmh = 15.0\nsection = "5"\n',
+        expect('property = "speed_at_most"', 'unit = "K1"', "kmh = 15.0", 'section = "5"'),
         "expect[0].section",
     ),
-    "a speed of an event": (
-        '[[expect]]\ntext = "t"\nevent = "K1 restarts"\nabsent = true\nkmh = 15.0\n',
-        "expect[0].kmh",
-    ),
-    "a position given back": (
-        '[[act]]\nkind = "give_back"\ntarget = "K1"\nposition = "normal"\nstart = "10:00"\n',
-        "act[0].position",
-    ),
+    "a speed of an event": (expect('event = "K1 restarts"', "absent = true", "kmh = 15.0"), "expect[0].kmh"),
+    "a position given back": (act("give_back", 'target = "K1"', 'position = "normal"'), "act[0].position"),
     "a rule that persons who are wrong do not break": (
-        '[[expect]]\ntext = "t"\nproperty = "no_invariant_broken"\nabsent = true\nrules = ["tokens-grow"]\n',
+        expect('property = "no_invariant_broken"', "absent = true", 'rules = ["tokens-grow"]'),
         "expect[0].rules[0]",
     ),
     "rules that nobody breaks": (
-        '[[expect]]\ntext = "t"\nproperty = "no_invariant_broken"\nrules = ["inside-holding"]\n',
+        expect('property = "no_invariant_broken"', 'rules = ["inside-holding"]'),
         "expect[0].rules",
     ),
     "a section nobody can enter": (
-        '[[expect]]\ntext = "t"\nproperty = "never_enters"\nunit = "K1"\nsection = "99"\n',
+        expect('property = "never_enters"', 'unit = "K1"', 'section = "99"'),
         "expect[0].section",
     ),
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import Position
@@ -246,7 +246,6 @@ ACTS = (
 acts = st.tuples(st.sampled_from(ACTS), st.sampled_from("ABC"), st.floats(0.0, 1.0))
 
 
-@settings(max_examples=150, deadline=None)
 @given(st.lists(acts, max_size=80))
 def test_lawful_running_breaks_nothing(sequence: list[tuple[str, str, float]]) -> None:
     line = Lawful()

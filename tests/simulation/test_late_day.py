@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from simulation.faults.links import DeadZone
@@ -50,7 +50,6 @@ def of(drawn: LateDay, kind: str, name: str) -> list[DrawnDisturbance]:
 SETS = st.sets(st.tuples(st.sampled_from(sorted(SOURCES)), NAMES), min_size=1, max_size=6)
 
 
-@settings(max_examples=15)
 @given(SETS, st.tuples(st.sampled_from(sorted(SOURCES)), NAMES), st.integers(0, 2**63 - 1))
 def test_a_source_more_moves_no_draw_of_another(
     karasuyama_setup: Setup, picked: set[tuple[str, str]], added: tuple[str, str], seed: int

@@ -11,6 +11,7 @@ from scenario.scenario import load_scenario
 from simulation.events import TagPassed
 from study.drilling.drill import run_drill
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
+from tests.nightly import others_nightly
 
 pytestmark = pytest.mark.system
 
@@ -34,7 +35,7 @@ def test_a_run_whose_tags_cannot_be_read_stops_its_trains_and_breaks_nothing() -
     assert run.result.motion_digest != _run().result.motion_digest
 
 
-@pytest.mark.parametrize("line", ["rtri", "karasuyama"])
+@pytest.mark.parametrize("line", others_nightly(["rtri", "karasuyama"], ["rtri"]))
 def test_in_noise_tags_are_missed_and_none_is_read_as_another(line: str) -> None:
     drill = run_drill(f"{line}/45_tags_by_bits", PartyLink.SIMULATED)
     passed = [

@@ -113,6 +113,7 @@ def _between(from_s: float, to_s: float) -> dict[str, float]:
     return {"taken_kwh": rows["taken_kwh"][-1] - rows["taken_kwh"][0]}
 
 
+@pytest.mark.nightly
 def test_the_battery_neither_slows_nor_delays_the_day() -> None:
     plain = run("karasuyama_weekday")
     assert day().result.motion_digest == plain.result.motion_digest
@@ -176,6 +177,7 @@ def test_the_run_is_bad_and_says_why_but_no_state_is_dead() -> None:
     assert not [v for v in dead.result.violations if v.checker == Checker.NO_DEAD_STATE]
 
 
+@pytest.mark.nightly
 def test_with_the_charger_mended_it_goes_on(tmp_path: Path) -> None:
     fault = '[[fault]]\nkind = "charger_dead"\ntarget = "KRS"\nstart = "14:00:00"\nduration_s = 4500.0\n'
     path = tmp_path / "mended.toml"
@@ -210,6 +212,7 @@ def test_without_its_reckoning_v4_leaves(monkeypatch: pytest.MonkeyPatch) -> Non
     assert stops["departure_s"][0] is not None
 
 
+@pytest.mark.nightly
 def test_by_hand_v4_comes_home_and_v1_does_not_as_in_the_drill() -> None:
     """Sets that leave whatever: from what each held as it left, stop by stop."""
     dead = run("karasuyama/61_charger_dead_leaving")

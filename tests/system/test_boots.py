@@ -10,6 +10,7 @@ from typing import Any, Final
 
 import pytest
 
+from tests.nightly import others_nightly
 from tests.system.chaos import run_one
 from tests.system.chaos.case import Case
 from tests.system.chaos.families import Family, ground_of
@@ -36,6 +37,7 @@ def two_trains(nets: Path, *faults: dict[str, Any], boot_s: float = 10.0) -> Out
     return run_one.outcome_of(Case("boots", ground, head, faults), nets)
 
 
+PARTIES: Final = ("block-manager", "K1", "K2", "B-W", "A-E")
 AGAIN: Final = UNIT_OFF | {"after_s": 50.0, "duration_s": 5.0}
 BOOTS: Final[dict[str, tuple[dict[str, Any], ...]]] = {
     "both": (UNIT_OFF, MANAGER),
@@ -47,13 +49,8 @@ BOOTS: Final[dict[str, tuple[dict[str, Any], ...]]] = {
 }
 
 
-def nightly(first: float, *others: float) -> list[Any]:
-    """One in every run, the others at night."""
-    return [first, *(pytest.param(other, marks=pytest.mark.nightly) for other in others)]
-
-
-@pytest.mark.parametrize("boots", BOOTS)
-@pytest.mark.parametrize("boot_s", nightly(10.0, 0.5, 45.0, 180.0))
+@pytest.mark.parametrize("boots", others_nightly(BOOTS, ["both", "the unit twice"]))
+@pytest.mark.parametrize("boot_s", others_nightly((10.0, 0.5, 45.0, 180.0), [10.0]))
 def test_a_crew_that_comes_late_loses_nothing_but_time(boots: str, boot_s: float, nets: Path) -> None:
     outcome = two_trains(nets, *BOOTS[boots], boot_s=boot_s)
     assert outcome.fine, outcome.details
@@ -78,8 +75,8 @@ def test_a_unit_that_forgets_is_found_out_before_two_trains_meet(
 # lost stores ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("after_s", nightly(30.0, -20.0, 1.0, 75.0))
-@pytest.mark.parametrize("party", ["block-manager", "K1", "K2", "B-W", "A-E"])
+@pytest.mark.parametrize("after_s", others_nightly((30.0, -20.0, 1.0, 75.0), [30.0]))
+@pytest.mark.parametrize("party", others_nightly(PARTIES, ["block-manager", "K1", "B-W"]))
 def test_a_store_is_lost_at_any_time_and_people_commission_it_again(
     party: str, after_s: float, nets: Path
 ) -> None:
@@ -92,7 +89,7 @@ def test_a_store_is_lost_at_any_time_and_people_commission_it_again(
 def test_all_stores_are_lost_at_once(nets: Path) -> None:
     lost = [
         {"kind": "lost_store", "target": party, **LEAVES, "after_s": 30.0, "duration_s": 20.0}
-        for party in ("block-manager", "K1", "K2", "B-W", "A-E")
+        for party in PARTIES
     ]
     outcome = two_trains(nets, *lost)
     assert outcome.fine, outcome.details

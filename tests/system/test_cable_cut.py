@@ -10,7 +10,7 @@ from functools import cache
 from typing import Final
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from onboard.notes import Holds
@@ -30,13 +30,13 @@ from study.measures.waits import CABLE_CUT, waits_of
 from study.record.wait import Cause
 from study.runner.outcome import broken_rules, unfinished
 from study.runner.run import simulation_of
+from tests.nightly import A_FIFTH
 from wayside.said import Granted
 
 pytestmark = pytest.mark.system
 
 TEN_S: Final = 36_000.0  # T1's departure
 ON_THE_WAY_S: Final = 0.3  # what was sent before the cut still arrives, a step later, and is acted on
-SAFE: Final = settings(max_examples=15, deadline=None)
 
 
 @cache
@@ -84,7 +84,7 @@ def lost_in_the_cable(result: RunResult) -> int:
     return sum(event.where is LostWhere.CABLE for event in lost)
 
 
-@SAFE
+@A_FIFTH
 @given(st.floats(-30.0, 420.0), st.floats(5.0, 900.0))
 def test_while_all_is_cut_nobody_gets_further_and_afterwards_all_arrive(at_s: float, for_s: float) -> None:
     result = run(Interlocking.CENTRAL, (WHOLE, 0.5, at_s, for_s))
@@ -93,7 +93,7 @@ def test_while_all_is_cut_nobody_gets_further_and_afterwards_all_arrive(at_s: fl
     assert unfinished(result) == ()
 
 
-@SAFE
+@A_FIFTH
 @given(
     st.lists(
         st.tuples(

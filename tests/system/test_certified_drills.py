@@ -17,8 +17,9 @@ from study.drilling.drill import find_drill, shipped_drills
 from study.drilling.verdict import judge
 from study.runner.outcome import unfinished
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
-from tests.system.test_sidings import certified
-from wayside.said import Certified, HeldBack, NoOrderKnown
+from tests.nightly import others_nightly
+from tests.system.test_sidings import certified, changes_nothing
+from wayside.said import HeldBack
 
 pytestmark = pytest.mark.system
 
@@ -56,28 +57,15 @@ def unmet(run: FinishedRun) -> list[str]:
     return [f"{verdict.text}: {verdict.happened}" for verdict in verdicts if not verdict.passed]
 
 
-def check(name: str) -> None:
+@pytest.mark.timeout(1800)
+@pytest.mark.parametrize("name", others_nightly(ALL, FEW))
+def test_a_drill_of_the_paper_s_line_goes_as_without(name: str) -> None:
     scenario = load_scenario(find_drill(name))
     without, with_it = day(certified(scenario, on=False)), day(certified(scenario, on=True))
     assert unmet(with_it) == unmet(without)
     assert with_it.broken == without.broken
     assert unfinished(with_it.result) == unfinished(without.result)
-    assert with_it.result.motion_digest == without.result.motion_digest
-    notes = [entry.event for entry in with_it.result.journal.entries]
-    assert any(isinstance(note, Certified) for note in notes)
-    assert not any(isinstance(note, HeldBack | NoOrderKnown) for note in notes)
-
-
-@pytest.mark.parametrize("name", FEW)
-def test_a_drill_goes_as_without(name: str) -> None:
-    check(name)
-
-
-@pytest.mark.nightly
-@pytest.mark.timeout(1800)
-@pytest.mark.parametrize("name", ALL)
-def test_every_drill_of_the_paper_s_line_goes_as_without(name: str) -> None:
-    check(name)
+    changes_nothing(without, with_it)
 
 
 def failing_meanwhile(tmp_path: Path, name: str, failure: str, start: str) -> FinishedRun:
@@ -96,7 +84,7 @@ def all_arrive(run: FinishedRun) -> None:
     assert any(isinstance(entry.event, HeldBack) for entry in run.result.journal.entries)
 
 
-@pytest.mark.parametrize("failure", FAILURES)
+@pytest.mark.parametrize("failure", others_nightly(FAILURES, ["manager"]))
 def test_all_arrive_when_something_fails_besides(tmp_path: Path, failure: str) -> None:
     all_arrive(failing_meanwhile(tmp_path, "03b_two_loops_certified", failure, "10:18"))
 

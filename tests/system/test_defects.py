@@ -16,6 +16,7 @@ import pytest
 
 from simulation.judge.checkers import Checker
 from study.runner.run import CarrierKind, FinishedRun
+from tests.nightly import others_nightly
 
 pytestmark = pytest.mark.system
 
@@ -70,24 +71,6 @@ DEFECTS: Final = (
         "two_trains",
         "silence_frees",
         (Checker.INSIDE_HOLDING,),
-    ),
-    Defect(
-        "a portal is free as soon as its train may leave",
-        "rtri/58b_portal_unit_power",
-        "frees_a_portal_at_the_sign_off",
-        (Checker.INSIDE_HOLDING, Checker.ONE_TRAIN_A_SECTION),
-    ),
-    Defect(
-        "a barred unit's sections are free",
-        "rtri/59_unit_barred",
-        "frees_what_a_barred_unit_holds",
-        (Checker.ONE_TRAIN_A_SECTION, "T3 does not come into its section"),
-    ),
-    Defect(
-        "nobody can be barred",
-        "rtri/59b_unit_claims_falsely",
-        "bars_nobody",
-        ("two persons bar the mad unit", "and say where its train is", "the line goes on while it is mad"),
     ),
     Defect(
         "the block manager refuses everything",
@@ -239,17 +222,43 @@ DEFECTS: Final = (
     ),
 )
 
+# One for each checker.
+EVERY_RUN: Final = tuple(
+    defect
+    for defect in DEFECTS
+    if defect.off
+    in {
+        "grants_what_another_holds",
+        "grants_while_undefined",
+        "tokens_begin_anew",
+        "silence_frees",
+        "never_asks_again",
+        "throws_for_anyone",
+        "proves_what_it_has_not_detected",
+        "releases_at_the_front",
+        "bounds_do_not_grow",
+        "crew_does_not_look",
+        "accepts_telegrams_twice",
+        "obeys_an_earlier_boot",
+        "believes_any_code",
+    }
+)
 BASELINES: Final = sorted({(defect.scenario, defect.given) for defect in DEFECTS})
+BASELINES_OF_EVERY_RUN: Final = {(defect.scenario, defect.given) for defect in EVERY_RUN}
 
 
-@pytest.mark.parametrize(("scenario", "given"), BASELINES, ids=["-".join(filter(None, b)) for b in BASELINES])
-def test_nothing_is_broken_without_a_defect(scenario: str, given: str, run_with: RunWith) -> None:
-    run, objections = run_with(scenario, given)
+def id_of(case: Defect | tuple[str, str]) -> str:
+    return case.name.replace(" ", "-") if isinstance(case, Defect) else "-".join(filter(None, case))
+
+
+@pytest.mark.parametrize("baseline", others_nightly(BASELINES, BASELINES_OF_EVERY_RUN), ids=id_of)
+def test_nothing_is_broken_without_a_defect(baseline: tuple[str, str], run_with: RunWith) -> None:
+    run, objections = run_with(*baseline)
     assert run.broken == ()
     assert objections == set()
 
 
-@pytest.mark.parametrize("defect", DEFECTS, ids=[defect.name.replace(" ", "-") for defect in DEFECTS])
+@pytest.mark.parametrize("defect", others_nightly(DEFECTS, EVERY_RUN), ids=id_of)
 def test_a_defect_is_caught(defect: Defect, run_with: RunWith) -> None:
     _, objections = run_with(defect.scenario, defect.given, defect.off)
     assert set(map(str, defect.caught_by)) <= objections
@@ -258,35 +267,25 @@ def test_a_defect_is_caught(defect: Defect, run_with: RunWith) -> None:
 COLLIDING: Final = tuple(defect for defect in DEFECTS if Checker.SUMO_COLLISION in defect.caught_by)
 
 
-def check_same_on_plain_track(defect: Defect, run_with: RunWith, patch: pytest.MonkeyPatch) -> FinishedRun:
-    on_sumo, objections = run_with(defect.scenario, defect.given, defect.off)
-    patch.undo()  # some switches count what they did
-    on_plain, others = run_with(defect.scenario, defect.given, defect.off, carrier=CarrierKind.PLAIN)
+@pytest.mark.parametrize("defect", others_nightly(DEFECTS, COLLIDING), ids=id_of)
+def test_a_defect_is_the_same_run_on_sumo(
+    defect: Defect, run_with: RunWith, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    on_plain, objections = run_with(defect.scenario, defect.given, defect.off)
+    monkeypatch.undo()  # some switches count what they did
+    on_sumo, others = run_with(defect.scenario, defect.given, defect.off, carrier=CarrierKind.SUMO)
     assert on_plain.result.digest == on_sumo.result.digest
     assert on_plain.result.collisions == on_sumo.result.collisions
     assert others == objections
-    return on_plain
-
-
-@pytest.mark.parametrize("defect", COLLIDING, ids=[defect.name.replace(" ", "-") for defect in COLLIDING])
-def test_plain_track_finds_the_same_collision(
-    defect: Defect, run_with: RunWith, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert check_same_on_plain_track(defect, run_with, monkeypatch).result.collisions
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("defect", DEFECTS, ids=[defect.name.replace(" ", "-") for defect in DEFECTS])
-def test_a_defect_is_the_same_run_on_plain_track(
-    defect: Defect, run_with: RunWith, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    check_same_on_plain_track(defect, run_with, monkeypatch)
+    if defect in COLLIDING:
+        assert on_plain.result.collisions
 
 
 def test_every_checker_catches_some_defect() -> None:
     """But `no-jump`, which no behaviour of a party could break: it watches the carrier."""
-    catching = {name for defect in DEFECTS for name in defect.caught_by if isinstance(name, Checker)}
-    assert set(Checker) - catching == {Checker.NO_JUMP}
+    for defects in (DEFECTS, EVERY_RUN):
+        catching = {name for defect in defects for name in defect.caught_by if isinstance(name, Checker)}
+        assert set(Checker) - catching == {Checker.NO_JUMP}
 
 
 def test_every_defect_has_a_name_and_a_switch_of_its_own(switch_names: frozenset[str]) -> None:

@@ -1,36 +1,43 @@
-"""Every train and leg of a real day: what it drew is found again by a second account, to 0.1 %."""
+"""Every train and leg, of a set's way out and back and of a real day: a second account finds what it drew, to 0.1 %."""
 
 from __future__ import annotations
 
 import pytest
 
-from scenario.scenario import load_scenario
+from scenario.scenario import Scenario, load_scenario
 from simulation.result import PARTS, REJECTED, EnergyPhase, RunResult
 from study.collect.energy import StockMake, energy_tables
 from study.runner.run import simulation_of
+from tests.conftest import turn_back_in
+from tests.nightly import others_nightly
 from tests.system.energy_apart import Balance, Part, balances, figures_of
 
 pytestmark = pytest.mark.system
 
 CLOSES: float = 1e-3
-LEGS_LEAST = 200
+LEGS_LEAST = {"turn_back": 4, "karasuyama_weekday": 200}
+
+
+@pytest.fixture(scope="module", params=others_nightly(LEGS_LEAST, ["turn_back"]))
+def scenario(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Scenario:
+    name: str = request.param
+    return load_scenario(turn_back_in(tmp_path_factory.mktemp(name)) if name == "turn_back" else name)
 
 
 @pytest.fixture(scope="module")
-def day() -> RunResult:
-    with simulation_of(load_scenario("karasuyama_weekday").setup) as simulation:
+def day(scenario: Scenario) -> RunResult:
+    with simulation_of(scenario.setup) as simulation:
         return simulation.run()
 
 
 @pytest.fixture(scope="module")
-def legs(day: RunResult) -> tuple[Balance, ...]:
-    setup = load_scenario("karasuyama_weekday").setup
-    (train,) = {kind.id: kind for kind in setup.trains.values()}.values()
-    return tuple(balances(day, setup.line, figures_of(train.row[0])))
+def legs(scenario: Scenario, day: RunResult) -> tuple[Balance, ...]:
+    (train,) = {kind.id: kind for kind in scenario.setup.trains.values()}.values()
+    return tuple(balances(day, scenario.setup.line, figures_of(train.row[0])))
 
 
-def test_every_leg_of_every_train_closes(legs: tuple[Balance, ...]) -> None:
-    assert len(legs) >= LEGS_LEAST
+def test_every_leg_of_every_train_closes(scenario: Scenario, legs: tuple[Balance, ...]) -> None:
+    assert len(legs) >= LEGS_LEAST[scenario.id]
     worst = max(legs, key=Balance.open_share)
     assert worst.open_share() < CLOSES, worst
 
@@ -51,9 +58,9 @@ def test_the_records_close_by_themselves(day: RunResult) -> None:
         assert sum(abs(record.counted_j[part]) for record in day.energy) > 0.0, part
 
 
-def test_the_tables_carry_what_the_records_have(day: RunResult) -> None:
-    setup = load_scenario("karasuyama_weekday").setup
-    made = energy_tables(day.energy, {stock: StockMake.of_kind(kind) for stock, kind in setup.trains.items()})
+def test_the_tables_carry_what_the_records_have(scenario: Scenario, day: RunResult) -> None:
+    makes = {stock: StockMake.of_kind(kind) for stock, kind in scenario.setup.trains.items()}
+    made = energy_tables(day.energy, makes)
     for table in ("energy", "energy_legs"):
         for row in made[table].iter_rows(named=True):
             found = sum(row[f"{name}_kwh"] for name in PARTS) + row["auxiliary_kwh"] + row["residual_kwh"]

@@ -17,7 +17,8 @@ from scenario.scenario import load_scenario
 from simulation.journal import read_journal
 from study.outcome import Outcome
 from study.record.tables import ROWS
-from study.runner.run import PartyLink, execute
+from study.runner.run import CarrierKind, PartyLink, execute
+from tests.nightly import others_nightly
 
 pytestmark = pytest.mark.system
 
@@ -37,13 +38,13 @@ def limited(
     )
 
 
-@pytest.fixture(scope="module")
-def journal() -> bytes:
+def journal_of(scenario: str) -> bytes:
     """That of the day without a limit."""
-    return execute(load_scenario(DAY), PartyLink.SIMULATED).result.journal.to_bytes()
+    run = execute(load_scenario(scenario), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    return run.result.journal.to_bytes()
 
 
-@pytest.mark.parametrize("room_bytes", [100_000, 1_000_000, 2_000_000])
+@pytest.mark.parametrize("room_bytes", others_nightly((100_000, 1_000_000, 2_000_000), [2_000_000]))
 def test_no_room_is_told_before_a_day_is_simulated(
     command: tuple[str, ...], tmp_path: Path, room_bytes: int
 ) -> None:
@@ -64,19 +65,26 @@ main()
 """
 
 
-@pytest.mark.parametrize("room_bytes", [300_000, 1_000_000])
-def test_a_disk_that_is_full_costs_no_day(tmp_path: Path, journal: bytes, room_bytes: int) -> None:
-    """Full in the middle of the day, and when tables are written: what was run so far is there, to the byte.
+CUT: Final = "cut short"
+FULL: Final = [("turn_back", 300_000, "whole but for its report"), (DAY, 300_000, CUT), (DAY, 1_000_000, CUT)]
+
+
+@pytest.mark.parametrize("full", others_nightly(FULL, FULL[:1]), ids=lambda full: f"{full[0]}-{full[1]}")
+def test_a_disk_that_is_full_costs_no_day(tmp_path: Path, turn_back: str, full: tuple[str, int, str]) -> None:
+    """Full in the middle of the day, when tables are written, when the report is: what ran is there, to the byte.
 
     No room was held, as where others fill the disk faster than one can hold it.
     """
-    done = limited((sys.executable, "-c", UNHELD), tmp_path, room_bytes, "run", DAY, "--json")
+    name, room_bytes, lacks = full
+    scenario = turn_back if name == "turn_back" else name
+    done = limited((sys.executable, "-c", UNHELD), tmp_path, room_bytes, "run", scenario, "--json")
+    journal = journal_of(scenario)
     assert done.returncode == Outcome.COULD_NOT_RUN.code
     (kept,) = (tmp_path / "runs").iterdir()
     last = done.stderr.splitlines()[-1]
     assert last.startswith(f"error: {tmp_path / 'runs'}")
     assert last.endswith(f"File too large; what was run so far is in {kept}")
-    assert kept.name == f"{DAY}-incomplete"
+    assert kept.name == f"{name}-incomplete"
     found = (kept / "journal.jsonl").read_bytes()
     assert journal.startswith(found) and found.endswith(b"\n")
     assert read_journal(kept / "journal.jsonl")
@@ -86,9 +94,10 @@ def test_a_disk_that_is_full_costs_no_day(tmp_path: Path, journal: bytes, room_b
     else:
         assert found == journal
         assert "writing the report" in done.stderr
-    assert "cut short" in (kept / "incomplete.txt").read_text("utf-8")
+    assert lacks in (kept / "incomplete.txt").read_text("utf-8")
     others = {path.name for path in kept.iterdir()} - {"journal.jsonl", "incomplete.txt"}
-    assert others in (set(), {f"{name}.parquet" for name in ROWS})  # all tables, or none
+    tables = {f"{name}.parquet" for name in ROWS}
+    assert others in (set(), tables) if lacks == CUT else others > tables  # all tables, or none
 
 
 @pytest.fixture(params=["700k"])
@@ -138,7 +147,8 @@ main()
     assert {path.name for path in small.iterdir()} == {"run", "of_others"}
 
 
-def test_a_small_file_system_keeps_what_fits(tmp_path: Path, small: Path, journal: bytes) -> None:
+@pytest.mark.nightly
+def test_a_small_file_system_keeps_what_fits(tmp_path: Path, small: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", UNHELD, "run", DAY, "--out", str(small / "run")],
         cwd=tmp_path,
@@ -150,7 +160,7 @@ def test_a_small_file_system_keeps_what_fits(tmp_path: Path, small: Path, journa
     kept = small / "run-incomplete"
     assert done.stderr.splitlines()[-1].endswith(f"No space left on device; what was run so far is in {kept}")
     found = (kept / "journal.jsonl").read_bytes()
-    assert found and journal.startswith(found)
+    assert found and journal_of(DAY).startswith(found)
     assert "No space left" in (kept / "incomplete.txt").read_text("utf-8")  # room for which was there before
     assert [path.name for path in small.iterdir()] == [kept.name]
     full = subprocess.run(

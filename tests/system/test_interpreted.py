@@ -10,18 +10,17 @@ from typing import Any
 
 import pytest
 
-pytestmark = pytest.mark.system
+pytestmark = [pytest.mark.system, pytest.mark.nightly]
 
 
 @pytest.mark.parametrize(
     "arguments",
     [
-        pytest.param(("run", "rtri_test_line"), id="rtri_test_line"),
-        pytest.param(
-            ("drill", "rtri/27_slippery_rail"), id="rtri/27_slippery_rail", marks=pytest.mark.nightly
-        ),
-        pytest.param(("drill", "rtri/45_tags_by_bits"), id="rtri/45_tags_by_bits", marks=pytest.mark.nightly),
+        ("run", "rtri_test_line"),
+        ("drill", "rtri/27_slippery_rail"),
+        ("drill", "rtri/45_tags_by_bits"),
     ],
+    ids=lambda arguments: arguments[1],
 )
 def test_interpreted_is_compiled(
     command: tuple[str, ...], tmp_path: Path, arguments: tuple[str, ...]

@@ -18,13 +18,14 @@ from simulation.result import Ending, RunResult
 from study.drilling.drill import find_drill
 from study.runner.outcome import broken_rules, unfinished
 from study.runner.run import simulation_of
+from tests.nightly import others_nightly
 
 pytestmark = pytest.mark.system
 
 CUT_S: Final = 36_012.0  # 12 s after the departure
 RESTART_S: Final = 36_014.0
 DEPARTURE_S: Final = 36_300.0  # of the train behind
-EVERY_S: Final = 37
+EVERY_S: Final = 120
 
 
 def run(drill: str, back_s: float) -> RunResult:
@@ -41,7 +42,8 @@ def seconds(every_s: int) -> list[float]:
     return [float(s) for s in range(round(RESTART_S), round(DEPARTURE_S) + 61, every_s)]
 
 
-def check(back_s: float) -> None:
+@pytest.mark.parametrize("back_s", others_nightly(seconds(1), seconds(EVERY_S)))
+def test_the_radio_comes_back(back_s: float) -> None:
     unplaced = run("rtri/53_word_without_a_place", back_s)
     assert broken_rules(unplaced) == []
     assert unfinished(unplaced) == ()
@@ -54,18 +56,6 @@ def check(back_s: float) -> None:
     if unfinished(wrong):  # they stand in one section: both say why
         assert stopped == {"K1", "K2"}
         assert all("agreement" in w.waits_for or "sees a train" in w.waits_for for w in wrong.waiting)
-
-
-@pytest.mark.parametrize("back_s", seconds(EVERY_S))
-def test_the_radio_comes_back(back_s: float) -> None:
-    check(back_s)
-
-
-@pytest.mark.nightly
-@pytest.mark.timeout(3600)
-def test_the_radio_comes_back_at_any_second() -> None:
-    for back_s in seconds(1):
-        check(back_s)
 
 
 def test_persons_are_needed_for_the_second_drill_to_mean_anything() -> None:

@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+from tests.nightly import others_nightly
+
 DATA = Path(__file__).resolve().parents[2] / "../shared/data"
 KURURI = (
     "木更津",
@@ -53,7 +55,7 @@ H,13,2,,,,portal
 
 
 @pytest.mark.system
-@pytest.mark.parametrize("name", LISTS)
+@pytest.mark.parametrize("name", others_nightly(LISTS, ["portals", "no_loop"]))
 def test_real_trains_run_on_it(main: Callable[..., Any], tmp_path: Path, name: str) -> None:
     pytest.importorskip("sumo", reason="netconvert makes the net of a line that is not shipped")
     (tmp_path / "list.csv").write_text(LISTS[name], "utf-8")
@@ -81,6 +83,7 @@ def test_real_trains_run_on_it(main: Callable[..., Any], tmp_path: Path, name: s
 
 
 @pytest.mark.system
+@pytest.mark.nightly
 @pytest.mark.skipif(not DATA.exists(), reason="the geometry and timetable data is not beside this checkout")
 def test_from_names_and_tracks_to_the_whole_weekday(main: Callable[..., Any], tmp_path: Path) -> None:
     """Fourteen names with their tracks, a polyline and published times: nothing else, and no hand on the line file."""

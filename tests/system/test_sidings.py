@@ -19,6 +19,7 @@ from study.measures.wait_text import text_of
 from study.measures.waits import waits_of
 from study.record.wait import Cause
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
+from tests.nightly import others_nightly
 from wayside.said import Certified, HeldBack, NoOrderKnown
 
 pytestmark = pytest.mark.system
@@ -36,7 +37,7 @@ def test_the_drills_come_in_pairs() -> None:
     assert shipped == {*WITHOUT, *WITH}
 
 
-@pytest.mark.parametrize("name", WITHOUT)
+@pytest.mark.parametrize("name", others_nightly(WITHOUT, ["01_one_siding"]))
 def test_without_the_certificate_nobody_gets_on(name: str) -> None:
     drill = run_drill(f"sidings/{name}", PartyLink.SIMULATED)
     assert drill.passed
@@ -44,8 +45,8 @@ def test_without_the_certificate_nobody_gets_on(name: str) -> None:
     assert not any(isinstance(e.event, Certified | HeldBack) for e in drill.run.result.journal.entries)
 
 
-@pytest.mark.parametrize(("name", "waits"), WITH.items())
-def test_with_it_all_arrive_and_it_is_told_why_each_waited(name: str, waits: str) -> None:
+@pytest.mark.parametrize("name", others_nightly(WITH, ["02b_two_sidings_certified"]))
+def test_with_it_all_arrive_and_it_is_told_why_each_waited(name: str) -> None:
     drill = run_drill(f"sidings/{name}", PartyLink.SIMULATED)
     assert [f"{v.text}: {v.happened}" for v in drill.verdicts if not v.passed] == []
     assert drill.run.broken == ()
@@ -54,12 +55,12 @@ def test_with_it_all_arrive_and_it_is_told_why_each_waited(name: str, waits: str
     result, setup = drill.run.result, drill.run.scenario.setup
     found = waits_of(result, setup, section_holds(result, setup.line, setup.lengths_m))
     (told,) = {w.party: w for w in found if w.cause is Cause.NO_WAY_ON}.values()
-    train, _, rest = waits.partition(" waits ")
+    train, _, rest = WITH[name].partition(" waits ")
     assert (told.train, f"for {told.party} to come to section {told.section}") == (train, rest)
     assert "not all trains could still finish" in text_of(told).en
 
 
-@pytest.mark.parametrize("name", WITH)
+@pytest.mark.parametrize("name", others_nightly(WITH, [min(WITH)]))
 def test_each_drill_fails_with_the_certificate_switched_off(name: str) -> None:
     scenario = certified(load_scenario(find_drill(f"sidings/{name}")), on=False)
     assert (
@@ -68,6 +69,7 @@ def test_each_drill_fails_with_the_certificate_switched_off(name: str) -> None:
     )
 
 
+@pytest.mark.nightly
 def test_the_manager_as_a_process_decides_alike() -> None:
     name = f"sidings/{next(iter(WITH))}"
     alone, process = (
@@ -100,11 +102,11 @@ def changes_nothing(without: FinishedRun, with_it: FinishedRun) -> None:
     assert not any(isinstance(note, HeldBack | NoOrderKnown) for note in notes)
 
 
-def test_on_a_day_that_goes_as_planned_it_changes_nothing() -> None:
-    changes_nothing(*kept_to_plan("karasuyama_weekday"))
+def test_on_a_day_that_goes_as_planned_it_changes_nothing(turn_back: str) -> None:
+    changes_nothing(*kept_to_plan(turn_back))
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("name", ["busy_line", "isumi_weekday", "kururi_weekday"])
-def test_nor_on_other_lines(name: str) -> None:
+@pytest.mark.parametrize("name", ["karasuyama_weekday", "busy_line", "isumi_weekday", "kururi_weekday"])
+def test_nor_on_whole_days(name: str) -> None:
     changes_nothing(*kept_to_plan(name))

@@ -70,6 +70,7 @@ def test_it_is_as_stressed_as_its_file_says() -> None:
                 assert not [ahead_m for ahead_m in before if 0.0 < ahead_m < 200.0]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", [1, 2, 3, 4])
 def test_with_every_part_of_it_the_stops_hold(stops: Callable[..., Stops], seed: int) -> None:
     found = stops(None, STRESSED, seed)

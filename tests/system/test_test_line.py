@@ -16,8 +16,8 @@ THROW_S = 6.0  # as the line file has it
 
 
 @pytest.fixture(scope="module")
-def journal(branchline: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> list[Entry]:
-    ended = branchline("run", "rtri_test_line", "--json", cwd=tmp_path_factory.mktemp("run"))
+def journal(main_in: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> list[Entry]:
+    ended = main_in("run", "rtri_test_line", "--json", cwd=tmp_path_factory.mktemp("run"))
     assert ended.code == 0, ended.err
     figures = ended.figures()
     assert (figures["trains_arrived"], figures["invariants_broken"]) == (1, 0)

@@ -23,6 +23,7 @@ from study.measures.waits import waits_of
 from study.record.wait import Asked, Cause, Wait
 from study.runner.run import simulation_of
 from study.wording.phrase import names_of
+from tests.nightly import others_nightly
 
 ON_LINE_UNIT = (Cause.RUNS, Cause.STOP_LIMIT, Cause.STARTING)
 BEFORE_ITS_TIME = (Cause.DEPARTURE_TIME, Cause.DWELL, Cause.SET_BACK)
@@ -134,11 +135,18 @@ SHIPPED = (
     "karasuyama_stressed",
     "busy_line",
 )
-LONG = "busy_line"
-EVERY = pytest.mark.parametrize(
-    "name",
-    [pytest.param(n, marks=pytest.mark.nightly if n == LONG else ()) for n in (*DRILLS, *SHIPPED)],
+EVERY_RUN = (  # whose waits are looked at below besides
+    "rtri/03_block_held",
+    "rtri/05_unit_power_position_unknown",
+    "rtri/09_manager_power",
+    "rtri/20_route_given_back",
+    "rtri/21_points_stuck",
+    "rtri/42_doors",
+    "rtri/52_unit_frozen",
+    "rtri/53_word_without_a_place",
+    "rtri_test_line",
 )
+EVERY = pytest.mark.parametrize("name", others_nightly((*DRILLS, *SHIPPED), EVERY_RUN))
 
 
 @pytest.mark.system

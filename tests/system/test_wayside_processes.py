@@ -7,11 +7,11 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import psutil
 import pytest
@@ -22,6 +22,7 @@ from scenario.scenario import load_scenario
 from simulation.journal import read_journal
 from study.outcome import Outcome
 from study.runner.run import PartyLink, execute
+from tests.nightly import others_nightly
 
 pytestmark = pytest.mark.system
 
@@ -131,18 +132,19 @@ def hang_up(program: subprocess.Popen[str]) -> None:
     os.killpg(program.pid, signal.SIGHUP)
 
 
-@pytest.mark.parametrize(
-    ("stop", "outcome"),
-    [
-        (ctrl_c, Outcome.INTERRUPTED),
-        (interrupt, Outcome.INTERRUPTED),
-        (terminate, Outcome.TERMINATED),
-        (terminate_all, Outcome.TERMINATED),
-    ],
-)
+STOPS: Final[Mapping[Callable[[subprocess.Popen[str]], None], Outcome]] = {
+    ctrl_c: Outcome.INTERRUPTED,
+    interrupt: Outcome.INTERRUPTED,
+    terminate: Outcome.TERMINATED,
+    terminate_all: Outcome.TERMINATED,
+}
+
+
+@pytest.mark.parametrize("stop", others_nightly(STOPS, [ctrl_c]))
 def test_a_stopped_run_leaves_what_was_run_and_no_process(
-    running: Running, stop: Callable[[subprocess.Popen[str]], None], outcome: Outcome
+    running: Running, stop: Callable[[subprocess.Popen[str]], None]
 ) -> None:
+    outcome = STOPS[stop]
     stop(running.program)
     kept = running.cwd / "runs" / "karasuyama_weekday-incomplete"
     assert running.end().endswith(f"; what was run so far is in {kept}")
@@ -167,7 +169,9 @@ def test_a_second_signal_and_a_hang_up_leave_nothing(
     assert list(running.temporary.iterdir()) == []
 
 
-@pytest.mark.parametrize("link", [link.value for link in PartyLink])
+@pytest.mark.parametrize(
+    "link", others_nightly([link.value for link in PartyLink], [PartyLink.SIMULATED.value])
+)
 def test_a_terminal_that_is_closed_ends_it_like_any_hang_up(
     command: tuple[str, ...], tmp_path: Path, hang_up_is: None, link: str
 ) -> None:
@@ -192,6 +196,7 @@ def test_a_terminal_that_is_closed_ends_it_like_any_hang_up(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("hang_up_is", [signal.SIG_IGN], indirect=True, ids=["nohup"])
 def test_who_asked_for_it_is_not_hung_up(running: Running) -> None:
     hang_up(running.program)
@@ -201,6 +206,7 @@ def test_who_asked_for_it_is_not_hung_up(running: Running) -> None:
     assert running.program.returncode == Outcome.TERMINATED.code
 
 
+@pytest.mark.nightly
 def test_a_simulator_that_was_stopped_blames_no_device(running: Running) -> None:
     """Asked, the device gives no answer while both are stopped; its own limit is long over when it wakes."""
     device = running.device("OGN-W")

@@ -65,10 +65,10 @@ def timetable(line: Line) -> Timetable:
 
 
 @pytest.fixture(scope="module")
-def run_day(branchline: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Day]:
+def run_day(main_in: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Day]:
     def run(*options: str) -> Day:
         cwd = tmp_path_factory.mktemp("day")
-        ended = branchline("run", "karasuyama_weekday", "--json", *options, cwd=cwd)
+        ended = main_in("run", "karasuyama_weekday", "--json", *options, cwd=cwd)
         assert ended.code == 0, ended.err
         figures = ended.figures()
         return Day(figures, ended.err, Path(figures["out"]))
@@ -222,11 +222,12 @@ def test_no_section_is_two_trains(simulated: Day) -> None:
     assert conflicts_of(read_blocking(simulated.tables().blocking)) == ()
 
 
-def test_theory_says_when_each_section_is_whose(branchline: Callable[..., Any], tmp_path: Path) -> None:
+@pytest.mark.nightly
+def test_theory_says_when_each_section_is_whose(main: Callable[..., Any], tmp_path: Path) -> None:
     """The same sections as in a run in which people take the means of their times, on average within 2 s."""
     text = 'extends = "karasuyama_weekday"\nid = "means"\nname = "People take their means"\n[people]\nsigma = 0.0\n'
     (tmp_path / "means.toml").write_text(text, "utf-8")
-    ended = branchline("run", "means.toml", "--json", cwd=tmp_path)
+    ended = main("run", "means.toml", "--json")
     assert ended.code == 0, ended.err
     run = read_blocking(RunTables.read(Path(ended.figures()["out"])).blocking)
     both = theory_and_run(occupations(load_scenario("karasuyama_weekday").setup), run)
@@ -242,6 +243,7 @@ def test_theory_says_when_each_section_is_whose(branchline: Callable[..., Any], 
     assert abs(by_part[OccupationPart.AIR].mean_s) < 0.1
 
 
+@pytest.mark.nightly
 def test_devices_as_processes_change_nothing(simulated: Day, zenoh: Day) -> None:
     different = {key for key, value in simulated.figures.items() if zenoh.figures[key] != value}
     assert different <= {"link", "wall_s", "out"}
@@ -249,6 +251,7 @@ def test_devices_as_processes_change_nothing(simulated: Day, zenoh: Day) -> None
     assert journals[0] == journals[1]
 
 
+@pytest.mark.nightly
 def test_one_process_for_each_device_and_none_afterwards(zenoh: Day, line: Line) -> None:
     terminals = {points.terminal_id for points in line.points.values()}
     expected = [("block-manager", "block-manager"), *(("point-terminal", name) for name in terminals)]

@@ -18,9 +18,9 @@ MEETS = re.compile(r"(\w+) and (\w+) would meet at Ogane at \d\d:\d\d: it has on
 
 
 @pytest.fixture(scope="module")
-def without_loop(branchline: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> Any:  # noqa: ANN401
+def without_loop(main_in: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> Any:  # noqa: ANN401
     cwd = tmp_path_factory.mktemp("without-loop")
-    ended = branchline("run", "karasuyama_without_loop", "--anyway", "--json", cwd=cwd)
+    ended = main_in("run", "karasuyama_without_loop", "--anyway", "--carrier", "plain", "--json", cwd=cwd)
     assert (cwd / "runs" / "karasuyama_without_loop" / "report.html").is_file()
     return ended
 

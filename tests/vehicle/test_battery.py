@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -78,7 +78,6 @@ def test_ten_minutes_at_400_kw_by_hand() -> None:
     assert gained_j == pytest.approx(370e3 * 600.0 - 0.03 * 570.0**2 * 600.0, rel=0.005)
 
 
-@settings(deadline=None)
 @given(socs, powers_w)
 def test_energy_closes_for_any_power_and_the_charge_stays_in_its_window(
     soc: float, powers: list[float]
@@ -100,7 +99,6 @@ def test_energy_closes_for_any_power_and_the_charge_stays_in_its_window(
     )
 
 
-@settings(deadline=None)
 @given(socs, st.floats(0.0, 1e6), st.floats(0.0, 5e5), st.floats(0.0, 5e5))
 def test_the_link_balances_with_a_charger(soc: float, supply: float, drawn: float, back: float) -> None:
     """What comes in (charger, motors, battery) is what goes out (draw, battery), but what is missing or spilled."""
@@ -131,7 +129,6 @@ def test_from_the_motors_it_takes_what_its_limit_says_and_from_a_charger_more(li
     assert charged["flows"]["taken_j"] == pytest.approx(300e3)
 
 
-@settings(deadline=None)
 @given(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(1e3, 1e6))
 def test_a_charge_tapers(one: float, other: float, power_w: float) -> None:
     low, high = sorted((one, other))

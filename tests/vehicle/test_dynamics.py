@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -41,7 +41,6 @@ def test_a_gradient_accelerates_by_g_over_the_mass_factor(ev_e301: Rows, changed
     assert plant["acceleration_mps2"] == pytest.approx(9.81 * 0.025 / 1.08)
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     commands=commands,
     speed=st.floats(5.0, 25.0),
@@ -82,7 +81,6 @@ def test_energy_balance(
     assert plant["energy_auxiliary_j"] == pytest.approx(30_000.0 * time_s)
 
 
-@settings(max_examples=40, deadline=None)
 @given(commands=commands, speed=st.floats(0.0, 25.0), gradient=st.floats(-30.0, 30.0))
 def test_distance_is_the_trapezoid_to_the_bit_and_speed_never_negative(
     ev_e301: Rows, commands: list[tuple[int, int]], speed: float, gradient: float
@@ -121,7 +119,6 @@ def test_the_first_order_lag_of_hitachis_brake(hitachi: Rows) -> None:
     assert plant["service_deceleration_mps2"] == pytest.approx(5.14 / 3.6 * (1 - math.exp(-1)))
 
 
-@settings(max_examples=40, deadline=None)
 @given(commands=commands)
 def test_jerk_limits_hold(ev_e301: Rows, commands: list[tuple[int, int]]) -> None:
     train, plant = ev_e301[0], new_plant(1, 15.0)[0]

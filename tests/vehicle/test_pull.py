@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -36,7 +36,6 @@ def ends(train: Rows, permille: float, conditions: Conditions) -> Rows:
     return plant
 
 
-@settings(max_examples=25, deadline=None)
 @given(
     permille=st.floats(0.0, 80.0),
     load=st.floats(0.0, 1.0),

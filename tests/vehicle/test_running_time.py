@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -133,7 +133,6 @@ def test_nothing_to_run_takes_no_time(ev_e301: Rows) -> None:
     assert predicted_run(ev_e301[0], 0.0, *flat(), 100.0, 100.0, 15.0, 0.7, 0.5)[0] == 0.0
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     start=st.floats(0.0, 2000.0),
     leg=st.floats(1.0, 2900.0),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
@@ -53,7 +53,6 @@ def asked(play: Play, k: int, *, watched: bool) -> bool:
 
 
 @given(st.integers(0, 10**6), st.integers(0, 10**6))
-@settings(max_examples=200)
 def test_the_certificate_refuses_what_loses_the_line_and_nothing_else(seed: int, order: int) -> None:
     play = play_of(seed, certificate=True)
     assume(play.finishes())
@@ -70,7 +69,6 @@ def test_without_the_certificate_lines_are_lost() -> None:
 
 
 @given(st.data())
-@settings(max_examples=300)
 def test_the_search_finds_an_order_exactly_where_there_is_one(data: st.DataObject) -> None:
     tracks = data.draw(st.integers(2, 6))
     bits = st.integers(0, tracks - 1).map(lambda bit: 1 << bit)
@@ -157,7 +155,6 @@ def test_a_day_that_fails_in_the_end_is_certified_until_then() -> None:
 
 
 @given(st.integers(0, 10**6))
-@settings(max_examples=50)
 def test_who_runs_by_day_arrives_whatever_fails_at_night(order: int) -> None:
     """In whatever order they ask, at whatever times: the two of the night are refused nothing that is free."""
     play, chance = day_that_fails_late(certificate=True), random.Random(order)

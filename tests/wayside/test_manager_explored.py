@@ -25,6 +25,7 @@ from radio.messages import (
     SignOn,
     SignOnAccepted,
 )
+from tests.nightly import others_nightly
 from wayside import acts, block_manager, reentry
 from wayside.actions import Action, Send
 from wayside.block_manager import AskUnits, Event, Heard, step
@@ -52,7 +53,7 @@ CONFIG: Final = ManagerConfig(
     (RouteEntry("in", "P", ("C", "S")), RouteEntry("out", "S", ("C", "P"))),
 )
 CLAIMS: Final[tuple[tuple[str, ...], ...]] = ((), ("P",), ("S",), ("C", "S"))
-STATES_MAX: Final = 1500
+FEW, STATES_MAX = 250, 1500  # that are looked at in every run, and in `make nightly`
 
 
 @dataclass(frozen=True)
@@ -325,9 +326,10 @@ def explored(epoch: int, states_max: int) -> Explored[Seen]:
     )
 
 
+@pytest.mark.parametrize("states_max", others_nightly((FEW, STATES_MAX), [FEW]))
 @pytest.mark.parametrize("epoch", [1, 2])
-def test_whatever_units_and_persons_say_the_rules_hold(epoch: int) -> None:
-    found = explored(epoch, STATES_MAX)
+def test_whatever_units_and_persons_say_the_rules_hold(epoch: int, states_max: int) -> None:
+    found = explored(epoch, states_max)
     kinds: set[str] = set()
     for seen in found.states:
         for one in steps(seen.register):
@@ -338,15 +340,16 @@ def test_whatever_units_and_persons_say_the_rules_hold(epoch: int) -> None:
     assert any(seen.register.unit(u).taken_back for seen in found.states for u in UNITS)
 
 
+@pytest.mark.parametrize("states_max", others_nightly((FEW, STATES_MAX), [FEW]))
 @pytest.mark.parametrize("epoch", [1, 2])
-def test_one_person_alone_never_frees(epoch: int) -> None:
+def test_one_person_alone_never_frees(epoch: int, states_max: int) -> None:
     """However their name is spelled, and whatever else happens between."""
     one_person = ("Sato", " sato ")
     found = explore(
         first(epoch),
         lambda seen: (("", Seen.of(s.after)) for s in steps(seen.register, one_person)),
         lambda _: "",
-        STATES_MAX,
+        states_max,
     )
     for seen in found.states:
         for one in steps(seen.register, one_person):

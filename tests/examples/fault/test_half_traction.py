@@ -1,10 +1,9 @@
-"""The recipe "a fault" of docs/make-a.md, followed: a class, what puts it into the world, a drill that uses it."""
+"""The fault of docs/make-a.md in this process: a class, what puts it into the world, a drill that uses it."""
 
 from __future__ import annotations
 
 import importlib.util
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any, cast
@@ -44,14 +43,6 @@ def listed(example: ModuleType, monkeypatch: pytest.MonkeyPatch) -> type[Any]:
 
 def arrival_s(drill: Drill) -> float:
     return float(drill.run.tables.stops.filter(train="T1", station="B")["arrival_s"][0])
-
-
-def test_the_recipe_is_two_files_and_all_that_is_checked_holds(clone: Callable[[], Any]) -> None:
-    made = clone()
-    made.follow("fault")
-    assert made.is_what_is_told("fault")
-    made.holds("tests/documents/test_faults.py", "tests/simulation/faults/test_table.py")
-    assert "`weak_traction`" in (made.root / "docs/faults.md").read_text("utf-8")
 
 
 def test_without_its_file_the_table_does_not_know_it() -> None:

@@ -1,4 +1,4 @@
-"""Manager and unit talk, as in a run but for the world: who says what, and whether the train leaves; as JSON.
+"""Manager and unit talk, as in a run but for the world: who says what, and whether the train leaves; JSON a story.
 
 The train of the test line stands at A from 9:50 and leaves at 10:00; at 9:55 a person has it held back (`hold`), lets
 it go at 10:05 (`release`), or does neither.
@@ -30,7 +30,7 @@ STANDS = PlaceInJoints(known=True, here=0, sure=1, perhaps=1, reach=1, near=0)
 MINUTE_S = 60.0
 
 
-def main() -> None:
+def tell(story: str) -> None:
     line = load_line(shipped_line("rtri_test_line"))
     train = load_timetable(shipped_timetable("rtri_test_line"), line).trains["T1"]
     plan = plan_of(plan_mission(line, train, "3", None, None), 40.0)
@@ -51,7 +51,7 @@ def main() -> None:
     said: list[tuple[float, str, str]] = []
     now_s = 9 * 3600.0 + 50 * MINUTE_S
     answer = unit.advance(now_s, (), Report(STANDS, (Begin(plan, signs_on=True),)))
-    persons = persons_of(sys.argv[1])
+    persons = persons_of(story)
     while now_s < 10 * 3600.0 + 10 * MINUTE_S:
         events = persons.pop(now_s, [])
         for telegram in answer.telegrams:
@@ -73,6 +73,7 @@ def main() -> None:
         answer = unit.advance(now_s, back, Report(STANDS))
     sys.stdout.write(
         json.dumps({"said": said, "held": sorted(register.holders), "waits_for": answer.command.waits_for})
+        + "\n"
     )
 
 
@@ -90,4 +91,5 @@ def persons_of(story: str) -> dict[float, list[object]]:
     )
 
 
-main()
+for name in sys.argv[1:]:
+    tell(name)

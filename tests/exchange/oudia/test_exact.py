@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from exchange.onto_line import onto_line
@@ -49,7 +49,6 @@ def test_a_shipped_timetable_is_read_back_the_same(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["karasuyama", "busy_line"])
-@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_any_timetable_is_read_back_the_same(name: str, data: st.DataObject) -> None:
     line = LINES[name]
@@ -59,7 +58,6 @@ def test_any_timetable_is_read_back_the_same(name: str, data: st.DataObject) -> 
     assert parse_timetable(written, "written", line) == timetable
 
 
-@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_any_timetable_keeps_its_times_without_what_we_wrote_beside_it(data: st.DataObject) -> None:
     timetable = data.draw(timetables(KARASUYAMA, fastest_mps=50.0))

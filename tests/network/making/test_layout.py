@@ -7,7 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from exchange.new_line import NewLine, NewLineOptions, make_line
@@ -89,7 +89,6 @@ def assert_every_track_leads_to_every_next_one(rows: list[dict[str, object]], li
                     assert (key in routes) is possible, key
 
 
-@settings(max_examples=120)
 @given(
     rows=station_rows((3.0, 8.0)),
     speed=st.sampled_from((45.0, 65.0, 85.0)),
@@ -117,7 +116,6 @@ def test_stations_with_room_make_a_line_whose_tracks_all_hang_together(
     assert len(portals) == sum(row.get("end") == "portal" for row in rows)
 
 
-@settings(max_examples=80)
 @given(rows=station_rows((0.15, 1.5)), length=st.sampled_from((20.0, 40.0, 120.0)))
 def test_stations_near_each_other_make_a_line_or_are_refused_by_name(
     tmp_path_factory: pytest.TempPathFactory, rows: list[dict[str, object]], length: float

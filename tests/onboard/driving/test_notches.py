@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -38,9 +38,6 @@ NO_PLAN = np.zeros(0, dtype=PLAN)
 
 START_M = 100.0
 TRACK_M = 4000
-compiled_test = settings(
-    max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
 
 
 @dataclass
@@ -92,7 +89,6 @@ def drive_along(
     return course
 
 
-@compiled_test
 @given(
     permille=st.floats(-20.0, 20.0),
     load_share=st.floats(0.0, 1.0),
@@ -121,7 +117,6 @@ def test_it_stops_within_a_metre_of_the_mark(
     assert course.interventions == 0
 
 
-@compiled_test
 @given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0), cruise_mps=st.floats(6.0, 16.0))
 def test_it_holds_its_speed_without_hunting(
     unit: UnitRow,
@@ -153,7 +148,6 @@ def test_it_holds_its_speed_without_hunting(
     assert np.count_nonzero(np.diff(used)) <= 2  # never to and fro between power and brake
 
 
-@compiled_test
 @given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0), bound_m=st.floats(0.5, 40.0))
 def test_it_is_down_to_a_lower_limit_in_time(
     unit: UnitRow,
@@ -205,7 +199,6 @@ def test_supervision_overrules_the_driver(
     assert course.notch == [-train.brake_notches]
 
 
-@compiled_test
 @given(force_share=st.floats(0.01, 1.0), load_share=st.floats(0.0, 1.0), speed_mps=st.floats(0.0, 25.0))
 def test_the_lowest_notch_that_is_strong_enough(
     train: TrainRow, force_share: float, load_share: float, speed_mps: float

@@ -10,17 +10,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from network.model import Line
 from onboard.driving.laws.cue import PLAN_NONE
 from onboard.driving.laws.settings import fit_law
 from onboard.driving.laws.table import LAWS_ROW
-from onboard.driving.stop_keeper import StopKeeper
 from onboard.duty.mission import Mission
 from onboard.duty.records import DrivingCommand, DrivingOrder, Looked, StopLimit
 from onboard.motion import UnitMotion
-from onboard.records import EVENT_OFF_PLAN, EVENT_TAG_OVERDUE, MODE_DRIVE, BehaviourRow, PathData, UnitRow
+from onboard.records import EVENT_OFF_PLAN, EVENT_TAG_OVERDUE, MODE_DRIVE
 from onboard.unit_records import UnitParameters
-from vehicle.records import TrainRow
 
 Rows = NDArray[np.void]
 DEPART = DrivingCommand(
@@ -30,22 +27,11 @@ ON = msgspec.structs.replace(DEPART, orders=())
 
 
 @pytest.fixture
-def made(
-    rtri: Line,
-    mission: Mission,
-    unit: UnitRow,
-    train: TrainRow,
-    behaviour: BehaviourRow,
-    keeper: Callable[[], StopKeeper],
-    track: Callable[..., Rows],
-) -> Callable[[str], UnitMotion]:
+def made(at_start: Callable[..., UnitMotion]) -> Callable[[str], UnitMotion]:
     def make(law: str) -> UnitMotion:
         laws = np.zeros(1, dtype=LAWS_ROW).view(np.recarray)[0]
         fit_law(laws, law)
-        motion = UnitMotion(rtri, UnitParameters(), unit, train, behaviour, keeper(), laws=laws)
-        path = PathData(track(np.zeros(math.ceil(mission.path.length_m) + 1)), 0)
-        motion.stand_at_start(mission, path, 0.0)
-        return motion
+        return at_start(laws=laws)
 
     return make
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from numpy.typing import NDArray
@@ -16,7 +16,6 @@ from vehicle.records import TrainRow
 Rows = NDArray[np.void]
 
 GRAVITY_SHARE_MPS2 = 9.81 / 1.08
-compiled_test = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 @pytest.mark.parametrize("permille", [0.0, 25.0, -25.0])
@@ -40,7 +39,6 @@ def test_a_descent_that_outweighs_the_brake_is_taken_at_the_lower_limit() -> Non
     assert braking_curve(limits, elevation_m, 0.8, GRAVITY_SHARE_MPS2)[:60] == pytest.approx(10.0)
 
 
-@compiled_test
 @given(hnp.arrays(np.float64, 60, elements=st.floats(1.0, 30.0)), st.floats(0.1, 1.2))
 def test_the_curve_is_the_highest_one_that_meets_every_later_limit(
     limits: np.ndarray, deceleration_mps2: float

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from onboard.driving.stop_keeper import StopKeeper, fill_design
@@ -24,12 +24,8 @@ from onboard.records import EMERGENCY_INTERVENTION, EVENT_VERDICT, BehaviourRow,
 from vehicle.records import TrainRow
 
 STEP_S = 0.1
-compiled_test = settings(
-    max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
 
 
-@compiled_test
 @given(
     before_mps=st.floats(0.5, 25.0),
     share=st.floats(0.0, 0.3),

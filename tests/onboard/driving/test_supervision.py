@@ -5,7 +5,7 @@ from copy import copy
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -28,7 +28,6 @@ Rows = NDArray[np.void]
 GRAVITY_SHARE_MPS2 = 9.81 / 1.08
 STEP_S = 0.1
 TRACK_M = 2500
-compiled_test = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 @given(
@@ -37,7 +36,6 @@ compiled_test = settings(deadline=None, suppress_health_check=[HealthCheck.funct
     deceleration_mps2=st.floats(0.3, 1.3),
     reaction_s=st.floats(0.0, 5.0),
 )
-@compiled_test
 def test_the_stop_curve_solves_its_equation(
     distance_m: float, climb_m: float, deceleration_mps2: float, reaction_s: float
 ) -> None:
@@ -62,7 +60,6 @@ def prepared(limit_m: float) -> UnitRow:
     return row
 
 
-@settings(compiled_test, max_examples=40)
 @given(
     slopes=st.lists(st.floats(-25.0, 25.0), min_size=10, max_size=10),
     limit_m=st.floats(120.0, 2400.0),
@@ -124,7 +121,6 @@ def test_with_the_guaranteed_brake_no_train_passes_its_stop_limit(
             break
 
 
-@compiled_test
 @given(
     near_m=st.floats(0.0, 1000.0),
     further_m=st.floats(0.0, 1000.0),

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -78,7 +78,6 @@ def test_the_pattern_at_a_design_without_soft_end_is_the_square_root() -> None:
     assert slope == 0.8
 
 
-@settings(deadline=None)  # the first call compiles
 @given(distance_m=st.floats(1e-3, 400.0), deceleration=st.floats(0.35, 0.93))
 def test_the_pattern_is_what_its_deceleration_makes_of_it(distance_m: float, deceleration: float) -> None:
     row = design()
@@ -99,7 +98,6 @@ def test_the_soft_end_falls_to_the_deceleration_left_at_rest() -> None:
     assert pattern(row, 0.8, -1.0) == (0.0, 0.3)
 
 
-@settings(deadline=None)  # the first call compiles
 @given(deceleration=st.floats(0.41, 0.92), distance_m=st.floats(2.0, 300.0))
 def test_a_pattern_drawn_through_a_state_is_the_one_it_came_from(
     deceleration: float, distance_m: float
@@ -131,7 +129,6 @@ def test_prediction_with_own_deceleration_stops_at_zero() -> None:
     assert 0.0 < run_m <= 0.05
 
 
-@settings(deadline=None)  # the first call compiles
 @given(demand=st.floats(0.0, 0.93), offset=st.floats(-0.25, 0.25))
 def test_the_model_expects_of_a_corrected_command_what_was_demanded(demand: float, offset: float) -> None:
     row = design(offset_mps2=offset)
@@ -170,7 +167,6 @@ def test_no_brake_before_the_pattern_is_met() -> None:
     assert tasc["braking"] == 1
 
 
-@settings(deadline=None)  # the first call compiles
 @given(moved_m=st.floats(-6.0, 3.0))
 def test_a_fix_changes_the_demand_no_more_than_the_new_distance_requires(moved_m: float) -> None:
     tasc, row = fresh()[0], design(gain_per_s=2.0)

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from network.errors import InputError
@@ -45,7 +45,6 @@ def record(
     return StopDecelerations(designed, actual, slid, load_share)
 
 
-@settings(deadline=None)  # the first call compiles
 @given(
     a=st.floats(0.1, 5.0), b=st.floats(0.1, 5.0), c=coefficients, d=coefficients, share=st.floats(-0.9, 0.9)
 )
@@ -82,7 +81,6 @@ def test_the_grid_is_the_papers() -> None:
     assert CharacteristicFit(0, 0, 0.0, 441).offset_mps2 * 3.6 == pytest.approx(-1.0)
 
 
-@settings(deadline=None)  # the first call compiles
 @given(delay=st.integers(1, 19), offset=st.integers(-9, 9))
 def test_the_search_finds_a_shift_and_an_offset(delay: int, offset: int) -> None:
     fit = search(record(delay, offset))
@@ -91,7 +89,6 @@ def test_the_search_finds_a_shift_and_an_offset(delay: int, offset: int) -> None
     assert fit.evaluations == 441
 
 
-@settings(deadline=None)  # the first call compiles
 @given(delay=st.integers(4, 16), offset=st.integers(-9, 9), aside=st.integers(-1, 1))
 def test_six_points_near_the_truth_find_it_too(delay: int, offset: int, aside: int) -> None:
     fit = approximate(record(delay, offset), (delay + aside, OFFSET_ZERO))

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from network.files.line_file import load_line
@@ -33,7 +33,6 @@ def spans_behind(mission: Mission, rear_m: float) -> int:
     return sum(span.end_m <= rear_m for span in mission.spans)
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(length_m=lengths_m)
 def test_a_tag_proves_only_what_the_whole_train_has_left(mission: Mission, length_m: float) -> None:
     """The front is over the tag, so the rear is a train's length behind; the reader's field counts against it."""
@@ -75,7 +74,6 @@ def test_where_no_tag_up_to_the_mark_proves_it_the_driver_must_see(mission: Miss
     assert plan_of(beyond, LENGTH_M).stops[1].by_eye  # a tag that is read only after the stop
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(length_m=lengths_m)
 def test_at_a_mark_a_driver_sees_no_more_behind_than_there_is(mission: Mission, length_m: float) -> None:
     """Its front may be some metres short of the mark."""

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -15,12 +15,8 @@ from vehicle.running_time import predicted_run
 Rows = NDArray[np.void]
 
 LEG_M = 2000.0
-compiled_test = settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
 
 
-@compiled_test
 @given(available_s=st.floats(60.0, 400.0), load_share=st.floats(0.0, 1.0), permille=st.floats(-10.0, 10.0))
 def test_the_lowest_speed_that_is_in_time(
     train: TrainRow,

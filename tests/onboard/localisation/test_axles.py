@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from onboard.localisation.axles import APART_M, LAST_AXLE_LIES, NO_AXLE_MPS, TACHOMETER_LIES, forget_axles
@@ -92,7 +92,6 @@ PIECES = st.lists(
 )
 
 
-@settings(deadline=None, max_examples=60)
 @given(PIECES, LIES, st.booleans(), st.floats(-VARIES, VARIES), st.floats(0.0, 25.0))
 @example([(POWER_MPS2, 30.0), (BRAKE_MPS2, 30.0)], times(0.2), False, 0.0, 0.0)
 @example([(POWER_MPS2, 30.0), (COAST_MPS2, 30.0)], times(0.93), False, VARIES, 0.0)

@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from onboard.localisation.collation import all_squares, explained_shifts
@@ -19,7 +19,6 @@ from onboard.localisation.spatial_filter import CORNER_M, filtered_sample, secti
 from onboard.localisation.table import READERS_ROW
 from onboard.records import UnitRow
 
-quick = settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 halves_m = st.floats(0.5, 40.0)
 shares = st.floats(-1.0, 1.0)
 
@@ -40,7 +39,6 @@ def believe(unit: UnitRow, at_m: float, half_m: float) -> None:
     unit.position_m, unit.bound_behind_m, unit.bound_ahead_m = at_m, half_m, half_m
 
 
-@quick
 @given(within_m=halves_m, bounds_m=halves_m, its_m=halves_m, share=shares)
 def test_the_estimate_moves_only_as_far_as_the_fix_is_better(
     own: CurvatureRow, unit: UnitRow, within_m: float, bounds_m: float, its_m: float, share: float

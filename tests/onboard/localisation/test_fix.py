@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from onboard.localisation.fix import (
@@ -23,7 +23,6 @@ shares = st.floats(-1.0, 1.0)
 bounds_m = st.floats(0.01, 40.0)
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(own_share=shares, its_share=shares, own_m=bounds_m, its_m=bounds_m, source=st.sampled_from(FixSource))
 def test_two_intervals_that_hold_the_truth_leave_one_that_holds_it(
     unit: UnitRow, own_share: float, its_share: float, own_m: float, its_m: float, source: FixSource

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from onboard.localisation import gnss as reader
@@ -391,7 +391,6 @@ def ramp(begin_m: float, slope: float, most_m: float) -> Bias:
     return lambda ran_m: math.copysign(min(abs(slope) * max(ran_m - begin_m, 0.0), abs(most_m)), most_m)
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=60)
 @given(
     seed=st.integers(0, 2**16),
     begin_m=st.floats(200.0, 1500.0),

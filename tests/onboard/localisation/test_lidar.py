@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN
@@ -166,7 +166,6 @@ def test_the_speed_is_told_once_both_means_are_filled_and_while_markers_are_seen
     assert told[-1][2] == 0.0
 
 
-@settings(deadline=None, max_examples=60)
 @given(
     group=st.sampled_from(GROUPS),
     laid=st.integers(1, 24),

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from onboard.localisation import marker_patterns as module
@@ -59,7 +59,6 @@ def test_any_two_patterns_differ_in_eight_cells_or_more() -> None:
         assert pattern_of(WORDS[pattern - 1]) == pattern
 
 
-@settings(deadline=None)
 @given(
     pattern=st.integers(1, PATTERNS),
     counts=st.lists(st.integers(4, 20), min_size=MARKERS, max_size=MARKERS),
@@ -76,7 +75,6 @@ def test_points_about_the_markers_give_the_pattern_and_its_first_row(
     assert row_m == pytest.approx(first_m, abs=0.2 * spacing_m)
 
 
-@settings(deadline=None)
 @given(
     pattern=st.integers(1, PATTERNS),
     moves=st.lists(st.tuples(st.integers(0, MARKERS - 1), st.integers(0, CELLS - 1)), min_size=0, max_size=3),

@@ -6,7 +6,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from onboard.localisation.reader import (
@@ -37,7 +37,6 @@ def words_of_weight(polynomial: int) -> Counter[int]:
     return Counter(np.bitwise_count(words).tolist())
 
 
-@settings(deadline=None)  # the first call compiles
 @given(ids, st.integers(0, 2**64 - 1))
 def test_a_telegram_says_its_id_twice(tag_id: int, serial: int) -> None:
     telegram = encode(tag_id, serial)
@@ -74,7 +73,6 @@ def test_crc_is_the_remainder_plus_the_constant() -> None:
     assert weights == words_of_weight(CRC_POLYNOMIAL)
 
 
-@settings(deadline=None)  # the first call compiles
 @given(ids, st.integers(0, 1), st.sets(st.integers(0, 31), min_size=1, max_size=3))
 def test_up_to_three_errors_in_an_item_are_found(tag_id: int, place: int, errors: set[int]) -> None:
     telegram = encode(tag_id)
@@ -84,7 +82,6 @@ def test_up_to_three_errors_in_an_item_are_found(tag_id: int, place: int, errors
     assert decode(telegram)[1 - place] == tag_id
 
 
-@settings(deadline=None)  # the first call compiles
 @given(ids, st.integers(0, 2**64 - 1), st.integers(1, 7))
 def test_a_telegram_read_early_or_late_is_refused(tag_id: int, serial: int, shift: int) -> None:
     telegram = encode(tag_id, serial)
@@ -132,7 +129,6 @@ def test_the_vote(items: list[int | None], expected: Judgement) -> None:
     assert judge(items) == expected
 
 
-@settings(deadline=None)  # the first call compiles
 @given(
     st.lists(st.sampled_from([None, 1, 2, 3]), max_size=24),
     st.builds(IdAgreement, st.integers(1, 8), st.integers(1, 4), st.integers(1, 2)),

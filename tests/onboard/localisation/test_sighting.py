@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN
@@ -48,7 +48,6 @@ def stands_at(unit: UnitRow, position_m: float, bound_m: float) -> None:
     unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = position_m, bound_m, bound_m
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     true_m=st.floats(425.0, 500.0),
     estimate_share=st.floats(-1.0, 1.0),
@@ -185,7 +184,6 @@ def test_a_tag_sets_the_estimate_anew(unit: UnitRow) -> None:
     pitch_share=st.floats(-1.0, 1.0),
     exposed_share=st.floats(0.0, 1.0),
 )
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_the_front_lies_where_a_frame_says_whatever_row_and_pitch(
     unit: UnitRow, true_m: float, speed_mps: float, pitch_share: float, exposed_share: float
 ) -> None:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from onboard.localisation.fix import TakenFix, take_interval
@@ -13,7 +13,6 @@ from vehicle.records import TrainRow
 
 ACCURACY_M = 0.5
 STEP_S = 0.1
-compiled_test = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 def new_unit(growth: float = 0.02) -> UnitRow:
@@ -25,7 +24,6 @@ def new_unit(growth: float = 0.02) -> UnitRow:
     return row
 
 
-@compiled_test
 @given(
     growth=st.floats(0.0, 0.05),
     shares=st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=40),
@@ -56,7 +54,6 @@ def test_the_truth_lies_within_the_bounds_for_any_wheel_error_within_the_growth(
             assert true_m >= unit.position_m - unit.bound_behind_m - 1e-6
 
 
-@compiled_test
 @given(runs_m=st.lists(st.floats(0.0, 50.0), min_size=2, max_size=20))
 def test_bounds_only_grow_between_tags(train: TrainRow, runs_m: list[float]) -> None:
     unit = new_unit()

@@ -8,7 +8,7 @@ from itertools import accumulate
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import TagPurpose
@@ -136,13 +136,11 @@ def ride_along(line: Sequence[Laid], worn: float, parameters: UnitParameters, to
     return ride
 
 
-@settings(max_examples=300)
 @given(st.lists(laid, min_size=2, max_size=25), worn)
 def test_the_truth_stays_inside_whatever_tags_say(line: list[Laid], worn: float) -> None:
     ride_along(line, worn, PARAMETERS, 1)
 
 
-@settings(max_examples=100)
 @given(st.lists(laid, min_size=2, max_size=25), worn)
 def test_two_that_lie_together_need_the_bounds_to_span_three(line: list[Laid], worn: float) -> None:
     ride_along(line, worn, PARAMETERS.model_copy(update={"tags_wrong_together": 2}), 2)

@@ -128,7 +128,6 @@ def test_stretches_change_nothing(stretch: int, on_sumo: Carry) -> None:
 
 
 @given(trains=meetings(), stretch=st.integers(1, 60))
-@settings(max_examples=150)
 def test_two_trains_collide_as_on_sumo(trains: tuple[Going, ...], stretch: int, on_sumo: Carry) -> None:
     plain = on_plain(trains, stretch)
     assume(not plain.turned_ahead)
@@ -145,7 +144,6 @@ def test_ten_thousand_meetings(trains: tuple[Going, ...], stretch: int, on_sumo:
 
 
 @given(trains=meetings(trains=3), stretch=st.integers(1, 60))
-@settings(max_examples=60)
 def test_of_three_trains_none_is_found_later_than_on_sumo(
     trains: tuple[Going, ...], stretch: int, on_sumo: Carry
 ) -> None:

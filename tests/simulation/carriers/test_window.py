@@ -17,6 +17,7 @@ from simulation.carriers.lost import CarrierLostError
 from simulation.carriers.sumo_api import GuiWindow, in_window
 from study.outcome import Outcome, outcome_of
 from tests.conftest import Ended
+from tests.nightly import others_nightly
 
 XVFB = shutil.which("Xvfb")
 needs_screen = pytest.mark.skipif(
@@ -46,7 +47,7 @@ def display() -> Iterator[str]:
 
 @pytest.mark.system
 @needs_screen
-@pytest.mark.parametrize("scenario", ["rtri_test_line", "turn_back"])
+@pytest.mark.parametrize("scenario", others_nightly(["rtri_test_line", "turn_back"], ["rtri_test_line"]))
 def test_a_run_that_is_watched_is_the_same_run(
     scenario: str,
     turn_back: str,

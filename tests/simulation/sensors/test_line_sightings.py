@@ -12,6 +12,7 @@ from simulation.sensors import line_sightings as module
 from simulation.sensors.camera import LINE_CAMERA, Renderer
 from simulation.sensors.line_sightings import LIGHTS, PLACES_M, line_sightings
 from simulation.settings import Light
+from tests.nightly import others_nightly
 from vehicle.compiled import INTERPRETED
 
 COUNT = 40
@@ -52,7 +53,7 @@ def renderer() -> Renderer:
 
 
 @pytest.mark.skipif(INTERPRETED, reason="it renders: interpreted an image takes a minute")
-@pytest.mark.parametrize("light", LIGHTS)
+@pytest.mark.parametrize("light", others_nightly(LIGHTS, [Light.DAYLIGHT, Light.RAIN]))
 def test_the_figures_are_what_the_renderer_gives(light: Light, renderer: Renderer) -> None:
     assert objections(light, renderer) == []
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from onboard.board import SENSED
@@ -71,7 +71,6 @@ def test_it_shows_the_same_whatever_the_train_does() -> None:
         assert {one for one, _ in shown} == {-1, 0}
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     notches=st.lists(st.integers(-7, 5), min_size=1, max_size=8),
     speed=st.floats(0.0, 27.0),
@@ -90,7 +89,6 @@ phases = st.lists(
 )
 
 
-@settings(max_examples=150, deadline=None)
 @given(phases=phases, speed=st.floats(3.0, 27.0), differ=st.floats(-0.01, 0.01), emergency=st.booleans())
 @example([(-7.0, 0.1, 60)] * 8, 27.0, 0.01, False)  # all axles slide, to the depth that protection allows
 @example([(-7.0, 0.55, 60)] * 4, 18.0, 0.0, False)  # the last one rolls

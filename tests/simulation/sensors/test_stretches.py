@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from onboard.driving.stop_keeper import believed_dead_time_s, fill_design
@@ -59,7 +59,6 @@ def whole(rtri_setup: Setup) -> tuple[np.ndarray, list[tuple[int, float]]]:
     return course(rtri_setup, [50])
 
 
-@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(lengths=st.lists(st.integers(1, 50), min_size=1, max_size=20))
 def test_stretches_of_any_lengths_leave_the_same_bits(
     rtri_setup: Setup, whole: tuple[np.ndarray, list[tuple[int, float]]], lengths: list[int]

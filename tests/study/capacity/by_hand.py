@@ -81,9 +81,9 @@ POINTS = """
 """
 
 
-def two_blocks(folder: Path, *, throw_share: float = 1.0, delay_s: float = 0.1) -> Setup:
+def two_blocks(folder: Path, *, throw_share: float = 1.0, delay_s: float = 0.1, times: str = TIMES) -> Setup:
     """The setup; points take `throw_share` of 6 s to throw."""
-    (folder / "two_blocks_times.toml").write_text(TIMES, "utf-8")
+    (folder / "two_blocks_times.toml").write_text(times, "utf-8")
     file = folder / "two_blocks.toml"
     text = POINTS.replace("{throw_share}", str(throw_share))
     head = SCENARIO.replace("{delay_s}", str(delay_s))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import Direction
@@ -67,7 +67,6 @@ def days(draw: st.DrawFn) -> list[Made]:
     return made
 
 
-@settings(max_examples=40, deadline=None)
 @given(days(), st.sampled_from([*LOW.values(), *HIGH.values(), WHOLE]), st.sampled_from(StandingRule))
 def test_no_two_trains_overlap_and_the_chain_is_whole(
     made: list[Made], part: frozenset[str], stops: StandingRule

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import Direction
@@ -106,7 +106,6 @@ def test_half_the_throw_moves_the_headway_by_what_the_parts_say() -> None:
     assert whole.least_s - half.least_s == pytest.approx(whole.costs_s[OccupationCost.POINTS] / 2.0)
 
 
-@settings(max_examples=25, deadline=None)
 @given(days())
 def test_components_make_up_every_headway_and_the_plan_keeps_it(made: list[Made]) -> None:
     for place, tracks in TRACKS.items():

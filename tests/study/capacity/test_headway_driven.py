@@ -7,7 +7,7 @@ greatest of its headways to it is kept, and a second less makes it late.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Generator, Iterable
+from collections.abc import Collection, Generator, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import permutations
@@ -33,6 +33,7 @@ from study.capacity.two_trains import two_trains, undisturbed_setup
 from study.evaluate import headways_driven
 from study.evaluate.headways_driven import LATE_S, Drives
 from study.runner.run import CarrierKind, PartyLink, execute
+from tests.nightly import others_nightly
 from tests.study.capacity.by_hand import occupations_of_run
 
 LEAD_S = 0.5  # a unit that asks no sooner than it must has no time to ask again
@@ -171,20 +172,33 @@ def key_of(case: HeadwayCase) -> tuple[str, HeadwayKind, str, str]:
     return case.station_id, case.headway.kind, case.first, case.second
 
 
-def test_a_row_of_each_kind_can_be_driven_and_a_second_less_is_late() -> None:
+@pytest.fixture(scope="module")
+def isumi() -> Iterator[tuple[Drives, tuple[HeadwayCase, ...]]]:
+    with drives_of("isumi_weekday") as found:
+        yield found
+
+
+IN_PASSING: Final = "KNY", HeadwayKind.ARRIVAL_DEPARTURE, "up, KNY.2", "down, KNY.1"
+OF_EACH_KIND: Final = (
+    IN_PASSING,
+    ("KNN", HeadwayKind.FOLLOWING, "up, KNN.1", "up, KNN.1"),
+    ("OTK", HeadwayKind.OPEN, "down, OTK.1", "down, OTK.2"),
+    ("OTK", HeadwayKind.CLOSING_UP, "down, OTK.1", "down, OTK.2"),
+    ("KNN", HeadwayKind.DEPARTURE_ARRIVAL, "up, KNN.1", "down, KNN.1"),
+)
+
+
+@pytest.mark.parametrize("key", others_nightly(OF_EACH_KIND, [IN_PASSING]), ids=lambda key: key[1].value)
+def test_a_row_of_each_kind_can_be_driven_and_a_second_less_is_late(
+    key: tuple[str, HeadwayKind, str, str], isumi: tuple[Drives, tuple[HeadwayCase, ...]]
+) -> None:
     """On the Isumi line: along the line, at meets, and at its end, where all has to turn first."""
-    with drives_of("isumi_weekday") as (drives, cases):
-        for key in (
-            ("KNN", HeadwayKind.FOLLOWING, "up, KNN.1", "up, KNN.1"),
-            ("OTK", HeadwayKind.OPEN, "down, OTK.1", "down, OTK.2"),
-            ("OTK", HeadwayKind.CLOSING_UP, "down, OTK.1", "down, OTK.2"),
-            ("KNY", HeadwayKind.ARRIVAL_DEPARTURE, "up, KNY.2", "down, KNY.1"),
-            ("KNN", HeadwayKind.DEPARTURE_ARRIVAL, "up, KNN.1", "down, KNN.1"),
-        ):
-            found = drives.drive_headway(row(cases, *key))
-            assert found.agrees, (key, found.text)
+    drives, cases = isumi
+    found = drives.drive_headway(row(cases, *key))
+    assert found.agrees, found.text
 
 
+@pytest.mark.nightly
 def test_one_leg_back_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     """4D goes to the track on which 13D would have had to wait before it turns as 14D: 1,400 s more."""
     monkeypatch.setattr(orders, "BACK_MAX", 1)
@@ -201,15 +215,15 @@ def test_one_leg_back_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_without_its_stand_a_last_train_would_have_passed_its_terminus(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: pytest.MonkeyPatch, isumi: tuple[Drives, tuple[HeadwayCase, ...]]
 ) -> None:
     """The drive ends as the first comes to a stand: its front was over the joint 20 s before."""
-    with drives_of("isumi_weekday") as (drives, cases):
-        meets = row(cases, "KNY", HeadwayKind.ARRIVAL_DEPARTURE, "up, KNY.2", "down, KNY.1")
-        setup = two_trains(drives.setup, meets.headway).day(two_trains(drives.setup, meets.headway).first)
-        (stood,) = drives.legs(setup)
-        monkeypatch.setattr(passage, "LAST_STANDS", False)
-        (passed,) = drives.legs(setup)
+    drives, cases = isumi
+    both = two_trains(drives.setup, row(cases, *IN_PASSING).headway)
+    setup = both.day(both.first)
+    (stood,) = drives.legs(setup)
+    monkeypatch.setattr(passage, "LAST_STANDS", False)
+    (passed,) = drives.legs(setup)
     assert passed.arrives_s < stood.arrives_s - 15.0
 
 
@@ -231,7 +245,7 @@ def test_the_first_waits_for_the_second_at_a_meet(monkeypatch: pytest.MonkeyPatc
     assert row(line_cases(setup.line, day, dwell_s), *key).headway.least_s < waits.least_s - 300.0
 
 
-@pytest.mark.parametrize("name", ["isumi_weekday", "kururi_weekday"])
+@pytest.mark.parametrize("name", others_nightly(["isumi_weekday", "kururi_weekday"], ["isumi_weekday"]))
 def test_who_follows_from_the_same_track_has_come_there_and_stood(name: str) -> None:
     """Departure to departure is at least departure to arrival and the shortest stand, for every two trains.
 

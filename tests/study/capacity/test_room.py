@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import Direction
@@ -48,7 +48,6 @@ def test_as_many_fit_one_after_another_as_the_closest_section_lets_in() -> None:
     assert found[-1].arrives_s == 6 * 420.0 + THROUGH_S
 
 
-@settings(max_examples=25, deadline=None)
 @given(days(), st.sampled_from([0.0, 30.0]), st.booleans())
 def test_nothing_overlaps_what_is_put_in(made: list[Made], buffer_s: float, both: bool) -> None:
     taken = taken_by(made)

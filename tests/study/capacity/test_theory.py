@@ -16,7 +16,7 @@ from study.capacity.links import Links
 from study.capacity.occupation import Occupation, OccupationPart, conflicts_of
 from study.capacity.rules import AS_UNITS, MINIMAL, VIRTUAL_BLOCKS, Rules
 from study.capacity.theory import Theory, occupations
-from tests.study.capacity.by_hand import two_blocks
+from tests.study.capacity.by_hand import TIMES, two_blocks
 
 R, A, G, T, P = (
     OccupationPart.REQUEST,
@@ -204,6 +204,28 @@ def test_moved_journeys_move_their_occupations(tmp_path: Path) -> None:
     for one, other in zip(before, after, strict=True):
         assert other.begin_s == pytest.approx(one.begin_s + 100.0, abs=1e-6)
         assert other.length_s == pytest.approx(one.length_s, abs=1e-6)
+
+
+TURNS = (
+    TIMES.replace('"stabled"', '"becomes:T2"').replace('["T1"]', '["T1", "T2"]')
+    + """
+[[trains]]
+number = "T2"
+direction = "up"
+begins = "from:T1"
+ends = "stabled"
+calls = [{ station = "B", track = "1", departure = "10:01:20" }, { station = "A", track = "1", arrival = "10:03:00" }]
+"""
+)
+
+
+@pytest.mark.parametrize("change_s", [30.0, 60.0])
+def test_a_set_asks_for_its_way_back_when_its_ends_are_changed(tmp_path: Path, change_s: float) -> None:
+    """It stands at B at 10:01:06.394, has given back all behind it, and would ask 45 s before 10:01:20."""
+    setup = _at_once(two_blocks(tmp_path, times=TURNS))
+    setup = replace(setup, operation=setup.operation.model_copy(update={"change_ends_s": change_s}))
+    (back,) = (one for one in occupations(setup) if (one.section_id, one.number) == ("6", "T2"))
+    assert back.begin_s == pytest.approx(36_000.0 + 66.394 + change_s, abs=0.1)
 
 
 def test_a_set_that_turns_back_keeps_its_track() -> None:

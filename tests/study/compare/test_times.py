@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import polars as pl
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from study.compare.times import What, compare_times
@@ -114,7 +114,6 @@ def test_a_train_that_passes_has_one_time_and_its_own_word(weekday: ReportedRun)
 
 
 @given(st.data())
-@settings(max_examples=25, deadline=None)
 def test_whatever_moved_is_told_and_nothing_else(weekday: ReportedRun, data: st.DataObject) -> None:
     stops = weekday.tables.stops
     order = data.draw(st.permutations(range(stops.height)))

@@ -7,10 +7,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import pytest
 
+from branchline import sweeping
 from radio.noted import Sent, TookEffect
 from scenario.scenario import Scenario, load_scenario
 from simulation.faults.script import Expectation, Property, ScriptedFault
@@ -22,6 +23,7 @@ from study.drilling.moving import staffed
 from study.drilling.outcome_class import OutcomeKind, SweptRun
 from study.drilling.telegram_grid import FaultChoice, grid_of, shortened_setup
 from study.runner.run import PartyLink, simulation_of
+from tests.nightly import others_nightly
 
 pytestmark = pytest.mark.system
 
@@ -97,6 +99,11 @@ def test_a_copy_beside_the_drills_own_faults_is_the_run_of_its_replay_to_the_byt
             len([c for c in result.courses if isinstance(c.item, ScriptedFault)]) > 1
         )  # the drill's own, and this one
         assert result.digest == swept.outcomes[variation.name][step].digest
+
+
+def test_a_folder_is_the_drills_in_it() -> None:
+    assert len(drills_in("sidings")) == 6
+    assert drills_in(NAME) == (NAME,)
 
 
 def test_without_a_script_it_is_about_the_first_hour() -> None:
@@ -180,20 +187,17 @@ def test_the_command_counts_outcomes_and_takes_no_other_words(
         assert key in ended.err
 
 
-def test_a_folder_of_drills_is_a_table(main: Callable[..., Any], tmp_path: Path) -> None:
-    asked = (
-        "drill",
-        "sidings",
-        "--at",
-        "telegrams",
-        "--sample",
-        "1",
-        "--json",
-        "--out",
-        str(tmp_path / "grids"),
-    )
-    figures = json.loads(main(*asked).out)
-    assert len(figures["drills"]) == len(drills_in("sidings")) == 6
+FEW: Final = ("rtri/03_block_held", NAME)
+
+
+@pytest.mark.parametrize("drills", others_nightly([FEW, drills_in("sidings")], [FEW]), ids=len)
+def test_a_folder_of_drills_is_a_table(
+    drills: tuple[str, ...], main: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sweeping, "drills_in", {"folder": drills}.__getitem__)
+    out = ("--out", str(tmp_path / "grids"))
+    figures = json.loads(main("drill", "folder", "--at", "telegrams", "--sample", "1", "--json", *out).out)
+    assert len(figures["drills"]) == len(drills)
     assert figures["runs"] == sum(sum(d["by_kind"].values()) for d in figures["drills"])
     assert figures["grid"] == sum(d["grid"] for d in figures["drills"]) > figures["runs"]
     assert figures["bad_runs"] == 0

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import Direction, TagPurpose
@@ -19,12 +19,12 @@ from study.feasibility.finding import FindingKind, Severity, length_of_time, min
 from study.feasibility.planned import planned_day
 from study.feasibility.rehearsal import Rehearsal
 from study.measures.running_times import planned_legs
+from tests.nightly import A_FIFTH, others_nightly
 from tests.study.feasibility.broken_plans import BREAKS, STATIONS, TEN, Broken, good, journey
 from tests.study.feasibility.good_plans import good_plan
 from tests.study.feasibility.plans import Plan, call_at, later, with_call
 from tests.system.test_passing import SCENARIO, TIMETABLE
 
-GOOD_PLANS = 200
 NOT_TO_WORK = ("karasuyama_without_loop",)
 
 
@@ -50,20 +50,24 @@ def test_the_plan_before_it_is_broken_is_good_and_shows_its_meets() -> None:
     assert [minute(meet.time_s) for meet in found.meets] == ["10:23", "10:39"]
 
 
-def test_no_good_plan_of_200_is_refused() -> None:
+@pytest.mark.parametrize("plans", [10, pytest.param(200, marks=pytest.mark.nightly)])
+def test_no_good_plan_is_refused(plans: int) -> None:
     refused: list[tuple[int, str]] = []
     meets = trains = 0
-    for seed in range(GOOD_PLANS):
+    for seed in range(plans):
         plan = good_plan(seed)
         found = feasibility(plan.setup())
         refused += [(seed, finding.sentence) for finding in found.impossible]
         meets, trains = meets + len(found.meets), trains + len(plan.trains)
     assert refused == []
-    assert trains > 3 * GOOD_PLANS  # they are no empty days
-    assert meets > GOOD_PLANS // 2
+    assert trains > 3 * plans  # they are no empty days
+    assert meets > plans // 2
 
 
-@pytest.mark.parametrize("name", shipped_scenarios())
+@pytest.mark.parametrize(
+    "name",
+    others_nightly(shipped_scenarios(), ("busy_line", "karasuyama_weekday", "rtri_test_line", *NOT_TO_WORK)),
+)
 def test_what_is_shipped_is_good_unless_it_is_meant_not_to_work(name: str) -> None:
     found = feasibility(load_scenario(name).setup)
     assert found.good is (name not in NOT_TO_WORK), [f.sentence for f in found.impossible]
@@ -114,7 +118,7 @@ def test_a_leg_that_is_somewhat_short_is_told_and_not_refused() -> None:
     assert not feasibility(plan.with_train(later(plan.train("W"), -150, "OKA")).setup()).good
 
 
-@settings(max_examples=25)
+@A_FIFTH
 @given(st.integers(-6 * 3600, 8 * 3600))
 def test_the_same_plan_at_another_time_is_found_alike(by_s: int) -> None:
     whole_s = by_s // 60 * 60

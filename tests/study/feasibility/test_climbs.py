@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import Line
@@ -114,7 +114,6 @@ def test_where_a_train_could_not_start_again_is_told() -> None:
     assert "could not start again if it had to stop at km 0.7" in found.text
 
 
-@settings(max_examples=25, deadline=None)
 @given(permille=st.floats(-60.0, 120.0))
 def test_a_plan_is_refused_exactly_where_its_train_needs_more_than_it_has(permille: float) -> None:
     setup = replace(sloped(permille), load=Load(load_share_mean=0.2, load_share_spread=0.0))

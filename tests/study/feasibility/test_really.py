@@ -14,6 +14,7 @@ from simulation.setup import Setup
 from study.feasibility.check import feasibility
 from study.runner.outcome import broken_rules, unfinished
 from study.runner.run import simulation_of
+from tests.nightly import others_nightly
 from tests.study.feasibility.broken_plans import BREAKS, good
 from tests.study.feasibility.good_plans import good_plan
 from tests.study.feasibility.moved_plans import moved_plan
@@ -22,8 +23,8 @@ pytestmark = pytest.mark.system
 
 GOES_WRONG_S = 15.0  # later than this, a train of these plans did not run as planned
 LATE_S = 180.0  # as in the rule
-IN_PASSING = ("one_track_for_both", "stabled_for_the_night", "leg_in_two_minutes", "no_radio_before_points")
-BY_NIGHT = [name for name in BREAKS if name not in (*IN_PASSING, "no_way")]
+BROKEN = [name for name in BREAKS if name != "no_way"]  # which has no run
+IN_PASSING = ("one_track_for_both", "leg_in_two_minutes")
 
 
 def run(setup: Setup) -> RunResult:
@@ -50,38 +51,18 @@ def test_the_plan_before_it_is_broken_runs_to_plan() -> None:
     assert latest_s(result) < GOES_WRONG_S
 
 
-def goes_wrong(name: str) -> None:
+@pytest.mark.parametrize("name", others_nightly(BROKEN, IN_PASSING))
+def test_a_broken_plan_really_goes_wrong(name: str) -> None:
     result = run(BREAKS[name]().plan.setup())
     assert unfinished(result) or latest_s(result) > GOES_WRONG_S
 
 
-@pytest.mark.parametrize("name", IN_PASSING)
-def test_a_broken_plan_really_goes_wrong(name: str) -> None:
-    goes_wrong(name)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("name", BY_NIGHT)
-def test_every_broken_plan_really_goes_wrong(name: str) -> None:
-    goes_wrong(name)
-
-
-def runs_to_plan(seed: int) -> None:
+@pytest.mark.parametrize("seed", others_nightly(range(200), range(2)))
+def test_a_good_plan_really_runs_to_plan(seed: int) -> None:
     result = run(good_plan(seed).setup())
     assert unfinished(result) == ()
     assert broken_rules(result) == []
     assert latest_s(result) < GOES_WRONG_S
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_a_good_plan_really_runs_to_plan(seed: int) -> None:
-    runs_to_plan(seed)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("seed", range(4, 200))
-def test_every_good_plan_really_runs_to_plan(seed: int) -> None:
-    runs_to_plan(seed)
 
 
 def ends_if_it_may(seed: int) -> bool:
@@ -96,7 +77,7 @@ def ends_if_it_may(seed: int) -> bool:
 
 
 def test_whatever_the_check_lets_run_ends_with_every_train_arrived() -> None:
-    assert sum(ends_if_it_may(seed) for seed in range(1000, 1010)) >= 3
+    assert sum(ends_if_it_may(seed) for seed in range(1000, 1004)) >= 1
 
 
 @pytest.mark.nightly

@@ -155,7 +155,7 @@ def test_a_train_that_cannot_be_leaves_no_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "every_min", "trains"),
     [
-        ("karasuyama", 60, 6),
+        pytest.param("karasuyama", 60, 6, marks=pytest.mark.nightly),
         ("karasuyama", 120, 4),
         ("valley", 30, 12),
         pytest.param("busy_line", 30, 12, marks=pytest.mark.nightly),
@@ -202,7 +202,7 @@ def line_file(folder: Path, text: str) -> Path:
         ("one track", 60, CallKind.PASS),
         ("two tracks", 60, CallKind.PASS),
         ("the only loop", 60, CallKind.PASS),
-        ("three", 15, CallKind.OPERATIONAL),
+        pytest.param("three", 15, CallKind.OPERATIONAL, marks=pytest.mark.nightly),
         ("at an end", 30, CallKind.OPERATIONAL),
     ],
 )

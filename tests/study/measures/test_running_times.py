@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 import polars as pl
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -94,7 +94,6 @@ def test_curves_and_climbs_take_time(track: NDArray[np.void]) -> None:
     assert curve_s > level_s + 1.0
 
 
-@settings(max_examples=20, deadline=None)
 @given(load=st.floats(0.0, 1.0), below=st.floats(0.0, 5.0), start=st.floats(0.0, 300.0))
 def test_load_and_caution_never_make_a_run_shorter(load: float, below: float, start: float) -> None:
     way = RunWay(LINE, path(), start, start + 500.0)

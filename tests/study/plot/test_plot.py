@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import matplotlib as mpl
@@ -17,8 +18,9 @@ from study.measures.wait_text import at_time
 from study.plot.choice import Choice, chosen_run, time_of
 from study.plot.kinds import KINDS, PlotKind, PlotOption, kind_of
 from study.plot.words import plot_word
-from study.plot.write import DPI, Format, default_name, figure_of, format_of, write_plot
+from study.plot.write import default_name, figure_of, format_of, write_plot
 from study.record.read_back import RunRead, read_run
+from study.report.drawn import DPI, Format
 from study.report.style import drawing
 from study.runner.run import CarrierKind, PartyLink, execute, write_run
 from study.wording.catalogue import phrases_of
@@ -34,7 +36,10 @@ name = "a round trip on a battery"
 OF_ONE_TRAIN = {"rtri_test_line": ("T1", "A"), "karasuyama_round_trip": ("321M", "OGN")}
 
 
-@pytest.fixture(scope="session", params=list(OF_ONE_TRAIN))
+@pytest.fixture(
+    scope="session",
+    params=[pytest.param("rtri_test_line", marks=pytest.mark.nightly), "karasuyama_round_trip"],
+)
 def read(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> RunRead:
     made = tmp_path_factory.mktemp("plots")
     scenario = request.param
@@ -65,10 +70,20 @@ def kind_for(read: RunRead, name: str) -> PlotKind:
 
 
 EVERY = pytest.mark.parametrize("name", list(KINDS))
+IN_EVERY_RUN = {
+    ("train-graph", Format.PNG),
+    ("run-curve", Format.SVG),
+    *((name, Format.CSV) for name in KINDS),
+}
 
 
-@EVERY
-@pytest.mark.parametrize("form", list(Format))
+@pytest.mark.parametrize(
+    ("name", "form"),
+    [
+        pytest.param(name, form, marks=[] if (name, form) in IN_EVERY_RUN else pytest.mark.nightly)
+        for name, form in product(KINDS, Format)
+    ],
+)
 def test_every_kind_is_written_the_same_each_time(
     read: RunRead, name: str, form: Format, tmp_path: Path
 ) -> None:
@@ -105,21 +120,22 @@ def cut_texts(figure: Figure) -> list[str]:
     return cut
 
 
+@pytest.mark.nightly
 @EVERY
-@pytest.mark.parametrize("language", ["en", "ja"])
-def test_no_text_of_a_picture_is_cut(read: RunRead, name: str, language: str) -> None:
+def test_no_text_of_a_picture_is_cut(read: RunRead, name: str) -> None:
     kind = kind_for(read, name)
-    run = chosen_run(read, Choice(*needed(read, kind), language="ja" if language == "ja" else "en"))
+    run = chosen_run(read, Choice(*needed(read, kind)))
     with drawing():
         assert not cut_texts(figure_of(run, kind))
 
 
 @EVERY
-def test_a_japanese_picture_keeps_no_english_words(read: RunRead, name: str) -> None:
+def test_nor_is_that_of_a_japanese_one_which_keeps_no_english_words(read: RunRead, name: str) -> None:
     kind = kind_for(read, name)
     run = chosen_run(read, Choice(*needed(read, kind), language="ja"))
     with drawing():
         figure = figure_of(run, kind)
+        assert not cut_texts(figure)
     texts = {text.get_text() for text in figure.findobj(Text) if isinstance(text, Text)}
     assert not {text for text in texts if len(text) > 2} & set(phrases_of(""))
     labels = {axes.get_ylabel() for axes in figure.axes} | {axes.get_xlabel() for axes in figure.axes}

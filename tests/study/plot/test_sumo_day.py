@@ -18,7 +18,11 @@ from study.record.read_back import read_run
 from study.runner.run import PartyLink, execute, write_run
 
 sumo = pytest.importorskip("sumo", reason="the extra net is not installed")
-SCENARIOS = ("rtri_test_line", "karasuyama_weekday", "busy_line", "kururi_weekday", "isumi_weekday")
+AT_NIGHT = ("busy_line", "kururi_weekday", "isumi_weekday")
+SCENARIOS = (
+    *("rtri_test_line", "karasuyama_weekday"),
+    *(pytest.param(name, marks=pytest.mark.nightly) for name in AT_NIGHT),
+)
 LATE_S = 60.0
 
 

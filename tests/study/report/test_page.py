@@ -33,6 +33,7 @@ HOSTILE_TEXTS = (
 )
 
 
+@pytest.mark.nightly
 def test_five_hundred_trains_fit_into_a_megabyte(tmp_path: Path) -> None:
     day = busy_day(500)
     assert len(day.courses) == 500

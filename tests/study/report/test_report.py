@@ -13,7 +13,7 @@ from typing import Any
 import matplotlib as mpl
 import polars as pl
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
@@ -353,7 +353,6 @@ def cells(figure: Figure) -> list[int]:
 
 
 @given(late=st.lists(st.tuples(st.integers(-90, 500), st.integers(-90, 500)), min_size=9, max_size=9))
-@settings(max_examples=5, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_worst_and_earliest_are_found_in_the_table_of_delays(
     make_day: Callable[[str, str], ReportedRun], late: list[tuple[int, int]]
 ) -> None:

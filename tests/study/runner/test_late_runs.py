@@ -104,17 +104,21 @@ def test_everyone_arrives_and_nothing_is_broken(runs: dict[str, FinishedRun]) ->
     assert lost and len(runs["zone"].result.courses) > 30
 
 
-def test_the_same_seed_is_the_same_day(runs: dict[str, FinishedRun]) -> None:
-    file = runs["zone"].scenario.file
-    again = execute(load_scenario(file, 1), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
-    other = execute(load_scenario(file, 2), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
-    assert again.result.digest == runs["zone"].result.digest
-    assert other.summary["late"]["drawn"] != again.summary["late"]["drawn"]
-    assert len(again.summary["late"]["drawn"]) == sum(again.summary["late"]["counts"].values())
+def test_another_seed_is_another_day(runs: dict[str, FinishedRun]) -> None:
+    late = runs["zone"].summary["late"]
+    other = execute(
+        load_scenario(runs["zone"].scenario.file, 2), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN
+    )
+    assert other.summary["late"]["drawn"] != late["drawn"]
+    assert len(late["drawn"]) == sum(late["counts"].values())
 
 
 @pytest.mark.parametrize(
-    ("carrier", "link"), [(CarrierKind.SUMO, PartyLink.SIMULATED), (CarrierKind.PLAIN, PartyLink.ZENOH)]
+    ("carrier", "link"),
+    [
+        (CarrierKind.SUMO, PartyLink.SIMULATED),
+        pytest.param(CarrierKind.PLAIN, PartyLink.ZENOH, marks=pytest.mark.nightly),
+    ],
 )
 def test_the_same_seed_is_the_same_day_on_every_carrier_and_link(
     runs: dict[str, FinishedRun], carrier: CarrierKind, link: PartyLink

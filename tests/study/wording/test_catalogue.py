@@ -98,7 +98,11 @@ def test_opposites_are_said_as_the_field_says_them() -> None:
         "departure": "発",
         "down": "下り",
         "up": "上り",
+        "held": "確保",
+        "occupied": "在線",
         "traction": "力行",
         "regenerated": "回生",
     }
     assert {english: phrase(english).ja for english in terms} == terms
+    of_pictures = {"down trains": "下り列車", "up trains": "上り列車"}
+    assert {english: phrase(english, "picture").ja for english in of_pictures} == of_pictures

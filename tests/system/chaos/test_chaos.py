@@ -17,6 +17,7 @@ import pytest
 from simulation.judge.checkers import Checker
 from study.drilling.drill import run_drill
 from study.runner.run import FinishedRun, PartyLink
+from tests.nightly import others_nightly
 from tests.system.chaos.campaign import campaign
 from tests.system.chaos.case import Case
 from tests.system.chaos.families import Family
@@ -25,7 +26,7 @@ from tests.system.chaos.run_one import Outcome
 
 pytestmark = pytest.mark.system
 
-SLICE: Final = ((Family.TEST_LINE, 0, 80), (Family.HOUR, 0, 20), (Family.LINES, 0, 20))
+SLICE: Final = ((Family.TEST_LINE, 0, 6), (Family.HOUR, 0, 1), (Family.LINES, 0, 2))
 ALL: Final = {Family.TEST_LINE: 4000, Family.HOUR: 500, Family.LINES: 500}
 CHUNK: Final = 250
 CHUNKS: Final = tuple(
@@ -41,7 +42,9 @@ WITHOUT: Final = {  # what some were mended by
     "test_3705": "keeps_what_is_of_no_use",
     "test_4299": "departs_before_the_driver_has_looked",
 }
-PEOPLE: Final = ("", "[people]\ntimes = 0.0\n")
+AS_STATED: Final = ""
+AT_ONCE: Final = "[people]\ntimes = 0.0\n"
+EVERY_RUN: Final = REPLAYS[::5]
 
 Record = Callable[[str, object], None]
 
@@ -78,8 +81,11 @@ def test_all(chunk: tuple[Family, int, int], nets: Path, tmp_path: Path, record_
     _run(*chunk, nets, tmp_path, record_property)
 
 
-@pytest.mark.parametrize("people", PEOPLE, ids=["as-stated", "at-once"])
-@pytest.mark.parametrize("name", REPLAYS)
+@pytest.mark.parametrize(
+    "people",
+    [pytest.param(AS_STATED, id="as-stated"), pytest.param(AT_ONCE, id="at-once", marks=pytest.mark.nightly)],
+)
+@pytest.mark.parametrize("name", others_nightly(REPLAYS, EVERY_RUN))
 def test_what_failed_once_does_not_fail_again(name: str, people: str, tmp_path: Path) -> None:
     """With people as its file states them; and with people who act at once, for whom many were written."""
     folder = tmp_path / name
@@ -90,7 +96,7 @@ def test_what_failed_once_does_not_fail_again(name: str, people: str, tmp_path: 
     assert [v.happened for v in verdicts if not v.passed] == []
 
 
-@pytest.mark.parametrize("name", WITHOUT)
+@pytest.mark.parametrize("name", others_nightly(WITHOUT, ["test_3705"]))
 def test_it_fails_again_without_what_mended_it(
     name: str, run_with: Callable[..., tuple[FinishedRun, set[str]]]
 ) -> None:

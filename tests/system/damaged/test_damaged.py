@@ -14,14 +14,14 @@ from typing import Final
 import pytest
 
 from network.files.quantities import ALL
+from tests.nightly import others_nightly
 from tests.system.damaged.attempt import GOOD, faults_of, told
 from tests.system.damaged.bundles import GEOMETRY, RANGED, SCENARIO, SWEEP, TIMETABLE
 from tests.system.damaged.damages import case_of
 from tests.system.damaged.places import places_of
 
 NUMBER: Final = 2000
-SLICE: Final = 240
-CHUNK: Final = 40
+CHUNK: Final = 20  # cases of a test; the first are the slice of every run
 Record = Callable[[str, object], None]
 
 
@@ -49,14 +49,8 @@ def _try(low: int, high: int, tmp_path: Path, record: Record) -> None:
     assert not wrong, "\n".join(wrong)
 
 
-@pytest.mark.parametrize("low", range(0, SLICE, CHUNK))
+@pytest.mark.parametrize("low", others_nightly(range(0, NUMBER, CHUNK), [0]))
 def test_damaged_inputs(low: int, tmp_path: Path, record_property: Record) -> None:
-    _try(low, low + CHUNK, tmp_path, record_property)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("low", range(SLICE, NUMBER, CHUNK))
-def test_the_others_of_two_thousand(low: int, tmp_path: Path, record_property: Record) -> None:
     _try(low, low + CHUNK, tmp_path, record_property)
 
 

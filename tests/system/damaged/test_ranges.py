@@ -15,12 +15,13 @@ from pydantic import BaseModel
 from documents.files import FOLDER
 from documents.ranges import MODELS, quantity_keys
 from network.errors import InputError
-from network.files.quantities import ALL, BY_NAME, FORCE, JERK, MASS, RADIUS, SPEED
+from network.files.quantities import ALL, BY_NAME, MASS, SPEED
 from network.files.quantity import Quantity
 from network.files.toml_input import validate
 from scenario.scenario_file import ScenarioFile
 from simulation.faults.table import FAULTS
 from study.outcome import Outcome
+from tests.nightly import others_nightly
 from tests.system.damaged.attempt import faults_of, told
 from tests.system.damaged.bundles import RANGED, SCENARIO, text_of
 from tests.system.damaged.damages import Case
@@ -42,6 +43,8 @@ def _places() -> dict[str, tuple[str, Place]]:
 MODEL_OF: Final = {file: model for bundle in RANGED for file, model in bundle.models.items()}
 DATA_OF: Final = {file: bundle.files[file] for bundle in RANGED for file in bundle.models}
 PLACES: Final = _places()
+# One place of each quantity: that a key has one is `test_every_number_of_every_file_has_a_kind`'s to say.
+OF_EACH: Final = {place.quantity.name: name for name, (_, place) in reversed(PLACES.items())}
 
 
 def _refusal(file: str, data: Mapping[str, Any]) -> InputError | None:
@@ -76,7 +79,7 @@ def _wrong(file: str, place: Place) -> list[str]:
     return wrong
 
 
-@pytest.mark.parametrize("name", PLACES)
+@pytest.mark.parametrize("name", others_nightly(PLACES, set(OF_EACH.values())))
 def test_the_ends_of_every_range(name: str) -> None:
     file, place = PLACES[name]
     inside, outside = place.edges()
@@ -85,7 +88,7 @@ def test_the_ends_of_every_range(name: str) -> None:
     assert _wrong(file, place) == []
 
 
-@pytest.mark.parametrize("quantity", ALL, ids=lambda quantity: quantity.name)
+@pytest.mark.parametrize("quantity", others_nightly(ALL, ALL[::4]), ids=lambda quantity: quantity.name)
 def test_a_range_that_is_switched_off_is_noticed(quantity: Quantity, monkeypatch: pytest.MonkeyPatch) -> None:
     held = Quantity.holds
     monkeypatch.setattr(
@@ -96,7 +99,7 @@ def test_a_range_that_is_switched_off_is_noticed(quantity: Quantity, monkeypatch
     assert all(_wrong(file, place) for file, place in mine)
 
 
-@pytest.mark.parametrize("quantity", [MASS, FORCE, SPEED, RADIUS, JERK], ids=lambda quantity: quantity.name)
+@pytest.mark.parametrize("quantity", [MASS, SPEED], ids=lambda quantity: quantity.name)
 def test_a_range_that_is_switched_off_is_noticed_by_the_damaged_inputs(
     quantity: Quantity, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -161,7 +164,7 @@ def test_every_rule_has_a_train_that_breaks_it() -> None:
     assert set(TOGETHER) == {rule.name for rule in train_checks.RULES}
 
 
-@pytest.mark.parametrize("name", TOGETHER)
+@pytest.mark.parametrize("name", others_nightly(TOGETHER, list(TOGETHER)[::3]))
 def test_a_train_of_which_only_two_figures_show_that_it_is_none(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

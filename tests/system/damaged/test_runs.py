@@ -8,6 +8,7 @@ from typing import Final
 import pytest
 
 from study.outcome import Outcome
+from tests.nightly import others_nightly
 from tests.system.damaged import attempt
 from tests.system.damaged.attempt import GOOD, put, told
 from tests.system.damaged.bundles import SCENARIO
@@ -15,7 +16,7 @@ from tests.system.damaged.damages import Case, case_of
 
 pytestmark = pytest.mark.system
 
-SLICE: Final = 5
+SLICE: Final = (0, 1)
 NUMBER: Final = 50
 LOOKED_AT: Final = 1500
 CPU_S_MAX: Final = 120.0  # of a run, a hundred times what one of this line takes
@@ -36,7 +37,9 @@ def cases() -> list[Case]:
     return _at_an_end()
 
 
-def _try(case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("index", others_nightly(range(NUMBER), SLICE))
+def test_it_runs(index: int, cases: list[Case], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    case = cases[index]
     put(case, tmp_path)
     if told(SCENARIO.arguments, tmp_path)[0] != GOOD:
         return  # two figures say together what this one does not: `test_ranges` has those
@@ -45,16 +48,3 @@ def _try(case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert code in (GOOD, Outcome.BROKEN.code), (case.number, case.what, code, err)
     assert out.count("\n") == 1
     assert (tmp_path / "run" / "summary.json").is_file()
-
-
-@pytest.mark.parametrize("index", range(SLICE))
-def test_it_runs(index: int, cases: list[Case], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    _try(cases[index], tmp_path, monkeypatch)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("index", range(SLICE, NUMBER))
-def test_the_others_run(
-    index: int, cases: list[Case], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    _try(cases[index], tmp_path, monkeypatch)

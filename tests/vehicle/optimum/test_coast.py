@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from vehicle.optimum import Course, TooShort, least_energy, least_time
@@ -89,7 +89,6 @@ def test_no_other_speed_and_place_is_cheaper(name: str) -> None:
     assert coast_run(asked, time_s).energy_j <= best_j * 1.01
 
 
-@settings(max_examples=25, deadline=None)
 @given(st.lists(st.floats(-20.0, 20.0), min_size=1, max_size=4), st.floats(1.01, 2.0))
 def test_more_time_never_costs_more(gradients: list[float], stretch: float) -> None:
     asked = course(*gradients, metres=1200)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from vehicle.optimum.journey import (
@@ -86,7 +86,6 @@ def broken_by_s(stops: Sequence[JourneyStop], journey: TimedJourney) -> float:
     return worst
 
 
-@settings(max_examples=150, deadline=None)
 @given(journeys())
 def test_windows_and_dwell_are_kept_and_the_prices_prove_the_optimum(
     given_journey: tuple[list[HopCurve], list[JourneyStop]],
@@ -154,7 +153,6 @@ def open_journey(hops: Sequence[HopCurve], stretch: float) -> list[JourneyStop]:
     ]
 
 
-@settings(max_examples=60, deadline=None)
 @given(hops_of, st.floats(1.001, 2.0))
 def test_without_windows_inside_all_prices_are_one(hops: list[HopCurve], stretch: float) -> None:
     prices_w = journey_times(hops, open_journey(hops, stretch)).prices_w
@@ -162,7 +160,6 @@ def test_without_windows_inside_all_prices_are_one(hops: list[HopCurve], stretch
     assert min(prices_w) > 0.0
 
 
-@settings(max_examples=60, deadline=None)
 @given(hops_of, st.floats(1.001, 2.0))
 def test_proportional_curves_stretch_every_hop_alike(hops: list[HopCurve], stretch: float) -> None:
     stops = open_journey(hops, stretch)
@@ -171,7 +168,6 @@ def test_proportional_curves_stretch_every_hop_alike(hops: list[HopCurve], stret
     assert shares == pytest.approx([stretch] * len(hops), rel=1e-6)
 
 
-@settings(max_examples=60, deadline=None)
 @given(journeys(), st.data())
 def test_no_journey_within_the_windows_is_cheaper_nor_below_the_bound_of_any_prices(
     given_journey: tuple[list[HopCurve], list[JourneyStop]], data: st.DataObject
@@ -204,7 +200,6 @@ def window_ends(stop: JourneyStop) -> bool:
     return math.isfinite(min(stop.arrival.latest_s, stop.departure.latest_s))
 
 
-@settings(max_examples=40, deadline=None)
 @given(journeys(), st.data())
 def test_moving_any_time_within_its_windows_never_saves(
     given_journey: tuple[list[HopCurve], list[JourneyStop]], data: st.DataObject

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -100,7 +100,6 @@ def slower_run(run: Course, rng: np.random.Generator) -> tuple[float, float]:
     return float(times_s(way.at_m, z)[-1]), energy_j
 
 
-@settings(max_examples=12, deadline=None)
 @given(seed=st.integers(0, 10_000), name=st.sampled_from(["ev_e301", "br642", "ev_e301_losses"]))
 def test_no_random_run_is_below_the_bound(seed: int, name: str) -> None:
     rng = np.random.default_rng(seed)
@@ -113,7 +112,6 @@ def test_no_random_run_is_below_the_bound(seed: int, name: str) -> None:
     assert lower_bound_j(run, other, time_s) <= energy_j
 
 
-@settings(max_examples=12, deadline=None)
 @given(seed=st.integers(0, 10_000), cruise_mps=st.floats(9.0, 20.0))
 def test_no_cruise_of_the_running_time_model_is_below_the_bound(seed: int, cruise_mps: float) -> None:
     row = load_train(shipped_train("ev_e301")).row
@@ -127,7 +125,6 @@ def test_no_cruise_of_the_running_time_model_is_below_the_bound(seed: int, cruis
     assert lower_bound_j(run, optimum, time_s) <= energy_j + 0.002 * abs(energy_j) + 2e4
 
 
-@settings(max_examples=10, deadline=None)
 @given(
     seed=st.integers(0, 10_000),
     share=st.floats(1.05, 1.5),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from vehicle.optimum.journey import ProvenHop, dual_j
@@ -25,7 +25,6 @@ def tangents_j(hop: HopCurve, time_s: float) -> float:
     return max(p.energy_j - p.price_w * (time_s - p.time_s) for p in hop.points)
 
 
-@settings(max_examples=200, deadline=None)
 @given(POINTS, st.floats(0.0, 1.0))
 def test_the_curve_lies_between_tangents_and_chords_and_falls_at_its_price(
     points: list[ParetoPoint], share: float
@@ -41,7 +40,6 @@ def test_the_curve_lies_between_tangents_and_chords_and_falls_at_its_price(
     assert low * (later_s - time_s) - slack_j <= fall <= high * (later_s - time_s) + slack_j
 
 
-@settings(max_examples=100, deadline=None)
 @given(POINTS)
 def test_all_solutions_that_are_no_mean_of_others_are_on_the_curve(points: list[ParetoPoint]) -> None:
     hop = curve_of(points)
@@ -68,7 +66,6 @@ def test_outside_of_what_can_be_run() -> None:
         curve_of([])
 
 
-@settings(max_examples=100, deadline=None)
 @given(POINTS, st.floats(0.0, 2e6), st.floats(0.0, 600.0))
 def test_the_dual_of_lines_is_below_every_run_above_them(
     points: list[ParetoPoint], price_w: float, time_s: float

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from network.errors import InputError
@@ -64,7 +64,6 @@ def test_itae_of_a_train_that_is_on_its_pattern_is_nothing_and_grows_with_time()
     assert itae_ms(trace, 10.0, 0.8, 0.1) == pytest.approx(2.0 * early)
 
 
-@settings(max_examples=25)
 @given(st.floats(-10.0, 10.0), st.floats(0.9, 1.1))
 def test_it_stops_at_the_mark_whatever_the_gradient_and_about_whatever_the_brake(
     gradient_permille: float, brake_factor: float
