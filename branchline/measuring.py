@@ -16,12 +16,12 @@ def bench(
     scenarios: Annotated[
         list[str] | None, typer.Argument(help="Scenarios to measure; default karasuyama_weekday.")
     ] = None,
-    rounds: Annotated[int, typer.Option("--rounds", min=1, help="Number of rounds; medians are shown.")] = 3,
+    rounds: Annotated[int, typer.Option("--rounds", min=1, help="Number of rounds; medians are shown.")] = 5,
     part: Annotated[
         list[str] | None,
         typer.Option(
             "--part",
-            help="What to measure: links, laws, collation, certificate or sweep; may be repeated. Default: links.",
+            help="Of links, laws, collation, certificate, sweep and start; may be repeated. Default: links.",
         ),
     ] = None,
     as_json: Json = False,

@@ -34,7 +34,10 @@ def running_times(
     from study.report.running_times import FILES, write_running_times
 
     setup = load_scenario(scenario).setup
-    times, runs = standard_times(setup), planned_runs(setup)
+    print_aside("computing the least running times")
+    times = standard_times(setup)
+    print_aside(f"comparing {len(setup.timetable.trains)} trains with them")
+    runs = planned_runs(setup)
     if out is not None:
         with replacing_folder(out, FILES.__contains__, "running times") as folder:
             write_running_times(folder, setup.line, times, runs)

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from branchline.ending import crashes_into
 from branchline.progress import print_aside, progress_of
 from network.errors import COMMAND_LINE, InputError
 from scenario.scenario import Scenario
 from simulation.carriers.sumo_api import STEP_DELAY_MS
-from study.compare.against import Against, base_of, changes_from_base
 from study.feasibility.check import refuse
 from study.record.directory import reserved
 from study.runner.run import (
@@ -25,6 +25,10 @@ from study.runner.run import (
     link_of,
     units_at,
 )
+
+if TYPE_CHECKING:  # only who compares needs what draws both graphs
+    from study.compare.against import Against
+    from study.compare.side import ComparedRun
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +77,7 @@ def run_whole(
     Raises InputError where plan or directory do not allow it, CutShortError where it was cut short, Crashed for a bug.
     """
     refuse(scenario.called, scenario.setup, anyway=asked.anyway)
-    base = None if asked.against is None else base_of(asked.against, scenario.setup.line)
+    base = None if asked.against is None else _base_of(asked.against, scenario)
     link = link_of(asked.link)
     with reserved(directory) as place:
         place.hold_room(end_room_bytes(scenario.setup))
@@ -88,9 +92,24 @@ def run_whole(
                 journal=place.journal,
                 delay_ms=asked.gui_delay_ms,
                 stop=stop,
+                say=print_aside if progress else None,
             )
         if progress:
             print_aside("writing the report")
-        compared = None if base is None else changes_from_base(done, base, asked.over_s)
+        compared = None if base is None else _compared(done, base, asked.over_s)
         report = fill_run(done, place, more=NO_MORE if compared is None else compared.more)
     return WholeRun(done, report, compared)
+
+
+def _base_of(directory: Path, scenario: Scenario) -> ComparedRun:
+    """The run to compare with; read before the new one, which may be bound for its place."""
+    from study.compare.against import base_of
+
+    return base_of(directory, scenario.setup.line)
+
+
+def _compared(done: FinishedRun, base: ComparedRun, over_s: float) -> Against:
+    """What changed since."""
+    from study.compare.against import changes_from_base
+
+    return changes_from_base(done, base, over_s)

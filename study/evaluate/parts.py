@@ -17,6 +17,7 @@ PARTS: Final[Mapping[str, str]] = {
     "collation": "study.evaluate.collation",
     "sweep": "study.evaluate.sweep_bench",
     "certificate": "study.evaluate.certificate",
+    "start": "study.evaluate.start_bench",
 }
 DEFAULT: Final = "links"  # of minutes; the others are asked for by name
 

@@ -8,7 +8,7 @@ power, or over the whole line where it passes at both ends.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final
@@ -160,17 +160,21 @@ def _along(setup: Setup, kind: TrainType, direction: Direction) -> Iterator[Stan
     marks_m = [mark_m for _, mark_m in places]
     path, last = mission.path, len(places) - 1
 
-    def times_s(start: int, end: int) -> tuple[float, ...]:
-        """From a stand at one place to each place up to a stand at another."""
+    def times_s(start: int, end: int, passed: Iterable[int] = ()) -> tuple[float, ...]:
+        """From a stand at one place to those passed that are asked for, and to a stand at another."""
         way = RunWay(setup.line, path, marks_m[start], marks_m[end])
         driving = setup.driving
         return least_times_s(
-            kind, way, marks_m[start + 1 : end], setup.load.load_share_mean, driving.stop_deceleration_mps2
+            kind,
+            way,
+            [marks_m[at] for at in passed],
+            setup.load.load_share_mean,
+            driving.stop_deceleration_mps2,
         )
 
-    through_s = (0.0, *times_s(0, last))
+    through_s = (0.0, *times_s(0, last, range(1, last)))
     for at, ((from_id, from_m), (to_id, to_m)) in enumerate(pairwise(places)):
-        from_first_s = (0.0, *times_s(0, at + 1)) if at else ()
+        passed_s, stands_s = times_s(0, at + 1, (at,)) if at else (0.0, 0.0)
         yield StandardTime(
             kind.id,
             direction,
@@ -178,8 +182,8 @@ def _along(setup: Setup, kind: TrainType, direction: Direction) -> Iterator[Stan
             to_id,
             to_m - from_m,
             times_s(at, at + 1)[0],
-            times_s(at, last)[0] if at + 1 < last else None,
-            from_first_s[at + 1] - from_first_s[at] if at else None,
+            times_s(at, last, (at + 1,))[0] if at + 1 < last else None,
+            stands_s - passed_s if at else None,
             through_s[at + 1] - through_s[at] if at and at + 1 < last else None,
         )
 

@@ -194,13 +194,15 @@ def execute(
     journal: Path | None = None,
     delay_ms: int = STEP_DELAY_MS,
     stop: Callable[[], bool] | None = None,
+    say: Callable[[str], None] | None = None,
 ) -> FinishedRun:
     """Run a scenario and compute its tables and summary. Writes nothing that stays, unless there is a file in which its
     `journal` is to grow. Raises Crashed for a bug.
 
     With `[tuning] days` the same day runs that often, the trains learning; the result is that of the last one.
     `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties;
-    `delay_ms` is how long sumo-gui takes over a step; once `stop` is true the run ends where it is.
+    `delay_ms` is how long sumo-gui takes over a step; once `stop` is true the run ends where it is. `say`
+    is told what is computed after the last train.
     """
     with scratch(TEMPORARY) as folder:
         setup = scenario.setup
@@ -224,10 +226,13 @@ def execute(
         )
         setup, result = run_to_end(scenario, course, progress)
         wall_s = time.perf_counter() - started
+    stage = say or _in_silence
+    stage("computing the tables")
     fleet = {stock_id: StockMake.of_kind(kind) for stock_id, kind in setup.trains.items()}
     holds = section_holds(result, setup.line, setup.lengths_m)
     duties = chain.from_iterable(drawn_up(setup, setup.line).values())
     booked = tables_of(result, setup.line, fleet, holds, planned_legs(setup), duties)
+    stage("comparing with second opinions")
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
     tables = replace(
         booked,
@@ -282,6 +287,10 @@ def simulation_of(setup: Setup) -> Generator[Simulation]:
                 yield simulation
             finally:
                 simulation.close()
+
+
+def _in_silence(_stage: str) -> None:
+    """Nobody is told."""
 
 
 def _as_it_is(carrier: Carrier) -> Carrier:

@@ -17,7 +17,6 @@ import pytest
 from typer.core import TyperGroup
 from typer.main import get_command
 
-import study.runner.run
 from branchline.cli import ANALYSE, PREPARE, READ, RESEARCH, RUN, app
 from host.parties import PartyError
 from simulation.loop import Simulation
@@ -179,7 +178,7 @@ def hang_up_counts() -> Iterator[None]:
     ("number", "times", "code"),
     [(signal.SIGINT, 2, 130), (signal.SIGTERM, 2, 143), (signal.SIGHUP, 1, 129)],
 )
-@pytest.mark.parametrize("moment", ["execute", "write_report"])
+@pytest.mark.parametrize("moment", ["branchline.whole_run.execute", "study.runner.run.write_report"])
 def test_a_signal_ends_it_with_a_word_and_nothing_half_written(
     main: Callable[..., Any],
     monkeypatch: pytest.MonkeyPatch,
@@ -195,7 +194,7 @@ def test_a_signal_ends_it_with_a_word_and_nothing_half_written(
 
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "summary.json").write_text("the run before", "utf-8")
-    monkeypatch.setattr(study.runner.run, moment, stopped)
+    monkeypatch.setattr(moment, stopped)
     ended = main("run", "rtri_test_line", "--carrier", "plain", "--out", "run")
     assert (ended.code, ended.out) == (code, "")
     assert ended.err.splitlines()[-1] == "interrupted"
@@ -208,7 +207,7 @@ def test_a_failing_device_is_one_line(main: Callable[..., Any], monkeypatch: pyt
     def fail(*_: object, **__: object) -> None:
         raise PartyError("party OGN-W died")
 
-    monkeypatch.setattr(study.runner.run, "execute", fail)
+    monkeypatch.setattr("branchline.whole_run.execute", fail)
     ended = main("run", "rtri_test_line")
     assert (ended.code, ended.out, ended.err) == (3, "", "error: party OGN-W died\n")
 
