@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from branchline.ending import crashes_into, end, judged_outcome, print_json
+from branchline.ending import end, judged_outcome, print_json
 from branchline.options import Json
-from branchline.progress import print_aside, progress_of
+from branchline.progress import print_aside
 from network.errors import InputError
 
 if TYPE_CHECKING:
-    from simulation.setup import Setup
     from study.capacity.compared import Compared
     from study.capacity.occupation import Occupation
 
@@ -39,16 +38,21 @@ def blocking(
 
     A scenario is run; with --theory it is not. A run directory is read back.
     """
+    from branchline.sources import loaded_source, occupations_as_run, setup_of_source
     from network.files.json_input import write_bytes_aside
     from study.capacity.compared import theory_and_run
     from study.capacity.occupation import conflicts_of
     from study.capacity.table import blocking_times, conflict_rows
+    from study.capacity.theory import occupations
     from study.plot.write import csv_of
+    from study.record.read_back import RunRead
 
     if out is not None and not out.parent.is_dir():  # told before a day is run for it
         raise InputError("command line", "--out", out, "a file in a directory that exists")
-    setup, as_run = source_of(source, runs=not theory)
-    planned = _planned(setup) if theory else None
+    loaded = loaded_source(source)
+    run_there = isinstance(loaded, RunRead)
+    as_run = occupations_as_run(loaded, shown=True) if run_there or not theory else None
+    planned = occupations(setup_of_source(loaded)) if theory else None
     shown = planned if planned is not None else as_run or ()
     both = theory_and_run(planned, as_run) if planned is not None and as_run is not None else None
     table, conflicts = blocking_times(shown), conflicts_of(shown)
@@ -67,36 +71,6 @@ def blocking(
     end(
         judged_outcome(theory or not conflicts)
     )  # what does not fit a plan is a finding, in a run it cannot be
-
-
-def source_of(source: str, *, runs: bool) -> tuple[Setup, tuple[Occupation, ...] | None]:
-    """The setup and the blocking times of a run directory, or of a scenario that is run if asked for."""
-    from study.capacity.blocking_table import read_blocking
-
-    if Path(source).is_dir():
-        from study.record.read_back import read_run
-        from study.record.setup_back import setup_of
-
-        read = read_run(Path(source))
-        return setup_of(read), read_blocking(read.tables.blocking)
-    from scenario.scenario import load_scenario
-
-    loaded = load_scenario(source)
-    if not runs:
-        return loaded.setup, None
-    from study.feasibility.check import refuse
-    from study.runner.run import PartyLink, execute
-
-    refuse(source, loaded.setup, anyway=False)
-    with crashes_into(Path("runs") / loaded.id), progress_of(loaded.id) as progress:
-        done = execute(loaded, PartyLink.SIMULATED, progress=progress)
-    return loaded.setup, read_blocking(done.tables.blocking)
-
-
-def _planned(setup: Setup) -> tuple[Occupation, ...]:
-    from study.capacity.theory import occupations
-
-    return occupations(setup)
 
 
 def _print(occupations: Sequence[Occupation]) -> None:

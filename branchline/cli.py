@@ -15,9 +15,9 @@ from typing import Annotated, Final
 import typer
 
 from branchline.blocking import blocking
-from branchline.capacity import capacity
 from branchline.checking import check
 from branchline.comparing import compare
+from branchline.compressing import capacity
 from branchline.describing import schema
 from branchline.drilling import drill
 from branchline.duties import duties

@@ -12,13 +12,14 @@ from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import Final, NoReturn, cast
+from typing import Any, Final, NoReturn, Self, cast
 
 import typer
 
 from branchline.progress import print_aside, silence_stream
 from study.outcome import Outcome, StoppedError, outcome_of, text_of
 
+ASKING: Final = (signal.SIGINT, signal.SIGTERM)  # a run, to end where it is
 STOPS: Final = (signal.SIGHUP, signal.SIGINT, signal.SIGTERM)
 USAGE_COLUMNS: Final = 200  # of a usage error, which repeats what was typed
 JSON_OPTION: Final = "--json"
@@ -36,6 +37,34 @@ def _stop(number: int, _frame: FrameType | None) -> None:
     for stop in STOPS:
         signal.signal(stop, signal.SIG_IGN)
     raise StoppedError(signal.Signals(number))
+
+
+class AskedToStop:
+    """As a context: the first SIGINT or SIGTERM only asks to stop, the next one ends the command as elsewhere.
+
+    A terminal that hangs up is gone, so nobody could be told what was kept: SIGHUP ends the command at once.
+    """
+
+    def __init__(self) -> None:
+        self.by: signal.Signals | None = None
+        self._before: dict[signal.Signals, Any] = {}
+
+    def __enter__(self) -> Self:
+        self._before = {number: signal.signal(number, self._ask) for number in ASKING}
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def __call__(self) -> bool:
+        """Whether somebody has asked."""
+        return self.by is not None
+
+    def _ask(self, number: int, _frame: FrameType | None) -> None:
+        self.by = signal.Signals(number)
+        stop_by_signals()
+        print_aside("stopping: what was run so far is being kept; a second time, and nothing is")
 
 
 def run_command(command: Callable[[], Outcome]) -> Outcome:

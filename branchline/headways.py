@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from branchline.blocking import source_of
 from branchline.ending import print_json
 from branchline.options import Json
 from branchline.progress import print_aside
@@ -17,9 +16,7 @@ from network.errors import InputError
 if TYPE_CHECKING:
     from network.model import Line
     from scenario.scenario import Scenario
-    from simulation.setup import Setup
     from study.capacity.headway import HeadwayCase
-    from study.capacity.occupation import Occupation
 
 Source = Annotated[
     str, typer.Argument(help="A shipped scenario, a scenario file (.toml), or a run directory.")
@@ -32,7 +29,9 @@ ByTheory = Annotated[
 
 def headway(
     source: Source,
-    station: Annotated[str | None, typer.Option("--station", help="Only this station, by id.")] = None,
+    station: Annotated[
+        str | None, typer.Option("--station", help="Only this station, by id or name.")
+    ] = None,
     theory: ByTheory = False,
     drive: Annotated[
         bool,
@@ -51,8 +50,8 @@ def headway(
 
     With the section that decides each and what its seconds go into.
     """
-    from network.files.toml_input import one_of
-    from study.capacity.headway import line_cases
+    from branchline.questions import headways_of
+    from branchline.sources import loaded_source
     from study.record.directory import check_out, replacing_folder
     from study.report.headways import FILES, headway_table, write_headways
 
@@ -62,45 +61,23 @@ def headway(
         raise InputError("command line", "--drive", None, "--drive without --out")
     if out is not None:
         check_out(out, FILES.__contains__, "headways")
-    scenario = undisturbed_scenario(source) if drive else None
-    if scenario is None:
-        setup, occupations = occupations_of(source, theory=theory)
-    else:
-        setup, occupations = scenario.setup, planned_occupations(scenario.setup)
-    stations = [s.id for s in setup.line.stations.values() if not s.is_halt]
-    if station is not None and station not in stations:
-        raise InputError("command line", "--station", station, one_of(stations, station))
-    cases = line_cases(setup.line, occupations, setup.unit.dwell_min_s)
-    shown = tuple(case for case in cases if station in (None, case.station_id))
-    if scenario is not None:
-        _print_driven(scenario, shown, as_csv=as_csv, as_json=as_json)
+    if drive:
+        scenario = undisturbed_scenario(source)
+        cases = headways_of(scenario, station, theory=True)
+        _print_driven(scenario, cases.cases, as_csv=as_csv, as_json=as_json)
         return
+    found = headways_of(loaded_source(source), station, theory=theory, progress=True)
+    shown = found.cases
     if out is not None:
         with replacing_folder(out, FILES.__contains__, "headways") as folder:
-            write_headways(folder, setup.line, shown)
+            write_headways(folder, found.line, shown)
         print_aside(f"wrote {', '.join(sorted(p.name for p in out.iterdir()))} in {out}")
     if as_json:
         print_json({"of": "theory" if theory else "run", "headways": [case.as_dict() for case in shown]})
     elif as_csv:
         sys.stdout.write(headway_table(shown).write_csv())
     else:
-        _print(setup.line, shown)
-
-
-def occupations_of(source: str, *, theory: bool) -> tuple[Setup, tuple[Occupation, ...]]:
-    """What trains of a scenario or a run directory occupy: as run, or by theory with ways set as late as can be."""
-    setup, as_run = source_of(source, runs=not theory)
-    if not theory and as_run is not None:
-        return setup, as_run
-    return setup, planned_occupations(setup)
-
-
-def planned_occupations(setup: Setup) -> tuple[Occupation, ...]:
-    """What trains occupy by theory, ways set as late as can be."""
-    from study.capacity.rules import MINIMAL
-    from study.capacity.theory import occupations
-
-    return occupations(setup, MINIMAL)
+        _print(found.line, shown)
 
 
 def undisturbed_scenario(source: str) -> Scenario:

@@ -20,7 +20,9 @@ def plot(
     run: Annotated[str, typer.Argument(help="Run directory; or 'list', which shows the kinds.")],
     kind: Annotated[str | None, typer.Argument(help="What to show: see 'branchline plot list'.")] = None,
     train: Annotated[str | None, typer.Option("--train", help="Only this train, by number.")] = None,
-    station: Annotated[str | None, typer.Option("--station", help="Only this station, by id.")] = None,
+    station: Annotated[
+        str | None, typer.Option("--station", help="Only this station, by id or name.")
+    ] = None,
     from_time: Annotated[str | None, typer.Option("--from", help="From this time, HH:MM.")] = None,
     to_time: Annotated[str | None, typer.Option("--to", help="Until this time, HH:MM.")] = None,
     form: Annotated[

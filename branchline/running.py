@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from branchline.comparing import OVER_S, Over, check_over, print_comparison
-from branchline.ending import crashes_into, end, judged_outcome, print_json
+from branchline.ending import AskedToStop, end, judged_outcome, print_json
 from branchline.options import Json, LinkName, Out, ScenarioName, Seed, UnitsName
-from branchline.progress import print_aside, progress_of
-from network.errors import InputError
+from branchline.progress import print_aside
+from network.clock import clock
+from study.outcome import BY_SIGNAL
 
 if TYPE_CHECKING:
-    from scenario.scenario import Scenario
-    from study.compare.side import ComparedRun
     from study.runner.run import FinishedRun
 
 
@@ -33,6 +32,17 @@ def run(
         Path | None, typer.Option("--against", help="Also say what changed since this run of the same line.")
     ] = None,
     over: Over = OVER_S,
+    begins: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="HH:MM",
+            help="Run a part of the day: every set begins where it last stood by then, maybe minutes earlier.",
+        ),
+    ] = None,
+    until: Annotated[
+        str | None, typer.Option("--until", metavar="HH:MM", help="Run only the part of the day before then.")
+    ] = None,
     out: Out = None,
     anyway: Annotated[
         bool,
@@ -53,44 +63,28 @@ def run(
 
     A plan that cannot work is refused with exit code 2.
     """
+    from branchline.whole_run import RunAsked, run_whole
+    from scenario.part_of_day import part_of_day
     from scenario.scenario import load_scenario
-    from study.compare.against import changes_from_base as compared_with
-    from study.feasibility.check import refuse
-    from study.record.directory import reserved
-    from study.runner.run import NO_MORE, CarrierKind, end_room_bytes, execute, fill_run, link_of, units_at
 
-    chosen = link_of(link)
-    hosted = units_at(units, chosen)
-    if carrier not in {CarrierKind.SUMO.value, CarrierKind.PLAIN.value}:
-        raise InputError("command line", "--carrier", carrier, "sumo or plain")
     check_over(over)
-    if gui and carrier != CarrierKind.SUMO.value:
-        raise InputError("command line", "--gui", None, "--carrier sumo, which alone has a window")
+    asked = RunAsked(link, units, carrier, against, over, anyway, gui, gui_delay)
     loaded = load_scenario(scenario, seed)
-    refuse(scenario, loaded.setup, anyway=anyway)
-    base = None if against is None else _base_of(against, loaded)
-    directory = (out or Path("runs") / loaded.id).resolve()
-    with reserved(directory) as place:
-        place.hold_room(end_room_bytes(loaded.setup))
-        with crashes_into(directory), progress_of(loaded.id) as progress:
-            done = execute(
-                loaded,
-                chosen,
-                units=hosted,
-                carrier=CarrierKind.SUMO_GUI if gui else CarrierKind(carrier),
-                progress=progress,
-                journal=place.journal,
-                delay_ms=gui_delay,
-            )
-        print_aside("writing the report")
-        compared = None if base is None else compared_with(done, base, over)
-        report = fill_run(done, place, more=NO_MORE if compared is None else compared.more)
-    outcome = judged_outcome(not done.broken)
+    of_part = "".join(
+        f"-{word}-{at.replace(':', '')}" for word, at in (("from", begins), ("until", until)) if at
+    )
+    if of_part:
+        loaded = part_of_day(loaded, begins, until)
+    directory = (out or Path("runs") / f"{loaded.id}{of_part}").resolve()
+    with AskedToStop() as stop:
+        ran = run_whole(loaded, directory, asked, progress=True, stop=stop)
+    done, compared = ran.done, ran.compared
+    outcome = judged_outcome(not done.broken) if stop.by is None or not done.stopped else BY_SIGNAL[stop.by]
     if as_json:
         found = {} if compared is None else {"against": compared.found.as_dict()}
-        print_json(done.summary | {"out": str(directory)} | found, outcome)
+        print_json(done.summary | {"out": str(ran.report.parent)} | found, outcome)
     else:
-        _print_run(done, report)
+        _print_run(done, ran.report)
         if compared is not None:
             print_comparison(compared.found)
     if (off := _off_the_mark(done.summary)) is not None:
@@ -99,14 +93,10 @@ def run(
         print_aside(f"outside the design: {text}")
     for text in done.broken:
         print_aside(f"broken: {text}")
+    if done.stopped:
+        at = clock(done.scenario.setup.latest_end_s)
+        print_aside(f"interrupted at {at}; what was run so far is in {ran.report.parent}")
     end(outcome)
-
-
-def _base_of(directory: Path, scenario: Scenario) -> ComparedRun:
-    """The run to compare with; read before the new one, which may be bound for its place."""
-    from study.compare.against import base_of
-
-    return base_of(directory, scenario.setup.line)
 
 
 def _passing(at: dict[str, Any] | None) -> list[tuple[str, str]]:
@@ -139,7 +129,7 @@ def _hop(row: dict[str, Any]) -> str:
 
 def _off_the_mark(summary: dict[str, Any]) -> str | None:
     """What is said of stops that were not at their marks; None where all were."""
-    from study.measures.summary import OFF_MARK_M
+    from simulation.tolerance import OFF_MARK_M
 
     at = summary["stop_off_at"]
     if at is None:

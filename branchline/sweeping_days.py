@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
-from contextlib import nullcontext
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,9 +10,7 @@ import typer
 
 from branchline.ending import end, judged_outcome, print_json
 from branchline.options import Json
-from branchline.progress import print_aside, progress_of_days
-from network.errors import InputError
-from study.outcome import CutShortError
+from branchline.progress import print_aside
 
 if TYPE_CHECKING:
     from study.sweep.go import SweepProgress
@@ -60,40 +55,17 @@ def sweep(
 
     Exit code 1: a day crashed, broke a rule, or was another day on SUMO.
     """
-    from study.drilling.forks import jobs_of
-    from study.sweep.cluster import ClusterPump
-    from study.sweep.go import run_missing, sweep_begun
-    from study.sweep.local import GivenUpError, LocalPump
+    from branchline.whole_sweep import SweepAsked, run_sweep
     from study.sweep.plan import load_plan
-    from study.sweep.report import write_sweep_report
-    from study.sweep.store import opened_sweep
     from study.sweep.table import summary_of
 
-    if carrier not in {None, "sumo", "plain"}:
-        raise InputError("command line", "--carrier", carrier, "sumo or plain")
-    if scheduler is not None and jobs is not None:
-        raise InputError("command line", "--jobs", jobs, "no --scheduler, whose workers run the days")
+    asked = SweepAsked(jobs, carrier, scheduler, recycle, anyway)
     plan = load_plan(file, days, carrier)
     if check:
         _print_plan(plan, as_json)
         return
     directory = (out or Path("sweeps") / plan.table.id).resolve()
-    with opened_sweep(plan, directory) as store:
-        state = sweep_begun(plan, store, anyway=anyway)
-        for refused in state.refused:
-            print_aside(f"does not count: days/{refused.name}: {refused.why}")
-        pump = (
-            LocalPump(jobs_of(jobs), recycle)
-            if scheduler is None
-            else ClusterPump(scheduler, directory, store.token)
-        )
-        try:
-            with nullcontext() if state.done else progress_of_days(plan.table.id) as show:
-                run_missing(state, store, pump, None if show is None else partial(_show, show))
-        except GivenUpError as error:
-            raise CutShortError(str(error), str(directory)) from error
-        print_aside("writing the report")
-        page = write_sweep_report(state, directory)
+    state, page = run_sweep(plan, directory, asked, progress=True)
     good = not state.failures
     if as_json:
         print_json(summary_of(state, directory), judged_outcome(good))
@@ -102,11 +74,6 @@ def sweep(
     for text in state.failures:
         print_aside(f"broken: {text}")
     end(judged_outcome(good))
-
-
-def _show(show: Callable[[int, int, str], None], state: SweepProgress) -> None:
-    """One more day is there."""
-    show(state.there, state.total, state.found_text())
 
 
 def _print_plan(plan: SweepPlan, as_json: bool) -> None:

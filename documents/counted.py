@@ -125,17 +125,50 @@ def field_lists_rule(product: Mapping[Path, ast.Module], pairs_max: int) -> Stru
 
 
 def restated(product: Mapping[Path, ast.Module]) -> Iterator[tuple[str, str]]:
-    """Pairs of places, classes with their fields or calls by keyword, that share names in a row."""
-    lists: list[tuple[str, frozenset[tuple[str, ...]]]] = []
+    """Pairs of places, classes with their fields or calls by keyword, that share names in a row.
+
+    A class and a call that makes one of it are no pair, nor are two calls that make one class: each gives other values
+    to the one list, and by position they would give them without names. Two classes are always a pair, and so is a
+    class with a call that makes another, though both derive from one.
+    """
+    bases = {
+        node.name: [_name(base) for base in node.bases]
+        for tree in product.values()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef)
+    }
+    lists: list[_FieldList] = []
     for file, tree in product.items():
         for node in ast.walk(tree):
             names = _fields(node)
             runs = frozenset(tuple(names[i : i + FIELDS_MIN]) for i in range(len(names) - FIELDS_MIN + 1))
-            if isinstance(node, ast.ClassDef | ast.Call) and runs:
-                lists.append((f"{file}:{node.lineno}", runs))
-    for (one, its), (other, those) in combinations(lists, 2):
-        if its & those:
-            yield one, other
+            place = f"{file}:{node.lineno}" if isinstance(node, ast.ClassDef | ast.Call) else ""
+            if isinstance(node, ast.ClassDef) and runs:
+                lists.append(_FieldList(place, runs, node.name))
+            elif isinstance(node, ast.Call) and runs:
+                line = tuple(_with_bases(_name(node.func), bases))
+                lists.append(_FieldList(place, runs, None, line))
+    for one, other in combinations(lists, 2):
+        if one.runs & other.runs and not one.makes(other):
+            yield one.place, other.place
+
+
+@dataclass(frozen=True, slots=True)
+class _FieldList:
+    """Field names where they stand: in the class `defines`, or in a call that makes the first class of `made`, which
+    derives from the others.
+    """
+
+    place: str
+    runs: frozenset[tuple[str, ...]]
+    defines: str | None
+    made: tuple[str, ...] = ()
+
+    def makes(self, other: _FieldList) -> bool:
+        """Whether one is a class and the other a call that makes it, or both are calls that make one class."""
+        return (
+            self.defines in other.made or other.defines in self.made or self.made[:1] == other.made[:1] != ()
+        )
 
 
 def rules(root: Path, ceiling: Ceilings) -> tuple[StructureRule, ...]:
@@ -151,11 +184,26 @@ def rules(root: Path, ceiling: Ceilings) -> tuple[StructureRule, ...]:
 
 def _fields(node: ast.AST) -> list[str]:
     if isinstance(node, ast.ClassDef):
-        told = [item.target for item in node.body if isinstance(item, ast.AnnAssign)]
-        return [target.id for target in told if isinstance(target, ast.Name)]
+        targets = [item.target for item in node.body if isinstance(item, ast.AnnAssign)]
+        return [target.id for target in targets if isinstance(target, ast.Name)]
     if isinstance(node, ast.Call):
         return [keyword.arg for keyword in node.keywords if keyword.arg is not None]
     return []
+
+
+def _name(node: ast.expr) -> str:
+    """The last part of a dotted name, without what stands in brackets behind it."""
+    if isinstance(node, ast.Subscript):
+        return _name(node.value)
+    return node.attr if isinstance(node, ast.Attribute) else node.id if isinstance(node, ast.Name) else ""
+
+
+def _with_bases(name: str, bases: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """A class of the product and all that it derives from; nothing of what is no class."""
+    if name in bases:
+        yield name
+        for base in bases[name]:
+            yield from _with_bases(base, bases)
 
 
 def _module(file: Path) -> str:

@@ -274,6 +274,7 @@ HAZARDS: Final = (
             "karasuyama/29_unit_restart_before_a_halt",
             "rtri/73_restart_without_tags",
             "rtri/74_silent_wheels_without_tags",
+            "rtri/75_claim_far_behind",
         ),
         ("full speed after a restart",),
     ),

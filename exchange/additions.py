@@ -18,7 +18,7 @@ from network.files.shipped import find_file
 from network.files.timetable_schema import CallTable
 from network.files.toml_input import Record, one_of, parse_toml, read_text
 from network.model import Line
-from network.timetable import Call, CallKind, seconds_of
+from network.timetable import Call, call_of
 
 _SETS_MAX: Final = 500
 
@@ -92,16 +92,8 @@ def _train(file: str, key: str, entry: AddedTrain, line: Line) -> TrainOnLine:
 
 
 def _call(file: str, key: str, entry: CallTable, after_s: int | None) -> Call:
-    """A call; which times belong together is checked with the whole timetable."""
-    times: list[int | None] = []
-    for name, text in (("arrival", entry.arrival), ("departure", entry.departure), ("pass", entry.passes)):
-        times.append(None)
-        if text is not None:
-            times[-1] = after_s = seconds_of(file, f"{key}.{name}", text, after_s)
-    arrival_s, departure_s, passes_s = times
-    if all(time_s is None for time_s in times):
+    """A call with at least one time; which times belong together is checked with the whole timetable."""
+    call = call_of(file, key, entry, after_s)
+    if call.arrival_s is None and call.departure_s is None:
         raise InputError(file, f"{key}.departure", None, "a time: the call has none")
-    if passes_s is not None:
-        return Call(entry.station, entry.track, None, passes_s, CallKind.PASS)
-    kind = CallKind.OPERATIONAL if entry.operational else CallKind.STOP
-    return Call(entry.station, entry.track, arrival_s, departure_s, kind)
+    return call

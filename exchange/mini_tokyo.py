@@ -15,7 +15,7 @@ from typing import Final
 
 import msgspec
 
-from exchange.published import PublishedCall, PublishedStation, PublishedTimetable, PublishedTrain
+from exchange.published import PublishedStation, PublishedTimetable, PublishedTrain
 from exchange.station_order import ordered_stations, runs_down
 from network.clock import clock
 from network.errors import InputError
@@ -23,7 +23,7 @@ from network.files.json_input import read_json
 from network.files.names import title_of
 from network.files.text_input import JSON_BYTES_MAX, read_bytes
 from network.files.toml_input import one_of
-from network.timetable import CallKind
+from network.timetable import Call
 
 SOURCE: Final = "numbers and times: nagix/mini-tokyo-3d, data from ODPT"
 DAY_BEGINS_S: Final = 3 * 3600  # a time before it belongs to the end of the operating day
@@ -197,9 +197,9 @@ def _beyond(
     return next(iter((*away, *trains)), "")
 
 
-def _calls(file: str, key: str, rows: Sequence[_CallRow]) -> tuple[PublishedCall, ...]:
+def _calls(file: str, key: str, rows: Sequence[_CallRow]) -> tuple[Call, ...]:
     """Calls in order of time: what is over 12 h less than the time before it is of the next day."""
-    calls: list[PublishedCall] = []
+    calls: list[Call] = []
     last_s: int | None = None
     for i, row in enumerate(rows):
         if row.a is None and row.d is None:
@@ -209,7 +209,7 @@ def _calls(file: str, key: str, rows: Sequence[_CallRow]) -> tuple[PublishedCall
             times[what] = None
             if text is not None:
                 times[what] = last_s = _seconds(file, f"{key}.tt[{i}].{what}", text, last_s)
-        calls.append(PublishedCall(row.s, CallKind.STOP, times["a"], times["d"]))
+        calls.append(Call(row.s, None, times["a"], times["d"]))
     return tuple(calls)
 
 

@@ -17,7 +17,7 @@ from typing import Final
 
 from exchange.hidden_meets import hidden_meets
 from exchange.planned import TrainOnLine
-from exchange.published import PublishedCall, PublishedTimetable, PublishedTrain
+from exchange.published import PublishedTimetable, PublishedTrain
 from exchange.running import (
     CHANGE_MPS2,
     DWELL_S,
@@ -172,17 +172,17 @@ def _cut_all(
     published: PublishedTimetable, line: Line, join: StationJoin, said: _Said
 ) -> list[_UntimedTrain]:
     """Trains that run on the line, cut to it; what cannot be used is said."""
-    found: list[tuple[PublishedTrain, list[PublishedCall], bool, bool]] = []
+    found: list[tuple[PublishedTrain, list[Call], bool, bool]] = []
     names = {row.key: row.name for row in join.rows}
     for train in published.trains:
-        joined = [i for i, call in enumerate(train.calls) if call.station in join.ids]
-        stops = {join.ids[train.calls[i].station] for i in joined}
+        joined = [i for i, call in enumerate(train.calls) if call.station_id in join.ids]
+        stops = {join.ids[train.calls[i].station_id] for i in joined}
         if len(stops) < 2:
             continue
         before, after = joined[0] > 0, joined[-1] < len(train.calls) - 1
         calls = [train.calls[i] for i in joined]
         for i in set(range(joined[0], joined[-1])) - set(joined):
-            name = names[train.calls[i].station]
+            name = names[train.calls[i].station_id]
             said.note(f"calls at {name}, which is not on the line, are left out: {{}}", train.number)
         found.append((train, calls, before or bool(train.comes_from), after or bool(train.goes_to)))
     numbers = numbers_of((train.number, _runs_down(calls, line, join)) for train, calls, _, _ in found)
@@ -195,7 +195,7 @@ def _cut_all(
             said.note("numbers: {}", f"{train.number} is {number}")
         try:
             ours = _merged(
-                [_call(call, join.ids[call.station], line, direction, said, number) for call in calls]
+                [_call(call, join.ids[call.station_id], line, direction, said, number) for call in calls]
             )
             _check_one_way(ours, line, direction)
             cut = _UntimedTrain(train, number, direction, ours, before, after)
@@ -207,14 +207,12 @@ def _cut_all(
     return cuts
 
 
-def _runs_down(calls: Sequence[PublishedCall], line: Line, join: StationJoin) -> bool:
-    first, last = (line.stations[join.ids[calls[i].station]].position_m for i in (0, -1))
+def _runs_down(calls: Sequence[Call], line: Line, join: StationJoin) -> bool:
+    first, last = (line.stations[join.ids[calls[i].station_id]].position_m for i in (0, -1))
     return last > first
 
 
-def _call(
-    call: PublishedCall, station_id: str, line: Line, direction: Direction, said: _Said, number: str
-) -> Call:
+def _call(call: Call, station_id: str, line: Line, direction: Direction, said: _Said, number: str) -> Call:
     """A call at a station of the line, with its track where the line has one of that name."""
     station = line.stations[station_id]
     track = None
@@ -226,15 +224,12 @@ def _call(
                 " is taken for {}",
                 number,
             )
-    kind = call.kind
-    arrival_s = call.arrival_s
-    if kind is CallKind.PASS:
-        arrival_s, departure_s = None, call.departure_s if call.departure_s is not None else call.arrival_s
-    else:
-        departure_s = call.departure_s
+    arrival_s, departure_s = call.arrival_s, call.departure_s
+    if not call.stops:
+        arrival_s, departure_s = None, departure_s if departure_s is not None else arrival_s
     if arrival_s is not None and departure_s is not None and departure_s < arrival_s:
         raise UntimedError(f"it leaves {station.name} at {clock(departure_s)}, before it arrives")
-    return Call(station_id, track, arrival_s, departure_s, kind)
+    return Call(station_id, track, arrival_s, departure_s, call.kind)
 
 
 def _track_named(name: str, tracks: Sequence[PlatformTrack], direction: Direction) -> str | None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from network.timetable import CallKind
+from network.timetable import Call
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,28 +23,17 @@ class PublishedStation:
 
 
 @dataclass(frozen=True, slots=True)
-class PublishedCall:
-    """A train at a station: `arrival_s` and `departure_s` as given, None where the source has none."""
-
-    station: str
-    kind: CallKind
-    arrival_s: int | None = None
-    departure_s: int | None = None
-    track: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class PublishedTrain:
     """A train of the source. `direction` is "down" (下り) or "up" in the order of the source's stations.
 
-    `follows` and `becomes` name trains that the same set runs before and after, where the source says so; `comes_from`
-    and `goes_to` name places beyond the source's stations. `working` names what one set runs in the day (運用), where
-    the source numbers that.
+    Its calls have the times that are given, None where there is none. `follows` and `becomes` name trains that the
+    same set runs before and after, where the source says so; `comes_from` and `goes_to` name places beyond the
+    source's stations. `working` names what one set runs in the day (運用), where the source numbers that.
     """
 
     number: str
     direction: str
-    calls: tuple[PublishedCall, ...]
+    calls: tuple[Call, ...]
     name: str = ""
     kind: str = ""  # local, rapid, empty (回送), ... as the source calls it
     revenue: bool = True

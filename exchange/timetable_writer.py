@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from exchange.planned import TrainOnLine, Workings
 from network.clock import clock
@@ -44,7 +45,7 @@ def file_of_trains(
     for train in trains:
         number, tracks = train.number, workings.tracks
         calls = [
-            _call(call, tracks.get((number, i), call.track), inferred=i in train.inferred)
+            call_table(replace(call, track=tracks.get((number, i), call.track)), inferred=i in train.inferred)
             for i, call in enumerate(train.calls)
         ]
         ways = workings.begins[number], workings.ends[number]
@@ -58,7 +59,7 @@ def file_of_timetable(timetable: Timetable) -> TimetableFile:
     """The tables that a timetable was read from, or might have been."""
     trains: list[TrainTable] = []
     for train in timetable.trains.values():
-        calls = [_call(call, call.track, inferred=False) for call in train.calls]
+        calls = [call_table(call) for call in train.calls]
         ways = begins_text(train.begins), ends_text(train.ends)
         trains.append(train_table(train.number, train.direction, calls, *ways, revenue=train.revenue))
     diagrams = [
@@ -81,7 +82,8 @@ def train_table(
     return TrainTable(number=number, direction=named, revenue=revenue, begins=begins, ends=ends, calls=calls)
 
 
-def _call(call: Call, track: str | None, *, inferred: bool) -> CallTable:
+def call_table(call: Call, *, inferred: bool = False) -> CallTable:
+    """A table of `trains.calls`; `inferred`: one of its times is not the source's."""
     times = {
         "arrival": None if call.arrival_s is None else time_text(call.arrival_s),
         "departure": None if call.departure_s is None else time_text(call.departure_s),
@@ -89,7 +91,7 @@ def _call(call: Call, track: str | None, *, inferred: bool) -> CallTable:
     if call.kind is CallKind.PASS:
         times = {"pass": times["departure"]}
     marks = {"operational": call.kind is CallKind.OPERATIONAL, "inferred": inferred}
-    return CallTable.model_validate({"station": call.station_id, "track": track, **times, **marks})
+    return CallTable.model_validate({"station": call.station_id, "track": call.track, **times, **marks})
 
 
 def _train(train: TrainTable) -> list[str]:

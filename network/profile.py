@@ -7,6 +7,8 @@ in `heading_rad` alone, which is where the track really points.
 from __future__ import annotations
 
 import math
+from collections import OrderedDict
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -34,6 +36,31 @@ PART_OF_SKY: Final = 0.5  # among slopes, trees or houses
 OPEN_SKY: Final = 1.0
 
 
+ROWS_KEPT: Final = 500_000  # of the paths asked for last; some 28 MB
+
+
+class Profiles:
+    """The profiles asked for last, each computed once; a line is known by being the same object."""
+
+    def __init__(self, compute: Callable[[Line, Path], NDArray[np.void]]) -> None:
+        self._compute = compute
+        self._kept: OrderedDict[tuple[int, Path], tuple[Line, NDArray[np.void]]] = OrderedDict()
+        self._rows = 0
+
+    def of_path(self, line: Line, path: Path) -> NDArray[np.void]:
+        """The profile of a path, which is its caller's to change."""
+        key = (id(line), path)
+        if key in self._kept:
+            self._kept.move_to_end(key)
+            return self._kept[key][1].copy()
+        rows = self._compute(line, path)
+        self._kept[key] = (line, rows)  # the line with it, so that no other gets its id
+        self._rows += rows.size
+        while self._rows > ROWS_KEPT:
+            self._rows -= self._kept.popitem(last=False)[1][1].size
+        return rows.copy()
+
+
 def profile_of(line: Line, path: Path) -> NDArray[np.void]:
     """PROFILE rows at path coordinates 0, 1, 2 m ... ceil(length); the last is at the path's end.
 
@@ -48,6 +75,10 @@ def profile_of(line: Line, path: Path) -> NDArray[np.void]:
     - sky: NO_SKY, PART_OF_SKY or OPEN_SKY.
     - kilometrage_m: of its alignment: what does not depend on which way a train comes.
     """
+    return _PROFILES.of_path(line, path)
+
+
+def _computed_profile(line: Line, path: Path) -> NDArray[np.void]:
     count = math.ceil(path.length_m) + 1
     at_m = np.minimum(np.arange(count, dtype=np.float64), path.length_m)
     rows = np.zeros(count, PROFILE)
@@ -78,6 +109,9 @@ def profile_of(line: Line, path: Path) -> NDArray[np.void]:
     _limit_on_points(rows, line, path)
     rows["turn_rad"] = np.maximum.accumulate(rows["turn_rad"])
     return rows
+
+
+_PROFILES: Final = Profiles(_computed_profile)
 
 
 def bearing_of_piece_rad(line: Line, piece: Piece, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -40,7 +40,8 @@ class CallKind(Enum):
 class Call:
     """A train at a station, on `track` or, when None, on the usual one of the train's direction.
 
-    Only the last call may lack a departure; an arrival may be left out everywhere but there. Where a train passes,
+    In `exchange`, before a source is joined to a line, station and track are named as the source names them. Only the
+    last call may lack a departure; an arrival may be left out everywhere but there. Where a train passes,
     `departure_s` is when, and there is no arrival; the first and the last call are stops.
     """
 
@@ -183,7 +184,8 @@ def _train(file: str, key: str, entry: TrainTable, line: Line) -> TimetableTrain
     for i, item in enumerate(entry.calls):
         where = f"{key}.calls[{i}]"
         after_s = calls[-1].last_s if calls else None
-        call = _call(file, where, item, after_s, last=i == len(entry.calls) - 1)
+        _check_times(file, where, item, after_s, last=i == len(entry.calls) - 1)
+        call = call_of(file, where, item, after_s)
         _check_place(file, where, line, call, direction)
         if entry.revenue:
             _check_platform(file, where, line, call, direction)
@@ -219,25 +221,30 @@ def seconds_of(file: str, key: str, text: str, not_before_s: int | None) -> int:
     return time_s
 
 
-def _call(file: str, key: str, entry: CallTable, after_s: int | None, *, last: bool) -> Call:
-    if entry.passes is not None:
-        return _passing(file, key, entry, after_s, last=last)
-    if entry.departure is None and not last:
-        raise InputError(file, f"{key}.departure", None, "a departure: only the last call goes without")
-    if entry.departure is None and entry.arrival is None:
-        raise InputError(file, f"{key}.arrival", None, "a time: the call has none")
-    arrival_s = departure_s = None
-    if entry.arrival is not None:
-        arrival_s = seconds_of(file, f"{key}.arrival", entry.arrival, after_s)
-    if entry.departure is not None:
-        before_s = after_s if arrival_s is None else arrival_s
-        departure_s = seconds_of(file, f"{key}.departure", entry.departure, before_s)
+def call_of(file: str, key: str, entry: CallTable, after_s: int | None) -> Call:
+    """A call with the times that are written, each after the one before; which belong together is not checked."""
+    times_s: dict[str, int] = {}
+    for name, text in (("arrival", entry.arrival), ("departure", entry.departure), ("pass", entry.passes)):
+        if text is not None:
+            times_s[name] = after_s = seconds_of(file, f"{key}.{name}", text, after_s)
+    if "pass" in times_s:
+        return Call(entry.station, entry.track, None, times_s["pass"], CallKind.PASS)
     kind = CallKind.OPERATIONAL if entry.operational else CallKind.STOP
-    return Call(entry.station, entry.track, arrival_s, departure_s, kind)
+    return Call(entry.station, entry.track, times_s.get("arrival"), times_s.get("departure"), kind)
 
 
-def _passing(file: str, key: str, entry: CallTable, after_s: int | None, *, last: bool) -> Call:
-    """A station that the train runs through: one time, between stops."""
+def _check_times(file: str, key: str, entry: CallTable, after_s: int | None, *, last: bool) -> None:
+    """Which times a call of a whole timetable has."""
+    if entry.passes is not None:
+        _check_passing(file, key, entry, after_s, last=last)
+    elif entry.departure is None and not last:
+        raise InputError(file, f"{key}.departure", None, "a departure: only the last call goes without")
+    elif entry.departure is None and entry.arrival is None:
+        raise InputError(file, f"{key}.arrival", None, "a time: the call has none")
+
+
+def _check_passing(file: str, key: str, entry: CallTable, after_s: int | None, *, last: bool) -> None:
+    """A station that the train runs through has one time, and lies between stops."""
     if entry.arrival is not None or entry.departure is not None or entry.operational:
         other = (
             "operational" if entry.operational else "arrival" if entry.arrival is not None else "departure"
@@ -245,12 +252,10 @@ def _passing(file: str, key: str, entry: CallTable, after_s: int | None, *, last
         raise InputError(
             file, f"{key}.{other}", getattr(entry, other), "nothing beside pass: it does not stop"
         )
-    if after_s is None or last or entry.passes is None:
+    if after_s is None or last:
         raise InputError(
             file, f"{key}.pass", entry.passes, "arrival or departure: its first and last call are stops"
         )
-    passes_s = seconds_of(file, f"{key}.pass", entry.passes, after_s)
-    return Call(entry.station, entry.track, None, passes_s, CallKind.PASS)
 
 
 def _check_place(file: str, key: str, line: Line, call: Call, direction: Direction) -> None:

@@ -6,7 +6,8 @@ changes what is there instead: of the scenario's own tables here, of the other f
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
+from contextlib import contextmanager
 from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,6 +22,7 @@ from network.files.text_input import existing_file
 from network.files.toml_input import key_path, parse_table, read_text, validate
 from scenario.scenario_file import ListPatch, PatchTable, ScenarioFile, SettingsPatch
 
+KEYWORDS: Final = Path("keywords")  # of tables given to `load_scenario`: their file, in errors and as a place
 _FILES: Final = ("line", "timetable", "train")
 # Names, prose and the script are what a scenario is, not what it changes.
 _NO_CHANGE: Final = frozenset({"id", "name", "assumed", "fault", "act", "expect", "patch", "extends"})
@@ -42,21 +44,38 @@ class ScenarioLayers:
     said_in: Mapping[str, Path] = field(default_factory=dict[str, Path])
 
     def validated(self, path: Path) -> ScenarioFile:
-        """The scenario's tables, checked; what a patch has written is put down to that patch."""
+        """The scenario's tables, checked."""
+        return validate(self.data, str(path), ScenarioFile)
+
+    @contextmanager
+    def put_down(self, path: Path) -> Generator[None]:
+        """What is wrong with a key of the scenario is put down to the patch or keyword that has written it."""
         try:
-            return validate(self.data, str(path), ScenarioFile)
+            yield
         except InputError as error:
             for key, (file, asked) in self.written.items():
-                if error.key == key or error.key.startswith((f"{key}.", f"{key}[")):
+                of_key = error.key.startswith((f"{key}.", f"{key}[")) or f"{key}.".startswith(f"{error.key}.")
+                if error.file == str(path) and of_key:
                     raise InputError(
                         file, asked + error.key[len(key) :], error.value, error.expected
                     ) from error
             raise
 
 
-def pile_of(path: Path, find: Callable[[Path, str], Path]) -> ScenarioLayers:
-    """Read a scenario and those it extends; `find` gives the file of a name that a file extends."""
+def pile_of(
+    path: Path, find: Callable[[Path, str], Path], keywords: Mapping[str, object] | None = None
+) -> ScenarioLayers:
+    """Read a scenario and those it extends; `find` gives the file of a name that a file extends.
+
+    `keywords` are tables, with `patch` among them, laid over as those of a file in the working directory would be.
+    """
     layers = _layers(path, find, ())
+    if keywords:
+        if "extends" in keywords:
+            raise InputError(
+                str(KEYWORDS), "extends", keywords["extends"], "no such keyword: the scenario is named"
+            )
+        layers.append((KEYWORDS, deepcopy(dict(keywords))))
     low, below = layers[0]
     files: dict[str, tuple[PatchInFile, ...]] = {}
     trains: dict[str, tuple[PatchInFile, ...]] = {}
@@ -67,6 +86,8 @@ def pile_of(path: Path, find: Callable[[Path, str], Path]) -> ScenarioLayers:
         said_in |= dict.fromkeys(_names_of_files(table), file)
         patch = _patch_of(file, table.pop("patch", {}))
         data = laid_over(data, table)
+        if file is KEYWORDS:
+            written |= {key: (str(KEYWORDS), key) for key in _paths(table)}
         for name, words in patch.items():
             asked = PatchInFile(words, str(file), f"patch.{name}")
             if name in ("line", "timetable"):
@@ -92,6 +113,15 @@ def _names_of_files(table: Data) -> Iterator[str]:
         yield from ("trains.default" for key in trains if key == "default")
         stock = trains.get("stock")
         yield from (f"trains.stock.{name}" for name in (stock if is_table(stock) else ()))
+
+
+def _paths(table: Mapping[str, Any], above: str = "") -> Iterator[str]:
+    """Key paths of all values, as errors have them."""
+    for key, value in table.items():
+        if is_table(value) and value:
+            yield from _paths(value, f"{above}{key}.")
+        else:
+            yield f"{above}{key}"
 
 
 def laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> Data:

@@ -61,6 +61,12 @@ class Scenario:
     setup: Setup
     inputs: Inputs
 
+    @property
+    def called(self) -> str:
+        """What a command takes for it: the name of a shipped one, else its file."""
+        file = Path(self.file)
+        return file.stem if file.parent == _folder() else self.file
+
 
 def shipped_scenarios() -> tuple[str, ...]:
     """Names of the scenarios that come with the program."""
@@ -84,11 +90,19 @@ def _check_seed(seed: int | None) -> None:
         raise InputError("command line", "--seed", seed, f"{SEED.text()} ({SEED.name})")
 
 
-def load_scenario(name: str, seed: int | None = None) -> Scenario:
-    """Read a scenario with all that it names. InputError says which file, key and value is at fault."""
+def load_scenario(name: str, seed: int | None = None, tables: Mapping[str, object] | None = None) -> Scenario:
+    """Read a scenario with all that it names. InputError says which file, key and value is at fault.
+
+    `tables` are laid over it, as those of a scenario file that extends it would be.
+    """
     _check_seed(seed)
     path = find_scenario(name)
-    pile = pile_of(path, lambda above, base: _named(above, "extends", base, find_scenario))
+    pile = pile_of(path, lambda above, base: _named(above, "extends", base, find_scenario), tables)
+    with pile.put_down(path):
+        return _loaded(path, pile, seed)
+
+
+def _loaded(path: Path, pile: ScenarioLayers, seed: int | None) -> Scenario:
     model = pile.validated(path)
     line_file = _named(path, "line", model.line, shipped_line, pile)
     line, line_data, of_line = patched_line(line_file, pile.files.get("line", ()))

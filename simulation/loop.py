@@ -112,11 +112,11 @@ class Simulation:
         """Simulated time, s since midnight."""
         return self._step / STEPS_PER_S
 
-    def run(self, progress: Progress | None = None) -> RunResult:
-        """Run to the end: all trains done, the time limit, a stall, or a collision."""
+    def run(self, progress: Progress | None = None, stop: Callable[[], bool] | None = None) -> RunResult:
+        """Run to the end: all trains done, the time limit, a stall, a collision, or a wish to `stop`."""
         try:
             self.begin()
-            return self.finish(progress)
+            return self.finish(progress, stop)
         finally:
             self.close()
 
@@ -135,10 +135,13 @@ class Simulation:
         self.injector.start(self._step)
         self._duties.open(self._step)
 
-    def finish(self, progress: Progress | None = None) -> RunResult:
-        """Run on to the end."""
+    def finish(self, progress: Progress | None = None, stop: Callable[[], bool] | None = None) -> RunResult:
+        """Run on to the end, or until between two stretches somebody wants it to `stop`."""
         end_s = self._limit_step / STEPS_PER_S
         while (because := self.settle()) is None:
+            if stop is not None and stop():
+                because = Ending.STOPPED
+                break
             self.advance()
             self._vigil.look(self._step)
             if progress is not None:
@@ -157,7 +160,7 @@ class Simulation:
         if self._broken is not None:
             return self._broken
         if self._step >= self._limit_step:
-            return Ending.TIME_LIMIT
+            return Ending.TIME_LIMIT if self.setup.until_s == math.inf else Ending.PART_OVER
         return Ending.STALLED if self._stalled() else None
 
     @property
@@ -362,10 +365,12 @@ class Simulation:
         if self._charging is not None:
             self._charging.close(self._step)
         arrived = self._books.arrived
-        trains = self.setup.timetable.trains.values()
+        due_s = self.now_s if because.of_part else math.inf  # by the plan, at the end of a part
+        trains = [t for t in self.setup.timetable.trains.values() if t.calls[-1].first_s <= due_s]
         planned = tuple(t.number for t in trains if t.revenue)
         empty = tuple(t.number for t in trains if not t.revenue)
-        self.checkers.finish(self.now_s, {number: number in arrived for number in (*planned, *empty)})
+        judged = () if because.of_part else (*planned, *empty)
+        self.checkers.finish(self.now_s, {number: number in arrived for number in judged})
         trace = self._trace[: self._trace_used].copy()
         self.journal.add_to_digest(trace.tobytes())
         return RunResult(

@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from network.timetable import CallKind
 from onboard.driving.tuning import Learned, StopDecelerations
 from simulation.faults.script import ItemCourse
 from simulation.journal import Journal
@@ -26,7 +27,7 @@ TRACE_EVERY_STEPS: Final = 10  # a sample a second, and one at every event
 
 
 class Ending(StrEnum):
-    """Why a run ended; all but the first cut it short, so that it is no success whatever it reached."""
+    """Why a run ended; what cuts it short makes it no success whatever it reached, but for who asked for a part."""
 
     FINISHED = "all trains have finished"
     TIME_LIMIT = "the time limit of the run"
@@ -34,11 +35,21 @@ class Ending(StrEnum):
     COLLISION = "a collision"
     END_OF_TRACK = "a train ran off the end of the track"
     CANNOT_TURN = "a train overran its track and cannot turn back"
+    PART_OVER = "the end of the part of the day that was asked for"
+    STOPPED = "it was stopped by a signal"
+
+    @property
+    def of_part(self) -> bool:
+        """Whether a part of the day was run as asked: who is still on its way is not missing."""
+        return self in {Ending.PART_OVER, Ending.STOPPED}
 
 
 @dataclass(slots=True)
 class StopRecord:
-    """A timetabled stop as it really went; `error_m` is beyond the mark, by the truth."""
+    """A call of the timetable as it really went; `error_m` is beyond the mark, by the truth.
+
+    Where a train runs through, `departure_s` is when its front passes the mark, and there is no arrival.
+    """
 
     stock_id: str
     number: str
@@ -50,7 +61,7 @@ class StopRecord:
     arrival_s: float | None = None
     departure_s: float | None = None
     error_m: float | None = None
-    passengers: bool = True
+    kind: CallKind = CallKind.STOP
 
 
 class EnergyPhase(StrEnum):

@@ -60,6 +60,7 @@ class Setup(Tables):
     learned: Mapping[str, Learned] = field(default_factory=dict[str, Learned])
     day: int = 1  # what passes is drawn anew each day; what belongs to a train is not
     load: Load = field(default_factory=Load)
+    until_s: float = math.inf  # only the part of the day before it is run
 
     @property
     def believed_line(self) -> Line:
@@ -79,7 +80,7 @@ class Setup(Tables):
     @property
     def latest_end_s(self) -> float:
         """When the run ends whatever happens, s: no train comes after that."""
-        return latest_end_s(self.timetable, self.limits)
+        return min(latest_end_s(self.timetable, self.limits), self.until_s)
 
     @property
     def today(self) -> tuple[str, ...]:

@@ -1,48 +1,47 @@
-"""The one way this project compiles a law: numba, deterministic, cached on disk without going stale.
+"""The one way this project compiles a law: numba, deterministic, kept on disk without going stale.
 
-numba keeps the machine code of a function beside its file and asks only whether *that* file changed; a
-compiled caller in another file would keep the old code of what it calls. The cache therefore lies in a folder
-named by a digest of every source file that holds compiled code. Fastmath stays off: same input, same bits.
+Every function that Python calls becomes machine code of its own, with all that it calls inside it (`vehicle.linking`).
+What is kept is found again by what it depends on (`vehicle.code_key`), wherever it was compiled (`vehicle.code_store`).
+Fastmath stays off: same input, same bits.
 """
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
-from hashlib import blake2b
 from pathlib import Path
+from types import FunctionType
 from typing import Any, Final, ParamSpec, TypeVar, cast
 
 import numpy as np
-from numba import njit
 from numba.core import config
 
-PACKAGES: Final = ("vehicle", "onboard", "simulation", "study")  # below them too
-MARKS: Final = (b"@compiled", b"dtype_of")  # the second takes in the records and their sizes
-INTERPRETED: Final = bool(config.__dict__["DISABLE_JIT"])
+from vehicle.code_store import CodeStore
+from vehicle.linking import Entry
+
+INTERPRETED: Final = bool(config.DISABLE_JIT)
+SHIPPED: Final = Path(__file__).parent / "machine_code"  # compiled for any processor; a wheel has it
+OPTIONS: Final = {"nopython": True, "error_model": "numpy"}
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
 
-def sources_digest(root: Path, packages: tuple[str, ...] = PACKAGES) -> str:
-    """Digest (16 hex digits) of the files below `root`'s `packages` that hold compiled code."""
-    digest = blake2b(digest_size=8)
-    for package in packages:
-        for file in sorted((root / package).rglob("*.py")):
-            text = file.read_bytes()
-            if any(mark in text for mark in MARKS):
-                digest.update(file.relative_to(root).as_posix().encode() + b"\0" + text)
-    return digest.hexdigest()
+def _store() -> CodeStore:
+    """In numba's own cache folder if one is set, else beside this file, else in the user's cache."""
+    given = config.__dict__[
+        "CACHE_DIR"
+    ]  # numba fills this module at run time, so type checkers do not know it
+    beside = Path(__file__).parent / "__pycache__"
+    users = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "branchline"
+    writable = os.access(beside if beside.exists() else beside.parent, os.W_OK)
+    base = Path(given) if given else beside if writable else users
+    return CodeStore(base / "machine_code", [SHIPPED])
 
 
-def _place_cache() -> None:
-    """Point numba's cache at the folder of this version of the sources, inside the user's own if set."""
-    root = Path(__file__).resolve().parent.parent
-    settings = config.__dict__  # numba fills this module at run time, so type checkers do not know its names
-    base = Path(settings["CACHE_DIR"] or Path(__file__).parent / "__pycache__")
-    settings["CACHE_DIR"] = str(base / f"numba-{sources_digest(root)}")
+STORE: Final = _store()
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
@@ -52,7 +51,7 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """
     if INTERPRETED:
         return _interpreted(function)
-    return cast("Callable[P, R]", njit(cache=True, error_model="numpy")(function))
+    return cast("Callable[P, R]", Entry(cast("FunctionType", function), OPTIONS, STORE))
 
 
 def _interpreted(function: Callable[P, R]) -> Callable[P, R]:
@@ -87,6 +86,3 @@ def compiled_lines(lines: Sequence[str], names: Mapping[str, Callable[..., Any]]
     written: dict[str, Any] = {"__name__": module, **names}  # numba keeps what it compiled under that name
     exec(compile("\n".join(lines), str(sys.modules[module].__file__), "exec"), written)
     return compiled(written[lines[0].split()[1].partition("(")[0]])
-
-
-_place_cache()

@@ -8,13 +8,13 @@ from __future__ import annotations
 import msgspec
 
 from exchange.gtfs.reader import OwnFeed, WrittenTrain
-from exchange.timetable_writer import time_text
+from exchange.timetable_writer import call_table
 from network.errors import InputError
 from network.files.line_schema import DirectionName
-from network.files.timetable_schema import CallTable, DiagramTable, HeadTable, TimetableFile
+from network.files.timetable_schema import DiagramTable, HeadTable, TimetableFile
 from network.files.toml_input import validate
 from network.model import Line
-from network.timetable import CallKind, timetable_of
+from network.timetable import timetable_of
 
 
 class HeadWritten(msgspec.Struct):
@@ -67,33 +67,15 @@ def read_back(written: OwnFeed, line: Line, file: str) -> tuple[TimetableFile | 
 def _train(written: WrittenTrain, line: Line) -> dict[str, object]:
     """A table of `[[trains]]`; a station that the line has not is found by the checks of timetable files."""
     train = written.train
-    ends_m = [line.stations[c.station].position_m for c in train.calls if c.station in line.stations]
+    ends_m = [line.stations[c.station_id].position_m for c in train.calls if c.station_id in line.stations]
     direction: DirectionName = "down" if train.direction == "down" else "up"
     if len(ends_m) > 1:
         direction = "down" if ends_m[-1] > ends_m[0] else "up"
-    calls: list[dict[str, object]] = []
-    for call in train.calls:
-        times = {
-            name: time_text(time_s)
-            for name, time_s in (("arrival", call.arrival_s), ("departure", call.departure_s))
-            if time_s is not None
-        }
-        if call.kind is CallKind.PASS:
-            times = {"pass": times.get("departure", "")}
-        table = CallTable.model_validate(
-            {
-                "station": call.station,
-                "track": call.track or None,
-                "operational": call.kind is CallKind.OPERATIONAL,
-                **times,
-            }
-        )
-        calls.append(table.model_dump(by_alias=True))
     return {
         "number": train.number,
         "direction": direction,
         "revenue": train.revenue,
         "begins": written.begins,
         "ends": written.ends,
-        "calls": calls,
+        "calls": [call_table(call).model_dump(by_alias=True) for call in train.calls],
     }

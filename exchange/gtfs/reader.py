@@ -27,13 +27,13 @@ from exchange.gtfs.columns import (
 from exchange.gtfs.days import date_of, next_date, one_service, read_services
 from exchange.gtfs.stops import GtfsStop, read_stops
 from exchange.gtfs.tables import Feed
-from exchange.published import PublishedCall, PublishedTimetable, PublishedTrain
+from exchange.published import PublishedTimetable, PublishedTrain
 from exchange.station_order import ordered_stations, runs_down
 from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
 from network.files.names import title_of
 from network.files.toml_input import one_of
-from network.timetable import CallKind
+from network.timetable import Call, CallKind
 
 DAY_BEGINS_S: Final = 3 * 3600
 CALLS_MAX: Final = 2000  # of one trip
@@ -388,9 +388,7 @@ def _portal(text: str) -> str:
     return text.removeprefix("portal:") if text.startswith("portal:") else ""
 
 
-def _call(
-    call: _Call, index: int, count: int, stops: Mapping[str, GtfsStop], *, revenue: bool
-) -> PublishedCall:
+def _call(call: _Call, index: int, count: int, stops: Mapping[str, GtfsStop], *, revenue: bool) -> Call:
     """A call; at the ends of a trip a feed has to write two times, and the same one again is none of the plan's."""
     arrival_s, departure_s = call.arrival_s, call.departure_s
     kind = _KINDS.get(call.kind)
@@ -405,7 +403,7 @@ def _call(
         departure_s = None
     stop = stops[call.stop]
     track = stop.track if call.track is None else call.track
-    return PublishedCall(stop.station, kind, arrival_s, departure_s, track)
+    return Call(stop.station, track or None, arrival_s, departure_s, kind)
 
 
 def _name(routes: Mapping[str, tuple[int, str, str]], used: set[str]) -> str:

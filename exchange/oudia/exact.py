@@ -23,12 +23,12 @@ from exchange.oudia.cells import (
 from exchange.oudia.published import NOT_FOR_PASSENGERS
 from exchange.oudia.route import DOWN, OudiaDia, OudiaRoute, OudiaStation, OudiaTrain
 from exchange.oudia.writer import station_name
-from exchange.timetable_writer import time_text, train_table
+from exchange.timetable_writer import call_table, train_table
 from network.errors import InputError
 from network.files.names import is_identifier
 from network.files.timetable_schema import CallTable, DiagramTable, TimetableFile
 from network.model import Direction, Line
-from network.timetable import DAY_S, timetable_of
+from network.timetable import DAY_S, Call, CallKind, timetable_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,16 +114,17 @@ def _calls(train: OudiaTrain, route: OudiaRoute, ids: Sequence[str]) -> list[tup
         passes = of.how is CallHandling.PASS and (
             arrival_s is None or departure_s is None or arrival_s == departure_s
         )
-        texts = {"arrival": arrival_s, "departure": departure_s}
+        kind = CallKind.STOP
         if passes:
-            texts = {"pass": departure_s if departure_s is not None else arrival_s}
-        table = {
-            "station": station_id,
-            "track": _track(train, station, of, named=station_id in words.named_tracks),
-            **{key: time_text(time_s) for key, time_s in texts.items() if time_s is not None},
-            "operational": not passes and (of.how is CallHandling.PASS or station_id in words.operational),
-        }
-        found.append((first_s, CallTable.model_validate(table)))
+            kind, arrival_s, departure_s = (
+                CallKind.PASS,
+                None,
+                arrival_s if departure_s is None else departure_s,
+            )
+        elif of.how is CallHandling.PASS or station_id in words.operational:
+            kind = CallKind.OPERATIONAL
+        track = _track(train, station, of, named=station_id in words.named_tracks)
+        found.append((first_s, call_table(Call(station_id, track, arrival_s, departure_s, kind))))
     if not found:
         raise _LostError(f"train {train.number} has no times")
     return found

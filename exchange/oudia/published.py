@@ -13,9 +13,9 @@ from typing import Final
 
 from exchange.oudia.cells import After, Before, CallHandling, OudiaCell, StationOperation, index_of
 from exchange.oudia.route import DOWN, OudiaDia, OudiaRoute, OudiaStation, OudiaTrain, left_of
-from exchange.published import PublishedCall, PublishedStation, PublishedTimetable, PublishedTrain
+from exchange.published import PublishedStation, PublishedTimetable, PublishedTrain
 from network.files.names import title_of
-from network.timetable import CallKind
+from network.timetable import Call, CallKind
 
 NOT_FOR_PASSENGERS: Final = re.compile(
     r"回送|試運転|配給|工臨|工事|貨物|単機|入換|廃車|not in service|empty|deadhead|freight|trial",
@@ -89,7 +89,7 @@ def _place(route: OudiaRoute, train: OudiaTrain, index: int) -> tuple[str, int]:
 def _published(route: OudiaRoute, train: OudiaTrain, becomes: str) -> PublishedTrain:
     along = route.stations_along(train.direction)
     count = len(route.stations)
-    calls: list[PublishedCall] = []
+    calls: list[Call] = []
     for i, of in enumerate(train.cells):
         if of.how not in (CallHandling.STOP, CallHandling.PASS):
             continue
@@ -116,7 +116,7 @@ def _outer(station: OudiaStation, of: StationOperation | None) -> str:
     return station.outer[index] if index < len(station.outer) else f"beyond {station.name}"
 
 
-def _call(key: str, of: OudiaCell, station: OudiaStation, direction: str) -> PublishedCall:
+def _call(key: str, of: OudiaCell, station: OudiaStation, direction: str) -> Call:
     """A call; a train that passes with two times apart stands there (運転停車), which OuDia has no word for."""
     kind = CallKind.STOP
     arrival_s, departure_s = of.arrival_s, of.departure_s
@@ -125,7 +125,7 @@ def _call(key: str, of: OudiaCell, station: OudiaStation, direction: str) -> Pub
         kind = CallKind.OPERATIONAL if stands else CallKind.PASS
         if not stands:
             arrival_s, departure_s = None, departure_s if departure_s is not None else arrival_s
-    track = ""
+    track = None
     if of.track is not None and of.track < len(station.tracks) and of.track != station.main(direction):
         track = station.tracks[of.track]
-    return PublishedCall(key, kind, arrival_s, departure_s, track)
+    return Call(key, track, arrival_s, departure_s, kind)

@@ -28,12 +28,13 @@ def stop_limit(
 
     Points of sections that the train has `entered` on their proof no longer hold it back: they are locked under
     it, whatever has become of the proof since (4.4 (1), table 3). Before a section that must be passed on sight it
-    stops, unless it `sweeps` already, or it is of the first spans, which its front has `left`.
+    stops, unless it `sweeps` already, or it is of the first spans, which its front has `left`. Nor does one of these
+    that it does not hold end its way: the register gave it back what a false claim had put behind it.
     """
     begun = False
     for joint, span in enumerate(plan.spans):
         if not authority.holds(span.section_id):
-            if begun:
+            if begun and joint >= left:
                 return StopLimit(joint, span.section_id, "not held")
             continue
         begun = True

@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy.ndimage import minimum_filter1d
 
 from onboard.records import PATTERN, BehaviourRow
 from vehicle.compiled import compiled
@@ -43,10 +43,9 @@ def braking_curve(
 
 def limit_for_length(limit_mps: NDArray[np.float64], length_m: float) -> NDArray[np.float64]:
     """Limit for the front of a train of `length_m` that must obey each limit with its whole length; shape (n,)."""
-    window = round(np.ceil(length_m)) + 1
-    return np.asarray(
-        minimum_filter1d(limit_mps, size=window, origin=(window - 1) // 2, mode="nearest"), dtype=np.float64
-    )
+    behind_m = round(np.ceil(length_m))
+    lengthened = np.concatenate([np.full(behind_m, limit_mps[0]), limit_mps])
+    return np.asarray(sliding_window_view(lengthened, behind_m + 1).min(axis=1), dtype=np.float64)
 
 
 def limit_for_train(limit_mps: NDArray[np.float64], train: TrainRow) -> NDArray[np.float64]:

@@ -49,8 +49,8 @@ class Passing:
 class Target:
     """A place where the train stops; a place without a station is where it leaves the line.
 
-    `passings` lie between the stop before and this one. `passengers`: they get on and off here, which takes its time.
-    `crossing`: a station of several tracks, where another train may wait for this one.
+    `passings` lie between the stop before and this one. `kind`: whether passengers get on and off, which takes its
+    time. `crossing`: a station of several tracks, where another train may wait for this one.
     """
 
     station_id: str | None
@@ -60,8 +60,13 @@ class Target:
     arrival_s: float | None
     departure_s: float | None
     passings: tuple[Passing, ...] = ()
-    passengers: bool = True
+    kind: CallKind = CallKind.STOP
     crossing: bool = False
+
+    @property
+    def passengers(self) -> bool:
+        """Whether they get on and off here."""
+        return self.kind is CallKind.STOP
 
     @property
     def place_id(self) -> str:
@@ -258,7 +263,7 @@ def _targets(
                 call.arrival_s,
                 call.departure_s,
                 tuple(passings),
-                call.kind is not CallKind.OPERATIONAL,
+                call.kind,
                 len(line.stations[call.station_id].tracks) > 1,
             )
         )

@@ -23,6 +23,8 @@ Possible errors and their effect (P is the protection level that the receiver st
 - Bounds contain the front, whatever made them. A fix further from them than P / 4 plus the known error shows that the
   receiver is wrong, also at the first fix, and the interval spans that error. A nearer one shows how great the error
   can still be: narrow bounds confirm a receiver, and remove what slides had added.
+- A receiver that has shown nothing under an open sky for `LOST_S` when a path begins, or the unit, is compared with
+  nothing by its first fix there: it may lie by all that the bounds leave then.
 - Not covered: a fault that grows by less than 3 % of the distance while bounds are too wide to show it; several faults
   in succession that are too small to be seen. What leaves the bounds is refused by the one rule of fixes.
 - A wrong time tag shifts fixes by the speed; it shows, like any other fault, where the speed changes.
@@ -60,7 +62,7 @@ GAP_SHARE_MAX: Final = (
 WINDOW_S: Final = 60.0
 BORNE_OUT: Final = 5  # fixes in a row that agree, before one cuts the bounds
 FIRST_FIXES: Final = 10  # before one gives a unit its position
-LOST_S: Final = 10.0  # without a fix, and the receiver counts as lost
+LOST_S: Final = 10.0  # without a fix, and the receiver counts as lost; of what it shows next nothing is known
 HIDDEN_SHARE: Final = (
     0.75  # of the protection level: what it leaves, beside errors as stated, for lies not seen
 )
@@ -90,6 +92,8 @@ class GnssRow(Protocol):
     heard: Annotated[int, "1: it has had a fix"]
     silent_s: Annotated[float, "since the last one"]
     agreeing: Annotated[int, "fixes under an open sky that did not move against the wheels, in a row"]
+    unproven: Annotated[int, "1: nothing that it showed before the window tells of its lie"]
+    open_ticks: Annotated[int, "the tick of the last fix under an open sky; 0: there was none"]
     open_at_m: Annotated[float, "the last fix under an open sky"]
     open_way_m: Annotated[float, "the way there"]
     open_odometer_m: Annotated[float, "the tachometer there"]
@@ -270,6 +274,9 @@ def measure_lie(own: GnssRow, unit: UnitRow, at_m: float, wheels_m: float, prote
     gap_low_m, gap_high_m = hidden_in_gaps_m(own, unit)
     least_m, most_m = min(own.moved_low_m, 0.0) + gap_low_m, max(own.moved_high_m, 0.0) + gap_high_m
     meets = low_m <= most_m + hidden_m and high_m >= least_m - hidden_m
+    if own.unproven != 0 and meets and own.forgives == 0:
+        own.moved_low_m, own.moved_high_m = min(own.moved_low_m, low_m), max(own.moved_high_m, high_m)
+    own.unproven = 0
     least_m, most_m = lie_m(own, unit)
     if low_m > least_m or high_m < most_m:
         may_lie(own, gap_low_m, gap_high_m)
@@ -311,8 +318,11 @@ def use_fix(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: float) ->
     """A fix that is sound: it cuts the bounds under an open sky once borne out, else it leans the estimate."""
     at_m, wheels_m = front_by_fix(own, reading, unit, step_s)
     protection_m, sky_open = reading.protection_m, reading.open_sky != 0
+    if sky_open and own.window_s < 0.0 and (own.ticks - own.open_ticks) * step_s > LOST_S:
+        own.unproven = 1
     borne_out = not sky_open or bears_out(own, unit, at_m, protection_m)
     if sky_open:
+        own.open_ticks = own.ticks
         own.open_at_m, own.open_way_m, own.open_odometer_m = at_m, own.way_m, own.odometer_m
     if not borne_out:
         return REFUSED
@@ -325,6 +335,7 @@ def use_fix(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: float) ->
         unit.fix_came = FIX_MISSED
         return REFUSED
     came = fix_by_rule(unit, at_m, within_m + most_m, within_m - least_m)
+    own.unproven = 0  # a unit without a position takes it on trust
     return outcome_of(own, unit, protection_m) if came == TAKEN else REFUSED
 
 

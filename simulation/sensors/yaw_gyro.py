@@ -16,7 +16,6 @@ from typing import Annotated, Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from onboard.board import SensedRow
 from radio.chance import generator
@@ -61,6 +60,8 @@ def body_matrices(
     frequency_hz: float, damping: float, step_s: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """What a step makes of the body: `keeps` (2, 2), `takes` (2,), `turns` (3,) of `YawGyroRow`."""
+    from scipy.linalg import expm  # no train but one with a gyro needs it
+
     omega = 2.0 * math.pi * frequency_hz
     flow = np.zeros((4, 4))  # rate, its change, the angle, the bogies' rate
     flow[0, 1] = flow[2, 0] = 1.0

@@ -12,13 +12,10 @@ from onboard.duty.mission import Target
 from simulation.result import EnergyRecord, StopRecord, TraceSpan
 from simulation.setup import STEPS_PER_S
 from simulation.subscribers import Subscribers
+from simulation.tolerance import CALLS_BEYOND_M, CALLS_SHORT_M
 from simulation.world.energy_book import EnergyBook
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
-
-CALLS_SHORT_M: Final = 6.0  # stood this far before the mark, a train calls there all the same
-CALLS_BEYOND_M: Final = 40.0  # and this far beyond it, or on its track: no train sets back
-# Further short of it a train calls that stands alongside its platform, with its whole length.
 
 
 class Books:
@@ -176,7 +173,7 @@ class Books:
             target.track,
             target.arrival_s if index > 0 else None,
             target.departure_s,
-            passengers=target.passengers,
+            kind=target.kind,
         )
         self.stops.append(record)
         return record

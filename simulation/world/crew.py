@@ -21,7 +21,7 @@ from onboard.duty.records import AtMark, DrivingCommand, EndOfHeld, NotAtMark, P
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S
-from simulation.world.books import CALLS_BEYOND_M, CALLS_SHORT_M
+from simulation.tolerance import CALLS_BEYOND_M, CALLS_SHORT_M
 from simulation.world.on_board import OnBoard
 from simulation.world.points import WaysideWorld
 from simulation.world.trains import Trains

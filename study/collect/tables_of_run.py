@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,13 +14,13 @@ from network.model import Line
 from radio.noted import TelegramDropped
 from simulation.result import RunResult, TraceSpan
 from simulation.setup import STEPS_PER_S
+from simulation.world.roster import Duty
 from study.capacity.blocking_table import blocking_table, blocks_table
 from study.capacity.observed import occupations_run
 from study.collect.energy import StockMake, energy_tables
 from study.collect.energy_hours import energy_hours_of
 from study.collect.margins import margins_of
-from study.collect.stops import passings_timed, stops_table
-from study.measures.passings import PlannedPassing
+from study.collect.stops import stops_table, with_passings
 from study.measures.register_holds import SectionHold
 from study.measures.running_times import PlannedLeg
 from study.record.calls import TracePoint
@@ -38,13 +38,13 @@ def tables_of(
     fleet: Mapping[str, StockMake],
     holds: Sequence[SectionHold],
     legs: Sequence[PlannedLeg] = (),
-    passings: Sequence[PlannedPassing] = (),
+    duties: Iterable[Duty] = (),
 ) -> RunTables:
     """All tables of a run but those of `execute`; `fleet` says what stock is, `holds` who had which section when,
     the rest what was planned.
     """
     spans = [(span, rows) for span, rows in rows_by_span(result) if rows.size]
-    stops = stops_table(result.stops, passings_timed(passings, spans))
+    stops = stops_table(with_passings(result.stops, duties, spans))
     return RunTables.with_tables(
         trajectory=_trajectory(result, spans),
         stops=stops,

@@ -22,11 +22,10 @@ from onboard.duty.plan import DutyPlan, plan_of
 from onboard.motion import ARRIVED_WITHIN_M
 from simulation.settings import PositionSensor
 from simulation.setup import Setup
-from simulation.world.books import CALLS_SHORT_M
+from simulation.tolerance import CALLS_SHORT_M, OFF_MARK_M
 from study.feasibility.finding import Finding, FindingKind, Severity, minute
 from study.feasibility.fixes import PositionKnown, fixes_on, measured_growth
 from study.feasibility.planned import PlannedDay, PlannedStop, PlannedTrain
-from study.measures.summary import OFF_MARK_M
 
 RESERVE_M: Final = 1.0  # what supervision keeps beyond that
 BEFORE_LIMIT_M: Final = LIMIT_MARGIN_M + RESERVE_M  # trains stop this far before a limit, and their bound

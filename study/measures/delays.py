@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from network.timetable import AtPortal
+from network.timetable import AtPortal, CallKind
 from onboard.notes import PositionFault, Resumed
 from simulation.events import MANAGER, CameLate, DoorsHeld, Entered, EventType, JournalEntry, PowerOff
 from simulation.faults.script import ScriptedFault
@@ -215,7 +215,7 @@ def _never_came(
 
 def _ready_s(stop: StopRecord, held: DoorsHeld | None, setup: Setup) -> float:
     """When a train at a stop could leave but for its route, s."""
-    dwell_s = setup.unit.dwell_min_s if stop.passengers else 0.0
+    dwell_s = setup.unit.dwell_min_s if stop.kind is CallKind.STOP else 0.0
     dwelt_s = 0.0 if stop.arrival_s is None else stop.arrival_s + dwell_s
     return max(stop.planned_departure_s or 0.0, dwelt_s, 0.0 if held is None else held.until_s)
 

@@ -31,7 +31,8 @@ def planned_times(
     """Every planned arrival and departure: train, station, kind, what, planned_s, late_s and whether it came.
 
     `stops` is the table of a run; `end_s`: when that ends whatever happens, s; None: by the usual limit, or when the
-    last time came. `revenue_only`: of what never came, that of trains with passengers alone.
+    last time came. What was planned for later than that is not missing. `revenue_only`: of what never came, that of
+    trains with passengers alone.
     """
     whats = ("arrival", "departure")
     came = pl.concat(
@@ -61,7 +62,8 @@ def planned_times(
     if end_s is None:
         latest_s = times.select((pl.col("planned_s") + pl.col("late_s")).max()).item()
         end_s = max(latest_end_s(timetable) if timetable.trains else 0.0, latest_s or 0.0)
-    return times.with_columns(pl.col("late_s").fill_null(end_s - pl.col("planned_s")))
+    due = times.filter(pl.col("came") | (pl.col("planned_s") <= end_s))
+    return due.with_columns(pl.col("late_s").fill_null(end_s - pl.col("planned_s")))
 
 
 def _planned(call: Call, *, first: bool) -> Iterator[tuple[str, float]]:

@@ -16,7 +16,7 @@ from typing import Any, Final
 from exchange.running import Running, StationRun
 from network.model import Direction, Line
 from network.timetable import Call, CallKind, Stabled, TimetableTrain, no_trains
-from onboard.duty.mission import Mission, NoWay, Target, plan_mission
+from onboard.duty.mission import Mission, NoWay, plan_mission
 from simulation.setup import Setup
 from simulation.world.roster import first_section
 from study.measures.running_times import RunWay, TrainHop, least_times_s, planned_hops
@@ -233,12 +233,12 @@ def _runs_of(
         load, driving = setup.load.load_share_mean, setup.driving
         known[key] = least_times_s(kind, way, passing_m, load, driving.stop_deceleration_mps2)
     places = [
-        (hop.here.station_id or "", _kind(hop.here), hop.leaves_s, 0.0),
+        (hop.here.station_id or "", hop.here.kind, hop.leaves_s, 0.0),
         *(
             (passing.station_id, CallKind.PASS, passing.time_s, least_s)
             for passing, least_s in zip(passings, known[key], strict=False)
         ),
-        (hop.there.station_id or "", _kind(hop.there), hop.due_s, known[key][-1]),
+        (hop.there.station_id or "", hop.there.kind, hop.due_s, known[key][-1]),
     ]
     for (from_id, from_kind, leaves_s, before_s), (to_id, to_kind, at_s, after_s) in pairwise(places):
         yield PlannedRun(
@@ -264,10 +264,6 @@ def smallest_margins(runs: tuple[PlannedRun, ...]) -> dict[tuple[str, Direction,
         if key not in found or run.margin_s < found[key].margin_s:
             found[key] = run
     return found
-
-
-def _kind(target: Target) -> CallKind:
-    return CallKind.STOP if target.passengers else CallKind.OPERATIONAL
 
 
 def _tenth(time_s: float | None) -> float | None:

@@ -8,6 +8,7 @@ import polars as pl
 
 from network.timetable import CallKind, Timetable
 from simulation.result import DRAWN
+from simulation.tolerance import OFF_MARK_M
 from study.measures.driving import driving_summary
 from study.measures.missing import planned_times
 from study.record.energy import PARTS
@@ -17,14 +18,14 @@ from study.record.told import TelegramsOfWay
 
 NEVER_CAME: Final = "missing arrival"
 TELEGRAM_COUNTS: Final = tuple(seen_in(TelegramsOfWay, ShownIn.TOTALS_COMPARED))
-OFF_MARK_M: Final = 0.35  # a stop farther from its mark than this is told: doors no longer meet their places
 NAMED: Final = ("train", "from_station", "to_station", "planned_s", "least_s", "margin_s", "margin_percent")
 
 
 def summarise(tables: RunTables, timetable: Timetable, end_s: float | None = None) -> dict[str, Any]:
     """Figures of a run for `summary.json`; None where there is nothing to compute one from.
 
-    - trains_planned, trains_arrived: revenue trains of the timetable, and those at their last call.
+    - trains_planned, trains_arrived: revenue trains of the timetable that should have ended by `end_s` (s; None: all),
+      and those of them at their last call.
     - late_s_max: most seconds after plan of any arrival or departure, 0 when none was late; late_at is where. What
       never came of a train with passengers is as late as `study.measures.missing` has it; None when trains were planned
       and none arrived.
@@ -42,8 +43,13 @@ def summarise(tables: RunTables, timetable: Timetable, end_s: float | None = Non
     stops = tables.stops
     error_m = stops["stop_error_m"].drop_nulls()
     telegrams = tables.telegrams
-    planned = sum(train.revenue for train in timetable.trains.values())
-    arrived = len(arrived_trains(stops, timetable))
+    due = {
+        number
+        for number, train in timetable.trains.items()
+        if train.revenue and (end_s is None or train.calls[-1].first_s <= end_s)
+    }
+    planned = len(due)
+    arrived = len(due & arrived_trains(stops, timetable))
     late, early, passed = worst_late(stops, timetable, end_s), worst_early(stops), worst_passing(stops)
     none_came = planned > 0 and arrived == 0
     return {

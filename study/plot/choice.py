@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import polars as pl
@@ -11,6 +11,7 @@ import polars as pl
 from network.errors import InputError
 from network.files.toml_input import one_of
 from network.model import Station
+from network.station_names import station_id_of
 from network.timetable import seconds_of
 from study.measures.wait_text import at_time
 from study.record.read_back import RunRead
@@ -82,7 +83,8 @@ def chosen_run(read: RunRead, choice: Choice) -> ChosenRun:
     ran = {str(train) for train in read.tables.stops["train"].unique()}
     planned = [number for number in read.timetable.trains if number in ran]
     _known("--train", choice.train, [*planned, *sorted(ran.difference(planned))])
-    _known("--station", choice.station, read.line.stations)
+    if choice.station is not None:
+        choice = replace(choice, station=station_id_of(read.line, choice.station))
     for other in choice.beside:
         if other.line.id != read.line.id:
             raise InputError("command line", "--with", other.line.id, f"a run of the line {read.line.id}")

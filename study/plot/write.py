@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from enum import Enum
-from io import BytesIO
 from pathlib import Path
-from typing import Final
 
-import matplotlib as mpl
 import polars as pl
 from matplotlib.figure import Figure
 
@@ -19,17 +15,8 @@ from study.plot.choice import Choice, ChosenRun, chosen_run
 from study.plot.kinds import PlotKind, PlotOption
 from study.plot.words import translate
 from study.record.read_back import RunRead
+from study.report.drawn import DrawnFigure, Format
 from study.report.style import drawing
-
-DPI: Final = 150
-
-
-class Format(Enum):
-    """How a plot is written; the ending of its file."""
-
-    PNG = "png"
-    SVG = "svg"
-    CSV = "csv"
 
 
 def format_of(name: str | None, out: Path | None) -> Format:
@@ -49,10 +36,8 @@ def write_plot(read: RunRead, kind: PlotKind, choice: Choice, form: Format, out:
     InputError for a choice that the kind does not take or lacks, for one that shows nothing, for a path that cannot
     be written.
     """
-    _check_taken(kind, choice)
-    run = chosen_run(read, choice)
-    _check_needed(run, kind, choice, form)
-    data = csv_of(kind.table(run)) if form is Format.CSV else _picture(run, kind, form)
+    run = _checked_run(read, kind, choice, form)
+    data = csv_of(kind.table(run)) if form is Format.CSV else _picture(run, kind).in_form(form)
     write_bytes_aside(out, data)
 
 
@@ -89,15 +74,21 @@ def _check_needed(run: ChosenRun, kind: PlotKind, choice: Choice, form: Format) 
             raise InputError("command line", option.value, None, f"{one_of(known)}: a picture is of one")
 
 
-def _picture(run: ChosenRun, kind: PlotKind, form: Format) -> bytes:
-    with drawing(), mpl.rc_context({"svg.hashsalt": kind.name}):
-        figure = figure_of(run, kind)
-        buffer = BytesIO()
-        if form is Format.SVG:
-            figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-        else:
-            figure.savefig(buffer, format="png", dpi=DPI, metadata={"Software": None})
-        return buffer.getvalue()
+def picture_of(read: RunRead, kind: PlotKind, choice: Choice) -> DrawnFigure:
+    """The picture of a kind. InputError for a choice that it does not take or lacks, or that shows nothing."""
+    return _picture(_checked_run(read, kind, choice, Format.PNG), kind)
+
+
+def _picture(run: ChosenRun, kind: PlotKind) -> DrawnFigure:
+    with drawing():
+        return DrawnFigure(figure_of(run, kind), kind.name)
+
+
+def _checked_run(read: RunRead, kind: PlotKind, choice: Choice, form: Format) -> ChosenRun:
+    _check_taken(kind, choice)
+    run = chosen_run(read, choice)
+    _check_needed(run, kind, run.choice, form)
+    return run
 
 
 def figure_of(run: ChosenRun, kind: PlotKind) -> Figure:

@@ -102,7 +102,7 @@ class Reserved:
     """
 
     def __init__(self, out: Path, aside: Path) -> None:
-        self.out: Final = out
+        self.out = out
         self.folder: Final = aside / "new"
         self.journal: Final = self.folder / JOURNAL_FILE
         self._aside: Final = aside
@@ -154,14 +154,18 @@ class Reserved:
             else "This is no whole run: it was cut short."
         )
         self._say(f"{what}\nwhy: {why}\njournal until: {clock(int(until_s))}\n")
-        kept = self.out.with_name(self.out.name + INCOMPLETE)
+        self.name_incomplete()
+        _put(self._aside, self.out)
+        return self.out
+
+    def name_incomplete(self) -> None:
+        """From now on its place is beside the one asked for, under a name that says that it is no whole run."""
+        beside = self.out.with_name(self.out.name + INCOMPLETE)
         try:
-            check_out(kept)
-            _put(self._aside, kept)
+            check_out(beside)
         except InputError:  # the name is taken by somebody's work
-            kept = Path(tempfile.mkdtemp(prefix=f"{kept.name}-", dir=kept.parent))
-            self.folder.rename(kept)
-        return kept
+            beside = Path(tempfile.mkdtemp(prefix=f"{beside.name}-", dir=beside.parent))
+        self.out = beside
 
     def _say(self, text: str) -> None:
         """Over what is there, which takes no new room on the disk; blanks to the length of the longest."""

@@ -115,13 +115,18 @@ def _draw_swings(axes: Axes, worth: Sequence[LeverWorth], of: Callable[[Measured
     axes.grid(axis="x")
 
 
+def rates_table(by_cut: Mapping[str, Sequence[Rate]]) -> pl.DataFrame:
+    """A row a part of each cut and period."""
+    rows = [{"cut": name, **rate.as_dict()} for name, rates in by_cut.items() for rate in rates]
+    return pl.DataFrame(rows, infer_schema_length=None)
+
+
 def write_occupation(
     folder: Path, by_cut: Mapping[str, Sequence[Rate]], worth: Sequence[LeverWorth] | None = None
 ) -> None:
     """Make a folder with occupation.csv and the picture, equipment.csv and the tornado; OSError when it cannot be."""
     folder.mkdir()
-    rows = [{"cut": name, **rate.as_dict()} for name, rates in by_cut.items() for rate in rates]
-    pl.DataFrame(rows, infer_schema_length=None).write_csv(folder / "occupation.csv")
+    rates_table(by_cut).write_csv(folder / "occupation.csv")
     if worth is not None:
         table = pl.DataFrame([one.as_dict() for one in worth], infer_schema_length=None)
         table.write_csv(folder / "equipment.csv")

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from base64 import b64encode
+from importlib.util import find_spec
 from io import BytesIO
+from pathlib import Path
 from typing import Final
-
-from fontTools.subset import Options, Subsetter
-from fontTools.ttLib import TTFont
-
-from study.report.style import japanese_font
 
 FAMILY: Final = "branchline-ja"  # named last in the page's list of fonts, before what the machine has
 FACE: Final = "/* Japanese characters of this page */"  # where the template has it
 FIRST_JAPANESE: Final = 0x2E80  # radicals; what comes before is in every font
+
+
+def japanese_font() -> Path | None:
+    """The file of the IPA font; None where its package is not installed."""
+    spec = find_spec("matplotlib_fontja")
+    if spec is None or not spec.submodule_search_locations:
+        return None
+    path = Path(spec.submodule_search_locations[0]) / "fonts" / "ipaexg.ttf"
+    return path if path.is_file() else None
 
 
 def japanese_face(page: str) -> str:
@@ -21,14 +27,17 @@ def japanese_face(page: str) -> str:
 
     A subset of IPAex Gothic, which its licence lets a document embed. The same characters give the same text.
     """
-    wanted = {ord(character) for character in page if ord(character) >= FIRST_JAPANESE}
+    wanted = {ord(character) for character in set(page) if ord(character) >= FIRST_JAPANESE}
     path = japanese_font()
     if not wanted or path is None:
         return ""
+    from fontTools.subset import Options, Subsetter
+    from fontTools.ttLib import TTFont
+
     options = Options()
     options.notdef_outline = True
     options.drop_tables += ["FFTM"]
-    font = TTFont(path, recalcTimestamp=False)
+    font = TTFont(path, recalcBBoxes=False, recalcTimestamp=False)  # outlines stay as packed
     subsetter = Subsetter(options)
     subsetter.populate(unicodes=sorted(wanted))
     subsetter.subset(font)

@@ -7,14 +7,10 @@ are long: else a set of points would not be seen. Trains are drawn through the s
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import polars as pl
-from matplotlib.axes import Axes
-from matplotlib.collections import PatchCollection
-from matplotlib.figure import Figure
-from matplotlib.patches import Patch, Rectangle
 
 from study.capacity.blocking_table import read_blocking
 from study.capacity.occupation import Conflict, Occupation, OccupationPart
@@ -23,6 +19,10 @@ from study.report.packing import packed_column, places_in
 from study.report.style import INK, RED, RULE, WIDTH_IN, TimeBand, centred, draw_clock_axis, time_bands
 from study.wording.catalogue import phrase
 from study.wording.phrase import Language
+
+if TYPE_CHECKING:  # the page of a run draws its stairway itself
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 PANEL_IN: Final = 4.4
 LEAST_SHARE: Final = 0.045  # of the panel's height, that the shortest section has
@@ -58,6 +58,9 @@ def draw_stairway(
     language: Language = "en",
 ) -> Figure | None:
     """The stairway in the panels of the train graph; hatched in red: what two trains want at once. None: no time."""
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
+
     if not occupations:
         return None
     bands, grid = time_bands(*run.window_s)
@@ -102,6 +105,9 @@ def _rows(run: ReportedRun) -> dict[str, tuple[float, float]]:
 def _draw_boxes(
     axes: Axes, occupations: Iterable[Occupation], rows: Mapping[str, tuple[float, float]], band: TimeBand
 ) -> None:
+    from matplotlib.collections import PatchCollection
+    from matplotlib.patches import Rectangle
+
     boxes: list[Rectangle] = []
     colours: list[str] = []
     frames: list[Rectangle] = []
@@ -120,6 +126,8 @@ def _draw_boxes(
 def _draw_conflicts(
     axes: Axes, conflicts: Iterable[Conflict], rows: Mapping[str, tuple[float, float]], band: TimeBand
 ) -> None:
+    from matplotlib.patches import Rectangle
+
     for one in conflicts:
         row, from_s = rows.get(one.section_id), one.second.begin_s
         if row is not None and band.meets(from_s, from_s + one.overlap_s):

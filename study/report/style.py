@@ -8,23 +8,19 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from html import escape
-from importlib.util import find_spec
 from io import StringIO
 from itertools import pairwise
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib import font_manager
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.text import Text
-from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from network.model import Direction
+from study.report.face import japanese_font
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # the page of a run has these colours and draws nothing with Matplotlib
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.text import Text
     from matplotlib.typing import RcKeyType
 
 WIDTH_IN: Final = 13.0  # 936 pt, 1248 px at 100 %: fits a page of 1280 px and A4 across
@@ -69,20 +65,13 @@ def _font_family() -> tuple[str, ...]:
 
     The package that carries the font is located, not imported: its import changes the global font.
     """
+    from matplotlib import font_manager
+
     path = japanese_font()
     if path is None:
         return ("DejaVu Sans",)
     font_manager.fontManager.addfont(path)
     return ("DejaVu Sans", "IPAexGothic")
-
-
-def japanese_font() -> Path | None:
-    """The file of the IPA font; None where its package is not installed."""
-    spec = find_spec("matplotlib_fontja")
-    if spec is None or not spec.submodule_search_locations:
-        return None
-    path = Path(spec.submodule_search_locations[0]) / "fonts" / "ipaexg.ttf"
-    return path if path.is_file() else None
 
 
 def can_write_japanese() -> bool:
@@ -93,6 +82,8 @@ def can_write_japanese() -> bool:
 @contextmanager
 def drawing() -> Generator[None]:
     """Matplotlib settings for making and saving the report's figures; the caller's come back afterwards."""
+    import matplotlib as mpl
+
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update({**_TYPE, "font.family": list(_font_family())})
@@ -105,6 +96,8 @@ def svg_of(figure: Figure, name: str, tips: Mapping[str, str] | None = None) -> 
     `name` sets the ids apart from those of other figures on the page; `tips` maps gid of an artist to the
     text shown when pointed at. Call within `drawing()`. The same figure gives the same text.
     """
+    import matplotlib as mpl
+
     buffer = StringIO()
     with mpl.rc_context({"svg.hashsalt": name}):
         figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None})
@@ -209,6 +202,8 @@ def time_bands(from_s: float, to_s: float) -> tuple[tuple[TimeBand, ...], TimeGr
 
 def draw_clock_axis(axes: Axes, band: TimeBand, grid: TimeGrid) -> None:
     """Clock labels and the three kinds of vertical lines on the time axis of `axes`."""
+    from matplotlib.ticker import FuncFormatter, MultipleLocator
+
     axes.set_xlim(band.from_s, band.to_s)
     seconds = grid.label_s % 60 != 0
     axes.xaxis.set_major_locator(MultipleLocator(grid.label_s))

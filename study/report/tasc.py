@@ -5,13 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from itertools import zip_longest
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import polars as pl
-from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from onboard.driving.tuning import (
@@ -34,6 +31,10 @@ from study.record.shown import LearnedTrain
 from study.report.data import ReportedRun
 from study.report.style import INK, PALE, RED, TRACTION, WIDTH_IN
 
+if TYPE_CHECKING:  # the page of a run draws these itself
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
 Floats = NDArray[np.float64]
 
 KMH_PER_MPS: Final = 3.6
@@ -46,6 +47,8 @@ TARGET_COLOUR: Final = "#d55e00"
 
 def draw_approaches(run: ReportedRun) -> Figure | None:
     """Target and actual speed over the last 400 m before the mark, every stop of every unit. None: no stops."""
+    from matplotlib.figure import Figure
+
     stops = run.tables.stops.filter(pl.col("stop_error_m").is_not_null() & pl.col("arrival_s").is_not_null())
     units = sorted(stops["unit"].unique())
     if not units:
@@ -117,6 +120,8 @@ def response_surface(stop: StopDecelerations) -> Floats | None:
 
 def draw_response(tuned: LearnedTrain, unit: str) -> Figure | None:
     """The evaluation function of one stop (評価関数の応答曲面) with its search, and the waves it comes from."""
+    from matplotlib.figure import Figure
+
     surface = response_surface(tuned.stop)
     if surface is None:
         return None
@@ -139,6 +144,8 @@ def draw_response(tuned: LearnedTrain, unit: str) -> Figure | None:
 
 def _draw_surface(axes: Axes, figure: Figure, surface: Floats, tuned: LearnedTrain) -> None:
     """Heat map over dead time (s) and offset (km/h/s), the least J by search and by the six points."""
+    from matplotlib.colors import LogNorm
+
     step_kmhps = OFFSET_STEP_MPS2 * KMHPS_PER_MPS2
     half_s, half_kmhps = STEP_S / 2.0, step_kmhps / 2.0
     reach_kmhps = OFFSET_ZERO * step_kmhps

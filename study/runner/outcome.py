@@ -74,6 +74,8 @@ def unfinished(result: RunResult) -> tuple[str, ...]:
 
 def missing_said(result: RunResult) -> tuple[Phrase, ...]:
     """What is missing for a run that reached its end: trains, stocks, the end itself; empty where nothing is."""
+    if result.ended_because.of_part:
+        return ()  # how late they are by then is in the figures
     planned = (*result.trains_planned, *result.empty_planned)
     missing = [n for n in planned if n not in (*result.trains_arrived, *result.empty_arrived)]
     told = [words.MISSING.fill(count=len(missing), trains=", ".join(missing))] if missing else []

@@ -9,6 +9,7 @@ from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
@@ -28,8 +29,9 @@ from simulation.carriers.carrier import Carrier
 from simulation.carriers.sumo_api import STEP_DELAY_MS, GuiWindow
 from simulation.journal import Journal
 from simulation.loop import Progress, Simulation
-from simulation.result import RunResult
-from simulation.setup import STEP_S, Setup, unit_configs
+from simulation.result import Ending, RunResult
+from simulation.setup import STEP_S, STEPS_PER_S, Setup, unit_configs
+from simulation.world.roster import drawn_up
 from study.collect.battery import battery_summary, battery_tables
 from study.collect.energy import StockMake
 from study.collect.late import late_part, late_summary
@@ -37,7 +39,6 @@ from study.collect.tables_of_run import tables_of
 from study.feasibility.check import feasibility
 from study.measures.driving import driving_table
 from study.measures.localisation import localisation_summary
-from study.measures.passings import planned_passings
 from study.measures.register_holds import section_holds
 from study.measures.running_times import planned_legs
 from study.measures.second_opinion import comparisons_of
@@ -115,6 +116,11 @@ class FinishedRun:
     failures: tuple[Phrase, ...]
 
     @property
+    def stopped(self) -> bool:
+        """Whether somebody ended it before its time."""
+        return self.result.ended_because is Ending.STOPPED
+
+    @property
     def broken(self) -> tuple[str, ...]:
         """The failures in English."""
         return tuple(said.en for said in self.failures)
@@ -135,12 +141,16 @@ class RunOptions:
     make_before: Callable[[float], Carrier] | None = None
     watch: Callable[[Parties], Parties] | None = None
     journal: Callable[[], Journal] = Journal
+    stop: Callable[[], bool] | None = None
 
 
 def run_to_end(
     scenario: Scenario, course: RunOptions, progress: Progress | None = None
 ) -> tuple[Setup, RunResult]:
-    """Run a scenario to its end: the setup of its last day, and what that left behind. Raises Crashed for a bug."""
+    """Run a scenario to its end: the setup of its last day, and what that left behind. Raises Crashed for a bug.
+
+    Whom somebody wants to `stop` gives back the day of which that is the end.
+    """
     setup = scenario.setup
     # Random, so that nobody can know it: what the bytes of a code are decides nothing in a run.
     master_key = secrets.token_bytes(KEY_BYTES)
@@ -164,7 +174,9 @@ def run_to_end(
                 course.journal(),
             )
             with bugs_named(scenario.id, simulation, processes=course.link is PartyLink.ZENOH):
-                result = simulation.run(progress)
+                result = simulation.run(progress, course.stop)
+        if result.ended_because is Ending.STOPPED:
+            return replace(setup, until_s=result.end_step / STEPS_PER_S), result
         if last:
             return setup, result
         setup = setup.next_day(result.learned)
@@ -181,13 +193,14 @@ def execute(
     watch: Callable[[Parties], Parties] | None = None,
     journal: Path | None = None,
     delay_ms: int = STEP_DELAY_MS,
+    stop: Callable[[], bool] | None = None,
 ) -> FinishedRun:
     """Run a scenario and compute its tables and summary. Writes nothing that stays, unless there is a file in which its
     `journal` is to grow. Raises Crashed for a bug.
 
     With `[tuning] days` the same day runs that often, the trains learning; the result is that of the last one.
     `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties;
-    `delay_ms` is how long sumo-gui takes over a step.
+    `delay_ms` is how long sumo-gui takes over a step; once `stop` is true the run ends where it is.
     """
     with scratch(TEMPORARY) as folder:
         setup = scenario.setup
@@ -207,12 +220,14 @@ def execute(
             make_before,
             watch,
             lambda: Journal(journal),
+            stop,
         )
         setup, result = run_to_end(scenario, course, progress)
         wall_s = time.perf_counter() - started
     fleet = {stock_id: StockMake.of_kind(kind) for stock_id, kind in setup.trains.items()}
     holds = section_holds(result, setup.line, setup.lengths_m)
-    booked = tables_of(result, setup.line, fleet, holds, planned_legs(setup), planned_passings(setup))
+    duties = chain.from_iterable(drawn_up(setup, setup.line).values())
+    booked = tables_of(result, setup.line, fleet, holds, planned_legs(setup), duties)
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
     tables = replace(
         booked,
@@ -249,7 +264,8 @@ def execute(
         "simulated_s": (result.end_step - result.begin_step) * STEP_S,
         "wall_s": round(wall_s, 3),
     }
-    return FinishedRun(scenario, result, summary, tables, failures)
+    run_so_far = replace(scenario, setup=replace(scenario.setup, until_s=setup.until_s))
+    return FinishedRun(run_so_far, result, summary, tables, failures)
 
 
 @contextmanager
@@ -304,7 +320,12 @@ def write_run(run: FinishedRun, out: Path, drill: DrillShown | None = None) -> P
 def fill_run(
     run: FinishedRun, place: Reserved, drill: DrillShown | None = None, more: RunExtras = NO_MORE
 ) -> Path:
-    """Write a run into the directory reserved, and put that in its place. Returns the path of the report."""
+    """Write a run into the directory reserved, and put that in its place; a run that was stopped goes beside it.
+
+    Returns the path of the report.
+    """
+    if run.stopped:
+        place.name_incomplete()
     _write_files(run, place, drill, more)
     place.put_in_place()
     if run.result.journal.file == place.journal:

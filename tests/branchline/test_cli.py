@@ -12,6 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import polars as pl
 import pytest
 from typer.core import TyperGroup
 from typer.main import get_command
@@ -19,13 +20,17 @@ from typer.main import get_command
 import study.runner.run
 from branchline.cli import ANALYSE, PREPARE, READ, RESEARCH, RUN, app
 from host.parties import PartyError
+from simulation.loop import Simulation
+from simulation.result import Ending
 from study.outcome import Outcome
+from study.record.read_back import read_run
 
 HEAVY = ("numba", "libsumo", "matplotlib", "polars", "numpy", "scipy", "zenoh", "cv2", "pydantic")
 
 
-def test_help_needs_nothing_heavy() -> None:
-    asked = f"import sys, branchline.cli; print([m for m in {HEAVY} if m in sys.modules])"
+@pytest.mark.parametrize("module", ["branchline", "branchline.cli"])
+def test_help_needs_nothing_heavy(module: str) -> None:
+    asked = f"import sys, {module}; print([m for m in {HEAVY} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 
@@ -171,7 +176,8 @@ def hang_up_counts() -> Iterator[None]:
 
 @pytest.mark.usefixtures("hang_up_counts")
 @pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
+    ("number", "times", "code"),
+    [(signal.SIGINT, 2, 130), (signal.SIGTERM, 2, 143), (signal.SIGHUP, 1, 129)],
 )
 @pytest.mark.parametrize("moment", ["execute", "write_report"])
 def test_a_signal_ends_it_with_a_word_and_nothing_half_written(
@@ -180,10 +186,12 @@ def test_a_signal_ends_it_with_a_word_and_nothing_half_written(
     tmp_path: Path,
     moment: str,
     number: signal.Signals,
+    times: int,
     code: int,
 ) -> None:
     def stopped(*_: object, **__: object) -> None:
-        os.kill(os.getpid(), number)
+        for _time in range(times):
+            os.kill(os.getpid(), number)
 
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "summary.json").write_text("the run before", "utf-8")
@@ -219,3 +227,38 @@ def test_every_command_stands_in_a_group_and_its_help_begins_with_one_short_sent
         first = (command.help or "").partition("\n\n")[0].strip()
         assert first.endswith(".") and ". " not in first and len(first) < 120, first
         assert getattr(command, "rich_help_panel", None) in {PREPARE, RUN, READ, ANALYSE, RESEARCH}
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_the_first_signal_keeps_what_was_run_so_far_with_its_report(
+    main: Callable[..., Any],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    turn_back: str,
+    number: signal.Signals,
+    code: int,
+) -> None:
+    settle, at_step = Simulation.settle, 10 * (5 * 3600 + 45 * 60)
+    sent: list[int] = []
+
+    def settle_and_stop(simulation: Simulation) -> Ending | None:
+        if simulation.step >= at_step and not sent:
+            sent.append(simulation.step)
+            os.kill(os.getpid(), number)
+        return settle(simulation)
+
+    monkeypatch.setattr(Simulation, "settle", settle_and_stop)
+    ended = main("run", turn_back, "--out", "run", "--json")
+    summary = json.loads(ended.out)
+    assert ended.code == code and not (tmp_path / "run").exists()
+    kept = tmp_path / "run-incomplete"
+    assert str(kept) == summary["out"] and str(kept) in ended.err.splitlines()[-1]
+    assert {"report.html", "summary.json", "stops.parquet", "journal.jsonl"} <= {
+        p.name for p in kept.iterdir()
+    }
+    assert "Traceback" not in ended.err and summary["invariants_broken"] == 0 and summary["broken"] == []
+    assert summary["latest_end_s"] == sent[0] / 10 and summary["ended_because"] == Ending.STOPPED.value
+    assert (summary["trains_arrived"], summary["trains_planned"]) == (0, 0)  # of two, neither due by then
+    again = read_run(kept)
+    came = again.tables.stops.filter(pl.col("arrival_s").is_not_null())
+    assert came["station"].to_list() == ["HSK", "SHN"]

@@ -121,3 +121,24 @@ def test_a_call_that_names_the_fields_of_a_class_restates_them(tree: Path) -> No
     assert len(field_lists_rule(trees(tree), 0).broken) == 2
     (tree / "papers/curve.py").write_text("drawn(a=1, b=2, c=3, z=0, d=4, e=5, f=6)\n")
     assert field_lists_rule(trees(tree), 0).broken == ()
+
+
+def test_a_call_that_makes_a_class_is_how_its_fields_are_given(tree: Path) -> None:
+    """Also twice, by another module's name or one that derives; not where a class of another name is made."""
+    fields = "(a=1, b=2, c=3, d=4, e=5, f=6)\n"
+    curve = tree / "papers/curve.py"
+    curve.write_text(f"Graph{fields}graph.Graph{fields}Graph[int]{fields}")
+    assert field_lists_rule(trees(tree), 0).broken == ()
+    curve.write_text(f"Route{fields}")  # derives from Graph
+    assert field_lists_rule(trees(tree), 0).broken == ()
+    curve.write_text(f"class Curve: ...\nCurve{fields}")
+    assert len(field_lists_rule(trees(tree), 0).broken) == 2
+    curve.write_text(f"class Curve(Graph): ...\nCurve{fields}Route{fields}")
+    count, pair = field_lists_rule(trees(tree), 0).broken
+    assert count.startswith("1 pairs")
+    assert pair.startswith("papers/curve.py:2 and papers/curve.py:3")
+
+
+def test_a_class_that_repeats_the_fields_of_its_base_restates_them(tree: Path) -> None:
+    (tree / "papers/curve.py").write_text(RECORD.format(name="Curve(Graph)", last="f"))
+    assert len(field_lists_rule(trees(tree), 0).broken) == 2

@@ -115,7 +115,7 @@ def test_a_weekday(tmp_path: Path) -> None:
     assert [station.key for station in day.published.stations] == ["A", "B", "C"]
     assert day.published.stations[0].tracks == ("1", "2")
     first, back, late = day.published.trains
-    assert [c.station for c in first.calls] == ["A", "B", "C"]
+    assert [c.station_id for c in first.calls] == ["A", "B", "C"]
     assert (first.calls[0].arrival_s, first.calls[0].departure_s, first.calls[0].track) == (None, 21_600, "1")
     assert (first.calls[-1].arrival_s, first.calls[-1].departure_s) == (22_200, None)
     assert (first.direction, back.direction) == ("down", "up")

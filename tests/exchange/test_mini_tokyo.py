@@ -87,7 +87,7 @@ def test_published_weekdays(file: str, trains: int, stations: int, first: str, l
     assert published.name == name
     order = {station.key: i for i, station in enumerate(published.stations)}
     for train in published.trains:
-        places = [order[call.station] for call in train.calls]
+        places = [order[call.station_id] for call in train.calls]
         assert places == sorted(places, reverse=train.direction == "up")
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from exchange.onto_line import OntoLine, onto_line
 from exchange.planned import TrainOnLine
-from exchange.published import PublishedCall, PublishedStation, PublishedTimetable, PublishedTrain
+from exchange.published import PublishedStation, PublishedTimetable, PublishedTrain
 from exchange.running import CHANGE_MPS2, DWELL_S, StationRun, plausible_s
 from exchange.train_numbers import numbers_of
 from network.errors import InputError
@@ -18,7 +18,7 @@ from network.files.line_file import load_line
 from network.files.names import is_identifier
 from network.files.shipped import shipped_line
 from network.model import Direction, Line
-from network.timetable import CallKind
+from network.timetable import Call, CallKind
 
 LINE = load_line(shipped_line("karasuyama"))
 NAMES = ["宇都宮", "宝積寺", "下野花岡", "仁井田", "鴻野山", "大金", "小塙", "滝", "烏山"]
@@ -34,13 +34,13 @@ def at(text: str) -> int | None:
     return hours * 3600 + minutes * 60 + (rest[0] if rest else 0)
 
 
-def call(name: str, times: str, kind: CallKind = STOP, track: str = "") -> PublishedCall:
+def call(name: str, times: str, kind: CallKind = STOP, track: str | None = None) -> Call:
     """A call with `arrival departure`, or a departure alone."""
     arrival, departure = times.split() if " " in times else ("-", times)
-    return PublishedCall(name, kind, at(arrival), at(departure), track)
+    return Call(name, track, at(arrival), at(departure), kind)
 
 
-def train(number: str, *calls: PublishedCall, **more: object) -> PublishedTrain:
+def train(number: str, *calls: Call, **more: object) -> PublishedTrain:
     return replace(PublishedTrain(number, "down", calls), **more)
 
 
@@ -203,7 +203,7 @@ def test_computed_arrivals_keep_departures_the_dwell_and_the_least_running_time(
     trains: list[PublishedTrain] = []
     for index, minutes in enumerate(days):
         times = [36_000 + index * 600 + 60 * sum(minutes[:i]) for i in range(8)]
-        calls = (PublishedCall(name, STOP, None, t) for name, t in zip(NAMES[1:], times, strict=True))
+        calls = (Call(name, None, None, t) for name, t in zip(NAMES[1:], times, strict=True))
         trains.append(train(f"{index}M", *calls))
     published = {one.number: one for one in trains}
     for one in put(*trains).trains:
@@ -278,9 +278,7 @@ def test_times_in_one_minute_are_moved_and_marked() -> None:
         ),
     ],
 )
-def test_a_train_that_cannot_be_is_left_out_and_why_is_said(
-    calls: tuple[PublishedCall, ...], why: str
-) -> None:
+def test_a_train_that_cannot_be_is_left_out_and_why_is_said(calls: tuple[Call, ...], why: str) -> None:
     good = train("3M", call("宝積寺", "12:00"), call("烏山", "12:40 -"))
     onto = put(train("1M", *calls), good)
     assert [one.number for one in onto.trains] == ["3M"]

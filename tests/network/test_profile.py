@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from network.files.line_file import parse_line
 from network.model import Direction, Line
 from network.path import Path, path_of
-from network.profile import PROFILE, curvature_at, gradient_permille_at, heights_of, profile_of
+from network.profile import PROFILE, Profiles, curvature_at, gradient_permille_at, heights_of, profile_of
 
 SAMPLE = FilePath(__file__).with_name("sample_line.toml").read_text(encoding="utf-8")
 LINE = parse_line(SAMPLE, "sample.toml")
@@ -164,3 +165,25 @@ def test_profile_properties(
     for path_m in (100, 1234, 2500):
         if gradient_permille_at(line, path, path_m) == gradient_permille_at(line, path, path_m + 1):
             assert slopes[path_m] == pytest.approx(gradient_permille_at(line, path, path_m), abs=1e-6)
+
+
+def test_a_profile_is_computed_once_for_a_line_and_a_path(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Path] = []
+
+    def computed(line: Line, path: Path) -> NDArray[np.void]:
+        asked.append(path)
+        return profile_of(line, path)
+
+    profiles = Profiles(computed)
+    first = profiles.of_path(LINE, DOWN_PATH)
+    first["limit_mps"] = 0.0  # the caller's own
+    again = profiles.of_path(LINE, path_of(LINE, DOWN, Direction.DOWN))
+    assert np.array_equal(again, profile_of(LINE, DOWN_PATH))
+    assert asked == [DOWN_PATH]
+    slower = parse_line(changed("max_speed_kmh = ", "max_speed_kmh = 1#", 1), "sample.toml")
+    assert profiles.of_path(slower, DOWN_PATH)["limit_mps"].max() < again["limit_mps"].max()
+    assert len(asked) == 2  # another line, the same path
+    monkeypatch.setattr("network.profile.ROWS_KEPT", again.size)
+    profiles.of_path(LINE, UP_PATH)
+    profiles.of_path(LINE, DOWN_PATH)
+    assert asked[2:] == [UP_PATH, DOWN_PATH]  # no more rows are kept than that

@@ -155,6 +155,16 @@ def does_not_wait_for_proof(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
+def ends_its_way_at_a_gap_behind(patch: pytest.MonkeyPatch) -> None:
+    def from_the_first_held(
+        plan: DutyPlan, state: Authority, *known: Collection[str], **how: int
+    ) -> StopLimit:
+        return stop_limit(plan, state, *known, **{**how, "left": 0})
+
+    patch.setattr(duty_machine, "stop_limit", from_the_first_held)
+
+
+@switch
 def runs_beyond_what_it_holds(patch: pytest.MonkeyPatch) -> None:
     def end_of_path(
         plan: DutyPlan, _state: Authority, _entered: Collection[str] = (), **_how: bool

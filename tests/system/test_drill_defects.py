@@ -306,6 +306,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         ),
         "73_restart_without_tags": (believes_no_fix_after_a_restart, "a fix tells the position"),
         "74_silent_wheels_without_tags": ("asks_no_driver", "to its mark"),
+        "75_claim_far_behind": ("ends_its_way_at_a_gap_behind", "to its mark in the portal"),
         "80_cable_cut_central": (reaches_over_a_cut, "nothing is granted while the cable is cut"),
         "80b_cable_cut_on_board": (says_everything_over_the_cable, "no telegram is lost in the cable"),
     }

@@ -14,7 +14,7 @@ from network.files.quantities import Gain
 from network.files.toml_input import Record
 from onboard.records import UnitRow
 from simulation.world.records import STOCK
-from vehicle.compiled import compiled, sources_digest
+from vehicle.compiled import compiled
 from vehicle.record import cells_of, dtype_of, fields_of, put_settings, unit_of
 
 STEPS: Final = 3
@@ -118,18 +118,6 @@ def test_a_field_misspelt_in_a_law_is_an_error_of_the_type_checker(tmp_path: Pat
     said, _, status = api.run(["--strict", str(law)])
     assert status == 1
     assert '"PlantRow" has no attribute "sped_mps"' in said
-
-
-def test_the_cache_moves_when_compiled_code_changes_and_only_then(tmp_path: Path) -> None:
-    package = tmp_path / "vehicle"
-    package.mkdir()
-    (package / "law.py").write_text("@compiled\ndef f(): ...\n")
-    (package / "plain.py").write_text("A = 1\n")
-    first = sources_digest(tmp_path)
-    (package / "plain.py").write_text("A = 2\n")
-    assert sources_digest(tmp_path) == first
-    (package / "law.py").write_text("@compiled\ndef f(): return 1\n")
-    assert sources_digest(tmp_path) != first
 
 
 def test_cells_are_the_memory_of_the_record_with_plain_numbers() -> None:

@@ -173,14 +173,14 @@ def test_trains_run_along_and_against_the_list() -> None:
         train("EkiJikoku=1;500,1;510/511,2,1;530/"),
         train("EkiJikoku=,1;600,1;610/", way="Nobori", number="2M"),
     )
-    assert [(call.station, call.kind) for call in down.calls] == [
+    assert [(call.station_id, call.kind) for call in down.calls] == [
         ("0", CallKind.STOP),
         ("1", CallKind.STOP),
         ("2", CallKind.PASS),
         ("3", CallKind.STOP),
     ]
     assert (down.direction, up.direction) == ("down", "up")
-    assert [call.station for call in up.calls] == ["2", "1"]
+    assert [call.station_id for call in up.calls] == ["2", "1"]
     assert [(call.arrival_s, call.departure_s) for call in down.calls][1:3] == [
         (hm("510"), hm("511")),
         (None, None),
@@ -210,15 +210,15 @@ def test_a_track_is_named_where_it_is_not_the_main_one() -> None:
         train("EkiJikoku=1;500$0,1;510/511$2,1;530/$1"),
         train("EkiJikoku=1;600$1,1;610/611$0,1;630/$9", way="Nobori", number="2M"),
     )
-    assert [call.track for call in down.calls] == ["", "待避線", "2番線"]
-    assert [call.track for call in up.calls] == ["", "1番線", ""]
+    assert [call.track for call in down.calls] == [None, "待避線", "2番線"]
+    assert [call.track for call in up.calls] == [None, "1番線", None]
 
 
 def test_tracks_of_older_files_stand_in_a_value_of_their_own() -> None:
     (one,) = published(
         train("EkiJikoku=1;500,1;510/511,1;530/\nRessyaTrack=0,3;2/515$x,2"), kind="OuDiaSecond.1.04"
     )
-    assert [call.track for call in one.calls] == ["", "待避線", "2番線"]
+    assert [call.track for call in one.calls] == [None, "待避線", "2番線"]
 
 
 def test_sets_go_on_as_the_next_train_from_the_same_track() -> None:
@@ -341,6 +341,6 @@ def test_a_train_of_a_real_file() -> None:
     """First down train of the Obama line, as its lines have it: Obama 5:42 to Tsuruga 6:41."""
     read = route_of(read_oudia(FOLDER / "obama.oud"), "obama.oud")
     first = published_of(read, read.dia(None)).trains[0]
-    names = [read.stations[int(call.station)].name for call in first.calls]
+    names = [read.stations[int(call.station_id)].name for call in first.calls]
     assert (first.number, names[0], names[-1], len(names)) == ("921M", "小浜", "敦賀", 15)
     assert (first.calls[0].departure_s, first.calls[-1].arrival_s) == (hm("542"), hm("641"))

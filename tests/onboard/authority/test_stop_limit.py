@@ -63,6 +63,14 @@ def test_stop_limit(
     assert (limit.joint, limit.before, limit.why) == (joint, before, why)
 
 
+def test_a_gap_that_the_front_has_left_does_not_end_its_way(plan: DutyPlan) -> None:
+    """Section 3 far behind, 6 and 7 given back, the front in 8; with its front short of 6 it stops there."""
+    held = authority("3", "5", "8")
+    assert stop_limit(plan, held, frozenset({"5"})).before == "6"
+    assert stop_limit(plan, held, frozenset({"5"}), left=2).before == "6"
+    assert stop_limit(plan, held, frozenset({"5"}), left=4).joint == len(plan.spans)
+
+
 def test_a_proof_for_the_other_position_does_not_count(plan: DutyPlan) -> None:
     other = replace(P5, position=Position.REVERSE)
     assert stop_limit(plan, authority(*ALL, proven=(other, P7))).before == "5"

@@ -9,6 +9,7 @@ import pytest
 
 from network.model import Direction
 from network.profile import profile_of
+from network.timetable import CallKind
 from onboard.driving.pattern import limit_for_train, lowered_by
 from onboard.driving.planner.allocation import allocated
 from onboard.driving.planner.arrivals import ArrivalAims, TrainOnMap, arrivals_s, up_to_fixed
@@ -113,11 +114,13 @@ def test_a_train_held_back_departs_when_it_can() -> None:
 
 
 def test_the_latest_arrival_leaves_the_least_dwell() -> None:
-    def at(arrival_s: float | None, departure_s: float | None, passengers: bool = True) -> float | None:
-        return Target("A", "1", "A1", 0.0, arrival_s, departure_s, (), passengers).latest_arrival_s(20.0)
+    def at(
+        arrival_s: float | None, departure_s: float | None, kind: CallKind = CallKind.STOP
+    ) -> float | None:
+        return Target("A", "1", "A1", 0.0, arrival_s, departure_s, (), kind).latest_arrival_s(20.0)
 
     assert at(100.0, 110.0) == 90.0
-    assert at(100.0, 110.0, passengers=False) == 100.0
+    assert at(100.0, 110.0, CallKind.OPERATIONAL) == 100.0
     assert at(None, 110.0) == 90.0
     assert at(100.0, None) == 100.0
     assert at(None, None) is None

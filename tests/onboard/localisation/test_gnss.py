@@ -250,6 +250,37 @@ def test_a_lie_that_comes_up_in_a_gap_is_in_the_interval(
     assert forgives or out_m <= 0.0
 
 
+@pytest.mark.parametrize("forgives", [False, True])
+@pytest.mark.parametrize("new_path", [False, True])
+def test_a_receiver_silent_till_the_path_began_may_lie_by_all_that_bounds_leave(
+    unit: UnitRow, forgives: bool, new_path: bool
+) -> None:
+    """Nothing tells how it came to show what lies in wide bounds: on a first path, or on the next after a jam."""
+    train = Train(unit, 60.0)
+    train.own.forgives = int(forgives)
+    for _ in range(10 if new_path else 0):
+        train.second(0.0)
+    unit.bound_ahead_m = unit.bound_behind_m = 60.0
+    train.speed_mps = 0.0
+    for _ in range(round(LOST_S) + 1):
+        train.second(None)
+    unit.paths_taken_up += int(new_path)
+    out_m = -math.inf
+    for _ in range(20):
+        train.second(-50.0)
+        out_m = max(out_m, train.out_m)
+    assert (out_m > 5.0) is forgives
+    assert forgives or out_m <= 0.0
+
+
+def test_narrow_bounds_prove_a_receiver_by_its_first_fix(unit: UnitRow) -> None:
+    train = Train(unit, 5.0, speed_mps=0.0)
+    for _ in range(round(LOST_S) + 1):
+        train.second(None)
+    train.second(3.0)
+    assert reader.lie_m(train.own, unit) == (0.0, 0.0)
+
+
 GAP_M = 1000.0  # 50 s at 20 m/s
 ROOM_M = (reader.STEADY_SHARE + reader.WHEELS_SHARE) * PROTECTION_M
 

@@ -12,7 +12,8 @@ from onboard.duty.mission import plan_mission
 from simulation.carriers.plain_track import PlainTrack
 from simulation.result import EnergyPhase
 from simulation.setup import STEP_S, Setup
-from simulation.world.books import CALLS_BEYOND_M, Books
+from simulation.tolerance import CALLS_BEYOND_M
+from simulation.world.books import Books
 from simulation.world.roster import Duty, draw_up
 from simulation.world.trains import Trains
 

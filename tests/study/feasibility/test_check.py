@@ -13,13 +13,12 @@ from hypothesis import strategies as st
 from network.model import Direction, TagPurpose
 from scenario.scenario import load_scenario, shipped_scenarios
 from simulation.settings import Operation
-from simulation.world.books import CALLS_SHORT_M
+from simulation.tolerance import CALLS_SHORT_M, OFF_MARK_M
 from study.feasibility.check import PlanRefusedError, feasibility, refuse
 from study.feasibility.finding import FindingKind, Severity, length_of_time, minute, severity_of
 from study.feasibility.planned import planned_day
 from study.feasibility.rehearsal import Rehearsal
 from study.measures.running_times import planned_legs
-from study.measures.summary import OFF_MARK_M
 from tests.nightly import A_FIFTH, others_nightly
 from tests.study.feasibility.broken_plans import BREAKS, STATIONS, TEN, Broken, good, journey
 from tests.study.feasibility.good_plans import good_plan

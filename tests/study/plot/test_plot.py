@@ -18,8 +18,9 @@ from study.measures.wait_text import at_time
 from study.plot.choice import Choice, chosen_run, time_of
 from study.plot.kinds import KINDS, PlotKind, PlotOption, kind_of
 from study.plot.words import plot_word
-from study.plot.write import DPI, Format, default_name, figure_of, format_of, write_plot
+from study.plot.write import default_name, figure_of, format_of, write_plot
 from study.record.read_back import RunRead, read_run
+from study.report.drawn import DPI, Format
 from study.report.style import drawing
 from study.runner.run import CarrierKind, PartyLink, execute, write_run
 from study.wording.catalogue import phrases_of

@@ -108,7 +108,20 @@ def test_what_makes_a_run_a_failure() -> None:
     assert broken_by(result(unfinished=("K1",)), setup) == (stays,)
 
 
-@pytest.mark.parametrize("because", [ending for ending in Ending if ending is not Ending.FINISHED])
+CUT_SHORT = [ending for ending in Ending if ending is not Ending.FINISHED and not ending.of_part]
+
+
+@pytest.mark.parametrize("because", [Ending.PART_OVER, Ending.STOPPED])
+def test_who_is_on_its_way_at_the_end_of_a_part_is_not_missing_but_what_is_broken_is(because: Ending) -> None:
+    setup = load_scenario("rtri_test_line").setup
+    on_its_way = result(arrived=(), unfinished=("K1",), ended_because=because)
+    assert broken_by(on_its_way, setup) == ()
+    assert broken_by(replace(on_its_way, collisions=("a frontal collision",)), setup) == (
+        "a frontal collision",
+    )
+
+
+@pytest.mark.parametrize("because", CUT_SHORT)
 def test_a_run_that_was_cut_short_is_a_failure_though_all_have_arrived(because: Ending) -> None:
     setup = load_scenario("rtri_test_line").setup
     told = broken_by(result(ended_because=because), setup)

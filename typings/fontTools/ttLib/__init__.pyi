@@ -7,7 +7,11 @@ from typing import BinaryIO, Self
 class TTFont:
     flavor: str | None
     def __init__(
-        self, file: str | PathLike[str] | BinaryIO | None = None, *, recalcTimestamp: bool = True
+        self,
+        file: str | PathLike[str] | BinaryIO | None = None,
+        *,
+        recalcBBoxes: bool = True,
+        recalcTimestamp: bool = True,
     ) -> None: ...
     def save(self, file: str | PathLike[str] | BinaryIO) -> None: ...
     def getBestCmap(self) -> dict[int, str]: ...

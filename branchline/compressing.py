@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from branchline.ending import print_json
-from branchline.headways import ByTheory, Source, occupations_of
+from branchline.headways import ByTheory, Source
 from branchline.options import Json
 from branchline.progress import print_aside
-from network.errors import InputError
 
 if TYPE_CHECKING:
-    from simulation.setup import Setup
     from study.capacity.equipment import LeverWorth, Measured
-    from study.capacity.legs import SetLeg
-    from study.capacity.line_capacity import CompressionTerms, Period, Rate
+    from study.capacity.line_capacity import Period, Rate
     from study.capacity.more import AddedTrains
 
 ALL = "all"
@@ -64,33 +61,21 @@ def capacity(
     as_json: Json = False,
 ) -> None:
     """Show how full each part of a line is (compression, UIC 406), and how many more trains fit."""
-    from study.capacity.compression import ContradictionError
-    from study.capacity.cut import WAYS, cut_of
-    from study.capacity.legs import legs_of, places_of
-    from study.capacity.line_capacity import rates_of
-    from study.capacity.more import more_trains
-    from study.capacity.room import PathSearch
+    from branchline.questions import CapacityAsked, capacity_of
+    from branchline.sources import loaded_source, setup_of_source
+    from study.capacity.equipment import worth_of
+    from study.plot.choice import time_of
     from study.record.directory import check_out, replacing_folder
     from study.report.capacity import FILES, write_occupation
 
-    terms_of = _terms(traffic, stops)
-    between_s = _between(from_time, to_time)
+    between_s = time_of("--from", from_time), time_of("--to", to_time)
+    asked = CapacityAsked(cut, between_s, traffic, stops, buffer_s, theory)
     if out is not None:
         check_out(out, FILES.__contains__, "capacity")
-    if cut not in (ALL, *WAYS):
-        cut_of_unknown(cut)
-    setup, occupations = occupations_of(source, theory=theory)
-    legs = legs_of(occupations, places_of(setup.line))
-    periods = _periods(legs, between_s)
-    cuts = [cut_of(setup.line, name) for name in (WAYS if cut == ALL else (cut,))]
-    terms = terms_of(setup.unit.dwell_min_s)
-    try:
-        by_cut = {one.name: rates_of(legs, one, periods, terms) for one in cuts}
-    except ContradictionError as error:
-        expected = "a plan in which of each two trains one goes first on every section that they share"
-        raise InputError(source, "trains", ", ".join(error.numbers), expected) from error
-    more = more_trains(setup, periods[0], PathSearch(buffer_s=buffer_s))
-    worth = _worth(setup) if equipment else None
+    loaded = loaded_source(source)
+    found = capacity_of(loaded, asked, progress=True)
+    by_cut, cuts, more, periods = found.by_cut, found.cuts, found.more, found.periods
+    worth = worth_of(setup_of_source(loaded)) if equipment else None
     if out is not None:
         with replacing_folder(out, FILES.__contains__, "capacity") as folder:
             write_occupation(folder, by_cut, worth)
@@ -103,58 +88,6 @@ def capacity(
     _print_more(more, periods)
     if worth is not None:
         _print_worth(worth)
-
-
-def cut_of_unknown(name: str) -> None:
-    """InputError for a word that is no way to cut."""
-    from network.files.toml_input import one_of
-    from study.capacity.cut import WAYS
-
-    raise InputError("command line", "--cut", name, one_of([*WAYS, ALL], name))
-
-
-def _terms(traffic: str, stops: str) -> Callable[[float], CompressionTerms]:
-    from network.files.toml_input import one_of
-    from study.capacity.compression import StandingRule
-    from study.capacity.limits import TrafficKind
-    from study.capacity.line_capacity import CompressionTerms
-
-    for option, value, known in (("--traffic", traffic, TrafficKind), ("--stops", stops, StandingRule)):
-        words = [word.value for word in known]
-        if value not in words:
-            raise InputError("command line", option, value, one_of(words, value))
-    return lambda dwell_min_s: CompressionTerms(TrafficKind(traffic), StandingRule(stops), dwell_min_s)
-
-
-def _between(from_time: str | None, to_time: str | None) -> tuple[float | None, float | None]:
-    from study.plot.choice import time_of
-
-    from_s, to_s = time_of("--from", from_time), time_of("--to", to_time)
-    if from_s is not None and to_s is not None and to_s <= from_s:
-        raise InputError("command line", "--to", to_time, f"a time after {from_time}")
-    return from_s, to_s
-
-
-def _periods(legs: Sequence[SetLeg], between_s: tuple[float | None, float | None]) -> tuple[Period, ...]:
-    from study.capacity.line_capacity import PEAK_S, Period, day_of, peak_of
-
-    if not legs:
-        raise InputError("command line", "SOURCE", None, "a day on which trains run")
-    day = day_of(legs)
-    from_s, to_s = between_s
-    if from_s is None and to_s is None:
-        return (day, peak_of(legs, day)) if day.length_s > PEAK_S else (day,)  # no peak longer than its day
-    begin_s, end_s = day.from_s if from_s is None else from_s, day.to_s if to_s is None else to_s
-    chosen = Period("chosen", begin_s, end_s, peak=False)
-    if end_s <= begin_s or not chosen.legs(legs):
-        raise InputError("command line", "--from", begin_s, "a time from which trains run")
-    return (chosen,)
-
-
-def _worth(setup: Setup) -> tuple[LeverWorth, ...]:
-    from study.capacity.equipment import worth_of
-
-    return worth_of(setup)
 
 
 def _as_dict(

@@ -1,0 +1,91 @@
+"""A scenario run into its run directory, as `branchline run` and `branchline.run` do it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+
+from branchline.ending import crashes_into
+from branchline.progress import print_aside, progress_of
+from network.errors import COMMAND_LINE, InputError
+from scenario.scenario import Scenario
+from simulation.carriers.sumo_api import STEP_DELAY_MS
+from study.compare.against import Against, base_of, changes_from_base
+from study.feasibility.check import refuse
+from study.record.directory import reserved
+from study.runner.run import (
+    NO_MORE,
+    CarrierKind,
+    FinishedRun,
+    end_room_bytes,
+    execute,
+    fill_run,
+    link_of,
+    units_at,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class RunAsked:
+    """How a scenario is to be run. `against`: the directory of a run to compare it with, by times over `over_s`.
+
+    InputError where it cannot be asked so.
+    """
+
+    link: str = "simulated"
+    units: str = "simulator"
+    carrier: str = CarrierKind.SUMO.value
+    against: Path | None = None
+    over_s: float = 1.0
+    anyway: bool = False
+    gui: bool = False
+    gui_delay_ms: int = STEP_DELAY_MS
+
+    def __post_init__(self) -> None:
+        units_at(self.units, link_of(self.link))
+        if self.carrier not in {CarrierKind.SUMO.value, CarrierKind.PLAIN.value}:
+            raise InputError(COMMAND_LINE, "--carrier", self.carrier, "sumo or plain")
+        if self.gui and self.carrier != CarrierKind.SUMO.value:
+            raise InputError(COMMAND_LINE, "--gui", None, "--carrier sumo, which alone has a window")
+
+
+@dataclass(frozen=True, slots=True)
+class WholeRun:
+    """A run in its directory, with its report, and what changed from another one."""
+
+    done: FinishedRun
+    report: Path
+    compared: Against | None
+
+
+def run_whole(
+    scenario: Scenario, directory: Path, asked: RunAsked, *, progress: bool, stop: Callable[[], bool] | None = None
+) -> WholeRun:
+    """Run and write all of it or nothing, or what there is when `stop` says so; its progress stands on stderr.
+
+    Raises InputError where plan or directory do not allow it, CutShortError where it was cut short, Crashed for a bug.
+    """
+    refuse(scenario.called, scenario.setup, anyway=asked.anyway)
+    base = None if asked.against is None else base_of(asked.against, scenario.setup.line)
+    link = link_of(asked.link)
+    with reserved(directory) as place:
+        place.hold_room(end_room_bytes(scenario.setup))
+        shown = progress_of(scenario.id) if progress else nullcontext()
+        with crashes_into(directory), shown as told:
+            done = execute(
+                scenario,
+                link,
+                units=units_at(asked.units, link),
+                carrier=CarrierKind.SUMO_GUI if asked.gui else CarrierKind(asked.carrier),
+                progress=told,
+                journal=place.journal,
+                delay_ms=asked.gui_delay_ms,
+                stop=stop,
+            )
+        if progress:
+            print_aside("writing the report")
+        compared = None if base is None else changes_from_base(done, base, asked.over_s)
+        report = fill_run(done, place, more=NO_MORE if compared is None else compared.more)
+    return WholeRun(done, report, compared)

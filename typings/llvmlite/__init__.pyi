@@ -1,0 +1,3 @@
+# What vehicle.linking uses of llvmlite.
+
+__version__: str

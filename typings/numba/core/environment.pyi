@@ -1,0 +1,2 @@
+class Environment:
+    env_name: str

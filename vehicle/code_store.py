@@ -1,0 +1,77 @@
+"""Machine code on disk, each piece in a file of its own under its name and the key of all that it depends on.
+
+A key says what is inside, so a folder may be copied to any place or machine, and any number of versions, branches and
+processes may share it. A file that is cut short, damaged or renamed is as good as none.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from hashlib import blake2b
+from pathlib import Path
+from typing import Final
+
+SUFFIX: Final = ".code"
+SEAL_BYTES: Final = 16
+KEPT: Final = 12  # pieces of one name, those used last
+
+
+class CodeStore:
+    """A folder that is read and written, and folders that are only read."""
+
+    def __init__(self, folder: Path, others: Iterable[Path] = ()) -> None:
+        self.folder = folder
+        self._others = tuple(others)
+
+    def read(self, name: str, key: str) -> bytes | None:
+        """The piece of that name and key; None if there is none, or none that is whole."""
+        for folder in (*self._others, self.folder):
+            file = folder / _file_name(name, key)
+            try:
+                found = file.read_bytes()
+            except OSError:
+                continue
+            seal, data = found[:SEAL_BYTES], found[SEAL_BYTES:]
+            if seal == _seal(name, key, data):
+                _used_now(file)
+                return data
+        return None
+
+    def write(self, name: str, key: str, data: bytes) -> None:
+        """Keep a piece; where nothing can be written it is only not kept."""
+        file = self.folder / _file_name(name, key)
+        aside = file.with_suffix(f".{os.getpid()}")
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            aside.write_bytes(_seal(name, key, data) + data)
+            aside.replace(file)
+        except OSError:
+            return
+        self._drop_old(name)
+
+    def _drop_old(self, name: str) -> None:
+        """Delete the pieces of a name that were not used for longest."""
+        dated: list[tuple[float, Path]] = []
+        for file in self.folder.glob(_file_name(name, "?" * 32)):
+            try:
+                dated.append((file.stat().st_mtime, file))
+            except FileNotFoundError:  # another process has deleted it
+                continue
+        for _, file in sorted(dated, reverse=True)[KEPT:]:
+            file.unlink(missing_ok=True)
+
+
+def _file_name(name: str, key: str) -> str:
+    return f"{name.replace('<', '').replace('>', '')}-{key}{SUFFIX}"
+
+
+def _seal(name: str, key: str, data: bytes) -> bytes:
+    return blake2b(f"{name} {key} ".encode() + data, digest_size=SEAL_BYTES).digest()
+
+
+def _used_now(file: Path) -> None:
+    try:
+        os.utime(file)
+    except OSError:  # a folder that is only read
+        return
