@@ -49,6 +49,7 @@ def test_the_shares_within_grow_with_the_limit(usual: StopStatistics) -> None:
     assert 0.8 < sum(usual.variance_shares.values()) < 1.1
 
 
+@pytest.mark.nightly
 def test_the_same_seed_gives_the_same_stops(usual: StopStatistics) -> None:
     assert np.array_equal(stop_statistics(4000, 1).errors_m, usual.errors_m)
     assert not np.array_equal(stop_statistics(4000, 2).errors_m, usual.errors_m)

@@ -33,6 +33,7 @@ def found() -> StopSet:
     return stop_set(QUICK_GRID)
 
 
+@pytest.mark.nightly
 def test_the_short_slice_passes_and_says_that_it_is_short() -> None:
     result = reproduce(Options(quick=True))
     assert [row.case for row in result.rows if not row.passed] == []

@@ -65,6 +65,7 @@ def test_what_simpler_schemes_miss(ours: dict[str, Any], scheme: str, missed: li
     assert all(figures[f"{name}_misses_by_factor"] > 1.0 for name in missed)
 
 
+@pytest.mark.nightly
 def test_the_seed_decides_only_the_monte_carlo(result: Reproduction) -> None:
     other = reproduction("sugiyama-tags")(Options(seed=2, quick=True))
     changed = [a.case for a, b in zip(result.rows, other.rows, strict=True) if a != b]

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from branchline.cli import app
 from study.outcome import Outcome
+from tests.nightly import others_nightly
 from tests.papers.switches import SWITCHES
 
 
@@ -119,25 +120,21 @@ def rows_that_fail(name: str) -> tuple[int, set[str]]:
     return result.exit_code, {row["case"] for row in found["rows"] if not row["passed"]}
 
 
+@pytest.mark.nightly  # each has a test of its own that its short slice passes
 @pytest.mark.parametrize("name", sorted({guarded.name for guarded in GUARDED}))
 def test_with_everything_in_place_every_row_passes(name: str) -> None:
     assert rows_that_fail(name) == (0, set())
 
 
-# The first switch of each reproduction is tried in every run, the others at night.
-FIRST: Final = {guarded.name: guarded for guarded in reversed(GUARDED)}
+LONG: Final = ("stop-window", "oda-tuning")
+# The first switch of each other reproduction is tried in every run.
+FIRST: Final = {guarded.name: guarded for guarded in reversed(GUARDED) if guarded.name not in LONG}
 
 
 @pytest.mark.parametrize(
     "guarded",
-    [
-        pytest.param(
-            guarded,
-            marks=[] if guarded is FIRST[guarded.name] else pytest.mark.nightly,
-            id=f"{guarded.name}: {guarded.off}",
-        )
-        for guarded in GUARDED
-    ],
+    others_nightly(GUARDED, tuple(FIRST.values())),
+    ids=lambda guarded: f"{guarded.name}: {guarded.off}",
 )
 def test_what_is_taken_away_is_missed(guarded: Guarded, monkeypatch: pytest.MonkeyPatch) -> None:
     SWITCHES[guarded.off](monkeypatch)

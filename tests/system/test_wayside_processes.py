@@ -223,6 +223,7 @@ def test_a_simulator_that_was_stopped_blames_no_device(running: Running) -> None
     assert running.said["digest"] == day.result.digest
 
 
+@pytest.mark.nightly
 def test_devices_end_by_themselves_when_the_simulator_is_killed(
     running: Running, command: tuple[str, ...]
 ) -> None:

@@ -28,6 +28,7 @@ from onboard.records import (
     UnitRow,
 )
 from onboard.tick import tick
+from tests.nightly import A_FIFTH
 from vehicle.dynamics import step
 from vehicle.records import TrainRow
 from vehicle.traction import full_force_n
@@ -117,6 +118,7 @@ def test_it_stops_within_a_metre_of_the_mark(
     assert course.interventions == 0
 
 
+@A_FIFTH
 @given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0), cruise_mps=st.floats(6.0, 16.0))
 def test_it_holds_its_speed_without_hunting(
     unit: UnitRow,
@@ -148,6 +150,7 @@ def test_it_holds_its_speed_without_hunting(
     assert np.count_nonzero(np.diff(used)) <= 2  # never to and fro between power and brake
 
 
+@A_FIFTH
 @given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0), bound_m=st.floats(0.5, 40.0))
 def test_it_is_down_to_a_lower_limit_in_time(
     unit: UnitRow,

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import combinations, pairwise
 from unittest import mock
 
-from hypothesis import example, find, given
+from hypothesis import Phase, example, find, given, settings
 from hypothesis import strategies as st
 
 from network.model import Direction
@@ -173,7 +173,12 @@ def test_the_search_finds_what_trying_everything_finds(line: SmallLine) -> None:
 
 def test_small_lines_are_of_every_sort() -> None:
     """On some the second never comes, on some it has to come from elsewhere, on some the first waits for it."""
-    find(small_lines(), lambda line: math.isinf(tried_s(line)))
+    any_will_do = settings(phases=[Phase.generate], max_examples=2000)  # the smallest is of no use
+    find(small_lines(), lambda line: math.isinf(tried_s(line)), settings=any_will_do)
     for name, off in (("FIRST_WAITS", False), ("BACK_MAX", 0)):
         with mock.patch.object(orders, name, off):
-            find(small_lines(), lambda line: not math.isclose(searched_s(line), tried_s(line), abs_tol=1e-6))
+            find(
+                small_lines(),
+                lambda line: not math.isclose(searched_s(line), tried_s(line), abs_tol=1e-6),
+                settings=any_will_do,
+            )

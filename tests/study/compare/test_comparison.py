@@ -124,8 +124,12 @@ def test_the_directory_is_whole_opens_offline_and_is_replaced_by_the_next(
     first = {path.name: path.read_bytes() for path in page.parent.iterdir()}
     write_comparison(moved, tmp_path / "out")
     assert {path.name: path.read_bytes() for path in page.parent.iterdir()} == first
+
+
+@pytest.mark.nightly
+def test_of_three_runs_there_is_a_graph_of_each_pair(weekday: ReportedRun, tmp_path: Path) -> None:
     three = compare((side(weekday), side(weekday, "same"), side(later(weekday, 9.0), "late")), 1.0)
-    write_comparison(three, tmp_path / "out")
+    page = write_comparison(three, tmp_path / "out")
     assert {"train_graph_2.svg"} <= {path.name for path in page.parent.iterdir()}
     html = page.read_text("utf-8")
     assert "All runs" in html and "late: what changed against base" in html

@@ -106,3 +106,10 @@ def test_opposites_are_said_as_the_field_says_them() -> None:
     assert {english: phrase(english).ja for english in terms} == terms
     of_pictures = {"down trains": "下り列車", "up trains": "上り列車"}
     assert {english: phrase(english, "picture").ja for english in of_pictures} == of_pictures
+
+
+def test_what_the_page_shows_or_leaves_out_is_called_by_its_name() -> None:
+    """Layers are drawn by their keys: another label would hide the plan for the run."""
+    text = (ROOT / "study/report/web/graphpaper.js").read_text("utf-8")
+    layers = dict(re.findall(r'(\w+): "([^"]+)"', text.partition("const LAYERS = {")[2].partition("};")[0]))
+    assert [layers[key] for key in ("plan", "run", "sections")] == ["Plan", "Run", "Sections"]
