@@ -86,7 +86,7 @@ TIME_AT = """
 MARK_AT = """
 () => {
   const { graph, day } = globalThis.branchline;
-  const event = day.events.find((e) => e.kind === "broken");
+  const event = day.events.find((e) => e.kind === "broken invariant");
   const [view, plot, box] = [graph.pane.view, graph.pane.plot(), graph.layer.canvas.getBoundingClientRect()];
   return [
     box.left + plot.left + ((event.t - view.x0) / (view.x1 - view.x0)) * plot.width,

@@ -52,11 +52,12 @@ print(json.dumps({
 SETTINGS = """
 import json
 from scenario.scenario import load_scenario
+from network.errors import InputError
 from scenario.schemas import schema_of
 loaded = load_scenario("with_wait.toml")
 try:
     load_scenario("below_range.toml")
-except ValueError as refused:
+except InputError as refused:
     message = str(refused)
 print(json.dumps({
     "examples": schema_of("scenario")["$defs"]["WaitSettings"]["properties"]["wait_s"]["examples"],

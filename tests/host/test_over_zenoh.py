@@ -383,7 +383,10 @@ def test_devices_end_when_their_parent_is_killed(tmp_path: Path) -> None:
     script.write_text(PARENT, encoding="utf-8")
     state = tmp_path / "state"
     with subprocess.Popen(
-        [sys.executable, str(script), str(state)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        [sys.executable, str(script), str(state)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
     ) as parent:
         assert parent.stdout is not None
         assert parent.stdout.readline() == b"up\n"

@@ -220,6 +220,24 @@ DEFECTS: Final = (
         (Checker.INSIDE_HOLDING,),
         "forges_a_report",
     ),
+    Defect(
+        "a portal is free as soon as its train may leave",
+        "rtri/58b_portal_unit_power",
+        "frees_a_portal_at_the_sign_off",
+        (Checker.INSIDE_HOLDING, Checker.ONE_TRAIN_A_SECTION),
+    ),
+    Defect(
+        "a barred unit's sections are free",
+        "rtri/59_unit_barred",
+        "frees_what_a_barred_unit_holds",
+        (Checker.ONE_TRAIN_A_SECTION, "T3 does not come into its section"),
+    ),
+    Defect(
+        "nobody can be barred",
+        "rtri/59b_unit_claims_falsely",
+        "bars_nobody",
+        ("two persons bar the mad unit", "and say where its train is", "the line goes on while it is mad"),
+    ),
 )
 
 # One for each checker.

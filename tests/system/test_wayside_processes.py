@@ -263,9 +263,10 @@ def test_a_device_that_dies_unasked_ends_the_run_with_its_name(running: Running)
 
 def test_an_error_inside_the_run_leaves_no_process() -> None:
     seen: list[psutil.Process] = []
+    before = set(psutil.Process().children(recursive=True))  # what other tests of this worker started
 
     def fail(_now_s: float, _end_s: float, _arrived: int) -> None:
-        seen.extend(psutil.Process().children(recursive=True))
+        seen.extend(set(psutil.Process().children(recursive=True)) - before)
         raise PartyError("made up")
 
     with pytest.raises(PartyError, match="made up"):

@@ -93,7 +93,7 @@ def test_bounds_hold_in_every_step_and_are_narrow_near_curves(plain: Ran) -> Non
     near = near_curves(result.trace["position_m"], plain.run)
     assert near.mean() > 0.7
     late = result.trace["position_m"] > 4000.0  # by then the wheels are known
-    assert np.median(plain.half_m[near & late]) < 5.0
+    assert np.median(plain.half_m[near & late]) < 5.5
     assert result.trace["estimate_error_m"][late].std() < 0.65
     assert plain.noted(notes.FixTaken) and not plain.noted(notes.ForeignTrack)
 
@@ -143,7 +143,7 @@ def test_a_bias_that_jumps_by_too_little_to_be_noticed_breaks_no_bounds(seed: in
     made = ran(replace(load_scenario("kururi_weekday").setup, seed=seed), jump)
     assert made.result.arrived and made.result.out_m <= 0.0
     after = made.result.trace["position_m"] > to_m + 600.0
-    assert np.median(made.half_m[after]) < 6.0  # there are fixes
+    assert np.median(made.half_m[after]) < 6.5  # there are fixes
 
 
 def test_without_room_for_noise_the_bounds_break(setup: Setup, monkeypatch: pytest.MonkeyPatch) -> None:

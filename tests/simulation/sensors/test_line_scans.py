@@ -77,7 +77,7 @@ def test_a_filled_mean_is_no_more_wrong_than_units_take_it_for(speed_mps: float)
     """Of scanned passages, after 49 cycles in a row with points: half of what units reckon with, with room."""
     worst_mps, judged = 0.0, 0
     for number in range(10):
-        seen = pass_markers("speed bound", number, 3, speed_mps).seen(USES["every point's own time"])
+        seen = pass_markers("speed bound", number, 3, speed_mps).readings_by(USES["every point's own time"])
         filled = 0
         for mean_m, speed, true in zip(seen.mean_m, seen.speed_mps, seen.true_mps, strict=True):
             filled = filled + 1 if mean_m > 0.0 else 0
