@@ -64,6 +64,11 @@ docs: install
 	$(BIN)/python -m documents.tables
 	$(BIN)/python -m documents.second_loop
 
+# README.md and docs/ as pages that open offline, in site/.
+.PHONY: site
+site: install
+	$(BIN)/python -m mkdocs build --quiet
+
 # What cameras see in every light, from rendered images: minutes, and other samples on another machine's arithmetic.
 sightings: install
 	$(BIN)/python -m documents.sightings
@@ -89,5 +94,5 @@ format: install
 	$(BIN)/ruff check --fix .
 
 clean:
-	rm -rf $(VENV) build dist runs *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) build dist runs site *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
