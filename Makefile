@@ -10,7 +10,7 @@ FILE_LINES ?= 500
 LAWS := tests/vehicle tests/onboard/driving tests/onboard/localisation tests/onboard/test_tick.py
 LAWS_SLICE := $(addprefix tests/vehicle/test_,resistance.py traction.py brakes.py response.py)
 
-.PHONY: install demo test browser nightly interpreted check bench nets docs sightings pictures studies reproductions format clean
+.PHONY: install demo wheel test browser nightly interpreted check bench nets docs sightings pictures studies reproductions format clean
 
 install: $(STAMP)
 
@@ -21,6 +21,11 @@ $(STAMP): pyproject.toml
 
 demo: install
 	$(BIN)/branchline run karasuyama_weekday --out runs/karasuyama_weekday
+
+# What is left in build/ of an earlier tree would come along.
+wheel: install
+	rm -rf build
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
 
 test: install
 	$(BIN)/python -m pytest -n 2 --dist loadfile
