@@ -69,6 +69,11 @@ docs: install
 	$(BIN)/python -m documents.tables
 	$(BIN)/python -m documents.second_loop
 
+# What the quick notebooks of docs/notebooks show.
+.PHONY: notebooks
+notebooks: install
+	$(BIN)/python -m documents.notebooks
+
 # README.md and docs/ as pages that open offline, in site/.
 .PHONY: site
 site: install

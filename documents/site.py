@@ -1,4 +1,4 @@
-"""Hooks of mkdocs for `make site`: README.md as the first page, headings' anchors, and links that leave docs/.
+"""Hooks of mkdocs for `make site`: README.md and notebooks as pages, headings' anchors, and links that leave docs/.
 
 A link to a file of the project that is no page becomes its path; one to nothing stays, and ends the strict build.
 """
@@ -13,6 +13,9 @@ from typing import Final
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
+
+from documents.notebooks import FOLDER as NOTEBOOKS
+from documents.notebooks import notebook, page_of_notebook
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 FIRST: Final = "index.md"
@@ -32,8 +35,11 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """README.md stands outside docs/: its page is made here."""
+    """README.md, which stands outside docs/, and the notebooks are made pages here."""
     files.append(File.generated(config, FIRST, content=(ROOT / "README.md").read_text("utf-8")))
+    for file in sorted(NOTEBOOKS.glob("*.ipynb")):
+        content = page_of_notebook(notebook(file.stem))
+        files.append(File.generated(config, f"{NOTEBOOKS.name}/{file.stem}.md", content=content))
     return files
 
 
@@ -44,7 +50,7 @@ def on_page_markdown(markdown: str, page: Page, files: Files, **_: object) -> st
 
     def link_of_site(link: re.Match[str]) -> str:
         target = normpath(join(folder, link["path"]))
-        place = join(PAGES, FIRST) if target == "README.md" else target
+        place = join(PAGES, FIRST) if target == "README.md" else target.replace(".ipynb", ".md")
         if files.get_file_from_path(relpath(place, PAGES)) is not None:
             return f"{link['text']}({relpath(place, folder or PAGES)}{link['anchor'] or ''})"
         if not (ROOT / target).exists():

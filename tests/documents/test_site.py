@@ -28,6 +28,10 @@ def test_the_site_has_every_page_and_takes_nothing_from_elsewhere(tmp_path: Path
     for page in (Path("index.md"), *pages):
         text = (tmp_path / page.with_suffix(".html")).read_text("utf-8")
         assert FROM_ELSEWHERE.search(text) is None, page
+    shown = (tmp_path / "notebooks/what-if.html").read_text("utf-8")
+    assert "the largest difference is 53.9 s" in shown
+    assert 'src="data:image/png;base64,' in shown
+    assert 'href="notebooks/what-if.html"' in (tmp_path / "planner.html").read_text("utf-8")
     first = (tmp_path / "index.html").read_text("utf-8")
     assert 'href="planner.html"' in first
     assert 'src="images/train_graph.png"' in first
