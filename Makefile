@@ -10,7 +10,7 @@ FILE_LINES ?= 500
 LAWS := tests/vehicle tests/onboard/driving tests/onboard/localisation tests/onboard/test_tick.py
 LAWS_SLICE := $(addprefix tests/vehicle/test_,resistance.py traction.py brakes.py response.py)
 
-.PHONY: install demo test browser nightly interpreted check bench nets docs sightings pictures studies reproductions format clean
+.PHONY: install demo wheel test browser nightly interpreted check bench nets docs sightings pictures studies reproductions format clean
 
 install: $(STAMP)
 
@@ -21,6 +21,11 @@ $(STAMP): pyproject.toml
 
 demo: install
 	$(BIN)/branchline run karasuyama_weekday --out runs/karasuyama_weekday
+
+# What is left in build/ of an earlier tree would come along.
+wheel: install
+	rm -rf build
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
 
 test: install
 	$(BIN)/python -m pytest -n 2 --dist loadfile
@@ -64,6 +69,16 @@ docs: install
 	$(BIN)/python -m documents.tables
 	$(BIN)/python -m documents.second_loop
 
+# What the quick notebooks of docs/notebooks show.
+.PHONY: notebooks
+notebooks: install
+	$(BIN)/python -m documents.notebooks
+
+# README.md and docs/ as pages that open offline, in site/.
+.PHONY: site
+site: install
+	$(BIN)/python -m mkdocs build --quiet
+
 # What cameras see in every light, from rendered images: minutes, and other samples on another machine's arithmetic.
 sightings: install
 	$(BIN)/python -m documents.sightings
@@ -89,5 +104,5 @@ format: install
 	$(BIN)/ruff check --fix .
 
 clean:
-	rm -rf $(VENV) build dist runs *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) build dist runs site *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -12,6 +12,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
+from branchline.hidden import hidden_package
+
 if TYPE_CHECKING:
     from branchline.verbs import (
         capacity,
@@ -48,6 +50,8 @@ _ERRORS: Final = {"CutShortError": "study.outcome", "InputError": "network.error
 def __getattr__(name: str) -> object:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if (hidden := hidden_package()) is not None:
+        raise ImportError(hidden)
     found: object = getattr(import_module(_ERRORS.get(name, "branchline.verbs")), name)
     globals()[name] = found
     return found

@@ -52,6 +52,7 @@ def check(
         }
         print_json(figures | listed, outcome)
     else:
+        _print_verdict(found)
         for key, value in figures.items():
             sys.stdout.write(f"{key}: {value}\n")
         _print_found(found, line)
@@ -60,11 +61,13 @@ def check(
     end(outcome)
 
 
+def _print_verdict(found: Feasibility) -> None:
+    verdict = "the plan can work" if found.good else "the plan cannot work"
+    sys.stdout.write(f"{verdict}; impossible: {len(found.impossible)}, tight: {len(found.tight)}\n")
+
+
 def _print_found(found: Feasibility, line: Line) -> None:
-    """Meets and findings for a person; one line for a cause, however often it tells."""
-    for meet in found.meets:
-        sys.stdout.write(f"meet: {_meet(meet, line)}\n")
-    sys.stdout.write(f"meets: {len(found.meets)}\n")
+    """Findings, then meets, for a person; one line for a cause, however often it tells."""
     for severity, findings in (("impossible", found.impossible), ("tight", found.tight)):
         alike: dict[tuple[str, ...], list[Finding]] = {}
         for finding in findings:
@@ -72,7 +75,9 @@ def _print_found(found: Feasibility, line: Line) -> None:
         for first, *more in alike.values():
             rest = f" (and {len(more)} more like it, {first.place}: {_named(more)})" if more else ""
             sys.stdout.write(f"{severity}: {first.kind.value}: {first.sentence}{rest}\n")
-    sys.stdout.write(f"impossible: {len(found.impossible)}, tight: {len(found.tight)}\n")
+    for meet in found.meets:
+        sys.stdout.write(f"meet: {_meet(meet, line)}\n")
+    sys.stdout.write(f"meets: {len(found.meets)}\n")
 
 
 def _cause(finding: Finding) -> tuple[str, ...]:

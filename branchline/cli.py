@@ -37,9 +37,9 @@ from study.outcome import Outcome
 
 app = typer.Typer(
     name="branchline",
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
+COMPLETION: Final = "_BRANCHLINE_COMPLETE"  # set by a shell that asks what may follow on its command line
 PREPARE, RUN, READ = "Prepare: lines, timetables, trains, scenarios", "Run", "Read a finished run"
 ANALYSE, RESEARCH = "Analyse: running times, headways, capacity", "Research"
 COMMANDS: Final[tuple[tuple[str, Callable[..., None]], ...]] = (
@@ -75,6 +75,8 @@ def main() -> None:
 def _run_command(arguments: list[str]) -> Outcome:
     """Commands end by `typer.Exit` with the code of their outcome, or by coming to their end."""
     command = typer.main.get_command(app)
+    if os.environ.get(COMPLETION):
+        command.main(arguments, "branchline", COMPLETION)  # answers and exits
     try:
         with command.make_context("branchline", arguments) as context:
             command.invoke(context)

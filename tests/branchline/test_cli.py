@@ -17,7 +17,7 @@ import pytest
 from typer.core import TyperGroup
 from typer.main import get_command
 
-from branchline.cli import ANALYSE, PREPARE, READ, RESEARCH, RUN, app
+from branchline.cli import ANALYSE, COMPLETION, PREPARE, READ, RESEARCH, RUN, app
 from host.parties import PartyError
 from simulation.loop import Simulation
 from simulation.result import Ending
@@ -88,6 +88,35 @@ def test_a_usage_error_is_one_line_that_names_what_is_wrong(
 def test_the_version_is_that_of_the_package(main: Callable[..., Any]) -> None:
     ended = main("--version")
     assert (ended.code, ended.out, ended.err) == (0, f"branchline {version('branchline')}\n", "")
+
+
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("hea", ["headway"]),
+        ("import g", ["geometry", "gtfs"]),
+        ("headway --th", ["--theory"]),
+        ("dance x", []),
+    ],
+)
+def test_a_shell_is_told_what_may_follow(
+    main: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, typed: str, offered: list[str]
+) -> None:
+    words = f"branchline {typed}"
+    monkeypatch.setenv(COMPLETION, "complete_bash")
+    monkeypatch.setenv("COMP_WORDS", words)
+    monkeypatch.setenv("COMP_CWORD", str(words.count(" ")))
+    ended = main()
+    assert (ended.code, ended.out.split(), ended.err) == (0, offered, "")
+
+
+def test_the_script_for_a_shell_asks_by_the_name_that_is_answered(
+    main: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1")
+    shown = main("--show-completion", "bash")
+    assert shown.code == 0
+    assert f"{COMPLETION}=complete_bash" in shown.out
 
 
 @pytest.mark.parametrize(

@@ -128,7 +128,10 @@ def test_questions_are_answered_as_by_the_commands(
 
 
 def test_days_of_a_sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("branchline.whole_sweep.LocalPump", lambda jobs, recycle: OneByOne())
+    def in_this_process(_jobs: int, _recycle: int) -> OneByOne:
+        return OneByOne()
+
+    monkeypatch.setattr("branchline.whole_sweep.LocalPump", in_this_process)
     file = tmp_path / "two.toml"
     axis = '[[axis]]\nname = "delay"\nkey = "air.delay_mean_s"\nvalues = [0.1, 1.0]\n'
     head = 'id = "two"\nname = "Two delays"\nscenario = "rtri_test_line"\ncarrier = "plain"\n'

@@ -13,6 +13,7 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 from branchline.cli import app
+from documents.site import anchor_of
 from documents.structure import ROOT
 from scenario.scenario import load_scenario
 
@@ -42,7 +43,7 @@ def test_links_lead_somewhere(page: str) -> None:
         target = (ROOT / page).parent / name
         assert target.exists(), name
         headings = re.findall(r"^#+ (.*)$", target.read_text("utf-8"), re.MULTILINE) if anchor else [""]
-        assert anchor in {re.sub(r"[^\w\- ]", "", text.lower()).replace(" ", "-") for text in headings}
+        assert anchor in {anchor_of(text) for text in headings}
 
 
 @pytest.mark.parametrize("page", PAGES[1:])
