@@ -88,6 +88,9 @@ class Reached:
         """A value, exactly."""
         if isinstance(value, PLAIN) and not isinstance(value, Enum):
             return f"{type(value).__name__} {value!r}"
+        by_address = getattr(value, "reached_as", None)
+        if by_address is not None:
+            return str(by_address)
         function = getattr(value, "py_func", None)  # of what is compiled; other functions it cannot call
         if isinstance(function, FunctionType):
             return f"function {self._number_of(function)}"

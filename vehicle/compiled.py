@@ -19,7 +19,7 @@ import numpy as np
 from numba.core import config
 
 from vehicle.code_store import CodeStore
-from vehicle.linking import Entry
+from vehicle.entries import Entry, LateEntry
 
 INTERPRETED: Final = bool(config.DISABLE_JIT)
 SHIPPED: Final = Path(__file__).parent / "machine_code"  # compiled for any processor; a wheel has it
@@ -52,6 +52,16 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     if INTERPRETED:
         return _interpreted(function)
     return cast("Callable[P, R]", Entry(cast("FunctionType", function), OPTIONS, STORE))
+
+
+def compiled_when_called(function: Callable[P, R]) -> Callable[P, R]:
+    """As `compiled`, for what few runs use: compiled code that calls it does not contain it, and it waits for a call.
+
+    It returns a float, an int or nothing, and says so. A call costs some nanoseconds more.
+    """
+    if INTERPRETED:
+        return _interpreted(function)
+    return cast("Callable[P, R]", LateEntry(cast("FunctionType", function), OPTIONS, STORE))
 
 
 def _interpreted(function: Callable[P, R]) -> Callable[P, R]:

@@ -3,42 +3,17 @@
 numba optimises every function and makes machine code of it, then does so again inside each of its callers. Here a
 function that compiled code calls is typed and written as LLVM's intermediate code alone; only an entry, a function
 that Python calls, is optimised and made into machine code, with the code of all that it reaches linked in. A function
-may be both. This rests on numba's own ways to extend it (`pipeline_class`, passes, code libraries) and on three
-methods that numba does not document; `tests/vehicle/test_linking.py` says which, and fails on another numba.
+may be both. This file, `vehicle.lazy_binding` and `vehicle.entries` are all that rests on what numba does not document;
+`tests/vehicle/test_linking.py` says on what, and fails on another numba.
 """
 
 from __future__ import annotations
 
-import pickle
-import sys
-from collections.abc import Mapping
-from pathlib import Path
-from types import FunctionType
-from typing import Final
-
-import llvmlite
 import llvmlite.binding as ll
-import numba
-import numpy as np
-from numba.core import codegen, compiler, config, registry, serialize, typed_passes, types
+from numba.core import codegen, compiler, typed_passes
 from numba.core.compiler_machinery import LoweringPass, PassManager, register_pass
-from numba.core.cpu import CPUContext
 
-from vehicle.code_key import Reached, key_of, type_text
-from vehicle.code_store import CodeStore
-
-# The compiler, as far as code depends on it; this file belongs to it.
-COMPILER: Final = (
-    numba.__version__,
-    llvmlite.__version__,
-    sys.implementation.cache_tag,
-    ".".join(np.__version__.split(".")[:2]),
-    Path(__file__).read_bytes(),
-)
-SETTINGS: Final = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "USING_SVML")
-Types = tuple[types.Type, ...]
-
-GENERIC: Final = ("generic", "")  # any processor of the architecture, and its features
+from vehicle.code_key import key_of
 
 
 class InnerLibrary(codegen.JITCodeLibrary):
@@ -165,92 +140,3 @@ class EntryCompiler(compiler.CompilerBase):
     def define_pipelines(self) -> list[PassManager]:
         """The passes."""
         return _pipeline(self.state, LowerEntry)
-
-
-class Inner(registry.CPUDispatcher):
-    """One function as compiled code calls it."""
-
-    all: Final[dict[FunctionType, Inner]] = {}
-
-    def __init__(self, function: FunctionType, options: Mapping[str, object]) -> None:
-        super().__init__(function, {}, options, pipeline_class=InnerCompiler)
-        self._key = ""
-        self.all[function] = self
-
-    def renew(self) -> None:
-        """Forget what was compiled from something else, such as another value of a constant."""
-        key = key_of(self.py_func)
-        if key != self._key:
-            self.overloads.clear()
-            self._key = key
-
-    def get_call_template(self, args: Types, kws: dict[str, types.Type]) -> object:
-        """What callers are typed by; a constant as argument is a number like others, not a function of its own."""
-        plain = tuple(types.unliteral(arg) for arg in args)
-        return super().get_call_template(plain, {name: types.unliteral(arg) for name, arg in kws.items()})
-
-    def add_overload(self, cres: compiler.CompileResult) -> None:
-        """Keep it for callers; there is nothing that Python could call."""
-        self.overloads[tuple(cres.signature.args)] = cres
-
-
-class Entry(registry.CPUDispatcher):
-    """One function as Python calls it; compiled code that calls it gets the inner one."""
-
-    def __init__(self, function: FunctionType, options: Mapping[str, object], store: CodeStore) -> None:
-        super().__init__(function, {}, options, pipeline_class=EntryCompiler)
-        self.inner = Inner(function, options)
-        self._cache = StoredCode(self, store)
-
-    def get_call_template(self, args: Types, kws: dict[str, types.Type]) -> object:
-        """What compiled code that calls it is typed by."""
-        return self.inner.get_call_template(args, kws)
-
-    def get_overload(self, sig: object) -> object:
-        """What compiled code that calls it is linked with."""
-        return self.inner.get_overload(sig)
-
-
-class StoredCode:
-    """The machine code of an entry in the store, in the place of numba's own cache."""
-
-    def __init__(self, entry: Entry, store: CodeStore) -> None:
-        self.cache_path = str(store.folder)
-        self._entry = entry
-        self._store = store
-
-    def load_overload(self, sig: Types, target: CPUContext) -> compiler.CompileResult | None:
-        """Machine code for these types of arguments, for this processor or for any; None: it has to be compiled."""
-        target.refresh()
-        triple, *processor = target.codegen().magic_tuple()
-        for found in (processor, GENERIC):
-            data = self._store.read(self._name, self._key(sig, triple, *found))
-            if data is not None:
-                return compiler.CompileResult._rebuild(target, *pickle.loads(data))
-        for function in Reached(self._entry.py_func).functions:
-            if function in Inner.all:
-                Inner.all[function].renew()
-        return None
-
-    def save_overload(self, sig: Types, cres: compiler.CompileResult) -> None:
-        """Keep what was compiled; TypeError for code that holds addresses of this process."""
-        if cres.library.has_dynamic_globals:
-            raise TypeError(f"{self._name} holds addresses of this process")
-        for environment in cres._find_referenced_environments():
-            cres.codegen.set_env(environment.env_name, environment)
-        data = serialize.dumps(cres._reduce())
-        self._store.write(self._name, self._key(sig, *cres.codegen.magic_tuple()), data)
-
-    def flush(self) -> None:
-        """What is stored under a key stays right."""
-
-    @property
-    def _name(self) -> str:
-        function = self._entry.py_func
-        return f"{function.__module__}.{function.__qualname__}"
-
-    def _key(self, sig: Types, *processor: str) -> str:
-        settings = [(name, config.__dict__[name]) for name in SETTINGS]
-        options = sorted(self._entry.targetoptions.items())
-        given = [type_text(each) for each in sig]
-        return key_of(self._entry.py_func, COMPILER, processor, settings, options, given)

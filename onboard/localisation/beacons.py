@@ -32,7 +32,7 @@ from onboard.localisation.fix import (
 )
 from onboard.localisation.sighting import carry_slack
 from onboard.records import PLACE_BEACON, Chart, UnitRow
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 
 MISSES: Final = 2  # windows in a row without a beacon: localisation has failed (2.3)
 NONE: Final = -1
@@ -123,7 +123,7 @@ def half_window_m(own: BeaconsRow, unit: UnitRow, chart: Chart) -> float:
     )
 
 
-@compiled
+@compiled_when_called
 def expect_first(own: BeaconsRow, unit: UnitRow, chart: Chart) -> None:
     """At a known place: the next beacon of the path is due."""
     own.path, own.misses, own.from_m = unit.paths_taken_up, 0, unit.position_m
@@ -160,7 +160,7 @@ def taken_for(own: BeaconsRow, reading: BeaconReading, unit: UnitRow, chart: Cha
     return TAKEN
 
 
-@compiled
+@compiled_when_called
 def by_number(own: BeaconsRow, reading: BeaconReading, unit: UnitRow, chart: Chart) -> int:
     """A beacon that tells its number."""
     row = used_numbered(unit, chart, reading.number)
@@ -175,7 +175,7 @@ def by_number(own: BeaconsRow, reading: BeaconReading, unit: UnitRow, chart: Cha
     return outcome
 
 
-@compiled
+@compiled_when_called
 def by_window(own: BeaconsRow, reading: BeaconReading, unit: UnitRow, chart: Chart) -> int:
     """A beacon without a number: the one that is due, if it was noticed in the window of that."""
     place = chart.places[unit.places_offset + own.next]
@@ -190,7 +190,7 @@ def by_window(own: BeaconsRow, reading: BeaconReading, unit: UnitRow, chart: Cha
     return outcome
 
 
-@compiled
+@compiled_when_called
 def windows_passed(own: BeaconsRow, unit: UnitRow, chart: Chart) -> int:
     """MISSED once the window of beacons in a row has been passed without any."""
     while own.next != NONE:

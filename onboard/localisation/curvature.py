@@ -46,7 +46,7 @@ from onboard.localisation.curvature_row import (
 from onboard.localisation.fix import FOREIGN, MISSED, NOTHING, TAKEN, taken_towards
 from onboard.localisation.spatial_filter import SETTLES_M
 from onboard.records import Chart, UnitRow
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 
 NEAR_M: Final = 8  # shifts nearer than this are of one curve
 STRETCH_M: Final = 4.0  # the wheels' scale may stretch what is compared by no more
@@ -131,7 +131,7 @@ def lay_window(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
     return min(own.whole, since - int(SETTLES_M))
 
 
-@compiled
+@compiled_when_called
 def collate_with_map(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
     """Compare the last metres with the map; a fix, FOREIGN, or NOTHING where there is nothing to go by."""
     most = lay_window(own, unit, chart)

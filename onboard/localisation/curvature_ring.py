@@ -13,7 +13,7 @@ from typing import Final
 from onboard.localisation.curvature_row import BY_SPACE, BY_TIME, WINDOW_MAX, CurvatureRow
 from onboard.localisation.spatial_filter import SETTLES_M, filtered_sample, settle_filter
 from onboard.records import UnitRow
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 
 HOLD_MPS: Final = 0.5  # slower than this the curvature is held: a yaw rate over nothing says nothing
 STANDS_S: Final = 1.0  # a body that has stood for this turns no more: what shows is bias
@@ -115,7 +115,7 @@ def keep_metre(own: CurvatureRow, bent_per_m: float, slow_s_per_m: float) -> Non
         own.metres = min(own.metres + 1, WINDOW_MAX)
 
 
-@compiled
+@compiled_when_called
 def measure(own: CurvatureRow, unit: UnitRow, yaw_radps: float, step_s: float) -> None:
     """What this step's yaw rate says of the metres that it brought, resampled by distance."""
     speed_mps = max(unit.speed_mps * unit.odometer_scale, 0.0)

@@ -49,7 +49,7 @@ from onboard.localisation.fix import (
     move_estimate,
 )
 from onboard.records import Chart, UnitRow
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 
 RING: Final = 64  # ticks of which it keeps the way run: more than the oldest fix needs
 OLDEST_S: Final = 6.0  # a fix that says it is older is of no use
@@ -313,7 +313,7 @@ def move_by_fix(own: GnssRow, unit: UnitRow, at_m: float, within_m: float, prote
     return outcome_of(own, unit, protection_m)
 
 
-@compiled
+@compiled_when_called
 def use_fix(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: float) -> int:
     """A fix that is sound: it cuts the bounds under an open sky once borne out, else it leans the estimate."""
     at_m, wheels_m = front_by_fix(own, reading, unit, step_s)

@@ -32,7 +32,7 @@ from onboard.localisation.lidar_points import (
 )
 from onboard.localisation.marker_patterns import HALF_M, UNREAD
 from onboard.records import PLACE_MARKERS, Chart, UnitRow
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 
 SETBACK_M: Final = 0.5  # of the LiDAR behind the train's front
 NOISE_WITHIN_MPS: Final = 1.0  # by which a filled mean may be wrong; held against scans by a test
@@ -89,7 +89,7 @@ def next_markers_m(unit: UnitRow, chart: Chart, beyond_m: float) -> float:
     return np.inf
 
 
-@compiled
+@compiled_when_called
 def begin_path(own: LidarRow, unit: UnitRow, chart: Chart) -> None:
     """On another path: no coordinate holds; markers that are too near to be read are not waited for."""
     own.path = unit.paths_taken_up
@@ -178,7 +178,7 @@ def lidar(own: LidarRow, reading: LidarReading, unit: UnitRow, chart: Chart, _st
     return outcome
 
 
-@compiled
+@compiled_when_called
 def take_points(own: LidarRow, reading: LidarReading, unit: UnitRow, chart: Chart) -> int:
     """Take one step's points: the speed, and the fix of the last moment at which the pattern shows."""
     ahead_m, age_s = np.nan, 0.0

@@ -17,7 +17,7 @@ import numpy as np
 
 from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN, missed_m, move_estimate
 from onboard.records import Chart, UnitRow
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 
 PITCH_BOUND_RAD: Final = 2.0e-3  # assumed: over six times the pitch that vibration gives the line camera
 LENS_OVER_SIGN_M: Final = 1.8  # of that camera and its sign
@@ -88,7 +88,7 @@ def begin_slack(own: SignRow, unit: UnitRow, slack_m: float) -> None:
     own.slack_m = min(slack_m, own.bounds_m)
 
 
-@compiled
+@compiled_when_called
 def sign_sighted(own: SignRow, unit: UnitRow, front_m: float, within_m: float) -> int:
     """One frame that shows a sign, so that the front is at `front_m` or within so much of it.
 

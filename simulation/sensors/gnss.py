@@ -25,7 +25,7 @@ from simulation.sensors.noise import normal, source_of
 from simulation.sensors.scene import SceneRow
 from simulation.settings import PositionSensor
 from simulation.setup import Setup
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 from vehicle.record import put_settings
 
 RING: Final = 64  # fixes under way: more than the latest tag of the fastest receiver needs
@@ -113,7 +113,7 @@ def gnss_receiver(own: GnssReceiverRow, _sensors: Any, scene: SceneRow, sensed: 
     shown.open_sky = own.taken_open[slot]
 
 
-@compiled
+@compiled_when_called
 def draw_fix(own: GnssReceiverRow, scene: SceneRow) -> None:
     """One fix: its error, and whether it was taken under an open sky."""
     slot = scene.step // own.every_steps % RING

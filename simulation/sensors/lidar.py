@@ -13,7 +13,7 @@ from typing import Annotated, Any, Final, Protocol
 import numpy as np
 
 from onboard.board import SensedRow
-from onboard.localisation.lidar import SETBACK_M, LidarRow
+from onboard.localisation.lidar import SETBACK_M, LidarReading, LidarRow
 from onboard.localisation.lidar_points import CYCLE_S, FARTHEST_M, KEPT_S, SPOTS
 from onboard.localisation.marker_patterns import HALF_M
 from simulation.sensor_settings import Lidar
@@ -33,7 +33,7 @@ from simulation.sensors.noise import normal, source_of, uniform
 from simulation.sensors.scene import SceneRow
 from simulation.settings import PositionSensor
 from simulation.setup import Setup
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 from vehicle.record import put_settings
 
 PLACES_AT: Final = np.array(PLACES_M)
@@ -152,6 +152,12 @@ def lidar(own: LidarSensorRow, _sensors: Any, scene: SceneRow, sensed: SensedRow
     if own.fitted == 0 or scene.carries_more == 0 or not scene.markers_ahead_m <= LOOKS_FROM_M:
         return
     shown.looks = 1
+    look(own, scene, shown, before_mps)
+
+
+@compiled_when_called
+def look(own: LidarSensorRow, scene: SceneRow, shown: LidarReading, before_mps: float) -> None:
+    """Take points on the markers ahead, which are near enough; `before_mps` is the speed of a step ago."""
     shown.pattern = max(scene.markers_number, 0)
     accelerates = (scene.speed_mps - before_mps) / scene.step_s
     aside_m = own.settings.laid_within_m * (2.0 * uniform(own.laid_source, abs(scene.markers_number)) - 1.0)

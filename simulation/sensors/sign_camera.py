@@ -10,12 +10,12 @@ from typing import Annotated, Any, Final, Protocol
 import numpy as np
 
 from onboard.board import SensedRow
-from onboard.localisation.sighting import SIGN_BEYOND_MARK_M
+from onboard.localisation.sighting import SIGN_BEYOND_MARK_M, SignReading
 from simulation.sensors.line_sightings import COLUMNS, LIGHTS, PLACES_M, line_sightings
 from simulation.sensors.noise import normal, source_of, uniform
 from simulation.sensors.scene import SceneRow
 from simulation.setup import Setup
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 
 PLACES: Final = len(PLACES_M)
 FIGURES: Final = len(LIGHTS) * PLACES
@@ -93,6 +93,12 @@ def sign_camera(own: SignCameraRow, _sensors: Any, scene: SceneRow, sensed: Sens
         return
     shown.taken = 1
     shown.distance_m = np.inf
+    take_frame(own, scene, shown, ahead_m)
+
+
+@compiled_when_called
+def take_frame(own: SignCameraRow, scene: SceneRow, shown: SignReading, ahead_m: float) -> None:
+    """See the sign in this frame, or none, or something else."""
     first = light_at(own, scene.now_s) * PLACES
     deceived = own.taken_falsely + figure_at(own.false_share, first, ahead_m)
     chance = uniform(own.seen_source, scene.step)

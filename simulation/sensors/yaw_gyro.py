@@ -22,7 +22,7 @@ from radio.chance import generator
 from simulation.sensors.noise import normal, source_of
 from simulation.sensors.scene import SceneRow
 from simulation.setup import Setup
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 
 IN_ORDER: Final = 0
 DEAD: Final = 1
@@ -93,7 +93,7 @@ def fit(own: YawGyroRow, setup: Setup, stock_id: str) -> None:
     own.keeps[:], own.takes[:], own.turns[:] = keeps.ravel(), takes, turns
 
 
-@compiled
+@compiled_when_called
 def body_turned_rad(own: YawGyroRow, bogies_radps: float) -> float:
     """By what the body turns in a step in which the bogies turn at that mean rate."""
     rate, change = own.body_radps, own.body_radps2

@@ -12,7 +12,7 @@ import math
 from typing import Annotated, Final, Protocol
 
 from vehicle.battery import BatteryRow, available_j, carry, gives_max_w, takes_max_w
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 from vehicle.record import dtype_of
 from vehicle.records import PlantRow, TrainRow
 
@@ -73,7 +73,7 @@ def has_enough(battery: BatteryRow, charging: ChargingRow, spare_j: float) -> bo
     return available_j(battery) >= charging.needed_j + (0.0 if is_full(battery) else spare_j)
 
 
-@compiled
+@compiled_when_called
 def steer(
     battery: BatteryRow,
     charging: ChargingRow,
@@ -112,14 +112,14 @@ def steer(
     battery.supply_w = charging.power_w if state == UP else 0.0
 
 
-@compiled
+@compiled_when_called
 def offer_power(battery: BatteryRow, plant: PlantRow, dt_s: float) -> None:
     """Say what the battery, and a charger beside it, can give and take in the step that follows."""
     plant.source_gives_w = gives_max_w(battery, dt_s) + battery.supply_w
     plant.source_takes_w = takes_max_w(battery, battery.pack.regeneration_max_w, dt_s)
 
 
-@compiled
+@compiled_when_called
 def drain(
     battery: BatteryRow,
     plant: PlantRow,

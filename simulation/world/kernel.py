@@ -31,7 +31,7 @@ from simulation.world.records import (
 )
 from vehicle.adhesion import adhesion_coefficient
 from vehicle.brakes import service_notch
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 from vehicle.dynamics import step as move
 from vehicle.mass import GRAVITY_MPS2, mass_kg
 from vehicle.records import PlantRow, TrainRow
@@ -180,7 +180,7 @@ def points_rad(profile: Rows, truth: TruthRow, at_m: float) -> float:
     return float(here + (at_m - i) * (b.heading_rad + b.irregularity_rad - here))
 
 
-@compiled
+@compiled_when_called
 def look_around(row: StockRow, track: PathArrays, before_m: float, curvature_per_m: float) -> None:
     """What else there is to be sensed by a train that was at `before_m` a step ago."""
     scene, truth = row.scene, row.truth

@@ -14,7 +14,7 @@ import pytest
 from vehicle import compiled as decorator
 from vehicle.code_key import UnknownValueError, key_of
 from vehicle.code_store import KEPT, CodeStore
-from vehicle.linking import Entry
+from vehicle.entries import Entry
 
 pytestmark = pytest.mark.skipif(decorator.INTERPRETED, reason="nothing is compiled")
 

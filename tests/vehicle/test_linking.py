@@ -25,11 +25,22 @@ RESTS_ON = (
     ("compiler", "DefaultPassBuilder", "define_typed_pipeline", ("state", "name")),
     ("typed_passes", "NativeLowering", "run_pass", ("self", "state")),
     ("cpu", "CPUContext", "insert_user_function", ("self", "func", "fndesc", "libs")),
+    ("cpu", "CPUContext", "declare_function", ("self", "module", "fndesc")),
+    (
+        "callconv",
+        "CPUCallConv",
+        "return_user_exc",
+        ("self", "builder", "exc", "exc_args", "loc", "func_name"),
+    ),
+    ("codegen", "JITCodeLibrary", "get_pointer_to_function", ("self", "name")),
+    ("codegen", "CodeLibrary", "create_ir_module", ("self", "name")),
+    ("codegen", "CPUCodeLibrary", "add_ir_module", ("self", "ir_module")),
     ("caching", "Cache", "load_overload", ("self", "sig", "target_context")),
     ("caching", "Cache", "save_overload", ("self", "sig", "data")),
     ("dispatcher", "Dispatcher", "add_overload", ("self", "cres")),
     ("dispatcher", "Dispatcher", "get_call_template", ("self", "args", "kws")),
     ("dispatcher", "Dispatcher", "get_overload", ("self", "sig")),
+    ("dispatcher", "Dispatcher", "fold_argument_types", ("self", "args", "kws")),
 )
 LIBRARY_HAS = ("_linking_libraries", "_final_module", "_finalized", "_codegen")
 

@@ -1,3 +1,3 @@
-# What vehicle.linking uses of llvmlite.
+# What vehicle uses of llvmlite.
 
 __version__: str

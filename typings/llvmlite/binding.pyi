@@ -13,8 +13,10 @@ class ValueRef:
 class ModuleRef:
     data_layout: str
     functions: Iterable[ValueRef]
+    global_variables: Iterable[ValueRef]
     triple: str
 
     def link_in(self, other: ModuleRef) -> None: ...
 
+def add_symbol(name: str, address: int | None) -> None: ...
 def parse_assembly(llvmir: str) -> ModuleRef: ...

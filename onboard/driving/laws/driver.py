@@ -22,7 +22,7 @@ from onboard.driving.laws.hold_speed import holding_notch
 from onboard.driving.laws.power import overspeed_mps, power_notch
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.brakes import service_notch
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 from vehicle.mass import equivalent_mass_kg
 from vehicle.records import TrainRow
 
@@ -92,7 +92,7 @@ class DriverRow(Protocol):
 DRAWN = ("power_drawn", "swing_drawn", "coast_drawn", "look_drawn", "under_drawn", "brake_drawn")
 
 
-@compiled
+@compiled_when_called
 def driver(
     own: DriverRow,
     cue: CueRow,

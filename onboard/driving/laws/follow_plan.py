@@ -17,7 +17,7 @@ from onboard.driving.laws.cue import PLAN_COAST, PLAN_NONE, CueRow
 from onboard.driving.laws.hold_speed import holding_notch
 from onboard.driving.laws.power import overspeed_mps
 from onboard.records import BehaviourRow, UnitRow
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled_when_called
 from vehicle.records import TrainRow
 
 
@@ -40,7 +40,7 @@ class FollowPlanRow(Protocol):
     catching_up: Annotated[int, "1: too late to coast"]
 
 
-@compiled
+@compiled_when_called
 def follow_plan(
     own: FollowPlanRow,
     cue: CueRow,

@@ -15,7 +15,7 @@ from onboard.driving.laws.cue import CueRow
 from onboard.driving.laws.power import overspeed_mps, power_notch
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.brakes import service_notch
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 from vehicle.mass import equivalent_mass_kg
 from vehicle.records import TrainRow
 from vehicle.traction import full_force_n, notch_share
@@ -31,7 +31,7 @@ class HoldSpeedRow(Protocol):
     over_mps: Annotated[float, "how far above its target the train will be when its machinery answers"]
 
 
-@compiled
+@compiled_when_called
 def hold_speed(
     own: HoldSpeedRow,
     cue: CueRow,

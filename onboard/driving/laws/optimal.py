@@ -20,7 +20,7 @@ from onboard.driving.laws.hold_speed import holding_notch
 from onboard.driving.laws.power import overspeed_mps, power_notch
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.brakes import service_notch
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled_when_called
 from vehicle.mass import equivalent_mass_kg
 from vehicle.records import TrainRow
 
@@ -58,7 +58,7 @@ class OptimalRow(Protocol):
     off_mps: Annotated[float, "how far above its plan the train will be when its machinery answers"]
 
 
-@compiled
+@compiled_when_called
 def optimal(
     own: OptimalRow,
     cue: CueRow,

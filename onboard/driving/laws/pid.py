@@ -27,7 +27,7 @@ from network.files.toml_input import Record
 from onboard.driving.laws.cue import CueRow
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.brakes import service_notch, service_target_mps2
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 from vehicle.mass import equivalent_mass_kg
 from vehicle.records import TrainRow
 from vehicle.traction import full_force_n, notch_share
@@ -78,7 +78,7 @@ class PidRow(Protocol):
     wanted_mps2: Annotated[float, "the demand: acceleration, negative to brake"]
 
 
-@compiled
+@compiled_when_called
 def pid(
     own: PidRow,
     cue: CueRow,

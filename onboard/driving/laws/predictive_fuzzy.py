@@ -21,7 +21,7 @@ from onboard.driving.laws.fuzzy_station import choose_at_station
 from onboard.driving.stopping import LIMIT_MARGIN_M
 from onboard.driving.tasc import aim_m
 from onboard.records import BehaviourRow, UnitRow
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled, compiled_when_called
 from vehicle.records import TrainRow
 
 AT_MARK_M: Final = 0.5  # assumed: a train that stands this near its mark stays there
@@ -29,7 +29,7 @@ AT_MARK_M: Final = 0.5  # assumed: a train that stands this near its mark stays 
 __all__ = ["PredictiveFuzzyRow", "predictive_fuzzy"]
 
 
-@compiled
+@compiled_when_called
 def predictive_fuzzy(
     own: PredictiveFuzzyRow,
     cue: CueRow,

@@ -11,7 +11,7 @@ from onboard.driving.laws.cue import CueRow
 from onboard.driving.laws.hold_speed import holding_notch
 from onboard.driving.laws.power import overspeed_mps
 from onboard.records import BehaviourRow, UnitRow
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled_when_called
 from vehicle.records import TrainRow
 
 SHARE = 0.5
@@ -23,7 +23,7 @@ class HalfLimitRow(Protocol):
     held_mps: Annotated[float, "the speed that it holds now"]
 
 
-@compiled
+@compiled_when_called
 def half_limit(
     own: HalfLimitRow,
     cue: CueRow,

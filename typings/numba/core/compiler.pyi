@@ -4,6 +4,7 @@ from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 from numba.core.compiler_machinery import PassManager
 from numba.core.cpu import CPUContext
 from numba.core.environment import Environment
+from numba.core.funcdesc import FunctionDescriptor
 from numba.core.types import Type
 
 class Flags:
@@ -39,9 +40,11 @@ class DefaultPassBuilder:
 
 class Signature:
     args: tuple[Type, ...]
+    return_type: Type
 
 class CompileResult:
     codegen: JITCPUCodegen
+    fndesc: FunctionDescriptor
     library: JITCodeLibrary
     signature: Signature
 
