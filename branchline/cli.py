@@ -19,6 +19,7 @@ from branchline.checking import check
 from branchline.comparing import compare
 from branchline.compressing import capacity
 from branchline.describing import schema
+from branchline.dispatching import best
 from branchline.drilling import drill
 from branchline.duties import duties
 from branchline.ending import run_command, stop_by_signals
@@ -64,6 +65,7 @@ for group, command in COMMANDS:
 app.add_typer(makers, name="new", rich_help_panel=PREPARE)
 app.add_typer(importers, name="import", rich_help_panel=PREPARE)
 app.add_typer(exporters, name="export", rich_help_panel=READ)
+app.add_typer(best, name="best", rich_help_panel=ANALYSE)
 
 
 def main() -> None:

@@ -1,0 +1,88 @@
+"""`branchline best displib`: the cheapest order of trains of a published problem, or what is wrong with a solution."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from branchline.ending import end, judged_outcome, print_json
+from branchline.options import Json
+from branchline.progress import print_aside
+
+best = typer.Typer(
+    no_args_is_help=True, help="What would be best, with a bound on what could be better still."
+)
+
+
+@best.command()
+def displib(
+    instance: Annotated[Path, typer.Argument(help="Instance in the form of DISPLIB (JSON).")],
+    out: Annotated[Path | None, typer.Option("--out", help="Where the solution is written (JSON).")] = None,
+    check: Annotated[
+        Path | None, typer.Option("--check", help="Say what is wrong with this solution, and solve nothing.")
+    ] = None,
+    work: Annotated[
+        float,
+        typer.Option(
+            "--work", min=0.001, help="How much the solver may work; 1 is about ten seconds of one processor."
+        ),
+    ] = 60.0,
+    as_json: Json = False,
+) -> None:
+    """Find the order of trains in which delays cost least, and below which cost there is none.
+
+    The answer depends on --work alone, not on the machine.
+    """
+    from network.errors import COMMAND_LINE, InputError
+    from network.files.json_input import write_aside
+    from plan.dispatching.checker import objections
+    from plan.dispatching.instance import read_instance, read_solution, solution_text
+
+    asked = read_instance(instance)
+    if check is not None:
+        wrong = objections(asked, solution := read_solution(check))
+        _say(
+            {"objections": wrong, "objective_value": solution.objective_value},
+            [*wrong, f"{len(wrong)} objections"] if wrong else [f"right: costs {solution.objective_value}"],
+            good=not wrong,
+            as_json=as_json,
+        )
+        return
+    try:
+        from plan.dispatching.solver import solve
+    except ModuleNotFoundError as error:
+        raise InputError(COMMAND_LINE, "displib", None, "the extra: pip install 'branchline[plan]'") from error
+
+    print_aside(f"{len(asked.trains)} trains, {sum(map(len, asked.trains))} operations: solving")
+    answer = solve(asked, work)
+    found = answer.solution
+    if found is not None and out is not None:
+        write_aside(out, solution_text(found))
+    if answer.impossible:
+        text = "impossible: no order of these trains keeps to the instance"
+    elif found is None:
+        text = f"none found; every order costs at least {answer.bound}"
+    elif answer.proven:
+        text = f"costs {found.objective_value}: proven to be the least"
+    else:
+        text = f"costs {found.objective_value}; every order costs at least {answer.bound}"
+    figures = {
+        "objective_value": None if found is None else found.objective_value,
+        "bound": answer.bound,
+        "proven": answer.proven,
+        "impossible": answer.impossible,
+        "work": round(answer.work, 3),
+    }
+    _say(figures, [f"{text} (work {answer.work:.2f})"], good=found is not None, as_json=as_json)
+
+
+def _say(figures: dict[str, Any], lines: list[str], *, good: bool, as_json: bool) -> None:
+    outcome = judged_outcome(good)
+    if as_json:
+        print_json(figures, outcome)
+    else:
+        sys.stdout.writelines(f"{line}\n" for line in lines)
+    end(outcome)

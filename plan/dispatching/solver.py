@@ -1,0 +1,121 @@
+"""The cheapest order of trains: solved, cut where no order of events is possible, and put into one row."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
+from itertools import pairwise
+from typing import Final
+
+from ortools.sat.python import cp_model
+from ortools.sat.python.cp_model_helper import Literal
+
+from plan.dispatching.checker import cost_of, objections
+from plan.dispatching.instance import Instance, Solution, StartEvent
+from plan.dispatching.model import DispatchModel
+
+SEED: Final = 1
+_Node = tuple[int, int]  # train, operation
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The best solution found (None: none was, or there is none) and the bound below which there is none.
+
+    `work` is what the solver counts as work done, the same on every machine; `impossible`: proven.
+    """
+
+    solution: Solution | None
+    bound: int
+    proven: bool
+    impossible: bool
+    work: float
+
+
+def solve(instance: Instance, work_max: float) -> Answer:
+    """The least cost that `work_max` of the solver's counted work leads to; 1 is about ten seconds of a processor."""
+    dispatch = DispatchModel(instance)
+    solver = cp_model.CpSolver()
+    solver.parameters.random_seed = SEED
+    solver.parameters.num_workers = 1  # the same answer on any machine
+    # Orders decide and sums of delays relax badly: without linear programs the answer comes sooner by far.
+    solver.parameters.linearization_level = 0
+    solver.parameters.optimize_with_core = True
+    work = 0.0
+    while True:
+        solver.parameters.max_deterministic_time = max(work_max - work, 0.0)
+        status = solver.solve(dispatch.model)
+        work += solver.response_proto.deterministic_time
+        found = status in {cp_model.OPTIMAL, cp_model.FEASIBLE}
+        bound = max(0, round(solver.best_objective_bound)) if found or status == cp_model.UNKNOWN else 0
+        if not found:
+            return Answer(None, bound, proven=False, impossible=status == cp_model.INFEASIBLE, work=work)
+        circle = _circle(dispatch, solver)
+        if not circle:
+            solution = _solution(instance, dispatch, solver)
+            return Answer(solution, bound, status == cp_model.OPTIMAL, impossible=False, work=work)
+        dispatch.model.add_bool_or([~literal for literal in circle])
+
+
+def _before(
+    dispatch: DispatchModel, solver: cp_model.CpSolver
+) -> Iterator[tuple[_Node, _Node, list[Literal]]]:
+    """Which start comes before which, and what makes it so."""
+    for a, train in enumerate(dispatch.trains):
+        for (i, j), goes in train.goes.items():
+            if solver.boolean_value(goes):
+                yield (a, i), (a, j), [goes]
+    for pair in dispatch.pairs:
+        for earlier, later, first in ((pair.first, pair.second, True), (pair.second, pair.first, False)):
+            conditions = dispatch.conditions(pair, first=first)
+            if not all(solver.boolean_value(condition) for condition in conditions):
+                continue
+            ends = [
+                (earlier.train, j)
+                for (i, j), goes in dispatch.trains[earlier.train].goes.items()
+                if i in earlier.operations and j not in earlier.operations and solver.boolean_value(goes)
+            ]
+            begins = [
+                (later.train, i)
+                for i in dispatch.trains[later.train].entries(later)
+                if solver.boolean_value(dispatch.trains[later.train].runs[i])
+            ]
+            for end in ends:
+                for begin in begins[:1]:
+                    yield end, begin, conditions
+
+
+def _circle(dispatch: DispatchModel, solver: cp_model.CpSolver) -> list[Literal]:
+    """What cannot all be so, as starts at one time would each come before the next; nothing where all is well."""
+    try:
+        _order(dispatch, solver)
+    except CycleError as error:
+        nodes: list[_Node] = error.args[1]
+        why = {(one, other): literals for one, other, literals in _before(dispatch, solver)}
+        return [literal for step in pairwise(nodes) for literal in why[step]]
+    return []
+
+
+def _order(dispatch: DispatchModel, solver: cp_model.CpSolver) -> list[_Node]:
+    """All starts in an order that keeps to times and to who is first. Raises CycleError where there is none."""
+    earlier: dict[_Node, set[_Node]] = {(a, 0): set() for a in range(len(dispatch.trains))}
+    for one, other, _ in _before(dispatch, solver):
+        earlier.setdefault(other, set()).add(one)
+
+    def time(node: _Node) -> int:
+        return solver.value(dispatch.trains[node[0]].start[node[1]])
+
+    rank = {node: i for i, node in enumerate(TopologicalSorter(earlier).static_order())}
+    return sorted(rank, key=lambda node: (time(node), rank[node]))
+
+
+def _solution(instance: Instance, dispatch: DispatchModel, solver: cp_model.CpSolver) -> Solution:
+    events = tuple(
+        StartEvent(solver.value(dispatch.trains[a].start[i]), a, i) for a, i in _order(dispatch, solver)
+    )
+    solution = Solution(cost_of(instance, events), events)
+    wrong = objections(instance, solution)
+    if wrong:
+        raise AssertionError(f"the model lets pass what the checker refuses: {wrong[0]}")
+    return solution
