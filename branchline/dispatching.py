@@ -27,7 +27,7 @@ def displib(
     work: Annotated[
         float,
         typer.Option(
-            "--work", min=0.001, help="How much the solver may work; 1 is about ten seconds of one processor."
+            "--work", min=0.001, help="How much the solver may work; 1 is about two seconds of one processor."
         ),
     ] = 60.0,
     as_json: Json = False,
@@ -54,7 +54,9 @@ def displib(
     try:
         from plan.dispatching.solver import solve
     except ModuleNotFoundError as error:
-        raise InputError(COMMAND_LINE, "displib", None, "the extra: pip install 'branchline[plan]'") from error
+        raise InputError(
+            COMMAND_LINE, "displib", None, "the extra: pip install 'branchline[plan]'"
+        ) from error
 
     print_aside(f"{len(asked.trains)} trains, {sum(map(len, asked.trains))} operations: solving")
     answer = solve(asked, work)

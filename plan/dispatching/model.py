@@ -9,7 +9,7 @@ from typing import Final
 from ortools.sat.python import cp_model
 from ortools.sat.python.cp_model_helper import Literal
 
-from plan.dispatching.instance import Instance, Operation, OperationDelay, Train
+from plan.dispatching.instance import Instance, Operation, OperationDelay, Solution, Train
 from plan.dispatching.occupations import Occupation, Pair, certain_operations, occupations_of, questions_of
 
 ALIKE_COUNTS: Final = True  # questions of order that have one answer are one; for experiments alone
@@ -133,6 +133,7 @@ class DispatchModel:
         self.occupations = [list(occupations_of(a, train)) for a, train in enumerate(instance.trains)]
         self.pairs, alike = questions_of(instance.trains, self.occupations)
         self._first: dict[int, cp_model.IntVar] = {}
+        self._hinted: set[int] = set()
         self._has = {o: self.trains[o.train].has(o) for own in self.occupations for o in own}
         self._begins = {o: self.trains[o.train].begins(o) for own in self.occupations for o in own}
         self._ends = {o: self.trains[o.train].ends(o) for own in self.occupations for o in own}
@@ -148,6 +149,20 @@ class DispatchModel:
         self._alone_on_resources()
         costs = [part for delay in instance.objective for part in self._delay(delay)]
         self.model.minimize(cp_model.LinearExpr.sum(costs))
+
+    def begin_with(self, solution: Solution) -> None:
+        """Have the next search begin with the paths and times of a solution."""
+        started = {(event.train, event.operation): event.time for event in solution.events}
+        for a, train in enumerate(self.trains):
+            for i, (start, runs) in enumerate(zip(train.start, train.runs, strict=True)):
+                if (a, i) in started:
+                    self._hint(start, started[a, i])
+                self._hint(runs, int((a, i) in started))
+
+    def _hint(self, variable: cp_model.IntVar, value: int) -> None:
+        if variable.index not in self._hinted:
+            self._hinted.add(variable.index)
+            self.model.add_hint(variable, value)
 
     def first(self, pair: Pair) -> cp_model.IntVar:
         """Whether the first of the two is first."""
