@@ -118,7 +118,7 @@ def test_a_reason_that_is_missing_takes_its_clause_with_it() -> None:
         ({ending.value for ending in Ending}, "ending"),
         ({cause.value for cause in Cause}, "cause"),
         ({part.value for part in OccupationPart}, "part"),
-        ({told.kind for told in EVENT_WORDINGS.values()} | {"train"}, "event kind"),
+        ({told.kind for told in EVENT_WORDINGS.values()} | {"train", "expectation"}, "event kind"),
         (set(Late.model_fields), "drawn"),
         ({kind.__name__ for kind in get_args(messages.AnyMessage)}, "telegram"),
     ],
