@@ -27,7 +27,9 @@ def displib(
     work: Annotated[
         float,
         typer.Option(
-            "--work", min=0.001, help="How much the solver may work; 1 is about two seconds of one processor."
+            "--work",
+            min=0.001,
+            help="How much the solver may work; 1 is about eight seconds of one processor.",
         ),
     ] = 60.0,
     as_json: Json = False,

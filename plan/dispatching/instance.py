@@ -15,22 +15,22 @@ from network.errors import InputError
 from network.files.json_input import read_json
 
 Count = Annotated[int, msgspec.Meta(ge=0)]
-Train = tuple["Operation", ...]
+Train = tuple["TrainOperation", ...]
 
 
-class Use(msgspec.Struct, frozen=True):
+class ResourceUsage(msgspec.Struct, frozen=True):
     """A resource that nobody else may have during an operation, nor for `release_time` after its end."""
 
     resource: str
     release_time: Count = 0
 
 
-class Operation(msgspec.Struct, frozen=True):
+class TrainOperation(msgspec.Struct, frozen=True):
     """What a train does from its start until that of one of `successors` (indices; none: the exit); times in units."""
 
     min_duration: Count
     successors: tuple[Count, ...]
-    resources: tuple[Use, ...] = ()
+    resources: tuple[ResourceUsage, ...] = ()
     start_lb: Count = 0
     start_ub: Count | None = None
 

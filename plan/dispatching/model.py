@@ -9,8 +9,14 @@ from typing import Final
 from ortools.sat.python import cp_model
 from ortools.sat.python.cp_model_helper import Literal
 
-from plan.dispatching.instance import Instance, Operation, OperationDelay, Solution, Train
-from plan.dispatching.occupations import Occupation, Pair, certain_operations, occupations_of, questions_of
+from plan.dispatching.instance import Instance, OperationDelay, Solution, Train, TrainOperation
+from plan.dispatching.occupations import (
+    Pair,
+    ResourceOccupation,
+    certain_operations,
+    occupations_of,
+    questions_of,
+)
 
 ALIKE_COUNTS: Final = True  # questions of order that have one answer are one; for experiments alone
 
@@ -51,7 +57,7 @@ class TrainModel:
                 self._model.add(start <= self._latest(self.train[i])).only_enforce_if(self.runs[i])
         return [starts[i] for i in range(len(self.train))]
 
-    def _latest(self, operation: Operation) -> int:
+    def _latest(self, operation: TrainOperation) -> int:
         return self._horizon if operation.start_ub is None else min(operation.start_ub, self._horizon)
 
     def _arcs(self, before: list[list[int]]) -> dict[tuple[int, int], cp_model.IntVar]:
@@ -74,7 +80,7 @@ class TrainModel:
             model.add(sum(arcs[k, i] for k in earlier) == self.runs[i])
         return arcs
 
-    def has(self, occupation: Occupation) -> cp_model.IntVar:
+    def has(self, occupation: ResourceOccupation) -> cp_model.IntVar:
         """Whether the train has it."""
         if occupation.certain or len(occupation.operations) == 1:
             return self._yes if occupation.certain else self.runs[occupation.operations[0]]
@@ -82,7 +88,7 @@ class TrainModel:
         self._model.add_max_equality(has, [self.runs[i] for i in occupation.operations])
         return has
 
-    def begins(self, occupation: Occupation) -> cp_model.IntVar:
+    def begins(self, occupation: ResourceOccupation) -> cp_model.IntVar:
         """When it begins, no later than any of its operations."""
         starts = {self.start[i].index: self.start[i] for i in self.entries(occupation)}
         if len(starts) == 1:
@@ -92,7 +98,7 @@ class TrainModel:
             self._model.add(begins <= self.start[i]).only_enforce_if(self.runs[i])
         return begins
 
-    def entries(self, occupation: Occupation) -> list[int]:
+    def entries(self, occupation: ResourceOccupation) -> list[int]:
         """Operations with which it may begin."""
         inner = {j for i in occupation.operations for j in self.train[i].successors} & set(
             occupation.operations
@@ -105,7 +111,7 @@ class TrainModel:
         }
         return [i for i in occupation.operations if i not in inner or i in entered]
 
-    def ends(self, occupation: Occupation) -> cp_model.IntVar | None:
+    def ends(self, occupation: ResourceOccupation) -> cp_model.IntVar | None:
         """When others may have the resource again, no earlier than it is let go of; None: never."""
         if len(self.train) - 1 in occupation.operations:
             return None
@@ -187,7 +193,7 @@ class DispatchModel:
 
     def _alone_on_resources(self) -> None:
         """The same once more for each resource as a whole, by which the solver sees further."""
-        using: dict[str, list[Occupation]] = defaultdict(list)
+        using: dict[str, list[ResourceOccupation]] = defaultdict(list)
         for own in self.occupations:
             for occupation in own:
                 using[occupation.resource].append(occupation)

@@ -19,7 +19,7 @@ from plan.dispatching.instance import Train
 
 
 @dataclass(frozen=True)
-class Occupation:
+class ResourceOccupation:
     """Operations (indices, in order) over which a train has a resource in one go; `certain`: whatever path it takes."""
 
     train: int
@@ -32,8 +32,8 @@ class Occupation:
 class Pair:
     """Two trains' occupations of one resource; `question` is the same for pairs that have one answer."""
 
-    first: Occupation
-    second: Occupation
+    first: ResourceOccupation
+    second: ResourceOccupation
     question: int
 
 
@@ -57,7 +57,7 @@ def certain_operations(train: Train) -> frozenset[int]:
     return frozenset(i for i in range(len(train)) if to_here[i] * from_here[i] == to_here[-1])
 
 
-def occupations_of(number: int, train: Train) -> Iterator[Occupation]:
+def occupations_of(number: int, train: Train) -> Iterator[ResourceOccupation]:
     """A train's occupations, resource by resource in the order in which they come."""
     certain = certain_operations(train)
     using: dict[str, list[int]] = {}
@@ -66,7 +66,7 @@ def occupations_of(number: int, train: Train) -> Iterator[Occupation]:
             using.setdefault(use.resource, []).append(i)
     for resource, operations in using.items():
         for group in _in_one_go(train, operations):
-            yield Occupation(number, resource, group, any(i in certain for i in group))
+            yield ResourceOccupation(number, resource, group, any(i in certain for i in group))
 
 
 def _in_one_go(train: Train, operations: Sequence[int]) -> Iterator[tuple[int, ...]]:
@@ -99,7 +99,7 @@ def _comes_back(train: Train, group: frozenset[int]) -> bool:
 
 
 def questions_of(
-    trains: Sequence[Train], occupations: Sequence[Sequence[Occupation]]
+    trains: Sequence[Train], occupations: Sequence[Sequence[ResourceOccupation]]
 ) -> tuple[list[Pair], list[Alike]]:
     """All pairs, those that always have one answer with one question, and which others are alike."""
     pairs: list[Pair] = []
@@ -121,12 +121,14 @@ def questions_of(
     return pairs, alike
 
 
-_Both = tuple[Occupation, Occupation]
+_Both = tuple[ResourceOccupation, ResourceOccupation]
 
 
-def _pairs_between(ones: Sequence[Occupation], others: Sequence[Occupation], begin: int) -> dict[_Both, int]:
+def _pairs_between(
+    ones: Sequence[ResourceOccupation], others: Sequence[ResourceOccupation], begin: int
+) -> dict[_Both, int]:
     """Pairs of two trains with a number of their own each."""
-    by_resource: dict[str, list[Occupation]] = defaultdict(list)
+    by_resource: dict[str, list[ResourceOccupation]] = defaultdict(list)
     for other in others:
         by_resource[other.resource].append(other)
     both = ((one, other) for one in ones for other in by_resource[one.resource])
@@ -154,19 +156,19 @@ def _asked_once(between: Mapping[_Both, int], joined: Sequence[tuple[_Both, _Bot
 
 
 @dataclass(frozen=True)
-class _Chain:
+class _Succession:
     """Occupations that a train begins no later than it ends another whenever it has both, and the same backwards."""
 
-    then: defaultdict[Occupation, list[Occupation]]
-    before: defaultdict[Occupation, list[Occupation]]
+    then: defaultdict[ResourceOccupation, list[ResourceOccupation]]
+    before: defaultdict[ResourceOccupation, list[ResourceOccupation]]
 
 
-def _goes_on(train: Train, own: Sequence[Occupation]) -> _Chain:
+def _goes_on(train: Train, own: Sequence[ResourceOccupation]) -> _Succession:
     entered: dict[int, set[int]] = defaultdict(set)
     for i, operation in enumerate(train):
         for successor in operation.successors:
             entered[successor].add(i)
-    chain = _Chain(defaultdict(list), defaultdict(list))
+    chain = _Succession(defaultdict(list), defaultdict(list))
     for one, other in product(own, own):
         if one.resource == other.resource or other.operations[0] < one.operations[0]:
             continue

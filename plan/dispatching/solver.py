@@ -34,7 +34,7 @@ class Answer:
 
 
 def solve(instance: Instance, work_max: float) -> Answer:
-    """The least cost that `work_max` of the solver's counted work leads to; 1 is about two seconds of a processor.
+    """The least cost that `work_max` of the solver's counted work leads to; 1 is about eight seconds of a processor.
 
     Two searches take half of it each: one that finds orders soon, and one from below, which proves.
     """

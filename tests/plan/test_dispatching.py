@@ -17,12 +17,12 @@ from plan.dispatching import model, solver
 from plan.dispatching.checker import cost_of, objections
 from plan.dispatching.instance import (
     Instance,
-    Operation,
     OperationDelay,
+    ResourceUsage,
     Solution,
     StartEvent,
     Train,
-    Use,
+    TrainOperation,
     read_instance,
     read_solution,
 )
@@ -36,11 +36,12 @@ SHARED = Path(__file__).resolve().parents[2] / "../shared/data/displib"
 
 def way(*legs: tuple[int, str], release: int = 0) -> Train:
     """A train that runs through these resources one after the other, so long each, and is gone."""
-    uses = [tuple(Use(name, release) for name in names.split()) for _, names in legs]
+    uses = [tuple(ResourceUsage(name, release) for name in names.split()) for _, names in legs]
     running = [
-        Operation(lasts, (i + 1,), used) for i, ((lasts, _), used) in enumerate(zip(legs, uses, strict=True))
+        TrainOperation(lasts, (i + 1,), used)
+        for i, ((lasts, _), used) in enumerate(zip(legs, uses, strict=True))
     ]
-    return (*running, Operation(0, ()))
+    return (*running, TrainOperation(0, ()))
 
 
 def in_time(*trains: Train) -> Instance:
@@ -52,11 +53,11 @@ def in_time(*trains: Train) -> Instance:
 def with_loop(first: str, then: str) -> Train:
     """A single track with a loop of two tracks in its middle."""
     return (
-        Operation(10, (1, 2), (Use(first),), start_ub=0),
-        Operation(1, (3,), (Use("loop 1"),)),
-        Operation(1, (3,), (Use("loop 2"),)),
-        Operation(10, (4,), (Use(then),)),
-        Operation(0, ()),
+        TrainOperation(10, (1, 2), (ResourceUsage(first),), start_ub=0),
+        TrainOperation(1, (3,), (ResourceUsage("loop 1"),)),
+        TrainOperation(1, (3,), (ResourceUsage("loop 2"),)),
+        TrainOperation(10, (4,), (ResourceUsage(then),)),
+        TrainOperation(0, ()),
     )
 
 
@@ -184,16 +185,16 @@ USES = st.lists(st.sampled_from("abcd"), max_size=2, unique=True)
 def trains(draw: st.DrawFn) -> Train:
     """Up to three operations, of which the second may be one of two."""
 
-    def operation(*successors: int) -> Operation:
+    def operation(*successors: int) -> TrainOperation:
         release = draw(st.sampled_from((0, 0, 2)))
-        used = tuple(Use(name, release) for name in draw(USES))
+        used = tuple(ResourceUsage(name, release) for name in draw(USES))
         late = draw(st.sampled_from((None, None, None, 6)))
         early = draw(st.sampled_from((0, 0, 3)))
-        return Operation(draw(st.integers(0, 4)), successors, used, early, late)
+        return TrainOperation(draw(st.integers(0, 4)), successors, used, early, late)
 
     if draw(st.booleans()):
-        return (operation(1), operation(2), Operation(0, ()))
-    return (operation(1, 2), operation(3), operation(3), Operation(0, ()))
+        return (operation(1), operation(2), TrainOperation(0, ()))
+    return (operation(1, 2), operation(3), operation(3), TrainOperation(0, ()))
 
 
 @given(st.lists(trains(), min_size=2, max_size=3))
