@@ -19,6 +19,7 @@ from study.runner.run import (
     NO_MORE,
     CarrierKind,
     FinishedRun,
+    carrier_of,
     end_room_bytes,
     execute,
     fill_run,
@@ -49,9 +50,7 @@ class RunAsked:
 
     def __post_init__(self) -> None:
         units_at(self.units, link_of(self.link))
-        if self.carrier not in {CarrierKind.SUMO.value, CarrierKind.PLAIN.value}:
-            raise InputError(COMMAND_LINE, "--carrier", self.carrier, "sumo or plain")
-        if self.gui and self.carrier != CarrierKind.SUMO.value:
+        if carrier_of(self.carrier) is not CarrierKind.SUMO and self.gui:
             raise InputError(COMMAND_LINE, "--gui", None, "--carrier sumo, which alone has a window")
 
 
@@ -87,7 +86,7 @@ def run_whole(
                 scenario,
                 link,
                 units=units_at(asked.units, link),
-                carrier=CarrierKind.SUMO_GUI if asked.gui else CarrierKind(asked.carrier),
+                carrier=CarrierKind.SUMO_GUI if asked.gui else carrier_of(asked.carrier),
                 progress=told,
                 journal=place.journal,
                 delay_ms=asked.gui_delay_ms,

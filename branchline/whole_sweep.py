@@ -12,6 +12,7 @@ from branchline.progress import print_aside, progress_of_days
 from network.errors import COMMAND_LINE, InputError
 from study.drilling.forks import jobs_of
 from study.outcome import CutShortError
+from study.runner.run import carrier_of
 from study.sweep.cluster import ClusterPump
 from study.sweep.go import SweepProgress, run_missing, sweep_begun
 from study.sweep.local import GivenUpError, LocalPump
@@ -33,8 +34,8 @@ class SweepAsked:
     anyway: bool = False
 
     def __post_init__(self) -> None:
-        if self.carrier not in {None, "sumo", "plain"}:
-            raise InputError(COMMAND_LINE, "--carrier", self.carrier, "sumo or plain")
+        if self.carrier is not None:
+            carrier_of(self.carrier)
         if self.scheduler is not None and self.jobs is not None:
             expected = "no --scheduler, whose workers run the days"
             raise InputError(COMMAND_LINE, "--jobs", self.jobs, expected)

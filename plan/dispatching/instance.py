@@ -73,6 +73,15 @@ class Solution(msgspec.Struct, frozen=True):
     events: tuple[StartEvent, ...]
 
 
+def predecessors(train: Train) -> list[list[int]]:
+    """For each operation those that it can follow."""
+    before: list[list[int]] = [[] for _ in train]
+    for i, operation in enumerate(train):
+        for successor in operation.successors:
+            before[successor].append(i)
+    return before
+
+
 def read_instance(file: Path) -> Instance:
     """Read and check an instance. Raises InputError naming the first place that contradicts the description."""
     instance = read_json(file, Instance)

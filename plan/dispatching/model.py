@@ -9,7 +9,7 @@ from typing import Final
 from ortools.sat.python import cp_model
 from ortools.sat.python.cp_model_helper import Literal
 
-from plan.dispatching.instance import Instance, OperationDelay, Solution, Train, TrainOperation
+from plan.dispatching.instance import Instance, OperationDelay, Solution, Train, TrainOperation, predecessors
 from plan.dispatching.occupations import (
     Pair,
     ResourceOccupation,
@@ -30,23 +30,20 @@ class TrainModel:
     def __init__(self, model: cp_model.CpModel, train: Train, horizon: int) -> None:
         self.train, self._model, self._horizon = train, model, horizon
         self._yes = model.new_constant(1)
-        before: list[list[int]] = [[] for _ in train]
-        for i, operation in enumerate(train):
-            for successor in operation.successors:
-                before[successor].append(i)
+        self._before = predecessors(train)
         certain = certain_operations(train)
         self.runs = [self._yes if i in certain else model.new_bool_var("") for i in range(len(train))]
-        self.start = self._starts(before)
-        self.goes = self._arcs(before)
+        self.start = self._starts()
+        self.goes = self._arcs()
 
-    def _starts(self, before: list[list[int]]) -> list[cp_model.IntVar]:
+    def _starts(self) -> list[cp_model.IntVar]:
         earliest: list[int] = []
         for i, operation in enumerate(self.train):
-            reached = min((earliest[k] + self.train[k].min_duration for k in before[i]), default=0)
+            reached = min((earliest[k] + self.train[k].min_duration for k in self._before[i]), default=0)
             earliest.append(max(reached, operation.start_lb))
         together: dict[tuple[int, ...], list[int]] = defaultdict(list)
         for i in range(len(self.train)):
-            together[tuple(before[i])].append(i)
+            together[tuple(self._before[i])].append(i)
         starts: dict[int, cp_model.IntVar] = {}
         for group in together.values():
             least, most = min(earliest[i] for i in group), max(self._latest(self.train[i]) for i in group)
@@ -60,13 +57,13 @@ class TrainModel:
     def _latest(self, operation: TrainOperation) -> int:
         return self._horizon if operation.start_ub is None else min(operation.start_ub, self._horizon)
 
-    def _arcs(self, before: list[list[int]]) -> dict[tuple[int, int], cp_model.IntVar]:
+    def _arcs(self) -> dict[tuple[int, int], cp_model.IntVar]:
         model, arcs = self._model, dict[tuple[int, int], cp_model.IntVar]()
         for i, operation in enumerate(self.train):
             for successor in operation.successors:
                 if len(operation.successors) == 1:
                     goes = self.runs[i]
-                elif len(before[successor]) == 1:
+                elif len(self._before[successor]) == 1:
                     goes = self.runs[successor]
                 else:
                     goes = model.new_bool_var("")
@@ -76,7 +73,7 @@ class TrainModel:
                 )
             if operation.successors:
                 model.add(sum(arcs[i, successor] for successor in operation.successors) == self.runs[i])
-        for i, earlier in enumerate(before[1:], 1):
+        for i, earlier in enumerate(self._before[1:], 1):
             model.add(sum(arcs[k, i] for k in earlier) == self.runs[i])
         return arcs
 
@@ -90,26 +87,15 @@ class TrainModel:
 
     def begins(self, occupation: ResourceOccupation) -> cp_model.IntVar:
         """When it begins, no later than any of its operations."""
-        starts = {self.start[i].index: self.start[i] for i in self.entries(occupation)}
+        inside = set(occupation.operations)
+        entries = [i for i in inside if i == 0 or not inside.issuperset(self._before[i])]
+        starts = {self.start[i].index: self.start[i] for i in entries}
         if len(starts) == 1:
             return next(iter(starts.values()))
         begins = self._model.new_int_var(0, self._horizon, "")
-        for i in self.entries(occupation):
+        for i in sorted(entries):
             self._model.add(begins <= self.start[i]).only_enforce_if(self.runs[i])
         return begins
-
-    def entries(self, occupation: ResourceOccupation) -> list[int]:
-        """Operations with which it may begin."""
-        inner = {j for i in occupation.operations for j in self.train[i].successors} & set(
-            occupation.operations
-        )
-        entered = {
-            j
-            for i, operation in enumerate(self.train)
-            if i not in occupation.operations
-            for j in operation.successors
-        }
-        return [i for i in occupation.operations if i not in inner or i in entered]
 
     def ends(self, occupation: ResourceOccupation) -> cp_model.IntVar | None:
         """When others may have the resource again, no earlier than it is let go of; None: never."""

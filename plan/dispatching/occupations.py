@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, product
 
-from plan.dispatching.instance import Train
+from plan.dispatching.instance import Train, predecessors
 
 
 @dataclass(frozen=True)
@@ -164,10 +164,7 @@ class _Succession:
 
 
 def _goes_on(train: Train, own: Sequence[ResourceOccupation]) -> _Succession:
-    entered: dict[int, set[int]] = defaultdict(set)
-    for i, operation in enumerate(train):
-        for successor in operation.successors:
-            entered[successor].add(i)
+    entered = predecessors(train)
     chain = _Succession(defaultdict(list), defaultdict(list))
     for one, other in product(own, own):
         if one.resource == other.resource or other.operations[0] < one.operations[0]:

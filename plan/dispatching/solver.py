@@ -28,9 +28,13 @@ class Answer:
 
     solution: Solution | None
     bound: int
-    proven: bool
     impossible: bool
     work: float
+
+    @property
+    def proven(self) -> bool:
+        """Whether no order costs less."""
+        return self.solution is not None and self.solution.objective_value <= self.bound
 
 
 def solve(instance: Instance, work_max: float) -> Answer:
@@ -39,7 +43,7 @@ def solve(instance: Instance, work_max: float) -> Answer:
     Two searches take half of it each: one that finds orders soon, and one from below, which proves.
     """
     dispatch = DispatchModel(instance)
-    best = Answer(None, 0, proven=False, impossible=False, work=0.0)
+    best = Answer(None, 0, impossible=False, work=0.0)
     for by_cores in (False, True):
         best = _search(instance, dispatch, best, work_max, by_cores=by_cores)
         if best.proven or best.impossible:
@@ -65,45 +69,41 @@ def _search(
         status = solver.solve(dispatch.model)
         work += solver.response_proto.deterministic_time
         if status == cp_model.INFEASIBLE:
-            return Answer(None, best.bound, proven=False, impossible=True, work=work)
+            return Answer(None, best.bound, impossible=True, work=work)
         bound = max(best.bound, round(solver.best_objective_bound))
         if status not in {cp_model.OPTIMAL, cp_model.FEASIBLE}:
-            return Answer(best.solution, bound, proven=False, impossible=False, work=work)
+            return Answer(best.solution, bound, impossible=False, work=work)
         if circle := _circle(dispatch, solver):
             dispatch.model.add_bool_or([~literal for literal in circle])
             continue
         found = _solution(instance, dispatch, solver)
         if best.solution is not None and best.solution.objective_value < found.objective_value:
             found = best.solution
-        return Answer(found, bound, found.objective_value <= bound, impossible=False, work=work)
+        return Answer(found, bound, impossible=False, work=work)
 
 
 def _before(
     dispatch: DispatchModel, solver: cp_model.CpSolver
 ) -> Iterator[tuple[_Node, _Node, list[Literal]]]:
     """Which start comes before which, and what makes it so."""
-    for a, train in enumerate(dispatch.trains):
-        for (i, j), goes in train.goes.items():
-            if solver.boolean_value(goes):
-                yield (a, i), (a, j), [goes]
+    runs = [
+        {i for i, runs in enumerate(train.runs) if solver.boolean_value(runs)} for train in dispatch.trains
+    ]
+    then = [
+        {i: j for (i, j), goes in train.goes.items() if solver.boolean_value(goes)}
+        for train in dispatch.trains
+    ]
+    for a, after in enumerate(then):
+        for i, j in after.items():
+            yield (a, i), (a, j), [dispatch.trains[a].goes[i, j]]
     for pair in dispatch.pairs:
         for earlier, later, first in ((pair.first, pair.second, True), (pair.second, pair.first, False)):
             conditions = dispatch.conditions(pair, first=first)
             if not all(solver.boolean_value(condition) for condition in conditions):
                 continue
-            ends = [
-                (earlier.train, j)
-                for (i, j), goes in dispatch.trains[earlier.train].goes.items()
-                if i in earlier.operations and j not in earlier.operations and solver.boolean_value(goes)
-            ]
-            begins = [
-                (later.train, i)
-                for i in dispatch.trains[later.train].entries(later)
-                if solver.boolean_value(dispatch.trains[later.train].runs[i])
-            ]
-            for end in ends:
-                for begin in begins[:1]:
-                    yield end, begin, conditions
+            last = max(runs[earlier.train].intersection(earlier.operations))
+            first_run = min(runs[later.train].intersection(later.operations))
+            yield (earlier.train, then[earlier.train][last]), (later.train, first_run), conditions
 
 
 def _circle(dispatch: DispatchModel, solver: cp_model.CpSolver) -> list[Literal]:

@@ -458,6 +458,13 @@ def link_of(name: str) -> PartyLink:
         raise InputError("command line", "--link", name, "simulated or zenoh") from None
 
 
+def carrier_of(name: str) -> CarrierKind:
+    """The carrier of that name, without a window; InputError otherwise."""
+    if name not in {CarrierKind.SUMO.value, CarrierKind.PLAIN.value}:
+        raise InputError("command line", "--carrier", name, "sumo or plain")
+    return CarrierKind(name)
+
+
 def units_at(name: str, link: PartyLink) -> UnitsAt:
     """Where units run, by that name; InputError otherwise, and for processes without Zenoh between them."""
     try:
