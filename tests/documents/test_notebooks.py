@@ -9,6 +9,7 @@ from nbclient.exceptions import CellExecutionError
 
 from documents.notebooks import FOLDER, QUICK, execute_notebook, notebook, texts_shown
 from documents.structure import ROOT
+from tests.nightly import others_nightly
 
 LONG = "DAYS = 1000"
 
@@ -18,7 +19,7 @@ def _this_tree(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("name", others_nightly(QUICK, QUICK[:1]))
 def test_a_notebook_shows_what_is_committed(tmp_path: Path, name: str) -> None:
     book = notebook(name)
     committed = texts_shown(book)

@@ -15,7 +15,8 @@ from network.alignment import positions
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Line
-from scenario.scenario import load_scenario
+from scenario.part_of_day import part_of_day
+from scenario.scenario import Scenario, load_scenario
 from study.feasibility.check import feasibility
 from study.runner.run import PartyLink, execute
 from sumo_cfg.build import committed_net, net_digest
@@ -51,6 +52,7 @@ def test_the_committed_net_is_this_lines(real: RealLine) -> None:
     assert net_digest(committed_net(real.id)) == write_plain(line).digest
 
 
+@pytest.mark.nightly
 @needs_data
 @each_line
 def test_the_committed_line_is_what_the_list_and_the_geometry_make(real: RealLine) -> None:
@@ -130,25 +132,23 @@ def test_it_says_what_is_assumed_and_whose_the_data_is(real: RealLine) -> None:
         assert what in said
 
 
-@pytest.mark.system
-@pytest.mark.parametrize(
-    "real",
-    [pytest.param(real, marks=() if real is LINES[-1] else pytest.mark.nightly) for real in LINES],
-    ids=lambda real: real.id,
-)
-def test_every_train_of_the_weekday_runs_and_none_is_a_minute_late(real: RealLine) -> None:
-    run = execute(load_scenario(f"{real.id}_weekday"), PartyLink.SIMULATED)
+def _trains_run_to_plan(scenario: Scenario) -> int:
+    run = execute(scenario, PartyLink.SIMULATED)
     assert run.broken == ()
     assert run.summary["invariants_broken"] == run.summary["collisions"] == 0
-    assert run.summary["trains_arrived"] == run.summary["trains_planned"] == TRAINS[real.id][0]
+    assert run.summary["trains_arrived"] == run.summary["trains_planned"]
     assert run.summary["late_s_max"] <= 60.0
+    return int(run.summary["trains_planned"])
+
+
+@pytest.mark.system
+def test_the_first_trains_of_a_weekday_run_and_none_is_a_minute_late() -> None:
+    assert _trains_run_to_plan(part_of_day(load_scenario("isumi_weekday"), None, "07:00")) == 2
 
 
 @pytest.mark.nightly
 @pytest.mark.system
+@each_day
 @each_line
-def test_so_does_every_train_of_the_holiday(real: RealLine) -> None:
-    run = execute(load_scenario(f"{real.id}_holiday"), PartyLink.SIMULATED)
-    assert run.broken == ()
-    assert run.summary["trains_arrived"] == TRAINS[real.id][1]
-    assert run.summary["late_s_max"] <= 60.0
+def test_so_does_every_train_of_the_day(real: RealLine, day: CalendarDay) -> None:
+    assert _trains_run_to_plan(load_scenario(f"{real.id}_{day.id}")) == TRAINS[real.id][DAYS.index(day)]

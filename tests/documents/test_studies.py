@@ -77,6 +77,7 @@ def test_a_minute_less_is_too_little() -> None:
         second_loop.even_timetable(legs, 25 * 60)
 
 
+@pytest.mark.nightly
 def test_headways_are_those_of_the_page() -> None:
     assert studies.block_text(studies.headways()) == block("headways")
 

@@ -30,16 +30,8 @@ from radio.messages import (
     SignOnAccepted,
 )
 from radio.noted import TelegramDropped, TookEffect
-from wayside.config import (
-    MANAGER_ID,
-    ManagerConfig,
-    PointsEntry,
-    RouteEntry,
-    SectionEntry,
-    TerminalConfig,
-    decode_config,
-    encode_config,
-)
+from tests.host.one_unit import MANAGER, MASTER, TERMINAL
+from wayside.config import MANAGER_ID, ManagerConfig, TerminalConfig, decode_config, encode_config
 from wayside.point_terminal import Commitment, TerminalMemory
 from wayside.said import (
     BoundaryPassed,
@@ -53,16 +45,6 @@ from wayside.said import (
     StartThrow,
     StopThrow,
 )
-
-MASTER = b"m" * 32
-MANAGER = ManagerConfig(
-    "line",
-    MANAGER_ID,
-    ("u1",),
-    (SectionEntry("P", portal=True), SectionEntry("S", terminal_ids=("t",)), SectionEntry("T")),
-    (RouteEntry("R", "P", ("S", "T")),),
-)
-TERMINAL = TerminalConfig("line", "t", (PointsEntry("p", "S", 8.0),))
 
 
 def manager(store: PartyStore | None = None) -> DeviceHost:

@@ -11,24 +11,16 @@ from host.party import Role
 from host.store import MemoryStore, commission
 from network.errors import InputError
 from network.model import Position
-from wayside.config import (
-    MANAGER_ID,
-    ManagerConfig,
-    PointsEntry,
-    RouteEntry,
-    SectionEntry,
-    TerminalConfig,
-    decode_config,
-)
+from tests.host import one_unit
+from tests.host.one_unit import MASTER
+from wayside.config import MANAGER_ID, PointsEntry, SectionEntry, TerminalConfig, decode_config
 from wayside.said import ConfirmOutside, PointsDetected, Started, StartThrow
 
-MASTER = b"m" * 32
-MANAGER = ManagerConfig(
-    "line",
-    MANAGER_ID,
-    ("u1", "u2"),
-    (SectionEntry("P", portal=True), SectionEntry("S", terminal_ids=("extra", "west")), SectionEntry("T")),
-    (RouteEntry("R", "P", ("S", "T")),),
+STATION = SectionEntry("S", terminal_ids=("extra", "west"))
+MANAGER = msgspec.structs.replace(
+    one_unit.MANAGER,
+    unit_ids=("u1", "u2"),
+    sections=(SectionEntry("P", portal=True), STATION, SectionEntry("T")),
 )
 TERMINALS = [TerminalConfig("line", name, (PointsEntry("p", "S", 8.0),)) for name in ("extra", "west")]
 

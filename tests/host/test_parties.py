@@ -19,18 +19,9 @@ from radio.keys import key_ring
 from radio.messages import PointsCommand, RouteGranted, RouteRequest, SignOn
 from simulation.world import point_machine
 from simulation.world.point_machine import PointMachine
-from wayside.config import MANAGER_ID, ManagerConfig, PointsEntry, RouteEntry, SectionEntry, TerminalConfig
+from tests.host.one_unit import MANAGER, MASTER, TERMINAL
+from wayside.config import MANAGER_ID
 from wayside.said import ConfirmOutside, PointsDetected, Started, StartThrow
-
-MASTER = b"m" * 32
-MANAGER = ManagerConfig(
-    "line",
-    MANAGER_ID,
-    ("u1",),
-    (SectionEntry("P", portal=True), SectionEntry("S", terminal_ids=("t",)), SectionEntry("T")),
-    (RouteEntry("R", "P", ("S", "T")),),
-)
-TERMINAL = TerminalConfig("line", "t", (PointsEntry("p", "S", 8.0),))
 
 
 def specs() -> tuple[PartySpec, ...]:

@@ -65,13 +65,16 @@ def test_no_other_beacon_lies_in_the_window_of_one_that_is_used() -> None:
 # the reproductions --------------------------------------------------------------------------------------------
 
 
-def test_harada_beacons_and_without_the_slip_nothing_is_misread() -> None:
-    found = harada_beacons.reproduce(Options())
-    assert missed(found.rows) == []
+@pytest.mark.nightly
+def test_harada_beacons_by_every_method() -> None:
+    assert missed(harada_beacons.reproduce(Options()).rows) == []
+
+
+def test_on_slipping_wheels_a_beacon_is_misread_and_without_the_slip_none_is() -> None:
     dry = harada_beacons.run_method("", (PositionSensor.BEACONS,), BeaconTrust.PAPER, 1, slips=False)
-    misread = harada_beacons.beacon_rows(dry, dry, dry)
-    assert "by beacons, X is taken for B" in missed(misread)
-    assert "by beacons, C and the next one are missed" in missed(misread)
+    misread = {"by beacons, X is taken for B", "by beacons, C and the next one are missed"}
+    assert set(missed(harada_beacons.beacon_rows(dry, dry, dry))) >= misread
+    assert not misread & set(missed(harada_beacons.beacon_rows(harada_beacons.by_paper(1), dry, dry)))
 
 
 def test_harada_slide_and_without_the_mismatch_rule_it_is_not_declared() -> None:

@@ -16,16 +16,14 @@ from vehicle.compiled import INTERPRETED
 # Whole days of a line, hundreds of runs or stops, scans.
 LONG: Final = {
     *("line-stops", "line-driving", "battery-day", "virtual-blocks", "stop-window", "harada-accuracy"),
+    *("oda-scale-track", "yasunobu-energy"),
     *("position-compare", "position-fusion", "position-operations", "mochizuki-patterns", "mochizuki-speed"),
 }
 READS: Final = {"trainruns": trainruns.FOLDER, "ttobench": ttobench.FOLDER}
 
 
 @pytest.mark.skipif(INTERPRETED, reason="thousands of stops, and scans")
-@pytest.mark.parametrize(
-    "name",
-    others_nightly(sorted(REPRODUCTIONS), set(REPRODUCTIONS) - LONG),
-)
+@pytest.mark.parametrize("name", others_nightly(sorted(REPRODUCTIONS), set(REPRODUCTIONS) - LONG))
 def test_it_misses_every_criterion_that_it_must(name: str) -> None:
     if name in READS and not (BESIDE / READS[name]).is_dir():
         pytest.skip(f"reference data {READS[name]} absent")

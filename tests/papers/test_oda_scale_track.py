@@ -26,6 +26,7 @@ def table(renderer: Renderer) -> SightTable:
     return record_table(renderer, PAPER_SIGN, PAPER_TABLE_M, 5, window=ImageWindow(640, 480, 1280, 960))
 
 
+@pytest.mark.nightly
 def test_it_passes_on_its_short_slice() -> None:
     result = reproduce(Options(seed=5, quick=True))
     assert [row.case for row in result.rows if not row.passed] == []

@@ -36,6 +36,7 @@ def result() -> Reproduction:
     return reproduce(Options(seed=5, quick=True))
 
 
+@pytest.mark.nightly
 def test_every_criterion_holds_on_a_small_fleet(result: Reproduction) -> None:
     assert result.passed, [row for row in result.rows if not row.passed]
     assert "short slice" in result.remarks[-1]

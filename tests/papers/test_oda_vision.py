@@ -47,6 +47,8 @@ def result() -> Reproduction:
 def test_the_short_slice_passes_and_says_that_it_is_short(result: Reproduction) -> None:
     assert [row.case for row in result.rows if not row.passed] == []
     assert result.remarks[-1].startswith("Quick")
+    assert next(row for row in result.rows if "without it" in row.case).ours == 0
+    assert all(parameter.origin for parameter in result.parameters)
 
 
 def failed(result: Iterable[CaseRow]) -> list[str]:
@@ -106,17 +108,6 @@ def test_what_24_trials_say_of_the_scatter() -> None:
     low_px, high_px = sigma_range_px()
     assert low_px < pooled_sigma(TRIALS_PX.values()) < high_px
     assert high_px < 3.0 * low_px  # so neither ten times more nor ten times less can be within
-
-
-@pytest.mark.nightly
-def test_no_sign_where_there_is_none(result: Reproduction) -> None:
-    row = next(row for row in result.rows if "without it" in row.case)
-    assert row.ours == 0
-
-
-@pytest.mark.nightly
-def test_every_parameter_has_an_origin(result: Reproduction) -> None:
-    assert all(parameter.origin for parameter in result.parameters)
 
 
 def test_the_papers_tables() -> None:

@@ -82,6 +82,7 @@ def test_what_c_2_is_worth_does_not_depend_on_who_took_longer(level: list[Energy
     assert not rows["without C-2 fuzzy needs more at level, 85 s, %"].passed
 
 
+@pytest.mark.nightly
 def test_what_is_saved_hangs_on_the_stop_of_each_law_and_the_row_says_so(
     quick: tuple[Reproduction, Path],
 ) -> None:
@@ -94,6 +95,7 @@ def test_what_is_saved_hangs_on_the_stop_of_each_law_and_the_row_says_so(
     assert told["PID 0.7, fuzzy 0.8 m/s^2"].startswith(f"{own:g}, net")
 
 
+@pytest.mark.nightly
 def test_without_c_2_the_rows_of_savings_fail(
     level: list[EnergyCell], quick: tuple[Reproduction, Path]
 ) -> None:
@@ -119,6 +121,7 @@ def test_a_time_that_is_impossible_says_the_least() -> None:
     assert 70.0 < cell.least_s < 80.0  # the paper's shortest is possible
 
 
+@pytest.mark.nightly
 def test_the_reproduction_draws_and_names_what_the_paper_does_not(quick: tuple[Reproduction, Path]) -> None:
     found, out = quick
     assert {path.name for path in out.iterdir()} == {

@@ -66,12 +66,7 @@ DEFECTS: Final = (
         "tokens_begin_anew",
         (Checker.TOKENS_GROW,),
     ),
-    Defect(
-        "silence frees what a unit holds",
-        "two_trains",
-        "silence_frees",
-        (Checker.INSIDE_HOLDING,),
-    ),
+    Defect("silence frees what a unit holds", "two_trains", "silence_frees", (Checker.INSIDE_HOLDING,)),
     Defect(
         "the block manager refuses everything",
         "rtri_test_line",

@@ -15,11 +15,7 @@ pytestmark = [pytest.mark.system, pytest.mark.nightly]
 
 @pytest.mark.parametrize(
     "arguments",
-    [
-        ("run", "rtri_test_line"),
-        ("drill", "rtri/27_slippery_rail"),
-        ("drill", "rtri/45_tags_by_bits"),
-    ],
+    [("run", "rtri_test_line"), ("drill", "rtri/27_slippery_rail"), ("drill", "rtri/45_tags_by_bits")],
     ids=lambda arguments: arguments[1],
 )
 def test_however_it_is_run_it_is_the_same(

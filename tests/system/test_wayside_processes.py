@@ -156,7 +156,10 @@ def test_a_stopped_run_leaves_what_was_run_and_no_process(
     assert list(running.temporary.iterdir()) == []
 
 
-@pytest.mark.parametrize(("stop", "outcome"), [(twice, Outcome.TERMINATED), (hang_up, Outcome.HUNG_UP)])
+@pytest.mark.parametrize(
+    ("stop", "outcome"),
+    [(twice, Outcome.TERMINATED), pytest.param(hang_up, Outcome.HUNG_UP, marks=pytest.mark.nightly)],
+)
 def test_a_second_signal_and_a_hang_up_leave_nothing(
     running: Running, stop: Callable[[subprocess.Popen[str]], None], outcome: Outcome
 ) -> None:
@@ -314,18 +317,9 @@ def test_no_module_of_the_folder_from_which_it_is_called_is_run(
     cwd.mkdir()
     for name in TRAPS:
         (cwd / f"{name}.py").write_text(mark, "utf-8")
-    arguments = (
-        "run",
-        "rtri_test_line",
-        "--link",
-        "zenoh",
-        "--units",
-        "processes",
-        "--out",
-        str(tmp_path / "run"),
-    )
+    arguments = ["run", "rtri_test_line", "--link", "zenoh", "--units", "processes", "--out"]
     done = subprocess.run(
-        [sys.executable, *called, *arguments],
+        [sys.executable, *called, *arguments, str(tmp_path / "run")],
         cwd=cwd,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         capture_output=True,

@@ -9,6 +9,7 @@ from onboard.localisation.fix import TakenFix, take_interval
 from onboard.localisation.tachometer import SURE_BRAKE_MPS2, calibrated_scale, locate
 from onboard.localisation.tags import tag_fix
 from onboard.records import EVENT_SAFE_REAR, EVENT_TAG_OVERDUE, UNIT, UnitRow
+from tests.nightly import others_nightly
 from vehicle.records import TrainRow
 
 ACCURACY_M = 0.5
@@ -84,8 +85,7 @@ def test_a_way_between_two_readings_may_be_a_pulse_off(train: TrainRow) -> None:
 
 
 @pytest.mark.parametrize(
-    ("tag_m", "accepted"),
-    [(1000.0, True), (1020.9, True), (1021.1, False), (979.1, True), (978.9, False)],
+    ("tag_m", "accepted"), [(1000.0, True), (1020.9, True), (1021.1, False), (979.1, True), (978.9, False)]
 )
 def test_a_tag_is_accepted_where_it_can_have_been_read(train: TrainRow, tag_m: float, accepted: bool) -> None:
     """After 1000 m the bound is 0.5 m + 20 m, and the tag itself is read to 0.5 m."""
@@ -100,7 +100,7 @@ def test_without_a_position_none_is_overdue(train: TrainRow) -> None:
     assert locate(unit, train, 500.0, 20.0, STEP_S) == 0
 
 
-@pytest.mark.parametrize("adhesion", [0.05, 0.08, 0.2])
+@pytest.mark.parametrize("adhesion", others_nightly((0.05, 0.08, 0.2), [0.08]))
 def test_locked_wheels_let_the_bound_grow_with_time(train: TrainRow, adhesion: float) -> None:
     """From 20 m/s the wheels lock at once and the train slides to a stand: v^2 / 2 a further on than they counted."""
     unit = new_unit(growth=0.0)

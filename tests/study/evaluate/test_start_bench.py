@@ -22,6 +22,7 @@ def test_medians_and_budgets() -> None:
     assert [budget["kept"] for budget in found["budgets"]] == [True, False]
 
 
+@pytest.mark.nightly
 def test_the_day_is_taken_off_the_run(turn_back: str, tmp_path: Path) -> None:
     """The child's own figure is positive, and less than what the whole process took."""
     command = [sys.executable, "-m", "study.evaluate.start_bench", "run", turn_back, "--out", "run"]

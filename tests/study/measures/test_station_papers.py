@@ -22,43 +22,14 @@ from study.measures.station_papers import (
 )
 from study.record.figure import schema_of
 from study.record.tables import ROWS, make_table
+from tests.conftest import TURN_BACK_TIMETABLE
 
 END_S = 86_400.0
 NO_TRAINS = Timetable(HeadTable(id="none", line="karasuyama"), {}, ())  # what is planned stands in the stops
-TIMES = """
-[timetable]
-id = "small"
-name = "Down to Ogane, back, and one that passes"
-line = "karasuyama"
-dwell_min_s = 20
-sources = ["made up"]
-
-[[trains]]
-number = "1D"
-direction = "down"
-begins = "portal:HSK.MD"
-ends = "becomes:2U"
-calls = [
-  { station = "HSK", departure = "05:37" },
-  { station = "SHN", arrival = "05:42", departure = "05:43" },
-  { station = "NIT", pass = "05:45:30" },
-  { station = "OGN", track = "1", arrival = "05:57" },
-]
-
-[[trains]]
-number = "2U"
-direction = "up"
-begins = "from:1D"
-ends = "portal:HSK.MU"
-calls = [
-  { station = "OGN", track = "1", departure = "06:05" },
-  { station = "HSK", arrival = "06:26" },
-]
-
-[[diagrams]]
-stock = "V1"
-trains = ["1D", "2U"]
-"""
+PASSED = '  { station = "OGN", track = "1", arrival = "05:57" },'
+TIMES = TURN_BACK_TIMETABLE.replace(PASSED, f'  {{ station = "NIT", pass = "05:45:30" }},\n{PASSED}').replace(
+    'ends = "stabled"', 'ends = "portal:HSK.MU"'
+)
 H5, H6 = 5 * 3600.0, 6 * 3600.0
 # unit, train, station, track, kind, planned arrival and departure, arrival and departure
 CALLS = (
