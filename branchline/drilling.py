@@ -34,8 +34,8 @@ def drill(
         typer.Option(
             "--sweep",
             help="Move the drill's faults and acts, as one piece, over all instants of the run, and print one line for"
-            " each class of outcome. A run is good if every train arrives, no invariant is broken and nothing crashes;"
-            " the drill's own expectations are not judged.",
+            " each class of outcome. A run is good if every train arrives, no invariant is broken but those that"
+            " the drill says wrong people break, and nothing crashes; its other expectations are not judged.",
         ),
     ] = False,
     sweep_kinds: Annotated[
