@@ -2,8 +2,9 @@
 
 The rules of the run without its metres: a route is asked for `request_lead_s` before the train may leave and granted
 whole, refused ones are asked for again every 5 s, a train leaves when its points are thrown, runs its time, and gives
-back what lies behind as it arrives. Trains come in by their portals as early as the operation sends them. So it also
-finds what the plan's own times do not show: trains that take each other's way because one of them comes early or late.
+back what lies behind as it arrives; section by section, the track that it left some time after that. Trains come in by
+their portals as early as the operation sends them. So it also finds what the plan's own times do not show: trains that
+take each other's way because one of them comes early or late.
 """
 
 from __future__ import annotations
@@ -13,15 +14,21 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import takewhile
 from typing import Final
 
+from network.model import SectionKind
 from onboard.authority.tables import REFUSED_REPEAT_S
+from onboard.duty.duty_step import ReleaseRule
 from onboard.duty.timekeeping import CRUISE_MIN_KMH
 from simulation.setup import Setup
 from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedTrain
 from study.feasibility.timing import throws_s
 
 OPENING_S: Final = 600.0  # the run begins this long before the first train
+CLEARS_S: Final = (
+    30.0  # assumed: from leaving a track until a tag proves it, and points beyond it, to be behind
+)
 COMES_S: Final = 40.0  # assumed: from the approach tag to the track
 SLOWEST_MPS: Final = CRUISE_MIN_KMH / 3.6
 SLOWED_S: Final = 40.0  # assumed: what a stop before points costs that are thrown only then
@@ -207,7 +214,20 @@ class Rehearsal:
         if there.target is None:
             one.asks = one.node + 1
             self._at(max(arrives_s - COMES_S, leaves_s), partial(self._wait, one))
+        if self._setup.operation.release is ReleaseRule.SECTION:
+            left = partial(self._clear, one, self._left_behind(one))
+            self._at(min(leaves_s + CLEARS_S, arrives_s), left)
         self._at(arrives_s, partial(self._arrive, one))
+
+    def _left_behind(self, one: _RehearsedSet) -> set[str]:
+        """The track that it leaves, and the points between that and the open line."""
+        sections = self._day.line.sections
+        ahead = one.train.routes[one.node].section_ids
+        points = takewhile(lambda section_id: sections[section_id].kind is SectionKind.POINTS, ahead)
+        return {one.train.nodes[one.node].section_id, *points}
+
+    def _clear(self, one: _RehearsedSet, behind: set[str], now_s: float) -> None:
+        self._give_back(one, one.holds - behind, now_s)
 
     def _run(self, train: PlannedTrain, node: int) -> tuple[float, float]:
         """Running time to the next node, and the time before which the train does not come there, s."""

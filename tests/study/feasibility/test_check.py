@@ -12,9 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import Direction, TagPurpose
+from onboard.duty.duty_step import ReleaseRule
 from scenario.scenario import load_scenario, shipped_scenarios
 from simulation.settings import Operation
 from simulation.tolerance import CALLS_SHORT_M, OFF_MARK_M
+from study.drilling.drill import find_drill
 from study.feasibility.check import PlanRefusedError, feasibility, refuse
 from study.feasibility.finding import FindingKind, Severity, length_of_time, minute, severity_of
 from study.feasibility.planned import planned_day
@@ -215,6 +217,17 @@ def test_a_day_without_fault_is_on_time_when_played_through() -> None:
         max(one.late_s for one in rehearsal.late if not one.leaves) < 0.0
     )  # trains aim to be there a little early
     assert max(one.late_s for one in rehearsal.late if one.leaves) == 0.0
+
+
+def test_a_track_given_back_by_itself_lets_the_next_train_in_sooner() -> None:
+    """T3 waits for the track at A until T1 is at B, or until that has left it: `rtri/76_by_section` runs it."""
+    comes_s: dict[ReleaseRule, float] = {}
+    for rule in ReleaseRule:
+        setup = load_scenario(find_drill("rtri/76_by_section")).setup
+        setup = replace(setup, operation=setup.operation.model_copy(update={"release": rule}))
+        late = Rehearsal(setup, planned_day(setup)).late
+        comes_s[rule] = next(one.late_s for one in late if (one.train.number, one.station_id) == ("T3", "A"))
+    assert comes_s[ReleaseRule.SECTION] < comes_s[ReleaseRule.ROUTE] - 30.0
 
 
 def test_a_shorter_lead_mends_what_a_long_one_breaks() -> None:
