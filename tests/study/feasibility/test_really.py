@@ -23,7 +23,7 @@ from tests.study.feasibility.moved_plans import moved_plan
 pytestmark = pytest.mark.system
 
 GOES_WRONG_S = 15.0  # later than this, a train of these plans did not run as planned
-LATE_S = 180.0  # as in the rule
+ABOUT_S = 100.0  # by which a day in blocks and minutes may be wrong about the latest train
 BROKEN = [name for name in BREAKS if name != "no_way"]  # which has no run
 IN_PASSING = ("one_track_for_both", "leg_in_two_minutes")
 
@@ -77,7 +77,7 @@ def ends_if_it_may(seed: int) -> bool:
     result = run(plan.setup())
     assert unfinished(result) == ()
     late_s = (f.short_s or 0.0 for f in found.not_as_printed if f.kind is FindingKind.LATE)
-    assert latest_s(result) == pytest.approx(max(late_s, default=0.0), abs=LATE_S)
+    assert latest_s(result) == pytest.approx(max(late_s, default=0.0), abs=ABOUT_S)
     return True
 
 
