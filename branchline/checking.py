@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from branchline.ending import end, judged_outcome, print_json
 from branchline.options import Json, ScenarioName
+from branchline.progress import said_if_long
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,7 +33,8 @@ def check(
 
     loaded = load_scenario(scenario)
     line, timetable = loaded.setup.line, loaded.setup.timetable
-    found = feasibility(loaded.setup)
+    with said_if_long("checking where trains meet"):
+        found = feasibility(loaded.setup)
     drawn = not any(finding.kind is FindingKind.NO_WAY for finding in found.impossible)
     weaker = confirmed_by_eye(loaded.setup) if drawn else {}
     figures: dict[str, Any] = {

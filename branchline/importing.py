@@ -11,7 +11,7 @@ from branchline.gtfs import import_gtfs
 from branchline.importing_layout import import_osm_command, import_railml_command, import_sumo_command
 from branchline.importing_timetables import import_mini_tokyo
 from branchline.oudia import import_oudia
-from branchline.progress import print_aside
+from branchline.progress import print_aside, said_if_long
 
 importers = typer.Typer(help="Read timetables and tracks of other programs.")
 importers.command("railml")(import_railml_command)
@@ -28,7 +28,8 @@ def import_geometry_command(
     """Fit straights, transitions, curves and kilometrage to a track polyline."""
     from exchange.geometry import import_geometry
 
-    import_geometry(polyline, stations, out)
+    with said_if_long("fitting curves to the polyline"):
+        import_geometry(polyline, stations, out)
     print_aside(f"wrote {out}")
 
 

@@ -23,7 +23,7 @@ from branchline.options import (
     TimetableOut,
     TurnMin,
 )
-from branchline.progress import print_aside
+from branchline.progress import print_aside, said_if_long
 from study.outcome import Outcome
 
 if TYPE_CHECKING:
@@ -172,7 +172,8 @@ def _least(line: Line, train_name: str) -> tuple[Running, str]:
     from vehicle.train_file import load_train, train_named
 
     train = load_train(train_named(train_name))
-    return least_by_leg(line, train), train.id
+    with said_if_long(f"computing the least running times of {train.id}"):
+        return least_by_leg(line, train), train.id
 
 
 def print_figures(figures: dict[str, Any]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
@@ -29,6 +30,29 @@ def silence_stream(stream: TextIO) -> Generator[None]:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, stream.fileno())
         os.close(nowhere)
+
+
+SPOKEN_AFTER_S: Final = 2.0  # of silence
+
+
+@contextmanager
+def said_if_long(what: str) -> Generator[None]:
+    """Says what goes on if it takes longer than a person waits, and again whenever twice the time has gone by."""
+    ended = threading.Event()
+
+    def watch() -> None:
+        so_far_s = SPOKEN_AFTER_S
+        while not ended.wait(so_far_s if so_far_s == SPOKEN_AFTER_S else 0.5 * so_far_s):
+            print_aside(f"{what}: {so_far_s:g} s so far")
+            so_far_s *= 2.0
+
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watcher.join()
 
 
 @contextmanager
@@ -152,7 +176,6 @@ class _Pace:
         return f"{60.0 / max(each_s, 1e-9):.0f} days a minute, {text} left"
 
 
-SPOKEN_AFTER_S: Final = 2.0  # of compiling, and so long between two lines
 LINKED_SHARE: Final = 0.2  # of the time of a piece, for what comes after its last function
 
 

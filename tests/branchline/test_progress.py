@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from threading import Event
+
 import pytest
 
 from branchline import progress
-from branchline.progress import CompilingShown
+from branchline.progress import CompilingShown, said_if_long
 from vehicle.compiling import Compilation
 
 
@@ -33,3 +35,26 @@ def test_compiling_that_takes_a_while_is_told_with_the_time_left(
         [],
         [f"{head} optimising, about 4 s left"],
     ]  # fmt: skip
+
+
+def test_what_takes_long_says_so_ever_less_often(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waited_s: list[float] = []
+    done = Event()
+
+    class Watched(Event):
+        def wait(self, timeout: float | None = None) -> bool:
+            if timeout is None:  # a thread's own, that it has started
+                return super().wait()
+            waited_s.append(timeout)
+            if len(waited_s) <= 3:
+                return False
+            done.set()
+            return super().wait()
+
+    monkeypatch.setattr(progress.threading, "Event", Watched)
+    with said_if_long("fitting"):
+        done.wait()
+    assert capsys.readouterr().err.splitlines() == [f"fitting: {so_far} s so far" for so_far in (2, 4, 8)]
+    assert waited_s == [2.0, 2.0, 4.0, 8.0]
