@@ -5,29 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
+from importlib import import_module
 from types import MappingProxyType
-from typing import Final
+from typing import TYPE_CHECKING, Any, Final
 
 import polars as pl
-from matplotlib.figure import Figure
 
 from network.errors import InputError
 from network.files.toml_input import one_of
-from study.measures.standard_times import planned_runs, standard_times
-from study.plot import battery, days, energy, fullness, laws, position, stations
 from study.plot.choice import ChosenRun
-from study.plot.energy_parts import draw_energy_parts
-from study.plot.margins import draw_margins
-from study.plot.stairway import draw_stairway_of, stairway_table
 from study.record.marks import Mark
-from study.record.setup_back import setup_of
-from study.report.charts import draw_delays, draw_energy, draw_stop_errors
-from study.report.curve import draw_run_curve
-from study.report.graph import draw_train_graph
-from study.report.occupancy import draw_occupancy
-from study.report.running_times import draw_running_times
 from study.wording.catalogue import phrase
 from study.wording.phrase import Phrase
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 class PlotOption(Enum):
@@ -66,7 +58,24 @@ def _run_curve_table(run: ChosenRun) -> pl.DataFrame:
     return run.chosen_rows(run.tables.trajectory)
 
 
+def _drawn_by(module: str, name: str) -> Callable[[ChosenRun], Any]:
+    """A function of a module that is imported when it is called: who draws one kind waits for no other."""
+
+    def drawn(run: ChosenRun) -> Any:  # noqa: ANN401 - a table, or a figure
+        return getattr(import_module(f"study.{module}"), name)(run)
+
+    return drawn
+
+
+def _train_graph(run: ChosenRun) -> Figure | None:
+    from study.report.graph import draw_train_graph
+
+    return draw_train_graph(run, _marks(run))[0]
+
+
 def _run_curve(run: ChosenRun) -> Figure | None:
+    from study.report.curve import draw_run_curve
+
     found = next((key for key in run.courses if key[1] == run.choice.train), None)
     return None if found is None else draw_run_curve(run, *found)
 
@@ -78,17 +87,26 @@ def _blocks_table(run: ChosenRun) -> pl.DataFrame:
 
 
 def _running_times_table(run: ChosenRun) -> pl.DataFrame:
+    from study.measures.standard_times import standard_times
+    from study.record.setup_back import setup_of
+
     return pl.DataFrame(
         [time.as_dict() for time in standard_times(setup_of(run.read))], infer_schema_length=None
     )
 
 
 def _running_times(run: ChosenRun) -> Figure | None:
+    from study.measures.standard_times import planned_runs, standard_times
+    from study.record.setup_back import setup_of
+    from study.report.running_times import draw_running_times
+
     setup = setup_of(run.read)
     return draw_running_times(run.line, standard_times(setup), planned_runs(setup))
 
 
 def _stop_errors(run: ChosenRun) -> Figure | None:
+    from study.report.charts import draw_stop_errors
+
     return draw_stop_errors(run, run.read.summary)
 
 
@@ -101,88 +119,98 @@ _KINDS: Final = (
         "train-graph",
         phrase("Train graph, plan thin and run thick"),
         _times_of_stops,
-        lambda run: draw_train_graph(run, _marks(run))[0],
+        _train_graph,
         _TIME,
     ),
     PlotKind("run-curve", phrase("Run curve"), _run_curve_table, _run_curve, _TRAIN, _TRAIN),
     PlotKind(
         "track-occupation",
         phrase("Track occupation"),
-        stations.occupation_table,
-        stations.draw_occupation,
+        _drawn_by("plot.stations", "occupation_table"),
+        _drawn_by("plot.stations", "draw_occupation"),
         _ALL,
     ),
     PlotKind(
         "station-timetable",
         phrase("Station timetable"),
-        stations.timetable_table,
-        stations.draw_timetable,
+        _drawn_by("plot.stations", "timetable_table"),
+        _drawn_by("plot.stations", "draw_timetable"),
         _STATION | _TIME,
         _STATION,
     ),
     PlotKind(
         "punctuality",
         phrase("Punctuality by station"),
-        stations.punctuality_table,
-        stations.draw_punctuality,
+        _drawn_by("plot.stations", "punctuality_table"),
+        _drawn_by("plot.stations", "draw_punctuality"),
         _STATION | _TIME,
     ),
-    PlotKind("delays", phrase("Lateness of every call, s"), _times_of_stops, draw_delays),
+    PlotKind(
+        "delays",
+        phrase("Lateness of every call, s"),
+        _times_of_stops,
+        _drawn_by("report.charts", "draw_delays"),
+    ),
     PlotKind(
         "waits",
         phrase("Why each stock waited"),
-        days.waits_table,
-        days.draw_waits,
+        _drawn_by("plot.days", "waits_table"),
+        _drawn_by("plot.days", "draw_waits"),
         _ALL,
     ),
-    PlotKind("duties", phrase("Duties"), days.duties_table, days.draw_duties),
+    PlotKind(
+        "duties",
+        phrase("Duties"),
+        _drawn_by("plot.days", "duties_table"),
+        _drawn_by("plot.days", "draw_duties"),
+    ),
     PlotKind(
         "energy-train",
         phrase("Energy by train; above, net kWh a train-km"),
         lambda run: run.tables.energy,
-        draw_energy,
+        _drawn_by("report.charts", "draw_energy"),
     ),
     PlotKind(
         "energy-leg",
         phrase("Net energy by leg"),
         lambda run: run.chosen_rows(run.tables.energy_legs),
-        energy.draw_energy_legs,
+        _drawn_by("plot.energy", "draw_energy_legs"),
         _TRAIN,
     ),
     PlotKind(
         "energy-parts",
         phrase("Where the energy of each leg went"),
         lambda run: run.chosen_rows(run.tables.energy_legs),
-        draw_energy_parts,
+        _drawn_by("plot.energy_parts", "draw_energy_parts"),
         _TRAIN,
     ),
     PlotKind(
         "energy-hour",
         phrase("Energy by hour"),
-        energy.energy_hours_table,
-        energy.draw_energy_hours,
+        _drawn_by("plot.energy", "energy_hours_table"),
+        _drawn_by("plot.energy", "draw_energy_hours"),
         _TIME,
     ),
     PlotKind(
         "battery",
         phrase("State of charge of each set"),
-        battery.battery_table,
-        battery.draw_battery,
+        _drawn_by("plot.battery", "battery_table"),
+        _drawn_by("plot.battery", "draw_battery"),
         _TIME,
     ),
     PlotKind(
         "laws",
         phrase("One hop as driven: speed, gradient, notches"),
-        laws.hops_table,
-        laws.draw_laws,
+        _drawn_by("plot.laws", "hops_table"),
+        _drawn_by("plot.laws", "draw_laws"),
         _TRAIN | _STATION | {PlotOption.RUNS},
         _TRAIN,
     ),
     PlotKind(
         "position",
         phrase("Where it believed to be: error and bounds"),
-        position.position_table,
-        position.draw_position,
+        _drawn_by("plot.position", "position_table"),
+        _drawn_by("plot.position", "draw_position"),
         _TRAIN,
         _TRAIN,
     ),
@@ -190,35 +218,35 @@ _KINDS: Final = (
         "margins",
         phrase("Margins by hop"),
         lambda run: run.chosen_rows(run.tables.margins),
-        draw_margins,
+        _drawn_by("plot.margins", "draw_margins"),
         _TRAIN,
     ),
     PlotKind(
         "section-occupancy",
         phrase("Sections, held pale and occupied solid"),
         _blocks_table,
-        draw_occupancy,
+        _drawn_by("report.occupancy", "draw_occupancy"),
         _TIME,
     ),
     PlotKind(
         "stairway",
         phrase("Blocking-time stairway"),
-        stairway_table,
-        draw_stairway_of,
+        _drawn_by("plot.stairway", "stairway_table"),
+        _drawn_by("plot.stairway", "draw_stairway_of"),
         _TIME | _TRAIN,
     ),
     PlotKind(
         "headway",
         phrase("Least headways by station"),
-        fullness.headways_table,
-        fullness.draw_headways,
+        _drawn_by("plot.fullness", "headways_table"),
+        _drawn_by("plot.fullness", "draw_headways"),
         _STATION,
     ),
     PlotKind(
         "occupation",
         phrase("Occupancy by part of the line (UIC 406)"),
-        fullness.occupation_table,
-        fullness.draw_occupations,
+        _drawn_by("plot.fullness", "occupation_table"),
+        _drawn_by("plot.fullness", "draw_occupations"),
         _TIME,
     ),
     PlotKind(

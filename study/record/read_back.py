@@ -98,7 +98,7 @@ def parsed_inputs(inputs: Inputs, file: str) -> tuple[Line, Timetable, dict[str,
         settings = validate(inputs.scenario, file, ScenarioFile)
     for name, data in inputs.trains.items():
         with _table_of(file, f"trains.{name}"):
-            kinds[name] = train_of(data, file)
+            kinds[name] = train_of(data, file, has_run=True)
     for diagram in timetable.diagrams:
         if diagram.stock_id not in inputs.stock:
             raise InputError(
