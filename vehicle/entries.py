@@ -14,6 +14,7 @@ import numba
 import numpy as np
 from numba.core import compiler, config, registry, serialize, types, typing
 from numba.core.cpu import CPUContext
+from numba.core.runtime import rtsys
 
 from vehicle import lazy_binding, linking
 from vehicle.code_key import Reached, key_of, type_text
@@ -123,7 +124,9 @@ class StoredCode:
 
     def load_overload(self, sig: Types, target: CPUContext) -> compiler.CompileResult | None:
         """Machine code for these types of arguments, for this processor or for any; None: it has to be compiled."""
-        target.refresh()
+        rtsys.initialize(
+            target
+        )  # what machine code allocates by; what the compiler knows it loads when it compiles
         triple, *processor = target.codegen().magic_tuple()
         for found in (processor, GENERIC):
             data = self._store.read(self._name, self._key(sig, triple, *found))

@@ -32,6 +32,7 @@ RESTS_ON = (
         "return_user_exc",
         ("self", "builder", "exc", "exc_args", "loc", "func_name"),
     ),
+    ("runtime.nrt", "rtsys", "initialize", ("ctx",)),
     ("codegen", "JITCodeLibrary", "get_pointer_to_function", ("self", "name")),
     ("codegen", "CodeLibrary", "create_ir_module", ("self", "name")),
     ("codegen", "CPUCodeLibrary", "add_ir_module", ("self", "ir_module")),

@@ -1,0 +1,6 @@
+from numba.core.cpu import CPUContext
+
+class Runtime:
+    def initialize(self, ctx: CPUContext) -> None: ...
+
+rtsys: Runtime
