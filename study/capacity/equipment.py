@@ -287,8 +287,6 @@ LEVERS: Final = (
         lambda s: _dwells(s, 15.0),
         lambda s: _dwells(s, 45.0),
     ),
-    Lever(
-        "clear section by section", OccupationCost.LOCALISATION, "at arrival tag", "each section", _blocks(1)
-    ),
-    Lever("virtual blocks", OccupationCost.LOCALISATION, "as it is", f"{BLOCKS} a section", _blocks(BLOCKS)),
+    Lever("clear section by section", OccupationCost.RULE, "at arrival tag", "each section", _blocks(1)),
+    Lever("virtual blocks", OccupationCost.RULE, "as it is", f"{BLOCKS} a section", _blocks(BLOCKS)),
 )
