@@ -10,7 +10,7 @@ order of trains for longer than `hold_s_max`, nor when more than `overtaken_max`
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Final
@@ -73,6 +73,31 @@ def weigh_request(
     if place != stands.at[index]:
         stands = _skipped(stands, index, place)
     return _Weighing(register, days, stands, index).done()
+
+
+def weigh_part(register: Register, asked: DispatchRequest, part: Iterable[str]) -> Register | None:
+    """The register with a part of a route counted as the unit's; None: it is not proven that all can then finish.
+
+    Its move is still to be made, from there: a train that waits on open line stands in others' way.
+    """
+    days = register.plan.days
+    if days is None or not days.parts or asked.unit_id not in days.index:
+        return None
+    index, trip = days.index[asked.unit_id], register.trip(asked.unit_id)
+    stands = stands_of(register, days)
+    place = next_hop(days, index, stands.at[index], asked.route_id, "")
+    if trip.astray or place is None or place != stands.at[index]:
+        return None
+    has = 0
+    for section_id in {*register.held_by(asked.unit_id), *part}:
+        has |= days.bits[section_id]
+    after = Stands(stands.at, (*stands.holds[:index], has, *stands.holds[index + 1 :]))
+    found = finishing_order(after.trains(days), STEPS_MAX)
+    if found.proof is not CertificateProof.ORDER:
+        return None
+    asked_s = register.now_s if trip.asked_s is None else trip.asked_s
+    register = register.with_trip(asked.unit_id, replace(trip, part=True, done=place, asked_s=asked_s))
+    return replace(register, kept=LastCertificate(after.at, after.holds, found.order), sought=None)
 
 
 def _skipped(stands: Stands, index: int, place: int) -> Stands:

@@ -43,6 +43,7 @@ from network.model import (
 )
 from network.timetable import Timetable, platform_of
 from network.units import metres, mps
+from network.virtual_blocks import with_blocks_of
 
 LaidT = TypeVar("LaidT", bound=schema.OnTrackTable)
 
@@ -100,7 +101,16 @@ def line_of(entry: LineFile, file: str) -> Line:
         section_id = str(error)
         expected = "a section with fewer ways from it to the next tracks"
         raise InputError(file, f"{keys[section_id]}.id", section_id, expected) from error
-    return line
+    return with_blocks_of(line, _blocks(file, entry))
+
+
+def _blocks(file: str, entry: LineFile) -> dict[str, int]:
+    """Into how many virtual blocks sections are cut, by id."""
+    for i, section in enumerate(entry.sections):
+        if section.virtual_blocks > 1 and section.kind != "between":
+            expected = "1: only sections between stations are cut into blocks"
+            raise InputError(file, f"sections[{i}].virtual_blocks", section.virtual_blocks, expected)
+    return {section.id: section.virtual_blocks for section in entry.sections if section.virtual_blocks > 1}
 
 
 def validate_train_fits(

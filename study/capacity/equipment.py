@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from network.model import Direction, Line, TagPurpose
+from network.virtual_blocks import with_virtual_blocks
 from simulation.setup import Setup
 from study.capacity.cut import cut_of
 from study.capacity.headway import HeadwayCase, HeadwayKind, line_cases
@@ -22,7 +23,6 @@ from study.capacity.line_capacity import CompressionTerms, day_of, fullest_part,
 from study.capacity.occupation import OccupationCost
 from study.capacity.rules import MINIMAL, Rules
 from study.capacity.theory import occupations
-from study.capacity.virtual_blocks import with_virtual_blocks
 
 BLOCKS: Final = 5  # as many as are published to give most
 FOLLOWS: Final = frozenset({HeadwayKind.FOLLOWING, HeadwayKind.OPEN})

@@ -90,7 +90,13 @@ class Theory:
         """How the ways of a stock are set."""
         driving = self._driving[stock_id]
         return Setting(
-            self.rules, self.links, self.setup.line.points, driving.clearing, driving.room, lie_right
+            self.rules,
+            self.links,
+            self.setup.line.points,
+            driving.clearing,
+            driving.room,
+            lie_right,
+            parts=self.setup.grants_parts,
         )
 
     def passages(
