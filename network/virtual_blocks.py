@@ -18,6 +18,15 @@ BEYOND_M: Final = (
 )
 
 
+def radio_reaches(line: Line, section: Section) -> bool:
+    """Whether the radio reaches a train wherever it stands in a section."""
+    pieces = [line.pieces[piece_id] for piece_id in section.piece_ids]
+    return all(
+        any(c.from_m <= p.from_m and p.to_m <= c.to_m for c in line.alignments[p.alignment_id].coverage)
+        for p in pieces
+    )
+
+
 def with_virtual_blocks(line: Line, blocks: int) -> Line:
     """The line with each section between stations in so many blocks; ValueError below one."""
     between = (s.id for s in line.sections.values() if s.kind is SectionKind.BETWEEN)

@@ -49,7 +49,6 @@ from wayside import acts, dispatch, leaving, reentry
 from wayside.actions import Action, Send, Show
 from wayside.dispatch import DispatchRequest
 from wayside.heard import Heard, challenge, show_refusal
-from wayside.parts import free_part
 from wayside.reentry import Step
 from wayside.register import Register, RegisteredUnit, UnitStanding
 from wayside.said import Accepted, BoundaryPassed, Contradicted, Freed, Granted, Outside, Refused
@@ -137,38 +136,20 @@ def _newly_contested(before: Register, after: Register) -> tuple[Send, ...]:
 
 
 def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
-    """Granted whole if the line is defined and all that it names is free or the unit's own; of a way in virtual blocks
-    also the part that is free, if all can still finish; else refused.
-    """
+    """Granted whole if all of it is free or the unit's own, or a part (`wayside.parts`), the line defined; else refused."""
     held = register.held_by(heard.unit_id)
     against = _against(register, heard, frozenset(held))
     shown: tuple[Action, ...] = ()
     if against is not None and against[0] is RefusalReason.HELD:
-        with_part = _with_part(register, heard, frozenset(held))
-        if with_part is not None:
-            return _grant(with_part[0], heard, held, with_part[1])
+        register, part = dispatch.part_to_grant(register, heard.unit_id, heard.message)
+        if part:
+            return _grant(register, heard, part)
     if against is not None or not set(heard.message.section_ids) <= set(held):
         asked = DispatchRequest(heard.unit_id, heard.message.route_id)
         register, against, shown = dispatch.weigh_request(register, asked, against)
-    if against is None:
-        register, answer = _grant(register, heard, held, heard.message.section_ids)
-    else:
-        register, answer = _refuse_route(register, heard, *against)
-    return register, (*shown, *answer)
-
-
-def _with_part(
-    register: Register, heard: Heard[RouteRequest], held: frozenset[str]
-) -> tuple[Register, tuple[str, ...]] | None:
-    """The part that is free, and the register with it weighed; None: nothing but the whole may be granted."""
-    days, message = register.plan.days, heard.message
-    if days is None or not days.parts:
-        return None
-    part = free_part(register, heard.unit_id, register.plan.routes[message.route_id], message.section_ids)
-    if not part or held.issuperset(part):  # what it has already, its answer may have been lost
-        return (register, part) if part else None
-    weighed = dispatch.weigh_part(register, DispatchRequest(heard.unit_id, message.route_id), part)
-    return None if weighed is None else (weighed, part)
+    wanted = heard.message.section_ids
+    answer = _grant(register, heard, wanted) if against is None else _refuse_route(register, heard, *against)
+    return answer[0], (*shown, *answer[1])
 
 
 def _against(
@@ -194,11 +175,9 @@ def _against(
     return against
 
 
-def _grant(
-    register: Register, heard: Heard[RouteRequest], held: tuple[str, ...], section_ids: tuple[str, ...]
-) -> Step:
+def _grant(register: Register, heard: Heard[RouteRequest], section_ids: tuple[str, ...]) -> Step:
     message, unit_id = heard.message, heard.unit_id
-    unit = register.unit(unit_id)
+    unit, held = register.unit(unit_id), register.held_by(unit_id)
     same_request = (unit.route_id, unit.correlation) == (message.route_id, heard.correlation)
     repeated = heard.correlation > 0 and same_request and set(section_ids) <= set(held)
     actions: list[Action] = []

@@ -13,7 +13,8 @@ from typing import Final
 import msgspec
 
 from network.errors import InputError
-from network.model import Line, Route, Section, SectionKind
+from network.model import Line, Route, SectionKind
+from network.virtual_blocks import radio_reaches
 from radio.envelope import AGE_MAX_S
 
 MANAGER_ID: Final = "block-manager"
@@ -180,7 +181,7 @@ def manager_config(
             section.kind is SectionKind.PORTAL,
             tuple(sorted(terminals.get(section.id, ()))),
             section.kind is SectionKind.BETWEEN,
-            section.kind is SectionKind.BETWEEN and _covered(line, section),
+            section.kind is SectionKind.BETWEEN and radio_reaches(line, section),
         )
         for section in line.sections.values()
     )
@@ -194,15 +195,6 @@ def manager_config(
         telegram_age_max_s=age_max_s,
         reentry=reentry,
         dispatch=dispatch,
-    )
-
-
-def _covered(line: Line, section: Section) -> bool:
-    """Whether the radio reaches a train wherever it stands in a section."""
-    pieces = [line.pieces[piece_id] for piece_id in section.piece_ids]
-    return all(
-        any(c.from_m <= p.from_m and p.to_m <= c.to_m for c in line.alignments[p.alignment_id].coverage)
-        for p in pieces
     )
 
 

@@ -16,13 +16,14 @@ from math import inf
 from typing import Final
 
 from network.clock import clock
-from radio.messages import RefusalReason
+from radio.messages import RefusalReason, RouteRequest
 from wayside.actions import Show
 from wayside.certificate import STEPS_MAX, CertificateAnswer, CertificateProof, finishing_order, follows
 from wayside.config import OrderRule
 from wayside.journeys import DayProgress, Days, LastCertificate, LastSearch, Stands, next_hop
 from wayside.moves import Train
 from wayside.order import turn_of
+from wayside.parts import free_part
 from wayside.places import stands_of
 from wayside.register import Register
 from wayside.said import Certified, HeldBack, NoOrderKnown, OrderChanged
@@ -73,6 +74,19 @@ def weigh_request(
     if place != stands.at[index]:
         stands = _skipped(stands, index, place)
     return _Weighing(register, days, stands, index).done()
+
+
+def part_to_grant(
+    register: Register, unit_id: str, message: RouteRequest
+) -> tuple[Register, tuple[str, ...]]:
+    """The part of a way that may be granted, and the register with it weighed; empty: nothing but the whole may be."""
+    if register.plan.days is None or not register.plan.days.parts:
+        return register, ()
+    part = free_part(register, unit_id, register.plan.routes[message.route_id], message.section_ids)
+    if not set(part).difference(register.held_by(unit_id)):
+        return register, part  # what it has already, as its answer may have been lost
+    weighed = weigh_part(register, DispatchRequest(unit_id, message.route_id), part)
+    return (register, ()) if weighed is None else (weighed, part)
 
 
 def weigh_part(register: Register, asked: DispatchRequest, part: Iterable[str]) -> Register | None:

@@ -39,7 +39,7 @@ from simulation.world.points import WaysideWorld
 from study.drilling.drill import shipped_drills
 from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
-from wayside import block_manager
+from wayside import dispatch
 from wayside.config import MANAGER_ID, TerminalConfig, terminal_configs
 
 pytestmark = pytest.mark.system
@@ -99,7 +99,7 @@ def releases_whole_routes(patch: pytest.MonkeyPatch) -> None:
 
 
 def grants_no_part(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(block_manager, "free_part", lambda *_: ())
+    patch.setattr(dispatch, "free_part", lambda *_: ())
 
 
 def keeps_a_route_set_back(patch: pytest.MonkeyPatch) -> None:
