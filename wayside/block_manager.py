@@ -136,7 +136,7 @@ def _newly_contested(before: Register, after: Register) -> tuple[Send, ...]:
 
 
 def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
-    """Granted whole if all of it is free or the unit's own, or a part (`wayside.parts`), the line defined; else refused."""
+    """Granted whole if the line is defined and all of it free or its own, or a part (`wayside.parts`); else refused."""
     held = register.held_by(heard.unit_id)
     against = _against(register, heard, frozenset(held))
     shown: tuple[Action, ...] = ()
