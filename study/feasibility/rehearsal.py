@@ -48,13 +48,14 @@ class BlockedTrain:
 
 @dataclass(frozen=True, slots=True)
 class RehearsedLateness:
-    """How late a train comes to a stop, s, and behind whom it had to wait on its way there."""
+    """How late a train comes to a stop, or leaves it, s, and behind whom it had to wait on its way there, or there."""
 
     train: PlannedTrain
     station_id: str
     due_s: float
     late_s: float
     behind: tuple[str, ...]
+    leaves: bool
 
 
 @dataclass(slots=True)
@@ -197,6 +198,7 @@ class Rehearsal:
         if here.target is not None:
             thrown_s = throws_s(self._day.line, train.duty.mission) if one.node == 0 else 0.0
             leaves_s = max(leaves_s, granted_s + SIGNS_S / 2.0 + thrown_s)
+            self._note(one, here.departs_s, leaves_s, leaves=True)
         elif granted_s > one.ready_s:  # it had to stop where it was to run through
             leaves_s += RESTARTS_S
         runs_s, not_before_s = self._run(train, one.node)
@@ -250,7 +252,7 @@ class Rehearsal:
         one.moving = False
         node = train.nodes[one.node]
         ahead = train.routes[one.node].section_ids if one.granted >= one.node else ()
-        self._note(one, now_s)
+        self._note(one, node.arrives_s, now_s, leaves=False)
         self._give_back(one, {node.section_id, *ahead}, now_s)
         if one.node == len(train.nodes) - 1:
             self._end(one, now_s)
@@ -265,14 +267,13 @@ class Rehearsal:
             one.asks = one.node
             self._at(max(now_s, one.ready_s - self._setup.unit.request_lead_s), partial(self._wait, one))
 
-    def _note(self, one: _RehearsedSet, now_s: float) -> None:
-        node = one.train.nodes[one.node]
-        if node.target is not None and node.target.station_id is not None:
-            late_s = now_s - node.arrives_s
-            behind = tuple(one.behind)
-            self.late.append(
-                RehearsedLateness(one.train, node.target.station_id, node.arrives_s, late_s, behind)
+    def _note(self, one: _RehearsedSet, due_s: float, real_s: float, *, leaves: bool) -> None:
+        target = one.train.nodes[one.node].target
+        if target is not None and target.station_id is not None:
+            late = RehearsedLateness(
+                one.train, target.station_id, due_s, real_s - due_s, tuple(one.behind), leaves
             )
+            self.late.append(late)
 
     def _end(self, one: _RehearsedSet, now_s: float) -> None:
         """The train's journey is over: it leaves the line, becomes the next one, or stays."""
