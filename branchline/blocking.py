@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from study.capacity.occupation import Occupation
 
 NUMBER_WIDTH = 9
+SHORT: Final = {"change of ends": "ends", "release rule": "rule"}
 
 
 def blocking(
@@ -88,7 +89,7 @@ def _print(occupations: Sequence[Occupation]) -> None:
         "end",
         *(_short(part.value) for part in parts),
         "whole",
-        *(cost.value[:8] for cost in costs),
+        *(_short(cost.value) for cost in costs),
     ]
     ordered = sorted(
         occupations, key=lambda one: (_first_s(occupations, one.number), one.number, one.begin_s)
@@ -112,7 +113,7 @@ def _first_s(occupations: Sequence[Occupation], number: str) -> float:
 
 
 def _short(name: str) -> str:
-    return "ends" if name == "change of ends" else name[: NUMBER_WIDTH - 1]
+    return SHORT.get(name, name[: NUMBER_WIDTH - 1])
 
 
 def _number(value_s: float) -> str:

@@ -132,11 +132,11 @@ def _print(line: Line, cases: tuple[HeadwayCase, ...]) -> None:
     wide = max((len(f"{c.first} / {c.second}") for c in cases), default=0)
     long = max((len(kind_name(c)) for c in cases), default=0) + 4
     for station_id, own in groupby(cases, key=lambda case: case.station_id):
-        heads = ("least s", *(cost.value[:9] for cost in costs), "left over")
+        heads = ("least s", *(cost.value for cost in costs), "left over")
         rows = [
             f"{line.stations[station_id].name}, {station_id}",
             f"{'first / second':{wide}}  {'':{long}}"
-            + "".join(f"{head:>10}" for head in heads)
+            + "".join(f"{head:>14}" for head in heads)
             + "  section",
         ]
         for case in own:
@@ -150,7 +150,7 @@ def _print(line: Line, cases: tuple[HeadwayCase, ...]) -> None:
             pad = " " * (long - len(name) - sum(ord(c) > 0x2E7F for c in name))
             rows.append(
                 f"{case.first + ' / ' + case.second:{wide}}  {name}{pad}"
-                + "".join(f"{cell:>10}" for cell in cells)
+                + "".join(f"{cell:>14}" for cell in cells)
                 + f"  {one.section_id}"
             )
         sys.stdout.write("\n".join((*rows, "", "")))

@@ -59,7 +59,7 @@ class LineHeadways:
             return _shown(draw_matrix(self.line, self.cases), "headway_matrix")
 
     def parts(self) -> DrawnFigure:
-        """A bar a headway: what radio, points, localisation, driving and people cost of it."""
+        """A bar a headway: what radio, points, localisation, release, driving and people cost of it."""
         with drawing():
             return _shown(draw_parts(self.line, self.cases), "headway_parts")
 

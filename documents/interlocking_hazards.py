@@ -140,6 +140,20 @@ HAZARDS: Final = (
         ("sections given back by the front instead of the safe rear",),
     ),
     Hazard(
+        "A train that follows another in virtual blocks meets one that comes against it, or stands for ever",
+        "a part of a way is granted, the rest of which is held",
+        "only behind trains that run the same way, to a place where the radio reaches, and if it is proven that all can"
+        " still finish; else whole or not at all",
+        ("wayside.parts", "wayside.dispatch", "onboard.authority.route"),
+        (
+            Checker.ONE_TRAIN_A_SECTION,
+            Checker.INSIDE_HOLDING,
+            Checker.EVERYONE_ARRIVES,
+            Checker.NO_DEAD_STATE,
+        ),
+        ("rtri/77_follows_in_blocks", "rtri/77b_power_in_a_block"),
+    ),
+    Hazard(
         "A grant of the past takes effect",
         "a telegram comes after the manager or the unit has started again",
         "boot epochs in every envelope; a grant counts for the request outstanding, with a greater token only",

@@ -19,6 +19,7 @@ from typing import Final
 from matplotlib.axes import Axes
 
 from network.model import Line, Station
+from network.virtual_blocks import with_virtual_blocks
 from papers.charts import ChartPage, Panel, Plottable, Plotted, Ruled
 from papers.parameter_sets import NotDriven
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
@@ -30,7 +31,6 @@ from study.capacity.rules import MINIMAL, VIRTUAL_BLOCKS, Rules
 from study.capacity.shared_stretch import StretchHeadways, mean_wait_s, stretch_of, traffic_at
 from study.capacity.standard import path_alone, standard_paths
 from study.capacity.theory import occupations
-from study.capacity.virtual_blocks import with_virtual_blocks
 from study.report.style import INK, UNIT_COLOURS, WIDTH_IN
 
 SCENARIOS: Final = ("karasuyama_weekday", "busy_line")

@@ -16,6 +16,7 @@ from network.model import Line
 from network.timetable import Timetable
 from onboard.driving.tuning import Learned
 from onboard.driving_settings import Driving
+from onboard.duty.duty_step import ReleaseRule
 from onboard.localisation.curvature_map import CurvatureMap
 from onboard.records import BEHAVIOUR
 from radio import air as radio_air
@@ -72,6 +73,11 @@ class Setup(Tables):
         """A stock as its unit believes it to be."""
         so = self.trains[stock_id]
         return so if self.belief is None else self.belief.trains.get(stock_id, so)
+
+    @property
+    def grants_parts(self) -> bool:
+        """Whether a train that follows is let onto the part of its way that is free, as all can still finish."""
+        return self.operation.release is ReleaseRule.SECTION and self.dispatch.certificate
 
     @property
     def lengths_m(self) -> dict[str, float]:

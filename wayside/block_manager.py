@@ -136,14 +136,19 @@ def _newly_contested(before: Register, after: Register) -> tuple[Send, ...]:
 
 
 def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
-    """Granted whole if the line is defined and all that it names is free or the unit's own; else refused."""
+    """Granted whole if the line is defined and all of it free or its own, or a part (`wayside.parts`); else refused."""
     held = register.held_by(heard.unit_id)
     against = _against(register, heard, frozenset(held))
     shown: tuple[Action, ...] = ()
+    if against is not None and against[0] is RefusalReason.HELD:
+        register, part = dispatch.part_to_grant(register, heard.unit_id, heard.message)
+        if part:
+            return _grant(register, heard, part)
     if against is not None or not set(heard.message.section_ids) <= set(held):
         asked = DispatchRequest(heard.unit_id, heard.message.route_id)
         register, against, shown = dispatch.weigh_request(register, asked, against)
-    answer = _grant(register, heard, held) if against is None else _refuse_route(register, heard, *against)
+    wanted = heard.message.section_ids
+    answer = _grant(register, heard, wanted) if against is None else _refuse_route(register, heard, *against)
     return answer[0], (*shown, *answer[1])
 
 
@@ -170,23 +175,21 @@ def _against(
     return against
 
 
-def _grant(register: Register, heard: Heard[RouteRequest], held: tuple[str, ...]) -> Step:
+def _grant(register: Register, heard: Heard[RouteRequest], section_ids: tuple[str, ...]) -> Step:
     message, unit_id = heard.message, heard.unit_id
-    unit = register.unit(unit_id)
+    unit, held = register.unit(unit_id), register.held_by(unit_id)
     same_request = (unit.route_id, unit.correlation) == (message.route_id, heard.correlation)
-    repeated = heard.correlation > 0 and same_request and set(message.section_ids) <= set(held)
+    repeated = heard.correlation > 0 and same_request and set(section_ids) <= set(held)
     actions: list[Action] = []
     if not repeated:
         register, token = register.next_token()
         unit = replace(unit, token=token, route_id=message.route_id, correlation=heard.correlation)
-        register = register.with_held(unit_id, (*held, *message.section_ids)).with_unit(unit_id, unit)
-        note = Granted(
-            unit_id=unit_id, section_ids=message.section_ids, token=token, route_id=message.route_id
-        )
+        register = register.with_held(unit_id, (*held, *section_ids)).with_unit(unit_id, unit)
+        note = Granted(unit_id=unit_id, section_ids=section_ids, token=token, route_id=message.route_id)
         actions.append(Show(note))
-    capabilities = register.capabilities(unit_id, message.section_ids, unit.token)
-    on_sight = register.on_sight(message.section_ids)
-    granted = RouteGranted(message.route_id, message.section_ids, unit.token, capabilities, on_sight)
+    capabilities = register.capabilities(unit_id, section_ids, unit.token)
+    on_sight = register.on_sight(section_ids)
+    granted = RouteGranted(message.route_id, section_ids, unit.token, capabilities, on_sight)
     return register, (*actions, Send(unit_id, granted, heard.correlation))
 
 

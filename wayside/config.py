@@ -14,6 +14,7 @@ import msgspec
 
 from network.errors import InputError
 from network.model import Line, Route, SectionKind
+from network.virtual_blocks import radio_reaches
 from radio.envelope import AGE_MAX_S
 
 MANAGER_ID: Final = "block-manager"
@@ -31,13 +32,15 @@ class ReentryMode(Enum):
 
 class SectionEntry(msgspec.Struct, frozen=True):
     """A section of the register; `terminal_ids` drive points in it; a train may leave the line from a
-    portal, and be stabled on a track of a station.
+    portal, and be stabled on a track of a station; where the radio reaches all of open line, it may wait there
+    (`hears`) for the rest of its way.
     """
 
     section_id: str
     portal: bool = False
     terminal_ids: tuple[str, ...] = ()
     open_line: bool = False
+    hears: bool = False
 
 
 class RouteEntry(msgspec.Struct, frozen=True):
@@ -55,10 +58,11 @@ class RouteEntry(msgspec.Struct, frozen=True):
         return bool(section_ids) and self.section_ids[-len(section_ids) :] == section_ids
 
     def leads_to(self, section_ids: tuple[str, ...]) -> frozenset[str]:
-        """Sections of which a unit must hold one to be let into this part of the route."""
+        """Sections of which a unit must hold one to be let into this end of the route."""
         if section_ids == self.section_ids:
             return frozenset((self.from_section, *section_ids))
-        return frozenset(section_ids[:1])
+        first = len(self.section_ids) - len(section_ids)
+        return frozenset(self.section_ids[first - 1 : first + 1])
 
 
 class OrderRule(Enum):
@@ -101,6 +105,7 @@ class DispatchEntry(msgspec.Struct, frozen=True):
     hold_s_max: float = 900.0
     overtaken_max: int = 2
     journeys: tuple[StockMoves, ...] = ()
+    parts: bool = False  # of a way in virtual blocks, as far as it is free; with the certificate alone
 
     @property
     def weighs(self) -> bool:
@@ -176,6 +181,7 @@ def manager_config(
             section.kind is SectionKind.PORTAL,
             tuple(sorted(terminals.get(section.id, ()))),
             section.kind is SectionKind.BETWEEN,
+            section.kind is SectionKind.BETWEEN and radio_reaches(line, section),
         )
         for section in line.sections.values()
     )

@@ -10,19 +10,20 @@ order of trains for longer than `hold_s_max`, nor when more than `overtaken_max`
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Final
 
 from network.clock import clock
-from radio.messages import RefusalReason
+from radio.messages import RefusalReason, RouteRequest
 from wayside.actions import Show
 from wayside.certificate import STEPS_MAX, CertificateAnswer, CertificateProof, finishing_order, follows
 from wayside.config import OrderRule
 from wayside.journeys import DayProgress, Days, LastCertificate, LastSearch, Stands, next_hop
 from wayside.moves import Train
 from wayside.order import turn_of
+from wayside.parts import free_part
 from wayside.places import stands_of
 from wayside.register import Register
 from wayside.said import Certified, HeldBack, NoOrderKnown, OrderChanged
@@ -73,6 +74,44 @@ def weigh_request(
     if place != stands.at[index]:
         stands = _skipped(stands, index, place)
     return _Weighing(register, days, stands, index).done()
+
+
+def part_to_grant(
+    register: Register, unit_id: str, message: RouteRequest
+) -> tuple[Register, tuple[str, ...]]:
+    """The part of a way that may be granted, and the register with it weighed; empty: nothing but the whole may be."""
+    if register.plan.days is None or not register.plan.days.parts:
+        return register, ()
+    part = free_part(register, unit_id, register.plan.routes[message.route_id], message.section_ids)
+    if not set(part).difference(register.held_by(unit_id)):
+        return register, part  # what it has already, as its answer may have been lost
+    weighed = weigh_part(register, DispatchRequest(unit_id, message.route_id), part)
+    return (register, ()) if weighed is None else (weighed, part)
+
+
+def weigh_part(register: Register, asked: DispatchRequest, part: Iterable[str]) -> Register | None:
+    """The register with a part of a route counted as the unit's; None: it is not proven that all can then finish.
+
+    Its move is still to be made, from there: a train that waits on open line stands in others' way.
+    """
+    days = register.plan.days
+    if days is None or not days.parts or asked.unit_id not in days.index:
+        return None
+    index, trip = days.index[asked.unit_id], register.trip(asked.unit_id)
+    stands = stands_of(register, days)
+    place = next_hop(days, index, stands.at[index], asked.route_id, "")
+    if trip.astray or place is None or place != stands.at[index]:
+        return None
+    has = 0
+    for section_id in {*register.held_by(asked.unit_id), *part}:
+        has |= days.bits[section_id]
+    after = Stands(stands.at, (*stands.holds[:index], has, *stands.holds[index + 1 :]))
+    found = finishing_order(after.trains(days), STEPS_MAX)
+    if found.proof is not CertificateProof.ORDER:
+        return None
+    asked_s = register.now_s if trip.asked_s is None else trip.asked_s
+    register = register.with_trip(asked.unit_id, replace(trip, part=True, done=place, asked_s=asked_s))
+    return replace(register, kept=LastCertificate(after.at, after.holds, found.order), sought=None)
 
 
 def _skipped(stands: Stands, index: int, place: int) -> Stands:

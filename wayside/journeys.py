@@ -21,12 +21,20 @@ LOST: Final = -1  # nobody knows how far a stock is in its day
 
 
 class PlannedMove(JourneyMove, frozen=True):
-    """A move with what it means. As bits: sections where it begins and ends, and those of open line on its way."""
+    """A move with what it means. As bits: sections where it begins and ends, those of open line on its way, and all on
+    its way in their order.
+    """
 
     move: Move
     start: int
     end: int
     line: int
+    way: tuple[int, ...] = ()
+
+    def rest(self, held: int) -> Move:
+        """The move of a train that has a part of it: what lies behind its first section need not be free any more."""
+        first = next((at for at, section in enumerate(self.way) if section & held), 0)
+        return Move(sum(self.way[first:]), self.move.keeps, self.move.due_s) if first else self.move
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +52,7 @@ class Days:
     late_s: float
     hold_s_max: float
     overtaken_max: int
+    parts: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +61,7 @@ class DayProgress:
 
     `asked_s`: since when it asks for the next one in vain; `held_s`: since when the order of trains holds it back;
     `overtaken`: how many were let on over its way meanwhile. `said`: what the journal said of it last.
+    `part`: it was granted a part of its next move.
     """
 
     done: int = 0
@@ -61,6 +71,7 @@ class DayProgress:
     overtaken: int = 0
     astray: bool = False
     said: str = ""
+    part: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +123,15 @@ class Stands:
     def trains(self, days: Days, until_s: float = inf) -> list[Train]:
         """As the search takes them; of their moves those planned to begin before that."""
         places = zip(self.holds, days.moves, self.at, strict=True)
-        return [Train(held, _before(moves, done, until_s)) for held, moves, done in places]
+        trains = [Train(held, _before(moves, done, until_s)) for held, moves, done in places]
+        return [self._on_its_way(days, index, train) for index, train in enumerate(trains)]
+
+    def _on_its_way(self, days: Days, index: int, train: Train) -> Train:
+        """With what is left of a move of which it has a part."""
+        if not days.parts or not train.ahead or not train.holds & train.ahead[0].needs:
+            return train
+        rest = days.hops[index][self.at[index]].rest(train.holds)
+        return Train(train.holds, (rest, *train.ahead[1:]))
 
     def after(self, days: Days, index: int) -> Stands:
         """With one stock a move further."""
@@ -152,7 +171,8 @@ def days_of(config: ManagerConfig) -> Days | None:
             end | queues[given.section_id] if route is None else sum(bits[s] for s in set(route.section_ids))
         )
         move = Move(needs, 0 if given.leaves else end, given.departs_s)
-        return PlannedMove(**asdict(given), move=move, start=start, end=end, line=needs & line)
+        way = () if route is None else tuple(bits[s] for s in route.section_ids)
+        return PlannedMove(**asdict(given), move=move, start=start, end=end, line=needs & line, way=way)
 
     hops = tuple(tuple(map(hop_of, journey.moves)) for journey in given.journeys)
     unit_ids = tuple(journey.unit_id for journey in given.journeys)
@@ -168,6 +188,7 @@ def days_of(config: ManagerConfig) -> Days | None:
         given.late_s,
         given.hold_s_max,
         given.overtaken_max,
+        given.parts,
     )
 
 

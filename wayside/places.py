@@ -38,6 +38,10 @@ def _place(register: Register, days: Days, index: int, held: int) -> tuple[int, 
         enters = next((i for i in range(done, len(hops)) if not hops[i].route_id), len(hops))
         waits = enters < len(hops) and trip.asked_s is not None
         return enters, days.queues[hops[enters].section_id] if waits else 0
+    if days.parts and done < len(hops) and hops[done].move.needs & held:
+        arrives = done > 0 and hops[done - 1].end & held
+        if trip.part or not arrives:  # it has a part of its next move
+            return done, held
     place = done
     while place and hops[place - 1].train == hops[done - 1].train:
         hop = hops[place - 1]

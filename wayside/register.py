@@ -71,6 +71,7 @@ class RegisterPlan:
     order: Mapping[str, int]
     portals: frozenset[str]
     open_line: frozenset[str]
+    hears: frozenset[str]
     terminals: Mapping[str, tuple[str, ...]]
     routes: Mapping[str, RouteEntry]
     capability_keys: Mapping[str, bytes]
@@ -284,6 +285,7 @@ def start(
         {section.section_id: index for index, section in enumerate(config.sections)},
         frozenset(section.section_id for section in config.sections if section.portal),
         frozenset(section.section_id for section in config.sections if section.open_line),
+        frozenset(section.section_id for section in config.sections if section.hears),
         {section.section_id: section.terminal_ids for section in config.sections if section.terminal_ids},
         {route.route_id: route for route in config.routes},
         capability_keys,

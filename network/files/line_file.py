@@ -43,6 +43,7 @@ from network.model import (
 )
 from network.timetable import Timetable, platform_of
 from network.units import metres, mps
+from network.virtual_blocks import radio_reaches, with_blocks_of
 
 LaidT = TypeVar("LaidT", bound=schema.OnTrackTable)
 
@@ -100,7 +101,24 @@ def line_of(entry: LineFile, file: str) -> Line:
         section_id = str(error)
         expected = "a section with fewer ways from it to the next tracks"
         raise InputError(file, f"{keys[section_id]}.id", section_id, expected) from error
-    return line
+    return with_blocks_of(line, _blocks(file, entry, line))
+
+
+def _blocks(file: str, entry: LineFile, line: Line) -> dict[str, int]:
+    """Into how many virtual blocks sections are cut, by id."""
+    found: dict[str, int] = {}
+    for i, section in enumerate(entry.sections):
+        if section.virtual_blocks == 1:
+            continue
+        expected = ""
+        if section.kind != "between":
+            expected = "1: only sections between stations are cut into blocks"
+        elif not radio_reaches(line, line.sections[section.id]):
+            expected = "1, or radio from end to end: a train asks for its next block wherever it stands"
+        if expected:
+            raise InputError(file, f"sections[{i}].virtual_blocks", section.virtual_blocks, expected)
+        found[section.id] = section.virtual_blocks
+    return found
 
 
 def validate_train_fits(

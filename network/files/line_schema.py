@@ -14,6 +14,7 @@ from network.files.names import Identifier, Prose, Title
 from network.files.quantities import (
     BatteryPowerKw,
     Bearing,
+    BlockCount,
     CantMm,
     Coordinate,
     CurrentA,
@@ -129,6 +130,12 @@ class SectionTable(Record):
     from_km: Annotated[Kilometrage | None, about("where it begins; not for points")] = None
     to_km: Annotated[Kilometrage | None, about("where it ends; not for points")] = None
     offset_m: Annotated[Offset, about("lateral, to the right going down")] = 0.0
+    virtual_blocks: Annotated[
+        BlockCount,
+        about(
+            "between stations: cut into so many sections of equal length, which are called `ID_1` and so on"
+        ),
+    ] = 1
 
 
 class PointsTable(Record):

@@ -201,6 +201,7 @@ DELAY: Final = Quantity(
 OVERTAKEN: Final = Quantity(
     "trains let on before another", "", ((1, 1000),), "assumed: as many as a dense day has; 0: nobody waits"
 )
+BLOCKS: Final = Quantity("blocks of a section", "", ((1, 100),), "assumed: 80 stand for moving blocks")
 RUN_LIMIT: Final = Quantity("limit of a run", "s", ((1.0, 259_200.0),), "assumed: three days")
 DRILL_TIME: Final = Quantity("time in a drill", "s", ((0.0, 259_200.0),), "as the limit of a run")
 DURATION: Final = Quantity("duration in a drill", "s", ((0.1, 259_200.0),), "a step; as the limit of a run")
@@ -419,6 +420,7 @@ TagsWrong = Annotated[int, TAGS_WRONG]
 Wait = Annotated[float, WAIT]
 DelayMin = Annotated[float, DELAY]
 Overtaken = Annotated[int, OVERTAKEN]
+BlockCount = Annotated[int, BLOCKS]
 Reaction = Annotated[float, REACTION]
 RunLimit = Annotated[float, RUN_LIMIT]
 DrillTime = Annotated[float, DRILL_TIME]

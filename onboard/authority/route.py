@@ -1,7 +1,7 @@
 """Asking for routes (閉そく要求機能, Sugiyama et al. 2017, table 1).
 
 Invariant: a route is asked for one at a time and held only by a grant to the request outstanding, to this boot, under
-a token greater than any known before; then it is held whole.
+a token greater than any known before; then it is held whole, or its beginning, and the rest is asked for again.
 """
 
 from __future__ import annotations
@@ -36,13 +36,19 @@ def ask(state: Authority, event: AskRoute) -> Result:
 
 
 def granted(state: Authority, event: GrantHeard) -> Result:
-    """Only to the request outstanding, of this boot, with a greater token: holds the sections."""
+    """Only to the request outstanding, of this boot, with a greater token: holds them, and asks for the rest."""
     request = state.open(RequestKind.ROUTE)
     if request is None or not (event.fresh and event.answers and event.newer):
         return state, ()
-    if (event.route_id, event.section_ids) != (request.subject, request.section_ids):
+    wanted = request.section_ids or ()
+    rest = wanted[len(event.section_ids) :]
+    if event.route_id != request.subject or (*event.section_ids, *rest) != wanted:
         return state, ()
     state, actions = closed(state, RequestKind.ROUTE)
+    if rest:
+        state, renewed = opened(state, replace(request, section_ids=rest))
+        state, waits = refused(state, replace(request, section_ids=rest), "the rest is not free")
+        actions = (*renewed, *waits)
     added = tuple(s for s in event.section_ids if s not in state.held)
     held = (*state.held, *added)
     regranted = set(event.section_ids)

@@ -7,7 +7,7 @@ odometer is a second condition to the tag, and never one by itself. Ahead, only 
 
 from __future__ import annotations
 
-from onboard.authority.records import GiveBack
+from onboard.authority.records import GiveBack, RequestKind
 from onboard.duty.duty_step import DutyStep, ReleaseRule
 from onboard.duty.records import AtMark, DutyPhase, TagBelieved
 from onboard.duty.shown import AT_A_MARK
@@ -46,6 +46,9 @@ def useless_ahead(duty: DutyStep) -> tuple[str, ...]:
     place, holds = duty.state.place, duty.state.authority.holds
     sections = [span.section_id for span in duty.plan.spans]
     lacks = next((i for i in range(place.perhaps, len(sections)) if not holds(sections[i])), None)
+    request = duty.state.authority.open(RequestKind.ROUTE)
+    if lacks is not None and request is not None and (request.section_ids or ())[:1] == (sections[lacks],):
+        return ()  # it has a part of its way, and waits for the rest
     if lacks is None or not place.stands or duty.state.phase not in (DutyPhase.STANDING, DutyPhase.RUNNING):
         return ()
     waits_in = {section for leg in duty.plan.legs for section in (leg.from_section, leg.section_ids[-1])}

@@ -98,18 +98,20 @@ class DutyStep:
         """Throw these as soon as and whenever they can be."""
         self.set(wanted=tuple(dict.fromkeys((*self.state.wanted, *points))))
 
-    def ask(self, leg: PlanLeg | None) -> None:
+    def ask(self, leg: PlanLeg | None, seen: int = 0) -> None:
         """Ask for a route of which something ahead is not held, one at a time.
 
-        What has been given back section by section may be another's: then only the part from where it stands is wanted.
+        What has been given back section by section may be another's: then only the part from where it stands is wanted;
+        without a position from the span that its driver has `seen` it in.
         """
         state, place = self.state.authority, self.state.place
         if leg is None or state.open(RequestKind.ROUTE) is not None:
             return
-        behind = {span.section_id for span in self.plan.spans[: place.here]} if place.known else set[str]()
+        by_section = self.parameters.release is ReleaseRule.SECTION
+        here = place.here if place.known else seen if by_section else 0
+        behind = {span.section_id for span in self.plan.spans[:here]}
         ahead = tuple(section_id for section_id in leg.section_ids if section_id not in behind)
         if not all(map(state.holds, ahead)):
-            by_section = self.parameters.release is ReleaseRule.SECTION
             self.authority(AskRoute(leg.route_id, ahead if by_section else leg.section_ids))
 
     def give_back_behind(self, clear: int) -> None:

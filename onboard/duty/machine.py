@@ -271,7 +271,8 @@ def heard(duty: DutyStep, event: TelegramHeard) -> None:
     remember_entered(duty)
     duty.authority(event.event)
     leg = next((x for x in duty.plan.legs if asked is not None and x.route_id == asked.subject), None)
-    if leg is not None and duty.state.authority.open(RequestKind.ROUTE) is None:
+    now = duty.state.authority.open(RequestKind.ROUTE)
+    if leg is not None and asked is not None and (now is None or now.section_ids != asked.section_ids):
         duty.want(duty.plan.departure_points(leg.from_section))
 
 

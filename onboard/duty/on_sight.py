@@ -113,7 +113,7 @@ def at_mark(duty: DutyStep, event: AtMark) -> None:
 
 def end_of_held(duty: DutyStep, event: EndOfHeld) -> None:
     """Asks for the route that leads on from where its driver sees the train stand."""
-    duty.ask(duty.plan.leg_at(event.span))
+    duty.ask(duty.plan.leg_at(event.span), event.span)
 
 
 def at_mark_unawares(duty: DutyStep, event: AtMark) -> None:

@@ -12,6 +12,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from network.model import SectionKind, TagPurpose
 from onboard.duty.duty_step import ReleaseRule
@@ -28,6 +29,13 @@ class ReleaseMoment:
     at_m: float
     spans: int
     stands: bool
+
+
+class Released(NamedTuple):
+    """When the safe rear has left a section, and when the unit reports it as clear, s."""
+
+    safe_rear_s: float
+    reported_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +77,11 @@ class Clearing:
             if at_m < next_m:
                 return at_m
         return math.inf
+
+    def released(self, journey: TrainJourney) -> Iterator[Released]:
+        """The same, with when the safe rear has left the section, s; infinite: nowhere before it stands."""
+        for span, reported_s in zip(journey.mission.spans, self.reported_s(journey), strict=True):
+            yield Released(journey.at_s(self.clear_at_m(journey, span.end_m, 0.0, 0.0)), reported_s)
 
     def reported_s(self, journey: TrainJourney) -> tuple[float, ...]:
         """When each section of the journey is reported as clear, s; infinite for those that it ends in."""

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from network.model import Direction, Line, TagPurpose
+from network.virtual_blocks import with_virtual_blocks
 from simulation.setup import Setup
 from study.capacity.cut import SINGLE_TRACK_CUT, cut_of
 from study.capacity.headway import HeadwayCase, HeadwayKind, line_cases
@@ -22,7 +23,6 @@ from study.capacity.line_capacity import CompressionTerms, day_of, fullest_part,
 from study.capacity.occupation import OccupationCost
 from study.capacity.rules import MINIMAL, Rules
 from study.capacity.theory import occupations
-from study.capacity.virtual_blocks import with_virtual_blocks
 
 BLOCKS: Final = 5  # as many as are published to give most
 FOLLOWS: Final = frozenset({HeadwayKind.FOLLOWING, HeadwayKind.OPEN})
@@ -287,8 +287,6 @@ LEVERS: Final = (
         lambda s: _dwells(s, 15.0),
         lambda s: _dwells(s, 45.0),
     ),
-    Lever(
-        "clear section by section", OccupationCost.LOCALISATION, "at arrival tag", "each section", _blocks(1)
-    ),
-    Lever("virtual blocks", OccupationCost.LOCALISATION, "as it is", f"{BLOCKS} a section", _blocks(BLOCKS)),
+    Lever("clear section by section", OccupationCost.RULE, "at arrival tag", "each section", _blocks(1)),
+    Lever("virtual blocks", OccupationCost.RULE, "as it is", f"{BLOCKS} a section", _blocks(BLOCKS)),
 )

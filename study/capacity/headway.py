@@ -256,7 +256,7 @@ class HeadwayCase:
             "section": one.section_id,
             "first_train_s": round(one.first_s, 1),
             "second_train_s": round(one.second_s, 1),
-            **{f"{cost.value}_s": round(one.costs_s[cost], 1) for cost in OccupationCost},
+            **{cost.column: round(one.costs_s[cost], 1) for cost in OccupationCost},
             "of": f"{one.first.leg.number}, {one.second.leg.number}",
             "pairs": self.pairs,
             "closest": "" if near is None else f"{near.first.leg.number}, {near.second.leg.number}",

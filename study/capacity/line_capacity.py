@@ -103,7 +103,7 @@ class Rate:
             "trains_below_limit": self.trains_below_limit,
             "critical_section": own.section_id,
             "critical_section_s": round(own.by_section_s().get(own.section_id, 0.0), 1),
-            **{f"{cost.value}_s": round(time_s, 1) for cost, time_s in own.costs_s().items()},
+            **{cost.column: round(time_s, 1) for cost, time_s in own.costs_s().items()},
             "stops": self.stops.value,
             "contradiction": " ".join(self.contradiction),
         }

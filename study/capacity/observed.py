@@ -44,12 +44,12 @@ def _passage(hold: SectionHold, standing: tuple[PassageStand, ...], line: Line) 
     """The moments of a hold: those of the register and the unit, and those of the truth."""
     visit = hold.visit or SectionVisit(hold.section_id, math.inf, math.inf)
     portal = line.sections[hold.section_id].kind is SectionKind.PORTAL
-    leaves_s, rear_s = visit.leaves_s, visit.rear_s
+    leaves_s, rear_s, safe_rear_s = visit.leaves_s, visit.rear_s, visit.safe_rear_s
     reported_s = hold.freed_s if hold.reported_s is None else hold.reported_s
     if (
         portal and hold.reported_s is None and visit.enters_s <= hold.arrived_s < hold.freed_s
     ):  # signed off there
-        leaves_s = rear_s = reported_s = hold.arrived_s
+        leaves_s = rear_s = safe_rear_s = reported_s = hold.arrived_s
     wanted_s, sent_s, heard_s = hold.asked
     held_s = heard_s if hold.held_s is None else hold.held_s
     if visit.enters_s == -math.inf and not hold.route_id:  # there before anybody asked
@@ -67,6 +67,7 @@ def _passage(hold: SectionHold, standing: tuple[PassageStand, ...], line: Line) 
         visit.enters_s,
         leaves_s,
         rear_s,
+        safe_rear_s,
         reported_s,
         hold.freed_s,
         tuple(hold.throwing),

@@ -26,9 +26,15 @@ class OccupationCost(StrEnum):
     RADIO = "radio"
     POINTS = "points"
     LOCALISATION = "localisation"
+    RULE = "release rule"
     DRIVING = "driving"
     PEOPLE = "people"
     CHARGING = "charging"
+
+    @property
+    def column(self) -> str:
+        """Its name in a table, s."""
+        return f"{self.value.replace(' ', '_')}_s"
 
 
 class OccupationPart(StrEnum):
@@ -49,7 +55,8 @@ class OccupationPart(StrEnum):
     CHARGING = "charging"
     START = "start"  # it may leave: until its brakes have let go and it moves
     LENGTH = "length"  # front out: until the true rear is out
-    BOUND = "bound"  # until the safe rear is out, or the tag is read that proves it
+    BOUND = "bound"  # until the safe rear is out
+    RULE = "rule"  # until the rule of release has it given back: at a tag, as a whole route
     RELEASE = "release"  # until the register has freed it
 
 
@@ -71,6 +78,7 @@ COST_OF: Final[Mapping[OccupationPart, OccupationCost]] = MappingProxyType(
         OccupationPart.START: OccupationCost.DRIVING,
         OccupationPart.LENGTH: OccupationCost.DRIVING,
         OccupationPart.BOUND: OccupationCost.LOCALISATION,
+        OccupationPart.RULE: OccupationCost.RULE,
         OccupationPart.RELEASE: OccupationCost.RADIO,
     }
 )

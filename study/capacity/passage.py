@@ -43,8 +43,8 @@ class SectionPassage:
     """The moments of one section, s; infinite where one does not come, minus infinity where it lies before the day.
 
     In their order: the section could be had and is wanted, the request that is granted is sent, the manager hears it,
-    the unit holds the section, its front comes in, goes out, the true rear is out, the unit reports that it is clear,
-    the register has it free. `throwing` and `standing` lie anywhere within.
+    the unit holds the section, its front comes in, goes out, the true rear is out, the safe rear is, the unit reports
+    that it is clear, the register has it free. `throwing` and `standing` lie anywhere within.
     """
 
     section_id: str
@@ -59,6 +59,7 @@ class SectionPassage:
     enters_s: float
     leaves_s: float
     rear_s: float
+    safe_rear_s: float
     reported_s: float
     freed_s: float
     throwing: tuple[Throwing, ...] = ()
@@ -75,6 +76,7 @@ _COMING = (
     OccupationPart.RUN,
     OccupationPart.LENGTH,
     OccupationPart.BOUND,
+    OccupationPart.RULE,
     OccupationPart.RELEASE,
 )
 
@@ -92,6 +94,9 @@ def occupation_of(passage: SectionPassage, ends_s: float = math.inf) -> Occupati
         passage.enters_s,
         passage.leaves_s,
         passage.rear_s,
+        min(
+            passage.safe_rear_s, passage.reported_s
+        ),  # at a mark the driver sees more than the unit is sure of
         passage.reported_s,
         passage.freed_s,
     )

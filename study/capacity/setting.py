@@ -9,12 +9,12 @@ have to brake for the section's begin, by its pattern to a stop or by supervisio
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from network.model import Points, TagPurpose
+from network.model import Points, SectionKind, TagPurpose
 from onboard.driving.room import Room
 from onboard.duty.plan import DutyPlan, PlanLeg, PlanTag
 from study.capacity.clearing import Clearing
@@ -38,7 +38,10 @@ class SetUp:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """The rules, the links, and the points of the line; `lie_right`: (train number, points) that need no throw."""
+    """The rules, the links, and the points of the line; `lie_right`: (train number, points) that need no throw.
+
+    `parts`: units are let onto the part of a way that is free, section by section of open line.
+    """
 
     rules: Rules
     links: Links
@@ -46,6 +49,7 @@ class Setting:
     clearing: Clearing
     room: Room
     lie_right: Collection[tuple[str, str]] = frozenset()
+    parts: bool = False
 
     def set_ups(self, journey: TrainJourney) -> dict[int, SetUp]:
         """How each section of the journey is set, by its index on the path; all but the first."""
@@ -134,10 +138,9 @@ class Setting:
             )
             for span in spans
         }
-        whole_s = min(ready_s[span] - points_s[span] for span in spans) - self.links.ask_s
+        own_s = {span: ready_s[span] - points_s[span] - self.links.ask_s for span in spans}
         for span in spans:
-            own_s = ready_s[span] - points_s[span] - self.links.ask_s
-            wanted_s = own_s if self.rules.by_section else whole_s
+            wanted_s = min(own_s[other] for other in self._had_with(journey, spans, span))
             sent_s = wanted_s + self.links.request_s
             heard_s = sent_s + self.links.delay_s
             throwing = tuple(
@@ -149,6 +152,17 @@ class Setting:
                 for needed in journey.plan.spans[span].points
             )
             yield span, SetUp(leg.route_id, wanted_s, sent_s, heard_s, heard_s + self.links.grant_s, throwing)
+
+    def _had_with(self, journey: TrainJourney, spans: range, span: int) -> Sequence[int]:
+        """The sections that are had together with one: all of the route, or its part, or by theory itself alone."""
+        if self.rules.by_section:
+            return (span,)
+        if not self.parts:
+            return spans
+        between = [i for i in spans if journey.plan.spans[i].kind is SectionKind.BETWEEN]
+        ends = (*between, spans[-1])
+        first = max((end + 1 for end in ends if end < span), default=spans[0])
+        return range(first, min(end for end in ends if end >= span) + 1)
 
     def _ready_s(self, journey: TrainJourney, leg: PlanLeg, spans: range, span: int) -> float:
         """When all that leads into a section must be done: at the departure, or where the train would have to brake."""

@@ -17,7 +17,7 @@ def part_column(part: OccupationPart) -> str:
 
 def cost_column(cost: OccupationCost) -> str:
     """The column of a cost."""
-    return f"cost_{cost.value}_s"
+    return f"cost_{cost.column}"
 
 
 def blocking_times(occupations: Iterable[Occupation]) -> pl.DataFrame:

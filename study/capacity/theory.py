@@ -24,6 +24,7 @@ from simulation.loop import OPENING_S
 from simulation.people import Pause
 from simulation.setup import Setup
 from simulation.world.charge_control import READY_S, WORTH_S
+from study.capacity.clearing import Released
 from study.capacity.driven import StockDriving, driving_of
 from study.capacity.journey import TrainJourney
 from study.capacity.links import Links
@@ -89,7 +90,13 @@ class Theory:
         """How the ways of a stock are set."""
         driving = self._driving[stock_id]
         return Setting(
-            self.rules, self.links, self.setup.line.points, driving.clearing, driving.room, lie_right
+            self.rules,
+            self.links,
+            self.setup.line.points,
+            driving.clearing,
+            driving.room,
+            lie_right,
+            parts=self.setup.grants_parts,
         )
 
     def passages(
@@ -105,8 +112,8 @@ class Theory:
         found: list[SectionPassage] = []
         for journey, own in zip(journeys, set_ups, strict=True):
             goes_on = bool(found) and not journey.enters
-            reported_s = setting.clearing.reported_s(journey)
-            parts = list(self._moments(journey, own, reported_s, found.pop() if goes_on else None))
+            released = tuple(setting.clearing.released(journey))
+            parts = list(self._moments(journey, own, released, found.pop() if goes_on else None))
             found += [replace(p, standing=_within(standing, p)) for p in parts]
         return tuple(found)
 
@@ -160,7 +167,7 @@ class Theory:
         self,
         journey: TrainJourney,
         set_ups: Mapping[int, SetUp],
-        reported_s: Sequence[float],
+        released: Sequence[Released],
         before: SectionPassage | None,
     ) -> Iterator[SectionPassage]:
         """The sections of a journey; `before`: where it begins, as its stock has it since the train before."""
@@ -171,15 +178,20 @@ class Theory:
                 passage = self._first(journey)
             leaves_s = journey.at_s(span.end_m)
             rear_s = journey.at_s(span.end_m + journey.length_m)
-            freed_s = reported_s[index] + self.links.report_s
+            safe_rear_s, reported_s = released[index]
+            freed_s = reported_s + self.links.report_s
             if index + 1 == len(spans) and journey.leaves:  # it signs off where it stands
                 stands_s = journey.stays[-1].arrives_s
                 leaves_s = rear_s = stands_s
+                safe_rear_s = reported_s = stands_s
                 freed_s = self.over_s(journey)
-                yield replace(passage, leaves_s=leaves_s, rear_s=rear_s, reported_s=stands_s, freed_s=freed_s)
-                continue
             yield replace(
-                passage, leaves_s=leaves_s, rear_s=rear_s, reported_s=reported_s[index], freed_s=freed_s
+                passage,
+                leaves_s=leaves_s,
+                rear_s=rear_s,
+                safe_rear_s=safe_rear_s,
+                reported_s=reported_s,
+                freed_s=freed_s,
             )
 
     def _set(self, journey: TrainJourney, index: int, set_up: SetUp) -> SectionPassage:
@@ -195,7 +207,7 @@ class Theory:
             set_up.heard_s,
             set_up.held_s,
             journey.at_s(span.start_m),
-            *(math.inf,) * 4,
+            *(math.inf,) * 5,
             throwing=set_up.throwing,
         )
 
@@ -220,10 +232,7 @@ class Theory:
             heard_s,
             held_s,
             enters_s,
-            math.inf,
-            math.inf,
-            math.inf,
-            math.inf,
+            *(math.inf,) * 5,
         )
 
     # what it stands for -----------------------------------------------------------------------------------------------

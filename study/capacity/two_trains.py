@@ -87,7 +87,7 @@ def undisturbed_setup(setup: Setup) -> Setup:
         air=AirParameters(delay_min_s=delay_s, delay_mean_s=delay_s, delay_shape=DelayShape.CONSTANT),
         people=setup.people.model_copy(update={"sigma": 0.0}),
         load=setup.load.model_copy(update={"load_share_spread": 0.0}),
-        dispatch=Dispatch(),
+        dispatch=Dispatch(certificate=setup.grants_parts),
         late=Late(),
         script=Script(),
     )

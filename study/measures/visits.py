@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +20,15 @@ from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
 from study.record.spans import rows_by_span, section_stretches
 
+NOWHERE_M = -1e9  # a unit without a position is sure of none
+
 
 @dataclass(slots=True)
 class SectionVisit:
     """A stock in a section, s, by the truth; minus infinity: it was there, infinite: it stays.
 
     `begin_s` is when its front comes in, or when any of it is first seen in it; `number` the train that it then is.
+    `safe_rear_s`: when its unit was sure that its rear was out, by its bounds.
     """
 
     section_id: str
@@ -34,6 +37,7 @@ class SectionVisit:
     number: str = ""
     leaves_s: float = math.inf
     rear_s: float = math.inf
+    safe_rear_s: float = math.inf
 
 
 def visits_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> dict[str, list[SectionVisit]]:
@@ -54,6 +58,8 @@ def visits_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> 
         seen = _SampledFronts(
             rows["step"] / STEPS_PER_S, np.maximum.accumulate(rows["position_m"]), lengths_m[unit]
         )
+        sure_m = rows["position_m"] + rows["estimate_error_m"] - rows["bound_behind_m"]
+        surely = replace(seen, front_m=np.maximum.accumulate(np.fmax(sure_m, NOWHERE_M)))
         on_line_s = [t for t in came_s[unit] if t <= from_s]
         for section_id, start_m, end_m in section_stretches(span, line):
             if not seen.touches(start_m, end_m):
@@ -68,6 +74,7 @@ def visits_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> 
                 visit.leaves_s = math.inf  # turned back: it is its front that is in it again
             visit.leaves_s = min(visit.leaves_s, seen.at_s(end_m))
             visit.rear_s = seen.at_s(end_m + seen.length_m)
+            visit.safe_rear_s = surely.at_s(end_m + seen.length_m)
             if visit.rear_s < math.inf:
                 del within[unit][section_id]
     for unit, open_visits in within.items():

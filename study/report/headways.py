@@ -22,13 +22,14 @@ FILES: Final = frozenset(
 )
 COLUMNS: Final = (
     *("station", "kind", "kind_ja", "between", "first", "second", "least_s", "section"),
-    *("first_train_s", "second_train_s", *(f"{cost.value}_s" for cost in OccupationCost)),
+    *("first_train_s", "second_train_s", *(cost.column for cost in OccupationCost)),
     *("of", "pairs", "closest", "closest_s", "buffer_s"),
 )
 COST_COLOURS: Final = {
     OccupationCost.RADIO: "#0072b2",
     OccupationCost.POINTS: "#d55e00",
     OccupationCost.LOCALISATION: "#009e73",
+    OccupationCost.RULE: "#56b4e9",
     OccupationCost.DRIVING: "#c9d6e4",
     OccupationCost.PEOPLE: "#e3c66b",
     OccupationCost.CHARGING: "#a0568a",
@@ -82,7 +83,7 @@ def _draw_station(axes: Axes, kinds: list[str], cases: Sequence[HeadwayCase], lo
 
 
 def draw_parts(line: Line, cases: Sequence[HeadwayCase]) -> Figure | None:
-    """A bar a headway: what of it radio, points, localisation, driving, people and charging cost, s."""
+    """A bar a headway: what each cost has of it, s."""
     if not cases:
         return None
     ordered = list(reversed(cases))

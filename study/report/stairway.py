@@ -47,6 +47,7 @@ PART_COLOURS: Final[Mapping[OccupationPart, str]] = {
     OccupationPart.CHARGING: "#d36ba6",
     OccupationPart.START: "#238b45",
     OccupationPart.BOUND: "#cbbfe0",
+    OccupationPart.RULE: "#9e87c7",
 }
 
 

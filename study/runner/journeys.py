@@ -27,6 +27,7 @@ def dispatch_of(setup: Setup) -> DispatchEntry:
         S_PER_MIN * given.hold_min_max,
         given.overtaken_max,
         journeys_of(setup, planned_day(setup)),
+        parts=setup.grants_parts,
     )
 
 

@@ -39,6 +39,7 @@ from simulation.world.points import WaysideWorld
 from study.drilling.drill import shipped_drills
 from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
+from wayside import dispatch
 from wayside.config import MANAGER_ID, TerminalConfig, terminal_configs
 
 pytestmark = pytest.mark.system
@@ -95,6 +96,10 @@ def obeys_only_while_it_hears_the_manager(patch: pytest.MonkeyPatch) -> None:
 
 def releases_whole_routes(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(duty_machine, "releases_at_each", lambda *_: False)
+
+
+def grants_no_part(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(dispatch, "free_part", lambda *_: ())
 
 
 def keeps_a_route_set_back(patch: pytest.MonkeyPatch) -> None:
@@ -323,6 +328,11 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "76e_by_section_crew_comes_late": (
             "forgets_that_it_was_on_the_line",
             "the unit is not taken for one that holds nothing",
+        ),
+        "77_follows_in_blocks": (grants_no_part, "T3 is let onto the blocks, not into B"),
+        "77b_power_in_a_block": (
+            "starts_with_every_section_free",
+            "nothing is granted before persons have accepted the picture",
         ),
         "80_cable_cut_central": (reaches_over_a_cut, "nothing is granted while the cable is cut"),
         "80b_cable_cut_on_board": (says_everything_over_the_cable, "no telegram is lost in the cable"),

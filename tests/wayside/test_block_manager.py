@@ -118,9 +118,8 @@ def test_requests_that_are_refused(request_: RouteRequest, reason: RefusalReason
 def test_a_train_on_its_way_is_granted_what_lies_ahead_whoever_is_behind_it() -> None:
     desk = defined(u1=("D",), u2=("C",))
     assert isinstance(desk.hear("u1", RouteRequest("u1", "over", ("C", "D", "E"))), RouteRefused)
-    assert isinstance(
-        desk.hear("u1", RouteRequest("u1", "over", ("E",))), RouteRefused
-    )  # not from where it is
+    from_elsewhere = RouteRequest("u2", "over", ("E",))
+    assert isinstance(desk.hear("u2", from_elsewhere), RouteRefused)
     granted = desk.hear("u1", RouteRequest("u1", "over", ("D", "E")))
     assert isinstance(granted, RouteGranted)
     assert granted.section_ids == ("D", "E")

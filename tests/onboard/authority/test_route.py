@@ -76,7 +76,21 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     "a grant to an earlier boot is none": (ASKING, other(GRANT, fresh=False), ASKING, ()),
     "a grant whose token is not newer is none": (ASKING, other(GRANT, newer=False), ASKING, ()),
     "a grant of another route is none": (ASKING, other(GRANT, route_id="3>9"), ASKING, ()),
-    "a grant of other sections is none": (ASKING, other(GRANT, section_ids=("5", "6")), ASKING, ()),
+    "a grant of other sections is none": (ASKING, other(GRANT, section_ids=("6", "7")), ASKING, ()),
+    "of a grant of the beginning the rest is asked for again": (
+        ASKING,
+        other(GRANT, section_ids=("5", "6"), commandable=("5",)),
+        replace(
+            HOLDING,
+            held=("3", "5", "6"),
+            commandable=("5",),
+            requests=(replace(OPEN, section_ids=("7", "8"), refusal="the rest is not free"),),
+        ),
+        (
+            *(Renew(RequestKind.ROUTE), SetTimer(ROUTE, REFUSED_REPEAT_S)),
+            *(Take(("5", "6")), Write(notes.RouteHeld(route_id="3>8", token=0)), holds("3", "5", "6")),
+        ),
+    ),
     "a grant without a request is none": (ON_LINE, GRANT, ON_LINE, ()),
     "what is held already is renewed, with its capabilities": (
         replace(HOLDING, requests=(OPEN,)),

@@ -93,6 +93,7 @@ def test_which_component_costs_how_many_seconds() -> None:
             OccupationCost.RADIO: 4.0 + 2.0 + 1.0 + 1.0 + 2.0,
             OccupationCost.POINTS: 4.0,
             OccupationCost.LOCALISATION: 6.0,
+            OccupationCost.RULE: 0.0,
             OccupationCost.DRIVING: 180.0 + 5.0,
             OccupationCost.PEOPLE: 30.0,
             OccupationCost.CHARGING: 0.0,

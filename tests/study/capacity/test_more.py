@@ -12,6 +12,7 @@ import pytest
 from network.graph import all_routes
 from network.model import Line, SectionKind
 from network.timetable import Diagram
+from network.virtual_blocks import with_virtual_blocks
 from scenario.scenario import load_scenario
 from simulation.setup import Setup
 from study.capacity import equipment, more
@@ -46,7 +47,6 @@ from study.capacity.rules import MINIMAL, VIRTUAL_BLOCKS, Rules
 from study.capacity.shared_stretch import StretchHeadways, mean_wait_s, traffic_at
 from study.capacity.standard import standard_paths
 from study.capacity.theory import occupations
-from study.capacity.virtual_blocks import with_virtual_blocks
 from study.feasibility.check import feasibility
 from study.report.capacity import FILES, write_occupation
 

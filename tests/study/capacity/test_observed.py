@@ -28,7 +28,7 @@ times = st.one_of(st.floats(0.0, 1000.0), st.sampled_from([float("inf"), float("
 
 @given(
     wanted_s=st.floats(0.0, 1000.0),
-    moments=st.tuples(*(times for _ in range(8))),
+    moments=st.tuples(*(times for _ in range(9))),
     throws=st.lists(st.tuples(*(st.floats(0.0, 1000.0) for _ in range(4))), max_size=2),
     stands=st.lists(st.tuples(st.sampled_from(list(OccupationPart)), times, times), max_size=4),
     ends_s=st.floats(0.0, 2000.0),

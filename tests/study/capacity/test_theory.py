@@ -32,7 +32,12 @@ NEAR, READY, RUN, DWELL = (
     OccupationPart.RUN,
     OccupationPart.DWELL,
 )
-LENGTH, BOUND, FREE = OccupationPart.LENGTH, OccupationPart.BOUND, OccupationPart.RELEASE
+LENGTH, BOUND, RULE, FREE = (
+    OccupationPart.LENGTH,
+    OccupationPart.BOUND,
+    OccupationPart.RULE,
+    OccupationPart.RELEASE,
+)
 
 # The train signs on 210 s before its departure from A, 0.1 s each way, and asks at once, 0.1 s each way: it leaves the
 # portal, whose next section has no points, 0.4 s after. Run of 380 m: 11.3 + 209.747 / 11.3 + 18.833 = 48.695 s.
@@ -55,7 +60,8 @@ LENGTH, BOUND, FREE = OccupationPart.LENGTH, OccupationPart.BOUND, OccupationPar
 #         500 m (joint 7|8)      66.394 - sqrt(160 / 0.6)      50.064
 #         540 m (rear there)     66.394 - sqrt(80 / 0.6)       54.847
 #         552 m (arrival tag)    66.394 - sqrt(56 / 0.6)       56.733
-# Points P2 lie right; P5 and P7 lie reverse and are thrown in 6 s. Each tag proves what lies behind at once.
+# Points P2 lie right; P5 and P7 lie reverse and are thrown in 6 s. Each tag proves what lies behind at once. The safe
+# rear is 0.545 m behind the true one, and a hundredth of the way since the tag before the last.
 BY_HAND = {
     "PW": (
         (A, 0.1),
@@ -64,29 +70,39 @@ BY_HAND = {
         (G, 0.1),
         (RUN, 6.325),
         (LENGTH, 4.629),
-        (BOUND, 28.080),
+        (BOUND, 0.105),
+        (RULE, 27.975),
         (FREE, 0.1),
     ),
-    "1": ((A, 0.1), (G, 0.1), (NEAR, 6.325), (RUN, 20.564), (LENGTH, 3.549), (BOUND, 8.596), (FREE, 0.1)),
+    "1": (
+        (A, 0.1),
+        (G, 0.1),
+        (NEAR, 6.325),
+        (RUN, 20.564),
+        (LENGTH, 3.549),
+        (BOUND, 0.236),
+        (RULE, 8.360),
+        (FREE, 0.1),
+    ),
     "2": (
         *((A, 0.1), (G, 0.1), (NEAR, 7.746), (A, 0.1), (P, 0.1), (NEAR, 18.943)),
-        *((RUN, 5.476), (LENGTH, 4.783), (BOUND, 1.886), (FREE, 0.1)),
+        *((RUN, 5.476), (LENGTH, 4.783), (BOUND, 0.468), (RULE, 1.418), (FREE, 0.1)),
     ),
     "3": (
         *((A, 0.1), (G, 0.1), (NEAR, 32.365), (RUN, 16.330), (DWELL, 160.905)),
-        *((RUN, 7.746), (LENGTH, 4.099), (BOUND, 44.888), (FREE, 0.1)),
+        *((RUN, 7.746), (LENGTH, 4.099), (BOUND, 0.125), (RULE, 44.764), (FREE, 0.1)),
     ),
     "5": (
         *((A, 0.1), (G, 0.1), (A, 0.1), (T, 6.0), (P, 0.1), (READY, 38.6), (NEAR, 7.746)),
-        *((RUN, 5.869), (LENGTH, 3.539), (BOUND, 39.579), (FREE, 0.1)),
+        *((RUN, 5.869), (LENGTH, 3.539), (BOUND, 0.167), (RULE, 39.412), (FREE, 0.1)),
     ),
     "6": (
         *((A, 0.1), (G, 0.1), (READY, 44.8), (NEAR, 13.615)),
-        *((RUN, 30.973), (LENGTH, 3.549), (BOUND, 8.596), (FREE, 0.1)),
+        *((RUN, 30.973), (LENGTH, 3.549), (BOUND, 0.236), (RULE, 8.360), (FREE, 0.1)),
     ),
     "7": (
         *((A, 0.1), (G, 0.1), (READY, 44.8), (NEAR, 26.004), (A, 0.1), (T, 6.0), (P, 0.1), (NEAR, 12.384)),
-        *((RUN, 5.476), (LENGTH, 4.783), (BOUND, 1.886), (FREE, 0.1)),
+        *((RUN, 5.476), (LENGTH, 4.783), (BOUND, 0.468), (RULE, 1.418), (FREE, 0.1)),
     ),
     "8": ((A, 0.1), (G, 0.1), (READY, 44.8), (NEAR, 50.064), (RUN, 16.330), (OccupationPart.LAYOVER, 0.0)),
 }

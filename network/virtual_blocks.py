@@ -1,12 +1,12 @@
-"""A line with the sections between its stations cut into virtual blocks of equal length, for theory alone.
+"""Sections between stations cut into virtual blocks of equal length (decision 111).
 
-Nothing is laid in the track: a block ends where its train's safe rear proves it clear. A border that would fall into a
-platform is moved to beyond it, so that a train stands at a halt within one block. Units of this simulator take a route
-whole and could not run it; `study.capacity.rules.VIRTUAL_BLOCKS` is the theory of units that can.
+Nothing is laid in the track: a block ends at a kilometrage, and its train's position proves it clear, as any section.
+A border that would fall into a platform is moved to beyond it, so that a train stands at a halt within one block.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
 from typing import Final
@@ -18,14 +18,28 @@ BEYOND_M: Final = (
 )
 
 
+def radio_reaches(line: Line, section: Section) -> bool:
+    """Whether the radio reaches a train wherever it stands in a section."""
+    pieces = [line.pieces[piece_id] for piece_id in section.piece_ids]
+    return all(
+        any(c.from_m <= p.from_m and p.to_m <= c.to_m for c in line.alignments[p.alignment_id].coverage)
+        for p in pieces
+    )
+
+
 def with_virtual_blocks(line: Line, blocks: int) -> Line:
     """The line with each section between stations in so many blocks; ValueError below one."""
-    if blocks < 1:
-        raise ValueError("a section is one block at least")
-    if blocks == 1:
-        return line
-    for section in [s for s in line.sections.values() if s.kind is SectionKind.BETWEEN]:
-        line = _cut(line, section, blocks)
+    between = (s.id for s in line.sections.values() if s.kind is SectionKind.BETWEEN)
+    return with_blocks_of(line, dict.fromkeys(between, blocks))
+
+
+def with_blocks_of(line: Line, blocks: Mapping[str, int]) -> Line:
+    """The line with each of these sections between stations in so many blocks; ValueError below one."""
+    for section_id, count in blocks.items():
+        if count < 1:
+            raise ValueError("a section is one block at least")
+        if count > 1:
+            line = _cut(line, line.sections[section_id], count)
     return line
 
 
@@ -35,7 +49,7 @@ def _cut(line: Line, section: Section, blocks: int) -> Line:
     borders = _borders(line, piece, blocks)
     ends = (piece.from_m, *borders, piece.to_m)
     nodes = (piece.low_node, *(f"{piece.id}/{i}" for i in range(1, len(borders) + 1)), piece.high_node)
-    names = [f"{section.id}/{i}" for i in range(1, len(ends))]
+    names = [f"{section.id}_{i}" for i in range(1, len(ends))]
     pieces = [
         replace(piece, id=name, section_id=name, from_m=low_m, to_m=high_m, low_node=low, high_node=high)
         for name, (low_m, high_m), (low, high) in zip(names, pairwise(ends), pairwise(nodes), strict=True)

@@ -1,0 +1,127 @@
+"""Parts of a way: a train follows another onto the open line, never against one, and only if all can then finish.
+
+A (two tracks) |1|2|3| B (one track) |4| C (two tracks); the blocks 1 to 3 are one stretch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import pytest
+
+from radio.messages import Claim, HoldingReport, RouteGranted, RouteRefused, RouteRequest, SignOn
+from wayside import dispatch, parts
+from wayside.actions import Send
+from wayside.block_manager import Heard, step
+from wayside.config import DispatchEntry, JourneyMove, ManagerConfig, RouteEntry, SectionEntry, StockMoves
+from wayside.parts import free_part
+from wayside.register import Register, start
+
+OPEN: Final = ("1", "2", "3", "4")
+SECTIONS: Final = tuple(
+    SectionEntry(s, open_line=s in OPEN, hears=s in OPEN)
+    for s in ("A1", "A2", "1", "2", "3", "B", "4", "C1", "C2")
+)
+ROUTES: Final = {
+    "A1>B": RouteEntry("A1>B", "A1", ("1", "2", "3", "B")),
+    "A2>B": RouteEntry("A2>B", "A2", ("1", "2", "3", "B")),
+    "B>C1": RouteEntry("B>C1", "B", ("4", "C1")),
+    "B>C2": RouteEntry("B>C2", "B", ("4", "C2")),
+    "B>A1": RouteEntry("B>A1", "B", ("3", "2", "1", "A1")),
+    "C2>B": RouteEntry("C2>B", "C2", ("4", "B")),
+}
+
+
+def moves(unit_id: str, *route_ids: str) -> StockMoves:
+    found = (
+        JourneyMove(
+            unit_id, route_id, ROUTES[route_id].section_ids[-1], False, 100.0 * k, 100.0 * k + 60, 20.0
+        )
+        for k, route_id in enumerate(route_ids)
+    )
+    return StockMoves(unit_id, tuple(found))
+
+
+class Line:
+    """Two units where they stand, and a manager that grants parts."""
+
+    def __init__(self, stands: dict[str, str], *days: StockMoves, parts: bool = True) -> None:
+        entry = DispatchEntry(certificate=True, journeys=days, parts=parts)
+        config = ManagerConfig("line", "m", tuple(stands), SECTIONS, tuple(ROUTES.values()), dispatch=entry)
+        self.register: Register = start(config, 1, {})
+        self.count = 0
+        for unit_id, section_id in stands.items():
+            self.hear(unit_id, SignOn(unit_id, (section_id,)))
+
+    def hear(self, unit_id: str, message: SignOn | RouteRequest | HoldingReport | Claim) -> object:
+        self.count += 1
+        self.register, actions = step(self.register, Heard(unit_id, 1, True, self.count, message), 10.0)
+        return next(a.message for a in actions if isinstance(a, Send) and a.destination == unit_id)
+
+    def ask(self, unit_id: str, route_id: str, *section_ids: str) -> tuple[str, ...]:
+        """What is granted; nothing where it is refused."""
+        wanted = section_ids or ROUTES[route_id].section_ids
+        answer = self.hear(unit_id, RouteRequest(unit_id, route_id, wanted))
+        assert isinstance(answer, RouteGranted | RouteRefused)
+        return answer.section_ids if isinstance(answer, RouteGranted) else ()
+
+    def keeps(self, unit_id: str, *section_ids: str) -> None:
+        self.hear(unit_id, HoldingReport(section_ids, self.register.unit(unit_id).token))
+
+
+FOLLOWING: Final = (moves("u1", "A1>B", "B>C1"), moves("u2", "A2>B", "B>C2"))
+
+
+def following(*, parts: bool = True) -> Line:
+    """u1 on its way in block 2, with block 1 given back; u2 behind it at A."""
+    line = Line({"u1": "A1", "u2": "A2"}, *FOLLOWING, parts=parts)
+    assert line.ask("u1", "A1>B") == ("1", "2", "3", "B")
+    line.keeps("u1", "2", "3", "B")
+    return line
+
+
+def test_a_follower_has_the_blocks_that_are_free_and_later_the_rest() -> None:
+    line = following()
+    assert line.ask("u2", "A2>B") == ("1",)
+    assert line.ask("u2", "A2>B") == ("1",)  # its answer may have been lost
+    assert line.ask("u2", "A2>B", "2", "3", "B") == ()
+    line.keeps("u1", "3", "B")
+    line.keeps("u2", "1")
+    assert line.ask("u2", "A2>B", "2", "3", "B") == ("2",)
+    line.keeps("u2", "2")
+    line.keeps("u1", "B")
+    assert line.ask("u1", "B>C1") == ("4", "C1")
+    line.keeps("u1", "C1")
+    assert line.ask("u2", "A2>B", "3", "B") == ("3", "B")
+    assert line.ask("u2", "B>C2") == ("4", "C2")
+
+
+def test_no_part_ends_where_the_radio_does_not_reach() -> None:
+    line = following()
+    line.register = replace(line.register, plan=replace(line.register.plan, hears=frozenset({"2", "3"})))
+    assert line.ask("u2", "A2>B") == ()
+
+
+def test_without_the_rule_a_follower_waits_for_the_whole() -> None:
+    assert following(parts=False).ask("u2", "A2>B") == ()
+
+
+def test_nobody_comes_against_a_train_into_its_stretch(monkeypatch: pytest.MonkeyPatch) -> None:
+    """u1 holds block 1, u2 at B wants the other way; blocks 3 and 2 are free."""
+    line = Line({"u1": "1", "u2": "B"}, moves("u1", "A1>B"), moves("u2", "B>A1"))
+    back = ROUTES["B>A1"]
+    assert free_part(line.register, "u2", back, back.section_ids) == ()
+    monkeypatch.setattr(parts, "_runs", lambda *_: True)
+    assert free_part(line.register, "u2", back, back.section_ids) == ("3", "2")
+    assert line.ask("u2", "B>A1") == ()  # nor does the certificate let it on
+
+
+def test_a_part_is_not_granted_where_not_all_could_finish(monkeypatch: pytest.MonkeyPatch) -> None:
+    """u1 is to come back from B, which has one track: u2 behind it would wait for B, and u1 for the blocks of u2."""
+    line = Line({"u1": "A1", "u2": "A2"}, moves("u1", "A1>B", "B>A1"), moves("u2", "A2>B"))
+    assert line.ask("u1", "A1>B") == ("1", "2", "3", "B")
+    line.keeps("u1", "2", "3", "B")
+    assert line.ask("u2", "A2>B") == ()
+    monkeypatch.setattr(dispatch, "weigh_part", lambda register, *_: register)
+    assert line.ask("u2", "A2>B") == ("1",)
