@@ -304,7 +304,8 @@ class Dispatch(Record):
         Field(strict=False),
         about(
             "who goes first over open line: who asks first, who is planned first while it is not too late, or beyond"
-            " that by the least delay of all trains",
+            " that by the less delay of all trains whichever of two goes first, or by the order of all trains with the"
+            " least delay (with the extra `plan`)",
             "off",
         ),
     ] = OrderRule.FIRST_COME

@@ -22,10 +22,12 @@ from wayside.certificate import STEPS_MAX, CertificateAnswer, CertificateProof, 
 from wayside.config import OrderRule
 from wayside.journeys import DayProgress, Days, LastCertificate, LastSearch, Stands, next_hop
 from wayside.moves import Train
-from wayside.order import turn_of
+from wayside.order import is_disturbed, turn_of
+from wayside.order_question import LastOrder
 from wayside.places import stands_of
 from wayside.register import Register
 from wayside.said import Certified, HeldBack, NoOrderKnown, OrderChanged
+from wayside.solved_order import with_order
 
 Against = tuple[RefusalReason, str | None, str | None]
 NEAR_STEPS: Final = 200  # assumed: tried before looking further ahead than the present trains
@@ -261,7 +263,14 @@ class _Weighing:
     # the order of trains --------------------------------------------------------------------------------------
 
     def _by_order(self) -> Against | None:
-        turn = turn_of(self._register, self._days, self._stands, self._index)
+        order: LastOrder | None = None
+        if self._days.order is OrderRule.OPTIMAL and is_disturbed(
+            self._register, self._days, self._stands, self._index
+        ):
+            self._register, shows = with_order(self._register, self._days, self._stands)
+            self._shows += shows
+            order = self._register.solved
+        turn = turn_of(self._register, self._days, self._stands, self._index, order)
         if turn is None:
             return None
         other_id = self._days.unit_ids[turn.other]
