@@ -320,6 +320,14 @@ class Dispatch(Record):
         Overtaken,
         about("number of trains that may pass before one that waits for the same line", "assumed: two"),
     ] = 2
+    given: Annotated[
+        tuple[str, ...],
+        Field(strict=False),
+        about(
+            "the order of the day: the set of each of all moves in turn, as `branchline import displib` writes it",
+            "none: nobody goes by one",
+        ),
+    ] = ()
 
 
 NO_TUNING: Final = Tuning(learn=False)  # a scenario without that table

@@ -83,7 +83,10 @@ class StockMoves(msgspec.Struct, frozen=True):
 
 
 class DispatchEntry(msgspec.Struct, frozen=True):
-    """How routes are given to trains that could all have them; see `wayside.dispatch`."""
+    """How routes are given to trains that could all have them; see `wayside.dispatch`.
+
+    `given`: the order of the day, a unit for each of all moves in turn; empty: none is given.
+    """
 
     certificate: bool = False
     order: OrderRule = OrderRule.FIRST_COME
@@ -91,11 +94,12 @@ class DispatchEntry(msgspec.Struct, frozen=True):
     hold_s_max: float = 900.0
     overtaken_max: int = 2
     journeys: tuple[StockMoves, ...] = ()
+    given: tuple[str, ...] = ()
 
     @property
     def weighs(self) -> bool:
         """Whether anything but the register decides."""
-        return self.certificate or self.order is not OrderRule.FIRST_COME
+        return self.certificate or self.order is not OrderRule.FIRST_COME or bool(self.given)
 
 
 NO_DISPATCH: Final = DispatchEntry()

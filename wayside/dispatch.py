@@ -23,7 +23,7 @@ from wayside.config import OrderRule
 from wayside.journeys import DayProgress, Days, LastCertificate, LastSearch, Stands, next_hop
 from wayside.moves import Train
 from wayside.order import is_disturbed, turn_of
-from wayside.order_question import LastOrder
+from wayside.order_question import LastOrder, OrderAnswer
 from wayside.places import stands_of
 from wayside.register import Register
 from wayside.said import Certified, HeldBack, NoOrderKnown, OrderChanged
@@ -98,7 +98,7 @@ class _Weighing:
     def done(self) -> tuple[Register, Against | None, tuple[Show, ...]]:
         """The answer."""
         against, after = self._certified() if self._days.certificate else (None, None)
-        if against is None and self._days.order is not OrderRule.FIRST_COME:
+        if against is None and (self._days.given or self._days.order is not OrderRule.FIRST_COME):
             against = self._by_order()
         if against is None:
             self._granted(after)
@@ -263,14 +263,7 @@ class _Weighing:
     # the order of trains --------------------------------------------------------------------------------------
 
     def _by_order(self) -> Against | None:
-        order: LastOrder | None = None
-        if self._days.order is OrderRule.OPTIMAL and is_disturbed(
-            self._register, self._days, self._stands, self._index
-        ):
-            self._register, shows = with_order(self._register, self._days, self._stands)
-            self._shows += shows
-            order = self._register.solved
-        turn = turn_of(self._register, self._days, self._stands, self._index, order)
+        turn = turn_of(self._register, self._days, self._stands, self._index, self._order())
         if turn is None:
             return None
         other_id = self._days.unit_ids[turn.other]
@@ -281,6 +274,19 @@ class _Weighing:
         self._held_by_order()
         self._held_back(turn.why, other_id, turn.section_id)
         return RefusalReason.NOT_ITS_TURN, turn.section_id, other_id
+
+    def _order(self) -> LastOrder | None:
+        """The order of all trains that is given for the day, or as it is best now; None: there is none to go by."""
+        days = self._days
+        if days.given:
+            return LastOrder(0.0, (0,) * len(days.unit_ids), OrderAnswer(days.given))
+        if days.order is not OrderRule.OPTIMAL:
+            return None
+        if not is_disturbed(self._register, days, self._stands, self._index):
+            return None
+        self._register, shows = with_order(self._register, days, self._stands)
+        self._shows += shows
+        return self._register.solved
 
     def _held_by_order(self) -> None:
         if self._trip.held_s is None:

@@ -55,7 +55,9 @@ def turn_of(
     """Whether the train goes now that asks for its next move; None where no other is first, by plan or as solved."""
     ahead = _planned_first(register, days, stands, index)
     overtaken = _too_often(register, days, stands, index)
-    order = _Solved(solved.answer, solved.left(stands.at)) if solved and not solved.answer.lacking else None
+    order: _Solved | None = None
+    if solved is not None and not solved.answer.lacking:
+        order = _Solved(None if days.given else solved.answer, solved.left(stands.at))
     if order is not None:
         known = {first.index for first in ahead}
         rivals = _rivals(register, days, stands, index)
@@ -71,9 +73,9 @@ def turn_of(
 
 @dataclass(frozen=True, slots=True)
 class _Solved:
-    """An order of all trains: what is left of it as stock and place in its day."""
+    """An order of all trains: what is left of it as stock and place in its day. `answer`: as solved; None: as given."""
 
-    answer: OrderAnswer
+    answer: OrderAnswer | None
     left: list[tuple[int, int]]
 
     def is_first(self, first: _First, index: int) -> bool:
@@ -83,6 +85,8 @@ class _Solved:
 
     def cost(self) -> str:
         """What it costs, for the sentence."""
+        if self.answer is None:
+            return "so is the order given for the day"
         proof = "the best order" if self.answer.delay_s <= self.answer.bound_s else "the best order known"
         return f"{_minutes(self.answer.delay_s)} min late in all in {proof}"
 
