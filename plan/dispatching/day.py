@@ -60,9 +60,11 @@ class DispatchedDay:
 def day_of(setup: Setup) -> DispatchedDay:
     """The problem of a setup's day, by its seed."""
     planned, fast = _legs(setup, AS_UNITS), _legs(setup, FAST)
-    day = _Drawn(setup)
+    day = _LateTrains(setup)
     soonest = {_name(leg): leg for legs in fast.values() for leg in legs}
-    rows = [_Row(day, legs, [soonest.get(_name(leg), leg) for leg in legs]) for legs in planned.values()]
+    rows = [
+        _SetOperations(day, legs, [soonest.get(_name(leg), leg) for leg in legs]) for legs in planned.values()
+    ]
     delays = tuple(delay for index, row in enumerate(rows) for delay in row.delays(index))
     instance = Instance(tuple(row.train() for row in rows), delays)
     return DispatchedDay(instance, tuple(planned.values()), tuple(tuple(row.departs) for row in rows))
@@ -81,7 +83,7 @@ def _legs(setup: Setup, rules: Rules) -> dict[str, tuple[SetLeg, ...]]:
     return {stock_id: tuple(legs) for stock_id, legs in sorted(found.items())}
 
 
-class _Drawn:
+class _LateTrains:
     """What is late on a day, and what is printed."""
 
     def __init__(self, setup: Setup) -> None:
@@ -113,7 +115,7 @@ class _Drawn:
 
 
 @dataclass(slots=True)
-class _Piece:
+class _OperationDraft:
     """An operation that is being made up."""
 
     lasts_s: float
@@ -121,12 +123,12 @@ class _Piece:
     earliest_s: float = 0.0
 
 
-class _Row:
+class _SetOperations:
     """The operations of one set."""
 
-    def __init__(self, day: _Drawn, legs: Sequence[SetLeg], driven: Sequence[SetLeg]) -> None:
+    def __init__(self, day: _LateTrains, legs: Sequence[SetLeg], driven: Sequence[SetLeg]) -> None:
         self._day = day
-        self._pieces: list[_Piece] = []
+        self._pieces: list[_OperationDraft] = []
         self.departs: list[int] = []
         self._arrives: dict[str, int] = {}
         for index, leg in enumerate(legs):
@@ -137,7 +139,7 @@ class _Row:
                 self._arrives[leg.number] = len(self._pieces)
         last = legs[-1]
         stays = last.end is not None and not math.isfinite(last.end.leaves_s)
-        self._pieces.append(_Piece(0.0, {last.end.section_id: 0.0} if stays and last.end else {}))
+        self._pieces.append(_OperationDraft(0.0, {last.end.section_id: 0.0} if stays and last.end else {}))
 
     def _stand(self, leg: SetLeg, *, joined: bool) -> None:
         place = leg.start
@@ -145,7 +147,7 @@ class _Row:
             return
         stand, drawn = stand_of(place, self._day.dwell_min_s), self._day.stay(leg.number, place.section_id)
         least_s = stand.least_s + drawn.people_s if joined else 0.0
-        self._pieces.append(_Piece(least_s, {place.section_id: 0.0} if joined else {}))
+        self._pieces.append(_OperationDraft(least_s, {place.section_id: 0.0} if joined else {}))
 
     def _run(self, leg: SetLeg, planned_s: float, late_s: float) -> None:
         """Claims, then pieces of the way, not before it is planned and so much later; times against the departure."""
@@ -174,7 +176,7 @@ class _Row:
             if other_s == arrives_s:
                 after = ((s, end - arrives_s) for s, _, end in held if s in sections and math.isfinite(end))
                 sections |= {s: max(0.0, left_s) for s, left_s in after}
-            self._pieces.append(_Piece(other_s - one_s, sections))
+            self._pieces.append(_OperationDraft(other_s - one_s, sections))
         self._pieces[self.departs[-1]].earliest_s = earliest_s + begins_s
 
     def train(self) -> Train:
