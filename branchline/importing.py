@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from branchline.displib import import_displib
 from branchline.gtfs import import_gtfs
 from branchline.importing_layout import import_osm_command, import_railml_command, import_sumo_command
 from branchline.importing_timetables import import_mini_tokyo
@@ -36,3 +37,4 @@ def import_geometry_command(
 importers.command("mini-tokyo")(import_mini_tokyo)
 importers.command("gtfs")(import_gtfs)
 importers.command("oudia")(import_oudia)
+importers.command("displib")(import_displib)

@@ -13,6 +13,7 @@ from typing import Protocol
 import msgspec
 
 from host.devices import CODEC, DeviceAdvance, DeviceSaid
+from host.order_solver import order_solver
 from host.party import Advance, PartySpec
 from host.store import Durable, PartyStore, raise_epoch
 from network.errors import InputError
@@ -68,7 +69,7 @@ class _Manager:
         unswept = () if kept is None else kept.unswept
         bars = bars_kept(durable.vital)
         self.register = start_register(
-            config, durable.epoch, keys.capabilities, ledger, unswept, moves_done, bars
+            config, durable.epoch, keys.capabilities, ledger, unswept, moves_done, bars, order_solver()
         )
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:

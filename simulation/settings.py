@@ -314,7 +314,8 @@ class Dispatch(Record):
         Field(strict=False),
         about(
             "who goes first over open line: who asks first, who is planned first while it is not too late, or beyond"
-            " that by the least delay of all trains",
+            " that by the less delay of all trains whichever of two goes first, or by the order of all trains with the"
+            " least delay (with the extra `plan`)",
             "off",
         ),
     ] = OrderRule.FIRST_COME
@@ -329,6 +330,14 @@ class Dispatch(Record):
         Overtaken,
         about("number of trains that may pass before one that waits for the same line", "assumed: two"),
     ] = 2
+    given: Annotated[
+        tuple[str, ...],
+        Field(strict=False),
+        about(
+            "the order of the day: the set of each of all moves in turn, as `branchline import displib` writes it",
+            "none: nobody goes by one",
+        ),
+    ] = ()
 
 
 NO_TUNING: Final = Tuning(learn=False)  # a scenario without that table

@@ -70,7 +70,10 @@ class OrderRule(Enum):
 
     FIRST_COME = "first_come"  # who asks first
     PLANNED = "planned"  # as planned, until the train that is first is late
-    LEAST_DELAY = "least_delay"  # as planned; beyond that, the order that delays all trains least
+    LEAST_DELAY = "least_delay"  # as planned; beyond that, which of the two first delays all trains less
+    OPTIMAL = (
+        "optimal"  # as planned; where a train is late beyond that, the order of all that delays all least
+    )
 
 
 class JourneyMove(msgspec.Struct, frozen=True, array_like=True):
@@ -97,7 +100,10 @@ class StockMoves(msgspec.Struct, frozen=True):
 
 
 class DispatchEntry(msgspec.Struct, frozen=True):
-    """How routes are given to trains that could all have them; see `wayside.dispatch`."""
+    """How routes are given to trains that could all have them; see `wayside.dispatch`.
+
+    `given`: the order of the day, a unit for each of all moves in turn; empty: none is given.
+    """
 
     certificate: bool = False
     order: OrderRule = OrderRule.FIRST_COME
@@ -105,12 +111,13 @@ class DispatchEntry(msgspec.Struct, frozen=True):
     hold_s_max: float = 900.0
     overtaken_max: int = 2
     journeys: tuple[StockMoves, ...] = ()
+    given: tuple[str, ...] = ()
     parts: bool = False  # of a way in virtual blocks, as far as it is free; with the certificate alone
 
     @property
     def weighs(self) -> bool:
         """Whether anything but the register decides."""
-        return self.certificate or self.order is not OrderRule.FIRST_COME
+        return self.certificate or self.order is not OrderRule.FIRST_COME or bool(self.given)
 
 
 NO_DISPATCH: Final = DispatchEntry()

@@ -22,11 +22,13 @@ from wayside.certificate import STEPS_MAX, CertificateAnswer, CertificateProof, 
 from wayside.config import OrderRule
 from wayside.journeys import DayProgress, Days, LastCertificate, LastSearch, Stands, next_hop
 from wayside.moves import Train
-from wayside.order import turn_of
+from wayside.order import is_disturbed, turn_of
+from wayside.order_question import LastOrder, OrderAnswer
 from wayside.parts import free_part
 from wayside.places import stands_of
 from wayside.register import Register
 from wayside.said import Certified, HeldBack, NoOrderKnown, OrderChanged
+from wayside.solved_order import with_order
 
 Against = tuple[RefusalReason, str | None, str | None]
 NEAR_STEPS: Final = 200  # assumed: tried before looking further ahead than the present trains
@@ -135,7 +137,7 @@ class _Weighing:
     def done(self) -> tuple[Register, Against | None, tuple[Show, ...]]:
         """The answer."""
         against, after = self._certified() if self._days.certificate else (None, None)
-        if against is None and self._days.order is not OrderRule.FIRST_COME:
+        if against is None and (self._days.given or self._days.order is not OrderRule.FIRST_COME):
             against = self._by_order()
         if against is None:
             self._granted(after)
@@ -300,7 +302,7 @@ class _Weighing:
     # the order of trains --------------------------------------------------------------------------------------
 
     def _by_order(self) -> Against | None:
-        turn = turn_of(self._register, self._days, self._stands, self._index)
+        turn = turn_of(self._register, self._days, self._stands, self._index, self._order())
         if turn is None:
             return None
         other_id = self._days.unit_ids[turn.other]
@@ -311,6 +313,19 @@ class _Weighing:
         self._held_by_order()
         self._held_back(turn.why, other_id, turn.section_id)
         return RefusalReason.NOT_ITS_TURN, turn.section_id, other_id
+
+    def _order(self) -> LastOrder | None:
+        """The order of all trains that is given for the day, or as it is best now; None: there is none to go by."""
+        days = self._days
+        if days.given:
+            return LastOrder(0.0, (0,) * len(days.unit_ids), OrderAnswer(days.given))
+        if days.order is not OrderRule.OPTIMAL:
+            return None
+        if not is_disturbed(self._register, days, self._stands, self._index):
+            return None
+        self._register, shows = with_order(self._register, days, self._stands)
+        self._shows += shows
+        return self._register.solved
 
     def _held_by_order(self) -> None:
         if self._trip.held_s is None:

@@ -53,6 +53,7 @@ class Days:
     hold_s_max: float
     overtaken_max: int
     parts: bool
+    given: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,11 +177,12 @@ def days_of(config: ManagerConfig) -> Days | None:
 
     hops = tuple(tuple(map(hop_of, journey.moves)) for journey in given.journeys)
     unit_ids = tuple(journey.unit_id for journey in given.journeys)
+    index = {unit_id: index for index, unit_id in enumerate(unit_ids)}
     return Days(
         unit_ids,
         hops,
         tuple(tuple(hop.move for hop in each) for each in hops),
-        {unit_id: index for index, unit_id in enumerate(unit_ids)},
+        index,
         bits,
         queues,
         given.certificate,
@@ -189,6 +191,7 @@ def days_of(config: ManagerConfig) -> Days | None:
         given.hold_s_max,
         given.overtaken_max,
         given.parts,
+        tuple(index[unit_id] for unit_id in given.given if unit_id in index),
     )
 
 

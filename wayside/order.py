@@ -2,9 +2,10 @@
 
 Planned is that the train goes first that is to leave first by the timetable. That order is kept while the train that
 is first is less late than `late_s`. Beyond that it is left to who asks first (`planned`), or both orders are played
-through in blocks and minutes for all trains of the line, and the one with less delay is taken (`least_delay`). Nobody
-waits by it for longer than `hold_s_max`, for a train that cannot come before it, or when `overtaken_max` trains have
-gone before it; nor does it let a train on before one that was overtaken so often.
+through in blocks and minutes for all trains of the line, and the one with less delay is taken (`least_delay`); or it
+is the order of all of them that delays all least (`optimal`), as soon as any train that is to go there is so late.
+Nobody waits by it for longer than `hold_s_max`, for a train that cannot come before it, or when `overtaken_max`
+trains have gone before it; nor does it let a train on before one that was overtaken so often.
 """
 
 from __future__ import annotations
@@ -17,10 +18,12 @@ from wayside.certificate import CertificateProof, finishing_order
 from wayside.config import OrderRule
 from wayside.journeys import Days, PlannedMove, Stands
 from wayside.moves import bits_of
+from wayside.order_question import LastOrder, OrderAnswer
 from wayside.register import Register
 
 AHEAD_S: Final = 2 * 3600.0  # assumed: how far ahead delays are compared
 ORDER_STEPS: Final = 1000  # assumed: moves tried for either order
+BOUNDED = True  # off: a train waits for its turn for as long as the order has it
 GAIN_S: Final = 60.0  # assumed: a change of order is worth a minute at least, for it confuses people
 
 
@@ -46,17 +49,69 @@ class _First:
     late_s: float
 
 
-def turn_of(register: Register, days: Days, stands: Stands, index: int) -> Turn | None:
-    """Whether the train goes now that asks for its next move; None where no other is planned first."""
+def turn_of(
+    register: Register, days: Days, stands: Stands, index: int, solved: LastOrder | None = None
+) -> Turn | None:
+    """Whether the train goes now that asks for its next move; None where no other is first, by plan or as solved."""
     ahead = _planned_first(register, days, stands, index)
     overtaken = _too_often(register, days, stands, index)
+    order: _Solved | None = None
+    if solved is not None and not solved.answer.lacking:
+        order = _Solved(None if days.given else solved.answer, solved.left(stands.at))
+    if order is not None:
+        known = {first.index for first in ahead}
+        rivals = _rivals(register, days, stands, index)
+        ahead += [r for r in rivals if r.index not in known and order.is_first(r, index)]
     changed: Turn | None = None
     for first in [*ahead, *overtaken]:
-        turn = _before(register, days, stands, index, first)
+        turn = _before(register, days, stands, index, first, order)
         if not turn.goes:
             return turn
         changed = changed or turn
     return changed
+
+
+@dataclass(frozen=True, slots=True)
+class _Solved:
+    """An order of all trains: what is left of it as stock and place in its day. `answer`: as solved; None: as given."""
+
+    answer: OrderAnswer | None
+    left: list[tuple[int, int]]
+
+    def is_first(self, first: _First, index: int) -> bool:
+        """Whether that move comes before the next one of a stock; what is not in the order comes last."""
+        mine = next((k for k, (other, _) in enumerate(self.left) if other == index), len(self.left))
+        return (first.index, first.place) in self.left[:mine]
+
+    def cost(self) -> str:
+        """What it costs, for the sentence."""
+        if self.answer is None:
+            return "so is the order given for the day"
+        proof = "the best order" if self.answer.delay_s <= self.answer.bound_s else "the best order known"
+        return f"{_minutes(self.answer.delay_s)} min late in all in {proof}"
+
+
+def is_disturbed(register: Register, days: Days, stands: Stands, index: int) -> bool:
+    """Whether any train is so late that the planned order is left, and others want line that this one wants."""
+    known = (k for k, unit_id in enumerate(days.unit_ids) if not register.trip(unit_id).astray)
+    late = any(_late_s(register, days, stands, k) >= days.late_s for k in known)
+    return late and bool(_rivals(register, days, stands, index))
+
+
+def _rivals(register: Register, days: Days, stands: Stands, index: int) -> list[_First]:
+    """Trains that are to go over line that this one wants, within the time that is looked ahead."""
+    mine, until_s = days.hops[index][stands.at[index]], register.now_s + AHEAD_S
+    found: list[_First] = []
+    for other, hops in enumerate(days.hops):
+        if other == index or register.trip(days.unit_ids[other]).astray:
+            continue
+        for place in range(stands.at[other], len(hops)):
+            if hops[place].departs_s >= until_s:
+                break
+            if hops[place].line & mine.line:
+                found.append(_First(other, place, hops[place], _late_s(register, days, stands, other)))
+                break
+    return found
 
 
 def _planned_first(register: Register, days: Days, stands: Stands, index: int) -> list[_First]:
@@ -96,26 +151,33 @@ def _late_s(register: Register, days: Days, stands: Stands, index: int) -> float
     return max(0.0, register.trip(days.unit_ids[index]).late_s, overdue_s)
 
 
-def _before(register: Register, days: Days, stands: Stands, index: int, first: _First) -> Turn:
-    """Whether the train goes before one that comes first by plan, or has waited longest."""
+def _before(
+    register: Register, days: Days, stands: Stands, index: int, first: _First, order: _Solved | None
+) -> Turn:
+    """Whether the train goes before one that comes first by plan or as solved, or has waited longest."""
     other = register.trip(days.unit_ids[first.index])
     mine = days.hops[index][stands.at[index]]
     train, ahead, to = mine.train, first.hop.train, first.hop.section_id
     if why := _waited_enough(register, days, stands, index, ahead):
         return Turn(first.index, True, f"order changed: {train} {why}")
     coming = _coming(days, stands, index, first)
+    late = f"planned first; it is {_minutes(first.late_s)} min late"
+    waits, goes = f"{train} waits for {ahead}", f"order changed: {train} goes before {ahead}"
     if coming is None:
         return Turn(first.index, True, f"order changed: {ahead} cannot come before {train} has gone")
-    if other.overtaken >= days.overtaken_max:
-        why = f"{train} waits for {ahead}, before which {other.overtaken} trains have gone"
-        return Turn(first.index, False, why, to)
-    late = f"planned first; it is {_minutes(first.late_s)} min late"
-    if first.late_s < days.late_s:
-        why = f"{train} waits for {ahead}, {late}, threshold {_minutes(days.late_s)}"
-        return Turn(first.index, False, why, to)
-    if days.order is OrderRule.PLANNED:
-        return Turn(first.index, True, f"order changed: {train} goes before {ahead}, {late}")
-    return _least_delay(register, days, stands, index, first, coming, late)
+    if BOUNDED and other.overtaken >= days.overtaken_max:
+        why = f"{waits}, before which {other.overtaken} trains have gone"
+    elif order is not None and order.is_first(first, index):
+        why = f"{waits}: {order.cost()}"
+    elif order is not None:
+        return Turn(first.index, True, f"{goes}, {late}: {order.cost()}")
+    elif first.late_s < days.late_s:
+        why = f"{waits}, {late}, threshold {_minutes(days.late_s)}"
+    elif days.order is OrderRule.PLANNED:
+        return Turn(first.index, True, f"{goes}, {late}")
+    else:
+        return _least_delay(register, days, stands, index, first, coming, late)
+    return Turn(first.index, False, why, to)
 
 
 def _waited_enough(register: Register, days: Days, stands: Stands, index: int, ahead: str) -> str:
@@ -123,9 +185,9 @@ def _waited_enough(register: Register, days: Days, stands: Stands, index: int, a
     trip = register.trip(days.unit_ids[index])
     due_s = days.hops[index][stands.at[index]].departs_s
     held_s = 0.0 if trip.held_s is None else register.now_s - max(trip.held_s, due_s)
-    if held_s >= days.hold_s_max:
+    if BOUNDED and held_s >= days.hold_s_max:
         return f"has waited {_minutes(held_s)} min for {ahead}, the most it may"
-    if trip.overtaken >= days.overtaken_max:
+    if BOUNDED and trip.overtaken >= days.overtaken_max:
         return f"goes before {ahead}: {trip.overtaken} trains have gone before it"
     return ""
 

@@ -18,6 +18,7 @@ from radio.messages import Capability
 from wayside.barring import NO_BARS, Bars
 from wayside.config import ManagerConfig, ReentryMode, RouteEntry
 from wayside.journeys import NEW, UNKNOWN, DayProgress, Days, LastCertificate, LastSearch, days_of
+from wayside.order_question import LastOrder, OrderSolver, without_solver
 
 
 class UnitStanding(Enum):
@@ -79,6 +80,7 @@ class RegisterPlan:
     telegram_age_max_s: float
     reentry: ReentryMode
     days: Days | None = None  # None: nothing but the register decides
+    solver: OrderSolver = without_solver
 
 
 class ReentryStage(Enum):
@@ -122,7 +124,7 @@ class Register:
     `left_through`: portals by which a train has left in this boot. `doubted`: units that reported and of which a person
     now says something, each with how often it was asked in vain since. `trips`: how far each unit is in its day, kept
     over power cuts, `kept` the order in which all can finish, as last proven, `sought` the last search that found none,
-    and `now_s` when the last telegram came; all where `plan.days` are.
+    `solved` the order of least delay found last, and `now_s` when the last telegram came; all where `plan.days` are.
     """
 
     plan: RegisterPlan
@@ -143,6 +145,7 @@ class Register:
     trips_lost: bool = False
     kept: LastCertificate | None = None
     sought: LastSearch | None = None
+    solved: LastOrder | None = None
     now_s: float = 0.0
 
     @property
@@ -264,12 +267,14 @@ def start(
     unswept: Iterable[str] = (),
     moves_done: Mapping[str, int] | None = None,
     bars: Bars = NO_BARS,
+    solver: OrderSolver = without_solver,
 ) -> Register:
     """The register after a (re)start: nothing is known. `epoch` must be greater than that of any earlier boot.
 
     `ledger`: the units on the line when the boot before ended; None: lost, so every unit counts as on the
-    line and all of it as not swept, except at the first start. `moves_done`: how far each unit was in its day. Raises
-    InputError if the ledger names a unit that is not on the fleet list.
+    line and all of it as not swept, except at the first start. `moves_done`: how far each unit was in its day.
+    `solver`: who finds the order of least delay. Raises InputError if the ledger names a unit that is not on the fleet
+    list.
     """
     trips_lost = epoch > 1 and (ledger is None or moves_done is None)
     if ledger is None and epoch > 1:
@@ -293,6 +298,7 @@ def start(
         config.telegram_age_max_s,
         config.reentry,
         days_of(config),
+        solver,
     )
     return Register(
         plan,

@@ -272,6 +272,12 @@ class OrderChanged(Noted, frozen=True, kw_only=True, tag="order_changed"):
     why: str
 
 
+class OrderLacking(Noted, frozen=True, kw_only=True, tag="order_lacking"):
+    """No order of least delay is known, so of each two trains the order is that of less delay, as in `least_delay`."""
+
+    why: str
+
+
 class NoOrderKnown(Noted, frozen=True, kw_only=True, tag="no_order_known"):
     """No order is known in which all can finish, whoever goes next: these units are in each other's way. Where it is
     proven that there is none, routes are granted so that what is planned before some time can be run, or as without a
@@ -343,6 +349,7 @@ ManagerNote = (
     | Certified
     | HeldBack
     | OrderChanged
+    | OrderLacking
     | NoOrderKnown
     | TelegramDropped
     | TookEffect

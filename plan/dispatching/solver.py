@@ -37,13 +37,16 @@ class Answer:
         return self.solution is not None and self.solution.objective_value <= self.bound
 
 
-def solve(instance: Instance, work_max: float) -> Answer:
+def solve(instance: Instance, work_max: float, known: Solution | None = None) -> Answer:
     """The least cost that `work_max` of the solver's counted work leads to; 1 is about eight seconds of a processor.
 
-    Two searches take half of it each: one that finds orders soon, and one from below, which proves.
+    Two searches take half of it each: one that finds orders soon, and one from below, which proves. `known`: a solution
+    to begin with.
     """
     dispatch = DispatchModel(instance)
-    best = Answer(None, 0, impossible=False, work=0.0)
+    best = Answer(known, 0, impossible=False, work=0.0)
+    if known is not None:
+        dispatch.begin_with(known)
     for by_cores in (False, True):
         best = _search(instance, dispatch, best, work_max, by_cores=by_cores)
         if best.proven or best.impossible:

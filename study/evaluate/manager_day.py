@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from host.order_solver import order_solver
 from network.graph import all_routes
 from radio.keys import KEY_BYTES
 from radio.messages import AnyMessage, Claim, HoldingReport, RouteRequest, SignOff, SignOn
@@ -26,7 +27,7 @@ class ManagerDay:
         keys = {
             terminal: bytes(KEY_BYTES) for section in config.sections for terminal in section.terminal_ids
         }
-        self.register: Register = start(config, 1, keys)
+        self.register: Register = start(config, 1, keys, solver=order_solver())
         self.at = [0] * len(journeys)
         self._routes: dict[str, RouteEntry] = {route.route_id: route for route in config.routes}
         for k, journey in enumerate(journeys):

@@ -16,7 +16,7 @@ from typing import Final
 
 from study.evaluate.manager_day import AGAIN_S, ManagerDay, config_of
 from study.sweep.statistics import difference_of, mean_of
-from wayside.config import ManagerConfig, OrderRule
+from wayside.config import JourneyMove, ManagerConfig, OrderRule
 
 SHARE: Final = 0.01  # assumed: of departures at which doors stay open
 MEAN_S: Final = 480.0  # assumed: exponential
@@ -32,9 +32,7 @@ def lost_min(config: ManagerConfig, seed: int) -> float:
 
     def leaves_s(k: int, ready_s: float) -> float:
         move = journeys[k].moves[day.at[k]]
-        chance = random.Random(f"{seed} {move.train} {day.at[k]}")
-        held_s = min(chance.expovariate(1.0 / MEAN_S), LID_S) if chance.random() < SHARE else 0.0
-        return max(move.departs_s, ready_s) + held_s
+        return max(move.departs_s, ready_s) + doors_s(seed, move, day.at[k])
 
     asks = [(leaves_s(k, 0.0), k, False) for k in range(len(journeys)) if journeys[k].moves]
     heapq.heapify(asks)
@@ -57,6 +55,12 @@ def lost_min(config: ManagerConfig, seed: int) -> float:
     never = (moves[place:] for moves, place in zip((j.moves for j in journeys), day.at, strict=True))
     lost_s += sum(LAST_S - last.arrives_s for rest in never for last in {m.train: m for m in rest}.values())
     return lost_s / 60.0
+
+
+def doors_s(seed: int, move: JourneyMove, place: int) -> float:
+    """For how long doors stay open before a move of a day, by its place there, s."""
+    chance = random.Random(f"{seed} {move.train} {place}")
+    return min(chance.expovariate(1.0 / MEAN_S), LID_S) if chance.random() < SHARE else 0.0
 
 
 def days_lost_min(scenario: str, order: OrderRule, seeds: Sequence[int]) -> list[float]:

@@ -18,7 +18,7 @@ S_PER_MIN = 60.0
 def dispatch_of(setup: Setup) -> DispatchEntry:
     """How the manager gives routes, by `[dispatch]`; with the journeys of the day where it needs them."""
     given = setup.dispatch
-    if not given.certificate and given.order is OrderRule.FIRST_COME:
+    if not given.certificate and given.order is OrderRule.FIRST_COME and not given.given:
         return NO_DISPATCH
     return DispatchEntry(
         given.certificate,
@@ -27,6 +27,7 @@ def dispatch_of(setup: Setup) -> DispatchEntry:
         S_PER_MIN * given.hold_min_max,
         given.overtaken_max,
         journeys_of(setup, planned_day(setup)),
+        given.given,
         parts=setup.grants_parts,
     )
 

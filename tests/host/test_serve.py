@@ -49,5 +49,5 @@ def test_the_process_of_a_device_starts_light() -> None:
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, check=True, text=True, timeout=60
     )
-    heavy = {"numpy", "numba", "libsumo", "matplotlib", "scipy", "pydantic", "polars", "onboard"}
+    heavy = {"numpy", "numba", "libsumo", "matplotlib", "scipy", "pydantic", "polars", "onboard", "ortools"}
     assert heavy.isdisjoint(done.stdout.split())

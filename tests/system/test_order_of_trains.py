@@ -87,14 +87,20 @@ A: Final = train("A", "ASA IZU", "1", "1", "10:00", "10:06")
 B: Final = train("B", "IZU ASA", "2", "2", "10:08", "10:14")
 
 
-def day(folder: Path, dispatch: str, faults: str, trains: str = A + B) -> Day:
+def day(
+    folder: Path,
+    dispatch: str,
+    faults: str,
+    trains: str = A + B,
+    link: PartyLink = PartyLink.SIMULATED,
+) -> Day:
     """The day, with the trains and faults given."""
     (folder / "meet.toml").write_text(TRAINS + trains, encoding="utf-8")
     file = folder / "day.toml"
     head = 'extends = "busy_line"\nid = "day"\nname = "A meet"\ntimetable = "meet.toml"\n'
     limits = "[limits]\nstall_limit_s = 3600.0\n"
     file.write_text(head + limits + f"[dispatch]\n{dispatch}\n" + faults, encoding="utf-8")
-    return Day(execute(load_scenario(str(file)), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN))
+    return Day(execute(load_scenario(str(file)), link, carrier=CarrierKind.PLAIN))
 
 
 def late(minutes: float) -> str:
@@ -119,6 +125,19 @@ def test_above_it_who_asks_first_goes(tmp_path: Path) -> None:
     (why,) = changed.changed
     assert why.startswith("order changed: B goes before A, planned first; it is ")
     assert unfinished(changed.run.result) == ()
+
+
+def test_the_order_of_least_delay_is_the_same_on_both_links(tmp_path: Path) -> None:
+    """A solver's process of its own stands beside either manager."""
+    days = [
+        day(tmp_path, 'order = "optimal"\nkeep_order_below_min = 2.0', late(9.0), link=link)
+        for link in (PartyLink.SIMULATED, PartyLink.ZENOH)
+    ]
+    here, apart = (done.run.summary["digest"] for done in days)
+    assert here == apart
+    reasons = [*days[0].held, *days[0].changed]
+    assert reasons and reasons == [*days[1].held, *days[1].changed]
+    assert any("late in all in the best order" in why for why in reasons)
 
 
 def test_without_a_rule_nothing_is_held_or_told(tmp_path: Path) -> None:

@@ -116,6 +116,20 @@ def test_no_train_is_let_on_before_one_that_was_overtaken_so_often() -> None:
     assert isinstance(play.asks(2), RouteGranted)
 
 
+def test_an_order_given_for_the_day_is_kept_and_never_for_ever() -> None:
+    """The second is given first, though the first is planned first and asks first."""
+    play = play_of(OrderRule.FIRST_COME, given=("u1", "u0"))
+    play.now_s = FIRST_DUE_S
+    assert isinstance(play.asks(0), RouteRefused)
+    assert why_held(play) == ["0 waits for 1: so is the order given for the day"]
+    play.now_s = FIRST_DUE_S + HOLD_S
+    assert isinstance(play.asks(0), RouteGranted)
+    play = play_of(OrderRule.FIRST_COME, given=("u1", "u0"))
+    play.now_s = FIRST_DUE_S
+    assert isinstance(play.asks(1), RouteGranted)
+    assert isinstance(play.asks(0), RouteGranted)
+
+
 def test_the_order_never_grants_what_the_certificate_refuses() -> None:
     """On time, the second is planned first into the siding that the third needs; that would be the end."""
     tracks = [2, 1, 2, 1, 2]

@@ -1,0 +1,107 @@
+"""A late day as a dispatching problem: what stands in it is of the line, and its solution is the order of a run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from branchline.cli import app
+from network.errors import InputError
+from plan.dispatching import day
+from plan.dispatching.checker import objections
+from plan.dispatching.day import DispatchedDay, day_of, moves_of
+from plan.dispatching.instance import read_instance
+from plan.dispatching.solver import solve
+from scenario.scenario import load_scenario
+from simulation.late.entry import entry_late_s
+from simulation.late.settings import Late
+from simulation.setup import Setup
+from study.feasibility.planned import planned_day
+from study.runner.journeys import journeys_of
+
+SEED = 7
+WORK = 1.0
+
+
+@pytest.fixture(scope="module")
+def setup() -> Setup:
+    return load_scenario("karasuyama_late", SEED).setup
+
+
+@pytest.fixture(scope="module")
+def late(setup: Setup) -> DispatchedDay:
+    return day_of(setup)
+
+
+def test_a_punctual_day_costs_nothing(setup: Setup) -> None:
+    """All trains of the plan arrive as printed: they run with more time than they need."""
+    answer = solve(day_of(replace(setup, late=Late())).instance, WORK)
+    assert answer.proven
+    assert answer.solution is not None and answer.solution.objective_value == 0
+
+
+def test_a_train_that_comes_late_sets_out_so_much_later(setup: Setup, late: DispatchedDay) -> None:
+    punctual = day_of(replace(setup, late=Late()))
+    moved: dict[str, int] = {}
+    for index, legs in enumerate(late.legs):
+        for leg, operation in zip(legs, late.departs[index], strict=True):
+            ours = late.instance.trains[index][operation]
+            if leg.start is not None and leg.start.section_id in {"HSK.MD"}:
+                theirs = punctual.instance.trains[index][operation]
+                moved[leg.number] = ours.start_lb - theirs.start_lb
+    drawn = {
+        n: entry_late_s(setup.late, SEED, setup.today, train) for n, train in setup.timetable.trains.items()
+    }
+    assert len(moved) > 5 and max(moved.values()) > 500
+    assert all(abs(late_s - drawn[number]) <= 1.0 for number, late_s in moved.items())
+
+
+def test_each_set_has_what_its_way_needs_before_it_sets_out(
+    setup: Setup, late: DispatchedDay, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From the request on, 45 s before the departure, it has the place and its way; without that, from then on."""
+
+    def leads(problem: DispatchedDay) -> set[int]:
+        return {
+            problem.instance.trains[index][operation].min_duration
+            for index, legs in enumerate(problem.legs)
+            for leg, operation in zip(legs, problem.departs[index], strict=True)
+            if leg.number == "322M" and leg.start is not None and leg.start.section_id == "KRS.1"
+        }
+
+    assert all(45 <= lead <= 50 for lead in leads(late))
+    monkeypatch.setattr(day, "CLAIMS_COUNT", False)
+    assert all(lead > 300 for lead in leads(day_of(setup)))
+
+
+def test_a_solution_names_each_move_of_the_manager_once(setup: Setup, late: DispatchedDay) -> None:
+    answer = solve(late.instance, WORK)
+    assert answer.solution is not None
+    assert objections(late.instance, answer.solution) == []
+    legs = late.order(answer.solution)
+    order = moves_of(setup, legs)
+    stocks = journeys_of(setup, planned_day(setup))
+    assert {s.unit_id: len(s.moves) for s in stocks} == {s.unit_id: order.count(s.unit_id) for s in stocks}
+    with pytest.raises(InputError):
+        moves_of(setup, legs[:-5])
+
+
+def test_export_solve_import(tmp_path: Path) -> None:
+    problem, solved, ordered = (
+        str(tmp_path / name) for name in ("day.json", "solution.json", "ordered.toml")
+    )
+    for command in (
+        ["export", "displib", "karasuyama_late", problem, "--seed", "7"],
+        ["best", "displib", problem, "--work", "1", "--out", solved],
+        ["import", "displib", "karasuyama_late", solved, ordered, "--seed", "7"],
+    ):
+        assert CliRunner().invoke(app, command).exit_code == 0
+    assert len(read_instance(Path(problem)).trains) == 4
+    scenario = load_scenario(ordered)
+    assert scenario.setup.seed == SEED
+    assert len(scenario.setup.dispatch.given) > 50
+    other = CliRunner().invoke(app, ["import", "displib", "karasuyama_late", solved, ordered, "--seed", "8"])
+    assert isinstance(other.exception, InputError)

@@ -1,0 +1,188 @@
+"""The order of all trains that delays them least, asked by the manager: a day with known minutes, bounds, its lack."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from host.order_solver import SolverProcess, order_solver
+from plan.dispatching.asked import answer_to
+from radio.messages import RouteGranted, RouteRefused
+from study.evaluate import order_of_trains
+from study.evaluate.order_of_trains import lost_min
+from tests.wayside.loop_line import Play, config_of
+from wayside import order
+from wayside.config import JourneyMove, ManagerConfig, OrderRule
+from wayside.order_question import OrderMove, OrderQuestion, OrderTrain, without_solver
+from wayside.said import HeldBack, OrderLacking
+
+# A slow train, late by its doors, is planned first from the middle to the east; a fast one comes against it and goes on
+# to the west, from where a third is planned after it. All three ask at once, so late is the slow one.
+TRACKS, WAYS = [2, 3, 2], [["1.1", "2.1"], ["0.1", "1.2"], ["2.2", "1.3", "0.2"]]
+ASKS_S = 901.0
+SLOW_S, FAST_S, STAYS_S, AGAIN_S = 600.0, 60.0, 20.0, 5.0
+SLOW_DUE_S, THIRD_DUE_S, FAST_DUE_S = 100.0 + SLOW_S, 900.0 + FAST_S, 800.0 + FAST_S
+
+
+def config(rule: OrderRule, **dispatch: object) -> ManagerConfig:
+    given = config_of(TRACKS, WAYS, order=rule, certificate=True, **dispatch)
+    times = [[(100.0, SLOW_S)], [(900.0, FAST_S)], [(720.0, FAST_S), (800.0, FAST_S)]]
+    journeys = tuple(
+        replace(
+            journey,
+            moves=tuple(
+                replace(move, departs_s=at_s, arrives_s=at_s + lasts_s)
+                for move, (at_s, lasts_s) in zip(journey.moves, own, strict=True)
+            ),
+        )
+        for journey, own in zip(given.dispatch.journeys, times, strict=True)
+    )
+    return replace(given, dispatch=replace(given.dispatch, journeys=journeys))
+
+
+@pytest.mark.parametrize(
+    ("rule", "lost_s"),
+    [
+        # The slow one goes at once, and the fast one waits for it; the third has nobody in its way.
+        (
+            OrderRule.FIRST_COME,
+            ASKS_S + SLOW_S - SLOW_DUE_S
+            + ASKS_S + SLOW_S + FAST_S + STAYS_S + FAST_S - FAST_DUE_S
+            + ASKS_S + FAST_S - THIRD_DUE_S,
+        ),
+        # The same, and the third waits for the fast one until that is four minutes late, too.
+        (
+            OrderRule.LEAST_DELAY,
+            ASKS_S + SLOW_S - SLOW_DUE_S
+            + ASKS_S + SLOW_S + FAST_S + STAYS_S + FAST_S - FAST_DUE_S
+            + 961.0 + FAST_S - THIRD_DUE_S,
+        ),
+        # The fast one and the third go at once, the slow one when it asks again after that.
+        (
+            OrderRule.OPTIMAL,
+            ASKS_S + FAST_S + AGAIN_S + SLOW_S - SLOW_DUE_S
+            + ASKS_S + FAST_S + STAYS_S + FAST_S - FAST_DUE_S
+            + ASKS_S + FAST_S - THIRD_DUE_S,
+        ),
+    ],
+)  # fmt: skip
+def test_a_day_on_which_the_order_of_all_is_better(
+    rule: OrderRule, lost_s: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def doors_s(_: int, move: JourneyMove, place: int) -> float:
+        return 0.0 if place else ASKS_S - move.departs_s
+
+    monkeypatch.setattr(order_of_trains, "doors_s", doors_s)
+    assert lost_min(config(rule), 1) == pytest.approx(lost_s / 60.0)
+
+
+def asked(*, solved: bool = True, **dispatch: object) -> Play:
+    play = Play(config(OrderRule.OPTIMAL, **dispatch), WAYS, now_s=ASKS_S)
+    plan = dataclasses.replace(play.register.plan, solver=answer_to if solved else without_solver)
+    play.register = dataclasses.replace(play.register, plan=plan)
+    return play
+
+
+def test_its_reason_is_a_sentence() -> None:
+    """In the best order the slow train is 861 s late, the fast one 181 s, the third 1 s: 17 min in all."""
+    play = asked()
+    assert isinstance(play.asks(0), RouteRefused)
+    (held,) = [note.why for note in play.notes if isinstance(note, HeldBack)]
+    assert held == "0 waits for 2: 17 min late in all in the best order"
+
+
+def test_nobody_waits_by_it_for_longer_than_it_may(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The fast train is waited for and never asks."""
+    for bounded in (True, False):
+        monkeypatch.setattr(order, "BOUNDED", bounded)
+        play = asked(hold_s_max=900.0)
+        assert isinstance(play.asks(0), RouteRefused)
+        play.now_s = ASKS_S + 899.0
+        assert isinstance(play.asks(0), RouteRefused)
+        play.now_s = ASKS_S + 900.0
+        assert isinstance(play.asks(0), RouteGranted if bounded else RouteRefused)
+
+
+def test_without_a_solver_the_order_is_that_of_less_delay_and_says_so_once() -> None:
+    without, pairwise = asked(solved=False), Play(config(OrderRule.LEAST_DELAY), WAYS)
+    for play in (without, pairwise):
+        for play.now_s in (ASKS_S, ASKS_S + 100.0):
+            play.asks(0 if play.now_s > ASKS_S else 1)
+            play.asks(1)
+    lacking = [note for note in without.notes if isinstance(note, OrderLacking)]
+    assert [note.why for note in lacking] == ["there is no solver: the extra `plan` is not installed"]
+    assert [note for note in without.notes if note not in lacking] == pairwise.notes
+
+
+def test_a_solver_that_does_not_start_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("host.order_solver.MODULE", "plan.dispatching.missing")
+    solver = SolverProcess()
+    question = OrderQuestion((), (), 7200, 0.01)
+    assert solver(question) == solver(question) == without_solver(question)
+
+
+@st.composite
+def questions(draw: st.DrawFn) -> OrderQuestion:
+    """Trains that start at either end of a line of three stations, two tracks each, and go to the other."""
+    count = draw(st.integers(1, 4))
+    trains: list[OrderTrain] = []
+    for k in range(count):
+        east, track = k % 2 == 0, k // 2
+        stations = (0, 1, 2) if east else (2, 1, 0)
+        place = [10 * s + track + (0 if east else 2) for s in stations]
+        due_s, moves = draw(st.integers(0, 300)), list[OrderMove]()
+        for here, there, to in zip(stations, stations[1:], place[1:], strict=False):
+            runs_s = draw(st.integers(30, 300))
+            section = 100 + min(here, there)
+            moves.append(
+                OrderMove((section, to), (to,), due_s, runs_s, 20, due_s + runs_s, there == stations[-1])
+            )
+            due_s += runs_s + 20
+        trains.append(OrderTrain((place[0],), 0, (place[0],), draw(st.integers(0, 600)), tuple(moves)))
+    return OrderQuestion(tuple(trains), (), 7200, 0.5)
+
+
+def best_s(question: OrderQuestion) -> int:
+    """The least delay of all orders, tried one by one; nobody is in anybody's way but on the line between stations."""
+
+    def rest(at: tuple[int, ...], ready: tuple[int, ...], free: tuple[int, int]) -> float:
+        costs = [0.0] if all(a == len(t.moves) for a, t in zip(at, question.trains, strict=True)) else []
+        for k, train in enumerate(question.trains):
+            if at[k] == len(train.moves):
+                continue
+            move = train.moves[at[k]]
+            line = move.needs[0] - 100
+            comes_s = max(ready[k], move.departs_s, free[line]) + move.runs_s
+            late_s = max(0, comes_s - move.due_s) if move.counts else 0
+            then = tuple(comes_s if i == line else f for i, f in enumerate(free))
+            costs.append(
+                late_s
+                + rest(
+                    (*at[:k], at[k] + 1, *at[k + 1 :]),
+                    (*ready[:k], comes_s + move.stays_s, *ready[k + 1 :]),
+                    (then[0], then[1]),
+                )
+            )
+        return min(costs, default=math.inf)
+
+    count = len(question.trains)
+    return int(rest((0,) * count, tuple(train.ready_s for train in question.trains), (0, 0)))
+
+
+@given(questions())
+def test_the_order_delays_least(question: OrderQuestion) -> None:
+    found = answer_to(question)
+    assert (found.delay_s, found.bound_s) == (best_s(question), best_s(question))
+    assert found == answer_to(question)
+
+
+def test_the_process_answers_as_the_function() -> None:
+    moves = (OrderMove((100, 11), (11,), 0, 60, 20, 60, True),)
+    question = OrderQuestion((OrderTrain((1,), 0, (1,), 30, moves),), (), 7200, 0.1)
+    assert order_solver()(question) == answer_to(question)
+    assert answer_to(question).delay_s == 30

@@ -1,0 +1,82 @@
+"""The order of all trains that delays them least, as a solver finds it (`[dispatch] order = "optimal"`).
+
+Asked is what the manager knows and nothing else: the planned times of the moves, how late each train was when it left
+last, and what each holds. The moves are those that are planned to begin in the next two hours: at that time of the plan
+all trains stand where they have room, so that there is an order to find.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Final
+
+from wayside.actions import Show
+from wayside.journeys import Days, PlannedMove, Stands
+from wayside.order_question import LastOrder, OrderMove, OrderQuestion, OrderTrain
+from wayside.register import Register
+from wayside.said import OrderLacking
+
+AHEAD_S: Final = 2 * 3600.0  # assumed: how far ahead delays are compared
+WORK_MAX: Final = 0.04  # assumed: of the solver's counted work, some 0.3 s of a processor
+ASKED_EVERY_S: Final = 60.0  # assumed: who asks for a route asks again every few seconds
+
+
+def with_order(register: Register, days: Days, stands: Stands) -> tuple[Register, tuple[Show, ...]]:
+    """The register with an order that is no older than a minute, and what the journal is told where there is none."""
+    last = register.solved
+    if last is not None and register.now_s < last.made_s + ASKED_EVERY_S:
+        return register, ()
+    answer = register.plan.solver(question_of(register, days, stands))
+    said = "" if last is None else last.answer.lacking
+    shows = (Show(OrderLacking(why=answer.lacking)),) if answer.lacking and answer.lacking != said else ()
+    return replace(register, solved=LastOrder(register.now_s, stands.at, answer)), shows
+
+
+def question_of(register: Register, days: Days, stands: Stands) -> OrderQuestion:
+    """The question as things are."""
+    held: dict[str, int] = dict.fromkeys(days.unit_ids, 0)
+    for section_id, unit_id in register.holders.items():
+        if unit_id in held:
+            held[unit_id] |= days.bits[section_id]
+    trains = (
+        _train(register, days, stands, index, held[unit_id]) for index, unit_id in enumerate(days.unit_ids)
+    )
+    order = () if register.solved is None else register.solved.left(stands.at)
+    return OrderQuestion(tuple(trains), tuple(index for index, _ in order), math.ceil(AHEAD_S), WORK_MAX)
+
+
+def _train(register: Register, days: Days, stands: Stands, index: int, held: int) -> OrderTrain:
+    now_s, at = register.now_s, stands.at[index]
+    trip, hops = register.trip(days.unit_ids[index]), days.hops[index]
+    keeps = _sections(days, stands.holds[index])
+    if trip.astray:
+        return OrderTrain((), 0, (), 0, ())
+    comes_s = ready_s = 0
+    if at and trip.asked_s is None:
+        before = hops[at - 1]
+        comes_s = max(0, math.ceil(before.arrives_s + trip.late_s - now_s))
+        ready_s = max(0, math.ceil(before.arrives_s + trip.late_s + before.stays_s - now_s) - comes_s)
+    ahead = [hop for hop in hops[at:] if hop.departs_s < now_s + AHEAD_S]
+    moves = tuple(
+        _move(days, hop, now_s, counts=place + 1 == len(ahead) or ahead[place + 1].train != hop.train)
+        for place, hop in enumerate(ahead)
+    )
+    return OrderTrain(_sections(days, held), comes_s, keeps, ready_s, moves)
+
+
+def _move(days: Days, hop: PlannedMove, now_s: float, *, counts: bool) -> OrderMove:
+    return OrderMove(
+        _sections(days, hop.move.needs),
+        _sections(days, hop.move.keeps),
+        max(0, math.ceil(hop.departs_s - now_s)),
+        math.ceil(hop.arrives_s - hop.departs_s),
+        math.ceil(hop.stays_s),
+        math.ceil(hop.arrives_s - now_s),
+        counts,
+    )
+
+
+def _sections(days: Days, bits: int) -> tuple[int, ...]:
+    """By number; what waits outside a portal is no section."""
+    return tuple(number for number in range(len(days.bits)) if bits >> number & 1)
