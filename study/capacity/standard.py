@@ -26,6 +26,7 @@ from network.timetable import (
 from simulation.setup import Setup
 from study.feasibility.planned import PlannedTrain, planned_day
 
+ALONE: Final = "+"  # the set of a standard path alone on its line
 ORIGIN_S: Final = 43_200  # where standard paths are laid out before they are moved: noon
 
 
@@ -114,7 +115,7 @@ def _there_and_back(own: _Ends, back: _Ends) -> tuple[TimetableTrain, ...]:
 def _timed(setup: Setup, path: StandardPath) -> StandardPath:
     """With the least times: running as units drive, shortest stops, changing ends with the points of the way out."""
     spread = _spread(path.trains)
-    planned = planned_day(path_alone(setup, replace(path, trains=spread))).trains["+"]
+    planned = planned_day(path_alone(setup, replace(path, trains=spread))).trains[ALONE]
     at_s, trains = ORIGIN_S, list[TimetableTrain]()
     for index, (train, own) in enumerate(zip(spread, planned, strict=True)):
         if index:
@@ -153,9 +154,9 @@ def _least_times(setup: Setup, calls: Sequence[Call], own: PlannedTrain, departs
     return tuple(found)
 
 
-def path_alone(setup: Setup, path: StandardPath) -> Setup:
-    """A day with nothing but one standard path, run by the set `+`."""
-    return _with(setup, {}, (), [("+", path.trains)], path.kind_of_stock)
+def path_alone(setup: Setup, path: StandardPath, stock_id: str = ALONE) -> Setup:
+    """A day with nothing but one standard path."""
+    return _with(setup, {}, (), [(stock_id, path.trains)], path.kind_of_stock)
 
 
 @dataclass(frozen=True, slots=True)

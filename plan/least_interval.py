@@ -1,0 +1,155 @@
+"""The least interval at which a line takes a train each way again and again, and why no smaller one does.
+
+The trains are standard paths (`study.capacity.standard`): as fast as they are driven, on the tracks of the timetable,
+with stops as short as can be, that may wait wherever a set can stand. They repeat at whole seconds, and every time of
+theirs is a whole second. What a smaller interval would need is told by proof for every second of it; whether an
+interval fits need not be monotone, so that a greater one than the least need not fit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from network.errors import InputError
+from plan.moving.bounds import LegBounds, MoveTerms, bounds_of
+from plan.moving.model import MovingModel
+from plan.moving.proof import Circle, ExcludedPeriods, Impossibility, circles_of
+from plan.moving.recount import Recount
+from plan.moving.refutation import excluded_by, refutation_of
+from simulation.setup import Setup
+from study.capacity.legs import SetLeg
+from study.capacity.more import template
+from study.capacity.rules import Rules
+from study.capacity.standard import StandardPath, standard_paths
+
+AS_UNITS_ASK: Final = Rules(throws=True)
+SET_LATE: Final = Rules(throws=True, late=True)
+INTERVAL_S_MAX: Final = 4 * 3600
+TERMS: Final = MoveTerms(tick_s=1.0, periodic=True)
+WORK: Final = 4.0  # of the solver, for the least waits
+
+
+@dataclass(frozen=True, slots=True)
+class Pattern:
+    """Trains that repeat: standard paths, and the legs of each, one path after the other."""
+
+    paths: tuple[StandardPath, ...]
+    legs: tuple[tuple[SetLeg, ...], ...]
+
+    @property
+    def all_legs(self) -> tuple[SetLeg, ...]:
+        """The legs of all paths."""
+        return tuple(leg for own in self.legs for leg in own)
+
+
+@dataclass(frozen=True, slots=True)
+class LeastInterval:
+    """The least interval, s, or none up to `INTERVAL_S_MAX`; a timetable at it, and the proof that none is smaller.
+
+    `moves_s`: of each leg of each path. `waits_s`: of all trains together, beyond the shortest stands; `least_waits`:
+    proven to be the least. `circle`: the one that alone excludes most, and up to how many s it does.
+    """
+
+    pattern: Pattern
+    interval_s: int | None
+    moves_s: tuple[tuple[float, ...], ...]
+    waits_s: float
+    least_waits: bool
+    proof: Impossibility
+    circle: tuple[Circle, int] | None
+
+    def circles(self) -> list[tuple[Circle, ...]]:
+        """Of each range of intervals that is excluded: the circle, or those of all cases."""
+        return [circles_of(one.because) for one in self.proof.excluded]
+
+
+def pattern_of(setup: Setup, rules: Rules) -> Pattern:
+    """A train each way of a line. Raises InputError where its timetable has none from end to end."""
+    paths = standard_paths(setup)
+    if not paths:
+        raise InputError(
+            setup.name, "timetable", None, "trains from portal to portal, or there and back to one"
+        )
+    return Pattern(paths, tuple(template(setup, path, rules, path.name) for path in paths))
+
+
+def least_interval(setup: Setup, rules: Rules = AS_UNITS_ASK) -> LeastInterval:
+    """The least interval of a line with ways set by rules; see `LeastInterval`."""
+    pattern = pattern_of(setup, rules)
+    bounds = bounds_of(pattern.all_legs, TERMS)
+    interval_s, found = _excluded(bounds)
+    excluded = _needed(found)
+    alone = [
+        (e.because, e.to_ticks) for e in found if isinstance(e.because, Circle) and e.to_ticks is not None
+    ]
+    circle = alone[-1] if alone else None
+    proof = Impossibility(TERMS.tick_s, Recount(pattern.all_legs, TERMS.tick_s).names, excluded)
+    if interval_s is None:
+        return LeastInterval(pattern, None, (), math.nan, least_waits=False, proof=proof, circle=circle)
+    moves, waits, proven = _least_waits(pattern, bounds, interval_s)
+    return LeastInterval(pattern, interval_s, moves, waits, proven, proof, circle)
+
+
+def recounted(setup: Setup, rules: Rules, proof: Impossibility) -> list[str]:
+    """What is wrong with a proof that no smaller interval does, by the line's own times; nothing where it holds."""
+    try:
+        Recount(pattern_of(setup, rules).all_legs, TERMS.tick_s).refuse(proof)
+    except ValueError as error:
+        return [str(error)]
+    return []
+
+
+def _excluded(bounds: LegBounds) -> tuple[int | None, list[ExcludedPeriods]]:
+    """The least period that is not excluded, and proofs for all below it, each for as many as it holds for."""
+    found: list[ExcludedPeriods] = []
+    period: int | None = 1
+    while (
+        period is not None and period <= INTERVAL_S_MAX and (why := refutation_of(bounds, period)) is not None
+    ):
+        least, most = excluded_by(why)
+        found.append(ExcludedPeriods(int(least), None if math.isinf(most) else int(most), why))
+        period = None if math.isinf(most) else int(most) + 1
+    return period if period is not None and period <= INTERVAL_S_MAX else None, found
+
+
+def _needed(found: Sequence[ExcludedPeriods]) -> tuple[ExcludedPeriods, ...]:
+    """No more proofs than exclude all that all of them do."""
+    needed: list[ExcludedPeriods] = []
+    for one in reversed(found):
+        if not needed or one.from_ticks < needed[-1].from_ticks:
+            needed.append(one)
+        if one.from_ticks <= 1:
+            break
+    return tuple(reversed(needed))
+
+
+def _least_waits(
+    pattern: Pattern, bounds: LegBounds, period: int
+) -> tuple[tuple[tuple[float, ...], ...], float, bool]:
+    """The moves with which trains wait least on their way, how long that is, s, and whether it is proven."""
+    model = MovingModel(bounds, bounds.in_a_period(period), period)
+    own = _slices(pattern.legs)
+    model.model.minimize(sum(model.moves[part][-1] - model.moves[part][0] for part in own))
+    shortest = sum(
+        bound.least for bound in bounds.always if not bound.section_id and bound.after > bound.before
+    )
+    found = model.solve(WORK)
+    if found.moves is None:
+        raise AssertionError(f"{period} s is neither refuted nor found")
+    moves_s = [move * bounds.terms.tick_s for move in found.moves]
+    return (
+        tuple(tuple(moves_s[part]) for part in own),
+        (found.cost - shortest) * bounds.terms.tick_s,
+        found.proven,
+    )
+
+
+def _slices(legs: Sequence[Sequence[SetLeg]]) -> list[slice]:
+    found: list[slice] = []
+    for own in legs:
+        begins = found[-1].stop if found else 0
+        found.append(slice(begins, begins + len(own)))
+    return found
