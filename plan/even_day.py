@@ -14,7 +14,7 @@ from network.files.timetable_schema import HeadTable
 from network.files.toml_text import text_toml
 from network.model import Direction
 from network.timetable import BecomesTrain, Diagram, FromTrain, Timetable, TimetableTrain
-from plan.least_interval import Pattern
+from plan.least_interval import RepeatedPaths
 from simulation.setup import Setup
 from study.capacity.standard import added_path
 
@@ -27,7 +27,7 @@ OUTSIDE_S: Final = (
 class Repetition:
     """Trains of a pattern, by how much each leg of each path is moved, every so many s from one time to another."""
 
-    pattern: Pattern
+    pattern: RepeatedPaths
     moves_s: Sequence[Sequence[float]]
     every_s: int
     from_s: int = 6 * 3600
@@ -91,9 +91,9 @@ def timetable_of(setup: Setup, repeated: Repetition, timetable_id: str) -> Timet
             f"diagrams: sets come back first in, first out, at least {OUTSIDE_S // 60} min outside the line"
         ],
     )
-    trains = {train.number: train for own in sets for train in own}
+    by_number = {train.number: train for own in sets for train in own}
     diagrams = tuple(Diagram(f"V{at}", tuple(own)) for at, own in enumerate(workings, start=1))
-    return Timetable(head, trains, diagrams)
+    return Timetable(head, by_number, diagrams)
 
 
 def write_day(out: Path, timetable: Timetable, extends: str, loops: Sequence[str] = ()) -> None:

@@ -33,7 +33,7 @@ WORK: Final = 4.0  # of the solver, for the least waits
 
 
 @dataclass(frozen=True, slots=True)
-class Pattern:
+class RepeatedPaths:
     """Trains that repeat: standard paths, and the legs of each, one path after the other."""
 
     paths: tuple[StandardPath, ...]
@@ -53,7 +53,7 @@ class LeastInterval:
     proven to be the least. `circle`: the one that alone excludes most, and up to how many s it does.
     """
 
-    pattern: Pattern
+    pattern: RepeatedPaths
     interval_s: int | None
     moves_s: tuple[tuple[float, ...], ...]
     waits_s: float
@@ -66,14 +66,14 @@ class LeastInterval:
         return [circles_of(one.because) for one in self.proof.excluded]
 
 
-def pattern_of(setup: Setup, rules: Rules) -> Pattern:
+def pattern_of(setup: Setup, rules: Rules) -> RepeatedPaths:
     """A train each way of a line. Raises InputError where its timetable has none from end to end."""
     paths = standard_paths(setup)
     if not paths:
         raise InputError(
             setup.name, "timetable", None, "trains from portal to portal, or there and back to one"
         )
-    return Pattern(paths, tuple(template(setup, path, rules, path.name) for path in paths))
+    return RepeatedPaths(paths, tuple(template(setup, path, rules, path.name) for path in paths))
 
 
 def least_interval(setup: Setup, rules: Rules = AS_UNITS_ASK) -> LeastInterval:
@@ -127,7 +127,7 @@ def _needed(found: Sequence[ExcludedPeriods]) -> tuple[ExcludedPeriods, ...]:
 
 
 def _least_waits(
-    pattern: Pattern, bounds: LegBounds, period: int
+    pattern: RepeatedPaths, bounds: LegBounds, period: int
 ) -> tuple[tuple[tuple[float, ...], ...], float, bool]:
     """The moves with which trains wait least on their way, how long that is, s, and whether it is proven."""
     model = MovingModel(bounds, bounds.in_a_period(period), period)

@@ -36,10 +36,10 @@ def excluded_by(proof: Refutation) -> tuple[float, float]:
 
 def refutation_of(bounds: LegBounds, period: int = 0) -> Refutation | None:
     """Why no moves fit (with that period, if there is one); None where some do. Raises TooManyCasesError."""
-    return _Search(bounds, period).refuted(bounds.always)
+    return _CaseSearch(bounds, period).refuted(bounds.always)
 
 
-class _Search:
+class _CaseSearch:
     """One search through cases, depth first, the one that leaves least open first."""
 
     def __init__(self, bounds: LegBounds, period: int) -> None:
