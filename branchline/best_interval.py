@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -81,10 +82,15 @@ def write_answer(
     out: Path, setup: Setup, found: LeastInterval, extends: str, loops: tuple[str, ...] = ()
 ) -> None:
     """A scenario that runs a line at its least interval all day, and its timetable beside it."""
+    from network.errors import COMMAND_LINE, InputError
     from plan.even_day import Repetition, timetable_of, write_day
 
     if found.interval_s is None:
         return
+    if Path(extends).is_file():
+        extends = os.path.relpath(extends, out.parent)
+    if extends in {out.stem, out.name}:
+        raise InputError(COMMAND_LINE, "--out", str(out), "another name than that of the scenario")
     day = timetable_of(setup, Repetition(found.pattern, found.moves_s, found.interval_s), f"{out.stem}_times")
     write_day(out, day, extends, loops)
     print_aside(f"wrote {out} and {day.head.id}.toml beside it")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +16,7 @@ from network.files.toml_text import text_toml
 from network.model import Direction
 from network.timetable import BecomesTrain, Diagram, FromTrain, Timetable, TimetableTrain
 from plan.least_interval import RepeatedPaths
+from plan.round_day import cut_to_day
 from simulation.setup import Setup
 from study.capacity.standard import added_path
 
@@ -33,54 +35,67 @@ class Repetition:
     from_s: int = 6 * 3600
     to_s: int = 22 * 3600
 
-    def trains(self, setup: Setup) -> list[tuple[TimetableTrain, ...]]:
-        """The trains of each set that comes onto the line, in order of time; down trains have odd numbers."""
-        first_s = min(
-            path.trains[0].calls[0].last_s + moves[1]
-            for path, moves in zip(self.pattern.paths, self.moves_s, strict=True)
-        )
+    def workings(self, setup: Setup) -> list[tuple[TimetableTrain, ...]]:
+        """The trains of each set; down trains have odd numbers."""
+        return self._round(setup) if self.pattern.goes_round else self._from_portals(setup)
+
+    def _from_portals(self, setup: Setup) -> list[tuple[TimetableTrain, ...]]:
+        """A set that left the line comes back where it left, first out, first in."""
+        pattern = list(zip(self.pattern.paths, self.moves_s, strict=True))
+        first_s = min(path.trains[0].calls[0].last_s + moves[1] for path, moves in pattern)
         found: list[tuple[TimetableTrain, ...]] = []
         for again, departs_s in enumerate(range(self.from_s, self.to_s, self.every_s)):
-            for path, moves in zip(self.pattern.paths, self.moves_s, strict=True):
-                by_s = departs_s - first_s
-                added = added_path(setup, path, again, [move + by_s for move in moves])
-                found.append(_numbered(added.trains, again))
-        return sorted(found, key=lambda own: own[0].calls[0].last_s)
+            for path, moves in pattern:
+                by_s = [move + departs_s - first_s for move in moves]
+                found.append(_numbered(added_path(setup, path, again, by_s).trains, again))
+        workings: list[tuple[TimetableTrain, ...]] = []
+        outside: dict[str, list[tuple[int, int]]] = defaultdict(list)
+        for trains in sorted(found, key=lambda own: own[0].calls[0].last_s):
+            leaves, comes = trains[-1].calls[-1], trains[0].calls[0]
+            waiting = outside[comes.station_id]
+            own = len(workings)
+            if waiting and waiting[0][0] + OUTSIDE_S <= comes.last_s:
+                own = waiting.pop(0)[1]
+                workings[own] += trains
+            else:
+                workings.append(trains)
+            outside[leaves.station_id].append((leaves.first_s, own))
+            outside[leaves.station_id].sort()
+        return workings
+
+    def _round(self, setup: Setup) -> list[tuple[TimetableTrain, ...]]:
+        """Each set goes on with its next round as many repetitions later as there are sets."""
+        (path,), (moves,), (legs,) = self.pattern.paths, self.moves_s, self.pattern.legs
+        sets = round((moves[-1] - moves[0] + legs[-1].departs_s - legs[0].departs_s) / self.every_s)
+        way = sum(leg.number == legs[-1].number for leg in legs)  # legs of one train
+        first_s = path.trains[1].calls[0].last_s + moves[1]
+        workings: list[list[TimetableTrain]] = [[] for _ in range(sets)]
+        for again in range(sets + math.ceil((self.to_s - self.from_s) / self.every_s)):
+            by_s = self.from_s + (again - sets) * self.every_s - first_s
+            added = added_path(
+                setup, path, again, [by_s + move for move in (*[moves[0]] * (way - 1), *moves)]
+            )
+            workings[again % sets] += _numbered(added.trains[1:], again)
+        cut = (cut_to_day(setup.line, working, self.from_s, self.to_s) for working in workings)
+        return [working for working in cut if working]
 
 
 def _numbered(trains: tuple[TimetableTrain, ...], again: int) -> tuple[TimetableTrain, ...]:
-    numbers = {t.number: str(2 * again + (1 if t.direction is Direction.DOWN else 2)) for t in trains}
+    numbers = [str(2 * again + (1 if train.direction is Direction.DOWN else 2)) for train in trains]
     return tuple(
         replace(
             train,
-            number=numbers[train.number],
-            begins=FromTrain(numbers[train.begins.number])
-            if isinstance(train.begins, FromTrain)
-            else train.begins,
-            ends=BecomesTrain(numbers[train.ends.number])
-            if isinstance(train.ends, BecomesTrain)
-            else train.ends,
+            number=number,
+            begins=FromTrain(numbers[at - 1]) if isinstance(train.begins, FromTrain) and at else train.begins,
+            ends=BecomesTrain(numbers[at + 1]) if isinstance(train.ends, BecomesTrain) else train.ends,
         )
-        for train in trains
+        for at, (train, number) in enumerate(zip(trains, numbers, strict=True))
     )
 
 
 def timetable_of(setup: Setup, repeated: Repetition, timetable_id: str) -> Timetable:
-    """The day as a timetable. A set that left the line comes back where it left, first out, first in."""
-    sets = repeated.trains(setup)
-    outside: dict[str, list[tuple[int, int]]] = defaultdict(list)
-    workings: list[list[str]] = []
-    for trains in sets:
-        calls = trains[0].calls[0], trains[-1].calls[-1]
-        waiting = outside[calls[0].station_id]
-        if waiting and waiting[0][0] + OUTSIDE_S <= calls[0].last_s:
-            own = waiting.pop(0)[1]
-        else:
-            own = len(workings)
-            workings.append([])
-        workings[own] += [train.number for train in trains]
-        outside[calls[1].station_id].append((calls[1].first_s, own))
-        outside[calls[1].station_id].sort()
+    """The day as a timetable."""
+    workings = repeated.workings(setup)
     head = HeadTable(
         id=timetable_id,
         name=f"A train each way every {repeated.every_s} s",
@@ -91,8 +106,10 @@ def timetable_of(setup: Setup, repeated: Repetition, timetable_id: str) -> Timet
             f"diagrams: sets come back first in, first out, at least {OUTSIDE_S // 60} min outside the line"
         ],
     )
-    by_number = {train.number: train for own in sets for train in own}
-    diagrams = tuple(Diagram(f"V{at}", tuple(own)) for at, own in enumerate(workings, start=1))
+    by_number = {train.number: train for own in workings for train in own}
+    diagrams = tuple(
+        Diagram(f"V{at}", tuple(train.number for train in own)) for at, own in enumerate(workings, start=1)
+    )
     return Timetable(head, by_number, diagrams)
 
 

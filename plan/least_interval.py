@@ -23,7 +23,7 @@ from simulation.setup import Setup
 from study.capacity.legs import SetLeg
 from study.capacity.more import template
 from study.capacity.rules import Rules
-from study.capacity.standard import StandardPath, standard_paths
+from study.capacity.standard import StandardPath, round_path, standard_paths
 
 AS_UNITS_ASK: Final = Rules(throws=True)
 SET_LATE: Final = Rules(throws=True, late=True)
@@ -34,10 +34,28 @@ WORK: Final = 4.0  # of the solver, for the least waits
 
 @dataclass(frozen=True, slots=True)
 class RepeatedPaths:
-    """Trains that repeat: standard paths, and the legs of each, one path after the other."""
+    """Trains that repeat: standard paths, and the legs of each, one path after the other.
+
+    `goes_round`: the one path is of sets that never leave the line; its last leg is its first one once more, so many
+    periods later as there are sets.
+    """
 
     paths: tuple[StandardPath, ...]
     legs: tuple[tuple[SetLeg, ...], ...]
+    goes_round: bool = False
+
+    @property
+    def again(self) -> int | None:
+        """The leg that is the first one once more."""
+        return len(self.all_legs) - 1 if self.goes_round else None
+
+    def bounds(self) -> LegBounds:
+        """What holds between the moves of its legs, whatever the period."""
+        return bounds_of(self.all_legs, TERMS, self.again)
+
+    def recount(self) -> Recount:
+        """The same for one who checks a proof."""
+        return Recount(self.all_legs, TERMS.tick_s, self.again)
 
     @property
     def all_legs(self) -> tuple[SetLeg, ...]:
@@ -69,24 +87,27 @@ class LeastInterval:
 def pattern_of(setup: Setup, rules: Rules) -> RepeatedPaths:
     """A train each way of a line. Raises InputError where its timetable has none from end to end."""
     paths = standard_paths(setup)
-    if not paths:
-        raise InputError(
-            setup.name, "timetable", None, "trains from portal to portal, or there and back to one"
-        )
-    return RepeatedPaths(paths, tuple(template(setup, path, rules, path.name) for path in paths))
+    if paths:
+        return RepeatedPaths(paths, tuple(template(setup, path, rules, path.name) for path in paths))
+    path = round_path(setup)
+    if path is None:
+        raise InputError(setup.name, "timetable", None, "trains each way that run from one end to the other")
+    legs = template(setup, path, rules)
+    turns = next(at for at, leg in enumerate(legs) if leg.number != path.trains[0].number)
+    return RepeatedPaths((path,), (legs[turns - 1 :],), goes_round=True)
 
 
 def least_interval(setup: Setup, rules: Rules = AS_UNITS_ASK) -> LeastInterval:
     """The least interval of a line with ways set by rules; see `LeastInterval`."""
     pattern = pattern_of(setup, rules)
-    bounds = bounds_of(pattern.all_legs, TERMS)
+    bounds = pattern.bounds()
     interval_s, found = _excluded(bounds)
     excluded = _needed(found)
     alone = [
         (e.because, e.to_ticks) for e in found if isinstance(e.because, Circle) and e.to_ticks is not None
     ]
     circle = alone[-1] if alone else None
-    proof = Impossibility(TERMS.tick_s, Recount(pattern.all_legs, TERMS.tick_s).names, excluded)
+    proof = Impossibility(TERMS.tick_s, pattern.recount().names, excluded)
     if interval_s is None:
         return LeastInterval(pattern, None, (), math.nan, least_waits=False, proof=proof, circle=circle)
     moves, waits, proven = _least_waits(pattern, bounds, interval_s)
@@ -96,7 +117,7 @@ def least_interval(setup: Setup, rules: Rules = AS_UNITS_ASK) -> LeastInterval:
 def recounted(setup: Setup, rules: Rules, proof: Impossibility) -> list[str]:
     """What is wrong with a proof that no smaller interval does, by the line's own times; nothing where it holds."""
     try:
-        Recount(pattern_of(setup, rules).all_legs, TERMS.tick_s).refuse(proof)
+        pattern_of(setup, rules).recount().refuse(proof)
     except ValueError as error:
         return [str(error)]
     return []

@@ -16,7 +16,15 @@ from study.capacity.legs import SetLeg, legs_of, places_of
 from study.capacity.line_capacity import Period
 from study.capacity.room import OccupiedSpans, PathSearch, Placed, fill_period
 from study.capacity.rules import Rules
-from study.capacity.standard import ALONE, Added, StandardPath, added_path, extended_day, path_alone, standard_paths
+from study.capacity.standard import (
+    ALONE,
+    Added,
+    StandardPath,
+    added_path,
+    extended_day,
+    path_alone,
+    standard_paths,
+)
 from study.capacity.theory import occupations
 from study.feasibility.check import feasibility
 

@@ -20,6 +20,7 @@ from network.timetable import (
     CallKind,
     Diagram,
     FromTrain,
+    Stabled,
     Timetable,
     TimetableTrain,
 )
@@ -64,6 +65,22 @@ def standard_paths(setup: Setup) -> tuple[StandardPath, ...]:
                 StandardPath(f"{direction.name.lower()} and back", _there_and_back(own, back), stock)
             )
     return tuple(_timed(setup, path) for path in found)
+
+
+def round_path(setup: Setup) -> StandardPath | None:
+    """A set that goes there, back and there again, where it stands between; None where trains do not run end to end."""
+    there, back = (_ends_of(setup, direction) for direction in (Direction.DOWN, Direction.UP))
+    if there is None or back is None:
+        return None
+    down, up = (_calls(own, begins=False, ends=False) for own in (there, back))
+    if [call.station_id for call in (down[0], down[-1])] != [call.station_id for call in (up[-1], up[0])]:
+        return None
+    trains = (
+        TimetableTrain("+", Direction.DOWN, True, down, Stabled(), BecomesTrain("-")),
+        TimetableTrain("-", Direction.UP, True, up, FromTrain("+"), BecomesTrain("+ again")),
+        TimetableTrain("+ again", Direction.DOWN, True, down, FromTrain("-"), Stabled()),
+    )
+    return _timed(setup, StandardPath("round", trains, _usual_stock(setup)))
 
 
 def _usual_stock(setup: Setup) -> str:
@@ -175,7 +192,7 @@ def added_path(setup: Setup, path: StandardPath, number: int, moves_s: Sequence[
         calls: list[Call] = []
         for place, call in enumerate(train.calls):
             halt = setup.line.stations[call.station_id].is_halt
-            begins = index > 0 and place == 0
+            begins = place == 0 and not isinstance(train.begins, AtPortal)
             comes_s = moves_s[leg]
             leg += 0 if halt or begins else 1
             last = index == len(path.trains) - 1 and place == len(train.calls) - 1
@@ -192,8 +209,12 @@ def added_path(setup: Setup, path: StandardPath, number: int, moves_s: Sequence[
                 train,
                 number=names[train.number],
                 calls=tuple(calls),
-                begins=FromTrain(names["+"]) if isinstance(train.begins, FromTrain) else train.begins,
-                ends=BecomesTrain(names["-"]) if isinstance(train.ends, BecomesTrain) else train.ends,
+                begins=FromTrain(names[train.begins.number])
+                if isinstance(train.begins, FromTrain)
+                else train.begins,
+                ends=BecomesTrain(names[train.ends.number])
+                if isinstance(train.ends, BecomesTrain)
+                else train.ends,
             )
         )
     return Added(f"X{number}", tuple(trains))
