@@ -120,10 +120,10 @@ def _rows(found: LeastInterval) -> list[str]:
     if found.circle is not None:
         circle, to_s = found.circle
         rows.append(f"one circle excludes all up to {to_s} s:")
-        for one in stints_of(found.pattern.all_legs, circle, found.proof.tick_s):
-            rows.append(
-                f"  {one.number} has {one.takes} until {one.frees} is free again: {one.length_s:.1f} s"
-            )
+        rows += [
+            f"  {one.direction.name.lower()} train: from having {one.takes} until {one.frees} is free {one.length_s:.1f} s"
+            for one in stints_of(found.pattern.all_legs, circle, found.proof.tick_s)
+        ]
         together_s = sum(bound.least for bound in circle.bounds)
         rows.append(f"  in whole seconds {together_s} s, which is more than {_times(circle)}{to_s} s")
     return rows

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from network.model import Direction
 from plan.moving.proof import Circle
 from study.capacity.compression import held_sections
 from study.capacity.legs import SetLeg
@@ -15,6 +16,7 @@ class Stint:
     """A train from having one section to freeing another, or the same, with the shortest stands between, s."""
 
     number: str
+    direction: Direction
     takes: str
     frees: str
     length_s: float
@@ -31,6 +33,10 @@ def stints_of(legs: Sequence[SetLeg], circle: Circle, tick_s: float) -> list[Sti
         comes, goes = circle.bounds[at], circle.bounds[then % len(circle.bounds)]
         stands = (circle.bounds[i % len(circle.bounds)].least for i in range(at + 1, then))
         length_s = ends_s[goes.section_id, goes.before] - begins_s[comes.section_id, comes.after]
-        number = legs[comes.after].number
-        found.append(Stint(number, comes.section_id, goes.section_id, length_s + sum(stands) * tick_s))
+        leg = legs[comes.after]
+        found.append(
+            Stint(
+                leg.number, leg.direction, comes.section_id, goes.section_id, length_s + sum(stands) * tick_s
+            )
+        )
     return found

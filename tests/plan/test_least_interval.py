@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -92,3 +93,37 @@ def test_a_loop_where_the_longest_stretch_is_halved() -> None:
 def test_a_pattern_is_of_trains_from_end_to_end() -> None:
     names = [path.name for path in pattern_of(setup_of("busy_line"), AS_UNITS_ASK).paths]
     assert names == ["down", "up"]
+
+
+PAGE = (Path(__file__).resolve().parents[2] / "docs/best.md").read_text("utf-8")
+SHOWN = re.findall(r"^\| `(\w+)` \| (\d+) s \| (\d+) s \| (\d+) s \|.*\| (\d+) \|$", PAGE, re.MULTILINE)
+
+
+@pytest.mark.parametrize(("name", "asked_s", "late_s", "circle_s", "circles"), SHOWN)
+def test_the_page_shows_what_is_found(
+    name: str, asked_s: str, late_s: str, circle_s: str, circles: str
+) -> None:
+    setup = setup_of(name)
+    asked, late = (least_interval(setup, rules) for rules in (AS_UNITS_ASK, SET_LATE))
+    assert (asked.interval_s, late.interval_s) == (int(asked_s), int(late_s))
+    assert asked.circle is not None
+    assert asked.circle[1] + 1 == int(circle_s)
+    assert sum(map(len, asked.circles())) == int(circles)
+    assert recounted(setup, AS_UNITS_ASK, asked.proof) == recounted(setup, SET_LATE, late.proof) == []
+
+
+def test_sets_that_go_round_begin_and_end_the_day_where_they_are(tmp_path: Path) -> None:
+    """As many sets as intervals in a round; nothing is impossible in the day."""
+    setup, out = setup_of("isumi_weekday"), tmp_path / "least.toml"
+    found = least_interval(setup)
+    write_answer(out, setup, found, "isumi_weekday")
+    day = load_scenario(str(out)).setup
+    (moves,), (legs,) = found.moves_s, found.pattern.legs
+    round_s = moves[-1] - moves[0] + legs[-1].departs_s - legs[0].departs_s
+    assert found.interval_s is not None
+    assert round_s == pytest.approx(len(day.timetable.diagrams) * found.interval_s)
+    assert feasibility(day).good
+
+
+def test_all_shipped_lines_with_trains_each_way_are_shown() -> None:
+    assert {row[0] for row in SHOWN} >= {WEEKDAY, "kururi_weekday", "isumi_weekday", "busy_line"}
