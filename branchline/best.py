@@ -6,7 +6,7 @@ import typer
 
 from branchline.best_interval import interval
 from branchline.best_loops import loops
-from branchline.dispatching import displib
+from branchline.dispatching import deadlock, displib
 
 best = typer.Typer(
     no_args_is_help=True, help="What would be best, with a bound on what could be better still."
@@ -14,3 +14,4 @@ best = typer.Typer(
 best.command()(interval)
 best.command()(loops)
 best.command()(displib)
+best.command()(deadlock)

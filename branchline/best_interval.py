@@ -121,7 +121,8 @@ def _rows(found: LeastInterval) -> list[str]:
         circle, to_s = found.circle
         rows.append(f"one circle excludes all up to {to_s} s:")
         rows += [
-            f"  {one.direction.name.lower()} train: from having {one.takes} until {one.frees} is free {one.length_s:.1f} s"
+            f"  {one.direction.name.lower()} train: from having {one.takes} until {one.frees} is free"
+            f" {one.length_s:.1f} s"
             for one in stints_of(found.pattern.all_legs, circle, found.proof.tick_s)
         ]
         together_s = sum(bound.least for bound in circle.bounds)

@@ -15,7 +15,6 @@ from study.capacity.legs import SetLeg
 class Stint:
     """A train from having one section to freeing another, or the same, with the shortest stands between, s."""
 
-    number: str
     direction: Direction
     takes: str
     frees: str
@@ -33,10 +32,6 @@ def stints_of(legs: Sequence[SetLeg], circle: Circle, tick_s: float) -> list[Sti
         comes, goes = circle.bounds[at], circle.bounds[then % len(circle.bounds)]
         stands = (circle.bounds[i % len(circle.bounds)].least for i in range(at + 1, then))
         length_s = ends_s[goes.section_id, goes.before] - begins_s[comes.section_id, comes.after]
-        leg = legs[comes.after]
-        found.append(
-            Stint(
-                leg.number, leg.direction, comes.section_id, goes.section_id, length_s + sum(stands) * tick_s
-            )
-        )
+        direction = legs[comes.after].direction
+        found.append(Stint(direction, comes.section_id, goes.section_id, length_s + sum(stands) * tick_s))
     return found
