@@ -6,6 +6,7 @@ import typer
 
 from branchline.best_interval import interval
 from branchline.best_loops import loops
+from branchline.best_trains import trains
 from branchline.dispatching import deadlock, displib
 
 best = typer.Typer(
@@ -13,5 +14,6 @@ best = typer.Typer(
 )
 best.command()(interval)
 best.command()(loops)
+best.command()(trains)
 best.command()(displib)
 best.command()(deadlock)

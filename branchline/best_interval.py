@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,7 +15,7 @@ from branchline.options import Json, ScenarioName
 from branchline.progress import print_aside
 
 if TYPE_CHECKING:
-    from plan.least_interval import LeastInterval
+    from plan.least_interval import LeastInterval, RepeatedPaths
     from plan.moving.proof import Circle, Impossibility
     from simulation.setup import Setup
 
@@ -82,16 +83,28 @@ def write_answer(
     out: Path, setup: Setup, found: LeastInterval, extends: str, loops: tuple[str, ...] = ()
 ) -> None:
     """A scenario that runs a line at its least interval all day, and its timetable beside it."""
+    if found.interval_s is not None:
+        write_day_of(out, setup, found.pattern, found.moves_s, found.interval_s, extends, loops)
+
+
+def write_day_of(
+    out: Path,
+    setup: Setup,
+    pattern: RepeatedPaths,
+    moves_s: Sequence[Sequence[float]],
+    every_s: int,
+    extends: str,
+    loops: tuple[str, ...] = (),
+) -> None:
+    """A scenario that repeats a pattern all day. Raises InputError where it would extend itself."""
     from network.errors import COMMAND_LINE, InputError
     from plan.even_day import Repetition, timetable_of, write_day
 
-    if found.interval_s is None:
-        return
     if Path(extends).is_file():
         extends = os.path.relpath(extends, out.parent)
     if extends in {out.stem, out.name}:
         raise InputError(COMMAND_LINE, "--out", str(out), "another name than that of the scenario")
-    day = timetable_of(setup, Repetition(found.pattern, found.moves_s, found.interval_s), f"{out.stem}_times")
+    day = timetable_of(setup, Repetition(pattern, moves_s, every_s), f"{out.stem}_times")
     write_day(out, day, extends, loops)
     print_aside(f"wrote {out} and {day.head.id}.toml beside it")
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 from pathlib import Path
 from typing import Final
 
@@ -16,7 +17,7 @@ from network.files.toml_text import text_toml
 from network.model import Direction
 from network.timetable import BecomesTrain, Diagram, FromTrain, Timetable, TimetableTrain
 from plan.least_interval import RepeatedPaths
-from plan.round_day import cut_to_day
+from plan.round_day import Working, cut_to_day
 from simulation.setup import Setup
 from study.capacity.standard import added_path
 
@@ -35,22 +36,24 @@ class Repetition:
     from_s: int = 6 * 3600
     to_s: int = 22 * 3600
 
-    def workings(self, setup: Setup) -> list[tuple[TimetableTrain, ...]]:
+    def workings(self, setup: Setup) -> list[Working]:
         """The trains of each set; down trains have odd numbers."""
         return self._round(setup) if self.pattern.goes_round else self._from_portals(setup)
 
-    def _from_portals(self, setup: Setup) -> list[tuple[TimetableTrain, ...]]:
+    def _from_portals(self, setup: Setup) -> list[Working]:
         """A set that left the line comes back where it left, first out, first in."""
         pattern = list(zip(self.pattern.paths, self.moves_s, strict=True))
         first_s = min(path.trains[0].calls[0].last_s + moves[1] for path, moves in pattern)
-        found: list[tuple[TimetableTrain, ...]] = []
+        found: list[Working] = []
         for again, departs_s in enumerate(range(self.from_s, self.to_s, self.every_s)):
             for path, moves in pattern:
                 by_s = [move + departs_s - first_s for move in moves]
-                found.append(_numbered(added_path(setup, path, again, by_s).trains, again))
-        workings: list[tuple[TimetableTrain, ...]] = []
+                found.append(added_path(setup, path, again, by_s).trains)
+        workings: list[Working] = []
+        numbers = _odd_and_even()
         outside: dict[str, list[tuple[int, int]]] = defaultdict(list)
-        for trains in sorted(found, key=lambda own: own[0].calls[0].last_s):
+        for unnumbered in sorted(found, key=lambda own: own[0].calls[0].last_s):
+            trains = _numbered(unnumbered, numbers)
             leaves, comes = trains[-1].calls[-1], trains[0].calls[0]
             waiting = outside[comes.station_id]
             own = len(workings)
@@ -63,25 +66,26 @@ class Repetition:
             outside[leaves.station_id].sort()
         return workings
 
-    def _round(self, setup: Setup) -> list[tuple[TimetableTrain, ...]]:
+    def _round(self, setup: Setup) -> list[Working]:
         """Each set goes on with its next round as many repetitions later as there are sets."""
         (path,), (moves,), (legs,) = self.pattern.paths, self.moves_s, self.pattern.legs
         sets = round((moves[-1] - moves[0] + legs[-1].departs_s - legs[0].departs_s) / self.every_s)
         way = sum(leg.number == legs[-1].number for leg in legs)  # legs of one train
         first_s = path.trains[1].calls[0].last_s + moves[1]
         workings: list[list[TimetableTrain]] = [[] for _ in range(sets)]
+        numbers = _odd_and_even()
         for again in range(sets + math.ceil((self.to_s - self.from_s) / self.every_s)):
             by_s = self.from_s + (again - sets) * self.every_s - first_s
             added = added_path(
                 setup, path, again, [by_s + move for move in (*[moves[0]] * (way - 1), *moves)]
             )
-            workings[again % sets] += _numbered(added.trains[1:], again)
+            workings[again % sets] += _numbered(added.trains[1:], numbers)
         cut = (cut_to_day(setup.line, working, self.from_s, self.to_s) for working in workings)
         return [working for working in cut if working]
 
 
-def _numbered(trains: tuple[TimetableTrain, ...], again: int) -> tuple[TimetableTrain, ...]:
-    numbers = [str(2 * again + (1 if train.direction is Direction.DOWN else 2)) for train in trains]
+def _numbered(trains: tuple[TimetableTrain, ...], next_number: Mapping[Direction, Iterator[int]]) -> Working:
+    numbers = [str(next(next_number[train.direction])) for train in trains]
     return tuple(
         replace(
             train,
@@ -93,12 +97,16 @@ def _numbered(trains: tuple[TimetableTrain, ...], again: int) -> tuple[Timetable
     )
 
 
+def _odd_and_even() -> dict[Direction, Iterator[int]]:
+    return {Direction.DOWN: count(1, 2), Direction.UP: count(2, 2)}
+
+
 def timetable_of(setup: Setup, repeated: Repetition, timetable_id: str) -> Timetable:
     """The day as a timetable."""
     workings = repeated.workings(setup)
     head = HeadTable(
         id=timetable_id,
-        name=f"A train each way every {repeated.every_s} s",
+        name=f"{repeated.pattern.trains_each_way} each way every {repeated.every_s} s",
         line=setup.line.id,
         dwell_min_s=setup.unit.dwell_min_s,
         sources=["made by branchline best"],

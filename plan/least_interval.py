@@ -9,6 +9,7 @@ interval fits need not be monotone, so that a greater one than the least need no
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -45,6 +46,11 @@ class RepeatedPaths:
     goes_round: bool = False
 
     @property
+    def trains_each_way(self) -> int:
+        """How many there are in a period."""
+        return max(Counter(path.name for path in self.paths).values())
+
+    @property
     def again(self) -> int | None:
         """The leg that is the first one once more."""
         return len(self.all_legs) - 1 if self.goes_round else None
@@ -61,6 +67,19 @@ class RepeatedPaths:
     def all_legs(self) -> tuple[SetLeg, ...]:
         """The legs of all paths."""
         return tuple(leg for own in self.legs for leg in own)
+
+
+@dataclass(frozen=True, slots=True)
+class LeastWaits:
+    """By how much each leg of each path is moved, s (none: no moves were found), and how long all trains wait, s.
+
+    `proven`: the least; `impossible`: there are no moves.
+    """
+
+    moves_s: tuple[tuple[float, ...], ...]
+    waits_s: float
+    proven: bool
+    impossible: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,17 +103,18 @@ class LeastInterval:
         return [circles_of(one.because) for one in self.proof.excluded]
 
 
-def pattern_of(setup: Setup, rules: Rules) -> RepeatedPaths:
-    """A train each way of a line. Raises InputError where its timetable has none from end to end."""
-    paths = standard_paths(setup)
-    if paths:
-        return RepeatedPaths(paths, tuple(template(setup, path, rules, path.name) for path in paths))
+def pattern_of(setup: Setup, rules: Rules, trains: int = 1) -> RepeatedPaths:
+    """So many trains each way of a line. Raises InputError where its timetable has none from end to end."""
+    named = [(path, f"{path.name} {at}") for at in range(trains) for path in standard_paths(setup)]
+    if named:
+        legs = tuple(template(setup, path, rules, name) for path, name in named)
+        return RepeatedPaths(tuple(path for path, _ in named), legs)
     path = round_path(setup)
-    if path is None:
+    if path is None or trains > 1:
         raise InputError(setup.name, "timetable", None, "trains each way that run from one end to the other")
-    legs = template(setup, path, rules)
-    turns = next(at for at, leg in enumerate(legs) if leg.number != path.trains[0].number)
-    return RepeatedPaths((path,), (legs[turns - 1 :],), goes_round=True)
+    way = template(setup, path, rules)
+    turns = next(at for at, leg in enumerate(way) if leg.number != path.trains[0].number)
+    return RepeatedPaths((path,), (way[turns - 1 :],), goes_round=True)
 
 
 def least_interval(setup: Setup, rules: Rules = AS_UNITS_ASK) -> LeastInterval:
@@ -110,8 +130,10 @@ def least_interval(setup: Setup, rules: Rules = AS_UNITS_ASK) -> LeastInterval:
     proof = Impossibility(TERMS.tick_s, pattern.recount().names, excluded)
     if interval_s is None:
         return LeastInterval(pattern, None, (), math.nan, least_waits=False, proof=proof, circle=circle)
-    moves, waits, proven = _least_waits(pattern, bounds, interval_s)
-    return LeastInterval(pattern, interval_s, moves, waits, proven, proof, circle)
+    waits = least_waits(pattern, bounds, interval_s)
+    if not waits.moves_s:
+        raise AssertionError(f"{interval_s} s is neither refuted nor found")
+    return LeastInterval(pattern, interval_s, waits.moves_s, waits.waits_s, waits.proven, proof, circle)
 
 
 def recounted(setup: Setup, rules: Rules, proof: Impossibility) -> list[str]:
@@ -147,24 +169,22 @@ def _needed(found: Sequence[ExcludedPeriods]) -> tuple[ExcludedPeriods, ...]:
     return tuple(reversed(needed))
 
 
-def _least_waits(
-    pattern: RepeatedPaths, bounds: LegBounds, period: int
-) -> tuple[tuple[tuple[float, ...], ...], float, bool]:
-    """The moves with which trains wait least on their way, how long that is, s, and whether it is proven."""
+def least_waits(pattern: RepeatedPaths, bounds: LegBounds, period: int) -> LeastWaits:
+    """The moves with which trains wait least on their way, repeated after so many ticks."""
     model = MovingModel(bounds, bounds.in_a_period(period), period)
     own = _slices(pattern.legs)
     model.model.minimize(sum(model.moves[part][-1] - model.moves[part][0] for part in own))
-    shortest = sum(
-        bound.least for bound in bounds.always if not bound.section_id and bound.after > bound.before
-    )
     found = model.solve(WORK)
     if found.moves is None:
-        raise AssertionError(f"{period} s is neither refuted nor found")
+        return LeastWaits((), math.nan, proven=False, impossible=found.impossible)
+    stands = (bound for bound in bounds.always if not bound.section_id and bound.after > bound.before)
+    waits = found.cost - sum(bound.least for bound in stands)
     moves_s = [move * bounds.terms.tick_s for move in found.moves]
-    return (
+    return LeastWaits(
         tuple(tuple(moves_s[part]) for part in own),
-        (found.cost - shortest) * bounds.terms.tick_s,
+        waits * bounds.terms.tick_s,
         found.proven,
+        impossible=False,
     )
 
 

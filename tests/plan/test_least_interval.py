@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from branchline.best_interval import write_answer
+from plan.even_day import Repetition, timetable_of
 from plan.least_interval import AS_UNITS_ASK, SET_LATE, least_interval, pattern_of, recounted
+from plan.most_trains import most_trains
 from plan.where_to_meet import halts_of, loop_choices
 from scenario.part_of_day import part_of_day
 from scenario.scenario import load_scenario
@@ -123,6 +126,29 @@ def test_sets_that_go_round_begin_and_end_the_day_where_they_are(tmp_path: Path)
     assert found.interval_s is not None
     assert round_s == pytest.approx(len(day.timetable.diagrams) * found.interval_s)
     assert feasibility(day).good
+
+
+def test_trains_need_not_be_evenly_spaced_to_be_as_many_as_a_track_takes() -> None:
+    """Hoshakuji's one track takes three of each way in two hours, whatever the order; four it does not."""
+    setup = setup_of(WEEKDAY)
+    (legs,) = pattern_of(setup, AS_UNITS_ASK).legs
+    pairs_s = sum(
+        occupation.length_s
+        for leg in legs
+        for occupation in leg.occupations
+        if occupation.section_id == "HSK.1"
+    )
+    found = most_trains(setup, 7200)
+    assert (found.trains, found.at_most) == (3, 3)
+    assert found.section_id == "HSK.1"
+    assert found.held_s == pytest.approx(pairs_s, abs=2.0)
+    assert 3 * pairs_s <= 7200 < 4 * pairs_s
+    assert found.waits is not None
+    repeated = Repetition(found.pattern, found.waits.moves_s, 7200, 6 * 3600, 12 * 3600)
+    day = timetable_of(setup, repeated, "three_in_two_hours")
+    assert len(day.trains) == 3 * 2 * 3
+    stock = {diagram.stock_id: setup.trains[found.pattern.paths[0].kind_of_stock] for diagram in day.diagrams}
+    assert feasibility(replace(setup, timetable=day, trains=stock)).good
 
 
 def test_all_shipped_lines_with_trains_each_way_are_shown() -> None:
