@@ -75,6 +75,7 @@ def figures_of(found: LeastInterval) -> dict[str, Any]:
         "least_waits": found.least_waits,
         "excluded_s": [[one.from_ticks, one.to_ticks] for one in found.proof.excluded],
         "circles": [len(circles) for circles in found.circles()],
+        "in_tenths_s": found.in_tenths_s,
         "one_circle_excludes_s": None if found.circle is None else found.circle[1],
     }
 
@@ -125,6 +126,7 @@ def _rows(found: LeastInterval) -> list[str]:
             f"least interval {found.interval_s} s ({found.interval_s / 60:.1f} min),"
             f" {3600 / found.interval_s:.2f} trains an hour each way",
             f"waits: {found.waits_s:.0f} s of all trains together, {surely}",
+            f"in tenths of a second, which no timetable has: {found.in_tenths_s:.1f} s",
             f"excluded: every whole second of {_ranges(found.proof)}",
         ]
     cases = sum(len(circles) for circles in found.circles())

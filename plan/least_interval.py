@@ -30,6 +30,7 @@ AS_UNITS_ASK: Final = Rules(throws=True)
 SET_LATE: Final = Rules(throws=True, late=True)
 INTERVAL_S_MAX: Final = 4 * 3600
 TERMS: Final = MoveTerms(tick_s=1.0, periodic=True)
+IN_TENTHS: Final = MoveTerms(periodic=True)
 WORK: Final = 4.0  # of the solver, for the least waits
 
 
@@ -55,9 +56,9 @@ class RepeatedPaths:
         """The leg that is the first one once more."""
         return len(self.all_legs) - 1 if self.goes_round else None
 
-    def bounds(self) -> LegBounds:
+    def bounds(self, terms: MoveTerms = TERMS) -> LegBounds:
         """What holds between the moves of its legs, whatever the period."""
-        return bounds_of(self.all_legs, TERMS, self.again)
+        return bounds_of(self.all_legs, terms, self.again)
 
     def recount(self) -> Recount:
         """The same for one who checks a proof."""
@@ -87,7 +88,8 @@ class LeastInterval:
     """The least interval, s, or none up to `INTERVAL_S_MAX`; a timetable at it, and the proof that none is smaller.
 
     `moves_s`: of each leg of each path. `waits_s`: of all trains together, beyond the shortest stands; `least_waits`:
-    proven to be the least. `circle`: the one that alone excludes most, and up to how many s it does.
+    proven to be the least. `in_tenths_s`: the least interval where times need not be whole seconds but tenths of them,
+    which no timetable has. `circle`: the one that alone excludes most, and up to how many s it does.
     """
 
     pattern: RepeatedPaths
@@ -96,6 +98,7 @@ class LeastInterval:
     waits_s: float
     least_waits: bool
     proof: Impossibility
+    in_tenths_s: float | None
     circle: tuple[Circle, int] | None
 
     def circles(self) -> list[tuple[Circle, ...]]:
@@ -129,11 +132,17 @@ def least_interval(setup: Setup, rules: Rules = AS_UNITS_ASK) -> LeastInterval:
     circle = alone[-1] if alone else None
     proof = Impossibility(TERMS.tick_s, pattern.recount().names, excluded)
     if interval_s is None:
-        return LeastInterval(pattern, None, (), math.nan, least_waits=False, proof=proof, circle=circle)
+        return LeastInterval(
+            pattern, None, (), math.nan, least_waits=False, proof=proof, in_tenths_s=None, circle=circle
+        )
     waits = least_waits(pattern, bounds, interval_s)
     if not waits.moves_s:
         raise AssertionError(f"{interval_s} s is neither refuted nor found")
-    return LeastInterval(pattern, interval_s, waits.moves_s, waits.waits_s, waits.proven, proof, circle)
+    tenths, _ = _excluded(pattern.bounds(IN_TENTHS))
+    in_tenths_s = None if tenths is None else tenths / 10
+    return LeastInterval(
+        pattern, interval_s, waits.moves_s, waits.waits_s, waits.proven, proof, in_tenths_s, circle
+    )
 
 
 def recounted(setup: Setup, rules: Rules, proof: Impossibility) -> list[str]:
@@ -148,14 +157,12 @@ def recounted(setup: Setup, rules: Rules, proof: Impossibility) -> list[str]:
 def _excluded(bounds: LegBounds) -> tuple[int | None, list[ExcludedPeriods]]:
     """The least period that is not excluded, and proofs for all below it, each for as many as it holds for."""
     found: list[ExcludedPeriods] = []
-    period: int | None = 1
-    while (
-        period is not None and period <= INTERVAL_S_MAX and (why := refutation_of(bounds, period)) is not None
-    ):
+    period, longest = 1.0, INTERVAL_S_MAX / bounds.terms.tick_s
+    while period <= longest and (why := refutation_of(bounds, int(period))) is not None:
         least, most = excluded_by(why)
         found.append(ExcludedPeriods(int(least), None if math.isinf(most) else int(most), why))
-        period = None if math.isinf(most) else int(most) + 1
-    return period if period is not None and period <= INTERVAL_S_MAX else None, found
+        period = most + 1
+    return int(period) if period <= longest else None, found
 
 
 def _needed(found: Sequence[ExcludedPeriods]) -> tuple[ExcludedPeriods, ...]:

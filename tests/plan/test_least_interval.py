@@ -45,6 +45,7 @@ def test_hoshakuji_has_one_track_for_both_ways(rules: Rules) -> None:
     assert (
         sum(held) <= found.interval_s <= math.ceil(sum(held)) + 1
     )  # two differences, each up to a whole second
+    assert found.in_tenths_s == pytest.approx(sum(held), abs=0.2)
     assert found.least_waits
     assert recounted(setup, rules, found.proof) == []
     assert [(one.from_ticks, one.to_ticks) for one in found.proof.excluded] == [(0, found.interval_s - 1)]
@@ -99,16 +100,19 @@ def test_a_pattern_is_of_trains_from_end_to_end() -> None:
 
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs/best.md").read_text("utf-8")
-SHOWN = re.findall(r"^\| `(\w+)` \| (\d+) s \| (\d+) s \| (\d+) s \|.*\| (\d+) \|$", PAGE, re.MULTILINE)
+SHOWN = re.findall(
+    r"^\| `(\w+)` \| (\d+) s \| ([\d.]+) s \| (\d+) s \| (\d+) s \|.*\| (\d+) \|$", PAGE, re.MULTILINE
+)
 
 
-@pytest.mark.parametrize(("name", "asked_s", "late_s", "circle_s", "circles"), SHOWN)
+@pytest.mark.parametrize(("name", "asked_s", "tenths_s", "late_s", "circle_s", "circles"), SHOWN)
 def test_the_page_shows_what_is_found(
-    name: str, asked_s: str, late_s: str, circle_s: str, circles: str
+    name: str, asked_s: str, tenths_s: str, late_s: str, circle_s: str, circles: str
 ) -> None:
     setup = setup_of(name)
     asked, late = (least_interval(setup, rules) for rules in (AS_UNITS_ASK, SET_LATE))
     assert (asked.interval_s, late.interval_s) == (int(asked_s), int(late_s))
+    assert asked.in_tenths_s == float(tenths_s)
     assert asked.circle is not None
     assert asked.circle[1] + 1 == int(circle_s)
     assert sum(map(len, asked.circles())) == int(circles)
