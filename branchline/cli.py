@@ -14,12 +14,12 @@ from typing import Annotated, Final
 
 import typer
 
+from branchline.best import best
 from branchline.blocking import blocking
 from branchline.checking import check
 from branchline.comparing import compare
 from branchline.compressing import capacity
 from branchline.describing import schema
-from branchline.dispatching import best
 from branchline.drilling import drill
 from branchline.duties import duties
 from branchline.ending import run_command, stop_by_signals

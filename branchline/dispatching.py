@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated, Any, Final
 
 import typer
 
-from branchline.ending import end, judged_outcome, print_json
+from branchline.ending import end_with
+from branchline.extras import planning_extra
 from branchline.options import Json
 from branchline.progress import print_aside
 
 VERDICTS: Final = {"ORDER": "live", "NONE": "dead", "UNKNOWN": "unknown"}
 
-best = typer.Typer(
-    no_args_is_help=True, help="What would be best, with a bound on what could be better still."
-)
 
-
-@best.command()
 def displib(
     instance: Annotated[Path, typer.Argument(help="Instance in the form of DISPLIB (JSON).")],
     out: Annotated[Path | None, typer.Option("--out", help="Where the solution is written (JSON).")] = None,
@@ -40,7 +35,6 @@ def displib(
 
     The answer depends on --work alone, not on the machine.
     """
-    from network.errors import COMMAND_LINE, InputError
     from network.files.json_input import write_aside
     from plan.dispatching.checker import objections
     from plan.dispatching.instance import read_instance, read_solution, solution_text
@@ -48,19 +42,15 @@ def displib(
     asked = read_instance(instance)
     if check is not None:
         wrong = objections(asked, solution := read_solution(check))
-        _say(
+        end_with(
             {"objections": wrong, "objective_value": solution.objective_value},
             [*wrong, f"{len(wrong)} objections"] if wrong else [f"right: costs {solution.objective_value}"],
             good=not wrong,
             as_json=as_json,
         )
         return
-    try:
+    with planning_extra("displib"):
         from plan.dispatching.solver import solve
-    except ModuleNotFoundError as error:
-        raise InputError(
-            COMMAND_LINE, "displib", None, "the extra: pip install 'branchline[plan]'"
-        ) from error
 
     print_aside(f"{len(asked.trains)} trains, {sum(map(len, asked.trains))} operations: solving")
     answer = solve(asked, work)
@@ -82,10 +72,9 @@ def displib(
         "impossible": answer.impossible,
         "work": round(answer.work, 3),
     }
-    _say(figures, [f"{text} (work {answer.work:.2f})"], good=found is not None, as_json=as_json)
+    end_with(figures, [f"{text} (work {answer.work:.2f})"], good=found is not None, as_json=as_json)
 
 
-@best.command()
 def deadlock(
     situations: Annotated[
         list[Path], typer.Argument(help="Situations in the form of Dal Sasso et al. (JSON).")
@@ -117,13 +106,4 @@ def deadlock(
             }
         )
     live = all(figure["verdict"] == "live" for figure in figures)
-    _say({"situations": figures}, lines, good=live, as_json=as_json)
-
-
-def _say(figures: dict[str, Any], lines: list[str], *, good: bool, as_json: bool) -> None:
-    outcome = judged_outcome(good)
-    if as_json:
-        print_json(figures, outcome)
-    else:
-        sys.stdout.writelines(f"{line}\n" for line in lines)
-    end(outcome)
+    end_with({"situations": figures}, lines, good=live, as_json=as_json)

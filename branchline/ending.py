@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import signal
 import sys
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -120,6 +120,16 @@ def print_json(value: object, outcome: Outcome | None = None) -> None:
         value = {"outcome": outcome.value, **cast("dict[str, object]", value)}
     sys.stdout.write(json.dumps(value, ensure_ascii=False) + "\n")
     sys.stdout.flush()
+
+
+def end_with(figures: dict[str, Any], lines: Iterable[str], *, good: bool, as_json: bool) -> NoReturn:
+    """End with an answer: as one JSON object, or in lines for a person."""
+    outcome = judged_outcome(good)
+    if as_json:
+        print_json(figures, outcome)
+    else:
+        sys.stdout.writelines(f"{line}\n" for line in lines)
+    end(outcome)
 
 
 def _tell(outcome: Outcome, text: str, label: str = "error: ") -> Outcome:

@@ -17,10 +17,11 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations, pairwise
 from typing import Final
 
+from plan.moving.proof import MoveBound
 from study.capacity.compression import HeldSection, held_sections
 from study.capacity.legs import SetLeg, follows_on, joined_legs, stand_of
 from study.capacity.occupation import TOUCH_S
@@ -50,28 +51,6 @@ class MoveTerms:
 
 
 @dataclass(frozen=True, slots=True)
-class MoveBound:
-    """Leg `after` is moved by at least `least` ticks more than leg `before`, less so many periods.
-
-    `section_id`: for which one waits for the other; empty where one set's stand says so.
-    """
-
-    before: int
-    after: int
-    least: int
-    section_id: str = ""
-    periods: int = 0
-
-    def at_period(self, period: int) -> int:
-        """The least difference at a period, ticks."""
-        return self.least - self.periods * period
-
-    def later(self, periods: int) -> MoveBound:
-        """The same of a leg `after` so many periods later."""
-        return replace(self, periods=self.periods + periods)
-
-
-@dataclass(frozen=True, slots=True)
 class EitherFirst:
     """Of two that want one section the one goes first or the other.
 
@@ -93,17 +72,11 @@ class LegBounds:
     terms: MoveTerms
 
     def in_a_period(self, period: int) -> list[tuple[int, int]]:
-        """Between which moves each leg need be looked for where all repeats, ticks; (0, 0) where there are none at all.
-
-        All may be moved alike, and the first leg of each set by a period: that of the first set is not moved, those of
-        other sets by less than a period.
-        """
+        """Between which moves each leg is with the first one not moved, ticks; (0, 0) where there are none at all."""
         nowhere = [(0, 0)] * len(self.legs)
         least = [-_FAR] * len(self.legs)
         most = [_FAR] * len(self.legs)
-        roots = {leg.stock_id: at for at, leg in reversed(list(enumerate(self.legs)))}
-        for at in roots.values():
-            least[at], most[at] = 0, period - 1 if at else 0
+        least[0] = most[0] = 0
         for _ in range(len(self.legs) + 1):
             known = (*least, *most)
             for bound in self.always:
@@ -116,16 +89,19 @@ class LegBounds:
         return nowhere
 
 
-def bounds_of(legs: Sequence[SetLeg], terms: MoveTerms) -> LegBounds:
-    """What holds between the moves of legs of any sets, each set's legs in the order in which it runs them."""
-    held = held_sections(legs) if EXCLUSIVE else []
+def bounds_of(legs: Sequence[SetLeg], terms: MoveTerms, again: int | None = None) -> LegBounds:
+    """What holds between the moves of legs of any sets, each set's legs in the order in which it runs them.
+
+    `again`: which leg is the first one once more, some periods later, where a set goes round and round.
+    """
+    held = [one for one in held_sections(legs) if not _counted_again(one, legs, again)] if EXCLUSIVE else []
     by_section: dict[str, list[HeldSection]] = defaultdict(list)
     for one in held:
         by_section[one.occupation.section_id].append(one)
     pairs = [pair for same in by_section.values() for pair in combinations(same, 2)]
     always, either = [*_stands(legs, terms), *_returns(legs, terms)], list[EitherFirst]()
     if terms.periodic:
-        always += [_first(one, one, terms).later(1) for one in held]
+        always += [*_which_repetition(legs), *(_first(one, one, terms).later(1) for one in held)]
         either += [EitherFirst(_first(one, other, terms), _first(other, one, terms)) for one, other in pairs]
     else:
         others = [pair for pair in pairs if pair[0].occupation.stock_id != pair[1].occupation.stock_id]
@@ -135,7 +111,20 @@ def bounds_of(legs: Sequence[SetLeg], terms: MoveTerms) -> LegBounds:
                 either.append(EitherFirst(before, after))
             else:
                 always.append(before if _surely_first(one, other) else after)
-    return LegBounds(tuple(legs), tuple(always), tuple(_joined(either)), terms)
+    either = list(_joined(either))
+    if again is not None:
+        later = round((legs[again].departs_s - legs[0].departs_s) / terms.tick_s)
+        either.append(EitherFirst(MoveBound(again, 0, later), MoveBound(0, again, -later, periods=-1)))
+    return LegBounds(tuple(legs), tuple(always), tuple(either), terms)
+
+
+def _counted_again(held: HeldSection, legs: Sequence[SetLeg], again: int | None) -> bool:
+    """Of the first leg, which is the last one's repetition, the way; of the last one the stand that follows."""
+    if again is None or held.begins != held.ends:
+        return False
+    return held.begins == 0 or (
+        held.begins == again and held.occupation.section_id == legs[again].occupations[-1].section_id
+    )
 
 
 def _surely_first(first: HeldSection, then: HeldSection) -> bool:
@@ -170,12 +159,17 @@ def _returns(legs: Sequence[SetLeg], terms: MoveTerms) -> Iterator[MoveBound]:
                 yield MoveBound(one, other, terms.ticks(min(before.arrives_s - after.departs_s, 0.0)))
 
 
+def _which_repetition(legs: Sequence[SetLeg]) -> Iterator[MoveBound]:
+    """Of a set's repetitions that is meant which sets out with the first set's, or less than a period later."""
+    firsts = {leg.stock_id: at for at, leg in reversed(list(enumerate(legs)))}
+    for at in sorted(firsts.values())[1:]:
+        yield MoveBound(0, at, 0)
+        yield MoveBound(at, 0, 1, periods=1)
+
+
 def _first(one: HeldSection, other: HeldSection, terms: MoveTerms) -> MoveBound:
-    """The one has the section before the other. Two occupations of one set do not wait for one another as planned."""
+    """The one has the section before the other."""
     least_s = one.occupation.end_s - other.occupation.begin_s + terms.buffer_s
-    planned = one.occupation.begin_s < other.occupation.begin_s
-    if one is not other and planned and one.occupation.stock_id == other.occupation.stock_id:
-        least_s = min(least_s, 0.0)
     return MoveBound(one.ends, other.begins, terms.ticks(least_s), one.occupation.section_id)
 
 

@@ -8,7 +8,8 @@ from typing import Final
 
 from ortools.sat.python import cp_model
 
-from plan.moving.bounds import EitherFirst, LegBounds, MoveBound
+from plan.moving.bounds import EitherFirst, LegBounds
+from plan.moving.proof import MoveBound
 
 SEED: Final = 1
 
@@ -68,11 +69,13 @@ class MovingModel:
     def _turn(self, either: EitherFirst, period: int) -> cp_model.IntVar:
         """How many periods later the other is when it is first after the one: one period sooner it is before it."""
         one, other, moves = either.one_first, either.other_first, self.moves
-        least = -(-(one.least - self._most(one)) // period)
-        most = (self._most(other) - other.least) // period + 1
+        least = -((self._most(one) - one.at_period(period)) // period)
+        most = (self._most(other) - other.at_period(period)) // period + 1
         turn = self.model.new_int_var(min(least, most), max(least, most), "")
-        self.model.add(moves[one.after] - moves[one.before] + period * turn >= one.least)
-        self.model.add(moves[other.after] - moves[other.before] - period * turn >= other.least - period)
+        self.model.add(moves[one.after] - moves[one.before] + period * turn >= one.at_period(period))
+        self.model.add(
+            moves[other.after] - moves[other.before] - period * (turn - 1) >= other.at_period(period)
+        )
         return turn
 
     def _most(self, bound: MoveBound) -> int:

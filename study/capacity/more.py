@@ -16,7 +16,15 @@ from study.capacity.legs import SetLeg, legs_of, places_of
 from study.capacity.line_capacity import Period
 from study.capacity.room import OccupiedSpans, PathSearch, Placed, fill_period
 from study.capacity.rules import Rules
-from study.capacity.standard import Added, StandardPath, added_path, extended_day, path_alone, standard_paths
+from study.capacity.standard import (
+    ALONE,
+    Added,
+    StandardPath,
+    added_path,
+    extended_day,
+    path_alone,
+    standard_paths,
+)
 from study.capacity.theory import occupations
 from study.feasibility.check import feasibility
 
@@ -91,9 +99,11 @@ def more_trains(setup: Setup, period: Period, search: PathSearch) -> AddedTrains
     )
 
 
-def template(setup: Setup, path: StandardPath) -> tuple[SetLeg, ...]:
+def template(
+    setup: Setup, path: StandardPath, rules: Rules = STANDARD, stock_id: str = ALONE
+) -> tuple[SetLeg, ...]:
     """The legs of a standard path alone on its line."""
-    return legs_of(occupations(path_alone(setup, path), STANDARD), places_of(setup.line))
+    return legs_of(occupations(path_alone(setup, path, stock_id), rules), places_of(setup.line))
 
 
 def _added_path(

@@ -20,12 +20,14 @@ from network.timetable import (
     CallKind,
     Diagram,
     FromTrain,
+    Stabled,
     Timetable,
     TimetableTrain,
 )
 from simulation.setup import Setup
 from study.feasibility.planned import PlannedTrain, planned_day
 
+ALONE: Final = "+"  # the set of a standard path alone on its line
 ORIGIN_S: Final = 43_200  # where standard paths are laid out before they are moved: noon
 
 
@@ -63,6 +65,22 @@ def standard_paths(setup: Setup) -> tuple[StandardPath, ...]:
                 StandardPath(f"{direction.name.lower()} and back", _there_and_back(own, back), stock)
             )
     return tuple(_timed(setup, path) for path in found)
+
+
+def round_path(setup: Setup) -> StandardPath | None:
+    """A set that goes there, back and there again, where it stands between; None where trains do not run end to end."""
+    there, back = (_ends_of(setup, direction) for direction in (Direction.DOWN, Direction.UP))
+    if there is None or back is None:
+        return None
+    down, up = (_calls(own, begins=False, ends=False) for own in (there, back))
+    if [call.station_id for call in (down[0], down[-1])] != [call.station_id for call in (up[-1], up[0])]:
+        return None
+    trains = (
+        TimetableTrain("+", Direction.DOWN, True, down, Stabled(), BecomesTrain("-")),
+        TimetableTrain("-", Direction.UP, True, up, FromTrain("+"), BecomesTrain("+ again")),
+        TimetableTrain("+ again", Direction.DOWN, True, down, FromTrain("-"), Stabled()),
+    )
+    return _timed(setup, StandardPath("round", trains, _usual_stock(setup)))
 
 
 def _usual_stock(setup: Setup) -> str:
@@ -114,7 +132,7 @@ def _there_and_back(own: _Ends, back: _Ends) -> tuple[TimetableTrain, ...]:
 def _timed(setup: Setup, path: StandardPath) -> StandardPath:
     """With the least times: running as units drive, shortest stops, changing ends with the points of the way out."""
     spread = _spread(path.trains)
-    planned = planned_day(path_alone(setup, replace(path, trains=spread))).trains["+"]
+    planned = planned_day(path_alone(setup, replace(path, trains=spread))).trains[ALONE]
     at_s, trains = ORIGIN_S, list[TimetableTrain]()
     for index, (train, own) in enumerate(zip(spread, planned, strict=True)):
         if index:
@@ -153,9 +171,9 @@ def _least_times(setup: Setup, calls: Sequence[Call], own: PlannedTrain, departs
     return tuple(found)
 
 
-def path_alone(setup: Setup, path: StandardPath) -> Setup:
-    """A day with nothing but one standard path, run by the set `+`."""
-    return _with(setup, {}, (), [("+", path.trains)], path.kind_of_stock)
+def path_alone(setup: Setup, path: StandardPath, stock_id: str = ALONE) -> Setup:
+    """A day with nothing but one standard path."""
+    return _with(setup, {}, (), [(stock_id, path.trains)], path.kind_of_stock)
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,7 +192,7 @@ def added_path(setup: Setup, path: StandardPath, number: int, moves_s: Sequence[
         calls: list[Call] = []
         for place, call in enumerate(train.calls):
             halt = setup.line.stations[call.station_id].is_halt
-            begins = index > 0 and place == 0
+            begins = place == 0 and not isinstance(train.begins, AtPortal)
             comes_s = moves_s[leg]
             leg += 0 if halt or begins else 1
             last = index == len(path.trains) - 1 and place == len(train.calls) - 1
@@ -191,8 +209,12 @@ def added_path(setup: Setup, path: StandardPath, number: int, moves_s: Sequence[
                 train,
                 number=names[train.number],
                 calls=tuple(calls),
-                begins=FromTrain(names["+"]) if isinstance(train.begins, FromTrain) else train.begins,
-                ends=BecomesTrain(names["-"]) if isinstance(train.ends, BecomesTrain) else train.ends,
+                begins=FromTrain(names[train.begins.number])
+                if isinstance(train.begins, FromTrain)
+                else train.begins,
+                ends=BecomesTrain(names[train.ends.number])
+                if isinstance(train.ends, BecomesTrain)
+                else train.ends,
             )
         )
     return Added(f"X{number}", tuple(trains))

@@ -1,0 +1,19 @@
+"""`branchline best`: what would be best, each answer with a bound or a proof."""
+
+from __future__ import annotations
+
+import typer
+
+from branchline.best_interval import interval
+from branchline.best_loops import loops
+from branchline.best_trains import trains
+from branchline.dispatching import deadlock, displib
+
+best = typer.Typer(
+    no_args_is_help=True, help="What would be best, with a bound on what could be better still."
+)
+best.command()(interval)
+best.command()(loops)
+best.command()(trains)
+best.command()(displib)
+best.command()(deadlock)

@@ -1,0 +1,155 @@
+"""`branchline best interval`: the least interval of a line, proven, and a timetable at it that runs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from branchline.ending import end_with
+from branchline.extras import planning_extra
+from branchline.options import Json, ScenarioName
+from branchline.progress import print_aside
+
+if TYPE_CHECKING:
+    from plan.least_interval import LeastInterval, RepeatedPaths
+    from plan.moving.proof import Circle, Impossibility
+    from simulation.setup import Setup
+
+SetLate = Annotated[
+    bool,
+    typer.Option("--set-late", help="Ways set as late as trains still run unhindered, not as units ask."),
+]
+ScenarioOut = Annotated[
+    Path | None, typer.Option("--out", help="Scenario file (TOML) to write that runs the answer all day.")
+]
+
+
+def interval(
+    scenario: ScenarioName,
+    set_late: SetLate = False,
+    out: ScenarioOut = None,
+    proof: Annotated[
+        Path | None, typer.Option("--proof", help="Where the proof that no less does is written (JSON).")
+    ] = None,
+    check: Annotated[
+        Path | None,
+        typer.Option("--check", help="Recount this proof from the line's own times, and search nothing."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Find the least interval at which a line takes a train each way, and prove that no second less does.
+
+    Trains run as fast as they are driven on the tracks of the timetable, stop as short as they may and wait where sets
+    can stand. All times are whole seconds.
+    """
+    from network.files.json_input import read_json, write_aside
+    from scenario.scenario import load_scenario
+
+    with planning_extra("interval"):
+        from plan.least_interval import AS_UNITS_ASK, SET_LATE, least_interval, recounted
+    from plan.moving.proof import Impossibility, proof_text
+
+    setup = load_scenario(scenario).setup
+    rules = SET_LATE if set_late else AS_UNITS_ASK
+    if check is not None:
+        wrong = recounted(setup, rules, asked := read_json(check, Impossibility))
+        right = f"right: by the line's own times no interval of {_ranges(asked)} fits"
+        end_with({"objections": wrong}, wrong or [right], good=not wrong, as_json=as_json)
+    found = least_interval(setup, rules)
+    if proof is not None:
+        write_aside(proof, proof_text(found.proof))
+    if out is not None:
+        write_answer(out, setup, found, scenario)
+    end_with(figures_of(found), _rows(found), good=found.interval_s is not None, as_json=as_json)
+
+
+def figures_of(found: LeastInterval) -> dict[str, Any]:
+    """For JSON."""
+    return {
+        "interval_s": found.interval_s,
+        "waits_s": found.waits_s if found.interval_s else None,
+        "least_waits": found.least_waits,
+        "excluded_s": [[one.from_ticks, one.to_ticks] for one in found.proof.excluded],
+        "circles": [len(circles) for circles in found.circles()],
+        "in_tenths_s": found.in_tenths_s,
+        "one_circle_excludes_s": None if found.circle is None else found.circle[1],
+    }
+
+
+def write_answer(
+    out: Path, setup: Setup, found: LeastInterval, extends: str, loops: tuple[str, ...] = ()
+) -> None:
+    """A scenario that runs a line at its least interval all day, and its timetable beside it."""
+    if found.interval_s is not None:
+        write_day_of(out, setup, found.pattern, found.moves_s, found.interval_s, extends, loops)
+
+
+def write_day_of(
+    out: Path,
+    setup: Setup,
+    pattern: RepeatedPaths,
+    moves_s: Sequence[Sequence[float]],
+    every_s: int,
+    extends: str,
+    loops: tuple[str, ...] = (),
+) -> None:
+    """A scenario that repeats a pattern all day. Raises InputError where it would extend itself."""
+    from network.errors import COMMAND_LINE, InputError
+    from plan.even_day import Repetition, timetable_of, write_day
+
+    if Path(extends).is_file():
+        extends = os.path.relpath(extends, out.parent)
+    if extends in {out.stem, out.name}:
+        raise InputError(COMMAND_LINE, "--out", str(out), "another name than that of the scenario")
+    day = timetable_of(setup, Repetition(pattern, moves_s, every_s), f"{out.stem}_times")
+    write_day(out, day, extends, loops)
+    print_aside(f"wrote {out} and {day.head.id}.toml beside it")
+
+
+def _times(circle: Circle) -> str:
+    count = sum(bound.periods for bound in circle.bounds)
+    return "" if count == 1 else f"{count} times "
+
+
+def _rows(found: LeastInterval) -> list[str]:
+    from plan.moving.stints import stints_of
+
+    if found.interval_s is None:
+        rows = [f"none: no interval of {_ranges(found.proof)} fits"]
+    else:
+        surely = "least that it can be" if found.least_waits else "perhaps more than it need be"
+        rows = [
+            f"least interval {found.interval_s} s ({found.interval_s / 60:.1f} min),"
+            f" {3600 / found.interval_s:.2f} trains an hour each way",
+            f"waits: {found.waits_s:.0f} s of all trains together, {surely}",
+            f"in tenths of a second, which no timetable has: {found.in_tenths_s:.1f} s",
+            f"excluded: every whole second of {_ranges(found.proof)}",
+        ]
+    cases = sum(len(circles) for circles in found.circles())
+    if cases > 1:
+        rows.append(f"in {cases} cases, each of which ends in a circle of trains (--proof writes them)")
+    if found.circle is not None:
+        circle, to_s = found.circle
+        rows.append(f"one circle excludes all up to {to_s} s:")
+        rows += [
+            f"  {one.direction.name.lower()} train: from having {one.takes} until {one.frees} is free"
+            f" {one.length_s:.1f} s"
+            for one in stints_of(found.pattern.all_legs, circle, found.proof.tick_s)
+        ]
+        together_s = sum(bound.least for bound in circle.bounds)
+        rows.append(f"  in whole seconds {together_s} s, which is more than {_times(circle)}{to_s} s")
+    return rows
+
+
+def _ranges(proof: Impossibility) -> str:
+    """The periods that a proof excludes, in words."""
+    return " and ".join(
+        f"{max(one.from_ticks, 1)} s and more"
+        if one.to_ticks is None
+        else f"{max(one.from_ticks, 1)} to {one.to_ticks} s"
+        for one in proof.excluded
+    )

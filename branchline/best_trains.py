@@ -1,0 +1,50 @@
+"""`branchline best trains`: the most trains each way that repeat every hour, or every so many minutes."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from branchline.best_interval import ScenarioOut, SetLate, write_day_of
+from branchline.ending import end_with
+from branchline.extras import planning_extra
+from branchline.options import Json, ScenarioName
+
+
+def trains(
+    scenario: ScenarioName,
+    every: Annotated[
+        int, typer.Option("--every", min=1, max=1440, help="After so many minutes all repeats.")
+    ] = 60,
+    set_late: SetLate = False,
+    out: ScenarioOut = None,
+    as_json: Json = False,
+) -> None:
+    """Find the most trains each way in a pattern that repeats, evenly spaced or not, and what no pattern exceeds."""
+    from scenario.scenario import load_scenario
+
+    with planning_extra("trains"):
+        from plan.least_interval import AS_UNITS_ASK, SET_LATE
+        from plan.most_trains import most_trains
+
+    setup = load_scenario(scenario).setup
+    found = most_trains(setup, 60 * every, SET_LATE if set_late else AS_UNITS_ASK)
+    if out is not None and found.waits is not None:
+        write_day_of(out, setup, found.pattern, found.waits.moves_s, 60 * every, scenario)
+    proven = "as many as can be" if found.trains == found.at_most else f"no more than {found.at_most} can be"
+    rows = [
+        f"{found.trains} trains each way every {every} min: {proven}",
+        f"a train each way has {found.section_id} for {found.held_s:.1f} s of {60 * every} s",
+    ]
+    if found.waits is not None:
+        surely = "least that it can be" if found.waits.proven else "perhaps more than it need be"
+        rows.append(f"waits: {found.waits.waits_s:.0f} s of all trains together, {surely}")
+    figures = {
+        "trains": found.trains,
+        "at_most": found.at_most,
+        "section": found.section_id,
+        "held_s": round(found.held_s, 1),
+        "waits_s": None if found.waits is None else found.waits.waits_s,
+    }
+    end_with(figures, rows, good=found.trains > 0, as_json=as_json)

@@ -1,0 +1,57 @@
+"""The most trains each way that repeat after a given time, not evenly spaced if need be, and why there are no more."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+
+from network.errors import InputError
+from plan.least_interval import AS_UNITS_ASK, TERMS, LeastWaits, RepeatedPaths, least_waits, pattern_of
+from simulation.setup import Setup
+from study.capacity.compression import held_sections
+from study.capacity.rules import Rules
+
+
+@dataclass(frozen=True, slots=True)
+class MostTrains:
+    """So many trains each way fit into a period, and more than `at_most` surely do not.
+
+    `section_id`: the one that a train each way has longest, for `held_s` together. `pattern` and `waits`: the trains,
+    and how they run; None where not one fits.
+    """
+
+    trains: int
+    at_most: int
+    section_id: str
+    held_s: float
+    pattern: RepeatedPaths
+    waits: LeastWaits | None
+
+
+def most_trains(setup: Setup, every_s: int, rules: Rules = AS_UNITS_ASK) -> MostTrains:
+    """The most trains each way every so many seconds. Raises InputError where sets do not come and go by portals."""
+    one = pattern_of(setup, rules)
+    if one.goes_round:
+        raise InputError(setup.name, "timetable", None, "trains that come and go by portals")
+    section_id, held_s = _longest_held(one)
+    trains = at_most = int(every_s // held_s)
+    while trains > 0:
+        pattern = pattern_of(setup, rules, trains)
+        found = least_waits(pattern, pattern.bounds(), round(every_s / TERMS.tick_s))
+        if found.moves_s:
+            return MostTrains(trains, at_most, section_id, held_s, pattern, found)
+        if found.impossible and at_most == trains:
+            at_most -= 1
+        trains -= 1
+    return MostTrains(0, at_most, section_id, held_s, one, None)
+
+
+def _longest_held(pattern: RepeatedPaths) -> tuple[str, float]:
+    """The section that all trains of a pattern together have longest, with the shortest stands, and for how long, s."""
+    bounds = pattern.bounds()
+    stands = {(b.before, b.after): b.least * TERMS.tick_s for b in bounds.always if not b.section_id}
+    lengths_s: dict[str, float] = defaultdict(float)
+    for one in held_sections(pattern.all_legs):
+        waits_s = stands[one.begins, one.ends] if one.begins != one.ends else 0.0
+        lengths_s[one.occupation.section_id] += one.occupation.length_s + waits_s
+    return max(lengths_s.items(), key=lambda item: (item[1], item[0]))
