@@ -76,6 +76,10 @@ def _print(day: ArrangedDay, limit_s: int) -> None:
     rows += [
         f"stops added: {day.line.stations[s].name}: {', '.join(texts)}" for s, texts in by_station.items()
     ]
+    for number in day.empty:
+        calls = day.timetable.trains[number].calls
+        way = " - ".join(day.line.stations[calls[at].station_id].name for at in (0, -1))
+        rows.append(f"empty working added: {number}, {way} at {clock(calls[0].last_s)[:-3]}")
     proof = (
         "the least that there is"
         if day.arranged.proven

@@ -14,6 +14,7 @@ from network.files.toml_input import parse_toml, read_text
 from network.model import Line
 from network.timetable import Timetable, timetable_of
 from plan.arranging.draft import printed_calls, trains_to_arrange
+from plan.arranging.empty_workings import with_empty_workings
 from plan.arranging.line_times import line_times
 from plan.arranging.model import REACH_S, ArrangeModel, NoRoomError
 from plan.arranging.problem import Arranged, PrintedMove, Standing, TrainToArrange
@@ -39,6 +40,7 @@ class ArrangedDay:
     moves: tuple[PrintedMove, ...]
     beyond: tuple[PrintedMove, ...]
     added: tuple[tuple[str, str, int], ...]  # train, station and time, s, of a call that no source prints
+    empty: tuple[str, ...]  # numbers of empty workings that were added
     arranged: Arranged
 
     def as_dict(self) -> dict[str, Any]:
@@ -46,6 +48,7 @@ class ArrangedDay:
         return {
             "line": self.line.id,
             "trains": len(self.timetable.trains),
+            "empty_workings": list(self.empty),
             **asdict(self.figures),
             "mean_s": round(self.figures.mean_s, 2),
             "proven": self.arranged.proven,
@@ -71,14 +74,16 @@ def arrange(line_name: str, timetable_name: str, train_name: str, limit_s: int) 
 def arranged_day(line: Line, file: TimetableFile, name: str, train: TrainType, limit_s: int) -> ArrangedDay:
     """The same of what has been read; `name` names the timetable in errors."""
     timetable = timetable_of(file, name, line)
-    printed = printed_calls(file, timetable)
     times = line_times(line, train, timetable.head.dwell_min_s)
+    file, empty = with_empty_workings(file, timetable, line, times)
+    timetable = timetable_of(file, name, line)
+    printed = printed_calls(file, timetable)
     trains = trains_to_arrange(line, timetable, printed, times)
     try:
         arranged = nearest_plan(trains, limit_s)
     except NoRoomError as why:
         raise InputError(name, "trains", len(trains), f"a day for which the line has room: {why}") from why
-    sentences = tuple(_assumed(train, arranged))
+    sentences = tuple(_assumed(train, arranged, empty))
     written = arranged_file(line, file, timetable, printed, trains, arranged, sentences)
     return ArrangedDay(
         line,
@@ -88,6 +93,7 @@ def arranged_day(line: Line, file: TimetableFile, name: str, train: TrainType, l
         arranged.moves,
         tuple(move for move in arranged.moves if abs(move.by_s) > limit_s),
         tuple(_added(trains, arranged)),
+        empty,
         arranged,
     )
 
@@ -110,7 +116,7 @@ def _added(trains: Sequence[TrainToArrange], arranged: Arranged) -> Iterator[tup
                 yield train.number, visit.station_id, here.arrival_s
 
 
-def _assumed(train: TrainType, arranged: Arranged) -> Iterator[str]:
+def _assumed(train: TrainType, arranged: Arranged, empty: Sequence[str]) -> Iterator[str]:
     yield (
         f"arranged: arrivals that no source gives as {train.id} runs; calls that none prints, for trains to meet, are"
         " marked inferred"
@@ -118,3 +124,5 @@ def _assumed(train: TrainType, arranged: Arranged) -> Iterator[str]:
     if arranged.moves:
         total_s = sum(abs(move.by_s) for move in arranged.moves)
         yield f"arranged: {len(arranged.moves)} printed times are moved, by {total_s} s in all"
+    if empty:
+        yield f"arranged: {', '.join(empty)} are empty workings, for sets that have no room where they are wanted"

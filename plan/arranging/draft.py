@@ -14,6 +14,7 @@ from network.timetable import Call, CallKind, FromTrain, Timetable, TimetableTra
 from plan.arranging.line_times import LineTimes
 from plan.arranging.problem import Standing, TrainToArrange, Visit
 
+WITHIN_S: Final = 2700  # assumed: a train of which nothing is printed runs within so much of its first draft
 OPERATIONAL_STAY_S: Final = 10  # assumed: a train that only waits for another
 
 
@@ -31,18 +32,18 @@ def printed_calls(file: TimetableFile, timetable: Timetable) -> dict[str, tuple[
     tables = {train.number: train.calls for train in file.trains}
     return {
         number: tuple(
-            _printed(call, table, last=index == len(train.calls) - 1)
+            _printed(call, table, counts=train.revenue and index < len(train.calls) - 1)
             for index, (call, table) in enumerate(zip(train.calls, tables[number], strict=True))
         )
         for number, train in timetable.trains.items()
     }
 
 
-def _printed(call: Call, table: CallTable, *, last: bool) -> PrintedCall:
-    """Of a call with a computed time the departure is the source's, where it has one and is not the last."""
+def _printed(call: Call, table: CallTable, *, counts: bool) -> PrintedCall:
+    """Of a call with a computed time the departure is the source's where that `counts`: not the last, nor run empty."""
     if not table.inferred:
         return PrintedCall(call, call.arrival_s, call.departure_s)
-    return PrintedCall(call, None, None if last else call.departure_s)
+    return PrintedCall(call, None, call.departure_s if counts else None)
 
 
 def trains_to_arrange(
@@ -60,7 +61,9 @@ def trains_to_arrange(
             raise InputError(timetable.head.id, "trains", number, expected) from missing
         follows = train.begins.number if isinstance(train.begins, FromTrain) else None
         lead_s = next(v.leg.lead.stands for v in visits if v.leg is not None)
-        found.append(TrainToArrange(number, visits, follows, turn_s + lead_s))
+        window_s = (train.calls[0].last_s - WITHIN_S, train.calls[-1].last_s + WITHIN_S)
+        free = all(v.arrival_s is None and v.departure_s is None for v in visits)
+        found.append(TrainToArrange(number, visits, follows, turn_s + lead_s, *(window_s if free else ())))
     return found
 
 

@@ -108,3 +108,26 @@ def test_a_scenario_wants_its_timetable_written(
 ) -> None:
     hill("10:00")
     assert main("arrange", "hill.toml", "day.toml", "--scenario", "run.toml").code == 2
+
+
+def test_a_set_that_has_no_room_where_it_begins_is_brought_as_an_empty_working(
+    main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path
+) -> None:
+    hill("10:00")
+    text = DAY.replace('station = "BAT", departure = "UP_LEAVES"', 'station = "KID", departure = "11:00"')
+    text = text.replace('station = "ASA", departure = "10:00"', 'station = "KID", departure = "10:00"')
+    text = text.replace('"10:20", inferred', '"11:20", inferred')
+    (tmp_path / "hill.csv").write_text(STATIONS.replace("signal station", "station"), "utf-8")
+    (tmp_path / "hill.toml").unlink()
+    assert main("new", "line", "hill.csv", "hill.toml").code == 0
+    (tmp_path / "day.toml").write_text(text, "utf-8")
+    # Of the two tracks of Kido one stays free, so that the second set stands elsewhere at night.
+    found = main(
+        "arrange", "hill.toml", "day.toml", "made.toml", "--train", "br642", "--scenario", "run.toml"
+    )
+    assert found.code == 0, found
+    assert "empty working added: E1" in found.out
+    empty = _calls(tmp_path / "made.toml", "E1")
+    assert list(empty)[-1] == "KID"
+    assert _seconds(empty["KID"].arrival) < _seconds("11:00")
+    assert main("check", "run.toml").code == 0
