@@ -22,10 +22,9 @@ $(STAMP): pyproject.toml
 demo: install
 	$(BIN)/branchline run karasuyama_weekday --out runs/karasuyama_weekday
 
-# What is left in build/ of an earlier tree would come along.
+# With code compiled for any processor inside; it serves this minor version of Python on this platform.
 wheel: install
-	rm -rf build
-	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
+	$(BIN)/python -m documents.wheel
 
 test: install
 	$(BIN)/python -m pytest -n 2 --dist loadfile

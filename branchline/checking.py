@@ -21,14 +21,14 @@ def check(
     scenario: ScenarioName,
     as_json: Json = False,
 ) -> None:
-    """Check a plan without running it: where trains meet, what cannot work, what is tight.
+    """Check a plan without running it: impossible (never goes on), late or tight, where and why, and all meets.
 
-    Exit code 1 if the plan cannot work: `branchline run` refuses it.
+    Exit code 1 if it is impossible: `branchline run` refuses it.
     """
     from scenario.scenario import load_scenario
     from study.evaluate.release import CONFIRMED_BY_EYE, confirmed_by_eye
     from study.feasibility.check import feasibility
-    from study.feasibility.finding import FindingKind
+    from study.feasibility.finding import FindingKind, Severity
 
     loaded = load_scenario(scenario)
     line, timetable = loaded.setup.line, loaded.setup.timetable
@@ -45,14 +45,15 @@ def check(
     if as_json:
         listed = {
             "meets": [meet.as_dict() for meet in found.meets],
-            "impossible": len(found.impossible),
-            "tight": len(found.tight),
+            "verdict": found.verdict,
+            **{severity.value: len(found.of(severity)) for severity in Severity},
             "findings": [finding.as_dict() for finding in found.findings],
             "confirmed_by_eye": weaker,
         }
         print_json(figures | listed, outcome)
     else:
-        _print_verdict(found)
+        counts = ", ".join(f"{severity.value}: {len(found.of(severity))}" for severity in Severity)
+        sys.stdout.write(f"{found.verdict}\n{counts}\n")
         for key, value in figures.items():
             sys.stdout.write(f"{key}: {value}\n")
         _print_found(found, line)
@@ -61,20 +62,17 @@ def check(
     end(outcome)
 
 
-def _print_verdict(found: Feasibility) -> None:
-    verdict = "the plan can work" if found.good else "the plan cannot work"
-    sys.stdout.write(f"{verdict}; impossible: {len(found.impossible)}, tight: {len(found.tight)}\n")
-
-
 def _print_found(found: Feasibility, line: Line) -> None:
     """Findings, then meets, for a person; one line for a cause, however often it tells."""
-    for severity, findings in (("impossible", found.impossible), ("tight", found.tight)):
+    from study.feasibility.finding import Severity
+
+    for severity in Severity:
         alike: dict[tuple[str, ...], list[Finding]] = {}
-        for finding in findings:
+        for finding in found.of(severity):
             alike.setdefault(_cause(finding), []).append(finding)
         for first, *more in alike.values():
             rest = f" (and {len(more)} more like it, {first.place}: {_named(more)})" if more else ""
-            sys.stdout.write(f"{severity}: {first.kind.value}: {first.sentence}{rest}\n")
+            sys.stdout.write(f"{severity.value}: {first.kind.value}: {first.sentence}{rest}\n")
     for meet in found.meets:
         sys.stdout.write(f"meet: {_meet(meet, line)}\n")
     sys.stdout.write(f"meets: {len(found.meets)}\n")

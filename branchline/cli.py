@@ -30,12 +30,14 @@ from branchline.importing import importers
 from branchline.making import makers
 from branchline.measuring import bench
 from branchline.plotting import plot
+from branchline.progress import CompilingShown
 from branchline.reporting import report
 from branchline.reproducing import reproduce
 from branchline.running import run
 from branchline.sweeping_days import sweep
 from branchline.timing import running_times
 from study.outcome import Outcome
+from vehicle.compiling import WATCHERS
 
 app = typer.Typer(
     name="branchline",
@@ -73,6 +75,7 @@ app.add_typer(best, name="best", rich_help_panel=ANALYSE)
 def main() -> None:
     """Entry point: how a command ends, and one line on stderr wherever a person has to act."""
     stop_by_signals()
+    WATCHERS[:] = [CompilingShown()]
     sys.exit(run_command(partial(_run_command, sys.argv[1:])).code)
 
 

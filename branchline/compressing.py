@@ -81,13 +81,17 @@ def capacity(
             write_occupation(folder, by_cut, worth)
         print_aside(f"wrote {', '.join(sorted(p.name for p in out.iterdir()))} in {out}")
     if as_json:
-        print_json(_as_dict(by_cut, {one.name: one.how for one in cuts}, more, periods, worth, theory=theory))
+        print_json(
+            {"conclusion": found.conclusion}
+            | _as_dict(by_cut, {one.name: one.how for one in cuts}, more, periods, worth, theory=theory)
+        )
         return
     for one in cuts:
         _print(one.name, one.how, by_cut[one.name])
     _print_more(more, periods)
     if worth is not None:
         _print_worth(worth)
+    sys.stdout.write(f"\n{found.conclusion}\n")
 
 
 def _as_dict(
@@ -118,7 +122,7 @@ def _as_dict(
 def _print(name: str, how: str, rates: Sequence[Rate]) -> None:
     """A block a way of cutting, a row a part and period."""
     wide = max((len(rate.part.name) for rate in rates), default=0)
-    heads = ("kind", "period", "trains", "occupied min", "rate %", "limit %", "with added %", "more")
+    heads = ("kind", "period", "trains", "occupied min", "rate %", "limit %", "with added %", "below limit")
     rows = [f"cut: {name} - {how}", f"{'':{wide}}" + "".join(f"{head:>13}" for head in heads) + "  critical"]
     for rate in rates:
         if not rate.trains:
@@ -131,7 +135,7 @@ def _print(name: str, how: str, rates: Sequence[Rate]) -> None:
             f"{100.0 * rate.occupied_share:.1f}",
             f"{100.0 * rate.limit_share:.0f}",
             f"{100.0 * rate.consumed_share:.1f}",
-            str(rate.more_trains),
+            str(rate.trains_below_limit),
         )
         note = f" (stops not kept: {', '.join(rate.contradiction)})" if rate.contradiction else ""
         row = f"{rate.part.name:{wide}}" + "".join(f"{cell:>13}" for cell in cells)

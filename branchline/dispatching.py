@@ -1,16 +1,18 @@
-"""`branchline best displib`: the cheapest order of trains of a published problem, or what is wrong with a solution."""
+"""`branchline best displib`, `best deadlock`: published problems of who goes first, and whether all can still go."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 import typer
 
 from branchline.ending import end, judged_outcome, print_json
 from branchline.options import Json
 from branchline.progress import print_aside
+
+VERDICTS: Final = {"ORDER": "live", "NONE": "dead", "UNKNOWN": "unknown"}
 
 best = typer.Typer(
     no_args_is_help=True, help="What would be best, with a bound on what could be better still."
@@ -81,6 +83,41 @@ def displib(
         "work": round(answer.work, 3),
     }
     _say(figures, [f"{text} (work {answer.work:.2f})"], good=found is not None, as_json=as_json)
+
+
+@best.command()
+def deadlock(
+    situations: Annotated[
+        list[Path], typer.Argument(help="Situations in the form of Dal Sasso et al. (JSON).")
+    ],
+    as_json: Json = False,
+) -> None:
+    """Say of published situations whether all trains can still leave, by the search of the manager's certificate."""
+    from network.errors import InputError
+    from plan.deadlock import can_all_leave, read_situation
+
+    figures: list[dict[str, Any]] = []
+    lines: list[str] = []
+    for file in situations:
+        try:
+            found = can_all_leave(read_situation(file))
+        except ValueError as error:
+            raise InputError(str(file), "train_routes", None, f"routes that lead on: {error}") from error
+        verdict = VERDICTS[found.proof.name]
+        live, who = verdict == "live", " and ".join(found.circle)
+        why = "all trains can leave" if live else f"{found.proof.value}, as {who} are in each other's way"
+        lines.append(f"{file.name}: {verdict}: {why} ({found.steps} moves tried)")
+        figures.append(
+            {
+                "file": str(file),
+                "verdict": verdict,
+                "entered": found.entered,
+                "circle": () if live else found.circle,
+                "steps": found.steps,
+            }
+        )
+    live = all(figure["verdict"] == "live" for figure in figures)
+    _say({"situations": figures}, lines, good=live, as_json=as_json)
 
 
 def _say(figures: dict[str, Any], lines: list[str], *, good: bool, as_json: bool) -> None:

@@ -34,8 +34,8 @@ def drill(
         typer.Option(
             "--sweep",
             help="Move the drill's faults and acts, as one piece, over all instants of the run, and print one line for"
-            " each class of outcome. A run is good if every train arrives, no invariant is broken and nothing crashes;"
-            " the drill's own expectations are not judged.",
+            " each class of outcome. A run is good if every train arrives, no invariant is broken but those that"
+            " the drill says wrong people break, and nothing crashes; its other expectations are not judged.",
         ),
     ] = False,
     sweep_kinds: Annotated[
@@ -130,8 +130,6 @@ def tell_of_plan(done: Drill) -> None:
     """A drill that fails on a plan that could not work without its faults either."""
     from study.feasibility.check import feasibility
 
-    impossible = list(feasibility(done.run.scenario.setup).impossible)
-    if impossible:
-        more = len(impossible) - 1
-        further = f"; {more} more" if more else ""
-        print_aside(f"its plan cannot work, faults apart: {impossible[0].sentence}{further}")
+    plan = feasibility(done.run.scenario.setup)
+    if not plan.on_time:
+        print_aside(f"its plan, faults apart: {plan.verdict}")

@@ -7,7 +7,10 @@ import sys
 import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
-from typing import TextIO
+from typing import TYPE_CHECKING, Final, TextIO
+
+if TYPE_CHECKING:
+    from vehicle.compiling import Compilation
 
 
 def print_aside(text: str) -> None:
@@ -147,3 +150,32 @@ class _Pace:
         hours, minutes, seconds = left_s // 3600, left_s % 3600 // 60, left_s % 60
         text = f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {seconds:02d} s"
         return f"{60.0 / max(each_s, 1e-9):.0f} days a minute, {text} left"
+
+
+SPOKEN_AFTER_S: Final = 2.0  # of compiling, and so long between two lines
+LINKED_SHARE: Final = 0.2  # of the time of a piece, for what comes after its last function
+
+
+class CompilingShown:
+    """Says what is being compiled where that takes a while, and how long the rest takes by the share of functions."""
+
+    def __init__(self) -> None:
+        self._name = ""
+        self._began_s = self._said_s = 0.0
+
+    def __call__(self, piece: Compilation) -> None:
+        """Look at the clock, and say it or not."""
+        now_s = time.monotonic()
+        if piece.name != self._name:
+            self._name, self._began_s, self._said_s = piece.name, now_s, now_s
+        if now_s - self._said_s >= SPOKEN_AFTER_S or (piece.linked and self._said_s > self._began_s):
+            self._said_s = now_s
+            print_aside(compiling_text(piece, now_s - self._began_s))
+
+
+def compiling_text(piece: Compilation, spent_s: float) -> str:
+    """One line: what, how much of it, and how much longer at that pace."""
+    share = (1.0 - LINKED_SHARE) * (1.0 if piece.linked else piece.written / piece.functions)
+    left = f", about {spent_s / share - spent_s:.0f} s left" if share > 0.0 else ""
+    what = "optimising" if piece.linked else f"{piece.written} of {piece.functions} functions"
+    return f"compiling {piece.name}, once for this processor: {what}{left}"

@@ -16,11 +16,20 @@ from network.files.toml_input import one_of
 from network.model import Line
 from scenario.scenario import Scenario
 from study.capacity.compression import ContradictionError, StandingRule
-from study.capacity.cut import WAYS, LineCut, cut_of
+from study.capacity.cut import SINGLE_TRACK_CUT, WAYS, LineCut, cut_of
 from study.capacity.headway import HeadwayCase, line_cases
 from study.capacity.legs import SetLeg, legs_of, places_of
 from study.capacity.limits import TrafficKind
-from study.capacity.line_capacity import PEAK_S, CompressionTerms, Period, Rate, day_of, peak_of, rates_of
+from study.capacity.line_capacity import (
+    PEAK_S,
+    CompressionTerms,
+    Period,
+    Rate,
+    day_of,
+    fullest_part,
+    peak_of,
+    rates_of,
+)
 from study.capacity.more import AddedTrains, more_trains
 from study.capacity.room import PathSearch
 from study.record.read_back import RunRead
@@ -111,6 +120,24 @@ class LineCapacity:
     def room(self) -> pl.DataFrame:
         """A row a train that fits between the others."""
         return pl.DataFrame([path.as_dict() for path in self.more.paths], infer_schema_length=None)
+
+    @property
+    def conclusion(self) -> str:
+        """What a planner can quote: how many more trains, how full by which cut and limit, and what is in doubt."""
+        period, more = self.periods[0], self.more.trains_in(self.periods[0])
+        room = (
+            f"{more} more trains fit between those of the plan in the {period.name}, {clock(period.from_s)} to"
+            f" {clock(period.to_s)}, each judged with them; more may fit where other trains are moved."
+        )
+        cut = next((cut for cut in self.cuts if cut.name == SINGLE_TRACK_CUT), self.cuts[0])
+        full = fullest_part(rate for rate in self.by_cut[cut.name] if rate.period is period)
+        if full is None:
+            return room
+        return (
+            f"{room} Of the cut by {cut.name}, the fullest part is {full.part.name}: it is occupied"
+            f" {100.0 * full.occupied_share:.0f} % of the {period.name}, where UIC 406 has"
+            f" {100.0 * full.limit_share:.0f} % at most; another cut gives another figure."
+        )
 
     def picture(self) -> DrawnFigure:
         """A panel a way of cutting, a bar a part, with the limits."""

@@ -22,6 +22,7 @@ from study.drilling.every_instant import NOTHING, InstantWindow, SweepOutcomes, 
 from study.drilling.forks import jobs_of
 from study.drilling.grid_report import classes_of, figures_of, owns_file, text_of, write_sweep
 from study.drilling.moving import single_faults, staffed, what_is_moved
+from study.drilling.outcome_class import expected_breaks
 from study.drilling.telegram_grid import FaultChoice, TelegramGrid, grid_of
 from study.record.directory import replacing_folder
 
@@ -123,7 +124,7 @@ def _swept(
         with progress_of_runs(f"sweep of {scenario.id}") as progress:
             script = setup.script if beside else NOTHING
             swept = sweep(setup, variations, window, jobs_of(asked.jobs), progress, script)
-            swept = swept if grid is None else grid.judged(swept)
+            swept = swept.beside(*(expected_breaks(setup.script) if grid is None else grid.own))
         figures = figures_of(scenario, swept, left_out)
         figures |= {"wall_s": round(time.monotonic() - began_s, 1)}
         figures |= (

@@ -190,7 +190,7 @@ def load(name: str | Path, *, seed: int | None = None, **tables: object) -> Scen
 
 
 def check(scenario: str | Path | Scenario) -> CheckedPlan:
-    """Look at a plan without running it: where trains meet, what cannot work, what is tight."""
+    """Look at a plan without running it: where trains meet, what is impossible, late or tight."""
     loaded = _scenario(scenario)
     return CheckedPlan(loaded, feasibility(loaded.setup))
 

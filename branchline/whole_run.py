@@ -75,7 +75,9 @@ def run_whole(
 
     Raises InputError where plan or directory do not allow it, CutShortError where it was cut short, Crashed for a bug.
     """
-    refuse(scenario.called, scenario.setup, anyway=asked.anyway)
+    plan = refuse(scenario.called, scenario.setup, anyway=asked.anyway)
+    if progress and not plan.on_time:
+        print_aside(f"{plan.verdict}; branchline check {scenario.called} shows all")
     base = None if asked.against is None else _base_of(asked.against, scenario)
     link = link_of(asked.link)
     with reserved(directory) as place:

@@ -70,7 +70,7 @@ _KINDS: Final = {
     "X": SectionKind.POINTS,
     "B": SectionKind.TRACK,
 }
-_TIMES: Final = DutyParameters(dwell_min_s=20.0, request_lead_s=45.0, emergency_release_s=30.0)
+TIMES: Final = DutyParameters(dwell_min_s=20.0, request_lead_s=45.0, emergency_release_s=30.0)
 _NOW_S, _DEPARTURE_S = 0.0, 1000.0
 _PLACES_A_SPAN: Final = (
     3  # between joints, perhaps beyond the next, surely beyond it with the rear still behind
@@ -162,7 +162,7 @@ def steps(run: ExploredRun) -> Iterator[Step]:
 
 def event_taken(event: Event, run: ExploredRun) -> Step:
     """The real machine takes the event where the train then is."""
-    state, actions = step(PLANS[run.plan], _TIMES, run.state, event, run.place, _NOW_S)
+    state, actions = step(PLANS[run.plan], TIMES, run.state, event, run.place, _NOW_S)
     lost = DrivingOrder.LOSE in actions
     emergency = (
         run.emergency or lost or DrivingOrder.STOP in actions

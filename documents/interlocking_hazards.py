@@ -111,9 +111,9 @@ HAZARDS: Final = (
     Hazard(
         "A section is given back with the rear still in it",
         "the unit goes by its front, by its estimate, or by a tachometer that shows too much",
-        "released at the arrival tag, or where no tags are read by a fix that lies wholly beyond its place, or by the"
-        " driver; and by the safe rear besides: estimate less bound less length; dropped on board before it is"
-        " reported",
+        "released at the arrival tag, or section by section at any but the one that tells a lost position; where no"
+        " tags are read by a fix that lies wholly beyond its place, or by the driver; and by the safe rear besides:"
+        " estimate less bound less length; dropped on board before it is reported",
         (
             "onboard.duty.arrival",
             "onboard.localisation.places",
@@ -128,6 +128,14 @@ HAZARDS: Final = (
             "rtri/70_no_fix_before_the_mark",
             "rtri/71_fix_beyond_the_arrival_tag",
             "rtri/72_jammed_at_the_terminus",
+            "rtri/76_by_section",
+            "rtri/76b_by_section_power_between",
+            "rtri/76c_by_section_reports_lost",
+            "rtri/76d_by_section_tag_lies",
+            "rtri/76e_by_section_crew_comes_late",
+            "karasuyama/76_by_section_links",
+            "karasuyama/76b_by_section_power_between",
+            "karasuyama/76c_by_section_crew_comes_late",
         ),
         ("sections given back by the front instead of the safe rear",),
     ),

@@ -227,7 +227,7 @@ def is_possible(made: EvenTimetable, hours: int = 4) -> bool:
         return False
     timetable = parse_timetable(text, "x", made.legs.line)
     stock = dict.fromkeys((diagram.stock_id for diagram in timetable.diagrams), made.legs.train)
-    return feasibility(Setup("x", made.legs.line, timetable, stock)).good
+    return feasibility(Setup("x", made.legs.line, timetable, stock)).on_time
 
 
 def best(legs: Legs) -> EvenTimetable:

@@ -76,7 +76,9 @@ class Message(msgspec.Struct, frozen=True, array_like=True):
 
 
 class RouteRequest(Message, frozen=True, array_like=True, tag=1):
-    """Unit to manager: the sections of a route up to and with the arrival track (閉そく確保要求)."""
+    """Unit to manager: the sections of a route up to and with the arrival track (閉そく確保要求), or those of them that
+    lie ahead of a train on its way.
+    """
 
     unit_id: str
     route_id: str

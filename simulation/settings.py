@@ -35,6 +35,7 @@ from network.files.toml_input import Record
 from onboard.driving.laws.settings import LawTables
 from onboard.driving.planner.wish import Planning
 from onboard.driving_settings import Driving
+from onboard.duty.duty_step import ReleaseRule
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
@@ -275,6 +276,15 @@ class Operation(Record):
             "Sugiyama: on board",
         ),
     ] = Interlocking.ONBOARD
+    release: Annotated[
+        ReleaseRule,
+        Field(strict=False),
+        about(
+            "what lies behind a train is given back as a whole route, when it has arrived, or each section by itself,"
+            " at the first tag that proves the whole train to have left it",
+            "Sugiyama: a whole route",
+        ),
+    ] = ReleaseRule.ROUTE
     centre: Annotated[
         str | None, about("station at which the centre's cable joins the line; left out: the first")
     ] = None

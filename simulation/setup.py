@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -134,9 +135,10 @@ def behaviour_rows(setup: Setup, stocks: tuple[str, ...]) -> NDArray[np.void]:
 def unit_configs(setup: Setup, master_key: bytes) -> tuple[tuple[UnitConfig, KeyRing], ...]:
     """What every on-board unit of the run knows when it is switched on, with the keys of its own pairs."""
     terminals = sorted({points.terminal_id for points in setup.line.points.values()})
+    duty = msgspec.structs.replace(setup.unit.duty, release=setup.operation.release)
     return tuple(
         (
-            UnitConfig(setup.line.id, diagram.stock_id, MANAGER_ID, setup.unit.duty),
+            UnitConfig(setup.line.id, diagram.stock_id, MANAGER_ID, duty),
             key_ring(master_key, diagram.stock_id, (MANAGER_ID, *terminals)),
         )
         for diagram in setup.timetable.diagrams

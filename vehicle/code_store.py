@@ -34,7 +34,8 @@ class CodeStore:
                 continue
             seal, data = found[:SEAL_BYTES], found[SEAL_BYTES:]
             if seal == _seal(name, key, data):
-                _used_now(file)
+                if folder is self.folder:
+                    _used_now(file)
                 return data
         return None
 

@@ -18,6 +18,7 @@ from numba.core.cpu import CPUContext
 from vehicle import lazy_binding, linking
 from vehicle.code_key import Reached, key_of, type_text
 from vehicle.code_store import CodeStore
+from vehicle.compiling import begin_piece, note_written
 from vehicle.lazy_binding import Types
 
 # The compiler, as far as code depends on it; these files belong to it.
@@ -57,6 +58,7 @@ class Inner(registry.CPUDispatcher):
     def add_overload(self, cres: compiler.CompileResult) -> None:
         """Keep it for callers; there is nothing that Python could call."""
         self.overloads[tuple(cres.signature.args)] = cres
+        note_written(self.py_func)
 
 
 class Entry(registry.CPUDispatcher):
@@ -126,12 +128,14 @@ class StoredCode:
         for found in (processor, GENERIC):
             data = self._store.read(self._name, self._key(sig, triple, *found))
             if data is not None:
-                reached, reduced = pickle.loads(data)
-                lazy_binding.make_cells(reached)
+                called, reduced = pickle.loads(data)
+                lazy_binding.make_cells(called)
                 return compiler.CompileResult._rebuild(target, *reduced)
-        for function in Reached(self._entry.py_func).functions:
+        reached = Reached(self._entry.py_func).functions
+        for function in reached:
             if function in Inner.all:
                 Inner.all[function].renew()
+        begin_piece(self._name, len(reached))
         return None
 
     def save_overload(self, sig: Types, cres: compiler.CompileResult) -> None:

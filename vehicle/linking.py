@@ -14,6 +14,7 @@ from numba.core import codegen, compiler, typed_passes
 from numba.core.compiler_machinery import LoweringPass, PassManager, register_pass
 
 from vehicle.code_key import key_of
+from vehicle.compiling import note_linked
 
 
 class InnerLibrary(codegen.JITCodeLibrary):
@@ -35,6 +36,7 @@ class EntryLibrary(codegen.JITCodeLibrary):
 
     def finalize(self) -> None:
         """Link everything in, callers before what they call, then optimise and make machine code."""
+        note_linked()
         self._linking_libraries = _reached(self._linking_libraries)
         super().finalize()
 

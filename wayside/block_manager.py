@@ -136,7 +136,7 @@ def _newly_contested(before: Register, after: Register) -> tuple[Send, ...]:
 
 
 def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
-    """Granted whole if the line is defined and all of the route is free or the unit's own; else refused."""
+    """Granted whole if the line is defined and all that it names is free or the unit's own; else refused."""
     held = register.held_by(heard.unit_id)
     against = _against(register, heard, frozenset(held))
     shown: tuple[Action, ...] = ()
@@ -161,11 +161,11 @@ def _against(
         against = (RefusalReason.NOT_SIGNED_ON, None, None)
     elif not register.defined:
         against = (RefusalReason.UNDEFINED, None, blocking[0] if blocking else None)
-    elif route is None or route.section_ids != message.section_ids:
+    elif route is None or not route.has_part(message.section_ids):
         against = (RefusalReason.UNKNOWN_ROUTE, None, None)
-    elif held.isdisjoint({route.from_section, *route.section_ids}):
+    elif held.isdisjoint(route.leads_to(message.section_ids)):
         against = (RefusalReason.NOT_CONNECTED, route.from_section, None)
-    elif (conflict := register.other_holder(unit_id, route.section_ids)) is not None:
+    elif (conflict := register.other_holder(unit_id, message.section_ids)) is not None:
         against = (RefusalReason.HELD, *conflict)
     return against
 

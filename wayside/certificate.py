@@ -1,10 +1,11 @@
-"""Invariant: where `finish` returns an order, every train makes all its moves in it, and none ever enters what another
-holds; where it says that there is none, there is none.
+"""Invariant: where `finishing_order` returns an order, every train comes to its end in it, and none ever enters what
+another holds; where it says that there is none, there is none.
 
 The proof that all trains of a line can still finish, as a pure function: a train goes from track to track by the moves
-of its plan, needs all sections of a move free of others, and holds the last of them afterwards, or nothing off the
-line. An order in which all come to their end shows that nobody is stuck; that there is none, who is in whose way. Moves
-count as done when they are granted, since what a train holds it can always run.
+of its plan, one after the other or with a choice between tracks, needs all sections of a move free of others, and holds
+the last of them afterwards, or nothing off the line. An order in which all come to their end shows that nobody is
+stuck; that there is none, who is in whose way. Moves count as done when they are granted, since what a train holds it
+can always run.
 
 The search tries the moves in the order that it is given, and takes back only what it has to. Where it comes to an end
 it keeps for ever which few trains could not go on from where they were: from there others need not be tried, and no
@@ -16,9 +17,10 @@ search that began badly may take for ever. Every restart keeps what was learned,
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import reduce
 from typing import Final
 
 from wayside.moves import Train
@@ -39,14 +41,15 @@ class CertificateProof(Enum):
 
 @dataclass(frozen=True, slots=True)
 class CertificateAnswer:
-    """The answer. `order`: trains by index, a move each; `circle`: trains that were in each other's way, by index.
-    Where there is no order, they alone have none.
+    """The answer. `order`: trains by index, a move each, and `moves`: which of its moves that is; `circle`: trains that
+    were in each other's way, by index. Where there is no order, they alone have none.
     """
 
     proof: CertificateProof
     order: tuple[int, ...] = ()
     circle: tuple[int, ...] = ()
     steps: int = 0
+    moves: tuple[int, ...] = ()
 
 
 def finishing_order(trains: Sequence[Train], steps_max: int = STEPS_MAX) -> CertificateAnswer:
@@ -55,12 +58,12 @@ def finishing_order(trains: Sequence[Train], steps_max: int = STEPS_MAX) -> Cert
 
 
 def follows(trains: Sequence[Train], order: Sequence[int]) -> bool:
-    """Whether the trains can make their moves in this order, one after the other."""
+    """Whether the trains can make their moves in this order, one after the other; for trains that have no choice."""
     line = _Line(trains)
     for index in order:
-        if line.ended(index) or line.blocked(index):
+        if line.ended(index) or line.blocked(index, line.at[index]):
             return False
-        line.make(index)
+        line.make(index, line.at[index])
     return True
 
 
@@ -69,9 +72,10 @@ class _Line:
 
     def __init__(self, trains: Sequence[Train]) -> None:
         self._trains = trains
+        self.choices = [train.choices_at() for train in trains]
         self.at = [0] * len(trains)
         self.holds = [train.holds for train in trains]
-        self.left = sum(len(train.ahead) for train in trains)
+        self.running = sum(bool(choices[0]) for choices in self.choices)
         self.taken = 0
         self._shared = 0  # what several wait for outside is taken until the last has gone
         for held in self.holds:
@@ -79,26 +83,26 @@ class _Line:
             self.taken |= held
 
     def ended(self, index: int) -> bool:
-        """Whether it has made all its moves."""
-        return self.at[index] == len(self._trains[index].ahead)
+        """Whether it has come to its end."""
+        return not self.choices[index][self.at[index]]
 
-    def blocked(self, index: int) -> int:
-        """What others hold of what its next move needs."""
-        return self._trains[index].ahead[self.at[index]].needs & self.taken & ~self.holds[index]
+    def blocked(self, index: int, move: int) -> int:
+        """What others hold of what a move needs."""
+        return self._trains[index].ahead[move].needs & self.taken & ~self.holds[index]
 
-    def make(self, index: int) -> int:
-        """Its next move; what it held before."""
-        held = self.holds[index]
-        self._hold(index, self._trains[index].ahead[self.at[index]].keeps)
-        self.at[index] += 1
-        self.left -= 1
-        return held
+    def make(self, index: int, move: int) -> tuple[int, int]:
+        """A move of it; where it was, and what it held before."""
+        before = self.at[index], self.holds[index]
+        self._hold(index, self._trains[index].ahead[move].keeps)
+        self.at[index] = move + 1
+        self.running -= self.ended(index)
+        return before
 
-    def take_back(self, index: int, held: int) -> None:
+    def take_back(self, index: int, before: tuple[int, int]) -> None:
         """Its last move."""
-        self._hold(index, held)
-        self.at[index] -= 1
-        self.left += 1
+        self.running += self.ended(index)
+        self.at[index] = before[0]
+        self._hold(index, before[1])
 
     def _hold(self, index: int, sections: int) -> None:
         held, self.holds[index] = self.holds[index], sections
@@ -110,18 +114,20 @@ class _Line:
 
 @dataclass(slots=True)
 class _Branch:
-    """A state on the way: trains that can move, the first to be tried at the end, and what takes it back.
+    """A state on the way: moves that can be made and were not tried, as train and move, the first to be tried at the
+    end; the move that led to it, and what takes that back.
 
     `alone`: the one move costs nobody anything; `stuck`: trains, as bits, that cannot go on as far as was tried, and
-    `tried` those of them that were; `over`: they are enough.
+    `seen` those of them of which it is known who blocks their other moves; `over`: they are enough.
     """
 
-    choices: list[int]
-    alone: bool
+    choices: list[tuple[int, int]]
+    alone: bool = False
     mover: int = -1
-    held: int = 0
+    move: int = -1
+    before: tuple[int, int] = (0, 0)
     stuck: int = 0
-    tried: int = 0
+    seen: int = 0
     over: bool = False
 
 
@@ -145,32 +151,33 @@ class _Search:
         self._learned_of: list[list[_Learned]] = [[] for _ in trains]
         self._circle: tuple[int, ...] = ()  # the trains that were first seen to be stuck
         self._anew = 0
-        # What each train needs from a place on: what is in nobody's plan any more is no obstacle.
-        self._wants: list[list[int]] = []
-        for train in trains:
-            wants = [0]
-            for move in reversed(train.ahead):
-                wants.append(wants[-1] | move.needs)
-            self._wants.append(wants[::-1])
+        # What a train may need from a place on, as what is in nobody's plan any more is no obstacle; and what it needs
+        # whichever way it goes.
+        self._wants = [_needed(train, int.__or__) for train in trains]
+        self._musts = [
+            _needed(train, int.__and__) if train.choices else wants
+            for train, wants in zip(trains, self._wants, strict=True)
+        ]
 
     def run(self, steps_max: int) -> CertificateAnswer:
         """Search; the order found has all moves."""
         for index in range(len(self._trains)):
             if stuck := self._stuck(index):
-                return CertificateAnswer(CertificateProof.NONE, (), _indices(stuck))
-        steps, least, anew = 0, self._line.left, float(self._line.left + ANEW_STEPS)
+                return CertificateAnswer(CertificateProof.NONE, circle=_indices(stuck))
+        least = sum(len(train.ahead) for train in self._trains)
+        steps, anew = 0, float(least + ANEW_STEPS)
         while True:
             branches = [self._branch()]
             until = steps + int(anew)
-            while self._line.left:
+            while self._line.running:
                 branch = branches[-1]
-                mover = self._next(branch)
-                if mover is None:
+                choice = self._next(branch)
+                if choice is None:
                     self._learn(branch.stuck)
                     branches.pop()
                     if not branches:
                         return CertificateAnswer(CertificateProof.NONE, (), _indices(branch.stuck), steps)
-                    self._line.take_back(branch.mover, branch.held)
+                    self._line.take_back(branch.mover, branch.before)
                     self._failed(branches[-1], branch.mover, branch.stuck)
                     continue
                 if steps >= least + steps_max:
@@ -178,66 +185,85 @@ class _Search:
                 if steps >= until:
                     break
                 steps += 1
-                held = self._line.make(mover)
+                mover, move = choice
+                branch.choices.remove(choice)
+                before = self._line.make(mover, move)
                 if stuck := self._stuck(mover):
-                    self._line.take_back(mover, held)
+                    self._line.take_back(mover, before)
                     self._failed(branch, mover, stuck)
                 else:
-                    branches.append(self._branch(mover, held))
+                    following = self._branch()
+                    following.mover, following.move, following.before = mover, move, before
+                    branches.append(following)
             else:
                 return CertificateAnswer(
-                    CertificateProof.ORDER, tuple(b.mover for b in branches[1:]), self._circle, steps
+                    CertificateProof.ORDER,
+                    tuple(branch.mover for branch in branches[1:]),
+                    self._circle,
+                    steps,
+                    tuple(branch.move for branch in branches[1:]),
                 )
             for branch in reversed(branches[1:]):
-                self._line.take_back(branch.mover, branch.held)
+                self._line.take_back(branch.mover, branch.before)
             self._anew, anew = self._anew + 1, LATER * anew
 
     # which train next -------------------------------------------------------------------------------------------
 
-    def _branch(self, mover: int = -1, held: int = 0) -> _Branch:
-        """The trains that can move; one alone where its move costs nobody anything."""
+    def _branch(self) -> _Branch:
+        """The moves that can be made; one alone where it costs nobody anything."""
         line = self._line
-        possible: list[tuple[float, int]] = []
+        possible: list[tuple[float, int, int]] = []
         for index, train in enumerate(self._trains):
-            if line.ended(index) or line.blocked(index):
-                continue
-            if self._runs_clear(index):
-                return _Branch([index], True, mover, held)
-            due = self._mixed(index) if self._anew else train.ahead[line.at[index]].due_s
-            possible.append((-due, -index))
+            for move in line.choices[index][line.at[index]]:
+                if line.blocked(index, move):
+                    continue
+                if self._runs_clear(index, move):
+                    return _Branch([(index, move)], alone=True)
+                due = self._mixed(index, move) if self._anew else train.ahead[move].due_s
+                possible.append((-due, -index, -move))
         possible.sort()
-        return _Branch([-index for _, index in possible], False, mover, held)
+        return _Branch([(-index, -move) for _, index, move in possible])
 
-    def _runs_clear(self, index: int) -> bool:
-        """Whether it leaves the line, or once there was a dead end can run on to where it is in nobody's way."""
-        ahead, others = self._trains[index].ahead, self._line.taken & ~self._line.holds[index]
-        for place in range(self._line.at[index], len(ahead)):
-            move = ahead[place]
-            if move.needs & others:
-                return False
-            if not move.keeps:
+    def _runs_clear(self, index: int, move: int) -> bool:
+        """Whether it leaves the line, or once there was a dead end can run on to where it is in nobody's way: off the
+        line whichever way it goes, else where it has no choice on the way, as another may be its only good one.
+        """
+        ahead, choices = self._trains[index].ahead, self._line.choices[index]
+        others = self._line.taken & ~self._line.holds[index]
+        ways, seen = [(move, len(choices[self._line.at[index]]) == 1)], {move}
+        while ways:
+            move, only = ways.pop()
+            then, keeps = choices[move + 1], ahead[move].keeps
+            if ahead[move].needs & others:
+                continue
+            if not keeps and (only or not then):
                 return True
             if self._pairs is None:
                 return False
-            if self._wanted_by(index, move.keeps) is None:
+            if only and self._wanted_by(index, keeps) is None:
                 return True
+            ways += [(following, only and len(then) == 1) for following in then if following not in seen]
+            seen.update(then)
         return False
 
     def _wanted_by(self, holder: int, sections: int) -> int | None:
-        """A train that still needs some of these sections; None: no other does."""
+        """A train that may still need some of these sections; None: no other does."""
+        return self._another(holder, sections, self._wants)
+
+    def _another(self, holder: int, sections: int, needs: list[list[int]]) -> int | None:
         at = self._line.at
-        for index, wants in enumerate(self._wants):
-            if index != holder and sections & wants[at[index]]:
+        for index, needed in enumerate(needs):
+            if index != holder and sections & needed[at[index]]:
                 return index
         return None
 
-    def _mixed(self, index: int) -> float:
-        """Another order of trains at each new beginning, at each place otherwise; the same in every run."""
-        mixed = (index + 1) * 0x9E3779B1 ^ (self._line.at[index] + 1) * 0x85EBCA6B ^ self._anew * 0xC2B2AE35
+    def _mixed(self, index: int, move: int) -> float:
+        """Another order of trains at each new beginning, at each move otherwise; the same in every run."""
+        mixed = (index + 1) * 0x9E3779B1 ^ (move + 1) * 0x85EBCA6B ^ self._anew * 0xC2B2AE35
         return float((mixed * 0x27D4EB2F >> 7) & 0xFFFF)
 
-    def _next(self, branch: _Branch) -> int | None:
-        """The train to be tried next; None: whoever goes next, those that are `stuck` cannot all finish."""
+    def _next(self, branch: _Branch) -> tuple[int, int] | None:
+        """The move to be tried next; None: whatever comes next, those that are `stuck` cannot all finish."""
         if branch.over:
             return None
         if not branch.stuck:
@@ -247,21 +273,21 @@ class _Search:
                 index for index in range(len(self._trains)) if not self._line.ended(index)
             )
         while True:
-            for index in reversed(branch.choices):
-                if branch.stuck & ~branch.tried & 1 << index:
-                    return index
-            if not branch.stuck & ~branch.tried:
+            for choice in reversed(branch.choices):
+                if branch.stuck >> choice[0] & 1:
+                    return choice
+            if not branch.stuck & ~branch.seen:
                 return None
-            for index in _indices(branch.stuck & ~branch.tried):  # none of these can move
-                branch.tried |= 1 << index
-                if not self._line.ended(index):
-                    holders = self._holders(index)
-                    if not any(branch.stuck >> holder & 1 for holder in holders):
+            for index in _indices(branch.stuck & ~branch.seen):
+                branch.seen |= 1 << index
+                for move in self._line.choices[index][self._line.at[index]]:
+                    holders = self._holders(index, move)
+                    if holders and not any(branch.stuck >> holder & 1 for holder in holders):
                         branch.stuck |= 1 << holders[0]
 
-    def _holders(self, index: int) -> tuple[int, ...]:
-        """The trains that hold what the next move of one needs."""
-        blocked = self._line.blocked(index)
+    def _holders(self, index: int, move: int) -> tuple[int, ...]:
+        """The trains that hold what a move of one needs."""
+        blocked = self._line.blocked(index, move)
         return tuple(i for i, held in enumerate(self._line.holds) if i != index and held & blocked)
 
     # what is learned --------------------------------------------------------------------------------------------
@@ -274,7 +300,6 @@ class _Search:
             branch.stuck, branch.over = stuck, True
         else:
             branch.stuck |= stuck
-            branch.tried |= 1 << mover
 
     def _learn(self, stuck: int) -> None:
         learned = self._learned.get(stuck)
@@ -290,8 +315,8 @@ class _Search:
         other: int | None = None
         if self._pairs is not None:
             other = self._pairs.dead(at, mover)
-        elif held and self._line.ended(mover):
-            other = self._wanted_by(mover, held)
+        if other is None and held and self._line.ended(mover):
+            other = self._another(mover, held, self._musts)
         if other is not None:
             return 1 << mover | 1 << other
         for learned in self._learned_of[mover]:
@@ -305,15 +330,28 @@ class _Search:
         stack = [mover]
         while stack:
             index = stack.pop()
-            if self._line.ended(index) or not self._line.blocked(index):
+            choices = self._line.choices[index][self._line.at[index]]
+            if (
+                len(choices) != 1
+            ):  # one that has a choice may have a way out, and is seen to be stuck at the dead end
                 continue
-            for other in self._holders(index):
+            for other in self._holders(index, choices[0]):
                 if other == mover:
                     return sum(1 << i for i in _chain(before, index))
                 if other not in before:
                     before[other] = index
                     stack.append(other)
         return 0
+
+
+def _needed(train: Train, either: Callable[[int, int], int]) -> list[int]:
+    """For each place what the train needs from there on."""
+    choices = train.choices_at()
+    needed = [0] * len(choices)
+    for place in range(len(train.ahead) - 1, -1, -1):
+        ways = [train.ahead[move].needs | needed[move + 1] for move in choices[place]]
+        needed[place] = reduce(either, ways) if ways else 0
+    return needed
 
 
 def _chain(before: dict[int, int], index: int) -> Iterator[int]:

@@ -41,11 +41,24 @@ class SectionEntry(msgspec.Struct, frozen=True):
 
 
 class RouteEntry(msgspec.Struct, frozen=True):
-    """A route that may be granted; the unit must hold `from_section` or a part of the route."""
+    """A route that may be granted, whole or what lies ahead of a train that is on it.
+
+    The unit must hold `from_section` or a part of the route; of what lies ahead, the section in which it begins.
+    """
 
     route_id: str
     from_section: str
     section_ids: tuple[str, ...]
+
+    def has_part(self, section_ids: tuple[str, ...]) -> bool:
+        """Whether these are the route, or its end from some section on."""
+        return bool(section_ids) and self.section_ids[-len(section_ids) :] == section_ids
+
+    def leads_to(self, section_ids: tuple[str, ...]) -> frozenset[str]:
+        """Sections of which a unit must hold one to be let into this part of the route."""
+        if section_ids == self.section_ids:
+            return frozenset((self.from_section, *section_ids))
+        return frozenset(section_ids[:1])
 
 
 class OrderRule(Enum):

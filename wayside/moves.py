@@ -17,10 +17,19 @@ class Move:
 
 @dataclass(frozen=True, slots=True)
 class Train:
-    """A train with what it holds, and the moves that it still has to make."""
+    """A train with what it holds, and the moves that it still has to make.
+
+    Place 0 is where it is, place k where move k - 1 of `ahead` ends. `choices`: for each place the moves that it can
+    make there, all later ones of `ahead`; none: it has come to its end. Empty: it makes all its moves one by one.
+    """
 
     holds: int
     ahead: tuple[Move, ...]
+    choices: tuple[tuple[int, ...], ...] = ()
+
+    def choices_at(self) -> tuple[tuple[int, ...], ...]:
+        """For each place the moves that it can make there."""
+        return self.choices or (*((place,) for place in range(len(self.ahead))), ())
 
 
 def bits_of(mask: int) -> Iterator[int]:

@@ -25,23 +25,21 @@ class Pairs:
 
     def __init__(self, trains: Sequence[Train]) -> None:
         self._moves = [len(train.ahead) for train in trains]
-        needs = [_needs_of(train) for train in trains]
+        needs = [None if train.choices else _needs_of(train) for train in trains]
         self._rows = [
-            [_rows(train, needs[other], self._moves[other]) for other in range(index)]
+            [self._rows_of(train, other, needs[other]) for other in range(index)]
             for index, train in enumerate(trains)
         ]
 
+    def _rows_of(self, train: Train, other: int, needs: _Needs | None) -> tuple[int, ...] | None:
+        return None if train.choices or needs is None else _rows(train, needs, self._moves[other])
+
     def dead(self, at: Sequence[int], mover: int) -> int | None:
         """A train with which this one cannot finish, where both are; None: with each of them it can."""
-        left = self._moves[mover] - at[mover]
         for other in range(len(at)):
-            if other < mover:
-                alive = self._rows[mover][other][at[mover]] >> (self._moves[other] - at[other])
-            elif other > mover:
-                alive = self._rows[other][mover][at[other]] >> left
-            else:
-                continue
-            if not alive & 1:
+            one, two = (mover, other) if other < mover else (other, mover)
+            rows = self._rows[one][two] if one != two else None
+            if rows is not None and not rows[at[one]] >> (self._moves[two] - at[two]) & 1:
                 return other
         return None
 

@@ -1,5 +1,5 @@
 """Giving sections back (閉そく解放): what lies behind, at the arrival tag (①), once (Sugiyama et al. 2017, section
-2.2), and what is of no use ahead.
+2.2), or section by section at each tag that proves it, and what is of no use ahead.
 
 Invariant: nothing is given back that neither a tag nor the driver's eye proves to be behind the whole train; the
 odometer is a second condition to the tag, and never one by itself. Ahead, only what the train stands surely short of.
@@ -8,13 +8,13 @@ odometer is a second condition to the tag, and never one by itself. Ahead, only 
 from __future__ import annotations
 
 from onboard.authority.records import GiveBack
-from onboard.duty.duty_step import DutyStep
-from onboard.duty.records import AtMark, DutyPhase
+from onboard.duty.duty_step import DutyStep, ReleaseRule
+from onboard.duty.records import AtMark, DutyPhase, TagBelieved
 from onboard.duty.shown import AT_A_MARK
 
 
 def clear_behind(duty: DutyStep) -> None:
-    """Give back what tags prove to be behind (①, once), and the safe rear by the odometer has left, too.
+    """Give back what tags prove to be behind (`freed`: ①, once, or each), and the safe rear by the odometer has left.
 
     At a mark on a track every tag read so far counts; what none of them proves, the driver is asked to confirm.
     """
@@ -25,6 +25,11 @@ def clear_behind(duty: DutyStep) -> None:
     duty.give_back_behind(min(clear, duty.state.freed))
     if useless := (*elsewhere(duty), *useless_ahead(duty)):
         duty.authority(GiveBack(useless))
+
+
+def releases_at_each(duty: DutyStep, event: TagBelieved) -> bool:
+    """Whether this tag releases whatever it is for; not the one that alone tells a lost position, as it may lie."""
+    return duty.parameters.release is ReleaseRule.SECTION and not event.found
 
 
 def elsewhere(duty: DutyStep) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import Final
 
 import msgspec
@@ -19,12 +20,20 @@ from onboard.duty.plan import DutyPlan, PlanLeg, PlanStop, PointsNeeded
 from onboard.duty.records import ABLE, ASK, LEAVE, RELEASE, DrivingOrder, DutyState, SetTimerAt, Told
 
 
+class ReleaseRule(Enum):
+    """When a unit gives back what lies behind it."""
+
+    ROUTE = "route"  # all of a route at once, at the arrival tag
+    SECTION = "section"  # each section by itself, at the first tag that proves it to be behind
+
+
 class DutyParameters(msgspec.Struct, frozen=True):
-    """Times of the duty, s."""
+    """Times of the duty, s, and its rule of release."""
 
     dwell_min_s: float
     request_lead_s: float
     emergency_release_s: float
+    release: ReleaseRule = ReleaseRule.ROUTE
 
 
 Action = AuthorityAction | SetTimerAt | Told | DrivingOrder
@@ -90,13 +99,18 @@ class DutyStep:
         self.set(wanted=tuple(dict.fromkeys((*self.state.wanted, *points))))
 
     def ask(self, leg: PlanLeg | None) -> None:
-        """Ask for a route of which something ahead is not held, one at a time."""
+        """Ask for a route of which something ahead is not held, one at a time.
+
+        What has been given back section by section may be another's: then only the part from where it stands is wanted.
+        """
         state, place = self.state.authority, self.state.place
         if leg is None or state.open(RequestKind.ROUTE) is not None:
             return
         behind = {span.section_id for span in self.plan.spans[: place.here]} if place.known else set[str]()
-        if not all(state.holds(section_id) or section_id in behind for section_id in leg.section_ids):
-            self.authority(AskRoute(leg.route_id, leg.section_ids))
+        ahead = tuple(section_id for section_id in leg.section_ids if section_id not in behind)
+        if not all(map(state.holds, ahead)):
+            by_section = self.parameters.release is ReleaseRule.SECTION
+            self.authority(AskRoute(leg.route_id, ahead if by_section else leg.section_ids))
 
     def give_back_behind(self, clear: int) -> None:
         """Give back what is held of the first `clear` spans."""

@@ -37,7 +37,7 @@ from onboard.authority.stop_limit import (
     stop_limit,
 )
 from onboard.duty import fitness, on_sight
-from onboard.duty.arrival import clear_behind, confirm
+from onboard.duty.arrival import clear_behind, confirm, releases_at_each
 from onboard.duty.duty_step import Action, DutyParameters, DutyStep
 from onboard.duty.fitness import way_is_free
 from onboard.duty.plan import DutyPlan, PlanTag, Span
@@ -168,13 +168,13 @@ def set_back_refused(duty: DutyStep, _event: SetBack) -> None:
 
 
 def tag_passed(duty: DutyStep, event: TagBelieved) -> None:
-    """At the arrival tag (①) gives back what it proves to be behind; at ④, or the next, throws the arrival points."""
+    """Gives back what it proves to be behind (①, or each); at ④, or the next, throws the arrival points."""
     if event.found:
         duty.note(notes.PositionFound())
     passed = duty.plan.tags[: event.tag + 1]
     proved = max(duty.state.proved, passed[-1].clear)
     duty.set(proved=proved)
-    if passed[-1].purpose is TagPurpose.ARRIVAL:
+    if passed[-1].purpose is TagPurpose.ARRIVAL or releases_at_each(duty, event):
         duty.set(freed=proved)
     look_ahead(duty, passed)
 

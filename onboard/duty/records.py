@@ -81,9 +81,9 @@ class DutyState(msgspec.Struct, frozen=True):
     """The state. `at`: the stop where the train stands or that it left last; `stands_at`: the stop at which a train
     without a position stands, by its crew. `wanted`: points to be thrown as soon as and whenever they can be;
     `entered`: points sections that the train came onto by their proof. `proved`: spans that the tags read so far prove
-    to be behind the train; `freed`: those of them that are to be given back, the arrival being told. `halted`: braked
-    because register and unit contradict each other; `sweeps`: runs on sight through what it holds. `unable`: why it
-    may not leave its stop, as its driver was told.
+    to be behind the train; `freed`: those of them that are to be given back, the arrival being told, or each at once.
+    `halted`: braked because register and unit contradict each other; `sweeps`: runs on sight through what it holds.
+    `unable`: why it may not leave its stop, as its driver was told.
     """
 
     phase: DutyPhase = DutyPhase.OFF

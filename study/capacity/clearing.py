@@ -1,4 +1,4 @@
-"""When a train gives back what lies behind it: at the arrival tag, by bounds that grow with the way since the tags.
+"""When a train gives back what lies behind it: at the arrival tag, or at each, by bounds that grow since the tags.
 
 The rule is that of `onboard.duty.arrival`; the bounds are those of `onboard.localisation.tags` where nothing slides and
 no tag lies: of `tags_wrong_together` n, they rest on the tag read n before the last one. Wheels count as known, as they
@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from network.model import SectionKind, TagPurpose
+from onboard.duty.duty_step import ReleaseRule
 from onboard.unit_records import UnitParameters
 from simulation.world.crew import LOOKS_AGAIN_S
 from study.capacity.journey import TrainJourney
@@ -31,11 +32,15 @@ class ReleaseMoment:
 
 @dataclass(frozen=True, slots=True)
 class Clearing:
-    """How a unit gives back; `pulse_m` of its tachometer. `by_section`: whatever its safe rear has left, at once."""
+    """How a unit gives back; `pulse_m` of its tachometer. `by_section`: whatever its safe rear has left, at once.
+
+    `release`: at which tags a unit that runs gives back.
+    """
 
     unit: UnitParameters
     pulse_m: float
     by_section: bool = False
+    release: ReleaseRule = ReleaseRule.ROUTE
 
     @property
     def growth(self) -> float:
@@ -100,7 +105,7 @@ class Clearing:
             while read and read[0][0].position_m <= mark_m:
                 laid, tag = read.pop(0)
                 proved = max(proved, tag.clear)
-                if tag.purpose is TagPurpose.ARRIVAL:
+                if tag.purpose is TagPurpose.ARRIVAL or self.release is ReleaseRule.SECTION:
                     yield ReleaseMoment(journey.at_s(laid.position_m), laid.position_m, proved, stands=False)
             if mission.spans[stop.span].kind is not SectionKind.BETWEEN:
                 yield ReleaseMoment(stay.arrives_s, mark_m, min(proved, stop.clear), stands=True)

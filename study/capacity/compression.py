@@ -9,7 +9,7 @@ the compressed timetable, the chain of what touches says what it is made of.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from itertools import pairwise
@@ -124,7 +124,7 @@ def compressed(
     inside = tuple(leg for leg in legs if any(o.section_id in section_ids for o in leg.held))
     if not inside:
         return Compressed((), (), 0.0, 0.0, ())
-    held = _held(inside, section_ids)
+    held = held_sections(inside, section_ids)
     begins_s = min(one.occupation.begin_s for one in held)
     touches = (*_in_turn(held), *_stands(inside, section_ids, stops, dwell_min_s))
     moves_s, because = _least(inside, held, touches, begins_s)
@@ -136,19 +136,23 @@ def compressed(
     return Compressed(inside, tuple(moves_s), begins_s, occupied_s, chain)
 
 
-def _held(legs: Sequence[SetLeg], section_ids: frozenset[str]) -> list[HeldSection]:
-    """All that is held in the part, in order of time; what never begins or ends is held while its leg runs."""
+def held_sections(legs: Sequence[SetLeg], section_ids: Container[str] | None = None) -> list[HeldSection]:
+    """All that is held in a part, or on the line, in order of time; what never begins or ends, while its leg runs.
+
+    `begins` and `ends` of each are indices of `legs`.
+    """
     number = {id(leg): index for index, leg in enumerate(legs)}
     leaves = {id(before): number[id(after)] for before, after in joined_legs(legs)}
     begun = {id(after.start) for _, after in joined_legs(legs)}
     found: list[HeldSection] = []
     for index, leg in enumerate(legs):
-        if leg.start is not None and id(leg.start) not in begun and leg.start.section_id in section_ids:
+        if leg.start is not None and id(leg.start) not in begun:
             found.append(HeldSection(_finite(leg.start, leg), index, index))
         for one in leg.occupations:
-            if one.section_id in section_ids:
-                ends = leaves.get(id(leg), index) if one is leg.end else index
-                found.append(HeldSection(_finite(one, leg), index, ends))
+            ends = leaves.get(id(leg), index) if one is leg.end else index
+            found.append(HeldSection(_finite(one, leg), index, ends))
+    if section_ids is not None:
+        found = [one for one in found if one.occupation.section_id in section_ids]
     found.sort(key=lambda h: (h.occupation.begin_s, h.occupation.end_s, h.occupation.number))
     return found
 

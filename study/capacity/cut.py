@@ -86,10 +86,11 @@ def _section(line: Line) -> tuple[CutPart, ...]:
     )
 
 
+SINGLE_TRACK_CUT: Final = "crossing"
 WAYS: Final[Mapping[str, tuple[str, Callable[[Line], tuple[CutPart, ...]]]]] = MappingProxyType(
     {
         "whole": ("the whole line at once: trains keep all their stops and meets", _as_one_part),
-        "crossing": (
+        SINGLE_TRACK_CUT: (
             "between stations where trains can pass each other; single tracks and ends of the line belong to it",
             _crossing,
         ),

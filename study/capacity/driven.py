@@ -187,7 +187,9 @@ def driving_of(setup: Setup, stock_id: str, rules: Rules, links: Links) -> Stock
     row = setup.believed_train(stock_id).row
     train = row.view(np.recarray)[0]
     behaviour = behaviour_row(setup.driving, row[0]).reshape(1).view(np.recarray)[0]
-    clearing = Clearing(setup.unit, pulse_m(train), by_section=rules.by_section)
+    clearing = Clearing(
+        setup.unit, pulse_m(train), by_section=rules.by_section, release=setup.operation.release
+    )
     reaction_s = float(train.brake_dead_time_s + train.brake_lag_s)
     room = Room(behaviour, reaction_s, setup.unit.standoff_m)
     start = start_of(train, setup.load.load_share_mean, float(behaviour.standing_brake_notch), STEP_S)

@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from network.model import Direction, Line, TagPurpose
 from simulation.setup import Setup
-from study.capacity.cut import cut_of
+from study.capacity.cut import SINGLE_TRACK_CUT, cut_of
 from study.capacity.headway import HeadwayCase, HeadwayKind, line_cases
 from study.capacity.legs import legs_of, places_of
 from study.capacity.line_capacity import CompressionTerms, day_of, fullest_part, rates_of
@@ -123,7 +123,7 @@ def measured_by_rules(setup: Setup, rules: Rules = MINIMAL) -> Measured:
     ]
     legs = legs_of(planned, is_place)
     rates = rates_of(
-        legs, cut_of(setup.line, "crossing"), (day_of(legs),), CompressionTerms(dwell_min_s=dwell_min_s)
+        legs, cut_of(setup.line, SINGLE_TRACK_CUT), (day_of(legs),), CompressionTerms(dwell_min_s=dwell_min_s)
     )
     full = fullest_part(rates)
     return Measured(

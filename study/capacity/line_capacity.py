@@ -76,8 +76,8 @@ class Rate:
         return consumed_share(self.compressed.occupied_s, self.period.length_s, self.limit_share)
 
     @property
-    def more_trains(self) -> int:
-        """How many more of its own mix fit below the limit; negative: so many too many."""
+    def trains_below_limit(self) -> int:
+        """How many more of its own mix this part alone could take by the limit; negative: so many too many."""
         if not self.trains:
             return 0
         each_s = self.compressed.occupied_s / self.trains
@@ -100,7 +100,7 @@ class Rate:
             "limit_percent": round(100.0 * self.limit_share, 1),
             "additional_percent": round(100.0 * additional_share(self.limit_share), 1),
             "consumed_percent": round(100.0 * self.consumed_share, 1),
-            "more_trains": self.more_trains,
+            "trains_below_limit": self.trains_below_limit,
             "critical_section": own.section_id,
             "critical_section_s": round(own.by_section_s().get(own.section_id, 0.0), 1),
             **{f"{cost.value}_s": round(time_s, 1) for cost, time_s in own.costs_s().items()},

@@ -115,6 +115,6 @@ def _impossible(setup: Setup, more: Sequence[tuple[Added, StandardPath]]) -> set
     """The trains that are named in what is impossible of the day with more trains in it, but was not without."""
     if not more:
         return set()
-    before = {(f.kind, f.trains) for f in feasibility(setup).impossible}
-    after = feasibility(extended_day(setup, more)).impossible
+    before = {(f.kind, f.trains) for f in feasibility(setup).not_as_printed}
+    after = feasibility(extended_day(setup, more)).not_as_printed
     return {number for f in after if (f.kind, f.trains) not in before for number in f.trains}

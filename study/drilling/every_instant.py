@@ -86,6 +86,14 @@ class SweepOutcomes:
         """Whether any run was."""
         return any(outcome.bad for runs in self.outcomes.values() for outcome in runs.values())
 
+    def beside(self, *own: SweptRun) -> SweepOutcomes:
+        """The same; no run is bad for what a drill itself ends as."""
+        outcomes = {
+            name: {step: run.beside(*own) for step, run in runs.items()}
+            for name, runs in self.outcomes.items()
+        }
+        return replace(self, outcomes=outcomes)
+
 
 class _VariationProgress:
     """Where the sweep of one variation is."""

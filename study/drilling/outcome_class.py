@@ -25,7 +25,7 @@ class OutcomeKind(Enum):
 
     ON_TIME = "all arrive, within 60 s of plan"
     LATE = "all arrive, late"
-    OWN = "what is wrong is so without this fault"
+    OWN = "wrong only as the drill itself expects"
     NOT_APPLICABLE = "fault not applicable"
     NOT_ARRIVED = "not every train arrives"
     BROKEN = "broken"
@@ -49,11 +49,17 @@ class SweptRun(msgspec.Struct, frozen=True):
         return self.kind in BAD
 
     def beside(self, *own: SweptRun) -> SweptRun:
-        """This run, of a fault beside a script that may end as `own`: nothing is bad that is so by itself."""
+        """This run, of a script that may end as `own` by itself, or of a fault beside it: nothing is bad that is so."""
         known = {words for run in own if run.kind is self.kind for words in run.label.split(", ")}
         if self.bad and self.kind is not OutcomeKind.CRASH and known.issuperset(self.label.split(", ")):
             return msgspec.structs.replace(self, kind=OutcomeKind.OWN, label=OutcomeKind.OWN.value)
         return self
+
+
+def expected_breaks(script: Script) -> tuple[SweptRun, ...]:
+    """The rules that a drill says may be broken, as persons are wrong in it: each as a run in which it was."""
+    wrong = (e for e in script.expectations if e.absent and e.holds)
+    return tuple(SweptRun(OutcomeKind.BROKEN, f"invariant {rule}") for e in wrong for rule in e.rules)
 
 
 def swept_run_of(result: RunResult, script: Script) -> SweptRun:

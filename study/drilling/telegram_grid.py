@@ -26,10 +26,10 @@ from simulation.faults.links import ONE_WAY, Cut, FaultyLink, LinkFault
 from simulation.faults.script import Act, ScriptedFault
 from simulation.faults.table import FAULTS
 from simulation.setup import STEPS_PER_S, Setup, latest_end_s
-from study.drilling.every_instant import InstantWindow, SweepOutcomes, Variation
+from study.drilling.every_instant import InstantWindow, Variation
 from study.drilling.forks import result_of_copy
 from study.drilling.moving import NO_TIME, SINGLES, single_faults
-from study.drilling.outcome_class import OutcomeKind, SweptRun, swept_run_of
+from study.drilling.outcome_class import SweptRun, expected_breaks, swept_run_of
 from study.runner.run import simulation_of
 
 BEFORE_S: Final = 60.0  # of what the script does first, and
@@ -94,16 +94,6 @@ class TelegramGrid:
             ),
         )
 
-    def judged(self, swept: SweepOutcomes) -> SweepOutcomes:
-        """What was swept; no run is bad for what is so without any fault beside."""
-        return replace(
-            swept,
-            outcomes={
-                name: {step: run.beside(*self.own) for step, run in runs.items()}
-                for name, runs in swept.outcomes.items()
-            },
-        )
-
 
 def _runs(variations: Iterable[Variation]) -> int:
     return sum(len(variation.instants or ()) for variation in variations)
@@ -164,15 +154,13 @@ def _own(setup: Setup, course: _WrittenRun) -> tuple[SweptRun, ...]:
     """What a drill comes to as it is written that expects what is wrong: with staff who react, and without, and what it
     says may be broken. Of any other nothing is its own.
     """
-    wrong = [e for e in setup.script.expectations if e.absent and e.holds]
-    if not wrong:
+    if not any(e.absent and e.holds for e in setup.script.expectations):
         return ()
     people = setup.people.model_copy(update={"react": False})
-    stated = (SweptRun(OutcomeKind.BROKEN, f"invariant {rule}") for e in wrong for rule in e.rules)
     return (
         course.own,
         result_of_copy(_WrittenRun, partial(_course, replace(setup, people=people))).own,
-        *stated,
+        *expected_breaks(setup.script),
     )
 
 

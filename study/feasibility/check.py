@@ -14,7 +14,7 @@ from study.feasibility.climbs import climbs_of
 from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of
 from study.feasibility.equipment import equipment_of
 from study.feasibility.finding import (
-    LATE_S,
+    HIDDEN_BY_MINUTES_S,
     Feasibility,
     Finding,
     FindingKind,
@@ -30,29 +30,29 @@ from study.feasibility.planned import PlannedDay, planned_day
 from study.feasibility.rehearsal import BlockedTrain, Rehearsal, RehearsedLateness
 from study.feasibility.timing import timing_of
 
-TOLD_FROM_S = 60.0  # lateness that adds up to less is within what plans in whole minutes hide
+TOLD_FROM_S = HIDDEN_BY_MINUTES_S  # lateness that adds up to less
 
 
 def feasibility(setup: Setup) -> Feasibility:
     """All meets of the day and all that is wrong with it; nothing is run.
 
     The times of the plan are looked at first: what each set holds when, what each leg, stop and turn-back takes, what
-    units need of the line. A day in which all that can be is then played through in blocks (`Rehearsal`): for what
-    follows from the whole of it, and whether trains that are in each other's way by the rules of blocks alone make up
-    for it, so that nobody comes more than a minute late; then that is tight, and not impossible.
+    units need of the line. A day in which all that goes on is then played through in blocks (`Rehearsal`): for what
+    follows from the whole of it, and who makes up for what is short. What makes nobody late by a minute is tight.
     """
     day = planned_day(setup)
     by_section = holds_of(day)
     pairs = pairs_of(clashes_of(by_section))
     meets = day_meets(day)
     met = {frozenset((meet.down_train, meet.up_train)): meet for meet in meets}
+    passed = list(passings_of(setup, day))
     findings = [
         *_missing(setup, day),
         *_nowhere(day),
         *conflicts_of(day.line, pairs, met, by_section),
         *timing_of(setup, day),
         *climbs_of(setup, day),
-        *passings_of(setup, day),
+        *passed,
         *equipment_of(setup, day),
         *charge_of(setup, day),
     ]
@@ -61,14 +61,32 @@ def feasibility(setup: Setup) -> Feasibility:
     if not sure:
         slowed = {(n, f.place) for f in findings if f.kind is FindingKind.TAG for n in f.trains}
         rehearsal = Rehearsal(setup, day, frozenset(slowed))
-        found_late = [*_circles(day, rehearsal.waits), *_lateness(day, rehearsal.late)]
-        if not found_late:
-            findings = [replace(f, severity=Severity.TIGHT) for f in findings]
-        findings += found_late
-    findings.sort(key=lambda f: (f.severity is not Severity.IMPOSSIBLE, f.time_s, f.trains, f.kind.value))
-    clash = {frozenset(f.trains) for f in findings if f.severity is Severity.IMPOSSIBLE}
+        circles, lateness = list(_circles(day, rehearsal.waits)), list(_lateness(day, rehearsal.late))
+        late_passed = [
+            f for f in passed if f.severity is Severity.LATE
+        ]  # of which the day in blocks knows nothing
+        late = {number for finding in (*lateness, *late_passed) for number in finding.trains}
+        if circles:  # and nothing shows who would have made up for what
+            stuck = [frozenset(circle.trains) for circle in circles]
+            findings = [
+                replace(f, severity=Severity.IMPOSSIBLE)
+                if f.severity is Severity.LATE and any(trains.issuperset(f.trains) for trains in stuck)
+                else f
+                for f in findings
+            ]
+        else:
+            findings = [f if late & set(f.trains) else replace(f, severity=Severity.TIGHT) for f in findings]
+        findings += [*circles, *lateness]
+    findings.sort(key=_gravity)
+    clash = {frozenset(f.trains) for f in findings if f.severity is not Severity.TIGHT}
     shown = (replace(m, possible=frozenset((m.down_train, m.up_train)) not in clash) for m in meets)
     return Feasibility(tuple(shown), tuple(findings))
+
+
+def _gravity(finding: Finding) -> tuple[int, bool, float, tuple[str, ...], str]:
+    """The gravest first, and causes before what follows from them."""
+    follows, kind = finding.kind in {FindingKind.LATE, FindingKind.CIRCLE}, finding.kind.value
+    return list(Severity).index(finding.severity), follows, finding.time_s, finding.trains, kind
 
 
 def _by_blocks(finding: Finding, paper: frozenset[Pair]) -> bool:
@@ -183,15 +201,17 @@ def _lateness(day: PlannedDay, late: Sequence[RehearsedLateness]) -> Iterator[Fi
     """Trains that come late by what adds up: one finding a train, where it is latest."""
     worst: dict[str, RehearsedLateness] = {}
     for one in late:
-        if one.late_s > TOLD_FROM_S and one.late_s > worst.get(one.train.number, one).late_s - 1e-9:
+        if one.late_s >= TOLD_FROM_S and one.late_s > worst.get(one.train.number, one).late_s - 1e-9:
             worst[one.train.number] = one
     for number, one in worst.items():
         name = day.line.stations[one.station_id].name
         at = clock(round(one.due_s + one.late_s))
-        text = f"{number} would come to {name} at {at}, {length_of_time(one.late_s)} late"
+        does = "leave" if one.leaves else "come to"
+        text = f"{number} would {does} {name} at {at}, {length_of_time(one.late_s)} late"
         if one.behind:
             text += f", behind {' and '.join(one.behind)}"
-        severity = Severity.IMPOSSIBLE if one.late_s >= LATE_S else Severity.TIGHT
         trains = (number, *(b for b in one.behind if b != number))
         remedy = "more time on its way before that"
-        yield Finding(FindingKind.LATE, severity, trains, one.station_id, one.due_s, text, remedy, one.late_s)
+        yield Finding(
+            FindingKind.LATE, Severity.LATE, trains, one.station_id, one.due_s, text, remedy, one.late_s
+        )

@@ -59,7 +59,7 @@ def severity(clash: HoldingConflict) -> Severity:
 
 def on_paper(found: Sequence[HoldingConflict]) -> bool:
     """Whether two trains would stand on one track at once by the plan's own times, whatever a run makes of them."""
-    return any(c.together_s > 0.0 and severity_of(c.together_s) is Severity.IMPOSSIBLE for c in found)
+    return any(c.together_s > 0.0 and severity_of(c.together_s) is not Severity.TIGHT for c in found)
 
 
 def _given_s(train: PlannedTrain) -> list[int]:
@@ -96,7 +96,7 @@ def _finding(
         if station is None or not has_two_tracks(station):
             return _meeting(line, worst, meet)
         return _on_track(line, _on_a_track(line, found, station.id) or worst, by_section)
-    if between is not None and (severity(between) is Severity.IMPOSSIBLE or between is worst):
+    if between is not None and (severity(between) is not Severity.TIGHT or between is worst):
         return _follows(between) if not opposing else _towards(between)
     if _kind_of(line, worst) is SectionKind.TRACK:
         return _on_track(line, worst, by_section)

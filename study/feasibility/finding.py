@@ -1,14 +1,13 @@
-"""What the feasibility check says: the meets of a plan, and what in it cannot work or leaves no room.
+"""What the feasibility check says: the meets of a plan, and what in it never goes on, runs late or leaves no room.
 
-When a finding refuses a plan (`Severity.IMPOSSIBLE`), by what the run would make of it:
+Three words, by what the run would make of it (`Severity`):
 
-- a train would never get on: no way, no tag or no radio where its unit needs them, a track that never becomes free,
-  trains that wait for each other in a circle;
-- a time in the plan is short by 60 s or more at one place (a leg, a turn-back, a section still taken). What is
-  published in whole minutes may hide up to 59 s of the truth, and no more. Where a plan gives seconds, by 30 s or more;
-- or many small ones add up: a train would come 180 s or more after its time.
-
-Anything less is reported as tight and refuses nothing: the trains run, late by about that much, and may recover.
+- impossible: a train would never get on. No way, no tag or no radio where its unit needs them, a track that never
+  becomes free, trains that wait for each other in a circle. `branchline run` refuses this alone;
+- late: it runs, but not as printed. A time is short by 60 s or more at one place (a leg, a turn-back, a section still
+  taken), more than whole minutes can hide, or by 30 s where a plan gives seconds, and its trains do not make
+  up for it; or a train would come or leave 60 s after its time or more by what adds up;
+- tight: anything less. The trains run to time, or late by less than that, and recover.
 """
 
 from __future__ import annotations
@@ -23,7 +22,6 @@ from network.clock import clock
 HIDDEN_BY_MINUTES_S: Final = 60.0  # a plan in whole minutes is short of the truth by less than this
 HIDDEN_BY_SECONDS_S: Final = 30.0  # assumed: two steps of 15 s, in which railways plan
 SAID_IN_SECONDS_S: Final = 120  # longer times are given in minutes
-LATE_S: Final = 180.0  # assumed: later than this, trains miss those that they are to meet
 
 
 class FindingKind(Enum):
@@ -50,9 +48,10 @@ class FindingKind(Enum):
 
 
 class Severity(Enum):
-    """Whether a plan is refused for it."""
+    """What becomes of a plan by it, the gravest first."""
 
     IMPOSSIBLE = "impossible"
+    LATE = "late"
     TIGHT = "tight"
 
 
@@ -133,25 +132,49 @@ class PlannedMeet:
 
 @dataclass(frozen=True, slots=True)
 class Feasibility:
-    """All of it, in order of time; what refuses the plan comes first."""
+    """All of it, the gravest first, and in order of time."""
 
     meets: tuple[PlannedMeet, ...]
     findings: tuple[Finding, ...]
 
-    @property
-    def impossible(self) -> tuple[Finding, ...]:
-        """What refuses the plan."""
-        return tuple(f for f in self.findings if f.severity is Severity.IMPOSSIBLE)
+    def of(self, *severities: Severity) -> tuple[Finding, ...]:
+        """Those of some severities."""
+        return tuple(f for f in self.findings if f.severity in severities)
 
     @property
-    def tight(self) -> tuple[Finding, ...]:
-        """What leaves no room and refuses nothing."""
-        return tuple(f for f in self.findings if f.severity is Severity.TIGHT)
+    def impossible(self) -> tuple[Finding, ...]:
+        """What never goes on: it refuses the plan."""
+        return self.of(Severity.IMPOSSIBLE)
+
+    @property
+    def not_as_printed(self) -> tuple[Finding, ...]:
+        """What never goes on, or runs late."""
+        return self.of(Severity.IMPOSSIBLE, Severity.LATE)
 
     @property
     def good(self) -> bool:
-        """Whether the plan can work."""
+        """Whether all trains of the plan come to their end."""
         return not self.impossible
+
+    @property
+    def on_time(self) -> bool:
+        """Whether the plan runs as it is printed."""
+        return not self.not_as_printed
+
+    @property
+    def verdict(self) -> str:
+        """The plan in a word and a sentence."""
+        if self.impossible:
+            return f"impossible: it never goes on; {self.impossible[0].text}"
+        if not self.on_time:
+            latest = max(self.not_as_printed, key=lambda f: (f.kind is FindingKind.LATE, f.short_s or 0.0))
+            return f"late: it runs, but not as printed; {latest.text}"
+        places = len({f.place for f in self.findings})
+        return (
+            f"tight: it runs as printed, without room at {places} places"
+            if places
+            else "good: it runs as printed"
+        )
 
 
 def minute(time_s: float) -> str:
@@ -166,7 +189,9 @@ def length_of_time(time_s: float) -> str:
 
 
 def severity_of(short_s: float, *planned_s: float | None) -> Severity:
-    """Whether a time short by that much can be; `planned_s` are the times of the plan that it follows from."""
+    """What a time short by that much comes to; `planned_s` are the times of the plan that it follows from."""
     whole = all(time_s is None or time_s % 60 == 0 for time_s in planned_s)
     hidden_s = HIDDEN_BY_MINUTES_S if whole else HIDDEN_BY_SECONDS_S
-    return Severity.IMPOSSIBLE if short_s >= hidden_s else Severity.TIGHT
+    if math.isinf(short_s):
+        return Severity.IMPOSSIBLE
+    return Severity.LATE if short_s >= hidden_s else Severity.TIGHT

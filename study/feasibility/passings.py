@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from network.clock import clock
 from simulation.setup import Setup
-from study.feasibility.finding import LATE_S, Finding, FindingKind, Severity, minute
+from study.feasibility.finding import Finding, FindingKind, minute, severity_of
 from study.feasibility.planned import PlannedDay, PlannedTrain
 from study.feasibility.timing import NEGLIGIBLE_S
 
@@ -36,7 +36,7 @@ def _late(setup: Setup, day: PlannedDay, train: PlannedTrain) -> Iterator[Findin
             left, name = stations[before.target.station_id].name, stations[passing.station_id].name
             yield Finding(
                 FindingKind.LEG,
-                Severity.IMPOSSIBLE if short_s >= LATE_S else Severity.TIGHT,
+                severity_of(short_s, before.target.departure_s, passing.time_s),
                 (train.number,),
                 f"{before.target.station_id}-{passing.station_id}",
                 before.departs_s,

@@ -2,8 +2,9 @@
 
 The rules of the run without its metres: a route is asked for `request_lead_s` before the train may leave and granted
 whole, refused ones are asked for again every 5 s, a train leaves when its points are thrown, runs its time, and gives
-back what lies behind as it arrives. Trains come in by their portals as early as the operation sends them. So it also
-finds what the plan's own times do not show: trains that take each other's way because one of them comes early or late.
+back what lies behind as it arrives; section by section, the track that it left some time after that. Trains come in by
+their portals as early as the operation sends them. So it also finds what the plan's own times do not show: trains that
+take each other's way because one of them comes early or late.
 """
 
 from __future__ import annotations
@@ -13,15 +14,21 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import takewhile
 from typing import Final
 
+from network.model import SectionKind
 from onboard.authority.tables import REFUSED_REPEAT_S
+from onboard.duty.duty_step import ReleaseRule
 from onboard.duty.timekeeping import CRUISE_MIN_KMH
 from simulation.setup import Setup
 from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedTrain
 from study.feasibility.timing import throws_s
 
 OPENING_S: Final = 600.0  # the run begins this long before the first train
+CLEARS_S: Final = (
+    30.0  # assumed: from leaving a track until a tag proves it, and points beyond it, to be behind
+)
 COMES_S: Final = 40.0  # assumed: from the approach tag to the track
 SLOWEST_MPS: Final = CRUISE_MIN_KMH / 3.6
 SLOWED_S: Final = 40.0  # assumed: what a stop before points costs that are thrown only then
@@ -41,13 +48,14 @@ class BlockedTrain:
 
 @dataclass(frozen=True, slots=True)
 class RehearsedLateness:
-    """How late a train comes to a stop, s, and behind whom it had to wait on its way there."""
+    """How late a train comes to a stop, or leaves it, s, and behind whom it had to wait on its way there, or there."""
 
     train: PlannedTrain
     station_id: str
     due_s: float
     late_s: float
     behind: tuple[str, ...]
+    leaves: bool
 
 
 @dataclass(slots=True)
@@ -190,6 +198,7 @@ class Rehearsal:
         if here.target is not None:
             thrown_s = throws_s(self._day.line, train.duty.mission) if one.node == 0 else 0.0
             leaves_s = max(leaves_s, granted_s + SIGNS_S / 2.0 + thrown_s)
+            self._note(one, here.departs_s, leaves_s, leaves=True)
         elif granted_s > one.ready_s:  # it had to stop where it was to run through
             leaves_s += RESTARTS_S
         runs_s, not_before_s = self._run(train, one.node)
@@ -205,7 +214,20 @@ class Rehearsal:
         if there.target is None:
             one.asks = one.node + 1
             self._at(max(arrives_s - COMES_S, leaves_s), partial(self._wait, one))
+        if self._setup.operation.release is ReleaseRule.SECTION:
+            left = partial(self._clear, one, self._left_behind(one))
+            self._at(min(leaves_s + CLEARS_S, arrives_s), left)
         self._at(arrives_s, partial(self._arrive, one))
+
+    def _left_behind(self, one: _RehearsedSet) -> set[str]:
+        """The track that it leaves, and the points between that and the open line."""
+        sections = self._day.line.sections
+        ahead = one.train.routes[one.node].section_ids
+        points = takewhile(lambda section_id: sections[section_id].kind is SectionKind.POINTS, ahead)
+        return {one.train.nodes[one.node].section_id, *points}
+
+    def _clear(self, one: _RehearsedSet, behind: set[str], now_s: float) -> None:
+        self._give_back(one, one.holds - behind, now_s)
 
     def _run(self, train: PlannedTrain, node: int) -> tuple[float, float]:
         """Running time to the next node, and the time before which the train does not come there, s."""
@@ -230,7 +252,7 @@ class Rehearsal:
         one.moving = False
         node = train.nodes[one.node]
         ahead = train.routes[one.node].section_ids if one.granted >= one.node else ()
-        self._note(one, now_s)
+        self._note(one, node.arrives_s, now_s, leaves=False)
         self._give_back(one, {node.section_id, *ahead}, now_s)
         if one.node == len(train.nodes) - 1:
             self._end(one, now_s)
@@ -245,14 +267,13 @@ class Rehearsal:
             one.asks = one.node
             self._at(max(now_s, one.ready_s - self._setup.unit.request_lead_s), partial(self._wait, one))
 
-    def _note(self, one: _RehearsedSet, now_s: float) -> None:
-        node = one.train.nodes[one.node]
-        if node.target is not None and node.target.station_id is not None:
-            late_s = now_s - node.arrives_s
-            behind = tuple(one.behind)
-            self.late.append(
-                RehearsedLateness(one.train, node.target.station_id, node.arrives_s, late_s, behind)
+    def _note(self, one: _RehearsedSet, due_s: float, real_s: float, *, leaves: bool) -> None:
+        target = one.train.nodes[one.node].target
+        if target is not None and target.station_id is not None:
+            late = RehearsedLateness(
+                one.train, target.station_id, due_s, real_s - due_s, tuple(one.behind), leaves
             )
+            self.late.append(late)
 
     def _end(self, one: _RehearsedSet, now_s: float) -> None:
         """The train's journey is over: it leaves the line, becomes the next one, or stays."""

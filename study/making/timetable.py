@@ -211,7 +211,7 @@ def _text(day: PatternTrial, pattern: Pattern) -> tuple[int, str] | None:
     except InputError:
         return None
     stock = dict.fromkeys((diagram.stock_id for diagram in timetable.diagrams), train)
-    if workings.warnings or not feasibility(Setup(stem, line, timetable, stock)).good:
+    if workings.warnings or not feasibility(Setup(stem, line, timetable, stock)).on_time:
         return None
     return len(planned), _comments(pattern, line) + text
 

@@ -384,7 +384,7 @@ def broken_said(result: RunResult, setup: Setup) -> tuple[Phrase, ...]:
     broken += missing
     if missing:
         broken += [waiting_said(waiting) for waiting in result.waiting]
-        broken += [Phrase(finding.sentence) for finding in feasibility(setup).impossible]
+        broken += [Phrase(finding.sentence) for finding in feasibility(setup).not_as_printed]
     return tuple(broken)
 
 

@@ -96,6 +96,13 @@ def test_occupancy_by_cut_and_room(main: Callable[..., Any], tmp_path: Path) -> 
     room = figures["room"]
     assert room["trains"]["day"] == 2 * len(room["paths"]) > 0
     assert room["dropped"] == []
+    assert figures["conclusion"].startswith(
+        f"{room['trains']['day']} more trains fit between those of the plan in the day"
+    )
+    assert (
+        f"the fullest part is Hoshakuji - Ogane: it is occupied {day['crossing']:.0f} % of the day"
+        in figures["conclusion"]
+    )
     assert (tmp_path / "out/occupation.png").read_bytes()[:4] == b"\x89PNG"
 
 

@@ -39,7 +39,9 @@ def test_a_good_plan_shows_its_meets(main: Callable[..., Any], valley: Callable[
     valley()
     checked = main("check", "valley_day.toml")
     assert checked.code == 0
-    assert checked.out.startswith("the plan can work; impossible: 0, tight: 0\nscenario: valley_day\n")
+    assert checked.out.startswith(
+        "good: it runs as printed\nimpossible: 0, late: 0, tight: 0\nscenario: valley_day\n"
+    )
     assert checked.out.endswith("meet: 10:04 1 and 2 at Mori on tracks 1 and 2\nmeets: 1\n")
 
 
@@ -49,17 +51,19 @@ def test_a_plan_that_cannot_work_is_shown_with_train_place_and_minute(
     valley(ONE_TRACK)
     checked = main("check", "valley_day.toml")
     assert checked.code == 1
-    assert checked.out.startswith("the plan cannot work; impossible: 1, tight: 0\n")
+    assert checked.out.startswith("impossible: it never goes on; 2 is to come to track 1 at Mori at 10:04")
+    assert "\nimpossible: 2, late: 0, tight: 0\n" in checked.out
     assert "meet: 10:04 1 and 2 at Mori on tracks 1 and 1: they cannot pass\n" in checked.out
     assert (
         "impossible: track occupied: 2 is to come to track 1 at Mori at 10:04, and needs it from 10:00;"
         " 1 has it until 10:09:30; track 2 is free then\n"
     ) in checked.out
     figures = main("check", "valley_day.toml", "--json").figures()
-    (finding,) = figures["findings"]
+    finding, circle = figures["findings"]
+    assert circle["kind"] == "trains wait for each other"
     keys = ("kind", "severity", "trains", "place", "minute")
     assert [finding[key] for key in keys] == ["track occupied", "impossible", ["1", "2"], "MRI", "10:04"]
-    assert (figures["outcome"], figures["impossible"], figures["tight"]) == ("broken", 1, 0)
+    assert (figures["outcome"], figures["impossible"], figures["tight"]) == ("broken", 2, 0)
 
 
 def test_one_cause_is_told_once_and_other_causes_are_not_left_out(capfd: pytest.CaptureFixture[str]) -> None:
@@ -93,7 +97,11 @@ def test_one_cause_is_told_once_and_other_causes_are_not_left_out(capfd: pytest.
 
 def test_json_keeps_every_finding(main: Callable[..., Any]) -> None:
     checked = main("check", "karasuyama_without_loop")
-    assert checked.out.count("\nimpossible: opposing trains: ") == 1
+    assert (
+        checked.out.count("\nimpossible: opposing trains: ")
+        == checked.out.count("\nlate: opposing trains: ")
+        == 1
+    )
     figures = main("check", "karasuyama_without_loop", "--json").figures()
     assert sum(f["kind"] == "opposing trains" for f in figures["findings"]) == 10
 
@@ -102,8 +110,6 @@ def test_json_keeps_every_finding(main: Callable[..., Any]) -> None:
     ("change", "told"),
     [
         (ONE_TRACK, "2 is to come to track 1 at Mori at 10:04"),
-        (('arrival = "10:09:30" },\n]\n\n[[trains]]', 'arrival = "10:06:30" },\n]\n\n[[trains]]'),
-         "1 leaves Mori at 10:05 and has 60 s for 3.0 km to Kawa"),
         (("tags = [\n", "tags = []\nother = [\n"), ""),
     ],
 )  # fmt: skip
@@ -123,6 +129,20 @@ def test_a_plan_that_cannot_work_is_not_run(
     assert not (tmp_path / "out").exists()
 
 
+def test_a_plan_that_runs_late_is_run_and_told(main: Callable[..., Any], valley: Callable[..., None]) -> None:
+    valley(('arrival = "10:09:30" },\n]\n\n[[trains]]', 'arrival = "10:06:30" },\n]\n\n[[trains]]'))
+    checked = main("check", "valley_day.toml")
+    assert checked.code == 0
+    assert "late: running time: 1 leaves Mori at 10:05 and has 60 s for 3.0 km to Kawa" in checked.out
+    ended = main("run", "valley_day.toml", "--json", "--out", "out")
+    assert ended.code == 0
+    assert "late: it runs, but not as printed; 1 would come to Kawa at " in ended.err
+    (late,) = (
+        f for f in main("check", "valley_day.toml", "--json").figures()["findings"] if f["kind"] == "lateness"
+    )
+    assert ended.figures()["late_s_max"] == pytest.approx(late["short_s"], abs=10.0)
+
+
 def _without_tags(path: Path) -> None:
     before, _, rest = path.read_text("utf-8").partition("tags = []\n")
     path.write_text(before + rest.partition("]\n\n[line]")[1][3:] + rest.partition("]\n\n[line]")[2], "utf-8")
@@ -133,7 +153,7 @@ def test_the_two_agree_on_every_shipped_scenario_name(main: Callable[..., Any]) 
     checked = main("check", "karasuyama_without_loop", "--json")
     assert (refused.code, checked.code) == (2, 1)
     first = checked.figures()["findings"][0]
-    assert f"{first['text']}; {first['remedy']}; 9 more" in refused.err
+    assert f"{first['text']}; {first['remedy']}; 1 more" in refused.err
 
 
 def test_a_drill_that_failed_says_whether_its_plan_could_work(capfd: pytest.CaptureFixture[str]) -> None:

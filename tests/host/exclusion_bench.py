@@ -17,6 +17,7 @@ import msgspec
 from host.device import DeviceHost
 from host.store import MemoryStore
 from onboard.authority.records import RequestKind
+from onboard.duty.duty_step import ReleaseRule
 from onboard.duty.records import (
     AtMark,
     Begin,
@@ -72,13 +73,19 @@ HOLD_S: Final = 5.0  # a route set back is not asked for again before
 class World:
     """Telegrams live in `flying` until the age limit and are delivered any number of times, in any order."""
 
-    def __init__(self, mode: ReentryMode = ReentryMode.ASSISTED, *, contact: bool = True) -> None:
+    def __init__(
+        self,
+        mode: ReentryMode = ReentryMode.ASSISTED,
+        release: ReleaseRule = ReleaseRule.ROUTE,
+        *,
+        contact: bool = True,
+    ) -> None:
         """A day under way: u1 stands in B, u2 in E, u3 is off the line. `contact`: there is one at the boundary."""
         self.mode = mode
         self.contact = contact
         self.now_s = 0.0
         self.store = MemoryStore()
-        self.units = {unit_id: Train(unit_id) for unit_id in UNITS}
+        self.units = {unit_id: Train(unit_id, release) for unit_id in UNITS}
         self.flying: list[tuple[str, bytes, float]] = []
         self.silent: set[str] = set()  # no telegram comes from or to these
         self.notes: list[Note] = []

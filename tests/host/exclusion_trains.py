@@ -6,10 +6,12 @@ from enum import Enum
 from types import MappingProxyType
 from typing import Final
 
+import msgspec
+
 from host.unit import UnitConfig, unit_of
 from network.model import SectionKind, TagPurpose
 from onboard.authority.records import RequestKind
-from onboard.duty.duty_step import DutyParameters
+from onboard.duty.duty_step import DutyParameters, ReleaseRule
 from onboard.duty.plan import DutyPlan, PlanLeg, PlanStop, PlanTag, Span
 from onboard.duty.records import (
     DrivingCommand,
@@ -113,8 +115,9 @@ class Where(Enum):
 class Train:
     """One train as the world has it: `rear` to `front` are the spans of its plan under it; and its unit."""
 
-    def __init__(self, unit_id: str) -> None:
+    def __init__(self, unit_id: str, release: ReleaseRule = ReleaseRule.ROUTE) -> None:
         self.unit_id = unit_id
+        self.release = release
         self.epoch = 0
         self.where = Where.OUTSIDE
         self.plan = PLANS["E"]
@@ -130,7 +133,8 @@ class Train:
 
     def boot(self) -> None:
         self.epoch += 1
-        config = UnitConfig("line", self.unit_id, MANAGER_ID, TIMES)
+        times = msgspec.structs.replace(TIMES, release=self.release)
+        config = UnitConfig("line", self.unit_id, MANAGER_ID, times)
         keys = key_ring(MASTER, self.unit_id, [MANAGER_ID])
         self.unit: OnboardUnit = unit_of(config, Endpoint(keys, self.epoch))
         self.command, self.wake_at_s = DrivingCommand(), None

@@ -22,6 +22,7 @@ from onboard.authority.letters import _READERS, Letters
 from onboard.authority.records import Authority, Event
 from onboard.authority.stop_limit import cleared_sections
 from onboard.duty import duty_step
+from onboard.duty.duty_step import ReleaseRule
 from onboard.duty.plan import DutyPlan
 from onboard.notes import Agreed, GaveBack, Mismatch, Resumed, RouteHeld, UnitRestarted
 from onboard.notes import SignedOff as UnitSignedOff
@@ -77,9 +78,9 @@ class Exclusion(RuleBasedStateMachine):
         super().__init__()
         self.world = World()
 
-    @initialize(mode=st.sampled_from(ReentryMode))
-    def begin(self, mode: ReentryMode) -> None:
-        self.world = World(mode)
+    @initialize(mode=st.sampled_from(ReentryMode), release=st.sampled_from(ReleaseRule))
+    def begin(self, mode: ReentryMode, release: ReleaseRule) -> None:
+        self.world = World(mode, release)
 
     @rule(unit_id=units)
     def normal_run(self, unit_id: str) -> None:
@@ -162,9 +163,9 @@ TestExclusion.settings = settings(stateful_step_count=60)
 class Walker:
     """A long day at random, busier than hypothesis' examples: what happens often happens often."""
 
-    def __init__(self, seed: int, mode: ReentryMode) -> None:
+    def __init__(self, seed: int, mode: ReentryMode, release: ReleaseRule = ReleaseRule.ROUTE) -> None:
         self.chance = random.Random(seed)
-        self.world = World(mode, contact=seed % 2 == 0)
+        self.world = World(mode, release, contact=seed % 2 == 0)
 
     def step(self) -> None:
         world, chance = self.world, self.chance
@@ -239,10 +240,13 @@ class Walker:
 
 
 @pytest.mark.parametrize("mode", ReentryMode)
+@pytest.mark.parametrize("release", ReleaseRule)
 @pytest.mark.parametrize("recovering", [False, True], ids=["walk", "recovery"])
 @pytest.mark.parametrize("seed", others_nightly(range(SEEDS), range(SLICE)))
-def test_walks_and_after_them_all_goes_on(seed: int, recovering: bool, mode: ReentryMode) -> None:
-    walker = Walker(seed, mode)
+def test_walks_and_after_them_all_goes_on(
+    seed: int, recovering: bool, release: ReleaseRule, mode: ReentryMode
+) -> None:
+    walker = Walker(seed, mode, release)
     for _ in range(300):
         walker.step_of_recovery() if recovering else walker.step()
     walker.world.heal()

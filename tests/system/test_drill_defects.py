@@ -19,6 +19,7 @@ from onboard.authority import records as sym
 from onboard.authority.records import Authority
 from onboard.authority.tables import Result, SignOnStanding
 from onboard.duty import fitness
+from onboard.duty import machine as duty_machine
 from onboard.duty.mission import Mission
 from onboard.duty.records import DrivingCommand, Sensed
 from onboard.fixes import Fixes
@@ -90,6 +91,10 @@ def obeys_only_while_it_hears_the_manager(patch: pytest.MonkeyPatch) -> None:
 
     patch.setattr(OnboardUnit, "advance", heard)
     patch.setattr(UnitMotion, "obey", obeyed)
+
+
+def releases_whole_routes(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(duty_machine, "releases_at_each", lambda *_: False)
 
 
 def keeps_a_route_set_back(patch: pytest.MonkeyPatch) -> None:
@@ -308,6 +313,17 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "74_silent_wheels_without_tags": ("asks_no_driver", "to its mark"),
         "75b_claim_off_the_path": ("keeps_what_is_off_its_way", "and it leaves the line"),
         "75_claim_far_behind": ("ends_its_way_at_a_gap_behind", "to its mark in the portal"),
+        "76_by_section": (releases_whole_routes, "T3 is let onto that track while T1 is on its way"),
+        "76b_by_section_power_between": (
+            "starts_with_every_section_free",
+            "nothing is granted before persons have accepted the picture",
+        ),
+        "76c_by_section_reports_lost": (reports_once, "then what both would have freed, at once"),
+        "76d_by_section_tag_lies": ("believes_any_tag", "the unit does not believe it"),
+        "76e_by_section_crew_comes_late": (
+            "forgets_that_it_was_on_the_line",
+            "the unit is not taken for one that holds nothing",
+        ),
         "80_cable_cut_central": (reaches_over_a_cut, "nothing is granted while the cable is cut"),
         "80b_cable_cut_on_board": (says_everything_over_the_cable, "no telegram is lost in the cable"),
     }

@@ -201,8 +201,8 @@ def test_a_train_runs_through_a_station_without_points_and_keeps_an_even_speed(
 def test_a_time_of_passing_that_is_too_early_is_told(tmp_path: Path) -> None:
     setup = load_scenario(str(through(tmp_path, hara_at="07:05:30"))).setup
     (found,) = feasibility(setup).findings
-    assert (found.kind, found.trains, found.severity) == (FindingKind.LEG, ("1D",), Severity.TIGHT)
+    assert (found.kind, found.trains, found.severity) == (FindingKind.LEG, ("1D",), Severity.LATE)
     assert "to pass Hara" in found.text
     (tmp_path / "far").mkdir()
     setup = load_scenario(str(through(tmp_path / "far", mori_at="07:02:00", hara_at="07:02:50"))).setup
-    assert [f.severity for f in feasibility(setup).findings] == [Severity.IMPOSSIBLE, Severity.TIGHT]
+    assert [f.severity for f in feasibility(setup).findings] == [Severity.LATE, Severity.LATE]

@@ -52,7 +52,7 @@ def test_it_names_the_trains_that_cannot_meet(without_loop: Any, main: Callable[
     checked = main("check", "karasuyama_without_loop", "--json")
     assert checked.code == 1
     findings = checked.figures()["findings"]
-    refused = {f"{f['text']}; {f['remedy']}" for f in findings if f["severity"] == "impossible"}
+    refused = {f"{f['text']}; {f['remedy']}" for f in findings if f["kind"] == "opposing trains"}
     assert refused == named
     assert all(f"broken: {text}" in without_loop.err for text in named)
 

@@ -10,10 +10,13 @@ from typing import Any, Final
 
 import numpy as np
 import pytest
+from numba.core import config, registry
 
 from vehicle import compiled as decorator
+from vehicle import compiling, entries
 from vehicle.code_key import UnknownValueError, key_of
 from vehicle.code_store import KEPT, CodeStore
+from vehicle.compiling import Compilation
 from vehicle.entries import Entry
 
 pytestmark = pytest.mark.skipif(decorator.INTERPRETED, reason="nothing is compiled")
@@ -205,6 +208,75 @@ def test_a_folder_copied_to_another_place_serves_there(
     there = load().outer
     assert (there(3.0), compilations(there)) == (19.0, 0)
     assert not (tmp_path / "mine").exists()
+
+
+@pytest.fixture
+def ship(load: Load, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Path]:
+    """Compile the law for a processor into a folder as a wheel brings it, and then have another one."""
+
+    def shipped(processor: str) -> Path:
+        codegen = registry.cpu_target.target_context.codegen()
+        triple, *_ = codegen.magic_tuple()
+        with monkeypatch.context() as there:
+            there.setattr(codegen, "magic_tuple", lambda: (triple, processor, ""))
+            assert load().outer(3.0) == 19.0
+        brought = decorator.STORE.folder.rename(tmp_path / "brought")
+        monkeypatch.setattr(decorator, "STORE", CodeStore(tmp_path / "mine", [brought]))
+        return brought
+
+    return shipped
+
+
+def test_code_for_any_processor_serves_on_this_one(load: Load, ship: Callable[[str], Path]) -> None:
+    (file,) = ship("generic").glob("law.outer-*")
+    was = file.stat().st_mtime_ns
+    here = load().outer
+    assert (here(3.0), compilations(here)) == (19.0, 0)
+    assert file.stat().st_mtime_ns == was, "what a wheel brings is only read"
+
+
+FOREIGN: Final[dict[str, Callable[[Path, pytest.MonkeyPatch], object]]] = {
+    "compiler": lambda _, patch: patch.setattr(entries, "COMPILER", ("0.68.2", *entries.COMPILER[1:])),
+    "optimiser": lambda _, patch: patch.setattr(config, "OPT", 1),
+    "damaged": lambda file, _: file.write_bytes(file.read_bytes()[:-1]),
+    "renamed": lambda file, _: file.rename(file.with_stem(file.stem[:-1] + "x")),
+}
+
+
+@pytest.mark.parametrize("foreign", FOREIGN)
+def test_what_was_compiled_from_or_by_something_else_is_compiled_anew(
+    load: Load, ship: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch, foreign: str
+) -> None:
+    (file,) = ship("generic").glob("law.outer-*")
+    FOREIGN[foreign](file, monkeypatch)
+    here = load().outer
+    assert (here(3.0), compilations(here)) == (19.0, 1)
+
+
+def test_code_for_another_processor_is_not_taken(load: Load, ship: Callable[[str], Path]) -> None:
+    ship("znver9")
+    here = load().outer
+    assert (here(3.0), compilations(here)) == (19.0, 1)
+
+
+def test_changed_code_is_not_taken_from_what_is_brought(load: Load, ship: Callable[[str], Path]) -> None:
+    ship("generic")
+    changed = load("OFFSET = 10.0", "OFFSET = 11.0").outer
+    assert (changed(3.0), compilations(changed)) == (20.0, 1)
+
+
+def test_whoever_shows_it_is_told_what_is_compiled(load: Load, monkeypatch: pytest.MonkeyPatch) -> None:
+    pieces: list[Compilation] = []
+    monkeypatch.setattr(compiling, "WATCHERS", [pieces.append])
+    load().outer(3.0)
+    assert pieces == [
+        Compilation("law.outer", 2, 0, linked=False),
+        Compilation("law.outer", 2, 1, linked=False),
+        Compilation("law.outer", 2, 1, linked=True),
+    ]
+    pieces.clear()
+    load().outer(3.0)
+    assert pieces == []
 
 
 def test_few_pieces_of_a_name_are_kept(tmp_path: Path) -> None:

@@ -101,6 +101,8 @@ def test_a_new_request_for_what_is_held_already_gets_a_greater_token() -> None:
         (RouteRequest("u1", "nowhere", ("A",)), RefusalReason.UNKNOWN_ROUTE),
         (RouteRequest("u1", "in", ("A",)), RefusalReason.UNKNOWN_ROUTE),
         (RouteRequest("u1", "over", ("C", "D", "E")), RefusalReason.NOT_CONNECTED),
+        (RouteRequest("u1", "over", ("D", "E")), RefusalReason.NOT_CONNECTED),
+        (RouteRequest("u1", "over", ()), RefusalReason.UNKNOWN_ROUTE),
         (RouteRequest("u2", "in", ("A", "B")), RefusalReason.WRONG_UNIT),
     ],
 )
@@ -111,6 +113,19 @@ def test_requests_that_are_refused(request_: RouteRequest, reason: RefusalReason
     assert isinstance(answer, RouteRefused)
     assert answer.reason is reason
     assert desk.register == before
+
+
+def test_a_train_on_its_way_is_granted_what_lies_ahead_whoever_is_behind_it() -> None:
+    desk = defined(u1=("D",), u2=("C",))
+    assert isinstance(desk.hear("u1", RouteRequest("u1", "over", ("C", "D", "E"))), RouteRefused)
+    assert isinstance(
+        desk.hear("u1", RouteRequest("u1", "over", ("E",))), RouteRefused
+    )  # not from where it is
+    granted = desk.hear("u1", RouteRequest("u1", "over", ("D", "E")))
+    assert isinstance(granted, RouteGranted)
+    assert granted.section_ids == ("D", "E")
+    assert desk.register.held_by("u1") == ("D", "E")
+    assert desk.register.held_by("u2") == ("C",)
 
 
 def test_a_request_from_a_boot_that_has_not_signed_on() -> None:

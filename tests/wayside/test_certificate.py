@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 
 import pytest
 from hypothesis import assume, given
@@ -88,6 +89,46 @@ def test_the_search_finds_an_order_exactly_where_there_is_one(data: st.DataObjec
         assert [found.order.count(k) for k in range(len(trains))] == [len(train.ahead) for train in trains]
     else:
         assert len(set(found.circle)) > 1
+
+
+@given(st.data())
+def test_the_search_finds_a_choice_of_tracks_exactly_where_there_is_one(data: st.DataObject) -> None:
+    tracks = data.draw(st.integers(2, 5))
+    starts = data.draw(st.lists(st.integers(0, tracks - 1), unique=True, min_size=1, max_size=min(4, tracks)))
+    ends = st.one_of(st.just(0), st.integers(0, tracks - 1).map(lambda bit: 1 << bit))
+    trains: list[Train] = []
+    for bit in starts:
+        keeps = data.draw(st.lists(ends, min_size=1, max_size=5))
+        later = [list(range(place, len(keeps))) for place in range(len(keeps) + 1)]
+        chosen = [data.draw(st.lists(st.sampled_from(m), unique=True)) if m else [] for m in later]
+        moves = tuple(Move(keep | (k % 2) << tracks, keep) for k, keep in enumerate(keeps))
+        trains.append(Train(1 << bit, moves, tuple(map(tuple, chosen))))
+    found = finishing_order(trains)
+    assert (found.proof is CertificateProof.ORDER) is _chooses(trains, (0,) * len(trains), {})
+    if found.proof is CertificateProof.ORDER:
+        at = [0] * len(trains)
+        for index, move in zip(found.order, found.moves, strict=True):
+            assert move in trains[index].choices[at[index]]
+            assert not any(trains[index].ahead[move].needs & held for held in _others(trains, at, index))
+            at[index] = move + 1
+        assert not any(train.choices[place] for train, place in zip(trains, at, strict=True))
+
+
+def _others(trains: list[Train], at: Sequence[int], index: int) -> list[int]:
+    places = zip(trains, at, strict=True)
+    return [t.ahead[a - 1].keeps if a else t.holds for k, (t, a) in enumerate(places) if k != index]
+
+
+def _chooses(trains: list[Train], at: tuple[int, ...], known: dict[tuple[int, ...], bool]) -> bool:
+    """Whether all can come to their ends, by looking at all places."""
+    if at not in known:
+        known[at] = not any(t.choices[a] for t, a in zip(trains, at, strict=True)) or any(
+            not any(trains[k].ahead[move].needs & held for held in _others(trains, at, k))
+            and _chooses(trains, (*at[:k], move + 1, *at[k + 1 :]), known)
+            for k, a in enumerate(at)
+            for move in trains[k].choices[a]
+        )
+    return known[at]
 
 
 def _exists(trains: list[Train], at: tuple[int, ...], known: dict[tuple[int, ...], bool]) -> bool:

@@ -17,6 +17,7 @@ from onboard.authority.records import (
     SendRequest,
     SignOnHeard,
 )
+from onboard.duty.duty_step import ReleaseRule
 from onboard.duty.machine import TABLE, step
 from onboard.duty.records import (
     LEAVE,
@@ -63,6 +64,7 @@ from tests.onboard.duty.stage import (
     TIMES,
     TO_THE_END,
     moved,
+    reported,
     sent,
 )
 
@@ -78,6 +80,32 @@ def test_row(name: str) -> None:
 def test_every_row_has_a_case() -> None:
     cases = {(state.phase, type(event)) for state, event, _, _, _ in CASES.values()}
     assert cases == set(TABLE)
+
+
+def test_by_section_any_tag_gives_back_what_it_proves_but_the_one_that_tells_a_lost_position() -> None:
+    by_section = replace(TIMES, release=ReleaseRule.SECTION)
+    state, event, place, _, _ = CASES["at the approach tag the arrival points are thrown"]
+    holds_5 = replace(state, authority=replace(state.authority, held=("5", "6", "7", "8")))
+    passed, actions = step(PLAN, by_section, holds_5, event, place, NOW_S)
+    assert (passed.freed, passed.authority.held) == (2, ("6", "7", "8"))
+    assert set(reported("6", "7", "8")) <= set(actions)
+    early, _ = step(PLAN, by_section, holds_5, event, replace(place, clear=1), NOW_S)
+    assert early.authority.held == ("5", "6", "7", "8")  # the safe rear is still in it
+    whole, _ = step(PLAN, TIMES, holds_5, event, place, NOW_S)
+    assert (whole.freed, whole.authority.held) == (0, ("5", "6", "7", "8"))
+    lost = replace(holds_5, phase=DutyPhase.ON_SIGHT)
+    found, _ = step(PLAN, by_section, lost, TagBelieved(4, found=True), place, NOW_S)
+    assert (found.proved, found.freed, found.authority.held) == (2, 0, ("5", "6", "7", "8"))
+
+
+def test_by_section_only_what_lies_ahead_is_asked_for_again() -> None:
+    held_up = replace(RUNNING, authority=replace(HOLDS_REST, held=("6",), commandable=()))
+    place = moved(ON_6, stands=True)
+    for rule, wants in ((ReleaseRule.SECTION, ("6", "7", "8")), (ReleaseRule.ROUTE, SECTIONS)):
+        asks, _ = step(PLAN, replace(TIMES, release=rule), held_up, Looked(), place, NOW_S)
+        request = asks.authority.open(RequestKind.ROUTE)
+        assert request is not None
+        assert request.section_ids == wants
 
 
 EXAMPLES: Final[dict[type[Event], Event]] = {type(event): event for _, event, _, _, _ in CASES.values()}

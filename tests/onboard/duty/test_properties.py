@@ -7,6 +7,7 @@ answer well or ill, people, tags and timers.
 from __future__ import annotations
 
 import pickle
+from collections.abc import Iterator
 from typing import Final
 
 import pytest
@@ -14,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from documents import explored_unit
 from documents.explored import Explored, explore
 from documents.explored_unit import (
     END,
@@ -48,7 +50,7 @@ from onboard.authority.records import (
 from onboard.authority.stop_limit import cleared_sections
 from onboard.authority.tables import Result, SignOnStanding
 from onboard.duty import duty_step, fitness, machine, on_sight
-from onboard.duty.duty_step import DutyStep
+from onboard.duty.duty_step import DutyStep, ReleaseRule
 from onboard.duty.plan import DutyPlan
 from onboard.duty.records import (
     ABLE,
@@ -221,9 +223,15 @@ def check(before: ExploredRun, step: Step) -> None:
     check_waits_for_something(step.run)
 
 
-@pytest.fixture(scope="module")
-def explored() -> Explored[ExploredRun]:
-    return explore(first(), events_from, phase_name, 3000)
+@pytest.fixture(scope="module", params=ReleaseRule)
+def explored(request: pytest.FixtureRequest) -> Iterator[Explored[ExploredRun]]:
+    with pytest.MonkeyPatch.context() as patch:
+        release_by(patch, request.param)
+        yield explore(first(), events_from, phase_name, 3000)
+
+
+def release_by(patch: pytest.MonkeyPatch, rule: ReleaseRule) -> None:
+    patch.setattr(explored_unit, "TIMES", replace(explored_unit.TIMES, release=rule))
 
 
 def test_every_state_reached_first_keeps_the_rules(explored: Explored[ExploredRun]) -> None:
@@ -242,9 +250,15 @@ def test_states_are_small_and_their_parts_bounded(explored: Explored[ExploredRun
             assert len(set(listed)) == len(listed)
 
 
-@given(st.lists(st.integers(0, 1000), max_size=120), st.booleans())
-def test_whatever_happens_the_rules_hold(choices: list[int], willing: bool) -> None:
+@given(st.lists(st.integers(0, 1000), max_size=120), st.booleans(), st.sampled_from(ReleaseRule))
+def test_whatever_happens_the_rules_hold(choices: list[int], willing: bool, rule: ReleaseRule) -> None:
     """`willing`: the first thing that can happen is taken more often, so that courses get far."""
+    with pytest.MonkeyPatch.context() as patch:
+        release_by(patch, rule)
+        follow(choices, willing)
+
+
+def follow(choices: list[int], willing: bool) -> None:
     run, running = ExploredRun(), frozenset[Timer]()
     for choice in choices:
         possible = list(steps(run))

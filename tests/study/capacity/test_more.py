@@ -144,7 +144,7 @@ def test_the_cut_changes_the_answer(morning: Setup) -> None:
     assert shares[0] > shares[1] > shares[2] > 0.0
     for rate in rates["crossing"]:
         assert sum(costs_of([rate]).values()) == pytest.approx(rate.compressed.occupied_s, abs=1e-3)
-        assert rate.more_trains == brute_more(rate)
+        assert rate.trains_below_limit == brute_more(rate)
     peak = peak_of(legs, day)
     assert peak.length_s == 7200.0
     assert day.from_s <= peak.from_s < peak.to_s <= day.to_s
@@ -273,5 +273,5 @@ def test_a_part_in_an_empty_period_is_empty(morning: Setup) -> None:
     legs = legs_of(occupations(morning, MINIMAL), places_of(morning.line))
     late = Period("night", 80_000.0, 83_600.0, peak=False)
     (rate,) = rates_of(legs, cut_of(morning.line, "whole"), (late,))
-    assert (rate.trains, rate.more_trains, rate.occupied_share) == (0, 0, 0.0)
+    assert (rate.trains, rate.trains_below_limit, rate.occupied_share) == (0, 0, 0.0)
     assert compressed((), frozenset({"HSK.1"})).trains == ()

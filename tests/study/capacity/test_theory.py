@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from onboard.duty.duty_step import ReleaseRule
 from radio.air import AirParameters, DelayShape
 from scenario.scenario import load_scenario
 from simulation.people import Pause, People
@@ -105,6 +106,19 @@ def test_two_blocks_agree_with_the_pencil_to_a_tenth_of_a_second(tmp_path: Path)
         for made, (part, length_s) in zip(slices, hand, strict=True):
             assert made.length_s == pytest.approx(length_s, abs=0.1), (section_id, part)
         assert found[section_id].length_s == pytest.approx(sum(s for _, s in hand), abs=0.1), section_id
+
+
+def test_by_section_each_tag_gives_back_what_it_proves(tmp_path: Path) -> None:
+    """The rear has left sections 3 and 5 11.845 and 17.154 s after the departure. Tag 601, 95 m from the mark, is read
+    11.3 + 31.155 / 11.3 = 14.057 s after it, the approach tag at 26.004 s; 6 and 7 go at the arrival tag, as with a
+    whole route; each 0.1 s on the air.
+    """
+    setup = _at_once(two_blocks(tmp_path))
+    by_section = setup.operation.model_copy(update={"release": ReleaseRule.SECTION})
+    found = by_id(occupations(replace(setup, operation=by_section)))
+    ends_s = {section_id: found[section_id].end_s - 36_000.0 for section_id in ("3", "5", "6", "7")}
+    hand_s = {"3": 14.157, "5": 26.104, "6": 56.833, "7": 56.833}
+    assert ends_s == {section_id: pytest.approx(s, abs=0.1) for section_id, s in hand_s.items()}
 
 
 def _at_once(setup: Setup) -> Setup:

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from network.errors import InputError
+from onboard.duty.duty_step import ReleaseRule
 from scenario.scenario import load_scenario
 from simulation.cabs import Cabs
 from simulation.duties import Duties
@@ -54,6 +55,32 @@ def test_every_drill_on_the_test_line_is_met(name: str) -> None:
     }
     for entry in drill.run.result.journal.entries:
         assert writers.get(entry.who, Author.PERSON) in authors_of(type(entry.event)), entry
+
+
+# What these expect is the rule of whole routes itself, or the sections that a unit holds by it.
+OF_WHOLE_ROUTES = {
+    "rtri/54_tachometer_over_reads": "nothing is given back before the arrival tag",
+    "rtri/55_unit_dead_for_good": "and has found it empty",
+    "rtri/59_unit_barred": "T3 does not come into its section",
+    "rtri/75_claim_far_behind": "the manager takes its word",
+    "rtri/75b_claim_off_the_path": "the manager takes its word",
+}
+
+
+@pytest.mark.system
+@pytest.mark.parametrize("name", at_night([*RTRI, *KARASUYAMA], EVERY_RUN[::2]))
+def test_every_drill_is_met_where_sections_are_given_back_one_by_one(name: str, tmp_path: Path) -> None:
+    operation = load_scenario(find_drill(name)).setup.operation
+    file = tmp_path / "by_section.toml"
+    file.write_text(
+        f'extends = "{find_drill(name)}"\nid = "by_section"\nname = "by section"\n'
+        f'[operation]\nrelease = "section"\nreentry = "{operation.reentry.value}"\n'
+        f'interlocking = "{operation.interlocking.value}"\n'
+    )
+    drill = run_drill(str(file), PartyLink.SIMULATED)
+    assert drill.run.scenario.setup.operation.release is ReleaseRule.SECTION
+    missed = {v.text for v in drill.verdicts if not v.passed}
+    assert missed <= {OF_WHOLE_ROUTES.get(name, "")}
 
 
 @pytest.mark.nightly

@@ -275,6 +275,19 @@ def test_what_a_sweep_cannot_do_is_refused(
     assert named in ended.err
 
 
+@pytest.mark.parametrize(("excused", "code"), [(True, 0), (False, 1)])
+def test_what_a_drill_says_wrong_people_break_is_not_bad_where_it_is_moved(
+    main: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, excused: bool, code: int
+) -> None:
+    if not excused:
+        monkeypatch.setattr("branchline.sweeping.expected_breaks", lambda script: ())
+    window = ("--every", "40", "--from", "10:00", "--to", "10:01")
+    ended = main("drill", "rtri/53b_two_wrong_persons", "--sweep", *window)
+    assert ended.code == code
+    assert ("wrong only as the drill itself expects" in ended.out) is excused
+    assert ("BAD" in ended.out) is not excused
+
+
 def test_the_classes_of_a_sweep_have_the_gravest_last(two_trains: Scenario) -> None:
     swept = sweep_of(two_trains, restart("K1"), every_s=20.0, from_s=TEN - 10.0, to_s=TEN + 110.0)
     order = list(OutcomeKind)

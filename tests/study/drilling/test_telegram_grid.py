@@ -217,6 +217,8 @@ def test_nothing_bad_on_a_slice_of_the_grid(
     name: str, chosen: FaultChoice, record_property: Callable[[str, object], None]
 ) -> None:
     grid = grid_of(staffed(load_scenario(find_drill(name))).setup, chosen, InstantWindow())
-    swept = grid.judged(sweep(grid.setup, grid.variations, InstantWindow(), jobs=2, beside=grid.setup.script))
+    swept = sweep(grid.setup, grid.variations, InstantWindow(), jobs=2, beside=grid.setup.script).beside(
+        *grid.own
+    )
     record_property("figures", f"grid of telegrams, {name}, {chosen.value}: {table_of(swept)}")
     assert not swept.bad

@@ -134,12 +134,13 @@ def leg_in_two_minutes() -> Broken:
 
 
 def turns_back_at_once() -> Broken:
-    """D becomes U in the minute in which it comes."""
+    """D becomes U in the minute in which it comes, where the driver takes two to the other end."""
     plan = good()
     comes_s = call_at(plan.train("D"), "KAS").arrival_s or 0
     earlier = comes_s - (TEN + 2 * 3600)
     moved = later(plan.train("U"), earlier)
-    alone = replace(plan, trains=(plan.train("D"), moved))
+    slow = plan.operation.model_copy(update={"change_ends_s": 120.0})
+    alone = replace(plan, trains=(plan.train("D"), moved), operation=slow)
     return _broken(alone, FindingKind.TURN_BACK, "DU", "KAS", "10:39")
 
 

@@ -16,6 +16,7 @@ from typing import Any, Final
 
 from network.model import SectionKind
 from onboard.driving.laws.table import LAW_NAMES
+from onboard.duty.duty_step import ReleaseRule
 from scenario.script_file import names_of
 from simulation.faults.fault import Names
 from simulation.faults.table import KINDS
@@ -39,6 +40,7 @@ GIVE_BACK_P: Final = 0.15
 BY_HAND_P: Final = 0.2
 OTHER_LAW_P: Final = 0.3
 CENTRAL_P: Final = 0.3
+BY_SECTION_P: Final = 0.4
 CARRIES_P: Final = 0.4
 CARRIES: Final = (
     ("tags", "gnss"),
@@ -162,6 +164,8 @@ def _head(family: Family, seed: int, draw: Draw) -> dict[str, Any]:
         head["operation"] = {"reentry": "by_hand"}
     if draw.of("interlocking").chance(CENTRAL_P):
         head["operation"] = head.get("operation", {}) | {"interlocking": "central"}
+    if draw.of("release").chance(BY_SECTION_P):
+        head["operation"] = head.get("operation", {}) | {"release": ReleaseRule.SECTION.value}
     law = draw.of("law")
     if law.chance(OTHER_LAW_P):
         head["driving"] = {"law": law.one_of(LAW_NAMES)}

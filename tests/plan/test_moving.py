@@ -1,0 +1,111 @@
+"""Legs moved against each other: known answers on the line made by hand, and what only a wrong model allows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations
+
+import pytest
+
+from network.model import Direction
+from plan.moving import bounds as moving_bounds
+from plan.moving.bounds import LegBounds, MoveTerms, bounds_of
+from plan.moving.model import FoundMoves, MovingModel
+from study.capacity.legs import SetLeg
+from study.capacity.occupation import TOUCH_S
+from tests.study.capacity.hand_made import FREE_S, SET_S, Made, legs
+
+WORK = 1.0
+PAIR = (Made("1", Direction.DOWN, 0.0), Made("2", Direction.UP, 0.0))
+
+
+def as_soon_as_can_be(bounds: LegBounds, period_s: float | None = None) -> FoundMoves:
+    """No leg sooner than planned; the sum of all moves the least."""
+    period = None if period_s is None else round(period_s / bounds.terms.tick_s)
+    between = [(0, round(10_000.0 / bounds.terms.tick_s))] * len(bounds.legs)
+    model = MovingModel(bounds, between if period is None else bounds.in_a_period(period), period)
+    model.model.minimize(sum(model.moves))
+    return model.solve(WORK)
+
+
+def moved(trains: tuple[SetLeg, ...], found: FoundMoves, tick_s: float) -> list[SetLeg]:
+    assert found.moves is not None
+    return [
+        replace(
+            leg,
+            start=leg.start and leg.start.moved(by * tick_s),
+            occupations=tuple(o.moved(by * tick_s) for o in leg.occupations),
+        )
+        for leg, by in zip(trains, found.moves, strict=True)
+    ]
+
+
+def test_the_second_of_two_that_meet_waits_in_the_loop() -> None:
+    """Down comes to the loop at 300, up at 180 + 30 + 240 = 450; one waits there until the other is out of its way."""
+    trains = legs(list(PAIR))
+    found = as_soon_as_can_be(bounds_of(trains, MoveTerms()))
+    assert found.proven
+    # Down leaves the loop when S2 is free and set: (450 + FREE_S) + SET_S - 360; its two last legs move.
+    assert found.cost == 10 * 2 * round(450.0 + FREE_S + SET_S - 360.0)
+
+
+def test_no_two_trains_are_in_one_section() -> None:
+    trains = legs([*PAIR, Made("3", Direction.DOWN, 100.0), Made("4", Direction.UP, 700.0)])
+    found = as_soon_as_can_be(bounds_of(trains, MoveTerms()))
+    assert found.proven
+    sections = [
+        (o, leg.stock_id)
+        for leg in moved(trains, found, 0.1)
+        for o in leg.occupations
+        if "." not in o.section_id
+    ]
+    for (one, mine), (other, its) in combinations(sections, 2):
+        if one.section_id == other.section_id and mine != its:
+            assert one.end_s <= other.begin_s + TOUCH_S or other.end_s <= one.begin_s + TOUCH_S
+
+
+def test_where_sections_are_anybodys_nobody_waits(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(moving_bounds, "EXCLUSIVE", False)
+    assert as_soon_as_can_be(bounds_of(legs(list(PAIR)), MoveTerms())).cost == 0
+
+
+@pytest.mark.parametrize("tick_s", [0.1, 1.0])
+def test_a_difference_that_is_no_tick_is_the_next_one_above(tick_s: float) -> None:
+    """Down trains 120 s apart; each has S1 and the loop for SET_S + 300 + 60 + FREE_S. With 0.01 s between them."""
+    trains = legs([Made("1", Direction.DOWN, 0.0), Made("3", Direction.DOWN, 120.0)])
+    exact = as_soon_as_can_be(bounds_of(trains, MoveTerms(tick_s)))
+    above = as_soon_as_can_be(bounds_of(trains, MoveTerms(tick_s, buffer_s=0.01)))
+    assert exact.moves is not None and above.moves is not None
+    at = next(i for i, leg in enumerate(trains) if leg.number == "3")
+    assert exact.moves[at] == round((SET_S + 300.0 + 60.0 + FREE_S - 120.0) / tick_s)
+    assert above.moves[at] == exact.moves[at] + 1
+
+
+def test_a_stand_is_no_longer_than_it_may() -> None:
+    """In the loop down would have to wait 115 s longer than planned; where it may not, up sets out later."""
+    trains = legs(list(PAIR))
+    found = as_soon_as_can_be(bounds_of(trains, MoveTerms(longer_s=0.0)))
+    assert found.proven and found.moves is not None
+    of_train = {n: {m for leg, m in zip(trains, found.moves, strict=True) if leg.number == n} for n in "12"}
+    assert all(len(moves) == 1 for moves in of_train.values())
+    assert any(moves != {0} for moves in of_train.values())
+
+
+def least_period_s(trains: tuple[SetLeg, ...]) -> int:
+    """By trying all whole seconds."""
+    bounds = bounds_of(trains, MoveTerms(1.0, periodic=True))
+    return next(
+        period_s for period_s in range(1, 2000) if as_soon_as_can_be(bounds, period_s).moves is not None
+    )
+
+
+def test_the_least_interval_of_a_line_with_one_loop() -> None:
+    """Beyond the loop a train each way has S2, M and S3: a down train and then an up train, each for 10 s before it
+    starts until 15 s after it has come: 2 (10 + 240 + 30 + 180 + 15) s.
+    """
+    assert least_period_s(legs(list(PAIR))) == 2 * (SET_S + 240 + 30 + 180 + FREE_S)
+
+
+def test_a_period_in_which_a_section_does_not_hold_both_is_impossible() -> None:
+    bounds = bounds_of(legs(list(PAIR)), MoveTerms(1.0, periodic=True))
+    assert as_soon_as_can_be(bounds, 2 * 325 - 1).impossible
