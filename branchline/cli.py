@@ -14,6 +14,7 @@ from typing import Annotated, Final
 
 import typer
 
+from branchline.arranging import arrange
 from branchline.best import best
 from branchline.blocking import blocking
 from branchline.checking import check
@@ -46,6 +47,7 @@ COMPLETION: Final = "_BRANCHLINE_COMPLETE"  # set by a shell that asks what may 
 PREPARE, RUN, READ = "Prepare: lines, timetables, trains, scenarios", "Run", "Read a finished run"
 ANALYSE, RESEARCH = "Analyse: running times, headways, capacity", "Research"
 COMMANDS: Final[tuple[tuple[str, Callable[..., None]], ...]] = (
+    (PREPARE, arrange),
     (PREPARE, check),
     (PREPARE, schema),
     (RUN, run),

@@ -1,0 +1,96 @@
+"""`branchline arrange`: the nearest workable plan to a published timetable."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from branchline.ending import end, judged_outcome, print_json
+from branchline.options import Json
+from branchline.progress import print_aside
+
+if TYPE_CHECKING:
+    from plan.arranging.arrange import ArrangedDay
+    from plan.arranging.problem import PrintedMove
+
+NAMED: Final = 20  # moves that are named, the furthest first; --json has all
+
+
+def arrange(
+    line: Annotated[str, typer.Argument(help="A shipped line, or a line file (.toml).")],
+    timetable: Annotated[str, typer.Argument(help="A shipped timetable, or a timetable file (.toml).")],
+    out: Annotated[
+        Path | None, typer.Argument(help="Timetable file (TOML) to write; without it nothing is written.")
+    ] = None,
+    train: Annotated[
+        str, typer.Option("--train", help="A shipped train, or a train file (.toml).")
+    ] = "br642",
+    scenario: Annotated[
+        Path | None, typer.Option("--scenario", help="Also write a scenario that runs it.")
+    ] = None,
+    limit: Annotated[
+        int, typer.Option("--limit", min=0, max=14_400, help="By how much a printed time may be moved, s.")
+    ] = 300,
+    as_json: Json = False,
+) -> None:
+    """Make a published timetable work: arrivals, meets, tracks and sets, with printed times moved least.
+
+    Exit code 1 if a printed time has to be moved by more than --limit; the least that would do is said.
+    """
+    from plan.arranging.arrange import arrange as arranged_by_name
+    from plan.arranging.files import write_day
+
+    day = arranged_by_name(line, timetable, train, limit)
+    for path in write_day(day, line, train, out, scenario):
+        print_aside(f"wrote {path}")
+    outcome = judged_outcome(not day.beyond)
+    if as_json:
+        print_json(day.as_dict(), outcome)
+    else:
+        _print(day, limit)
+    end(outcome)
+
+
+def _print(day: ArrangedDay, limit_s: int) -> None:
+    from network.clock import clock
+
+    figures = day.figures
+    rows = [
+        f"printed times moved: {figures.moved} of {figures.printed}, {figures.past_minute} out of their minute;"
+        f" {figures.total_s} s in all, {figures.mean_s:.1f} s a printed time"
+    ]
+    if day.beyond:
+        rows.insert(0, f"no plan moves every printed time by {limit_s} s or less; the least that would do:")
+        rows[1:1] = [f"  {_move(day, move)}" for move in day.beyond]
+    worst = sorted(day.moves, key=lambda move: (-abs(move.by_s), move.number, move.printed_s))
+    rows += [f"moved: {_move(day, move)}" for move in worst[:NAMED]]
+    if len(worst) > NAMED:
+        rows.append(f"moved: {len(worst) - NAMED} more, by {abs(worst[NAMED].by_s)} s at most")
+    stops = [f"{number} at {clock(at_s)[:-3]}" for number, _, at_s in day.added]
+    by_station: dict[str, list[str]] = {}
+    for (_, station_id, _), text in zip(day.added, stops, strict=True):
+        by_station.setdefault(station_id, []).append(text)
+    rows += [
+        f"stops added: {day.line.stations[s].name}: {', '.join(texts)}" for s, texts in by_station.items()
+    ]
+    for number in day.empty:
+        calls = day.timetable.trains[number].calls
+        way = " - ".join(day.line.stations[calls[at].station_id].name for at in (0, -1))
+        rows.append(f"empty working added: {number}, {way} at {clock(calls[0].last_s)[:-3]}")
+    proof = (
+        "the least that there is"
+        if day.arranged.proven
+        else f"at least {day.arranged.bound_s:.0f} s are needed"
+    )
+    rows.append(f"{proof}, where none is moved by more than {day.arranged.reach_s} s")
+    sys.stdout.write("\n".join(rows) + "\n")
+
+
+def _move(day: ArrangedDay, move: PrintedMove) -> str:
+    from network.clock import clock
+
+    name = day.line.stations[move.station_id].name
+    return f"{move.number} {move.by_s:+d} s at {name} ({move.what} printed {clock(move.printed_s)[:-3]})"

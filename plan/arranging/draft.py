@@ -1,0 +1,141 @@
+"""From a timetable file to what is to be arranged: what is printed, what is computed, which stations lie on the way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from network.errors import InputError
+from network.files.timetable_schema import CallTable, TimetableFile
+from network.model import Line, SectionKind, Station
+from network.timetable import Call, CallKind, FromTrain, Timetable, TimetableTrain, platform_of
+from plan.arranging.line_times import LineTimes
+from plan.arranging.problem import Standing, TrainToArrange, Visit
+
+WITHIN_S: Final = 2700  # assumed: a train of which nothing is printed runs within so much of its first draft
+OPERATIONAL_STAY_S: Final = 10  # assumed: a train that only waits for another
+
+
+@dataclass(frozen=True, slots=True)
+class PrintedCall:
+    """A call with the times that are printed, s; a computed one (`inferred`) counts for nothing."""
+
+    call: Call
+    arrival_s: int | None
+    departure_s: int | None
+
+
+def printed_calls(file: TimetableFile, timetable: Timetable) -> dict[str, tuple[PrintedCall, ...]]:
+    """The calls of each train with what of them is printed."""
+    tables = {train.number: train.calls for train in file.trains}
+    return {
+        number: tuple(
+            _printed(call, table, counts=train.revenue and index < len(train.calls) - 1)
+            for index, (call, table) in enumerate(zip(train.calls, tables[number], strict=True))
+        )
+        for number, train in timetable.trains.items()
+    }
+
+
+def _printed(call: Call, table: CallTable, *, counts: bool) -> PrintedCall:
+    """Of a call with a computed time the departure is the source's where that `counts`: not the last, nor run empty."""
+    if not table.inferred:
+        return PrintedCall(call, call.arrival_s, call.departure_s)
+    return PrintedCall(call, None, call.departure_s if counts else None)
+
+
+def trains_to_arrange(
+    line: Line, timetable: Timetable, printed: Mapping[str, tuple[PrintedCall, ...]], times: LineTimes
+) -> list[TrainToArrange]:
+    """All trains of the day. Raises InputError where the line has no way for one."""
+    turn_s = math.ceil(times.setup.operation.change_ends_s)
+    found: list[TrainToArrange] = []
+    turning = {train.calls[i].station_id for train in timetable.trains.values() for i in (0, -1)}
+    for number, train in timetable.trains.items():
+        try:
+            visits = tuple(_visits(line, train, printed[number], times, turning))
+        except KeyError as missing:
+            expected = f"a line with a way for it; there is none for {missing}"
+            raise InputError(timetable.head.id, "trains", number, expected) from missing
+        follows = train.begins.number if isinstance(train.begins, FromTrain) else None
+        lead_s = next(v.leg.lead.stands for v in visits if v.leg is not None)
+        window_s = (train.calls[0].last_s - WITHIN_S, train.calls[-1].last_s + WITHIN_S)
+        free = all(v.arrival_s is None and v.departure_s is None for v in visits)
+        found.append(TrainToArrange(number, visits, follows, turn_s + lead_s, *(window_s if free else ())))
+    return found
+
+
+def _visits(
+    line: Line,
+    train: TimetableTrain,
+    calls: tuple[PrintedCall, ...],
+    times: LineTimes,
+    turning: Collection[str],
+) -> Iterator[Visit]:
+    """A visit for every station of its way, those too that it runs through and of which the print says nothing."""
+    by_station = {call.call.station_id: call for call in calls}
+    before: Station | None = None
+    place: Station | None = None
+    for station in _on_the_way(line, train):
+        call = by_station.get(station.id)
+        run = None if before is None else times.run(train.direction, before.id, station.id)
+        tracks = _tracks(line, station, train, call)
+        if station.id not in turning:
+            tracks = tracks[:1]
+        leg = None
+        if tracks and place is not None:
+            leg = times.leg(train.direction, place.id, station.id)
+        yield Visit(
+            station.id,
+            _standing(call, tracks),
+            None if call is None else call.arrival_s,
+            None if call is None else call.departure_s,
+            _stay_s(call, times.setup.timetable.head.dwell_min_s),
+            run,
+            leg,
+            tracks,
+        )
+        before = station
+        place = station if tracks else place
+
+
+def _on_the_way(line: Line, train: TimetableTrain) -> list[Station]:
+    first, last = (line.stations[train.calls[i].station_id].position_m for i in (0, -1))
+    low_m, high_m = min(first, last), max(first, last)
+    return [
+        station
+        for station in sorted(line.stations.values(), key=lambda s: s.position_m * train.direction)
+        if low_m <= station.position_m <= high_m
+        and any(train.direction in track.marks_m for track in station.tracks)
+    ]
+
+
+def _standing(call: PrintedCall | None, tracks: tuple[str, ...]) -> Standing:
+    if call is not None and call.call.stops:
+        return Standing.ALWAYS
+    return Standing.MAY if tracks else Standing.NEVER
+
+
+def _stay_s(call: PrintedCall | None, dwell_min_s: float) -> int:
+    if call is None or call.call.kind is not CallKind.STOP:
+        return OPERATIONAL_STAY_S
+    return math.ceil(dwell_min_s)
+
+
+def _tracks(line: Line, station: Station, train: TimetableTrain, call: PrintedCall | None) -> tuple[str, ...]:
+    """Sections of the tracks that it may have, the usual one first; with a platform where passengers get on."""
+    if station.is_halt:
+        return ()
+    passengers = call is not None and call.call.kind is CallKind.STOP and train.revenue
+    usable = [
+        track
+        for track in station.tracks
+        if train.direction in track.marks_m
+        and line.sections[track.section_id].kind is SectionKind.TRACK
+        and (track.platform_m is not None or not passengers)
+    ]
+    usual = platform_of(line, Call(station.id, None, None, 0), train.direction)
+    usable.sort(key=lambda track: track.section_id != usual.section_id)
+    return tuple(track.section_id for track in usable)

@@ -1,0 +1,36 @@
+"""The files that an arranged day is written to: its timetable, and a scenario that runs it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from exchange.timetable_writer import timetable_toml
+from network.errors import COMMAND_LINE, InputError
+from plan.arranging.arrange import ArrangedDay
+from study.making.place import checked_new, named_from, write_new
+from study.making.timetable import scenario_text
+
+
+def write_day(
+    day: ArrangedDay, line_name: str, train_name: str, out: Path | None, scenario: Path | None
+) -> Iterator[Path]:
+    """Write what is asked for, whole or not at all. Raises InputError."""
+    if out is None:
+        if scenario is not None:
+            raise InputError(COMMAND_LINE, "--out", None, "the timetable file that the scenario is to run")
+        return
+    stem = checked_new(out)
+    if scenario is not None:
+        checked_new(scenario, "--scenario")
+    head = day.file.timetable.model_copy(update={"id": stem})
+    write_new(out, timetable_toml(day.file.model_copy(update={"timetable": head})))
+    yield out
+    if scenario is not None:
+        names = (
+            named_from(scenario, line_name),
+            named_from(scenario, str(out)),
+            named_from(scenario, train_name),
+        )
+        write_new(scenario, scenario_text(scenario.stem, *names))
+        yield scenario

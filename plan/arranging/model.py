@@ -1,0 +1,341 @@
+"""The nearest plan as a constraint model: CP-SAT, one worker, counted work, so that the answer is the same anywhere.
+
+Trains never leave before their printed time. What lies between two places, and every track, is one train's at a time;
+of tracks that a train may have, one is chosen. The sum of all moves of printed times is least; a move beyond what is
+allowed counts a thousandfold, so that where nothing else works the least that would do is found.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Final
+
+from ortools.sat.python import cp_model
+
+from plan.arranging.problem import (
+    Arranged,
+    ArrangedVisit,
+    ByStanding,
+    PrintedMove,
+    Standing,
+    TrainToArrange,
+    Visit,
+)
+
+SEED: Final = 1
+REACH_S: Final = 4 * 3600  # assumed: nobody would call it the same train that is moved by more
+EARLY_S: Final = 60  # an arrival may be this much before its print: nobody gets on
+WAITS_S: Final = 3600  # assumed: a train may wait so long on its way to an end of which no time is printed
+SECOND: Final = 20  # weight of a second
+STOP_COST: Final = 5  # a stop that no source prints, where it saves nothing
+TRACK_COST: Final = 1  # a track that is not the usual one
+BEYOND_COST: Final = 1000 * SECOND
+SLOWER_SHARE: Final = (
+    0.25  # how much longer a run may take that ends in running through, so that it need not stop
+)
+DAY_BEGINS_S: Final = -3600
+EXCLUSIVE = True  # off: a section is anybody's at any time
+
+IntVar = cp_model.IntVar
+
+
+class NoRoomError(ValueError):
+    """No plan at all: sets that stand over have no tracks, whatever is moved."""
+
+
+@dataclass(slots=True)
+class _VisitVars:
+    visit: Visit
+    arrives: IntVar
+    departs: IntVar
+    stands: IntVar | None  # None: it is settled
+    tracks: dict[str, IntVar] = field(default_factory=dict[str, IntVar])
+
+
+class ArrangeModel:
+    """The variables of a problem and what holds between them.
+
+    `limit_s`: printed times may be moved by so much; `reach_s`: and are moved by so much at most, where they must be.
+    """
+
+    def __init__(self, trains: Sequence[TrainToArrange], limit_s: int, reach_s: int) -> None:
+        self.model: Final = cp_model.CpModel()
+        self._limit_s = limit_s
+        self._reach_s = reach_s
+        self._held: dict[str, list[tuple[object, cp_model.IntervalVar]]] = defaultdict(list)
+        self._cost: list[cp_model.LinearExpr | IntVar] = []
+        self._moves: list[tuple[TrainToArrange, Visit, str, int, IntVar]] = []
+        self._ends_s = max(_latest_s(train) for train in trains) + 2 * reach_s
+        self.vars: Final = {train.number: self._train(train) for train in trains}
+        self._trains: Final = {train.number: train for train in trains}
+        becomes = {train.follows: train for train in trains if train.follows is not None}
+        for train in trains:
+            if train.follows is not None:
+                before, first = self.vars[train.follows][-1], self.vars[train.number][0]
+                self.model.add(first.departs >= before.arrives + train.turn_s)
+            self._hold(train, becomes.get(train.number))
+        self._exclude()
+        self.model.minimize(sum(self._cost))
+
+    # times ------------------------------------------------------------------------------------------------------------
+
+    def _train(self, train: TrainToArrange) -> list[_VisitVars]:
+        found: list[_VisitVars] = []
+        reach_s = max(self._reach_s, train.until_s - train.from_s)
+        earliest_s = _earliest_s(train)
+        latest_s = _latest_each_s(train, earliest_s, reach_s)
+        for index, (visit, (comes_s, leaves_s), to_s) in enumerate(
+            zip(train.visits, earliest_s, latest_s, strict=True)
+        ):
+            name = f"{train.number} {visit.station_id}"
+            arrives = self.model.new_int_var(comes_s, to_s, f"{name} a")
+            departs = self.model.new_int_var(leaves_s, to_s, f"{name} d")
+            stands = self.model.new_bool_var(f"{name} stands") if visit.standing is Standing.MAY else None
+            one = _VisitVars(visit, arrives, departs, stands)
+            self._stay(one, last=index in (0, len(train.visits) - 1))
+            if found:
+                self._run(found[-1], one)
+            self._print(train, one)
+            for track in visit.tracks if len(visit.tracks) > 1 else ():
+                one.tracks[track] = self.model.new_bool_var(f"{name} {track}")
+            found.append(one)
+        return found
+
+    def _stay(self, one: _VisitVars, *, last: bool) -> None:
+        visit = one.visit
+        if last or visit.standing is Standing.ALWAYS:
+            self.model.add(one.departs >= one.arrives + (0 if last else visit.stay_s))
+        elif one.stands is None:
+            self.model.add(one.departs == one.arrives)
+        else:
+            self.model.add(one.departs >= one.arrives + visit.stay_s).only_enforce_if(one.stands)
+            self.model.add(one.departs == one.arrives).only_enforce_if(~one.stands)
+            self._cost.append(STOP_COST * one.stands)
+
+    def _run(self, before: _VisitVars, one: _VisitVars) -> None:
+        """The run there takes its time; one that ends in running through does not dawdle."""
+        for from_stands, to_stands, run_s in one.visit.run.ways() if one.visit.run is not None else ():
+            if not (before.visit.can(from_stands) and one.visit.can(to_stands)):
+                continue
+            literals = [*_if(before, stands=from_stands), *_if(one, stands=to_stands)]
+            self.model.add(one.arrives >= before.departs + run_s).only_enforce_if(literals)
+            if not to_stands:
+                slowest_s = run_s + round(SLOWER_SHARE * run_s)
+                self.model.add(one.arrives <= before.departs + slowest_s).only_enforce_if(literals)
+
+    def _print(self, train: TrainToArrange, one: _VisitVars) -> None:
+        visit = one.visit
+        if visit.departure_s is not None:
+            self.model.add(one.departs >= visit.departure_s)
+            self._count(train, visit, "departure", visit.departure_s, one.departs)
+        if visit.arrival_s is not None:
+            self.model.add(one.arrives >= visit.arrival_s - EARLY_S)
+            self._count(train, visit, "arrival", visit.arrival_s, one.arrives)
+
+    def _count(self, train: TrainToArrange, visit: Visit, what: str, printed_s: int, at: IntVar) -> None:
+        name = f"{train.number} {visit.station_id} {what}"
+        late = self.model.new_int_var(0, self._reach_s, f"{name} late")
+        self.model.add(late >= at - printed_s)
+        if what == "arrival":
+            self.model.add(late >= printed_s - at)
+        self._cost.append(SECOND * late)
+        if self._reach_s > self._limit_s:
+            beyond = self.model.new_int_var(0, self._reach_s, f"{name} beyond")
+            self.model.add(beyond >= late - self._limit_s)
+            self._cost.append(BEYOND_COST * beyond)
+        self._moves.append((train, visit, what, printed_s, at))
+
+    # what is held -----------------------------------------------------------------------------------------------------
+
+    def _hold(self, train: TrainToArrange, becomes: TrainToArrange | None) -> None:
+        """The ways between places, and the tracks at their ends."""
+        own = self.vars[train.number]
+        places = [i for i, one in enumerate(own) if one.visit.tracks]
+        for here, there in pairwise(places):
+            leg = own[there].visit.leg
+            if leg is None:
+                raise ValueError(f"{train.number}: no leg to {own[there].visit.station_id}")
+            way = self._interval(f"{train.number} {here}", self._from(own, here, there), self._to(own, there))
+            for section_id in leg.section_ids:
+                self._held[section_id].append((train.number, way))
+        for at, here in enumerate(places):
+            if at == 0 and train.follows is not None:
+                continue  # its set stands there since the train before
+            begin = DAY_BEGINS_S if at == 0 else self._from(own, places[at - 1], here)
+            stays: list[_VisitVars] = [own[here]]
+            if at + 1 < len(places):
+                end = self._to(own, places[at + 1])
+            elif becomes is not None:
+                theirs = self.vars[becomes.number]
+                their_places = [i for i, one in enumerate(theirs) if one.visit.tracks]
+                stays.append(theirs[their_places[0]])
+                end = self._to(theirs, their_places[1])
+            else:
+                end = self._ends_s
+            self._stand(f"{train.number} {here} track", begin, end, stays)
+
+    def _stand(self, name: str, begin: Bound, end: Bound, stays: Sequence[_VisitVars]) -> None:
+        """One of the tracks for as long as the train, or its set, is there; the same for all its calls there."""
+        allowed = [t for t in stays[0].visit.tracks if all(t in stay.visit.tracks for stay in stays)]
+        if not allowed:
+            raise NoRoomError(f"no track at {stays[0].visit.station_id} serves {name}")
+        if len(allowed) == 1:
+            self._held[allowed[0]].append((name, self._interval(name, begin, end)))
+            for stay in stays:
+                for track, chosen in stay.tracks.items():
+                    self.model.add(chosen == (track == allowed[0]))
+            return
+        first = stays[0].tracks
+        self.model.add_exactly_one(first[track] for track in allowed)
+        for track, chosen in first.items():
+            if track not in allowed:
+                self.model.add(chosen == 0)
+        for stay in stays[1:]:
+            for track, chosen in stay.tracks.items():
+                self.model.add(chosen == (first[track] if track in allowed else 0))
+        for rank, track in enumerate(allowed):
+            size = self.model.new_int_var(0, 2 * self._ends_s, f"{name} {track} size")
+            interval = self.model.new_optional_interval_var(begin, size, end, first[track], f"{name} {track}")
+            self._held[track].append((name, interval))
+            if rank:
+                self._cost.append(TRACK_COST * first[track])
+
+    def _from(self, own: Sequence[_VisitVars], here: int, there: int) -> Bound:
+        leg = own[there].visit.leg
+        lead = ByStanding(0, 0) if leg is None else leg.lead
+        return self._shifted(own[here].departs, own[here], ByStanding(-lead.stands, -lead.passes))
+
+    def _to(self, own: Sequence[_VisitVars], there: int) -> Bound:
+        leg = own[there].visit.leg
+        return self._shifted(own[there].arrives, own[there], ByStanding(0, 0) if leg is None else leg.lag)
+
+    def _shifted(self, at: IntVar, one: _VisitVars, by: ByStanding) -> Bound:
+        if one.stands is None or by.stands == by.passes:
+            return at + (by.passes if one.visit.standing is Standing.NEVER else by.stands)
+        bound = self.model.new_int_var(DAY_BEGINS_S, self._ends_s, f"{at.name} held")
+        self.model.add(bound == at + by.stands).only_enforce_if(one.stands)
+        self.model.add(bound == at + by.passes).only_enforce_if(~one.stands)
+        return bound
+
+    def _interval(self, name: str, begin: Bound, end: Bound) -> cp_model.IntervalVar:
+        size = self.model.new_int_var(0, 2 * self._ends_s, f"{name} size")
+        return self.model.new_interval_var(begin, size, end, name)
+
+    def _exclude(self) -> None:
+        """One train at a time; sections that are always held together are looked at once."""
+        seen: set[tuple[int, ...]] = set()
+        for held in self._held.values():
+            key = tuple(sorted(interval.index for _, interval in held))
+            if EXCLUSIVE and len(held) > 1 and key not in seen:
+                seen.add(key)
+                self.model.add_no_overlap([interval for _, interval in held])
+
+    # the answer -------------------------------------------------------------------------------------------------------
+
+    def solve(self, work_max: float) -> Arranged:
+        """The best plan that so much counted work finds; NoRoomError where there is none."""
+        solver = cp_model.CpSolver()
+        solver.parameters.random_seed = SEED
+        solver.parameters.num_workers = 1
+        solver.parameters.max_deterministic_time = work_max
+        # Orders decide and sums of moves relax badly: without linear programs, and from below, the proof comes sooner.
+        solver.parameters.linearization_level = 0
+        solver.parameters.optimize_with_core = True
+        status = solver.solve(self.model)
+        work = solver.response_proto.deterministic_time
+        if status not in {cp_model.OPTIMAL, cp_model.FEASIBLE}:
+            raise NoRoomError(
+                "no plan keeps all trains apart" if status == cp_model.INFEASIBLE else "none was found"
+            )
+        visits = {number: self._settled(own, solver) for number, own in self.vars.items()}
+        moves = tuple(
+            PrintedMove(train.number, visit.station_id, what, printed_s, by_s)
+            for train, visit, what, printed_s, at in self._moves
+            if (by_s := solver.value(at) - printed_s)
+        )
+        return Arranged(
+            visits,
+            moves,
+            status == cp_model.OPTIMAL,
+            solver.best_objective_bound / SECOND,
+            self._reach_s,
+            work,
+        )
+
+    def _settled(self, own: Sequence[_VisitVars], solver: cp_model.CpSolver) -> tuple[ArrangedVisit, ...]:
+        found: list[ArrangedVisit] = []
+        for one in own:
+            stands = one.visit.standing is Standing.ALWAYS
+            if one.stands is not None:
+                stands = solver.boolean_value(one.stands)
+            track = next((t for t, chosen in one.tracks.items() if solver.boolean_value(chosen)), None)
+            if len(one.visit.tracks) == 1:
+                track = one.visit.tracks[0]
+            found.append(
+                ArrangedVisit(
+                    one.visit.station_id, solver.value(one.arrives), solver.value(one.departs), stands, track
+                )
+            )
+        return tuple(found)
+
+
+Bound = cp_model.LinearExpr | IntVar | int
+
+
+def _if(one: _VisitVars, *, stands: bool) -> list[cp_model.LiteralT]:
+    """The condition that a train stands (passes) there; nothing where that is settled."""
+    if one.stands is None:
+        return []
+    return [one.stands if stands else ~one.stands]
+
+
+def _earliest_s(train: TrainToArrange) -> list[tuple[int, int]]:
+    """When a train can come and leave at the earliest, s, leaving as printed where it can."""
+    found: list[tuple[int, int]] = []
+    for before, visit in pairwise((None, *train.visits)):
+        if visit is None:
+            continue
+        if before is None:
+            arrives_s = _begins_s(train)
+        elif visit.run is None:
+            raise ValueError(f"{visit.station_id}: no running time")
+        else:
+            runs_s = [run_s for one, other, run_s in visit.run.ways() if before.can(one) and visit.can(other)]
+            arrives_s = found[-1][1] + min(runs_s)
+        departs_s = arrives_s + (visit.stay_s if before and visit.standing is Standing.ALWAYS else 0)
+        found.append((arrives_s, max(departs_s, visit.departure_s or departs_s)))
+    return found
+
+
+def _latest_each_s(train: TrainToArrange, earliest_s: Sequence[tuple[int, int]], reach_s: int) -> list[int]:
+    """When a train leaves each of its visits at the latest, s: so much after print, and in time for what follows."""
+    found: list[int] = []
+    follows: Visit | None = None
+    for visit, (comes_s, leaves_s) in zip(reversed(train.visits), reversed(earliest_s), strict=True):
+        if visit.departure_s is not None:
+            latest_s = leaves_s + reach_s
+        elif follows is None or follows.run is None:
+            latest_s = (
+                comes_s + WAITS_S if visit.arrival_s is None else max(comes_s, visit.arrival_s)
+            ) + reach_s
+        else:
+            latest_s = found[-1] - min(run_s for _, _, run_s in follows.run.ways())
+        found.append(latest_s)
+        follows = visit
+    return found[::-1]
+
+
+def _begins_s(train: TrainToArrange) -> int:
+    first = train.visits[0]
+    if first.departure_s is not None:
+        return first.departure_s
+    printed_s = [s for visit in train.visits for s in (visit.arrival_s, visit.departure_s) if s is not None]
+    least_s = sum(visit.run.stop_stop + visit.stay_s for visit in train.visits if visit.run is not None)
+    return train.from_s if not printed_s else printed_s[0] - least_s
+
+
+def _latest_s(train: TrainToArrange) -> int:
+    return max(s for v in train.visits for s in (v.arrival_s, v.departure_s, train.until_s) if s is not None)

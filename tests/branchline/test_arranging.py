@@ -1,0 +1,133 @@
+"""`branchline arrange`: from departures alone to a day that `check` lets through."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from network.files.timetable_schema import CallTable, TimetableFile
+from network.files.toml_input import parse_toml
+from network.timetable import seconds_of
+
+STATIONS = "name,id,km,tracks,kind\nAsa,ASA,0,2,\nKido,KID,3,2,signal station\nBato,BAT,6,2,\n"
+DAY = """[timetable]
+id = "day"
+line = "hill"
+dwell_min_s = 20
+
+[[trains]]
+number = "1"
+direction = "down"
+begins = "stabled"
+ends = "stabled"
+calls = [{ station = "ASA", departure = "10:00" }, { station = "BAT", arrival = "10:20" }]
+
+[[trains]]
+number = "2"
+direction = "up"
+begins = "stabled"
+ends = "stabled"
+calls = [{ station = "BAT", departure = "UP_LEAVES" }, { station = "ASA", arrival = "10:20", inferred = true }]
+
+[[diagrams]]
+stock = "V1"
+trains = ["1"]
+
+[[diagrams]]
+stock = "V2"
+trains = ["2"]
+"""
+
+
+@pytest.fixture
+def hill(main: Callable[..., Any], tmp_path: Path) -> Callable[[str], None]:
+    """A line with a signal station in its middle, and a train from either end."""
+
+    def put(up_leaves: str) -> None:
+        (tmp_path / "hill.csv").write_text(STATIONS, "utf-8")
+        (tmp_path / "day.toml").write_text(DAY.replace("UP_LEAVES", up_leaves), "utf-8")
+        assert main("new", "line", "hill.csv", "hill.toml").code == 0
+
+    return put
+
+
+def _calls(path: Path, number: str) -> dict[str, CallTable]:
+    file = parse_toml(path.read_text("utf-8"), str(path), TimetableFile)
+    return {call.station: call for train in file.trains if train.number == number for call in train.calls}
+
+
+def _seconds(text: str | None) -> int:
+    return seconds_of("", "", text or "", None)
+
+
+def test_trains_meet_at_a_signal_station_that_nobody_prints(
+    main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path
+) -> None:
+    hill("10:00")
+    arranged = main(
+        "arrange", "hill.toml", "day.toml", "made.toml", "--train", "br642", "--scenario", "run.toml"
+    )
+    assert arranged.code == 0, arranged
+    assert "printed times moved: 0 of 3" in arranged.out
+    assert "stops added: Kido" in arranged.out
+    calls = {number: _calls(tmp_path / "made.toml", number)["KID"] for number in ("1", "2")}
+    assert any(call.operational and call.inferred for call in calls.values())
+    assert main("check", "run.toml").code == 0
+
+
+def test_the_arrival_that_no_source_gives_is_a_running_time_after_the_departure(
+    main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path
+) -> None:
+    hill("10:10")
+    assert main("arrange", "hill.toml", "day.toml", "made.toml", "--train", "br642").code == 0
+    up = _calls(tmp_path / "made.toml", "2")
+    run_s = _seconds(up["ASA"].arrival) - _seconds(up["BAT"].departure)
+    # 6 km at 85 km/h take 254 s; starting and stopping at 0.8 m/s2 and less, and the way under the limit, some more.
+    assert 254 + 30 < run_s < 420
+
+
+def test_what_has_to_move_further_than_it_may_is_named_and_ends_in_1(
+    main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path
+) -> None:
+    hill("10:00")
+    day = tmp_path / "day.toml"
+    day.write_text(
+        day.read_text("utf-8").replace('arrival = "10:20" }', 'arrival = "10:01:20" }', 1), "utf-8"
+    )
+    found = main("arrange", "hill.toml", "day.toml", "--limit", "60", "--train", "br642")
+    assert found.code == 1
+    assert re.search(r"least that would do:\n  1 \+\d+ s at Bato \(arrival printed 10:01\)", found.out)
+
+
+def test_a_scenario_wants_its_timetable_written(
+    main: Callable[..., Any], hill: Callable[[str], None]
+) -> None:
+    hill("10:00")
+    assert main("arrange", "hill.toml", "day.toml", "--scenario", "run.toml").code == 2
+
+
+def test_a_set_that_has_no_room_where_it_begins_is_brought_as_an_empty_working(
+    main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path
+) -> None:
+    hill("10:00")
+    text = DAY.replace('station = "BAT", departure = "UP_LEAVES"', 'station = "KID", departure = "11:00"')
+    text = text.replace('station = "ASA", departure = "10:00"', 'station = "KID", departure = "10:00"')
+    text = text.replace('"10:20", inferred', '"11:20", inferred')
+    (tmp_path / "hill.csv").write_text(STATIONS.replace("signal station", "station"), "utf-8")
+    (tmp_path / "hill.toml").unlink()
+    assert main("new", "line", "hill.csv", "hill.toml").code == 0
+    (tmp_path / "day.toml").write_text(text, "utf-8")
+    # Of the two tracks of Kido one stays free, so that the second set stands elsewhere at night.
+    found = main(
+        "arrange", "hill.toml", "day.toml", "made.toml", "--train", "br642", "--scenario", "run.toml"
+    )
+    assert found.code == 0, found
+    assert "empty working added: E1" in found.out
+    empty = _calls(tmp_path / "made.toml", "E1")
+    assert list(empty)[-1] == "KID"
+    assert _seconds(empty["KID"].arrival) < _seconds("11:00")
+    assert main("check", "run.toml").code == 0
