@@ -232,7 +232,11 @@ class Theory:
             heard_s,
             held_s,
             enters_s,
-            *(math.inf,) * 5,
+            math.inf,
+            math.inf,
+            math.inf,
+            math.inf,
+            math.inf,
         )
 
     # what it stands for -----------------------------------------------------------------------------------------------
