@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 
 from scenario.scenario import load_scenario
+from study.capacity.occupation import OccupationCost
 from study.report.headways import COLUMNS
 from study.runner.run import CarrierKind, PartyLink, execute, write_run
 
 VALLEY = Path(__file__).parents[1] / "examples/line/valley_day.toml"
-COSTS = ("radio", "points", "localisation", "driving", "people", "charging")
 
 
 def test_headways_are_the_same_in_json_and_csv(main: Callable[..., Any], tmp_path: Path) -> None:
@@ -25,7 +25,7 @@ def test_headways_are_the_same_in_json_and_csv(main: Callable[..., Any], tmp_pat
     assert {row["station"] for row in rows} == {"OGN"}
     assert {row["kind_ja"] for row in rows} == {"続行", "着発", "発着"}
     for row in rows:
-        assert sum(row[f"{cost}_s"] for cost in COSTS) == pytest.approx(row["least_s"], abs=0.31)
+        assert sum(row[cost.column] for cost in OccupationCost) == pytest.approx(row["least_s"], abs=0.31)
         assert row["first_train_s"] + row["second_train_s"] == pytest.approx(row["least_s"], abs=0.11)
     with (tmp_path / "out/headways.csv").open(encoding="utf-8") as file:
         assert [row["of"] for row in csv.DictReader(file)] == [row["of"] for row in rows]

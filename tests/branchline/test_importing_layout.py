@@ -69,11 +69,14 @@ def test_an_export_says_where_it_is(main: Callable[..., Ended], tmp_path: Path) 
     assert "sumo-gui -c" in main("export", "sumo", "rtri_test_line", "out").out
 
 
-def test_an_export_of_a_plan_that_cannot_work_says_so(main: Callable[..., Ended]) -> None:
+def test_an_export_of_a_plan_that_cannot_work_says_so(
+    main: Callable[..., Ended], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("branchline.exporting_sumo.SAID_MAX", 1)
     ended = main("export", "sumo", "karasuyama_without_loop", "out")
     assert ended.code == 0
     assert "cannot work, and will not in SUMO: " in ended.err
-    assert "branchline check has them all" in ended.err
+    assert "and 1 more; branchline check has them all" in ended.err
 
 
 def test_an_export_of_nothing_is_one_line(main: Callable[..., Ended], tmp_path: Path) -> None:
