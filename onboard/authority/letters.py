@@ -34,25 +34,57 @@ class Letter(NamedTuple):
     correlation: int
 
 
-class _Commanded(NamedTuple):
+class CommandedPoints(NamedTuple):
+    """A command as it was given: the token and code it goes by, and its correlation."""
+
     token: int
     mac: bytes
     correlation: int
 
 
-class Letters:
-    """What one boot of a unit knows of the numbers of its telegrams."""
+class LetterNumbers(NamedTuple):
+    """All that a boot knows of the numbers of its telegrams, to be kept and given back.
 
-    def __init__(self, unit_id: str, manager_id: str) -> None:
+    `token`: the greatest taken; `correlation`: of the newest request, each open one keeps its own; tokens by section,
+    codes by section and terminal, commands by points.
+    """
+
+    token: int = 0
+    correlation: int = 0
+    open: tuple[tuple[RequestKind, int], ...] = ()
+    tokens: tuple[tuple[str, int], ...] = ()
+    macs: tuple[tuple[tuple[str, str], bytes], ...] = ()
+    commanded: tuple[tuple[str, CommandedPoints], ...] = ()
+
+
+NO_NUMBERS: Final = LetterNumbers()
+
+
+class Letters:
+    """What one boot of a unit knows of the numbers of its telegrams; after a boot, none."""
+
+    def __init__(self, unit_id: str, manager_id: str, numbers: LetterNumbers = NO_NUMBERS) -> None:
         self._unit_id: Final = unit_id
         self._manager_id: Final = manager_id
-        self.token: int = 0  # the greatest taken
-        self._correlation = 0  # of the newest request; each open request keeps its own
-        self._open: dict[RequestKind, int] = {}
-        self._tokens: dict[str, int] = {}  # by section
-        self._macs: dict[tuple[str, str], bytes] = {}  # by section and terminal
-        self._commanded: dict[str, _Commanded] = {}  # by points
+        self.token: int = numbers.token
+        self._correlation = numbers.correlation
+        self._open: dict[RequestKind, int] = dict(numbers.open)
+        self._tokens: dict[str, int] = dict(numbers.tokens)
+        self._macs: dict[tuple[str, str], bytes] = dict(numbers.macs)
+        self._commanded: dict[str, CommandedPoints] = dict(numbers.commanded)
         self._heard: Received | None = None  # the telegram at hand
+
+    @property
+    def numbers(self) -> LetterNumbers:
+        """All that is known, in one order."""
+        return LetterNumbers(
+            self.token,
+            self._correlation,
+            tuple(sorted(self._open.items(), key=lambda item: item[0].value)),
+            tuple(sorted(self._tokens.items())),
+            tuple(sorted(self._macs.items())),
+            tuple(sorted(self._commanded.items())),
+        )
 
     def read(self, heard: Received) -> sym.Event | None:
         """What a telegram means to the machine; None where it means nothing to a unit."""
@@ -88,7 +120,7 @@ class Letters:
                 self._open[ask] = self._correlation
             case sym.Commit(needed):
                 self._correlation += 1
-                self._commanded[needed.points_id] = _Commanded(
+                self._commanded[needed.points_id] = CommandedPoints(
                     self._tokens.get(needed.section_id, 0), self._mac(needed), self._correlation
                 )
             case sym.Take(section_ids):

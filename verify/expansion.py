@@ -1,0 +1,467 @@
+"""What may follow from many states of the line at once, by tables of what may follow at each party.
+
+A state is one number of 64 bits: the ground (manager, terminals, what is left of the budgets) and a cell for each of
+two trains. Whatever happens concerns one or two of these at a time, so it is computed once for each pair that comes and
+looked up for all states that have it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from verify import tokens
+from verify.cells import (
+    AFTER,
+    CELL_BITS,
+    COSTS,
+    EFFECT_BITS,
+    FINISHED,
+    GRANTED,
+    GROUND,
+    GUARD,
+    GUARD_OF,
+    HEAD,
+    HELD,
+    IN_USE,
+    NEAR,
+    NEEDS,
+    OCCUPIED,
+    OLDEST,
+    SAID,
+    SPEAKS,
+    TOKEN_BITS,
+    Cells,
+)
+from verify.explored_line import ANY, TERMINALS, Trouble, mask_of
+from verify.parties import LocalEvent, Numbered, Parties, Sends, StepKind
+from verify.tables import Choices, Numbers, Once, Rows
+from verify.terminal import lie_code
+from verify.train_events import GuardKind
+
+Keys = NDArray[np.uint64]
+MANAGER_BITS, TERMINAL_BITS, LEFT_BITS = 20, 14, 12
+GROUND_BITS: Final = 22
+TWO: Final = 2
+# columns of a manager, of a terminal, and of a choice of theirs
+EPOCH, COUNTER, TOKENS, GRANTS, MAY_GRANT, ON_SIGHT, BAD = range(7)
+HOLDS: Final = 7
+LIE, MEMORY = range(2)
+NEXT, TROUBLE, ABOUT, STANDS, WORD, CORRECTS = range(6)
+EFFECT: Final = 6
+
+
+class Columns(NamedTuple):
+    """States as columns: the ground's parts, and the cells."""
+
+    manager: Numbers
+    terminals: tuple[Numbers, ...]
+    left: Numbers
+    cells: tuple[Numbers, ...]
+
+    def at(self, which: Numbers | NDArray[np.bool_]) -> Columns:
+        """Some of the states."""
+        return Columns(
+            self.manager[which],
+            tuple(t[which] for t in self.terminals),
+            self.left[which],
+            tuple(c[which] for c in self.cells),
+        )
+
+
+class Block(NamedTuple):
+    """What follows: from which of the states (by index), what, and with what trouble."""
+
+    source: Numbers
+    after: Columns
+    trouble: Numbers
+
+
+class Expansion:
+    """Successors of states, and rules, for whole arrays."""
+
+    def __init__(self, parties: Parties) -> None:
+        if len(parties.units) != TWO:
+            raise ValueError(f"{len(parties.units)} trains; the search packs two into a state")
+        self.parties: Final = parties
+        self.grounds: Final = Numbered[tuple[bool, tuple[int, ...], tuple[int, ...]]]()
+        self.lefts: Final = Numbered[tuple[int, ...]]()
+        self.cells: Final = tuple(Cells(parties, unit, self.grounds) for unit in range(TWO))
+        self._bits: Final = Numbered[int]()
+        self._managers: Final = Rows(HOLDS + TWO)
+        self._terminals: Final = tuple(Rows(2) for _ in TERMINALS)
+        self._manager_choices: Final = Choices(EFFECT + TWO, self._manager_events)
+        self._terminal_choices: Final = tuple(
+            Choices(EFFECT + TWO, lambda t, i=i: self._terminal_events(i, t)) for i in range(len(TERMINALS))
+        )
+        self._spent: Final = Once(self._spend, 1, LEFT_BITS, 4)
+        self._manager_hears: Final = tuple(
+            Once(lambda m, said, u=u: self._heard(u, m, said), 2 + TWO, MANAGER_BITS, 20) for u in range(TWO)
+        )
+        self._terminal_hears: Final = tuple(
+            tuple(
+                Once(lambda t, tel, u=u, i=i: self._t_heard(i, t, u, tel), 1 + TWO, TERMINAL_BITS, 20)
+                for u in range(TWO)
+            )
+            for i in range(len(TERMINALS))
+        )
+        self._boundary: Final = Once(self._passed, 1 + TWO, MANAGER_BITS)
+        self._by_hand: Final = tuple(
+            Once(lambda t, locked, i=i: self._locked(i, t, locked), 1 + TWO, TERMINAL_BITS, 1)
+            for i in range(len(TERMINALS))
+        )
+        self._manager_anew: Final = Once(
+            lambda m, b: (parties.make(StepKind.MANAGER_ANEW, m, self._bits.things[b]),), 1, MANAGER_BITS, 20
+        )
+        self._terminal_anew: Final = tuple(
+            Once(
+                lambda t, b, i=i: (parties.make(StepKind.TERMINAL_ANEW, i, t, self._bits.things[b]),),
+                1,
+                TERMINAL_BITS,
+                20,
+            )
+            for i in range(len(TERMINALS))
+        )
+        self.ground_keys: Final = Numbered[tuple[int, ...]]()
+        self._ground_rows: Final = Rows(2 + len(TERMINALS))
+        self._ground: Final = Once(
+            self._ground_of, 1, MANAGER_BITS, *(TERMINAL_BITS,) * len(TERMINALS), LEFT_BITS
+        )
+        self.lefts.number(tuple(parties.line.budgets))
+
+    # packing ----------------------------------------------------------------------------------------------------------
+
+    def start(self) -> Keys:
+        """The one state in which all begins."""
+        zero = np.zeros(1, np.int64)
+        return self.packed(Columns(zero, (zero,) * len(TERMINALS), zero, (zero,) * TWO))
+
+    def packed(self, columns: Columns) -> Keys:
+        """States as numbers."""
+        ground = self._ground(columns.manager, *columns.terminals, columns.left)[:, 0]
+        for numbers, bits in ((ground, GROUND_BITS), *((cell, CELL_BITS) for cell in columns.cells)):
+            if len(numbers) and int(numbers.max()) >> bits:
+                raise OverflowError(f"more than 2 ** {bits} parts of states: a state does not fit 64 bits")
+        one, other = columns.cells
+        return (ground << 2 * CELL_BITS | one << CELL_BITS | other).view(np.uint64)
+
+    def columns(self, keys: Keys) -> Columns:
+        """The parts of states."""
+        numbers = keys.view(np.int64)
+        ground = numbers >> 2 * CELL_BITS & (1 << GROUND_BITS) - 1
+        cell = (1 << CELL_BITS) - 1
+        cells = numbers >> CELL_BITS & cell, numbers & cell
+        manager, *terminals, left = (self._ground_rows.column(i)[ground] for i in range(2 + len(TERMINALS)))
+        return Columns(manager, tuple(terminals), left, cells)
+
+    def _ground_of(self, *key: int) -> tuple[int]:
+        number = self.ground_keys.number(key)
+        if number == len(self._ground_rows):
+            self._ground_rows.add(key)
+        return (number,)
+
+    # successors -------------------------------------------------------------------------------------------------------
+
+    def following(self, keys: Keys) -> tuple[Numbers, Keys, Numbers]:
+        """Index of the state that each follows from, what follows, and with what trouble."""
+        states = self.columns(keys)
+        blocks = [block for block in self._blocks(states) if len(block.source)]
+        if not blocks:
+            none = np.zeros(0, np.int64)
+            return none, none.view(np.uint64), none
+        after = Columns(
+            np.concatenate([b.after.manager for b in blocks]),
+            tuple(np.concatenate([b.after.terminals[i] for b in blocks]) for i in range(len(TERMINALS))),
+            np.concatenate([b.after.left for b in blocks]),
+            tuple(np.concatenate([b.after.cells[u] for b in blocks]) for u in range(TWO)),
+        )
+        source = np.concatenate([b.source for b in blocks])
+        return source, self.packed(self._settled(after)), np.concatenate([b.trouble for b in blocks])
+
+    def _blocks(self, states: Columns) -> Iterator[Block]:
+        for unit in range(TWO):
+            yield self._of_cells(states, unit)
+            yield self._to_manager(states, unit)
+            for index in range(len(TERMINALS)):
+                yield self._to_terminal(states, unit, index)
+        yield self._of_manager(states)
+        for index in range(len(TERMINALS)):
+            yield self._of_terminal(states, index)
+
+    def _of_cells(self, states: Columns, unit: int) -> Block:
+        cells, other = self.cells[unit], self.cells[1 - unit]
+        source, column = cells.choices.of(states.cells[unit])
+        guard, of = column(GUARD), column(GUARD_OF)
+        may = np.ones(len(source), bool)
+        free = guard == GuardKind.FREE
+        occupied = other.rows.column(OCCUPIED)[states.cells[1 - unit][source]]
+        may &= ~free | (occupied & of == 0)
+        for index in range(len(TERMINALS)):
+            here = (guard >= GuardKind.LIES) & (guard <= GuardKind.LIES_NOT) & (of >> 4 == index)
+            lies = self._lie(index, states.terminals[index])[source] == of & 15
+            may &= ~here | (lies == (guard == GuardKind.LIES))
+        picked = np.flatnonzero(may)
+        block = self._spending(states.at(source[picked]), source[picked], column(COSTS)[picked])
+        kept, after = block
+        rows = picked[kept.chosen]
+        cell_sets = list(after.cells)
+        cell_sets[unit] = column(AFTER)[rows]
+        changed = self._elsewhere(after._replace(cells=tuple(cell_sets)), column(GROUND)[rows])
+        return Block(source[rows], changed, column(COSTS)[rows])
+
+    def _elsewhere(self, states: Columns, grounds: Numbers) -> Columns:
+        """What events of trains do to the ground."""
+        manager, terminals, cells = states.manager.copy(), list(states.terminals), list(states.cells)
+        for number, (left, locks, unlocks) in enumerate(self.grounds.things):
+            if not (left or locks or unlocks):
+                continue
+            at = np.flatnonzero(grounds == number)
+            if not len(at):
+                continue
+            if left:
+                made = self._boundary(manager[at])
+                manager[at] = made[:, 0]
+                self._send(cells, at, made[:, 1:])
+            for index in (*locks, *unlocks):
+                locked = np.full(len(at), int(index in locks))
+                terminals[index] = terminals[index].copy()
+                made = self._by_hand[index](terminals[index][at], locked)
+                terminals[index][at] = made[:, 0]
+                self._send(cells, at, made[:, 1:])
+        return Columns(manager, tuple(terminals), states.left, tuple(cells))
+
+    def _send(self, cells: list[Numbers], at: Numbers, effects: Numbers) -> None:
+        """Telegrams on their way to the units of some of the states."""
+        for unit in range(TWO):
+            some = np.flatnonzero(effects[:, unit])
+            if len(some):
+                cells[unit] = cells[unit].copy()
+                where = at[some]
+                cells[unit][where] = self.cells[unit].sent(cells[unit][where], effects[some, unit])[:, 0]
+
+    def _to_manager(self, states: Columns, unit: int) -> Block:
+        table = self.cells[unit].rows
+        source = np.flatnonzero(table.column(SAID)[states.cells[unit]] >= 0)
+        some = states.at(source)
+        made = self._manager_hears[unit](some.manager, table.column(SAID)[some.cells[unit]])
+        cells, effects = list(some.cells), made[:, 2:].copy()
+        cells[unit] = self.cells[unit].heard(cells[unit], made[:, 1], effects[:, unit])[:, 0]
+        effects[:, unit] = 0
+        self._send(cells, np.arange(len(source)), effects)
+        return _untroubled(source, some._replace(manager=made[:, 0], cells=tuple(cells)))
+
+    def _to_terminal(self, states: Columns, unit: int, index: int) -> Block:
+        head = self.cells[unit].rows.column(HEAD + index + 1)
+        source = np.flatnonzero(head[states.cells[unit]] >= 0)
+        some = states.at(source)
+        made = self._terminal_hears[index][unit](some.terminals[index], head[some.cells[unit]])
+        cells, terminals = list(some.cells), list(some.terminals)
+        terminals[index] = made[:, 0]
+        cells[unit] = self.cells[unit].without_first[index + 1](cells[unit])[:, 0]
+        self._send(cells, np.arange(len(source)), made[:, 1:])
+        return _untroubled(source, some._replace(terminals=tuple(terminals), cells=tuple(cells)))
+
+    def _of_manager(self, states: Columns) -> Block:
+        source, column = self._manager_choices.of(states.manager)
+        may = np.ones(len(source), bool)
+        about, near = column(ABOUT), np.zeros(len(source), bool)
+        for unit, cells in enumerate(self.cells):
+            cell = states.cells[unit][source]
+            speaks, occupied = (cells.rows.column(c)[cell] for c in (SPEAKS, OCCUPIED))
+            true = ((speaks == 0) | (column(CORRECTS) != 0)) & (occupied == column(STANDS))
+            may &= (about != unit) | (true == (column(TROUBLE) == Trouble.NONE))
+            early = cells.rows.column(OLDEST)[cell] < self._managers.column(EPOCH)[states.manager[source]]
+            may &= (column(WORD) == 0) | ~early
+            near |= cells.rows.column(NEAR)[cell] != 0
+        return self._at_ground(states, source, column, may, near, None)
+
+    def _of_terminal(self, states: Columns, index: int) -> Block:
+        source, column = self._terminal_choices[index].of(states.terminals[index])
+        near = np.zeros(len(source), bool)
+        for unit, cells in enumerate(self.cells):
+            near |= cells.rows.column(NEAR + index + 1)[states.cells[unit][source]] != 0
+        return self._at_ground(states, source, column, np.ones(len(source), bool), near, index)
+
+    def _at_ground(
+        self,
+        states: Columns,
+        source: Numbers,
+        column: Callable[[int], Numbers],
+        may: NDArray[np.bool_],
+        near: NDArray[np.bool_],
+        index: int | None,
+    ) -> Block:
+        trouble = np.where((column(TROUBLE) == Trouble.NONE) & near, Trouble.DELAY, column(TROUBLE))
+        picked = np.flatnonzero(may)
+        kept, after = self._spending(states.at(source[picked]), source[picked], trouble[picked])
+        rows = picked[kept.chosen]
+        cells = list(after.cells)
+        effects = np.stack([column(EFFECT + unit)[rows] for unit in range(TWO)], axis=1)
+        self._send(cells, np.arange(len(rows)), effects)
+        if index is None:
+            after = after._replace(manager=column(NEXT)[rows])
+        else:
+            terminals = list(after.terminals)
+            terminals[index] = column(NEXT)[rows]
+            after = after._replace(terminals=tuple(terminals))
+        return Block(source[rows], after._replace(cells=tuple(cells)), trouble[rows])
+
+    class _Chosen(NamedTuple):
+        chosen: Numbers
+
+    def _spending(self, states: Columns, source: Numbers, trouble: Numbers) -> tuple[_Chosen, Columns]:
+        """Those whose budget has something left, which is spent."""
+        left = self._spent(states.left, trouble)[:, 0] if len(source) else states.left
+        chosen = np.flatnonzero(left >= 0)
+        return self._Chosen(chosen), states.at(chosen)._replace(left=left[chosen])
+
+    # states that are one ----------------------------------------------------------------------------------------------
+
+    def _settled(self, states: Columns) -> Columns:
+        self._add_rows()
+        cells = list(states.cells)
+        grants = self._managers.column(GRANTS)[states.manager]
+        for unit, table in enumerate(self.cells):
+            idle = (grants >> unit & 1 == 0) & (table.rows.column(GRANTED)[cells[unit]] != 0)
+            at = np.flatnonzero(idle)
+            if len(at):
+                cells[unit] = cells[unit].copy()
+                cells[unit][at] = table.forgets(cells[unit][at])[:, 0]
+        return self._in_order(states._replace(cells=tuple(cells)))
+
+    def _in_order(self, states: Columns) -> Columns:
+        in_use = self._managers.column(TOKENS)[states.manager]
+        for index, rows in enumerate(self._terminals):
+            in_use = in_use | rows.column(MEMORY)[states.terminals[index]]
+        for unit, cells in enumerate(self.cells):
+            in_use = in_use | cells.rows.column(IN_USE)[states.cells[unit]]
+        epoch = self._managers.column(EPOCH)[states.manager]
+        counter = self._managers.column(COUNTER)[states.manager]
+        different, inverse = np.unique(
+            np.stack((in_use, epoch, counter)), axis=1, return_inverse=True
+        )
+        wrong = np.array([not tokens.in_order(*row) for row in different.T.tolist()], bool)
+        at = np.flatnonzero(wrong[inverse.reshape(-1)])
+        if not len(at):
+            return states
+        bits, which = np.unique(in_use[at], return_inverse=True)
+        number = np.array([self._bits.number(b) for b in bits.tolist()], np.int64)[which]
+        some = states.at(at)
+        manager = states.manager.copy()
+        manager[at] = self._manager_anew(some.manager, number)[:, 0]
+        terminals, cells_ = [t.copy() for t in states.terminals], [c.copy() for c in states.cells]
+        for index, anew in enumerate(self._terminal_anew):
+            terminals[index][at] = anew(some.terminals[index], number)[:, 0]
+        for unit, cells in enumerate(self.cells):
+            of_unit = np.array([cells.in_use.number(b) for b in bits.tolist()], np.int64)[which]
+            cells_[unit][at] = cells.anew(some.cells[unit], of_unit)[:, 0]
+        self._add_rows()
+        return Columns(manager, tuple(terminals), states.left, tuple(cells_))
+
+    def _add_rows(self) -> None:
+        """Columns of what has been found since."""
+        for number in range(len(self._managers), len(self.parties.managers.things)):
+            manager = self.parties.managers.things[number]
+            register = manager.kept.register
+            may_grant = manager.power and register.defined
+            self._managers.add(
+                (
+                    manager.epoch,
+                    register.counter if manager.power else -1,
+                    tokens.of_manager(manager),
+                    self.parties.manager_grants(number),
+                    may_grant,
+                    mask_of(register.unswept),
+                    bool(manager.bad),
+                    *self.parties.held_by_register(number),
+                )
+            )
+        for rows, known in zip(self._terminals, self.parties.terminals, strict=True):
+            for terminal in known.things[len(rows) :]:
+                rows.add((lie_code(terminal), tokens.of_terminal(terminal)))
+
+    def _lie(self, index: int, terminals: Numbers) -> Numbers:
+        self._add_rows()
+        return self._terminals[index].column(LIE)[terminals]
+
+    # what must hold ---------------------------------------------------------------------------------------------------
+
+    def broken(self, keys: Keys) -> NDArray[np.bool_]:
+        """In which states a rule is broken; `Composition.broken` says which."""
+        self._add_rows()
+        states = self.columns(keys)
+        columns = [cells.rows.column for cells in self.cells]
+        occupied = [columns[u](OCCUPIED)[states.cells[u]] for u in range(TWO)]
+        held = [columns[u](HELD)[states.cells[u]] for u in range(TWO)]
+        both_know = (held[0] >= 0) & (held[1] >= 0)
+        bad = (occupied[0] & occupied[1] != 0) | (both_know & (held[0] & held[1] != 0))
+        manager = states.manager
+        on_sight = self._managers.column(ON_SIGHT)[manager]
+        may_grant = self._managers.column(MAY_GRANT)[manager] != 0
+        for unit in range(TWO):
+            bad |= (held[unit] >= 0) & (occupied[unit] & ~held[unit] != 0)
+            mine = self._managers.column(HOLDS + unit)[manager]
+            bad |= may_grant & (occupied[unit] & ~mine & ~on_sight != 0)
+            for index in range(len(TERMINALS)):
+                need = columns[unit](NEEDS + index)[states.cells[unit]]
+                bad |= (need != 0) & (self._lie(index, states.terminals[index]) != need)
+        return bad | (self._managers.column(BAD)[manager] != 0)
+
+    def finished(self, keys: Keys) -> NDArray[np.bool_]:
+        """In which states every train has come and gone."""
+        states = self.columns(keys)
+        done = [self.cells[u].rows.column(FINISHED)[states.cells[u]] != 0 for u in range(TWO)]
+        return done[0] & done[1]
+
+    # tables -----------------------------------------------------------------------------------------------------------
+
+    def _effects(self, peer: int, sends: Sends) -> tuple[int, ...]:
+        """What is sent down, as an effect for each unit."""
+        by_unit = (tuple((2 * peer + 1, t) for u, t in sends if u == unit) for unit in range(TWO))
+        return tuple(self.cells[unit].effects.number(of) for unit, of in enumerate(by_unit))
+
+    def _heard(self, unit: int, manager: int, said: int) -> tuple[int, ...]:
+        telegram, granted = self.cells[unit].said.things[said]
+        made = self.parties.make(StepKind.MANAGER_HEARS, manager, unit, telegram, granted)
+        return made.state, made.granted, *self._effects(0, made.sends)
+
+    def _t_heard(self, index: int, terminal: int, unit: int, telegram: int) -> tuple[int, ...]:
+        made = self.parties.make(StepKind.TERMINAL_HEARS, index, terminal, unit, telegram)
+        return made.state, *self._effects(index + 1, made.sends)
+
+    def _passed(self, manager: int) -> tuple[int, ...]:
+        made = self.parties.make(StepKind.BOUNDARY_PASSED, manager)
+        return made.state, *self._effects(0, made.sends)
+
+    def _locked(self, index: int, terminal: int, locked: int) -> tuple[int, ...]:
+        made = self.parties.make(StepKind.LOCKED_BY_HAND, index, terminal, locked)
+        return made.state, *self._effects(index + 1, made.sends)
+
+    def _manager_events(self, manager: int) -> list[Sequence[int]]:
+        return [self._event_row(0, e) for e in self.parties.make(StepKind.MANAGER_EVENTS, manager)]
+
+    def _terminal_events(self, index: int, terminal: int) -> list[Sequence[int]]:
+        found = self.parties.make(StepKind.TERMINAL_EVENTS, index, terminal)
+        return [self._event_row(index + 1, e) for e in found]
+
+    def _event_row(self, peer: int, event: LocalEvent) -> Sequence[int]:
+        effects = self._effects(peer, event.sends)
+        return event.state, event.trouble, event.about, event.stands, event.word, event.corrects, *effects
+
+    def _spend(self, left: int, trouble: int) -> tuple[int]:
+        budget = self.lefts.things[left]
+        if trouble == Trouble.NONE or budget[trouble - 1] == ANY:
+            return (left,)
+        if budget[trouble - 1] == 0:
+            return (-1,)
+        return (self.lefts.number((*budget[: trouble - 1], budget[trouble - 1] - 1, *budget[trouble:])),)
+
+
+def _untroubled(source: Numbers, after: Columns) -> Block:
+    return Block(source, after, np.zeros(len(source), np.int64))
+
+
+__all__ = ["EFFECT_BITS", "TOKEN_BITS", "Expansion", "Keys"]

@@ -1,0 +1,141 @@
+"""The line that is explored whole, its trains, and how often each thing that is not wished for may happen.
+
+A portal P, a section X with one set of points of each of two terminals, and two tracks A and B beyond it. Every train
+comes in by the portal, runs to its track, turns, and leaves by the portal: trains meet, follow and wait for each other
+over X and P.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import Final, NamedTuple
+
+import msgspec
+
+from network.model import Position, SectionKind, TagPurpose
+from onboard.duty.duty_step import DutyParameters, ReleaseRule
+from onboard.duty.plan import DutyPlan, PlanLeg, PlanStop, PlanTag, PointsNeeded, Span
+from radio.keys import capability_key
+from wayside.config import (
+    MANAGER_ID,
+    ManagerConfig,
+    PointsEntry,
+    RouteEntry,
+    SectionEntry,
+    TerminalConfig,
+)
+
+UNITS: Final = ("u1", "u2")
+SECTIONS: Final = ("P", "X", "A", "B")
+BIT: Final = {section: 1 << index for index, section in enumerate(SECTIONS)}
+PORTAL: Final = "P"
+TERMINALS: Final = ("t1", "t2")
+POINTS_OF: Final = {"t1": "PX", "t2": "PY"}
+PERSONS: Final = ("Mori", "Sato")
+PLACES_A_SPAN: Final = 3  # whole in it; perhaps beyond the next joint; surely beyond, its rear still behind
+_MASTER: Final = b"explored" * 4
+_TRACK_OF: Final = {"u1": ("A", Position.NORMAL), "u2": ("B", Position.REVERSE)}
+_KINDS: Final = {"P": SectionKind.PORTAL, "X": SectionKind.POINTS}
+CAPABILITY_KEYS: Final = {terminal: capability_key(_MASTER, terminal) for terminal in TERMINALS}
+
+
+class Trouble(IntEnum):
+    """What is not wished for, each within a budget; `Trouble.NONE` costs nothing."""
+
+    NONE = 0
+    LOSS = 1  # a telegram is lost, overtaken, or older than the age limit
+    DELAY = 2  # a body moves, a person acts or a timer runs out at a party while a telegram from or to it is on the air
+    POWER = 3  # of a unit, the manager or a terminal
+    WORD = 4  # a person's word that is not true, or about a unit that speaks for itself
+    POINTS = 5  # a throw that is not proven in time; a position or lock that is detected no more
+    SENSOR = 6  # a position lost
+
+
+ANY: Final = 99  # as often as it may be
+
+
+class Budgets(NamedTuple):
+    """How often each may happen; `ANY`: it is not counted."""
+
+    loss: int = 0
+    delay: int = 0
+    power: int = 0
+    word: int = 0
+    points: int = 0
+    sensor: int = 0
+
+
+class ExploredLine(NamedTuple):
+    """What is explored: how many of the trains run, by which rule they give back, and the budgets."""
+
+    trains: int = 2
+    release: ReleaseRule = ReleaseRule.ROUTE
+    budgets: Budgets = Budgets()
+
+    @property
+    def parameters(self) -> DutyParameters:
+        """Times of the duty: no state knows them but by the timers that they start."""
+        return DutyParameters(20.0, 45.0, 30.0, self.release)
+
+
+MANAGER: Final = ManagerConfig(
+    "explored",
+    MANAGER_ID,
+    UNITS,
+    (
+        SectionEntry("P", portal=True),
+        SectionEntry("X", terminal_ids=TERMINALS),
+        SectionEntry("A"),
+        SectionEntry("B"),
+    ),
+    (
+        RouteEntry("in A", "P", ("X", "A")),
+        RouteEntry("out A", "A", ("X", "P")),
+        RouteEntry("in B", "P", ("X", "B")),
+        RouteEntry("out B", "B", ("X", "P")),
+    ),
+)
+
+
+def manager_config(line: ExploredLine) -> ManagerConfig:
+    """The manager's fixed data: only the trains that run are on its fleet list."""
+    return msgspec.structs.replace(MANAGER, unit_ids=UNITS[: line.trains])
+
+
+def terminal_config(terminal_id: str) -> TerminalConfig:
+    """Fixed data of a terminal: its one set of points."""
+    return TerminalConfig("explored", terminal_id, (PointsEntry(POINTS_OF[terminal_id], "X", 10.0),))
+
+
+def _plan(way: str, sections: tuple[str, ...], position: Position) -> DutyPlan:
+    needed = tuple(PointsNeeded(POINTS_OF[t], position, "X", t) for t in TERMINALS)
+    spans = tuple(
+        Span(s, _KINDS.get(s, SectionKind.TRACK), needed if s == "X" else (), s, 0.0) for s in sections
+    )
+    first, last = sections[0], sections[-1]
+    stops = (
+        PlanStop(first, first != PORTAL, 0, 0, None, None, passengers=False),
+        PlanStop(last, last != PORTAL, 2, 2, None, None, passengers=False),
+    )
+    leg = PlanLeg(f"{way} {sections[0 if way == 'out' else -1]}", first, sections[1:])
+    tags = (PlanTag(1, TagPurpose.ARRIVAL, 3, 2),)
+    return DutyPlan(way, way, spans, (leg,), stops, tags, last, 0.0, enters=first == PORTAL)
+
+
+def plans_of(unit_id: str) -> tuple[DutyPlan, DutyPlan]:
+    """A train's way in, and out again."""
+    track, position = _TRACK_OF[unit_id]
+    return _plan("in", ("P", "X", track), position), _plan("out", (track, "X", "P"), position)
+
+
+END: Final = 2 * PLACES_A_SPAN  # where a train of three spans stands at its last mark, whole in the last
+
+
+def mask_of(section_ids: tuple[str, ...] | frozenset[str]) -> int:
+    """Sections as bits."""
+    return sum(BIT[section] for section in section_ids)
+
+
+def sections_of(mask: int) -> tuple[str, ...]:
+    """Bits as sections."""
+    return tuple(section for section in SECTIONS if mask & BIT[section])

@@ -1,0 +1,238 @@
+"""The block manager as a party of the exploration: its real step, its power, and the persons who speak for units.
+
+Times stand outside: units may be asked again at any time, and what must wait until telegrams of an earlier boot are too
+old (a person's word) waits until none of them is on the air. Two states are one where only times, counts of inputs and
+names shown to people differ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import Final, NamedTuple
+
+from radio.envelope import DropReason
+from radio.messages import Restarted, RouteGranted
+from verify.explored_line import (
+    CAPABILITY_KEYS,
+    PERSONS,
+    PORTAL,
+    UNITS,
+    ExploredLine,
+    Trouble,
+    manager_config,
+    mask_of,
+    sections_of,
+)
+from verify.on_air import InAir, opened
+from wayside import acts, reentry
+from wayside.actions import Action, Send
+from wayside.block_manager import AskUnits, Event, Heard, step, wake_at_s
+from wayside.register import Register, UnitStanding, start
+from wayside.said import AcceptPicture, BoundaryPassed, ConfirmHolding, ConfirmOutside
+
+LATE_S: Final = 1000.0  # later than whatever a rule of the manager waits for
+GRANTED_IN_DOUBT: Final = "granted while the line was not defined"
+PLACES: Final = tuple(mask_of(s) for s in (("P",), ("P", "X"), ("X",), ("X", "A"), ("A",), ("X", "B"), ("B",)))
+
+
+@dataclass(frozen=True, slots=True)
+class PlainRegister:
+    """A register, told from others by its key."""
+
+    register: Register = field(compare=False)
+    key: object
+
+
+class ManagerState(NamedTuple):
+    """`kept`: the register, or with the power off what outlives that. `heard`: boots of the units. `bad`: what must never
+    happen and did in the step that led here.
+    """
+
+    power: bool
+    epoch: int
+    heard: tuple[int, ...]
+    kept: PlainRegister
+    bad: str = ""
+
+
+class ManagerStep(NamedTuple):
+    """What comes of a step: telegrams by unit; `granted`: the correlation of the last grant to the unit heard."""
+
+    state: ManagerState
+    sends: tuple[tuple[int, InAir], ...] = ()
+    granted: int = 0
+
+
+class ManagerEvent(NamedTuple):
+    """Something that can happen. `about`: the unit that a person speaks of, truly where its train stands in `stands`, and
+    where nobody has said anything of it before (else `corrects`), only if it does not speak for itself. `word`: a person
+    acts, which takes effect only when no telegram of an earlier boot is on the air.
+    """
+
+    name: str
+    state: ManagerState
+    sends: tuple[tuple[int, InAir], ...] = ()
+    trouble: Trouble = Trouble.NONE
+    about: int = -1
+    stands: int = 0
+    word: bool = False
+    corrects: bool = False
+
+
+def plain(register: Register) -> PlainRegister:
+    """The register without times, counts and names; of a correlation only whether there is one."""
+    units = {
+        u: replace(known, by="x" if known.by else "", correlation=min(known.correlation, 1))
+        for u, known in register.units.items()
+    }
+    words = replace(
+        register.reentry,
+        inputs={},
+        heard_s=dict.fromkeys(register.reentry.heard_s, 0.0),
+        defined_s=None,
+        accepted_by="x" if register.reentry.accepted_by else "",
+    )
+    doubted = {u: min(times, acts.ASKED_IN_VAIN) for u, times in register.doubted.items()}
+    register = replace(
+        register, units=units, reentry=words, doubted=doubted, started_s=0.0, ask_at_s=0.0, now_s=0.0
+    )
+    return PlainRegister(register, _key(register))
+
+
+def _key(register: Register) -> object:
+    words = register.reentry
+    return (
+        (register.epoch, register.counter, register.restoring),
+        tuple(sorted(register.holders.items())),
+        tuple(sorted(register.units.items(), key=lambda item: item[0])),
+        (register.ledger, register.bars, register.unswept, register.left_through),
+        tuple(sorted(register.doubted.items())),
+        tuple(sorted((s, tuple(sorted(by.items(), key=repr))) for s, by in words.entries.items())),
+        (words.complete, tuple(sorted(words.left_by.items())), words.accepted_by, words.stage),
+        tuple(sorted(words.heard_s)),
+    )
+
+
+class ManagerModel:
+    """Steps of the block manager."""
+
+    def __init__(self, line: ExploredLine) -> None:
+        self._config: Final = manager_config(line)
+        self._errs: Final = line.budgets.word > 0
+        self.units: Final = UNITS[: line.trains]
+
+    def start(self) -> ManagerState:
+        """A day under way: every unit is known to be off the line."""
+        register = start(self._config, 1, CAPABILITY_KEYS)
+        for unit_id in self.units:
+            register, _ = step(register, ConfirmOutside(unit_id, PERSONS[0]), LATE_S)
+        return ManagerState(True, 1, (0,) * len(self.units), plain(register))
+
+    def hear(self, state: ManagerState, unit: int, telegram: InAir, granted: int) -> ManagerStep:
+        """A telegram comes in; one for an earlier boot is answered with that. `granted`: the correlation of the last
+        grant to this unit, which stands outside the state.
+        """
+        if not state.power:
+            return ManagerStep(state)
+        heard = opened(self.units[unit], telegram, state.epoch, state.heard[unit])
+        if heard is DropReason.EARLIER_BOOT:
+            restarted = InAir(state.epoch, state.heard[unit], 0, Restarted())
+            return ManagerStep(state, ((unit, restarted),), granted)
+        if isinstance(heard, DropReason):
+            return ManagerStep(state, (), granted)
+        boots = (*state.heard[:unit], heard.epoch, *state.heard[unit + 1 :])
+        event = Heard(heard.source, heard.epoch, heard.fresh, heard.correlation, heard.message)
+        register = state.kept.register
+        known = register.unit(heard.source)
+        if known.correlation:
+            register = register.with_unit(heard.source, replace(known, correlation=granted))
+        return self._took(state._replace(heard=boots, kept=PlainRegister(register, None)), event, unit)
+
+    def grants(self, state: ManagerState) -> int:
+        """Units (as bits) to whose last grant a request may still be a repetition."""
+        units = state.kept.register.units
+        return sum(1 << i for i, u in enumerate(self.units) if u in units and units[u].correlation)
+
+    def boundary_passed(self, state: ManagerState) -> ManagerStep:
+        """The contact at the boundary has counted a train out."""
+        return self._took(state, BoundaryPassed(PORTAL)) if state.power else ManagerStep(state)
+
+    def events(self, state: ManagerState) -> tuple[ManagerEvent, ...]:
+        """All that can happen besides telegrams; what changes nothing and says nothing is left out."""
+        if not state.power:
+            return (ManagerEvent("power is back", self._booted(state)),)
+        found = (*self._asks(state), *self._words(state), self._fails(state))
+        return tuple(e for e in found if e.state != state or e.sends)
+
+    def holders(self, state: ManagerState) -> tuple[int, ...]:
+        """By unit: what it holds by the register, as bits."""
+        return tuple(mask_of(state.kept.register.held_by(unit_id)) for unit_id in self.units)
+
+    def _took(self, state: ManagerState, event: Event, unit: int = -1) -> ManagerStep:
+        before = state.kept.register
+        after, actions = step(before, event, LATE_S)
+        sends = self._sealed(state, actions)
+        granted = any(isinstance(sent.message, RouteGranted) for _, sent in sends)
+        bad = GRANTED_IN_DOUBT if granted and not before.defined else state.bad
+        correlation = after.unit(self.units[unit]).correlation if unit >= 0 else 0
+        return ManagerStep(state._replace(kept=plain(after), bad=bad), sends, correlation)
+
+    def _sealed(self, state: ManagerState, actions: tuple[Action, ...]) -> tuple[tuple[int, InAir], ...]:
+        sends = [action for action in actions if isinstance(action, Send)]
+        units = [self.units.index(send.destination) for send in sends]
+        return tuple(
+            (unit, InAir(state.epoch, state.heard[unit], send.correlation, send.message))
+            for unit, send in zip(units, sends, strict=True)
+        )
+
+    def _asks(self, state: ManagerState) -> Iterator[ManagerEvent]:
+        if wake_at_s(state.kept.register) is not None:
+            after, sends, _ = self._took(state, AskUnits())
+            yield ManagerEvent("asks the units", after, sends)
+
+    def _words(self, state: ManagerState) -> Iterator[ManagerEvent]:
+        register = state.kept.register
+        if register.restoring and not reentry.missing_for_acceptance(register):
+            after, sends, _ = self._took(state, AcceptPicture(PERSONS[0]))
+            yield ManagerEvent("a person accepts the picture", after, sends, word=True)
+        lacking = reentry.missing(register).unit_ids
+        for unit, unit_id in enumerate(self.units):
+            corrects = bool(register.unit(unit_id).by) or bool(reentry.words_for(register, unit_id))
+            if not (self._errs or corrects or unit_id in lacking):
+                continue
+            for person in PERSONS:
+                for stands in (0, *PLACES):
+                    word = (
+                        ConfirmHolding(unit_id, sections_of(stands), person)
+                        if stands
+                        else ConfirmOutside(unit_id, person, PORTAL)
+                    )
+                    after, sends, _ = self._took(state, word)
+                    where = " ".join(sections_of(stands)) or "off the line"
+                    name = f"{person} says that {unit_id} is {'in ' if stands else ''}{where}"
+                    told = ManagerEvent(
+                        name, after, sends, about=unit, stands=stands, word=True, corrects=corrects
+                    )
+                    if corrects or unit_id in lacking:
+                        yield told
+                    if self._errs:
+                        yield told._replace(trouble=Trouble.WORD)
+
+    def _fails(self, state: ManagerState) -> ManagerEvent:
+        register = state.kept.register
+        memory = self._started(state.epoch, register)
+        off = ManagerState(False, state.epoch, (0,) * len(self.units), plain(memory))
+        return ManagerEvent("power fails", off, trouble=Trouble.POWER)
+
+    def _booted(self, state: ManagerState) -> ManagerState:
+        register = self._started(state.epoch + 1, state.kept.register)
+        return ManagerState(True, state.epoch + 1, state.heard, plain(register))
+
+    def _started(self, epoch: int, register: Register) -> Register:
+        return start(
+            self._config, epoch, CAPABILITY_KEYS, register.ledger, register.unswept, {}, register.bars
+        )
+
+
+__all__ = ["ManagerModel", "UnitStanding"]

@@ -1,0 +1,121 @@
+"""All states that can be come to, breadth first, level by level."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from verify.expansion import Expansion, Keys
+from verify.tables import Numbers
+
+AT_ONCE: Final = 200_000  # states expanded at once: what a table of successors of them takes
+
+
+class Level(NamedTuple):
+    """A level of the search, for whoever watches."""
+
+    depth: int
+    new: int
+    distinct: int
+    generated: int
+
+
+class SearchedSpace(NamedTuple):
+    """What was found: all states in order, those of each level, and states that break a rule."""
+
+    states: Keys
+    levels: tuple[Keys, ...]
+    generated: int
+    broken: Keys
+    complete: bool
+
+
+def search(
+    expansion: Expansion,
+    states_max: int,
+    watch: Callable[[Level], None] = lambda _: None,
+) -> SearchedSpace:
+    """Every state, until a level has one that breaks a rule, or `states_max` are found."""
+    frontier = expansion.start()
+    levels, seen, generated = [frontier], Seen(), 0
+    seen.add(frontier)
+    broken = frontier[expansion.broken(frontier)]
+    while len(frontier) and not len(broken) and seen.count < states_max:
+        found: list[Keys] = []
+        for part in parts(frontier):
+            _, after, _ = expansion.following(part)
+            generated += len(after)
+            found.append(seen.new(np.unique(after)))
+        frontier = np.unique(np.concatenate(found))
+        seen.add(frontier)
+        levels.append(frontier)
+        broken = frontier[expansion.broken(frontier)]
+        watch(Level(len(levels) - 1, len(frontier), seen.count, generated))
+    return SearchedSpace(seen.all(), tuple(levels), generated, broken, complete=not len(frontier))
+
+
+def parts(keys: Keys) -> Iterator[Keys]:
+    """The states, some at a time."""
+    return (keys[first : first + AT_ONCE] for first in range(0, len(keys), AT_ONCE))
+
+
+class Seen:
+    """States that have been found: a few sorted arrays, the greater at least twice as great as the next."""
+
+    def __init__(self) -> None:
+        self._runs: list[Keys] = []
+
+    @property
+    def count(self) -> int:
+        """How many."""
+        return sum(len(run) for run in self._runs)
+
+    def add(self, keys: Keys) -> None:
+        """More of them: sorted, each once, none of them known."""
+        self._runs.append(keys)
+        while len(self._runs) > 1 and 2 * len(self._runs[-1]) > len(self._runs[-2]):
+            last = self._runs.pop()
+            self._runs[-1] = np.sort(np.concatenate((self._runs[-1], last)), kind="stable")
+
+    def new(self, keys: Keys) -> Keys:
+        """Those that are not known."""
+        for run in self._runs:
+            keys = keys[~among(run, keys)]
+        return keys
+
+    def all(self) -> Keys:
+        """All of them, sorted."""
+        return np.sort(np.concatenate(self._runs))
+
+
+def among(run: Keys, keys: Keys) -> NDArray[np.bool_]:
+    """Which keys are in a sorted array."""
+    if not len(run):
+        return np.zeros(len(keys), bool)
+    at = np.searchsorted(run, keys)
+    return run[np.minimum(at, len(run) - 1)] == keys
+
+
+def ranks(expansion: Expansion, states: Keys) -> Numbers:
+    """By state: how many steps without trouble are enough for all trains to finish; -1: no number is."""
+    sources, targets = [], []
+    for first in range(0, len(states), AT_ONCE):
+        source, after, trouble = expansion.following(states[first : first + AT_ONCE])
+        helpful = trouble == 0
+        sources.append((source[helpful] + first).astype(np.uint32))
+        targets.append(np.searchsorted(states, after[helpful]).astype(np.uint32))
+    source, target = np.concatenate(sources), np.concatenate(targets)
+    order = np.argsort(target, kind="stable")
+    source, bounds = source[order], np.searchsorted(target[order], np.arange(len(states) + 1))
+    rank = np.full(len(states), -1, np.int64)
+    here, depth = np.flatnonzero(expansion.finished(states)), 0
+    while len(here):
+        rank[here] = depth
+        count = bounds[here + 1] - bounds[here]
+        at = np.repeat(bounds[here] - np.cumsum(count) + count, count) + np.arange(int(count.sum()))
+        before = np.unique(source[at]).astype(np.int64)
+        here, depth = before[rank[before] < 0], depth + 1
+    return rank

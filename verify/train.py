@@ -1,0 +1,221 @@
+"""One unit and its train, as a party of the exploration: the real steps of duty and letters, the train in thirds of
+sections, the unit's power and its crew.
+
+Two states are one where only words for people differ (why something was refused) or numbers that nothing reads any more
+(of requests that are closed, of sections that are not held); `tests/verify/test_train.py` shows for every state found
+that both kinds of state take the same way.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Final, NamedTuple
+
+from msgspec.structs import replace
+
+from onboard.authority.letters import NO_NUMBERS, CommandedPoints, LetterNumbers, Letters
+from onboard.authority.records import (
+    Authority,
+    Commit,
+    Renew,
+    RequestKind,
+    SendClaim,
+    SendCommand,
+    SendRequest,
+    SetTimer,
+    StopTimer,
+    Take,
+    Timer,
+)
+from onboard.duty.duty_step import Action
+from onboard.duty.machine import step
+from onboard.duty.plan import DutyPlan
+from onboard.duty.records import (
+    Begin,
+    DrivingOrder,
+    DutyState,
+    EntryAllowed,
+    Event,
+    LeftLine,
+    PlaceInJoints,
+    SetTimerAt,
+    SwitchedOn,
+    TelegramHeard,
+)
+from radio.envelope import DropReason, Received
+from radio.messages import PointsCommand
+from verify.explored_line import END, PLACES_A_SPAN, TERMINALS, ExploredLine, mask_of, plans_of
+from verify.on_air import InAir, opened
+from wayside.config import MANAGER_ID
+
+PEERS: Final = (MANAGER_ID, *TERMINALS)
+REFUSED: Final = "refused"
+TAG_AT: Final = END  # the arrival tag, which the front reads at the mark
+
+
+class TrainPlace(Enum):
+    """Where the world has a train."""
+
+    OUTSIDE = "outside"
+    WAITING = "waits before the portal"
+    ON_LINE = "on the line"
+    GONE = "gone"
+
+
+class TrainState(NamedTuple):
+    """A unit and its train. `heard`: boots of the manager and the terminals as it last heard them; `spot`: how far on its
+    plan, in thirds of a span; `keys`: points that its crew has locked on the spot.
+    """
+
+    place: TrainPlace = TrainPlace.OUTSIDE
+    power: bool = True
+    epoch: int = 1
+    heard: tuple[int, ...] = (0,) * len(PEERS)
+    duty: DutyState = DutyState()
+    numbers: LetterNumbers = NO_NUMBERS
+    timers: frozenset[Timer] = frozenset()
+    plan: int = 0
+    spot: int = 0
+    moves: bool = False
+    known: bool = True
+    emergency: bool = False
+    read: bool = False
+    may_enter: bool = False
+    may_leave: bool = False
+    keys: frozenset[int] = frozenset()
+
+
+class TrainStep(NamedTuple):
+    """What comes of a step: telegrams by peer."""
+
+    state: TrainState
+    sends: tuple[tuple[int, InAir], ...] = ()
+
+
+class TrainModel:
+    """Steps of one unit and its train."""
+
+    def __init__(self, line: ExploredLine, unit_id: str) -> None:
+        self.unit_id: Final = unit_id
+        self.plans: Final = plans_of(unit_id)
+        self._parameters: Final = line.parameters
+
+    def plan(self, state: TrainState) -> DutyPlan:
+        """The plan that the train is on."""
+        return self.plans[state.plan]
+
+    def hear(self, state: TrainState, peer: int, telegram: InAir) -> TrainStep:
+        """A telegram comes in; nothing happens where the unit has no power."""
+        if not state.power:
+            return TrainStep(state)
+        heard = opened(PEERS[peer], telegram, state.epoch, state.heard[peer])
+        if isinstance(heard, DropReason):
+            return TrainStep(state)
+        boots = (*state.heard[:peer], heard.epoch, *state.heard[peer + 1 :])
+        return self.take(state._replace(heard=boots), heard)
+
+    def take(self, state: TrainState, what: Event | Received) -> TrainStep:
+        """The real machine takes an event or a telegram where the train then is, and what it says is done."""
+        letters = Letters(self.unit_id, MANAGER_ID, state.numbers)
+        event = what
+        if isinstance(what, Received):
+            read = letters.read(what)
+            if read is None:
+                return TrainStep(state)
+            event = TelegramHeard(read)
+        assert not isinstance(event, Received)
+        if isinstance(event, SwitchedOn):
+            event = replace(event, epoch=state.epoch)
+        plan = event.plan if isinstance(event, Begin | SwitchedOn) else self.plan(state)
+        duty, actions = step(plan, self._parameters, state.duty, event, self.place(state), 0.0)
+        return self._done(state._replace(duty=duty), letters, actions)
+
+    def _done(self, state: TrainState, letters: Letters, actions: tuple[Action, ...]) -> TrainStep:
+        timers, sends = set(state.timers), list[tuple[int, InAir]]()
+        for action in actions:
+            match action:
+                case SendRequest() | SendClaim() | SendCommand():
+                    letter = letters.write(action)
+                    peer = PEERS.index(letter.destination)
+                    # No one reads the correlation of a command, nor that of a proof.
+                    number = 0 if isinstance(letter.message, PointsCommand) else letter.correlation
+                    sends.append((peer, InAir(state.epoch, state.heard[peer], number, letter.message)))
+                case Renew() | Commit() | Take():
+                    letters.keep(action)
+                case SetTimer(timer) | SetTimerAt(timer):
+                    timers.add(timer)
+                case StopTimer(timer):
+                    timers.discard(timer)
+                case DrivingOrder.RELEASE:
+                    state = state._replace(emergency=False)
+                case DrivingOrder.STOP:
+                    state = state._replace(emergency=True)
+                case DrivingOrder.LOSE:
+                    state = state._replace(emergency=True, known=False)
+                case EntryAllowed():
+                    state = state._replace(may_enter=True)
+                case LeftLine():
+                    state = state._replace(may_leave=True)
+                case _:
+                    pass
+        state = state._replace(timers=frozenset(timers), numbers=letters.numbers)
+        return TrainStep(self.told_apart(state), tuple(sends))
+
+    def told_apart(self, state: TrainState) -> TrainState:
+        """The state without what nothing reads any more."""
+        authority = state.duty.authority
+        plain = replace(
+            authority,
+            requests=tuple(replace(r, refusal=REFUSED if r.refusal else "") for r in authority.requests),
+            commands=tuple(replace(c, refusal=REFUSED if c.refusal else "") for c in authority.commands),
+            mismatch=REFUSED if authority.mismatch else "",
+        )
+        return state._replace(
+            duty=replace(state.duty, authority=plain), numbers=_in_use(plain, state.numbers)
+        )
+
+    def place(self, state: TrainState) -> PlaceInJoints:
+        """What `onboard.motion` would make of where the train is."""
+        if not state.known:
+            return PlaceInJoints(stands=not state.moves, emergency=state.emergency)
+        span, part = divmod(state.spot, PLACES_A_SPAN)
+        here = span + (part == 2)
+        perhaps = span + 1 + (part > 0)
+        return PlaceInJoints(
+            known=True,
+            stands=not state.moves,
+            emergency=state.emergency,
+            here=here,
+            sure=here + 1,
+            perhaps=perhaps,
+            clear=span,
+            clear_at_mark=span,
+            reach=perhaps,
+            near={0: 0, END: 1}.get(state.spot, -1),
+            passed=int(state.spot == END and not state.moves),
+        )
+
+    def occupied(self, state: TrainState) -> int:
+        """Sections that the train truly stands in, as bits."""
+        if state.place is not TrainPlace.ON_LINE:
+            return 0
+        span, part = divmod(state.spot, PLACES_A_SPAN)
+        return mask_of(tuple(s.section_id for s in self.plan(state).spans[span : span + 1 + (part == 2)]))
+
+    def speaks(self, state: TrainState) -> bool:
+        """Whether the unit has power and knows what it holds, so that nobody needs to speak for it."""
+        authority = state.duty.authority
+        request = authority.open(RequestKind.SIGN_ON)
+        return state.power and not authority.unsure and not (request and request.section_ids is None)
+
+
+def _in_use(authority: Authority, numbers: LetterNumbers) -> LetterNumbers:
+    open_kinds = {request.ask for request in authority.requests}
+    return numbers._replace(
+        open=tuple(item for item in numbers.open if item[0] in open_kinds),
+        tokens=tuple(item for item in numbers.tokens if item[0] in authority.held),
+        macs=tuple(item for item in numbers.macs if item[0][0] in authority.held),
+        commanded=tuple(
+            (points_id, CommandedPoints(known.token, known.mac, 0)) for points_id, known in numbers.commanded
+        ),
+    )

@@ -1,0 +1,229 @@
+"""What can happen to a unit and its train besides telegrams: its crew, the train's movement, timers, its power.
+
+The crew is truthful and takes any time. An emergency brake brings the train to a stand where it is: how far that takes
+it is a matter of metres, not of this model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from enum import IntEnum
+from typing import Final, NamedTuple
+
+from network.model import Position
+from onboard.authority.records import Authority, RequestKind
+from onboard.duty.records import (
+    AtMark,
+    Begin,
+    ChangeEnds,
+    DrivingCommand,
+    DutyPhase,
+    DutyState,
+    EndOfHeld,
+    Event,
+    Leave,
+    Looked,
+    MarkRelation,
+    NotAtMark,
+    OffTheLine,
+    PointsSeen,
+    PointsWrong,
+    PositionLost,
+    Stopped,
+    SwitchedOn,
+    TagBelieved,
+    TimerDue,
+    WheelsTurning,
+)
+from onboard.duty.shown import command_of
+from verify.explored_line import END, PLACES_A_SPAN, TERMINALS, Trouble, mask_of
+from verify.on_air import InAir
+from verify.train import TrainModel, TrainPlace, TrainState
+
+
+class GuardKind(IntEnum):
+    """What must be so elsewhere for an event to happen."""
+
+    NONE = 0
+    LIES = 1  # points lie and are locked as needed, no motor runs
+    LIES_NOT = 2
+    FREE = 3  # no other train stands in a section
+
+
+class Guard(NamedTuple):
+    """`of`: a terminal's index, or sections as bits; `position`: as needed."""
+
+    kind: GuardKind = GuardKind.NONE
+    of: int = 0
+    position: Position | None = None
+
+
+NO_GUARD: Final = Guard()
+TOLD_AT_ONCE = True  # the unit is told that its train has left as the contact at the boundary counts it
+
+
+class TrainEvent(NamedTuple):
+    """Something that can happen. `left`: the train passes the boundary out; `locks`, `unlocks`: points by terminal that its
+    crew locks by hand, or gives back.
+    """
+
+    name: str
+    state: TrainState
+    sends: tuple[tuple[int, InAir], ...] = ()
+    trouble: Trouble = Trouble.NONE
+    guard: Guard = NO_GUARD
+    left: bool = False
+    locks: tuple[int, ...] = ()
+    unlocks: tuple[int, ...] = ()
+
+
+def events(model: TrainModel, state: TrainState) -> tuple[TrainEvent, ...]:
+    """All that can happen next; what changes nothing and says nothing is left out."""
+    if not state.power:
+        return (TrainEvent("power is back", _booted(state)),)
+    found = (*_people(model, state), *_movement(model, state), *_timers(model, state), *_troubles(model, state))
+    return tuple(e for e in found if e.state != state or e.sends)
+
+
+def _took(model: TrainModel, state: TrainState, event: Event, name: str = "") -> TrainEvent:
+    after, sends = model.take(state, event)
+    return TrainEvent(name or type(event).__name__, after, sends)
+
+
+def _command(model: TrainModel, state: TrainState) -> DrivingCommand:
+    return command_of(model.plan(state), state.duty)
+
+
+def _booted(state: TrainState) -> TrainState:
+    """A new boot: only what the unit kept is left, that it may be on the line."""
+    unsure = state.duty.authority.perhaps_on_line
+    return TrainState(
+        place=state.place,
+        epoch=state.epoch + 1,
+        duty=DutyState(authority=Authority(unsure=unsure)),
+        plan=state.plan,
+        spot=state.spot,
+        known=state.place is TrainPlace.WAITING,
+        emergency=state.place is TrainPlace.ON_LINE,
+        read=state.read,
+        keys=state.keys,
+    )
+
+
+def _people(model: TrainModel, state: TrainState) -> Iterator[TrainEvent]:
+    phase, plan = state.duty.phase, model.plan(state)
+    match state.place, phase:
+        case TrainPlace.OUTSIDE, _:
+            yield _took(model, state._replace(place=TrainPlace.WAITING), Begin(model.plans[0], signs_on=True))
+        case TrainPlace.WAITING, DutyPhase.OFF:
+            yield _took(model, state, Begin(plan, signs_on=True))
+        case TrainPlace.WAITING, _ if state.may_enter:
+            yield TrainEvent("enters", state._replace(place=TrainPlace.ON_LINE, may_enter=False))
+        case TrainPlace.ON_LINE, DutyPhase.OFF:
+            stands_at = {0: 0, END: 1}.get(state.spot)
+            yield _took(model, state, SwitchedOn(plan, stands_at))
+        case TrainPlace.ON_LINE, DutyPhase.FINISHED if state.plan == 0 and state.spot == END:
+            turned, sends = model.take(state, ChangeEnds())
+            back = turned._replace(plan=1, spot=0, moves=False, read=False)
+            begun = _took(model, back, Begin(model.plans[1], signs_on=False), "ChangeEnds")
+            yield begun._replace(sends=(*sends, *begun.sends))
+        case TrainPlace.ON_LINE, DutyPhase.FINISHED if state.plan == 1 and state.spot == END:
+            yield _took(model, state, Leave())
+        case TrainPlace.ON_LINE, DutyPhase.LEAVING if state.may_leave:
+            gone = state._replace(place=TrainPlace.GONE, may_leave=False)
+            told = _took(model, gone, OffTheLine()) if TOLD_AT_ONCE else TrainEvent("", gone)
+            yield told._replace(name="passes the boundary", left=True)
+        case TrainPlace.GONE, DutyPhase.LEAVING:
+            yield _took(model, state, OffTheLine())
+        case _:
+            pass
+    if state.place is TrainPlace.ON_LINE and not state.moves:
+        yield from _eyes(model, state)
+
+
+def _eyes(model: TrainModel, state: TrainState) -> Iterator[TrainEvent]:
+    """What the crew of a train that stands sees and says."""
+    command, duty, plan = _command(model, state), state.duty, model.plan(state)
+    if command.confirm:
+        at_mark = state.spot == plan.stops[duty.at].span * PLACES_A_SPAN
+        yield _took(model, state, AtMark(duty.at) if at_mark else NotAtMark())
+    if duty.phase is not DutyPhase.ON_SIGHT or state.known:
+        return
+    ahead = state.spot // PLACES_A_SPAN + 1
+    if ahead < len(plan.spans):
+        for needed in plan.spans[ahead].points:
+            at = TERMINALS.index(needed.terminal_id)
+            lies, wrong = (Guard(k, at, needed.position) for k in (GuardKind.LIES, GuardKind.LIES_NOT))
+            if needed not in duty.authority.proven and duty.authority.holds(needed.section_id):
+                seen = _took(model, state._replace(keys=state.keys | {at}), PointsSeen(needed))
+                yield seen._replace(guard=lies, locks=(at,))
+                yield _took(model, state, PointsWrong(needed))._replace(guard=wrong)
+    if state.spot == END and duty.stands_at != 1:
+        yield _took(model, state, AtMark(1))
+    if not duty.authority.holds(plan.spans[-1].section_id) and duty.authority.open(RequestKind.ROUTE) is None:
+        yield _took(model, state, EndOfHeld(state.spot // PLACES_A_SPAN))
+
+
+def _may_go_on(model: TrainModel, state: TrainState) -> bool:
+    """Whether the next joint is free: by the stop limit, or without a position within what is held, by the crew's eye."""
+    plan, duty = model.plan(state), state.duty
+    if state.spot == END:
+        return False
+    if state.spot % PLACES_A_SPAN == 2:
+        return True
+    joint = state.spot // PLACES_A_SPAN + 1
+    if state.known and duty.phase is not DutyPhase.ON_SIGHT:
+        return duty.limit.joint > joint
+    span = plan.spans[joint]
+    return duty.authority.holds(span.section_id) and all(n in duty.authority.proven for n in span.points)
+
+
+def _movement(model: TrainModel, state: TrainState) -> Iterator[TrainEvent]:
+    if state.place is not TrainPlace.ON_LINE:
+        return
+    command, unread = _command(model, state), state.spot == END and not state.read
+    if not state.moves:
+        short_of_mark = state.spot == END and state.duty.phase is DutyPhase.RUNNING
+        if command.drive and not state.emergency and (_may_go_on(model, state) or short_of_mark or unread):
+            yield _took(model, state._replace(moves=True), WheelsTurning())
+        return
+    if state.emergency:
+        stood = state._replace(moves=False)
+        yield _took(model, stood, Stopped(MarkRelation.AT if state.spot == END else MarkRelation.SHORT, -1.0))
+    elif unread:
+        yield _took(model, state._replace(known=True, read=True), TagBelieved(0, found=not state.known))
+    else:
+        yield from _runs(model, state, on_sight=command.on_sight or command.sweeps)
+
+
+def _runs(model: TrainModel, state: TrainState, *, on_sight: bool) -> Iterator[TrainEvent]:
+    plan, part = model.plan(state), state.spot % PLACES_A_SPAN
+    go_on = _may_go_on(model, state)
+    if go_on or (part == 0 and state.spot != END):  # the bounds may pass a joint that the front does not
+        on = state._replace(spot=state.spot + 1)
+        unlocks: tuple[int, ...] = ()
+        if part == 2 and state.keys and "X" in plan.spans[state.spot // PLACES_A_SPAN].section_id:
+            unlocks, on = tuple(sorted(state.keys)), on._replace(keys=frozenset())
+        ran = _took(model, on, Looked())._replace(unlocks=unlocks)
+        if part == 1 and on_sight:  # its driver stops before another train
+            ahead = plan.spans[state.spot // PLACES_A_SPAN + 1].section_id
+            ran = ran._replace(guard=Guard(GuardKind.FREE, mask_of((ahead,))))
+        yield ran
+    if not go_on:
+        how = MarkRelation.AT if state.spot == END else MarkRelation.SHORT
+        yield _took(model, state._replace(moves=False), Stopped(how, 0.0))
+
+
+def _timers(model: TrainModel, state: TrainState) -> Iterator[TrainEvent]:
+    for timer in sorted(state.timers):
+        due = _took(model, state._replace(timers=state.timers - {timer}), TimerDue(timer))
+        yield due._replace(name=f"timer {timer.name} {timer.of}".rstrip())
+
+
+def _troubles(model: TrainModel, state: TrainState) -> Iterator[TrainEvent]:
+    if state.place in (TrainPlace.WAITING, TrainPlace.ON_LINE):
+        off = _booted(state)._replace(power=False, epoch=state.epoch)
+        yield TrainEvent("power fails", off, trouble=Trouble.POWER)
+    if state.place is TrainPlace.ON_LINE and state.known and state.duty.phase is not DutyPhase.OFF:
+        lost = state._replace(known=False, emergency=True)
+        yield _took(model, lost, PositionLost())._replace(trouble=Trouble.SENSOR)
