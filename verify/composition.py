@@ -65,6 +65,8 @@ class Composition:
         self._units: Final = range(len(parties.units))
         self._views: Final[dict[tuple[int, int], TrainView]] = {}
         self._told_apart: Final[dict[tuple[int, Cell], Cell]] = {}
+        self._cell_bits: Final[dict[tuple[int, Cell], int]] = {}
+        self._ground_bits: Final[tuple[dict[int, int], dict[tuple[int, int], int]]] = ({}, {})
 
     def start(self) -> LineState:
         """A day under way, before the first train comes."""
@@ -199,14 +201,25 @@ class Composition:
         return state if tokens.in_order(bits, manager.epoch, counter) else self._anew(state, bits)
 
     def _tokens_in_use(self, state: LineState) -> int:
-        parties = self.parties
-        bits = tokens.of_manager(parties.managers.things[state.manager])
-        for numbered, terminal in zip(parties.terminals, state.terminals, strict=True):
-            bits |= tokens.of_terminal(numbered.things[terminal])
-        for numbered_trains, cell in zip(parties.trains, state.cells, strict=True):
-            bits |= tokens.of_train(numbered_trains.things[cell.train])
+        parties, bits = self.parties, 0
+        for unit, cell in enumerate(state.cells):
+            bits |= self._bits_of(unit, cell)
+        of_manager, of_terminals = self._ground_bits
+        if state.manager not in of_manager:
+            of_manager[state.manager] = tokens.of_manager(parties.managers.things[state.manager])
+        for index, terminal in enumerate(state.terminals):
+            if (index, terminal) not in of_terminals:
+                of_terminals[index, terminal] = tokens.of_terminal(parties.terminals[index].things[terminal])
+            bits |= of_terminals[index, terminal]
+        return bits | of_manager[state.manager]
+
+    def _bits_of(self, unit: int, cell: Cell) -> int:
+        bits = self._cell_bits.get((unit, cell))
+        if bits is None:
+            bits = tokens.of_train(self.parties.trains[unit].things[cell.train])
             for telegram in (t for queue in cell.air for t in queue):
-                bits |= tokens.of_telegram(parties.telegrams.things[telegram])
+                bits |= tokens.of_telegram(self.parties.telegrams.things[telegram])
+            self._cell_bits[unit, cell] = bits
         return bits
 
     def _anew(self, state: LineState, bits: int) -> LineState:

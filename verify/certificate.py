@@ -1,0 +1,88 @@
+"""A certificate: every state of an explored line, in order, each with its rank to finishing, in a file that can be recounted.
+
+The file names the steps that were made, in their order, so that who makes them again has the same numbers; the parts of
+states (ground, cells) by these numbers; the states by their parts, sorted; and digests of the local states and of the
+sources of the steps. `verify.recount` checks it and shares nothing with the search.
+"""
+
+from __future__ import annotations
+
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+
+from network.errors import InputError
+from onboard.duty.duty_step import ReleaseRule
+from verify.explored_line import Budgets, ExploredLine
+
+FORMAT: Final = 1
+_DIGEST_BYTES: Final = 32
+_ROOT: Final = Path(__file__).resolve().parent.parent
+STEPS: Final = ("onboard/authority", "onboard/duty", "radio", "wayside")  # packages whose sources decide the steps
+MODEL: Final = (
+    "explored_line.py",
+    "manager.py",
+    "on_air.py",
+    "parties.py",
+    "terminal.py",
+    "tokens.py",
+    "train.py",
+    "train_events.py",
+)
+
+
+class Certificate(msgspec.Struct, frozen=True):
+    """What is in the file. `states`: 8 bytes each, big-endian, sorted: ground, cell of the first train, of the second, by
+    index into the tables; `ranks`: 2 bytes each. `made`: steps by their kind and numbers.
+    """
+
+    format: int
+    trains: int
+    release: str
+    budgets: tuple[int, ...]
+    sources: str
+    locals: str
+    bits: tuple[int, ...]  # of each part of a state
+    made: tuple[tuple[Any, ...], ...]
+    grounds: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]  # manager and terminals, what is left of the budgets
+    cells: tuple[tuple[tuple[int, tuple[tuple[int, ...], ...], int], ...], ...]
+    states: bytes
+    ranks: bytes
+
+    @property
+    def line(self) -> ExploredLine:
+        """The line that it is about."""
+        return ExploredLine(self.trains, ReleaseRule(self.release), Budgets(*self.budgets))
+
+
+def sources_digest() -> str:
+    """Of the sources of the steps, and of the parties around them."""
+    code = blake2b(digest_size=16)
+    files = [file for package in STEPS for file in sorted((_ROOT / package).glob("*.py"))]
+    for file in (*files, *(_ROOT / "verify" / name for name in MODEL)):
+        code.update(file.relative_to(_ROOT).as_posix().encode() + b"\0" + file.read_bytes())
+    return code.hexdigest()
+
+
+def write(file: Path, certificate: Certificate) -> str:
+    """Write it, aside first; returns the digest of the whole file's contents."""
+    body = msgspec.msgpack.encode(certificate)
+    digest = blake2b(body, digest_size=_DIGEST_BYTES).digest()
+    aside = file.with_name(file.name + ".part")
+    aside.write_bytes(digest + body)
+    aside.rename(file)
+    return digest.hex()
+
+
+def read(file: Path) -> Certificate:
+    """Read it. Raises InputError where the file is damaged or is none."""
+    data = file.read_bytes()
+    digest, body = data[:_DIGEST_BYTES], data[_DIGEST_BYTES:]
+    if blake2b(body, digest_size=_DIGEST_BYTES).digest() != digest:
+        raise InputError(str(file), "digest", digest.hex(), "the digest of what follows it")
+    try:
+        return msgspec.msgpack.decode(body, type=Certificate)
+    except msgspec.MsgspecError as error:
+        raise InputError(str(file), "", f"{len(data)} bytes", f"a certificate ({error})") from None

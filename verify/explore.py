@@ -1,0 +1,85 @@
+"""Exploring a line whole: the search, the ranks, what is wrong as a story, and the certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from verify.cells import CELL_BITS
+from verify.certificate import FORMAT, Certificate, sources_digest
+from verify.expansion import GROUND_BITS, TWO, Expansion
+from verify.explored_line import ExploredLine
+from verify.parties import Parties
+from verify.search import Level, SearchedSpace, ranks, search
+from verify.story import StoryTeller
+from verify.tables import Numbers
+
+STATES_MAX: Final = 200_000_000
+
+
+class ExploredSpace(NamedTuple):
+    """What was found. `broken`: the rule that a state breaks, with the shortest story to it; `dead`: how many states there
+    are from which not all trains can finish, though faults end and people are truthful, with the shortest story to one.
+    """
+
+    line: ExploredLine
+    parties: Parties
+    expansion: Expansion
+    space: SearchedSpace
+    ranks: Numbers | None
+    broken: str = ""
+    dead: int = 0
+    story: tuple[str, ...] = ()
+
+    @property
+    def holds(self) -> bool:
+        """Whether all states were found, none breaks a rule and none is dead."""
+        return self.space.complete and not self.broken and not self.dead
+
+
+def explored(
+    line: ExploredLine, states_max: int = STATES_MAX, watch: Callable[[Level], None] = lambda _: None
+) -> ExploredSpace:
+    """Explore a line as far as its budgets go, or `states_max`."""
+    parties = Parties(line)
+    expansion = Expansion(parties)
+    space = search(expansion, states_max, watch)
+    teller = StoryTeller(parties, expansion)
+    if len(space.broken):
+        key = int(space.broken[0])
+        rule = teller.composition.broken(teller.line_state(key))
+        return ExploredSpace(line, parties, expansion, space, None, rule, 0, teller.story(space.levels, key))
+    if not space.complete:
+        return ExploredSpace(line, parties, expansion, space, None)
+    rank = ranks(expansion, space.states)
+    dead = space.states[rank < 0]
+    story: tuple[str, ...] = ()
+    if len(dead):
+        first = next(found for level in space.levels if len(found := np.intersect1d(level, dead)))
+        story = teller.story(space.levels, int(first[0]))
+    return ExploredSpace(line, parties, expansion, space, rank, "", len(dead), story)
+
+
+def certificate_of(found: ExploredSpace) -> Certificate:
+    """The certificate of a line that holds. Raises ValueError for one that does not."""
+    if not found.holds or found.ranks is None:
+        raise ValueError("no certificate of a line that is not explored whole, safe and alive")
+    parties, expansion = found.parties, found.expansion
+    lefts = expansion.lefts.things
+    grounds = tuple((key[:-1], lefts[key[-1]]) for key in expansion.ground_keys.things)
+    return Certificate(
+        FORMAT,
+        found.line.trains,
+        found.line.release.value,
+        tuple(found.line.budgets),
+        sources_digest(),
+        parties.digest(),
+        (GROUND_BITS, *(CELL_BITS,) * TWO),
+        tuple(parties.made),
+        grounds,
+        tuple(tuple(cells.keys.things) for cells in expansion.cells),
+        found.space.states.astype(">u8").tobytes(),
+        found.ranks.astype(">u2").tobytes(),
+    )
