@@ -36,6 +36,7 @@ from branchline.reproducing import reproduce
 from branchline.running import run
 from branchline.sweeping_days import sweep
 from branchline.timing import running_times
+from branchline.verifying import verify
 from study.outcome import Outcome
 from vehicle.compiling import WATCHERS
 
@@ -69,6 +70,7 @@ for group, command in COMMANDS:
 app.add_typer(makers, name="new", rich_help_panel=PREPARE)
 app.add_typer(importers, name="import", rich_help_panel=PREPARE)
 app.add_typer(exporters, name="export", rich_help_panel=READ)
+app.add_typer(verify, name="verify", rich_help_panel=RESEARCH)
 app.add_typer(best, name="best", rich_help_panel=ANALYSE)
 
 

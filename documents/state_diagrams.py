@@ -12,8 +12,8 @@ from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from documents.explored import Explored, explore
-from documents.explored_unit import events_from, first, phase_name
+from verify.breadth import Explored, explore
+from verify.lone_unit import events_from, first, phase_name
 from network.model import Position
 from onboard.authority import machine as authority
 from onboard.authority import records as auth

@@ -16,14 +16,20 @@ from verify.train import PEERS, TrainPlace
 from verify.train_events import GuardKind
 
 Air = tuple[tuple[int, ...], ...]
-CellKey = tuple[int, Air, int]  # train, telegrams by way (from and to each peer), correlation of the last grant
+CellKey = tuple[
+    int, Air, int
+]  # train, telegrams by way (from and to each peer), correlation of the last grant
 WAYS: Final = 2 * len(PEERS)
 NEVER: Final = 99
 HELD_UNKNOWN: Final = -1
 CELL_BITS, EFFECT_BITS, TOKEN_BITS, CORRELATION_BITS = 21, 20, 20, 10
 # columns of a cell
 TRAIN, GRANTED, SAID, OCCUPIED, HELD, SPEAKS, FINISHED, IN_USE, OLDEST, NEAR_ANY, TO_MANAGER = range(11)
-NEAR, HEAD, NEEDS = 11, 11 + len(PEERS), 11 + 2 * len(PEERS)  # by peer; by peer: the first telegram; by terminal
+NEAR, HEAD, NEEDS = (
+    11,
+    11 + len(PEERS),
+    11 + 2 * len(PEERS),
+)  # by peer; by peer: the first telegram; by terminal
 # columns of a choice
 AFTER, COSTS, GUARD, GUARD_OF, GROUND = range(5)
 
@@ -31,7 +37,9 @@ AFTER, COSTS, GUARD, GUARD_OF, GROUND = range(5)
 class Cells:
     """All cells of one unit."""
 
-    def __init__(self, parties: Parties, unit: int, grounds: Numbered[tuple[bool, tuple[int, ...], tuple[int, ...]]]) -> None:
+    def __init__(
+        self, parties: Parties, unit: int, grounds: Numbered[tuple[bool, tuple[int, ...], tuple[int, ...]]]
+    ) -> None:
         self._parties: Final = parties
         self._unit: Final = unit
         self._grounds: Final = grounds
@@ -42,7 +50,8 @@ class Cells:
         self.choices: Final = Choices(5, self._choices)
         self.sent: Final = Once(self._sent, 1, CELL_BITS, EFFECT_BITS)
         self.without_first: Final = tuple(
-            Once(lambda cell, w=2 * peer: (self._popped(cell, w),), 1, CELL_BITS) for peer in range(len(PEERS))
+            Once(lambda cell, w=2 * peer: (self._popped(cell, w),), 1, CELL_BITS)
+            for peer in range(len(PEERS))
         )
         self.heard: Final = Once(self._heard, 1, CELL_BITS, CORRELATION_BITS, EFFECT_BITS)
         self.forgets: Final = Once(lambda cell: (self._with_granted(cell, 0),), 1, CELL_BITS)
@@ -60,7 +69,9 @@ class Cells:
         renamed, counted = renaming(in_use, numbers.correlation)
         by = dict(renamed)
         make = self._parties.make
-        changed = {t: make(StepKind.TELEGRAM_RENAMED, t, by[n]) for t, n in carried.items() if by.get(n, n) != n}
+        changed = {
+            t: make(StepKind.TELEGRAM_RENAMED, t, by[n]) for t, n in carried.items() if by.get(n, n) != n
+        }
         if counted != numbers.correlation or any(by.get(n, n) != n for _, n in numbers.open):
             train = make(StepKind.UNIT_RENAMED, self._unit, train, renamed, counted)
         air = tuple(tuple(changed.get(t, t) for t in queue) for queue in air)
@@ -156,7 +167,10 @@ class Cells:
         train, air, granted = self.keys.things[cell]
         bits, make, telegrams = self.in_use.things[which], self._parties.make, self._parties.telegrams.things
         fresh = tuple(
-            tuple(make(StepKind.TELEGRAM_ANEW, t, bits) if tokens.of_telegram(telegrams[t]) else t for t in queue)
+            tuple(
+                make(StepKind.TELEGRAM_ANEW, t, bits) if tokens.of_telegram(telegrams[t]) else t
+                for t in queue
+            )
             for queue in air
         )
         return (self.number(make(StepKind.UNIT_ANEW, self._unit, train, bits), fresh, granted),)

@@ -18,6 +18,8 @@ from verify.train import PEERS, TrainPlace
 from verify.train_events import GuardKind
 
 Queues = tuple[tuple[int, ...], ...]  # by peer: telegrams from the unit, then telegrams to it, oldest first
+TWO_TRAINS: Final = "two trains in one section"
+HEARS, LOSES = "hears", "loses"
 NO_TELEGRAMS: Final[Queues] = ((),) * (2 * len(PEERS))
 
 
@@ -39,12 +41,15 @@ class LineState(NamedTuple):
 
 
 class Following(NamedTuple):
-    """What may follow: who did what; with a trouble, it is nothing that happens when faults have ended."""
+    """What may follow: who did what, with which telegram (-1: none); with a trouble, it is nothing that happens when faults
+    have ended.
+    """
 
     who: str
     what: str
     trouble: Trouble
     state: LineState
+    telegram: int = -1
 
 
 class TrainView(NamedTuple):
@@ -91,14 +96,12 @@ class Composition:
                 if not queue:
                     continue
                 rest = _with_queue(state, unit, way, queue[1:])
-                telegram = self.parties.telegrams.things[queue[0]]
-                direction = "hears from" if way % 2 else "is heard by"
-                what = f"{direction} {PEERS[way // 2]}: {telegram.message}"
+                ends = self.parties.units[unit], PEERS[way // 2]
+                sender, hearer = reversed(ends) if way % 2 else ends
                 heard = self._heard(rest, unit, way, queue[0])
-                yield Following(self.parties.units[unit], what, Trouble.NONE, heard)
+                yield Following(hearer, HEARS, Trouble.NONE, heard, queue[0])
                 if (left := _spend(state.left, Trouble.LOSS)) is not None:
-                    lost = rest._replace(left=left)
-                    yield Following(self.parties.units[unit], f"(lost) {what}", Trouble.LOSS, lost)
+                    yield Following(sender, LOSES, Trouble.LOSS, rest._replace(left=left), queue[0])
 
     def _heard(self, state: LineState, unit: int, way: int, telegram: int) -> LineState:
         peer, to_unit = divmod(way, 2)
@@ -107,14 +110,10 @@ class Composition:
             made = self.parties.make(StepKind.UNIT_HEARS, unit, cell.train, peer, telegram)
             return _sent_up(_with_cell(state, unit, cell._replace(train=made.state)), unit, made.sends)
         if peer == 0:
-            made = self.parties.make(
-                StepKind.MANAGER_HEARS, state.manager, unit, telegram, cell.granted
-            )
+            made = self.parties.make(StepKind.MANAGER_HEARS, state.manager, unit, telegram, cell.granted)
             state = _with_cell(state, unit, cell._replace(granted=made.granted))
             return _sent_down(state._replace(manager=made.state), 0, made.sends)
-        made = self.parties.make(
-            StepKind.TERMINAL_HEARS, peer - 1, state.terminals[peer - 1], unit, telegram
-        )
+        made = self.parties.make(StepKind.TERMINAL_HEARS, peer - 1, state.terminals[peer - 1], unit, telegram)
         return _sent_down(_with_terminal(state, peer - 1, made.state), peer, made.sends)
 
     # what happens at the parties --------------------------------------------------------------------------------------
@@ -128,9 +127,7 @@ class Composition:
                     continue
                 cell = state.cells[unit]._replace(train=event.state)
                 after = _sent_up(_with_cell(state, unit, cell)._replace(left=left), unit, event.sends)
-                yield Following(
-                    self.parties.units[unit], event.name, trouble, self._elsewhere(after, event)
-                )
+                yield Following(self.parties.units[unit], event.name, trouble, self._elsewhere(after, event))
 
     def _guarded(self, state: LineState, unit: int, event: LocalEvent) -> bool:
         guard = event.guard
@@ -158,7 +155,9 @@ class Composition:
         return state
 
     def _manager_events(self, state: LineState) -> Iterator[Following]:
-        for event in self.parties.make(StepKind.MANAGER_EVENTS, state.manager):
+        errs = state.left[Trouble.WORD - 1] > 0
+        kinds = (StepKind.MANAGER_EVENTS, StepKind.PERSONS_ERR) if errs else (StepKind.MANAGER_EVENTS,)
+        for event in (event for kind in kinds for event in self.parties.make(kind, state.manager)):
             if event.word and self._early(state):
                 continue
             if event.about >= 0:
@@ -174,7 +173,9 @@ class Composition:
     def _early(self, state: LineState) -> bool:
         """Whether a telegram of an earlier boot of the manager may still take effect."""
         epoch = self.parties.managers.things[state.manager].epoch
-        return any(self.parties.telegrams.things[t].epoch < epoch for cell in state.cells for t in cell.air[1])
+        return any(
+            self.parties.telegrams.things[t].epoch < epoch for cell in state.cells for t in cell.air[1]
+        )
 
     def _terminal_events(self, state: LineState) -> Iterator[Following]:
         for index, terminal_id in enumerate(TERMINALS):
@@ -296,7 +297,7 @@ class Composition:
         views = [self.view(state, unit) for unit in self._units]
         for one, view in enumerate(views):
             if any(view.occupied & other.occupied for other in views[one + 1 :]):
-                return "two trains in one section"
+                return TWO_TRAINS
             if any((view.held or 0) & (other.held or 0) for other in views[one + 1 :]):
                 return "two units hold one section"
             if view.held is not None and view.occupied & ~view.held:

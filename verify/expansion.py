@@ -94,6 +94,7 @@ class Expansion:
         self._managers: Final = Rows(HOLDS + TWO)
         self._terminals: Final = tuple(Rows(2) for _ in TERMINALS)
         self._manager_choices: Final = Choices(EFFECT + TWO, self._manager_events)
+        self._persons_choices: Final = Choices(EFFECT + TWO, self._persons_err)
         self._terminal_choices: Final = tuple(
             Choices(EFFECT + TWO, lambda t, i=i: self._terminal_events(i, t)) for i in range(len(TERMINALS))
         )
@@ -187,7 +188,10 @@ class Expansion:
             yield self._to_manager(states, unit)
             for index in range(len(TERMINALS)):
                 yield self._to_terminal(states, unit, index)
-        yield self._of_manager(states)
+        yield self._of_manager(states, self._manager_choices)
+        may_err = np.flatnonzero(self._spent(states.left, np.full(len(states.left), Trouble.WORD))[:, 0] >= 0)
+        errs = self._of_manager(states.at(may_err), self._persons_choices)
+        yield errs._replace(source=may_err[errs.source])
         for index in range(len(TERMINALS)):
             yield self._of_terminal(states, index)
 
@@ -264,8 +268,8 @@ class Expansion:
         self._send(cells, np.arange(len(source)), made[:, 1:])
         return _untroubled(source, some._replace(terminals=tuple(terminals), cells=tuple(cells)))
 
-    def _of_manager(self, states: Columns) -> Block:
-        source, column = self._manager_choices.of(states.manager)
+    def _of_manager(self, states: Columns, choices: Choices) -> Block:
+        source, column = choices.of(states.manager)
         may = np.ones(len(source), bool)
         about, near = column(ABOUT), np.zeros(len(source), bool)
         for unit, cells in enumerate(self.cells):
@@ -340,9 +344,7 @@ class Expansion:
             in_use = in_use | cells.rows.column(IN_USE)[states.cells[unit]]
         epoch = self._managers.column(EPOCH)[states.manager]
         counter = self._managers.column(COUNTER)[states.manager]
-        different, inverse = np.unique(
-            np.stack((in_use, epoch, counter)), axis=1, return_inverse=True
-        )
+        different, inverse = np.unique(np.stack((in_use, epoch, counter)), axis=1, return_inverse=True)
         wrong = np.array([not tokens.in_order(*row) for row in different.T.tolist()], bool)
         at = np.flatnonzero(wrong[inverse.reshape(-1)])
         if not len(at):
@@ -410,6 +412,12 @@ class Expansion:
                 bad |= (need != 0) & (self._lie(index, states.terminals[index]) != need)
         return bad | (self._managers.column(BAD)[manager] != 0)
 
+    def collided(self, keys: Keys) -> NDArray[np.bool_]:
+        """In which states two trains stand in one section."""
+        cells = self.columns(keys).cells
+        one, other = (self.cells[u].rows.column(OCCUPIED)[cells[u]] for u in range(TWO))
+        return one & other != 0
+
     def finished(self, keys: Keys) -> NDArray[np.bool_]:
         """In which states every train has come and gone."""
         states = self.columns(keys)
@@ -442,6 +450,9 @@ class Expansion:
 
     def _manager_events(self, manager: int) -> list[Sequence[int]]:
         return [self._event_row(0, e) for e in self.parties.make(StepKind.MANAGER_EVENTS, manager)]
+
+    def _persons_err(self, manager: int) -> list[Sequence[int]]:
+        return [self._event_row(0, e) for e in self.parties.make(StepKind.PERSONS_ERR, manager)]
 
     def _terminal_events(self, index: int, terminal: int) -> list[Sequence[int]]:
         found = self.parties.make(StepKind.TERMINAL_EVENTS, index, terminal)

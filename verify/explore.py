@@ -40,12 +40,19 @@ class ExploredSpace(NamedTuple):
 
 
 def explored(
-    line: ExploredLine, states_max: int = STATES_MAX, watch: Callable[[Level], None] = lambda _: None
+    line: ExploredLine,
+    states_max: int = STATES_MAX,
+    watch: Callable[[Level], None] = lambda _: None,
+    *,
+    collisions_alone: bool = False,
 ) -> ExploredSpace:
-    """Explore a line as far as its budgets go, or `states_max`."""
+    """Explore a line as far as its budgets go, or `states_max`; the first state that breaks a rule ends it, or the first
+    in which two trains stand in one section.
+    """
     parties = Parties(line)
     expansion = Expansion(parties)
-    space = search(expansion, states_max, watch)
+    breaks = expansion.collided if collisions_alone else expansion.broken
+    space = search(expansion, states_max, watch, breaks)
     teller = StoryTeller(parties, expansion)
     if len(space.broken):
         key = int(space.broken[0])

@@ -2,12 +2,13 @@
 
 Times stand outside: units may be asked again at any time, and what must wait until telegrams of an earlier boot are too
 old (a person's word) waits until none of them is on the air. Two states are one where only times, counts of inputs and
-names shown to people differ.
+names shown to people differ,
+or where the two persons have said each what in the other the other has.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple
 
@@ -33,7 +34,9 @@ from wayside.said import AcceptPicture, BoundaryPassed, ConfirmHolding, ConfirmO
 
 LATE_S: Final = 1000.0  # later than whatever a rule of the manager waits for
 GRANTED_IN_DOUBT: Final = "granted while the line was not defined"
-PLACES: Final = tuple(mask_of(s) for s in (("P",), ("P", "X"), ("X",), ("X", "A"), ("A",), ("X", "B"), ("B",)))
+PLACES: Final = tuple(
+    mask_of(s) for s in (("P",), ("P", "X"), ("X",), ("X", "A"), ("A",), ("X", "B"), ("B",))
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +100,31 @@ def plain(register: Register) -> PlainRegister:
     register = replace(
         register, units=units, reentry=words, doubted=doubted, started_s=0.0, ask_at_s=0.0, now_s=0.0
     )
-    return PlainRegister(register, _key(register))
+    key = _key(register)
+    if words.entries or words.complete:
+        others = _of_the_other(register)
+        if (other := _key(others)) != key and repr(other) < repr(key):
+            return PlainRegister(others, other)
+    return PlainRegister(register, key)
+
+
+def _of_the_other(register: Register) -> Register:
+    """What the two persons have said, each by the other: who of two it is makes no difference."""
+    words, of = (
+        register.reentry,
+        dict(zip(map(acts.person_key, PERSONS), map(acts.person_key, reversed(PERSONS)), strict=True)),
+    )
+    swapped = replace(
+        words,
+        entries={s: {of[p]: unit for p, unit in by.items()} for s, by in words.entries.items()},
+        complete=frozenset((of[p], unit) for p, unit in words.complete),
+        left_by={(of[p], unit): place for (p, unit), place in words.left_by.items()},
+    )
+    return replace(register, reentry=swapped)
+
+
+def _sorted(things: Iterable[object]) -> tuple[object, ...]:
+    return tuple(sorted(things, key=repr))
 
 
 def _key(register: Register) -> object:
@@ -106,10 +133,10 @@ def _key(register: Register) -> object:
         (register.epoch, register.counter, register.restoring),
         tuple(sorted(register.holders.items())),
         tuple(sorted(register.units.items(), key=lambda item: item[0])),
-        (register.ledger, register.bars, register.unswept, register.left_through),
+        (*map(_sorted, (register.ledger, register.unswept, register.left_through)), register.bars),
         tuple(sorted(register.doubted.items())),
         tuple(sorted((s, tuple(sorted(by.items(), key=repr))) for s, by in words.entries.items())),
-        (words.complete, tuple(sorted(words.left_by.items())), words.accepted_by, words.stage),
+        (_sorted(words.complete), tuple(sorted(words.left_by.items())), words.accepted_by, words.stage),
         tuple(sorted(words.heard_s)),
     )
 
@@ -119,7 +146,6 @@ class ManagerModel:
 
     def __init__(self, line: ExploredLine) -> None:
         self._config: Final = manager_config(line)
-        self._errs: Final = line.budgets.word > 0
         self.units: Final = UNITS[: line.trains]
 
     def start(self) -> ManagerState:
@@ -192,32 +218,47 @@ class ManagerModel:
             yield ManagerEvent("asks the units", after, sends)
 
     def _words(self, state: ManagerState) -> Iterator[ManagerEvent]:
+        """True words: that the picture is right, where a silent train stands, or that what was said before is not so."""
         register = state.kept.register
         if register.restoring and not reentry.missing_for_acceptance(register):
             after, sends, _ = self._took(state, AcceptPicture(PERSONS[0]))
             yield ManagerEvent("a person accepts the picture", after, sends, word=True)
         lacking = reentry.missing(register).unit_ids
         for unit, unit_id in enumerate(self.units):
-            corrects = bool(register.unit(unit_id).by) or bool(reentry.words_for(register, unit_id))
-            if not (self._errs or corrects or unit_id in lacking):
-                continue
-            for person in PERSONS:
-                for stands in (0, *PLACES):
-                    word = (
-                        ConfirmHolding(unit_id, sections_of(stands), person)
-                        if stands
-                        else ConfirmOutside(unit_id, person, PORTAL)
-                    )
-                    after, sends, _ = self._took(state, word)
-                    where = " ".join(sections_of(stands)) or "off the line"
-                    name = f"{person} says that {unit_id} is {'in ' if stands else ''}{where}"
-                    told = ManagerEvent(
-                        name, after, sends, about=unit, stands=stands, word=True, corrects=corrects
-                    )
-                    if corrects or unit_id in lacking:
-                        yield told
-                    if self._errs:
-                        yield told._replace(trouble=Trouble.WORD)
+            corrects = self._corrects(state, unit_id)
+            if corrects or unit_id in lacking:
+                yield from self._words_of(state, unit, corrects=corrects)
+
+    def errs(self, state: ManagerState) -> tuple[ManagerEvent, ...]:
+        """Words of persons that are not true, or about a unit that speaks for itself."""
+        if not state.power:
+            return ()
+        return tuple(
+            told._replace(trouble=Trouble.WORD)
+            for unit, unit_id in enumerate(self.units)
+            for told in self._words_of(state, unit, corrects=self._corrects(state, unit_id))
+            if told.state != state or told.sends
+        )
+
+    def _corrects(self, state: ManagerState, unit_id: str) -> bool:
+        register = state.kept.register
+        return bool(register.unit(unit_id).by) or bool(reentry.words_for(register, unit_id))
+
+    def _words_of(self, state: ManagerState, unit: int, *, corrects: bool) -> Iterator[ManagerEvent]:
+        unit_id = self.units[unit]
+        for person in PERSONS:
+            for stands in (0, *PLACES):
+                word = (
+                    ConfirmHolding(unit_id, sections_of(stands), person)
+                    if stands
+                    else ConfirmOutside(unit_id, person, PORTAL)
+                )
+                after, sends, _ = self._took(state, word)
+                where = " ".join(sections_of(stands)) or "off the line"
+                name = f"{person} says that {unit_id} is {'in ' if stands else ''}{where}"
+                yield ManagerEvent(
+                    name, after, sends, about=unit, stands=stands, word=True, corrects=corrects
+                )
 
     def _fails(self, state: ManagerState) -> ManagerEvent:
         register = state.kept.register

@@ -36,6 +36,4 @@ def opened(source: str, telegram: InAir, own_epoch: int, heard_epoch: int) -> Re
     if reason is not None:
         return reason
     fresh = telegram.peer_epoch == own_epoch
-    return Received(
-        source, telegram.epoch, 0, fresh, telegram.correlation, 0.0, None, 0, telegram.message
-    )
+    return Received(source, telegram.epoch, 0, fresh, telegram.correlation, 0.0, None, 0, telegram.message)

@@ -19,7 +19,7 @@ import msgspec
 
 from verify import tokens
 from verify.explored_line import TERMINALS, UNITS, ExploredLine, Trouble
-from verify.manager import ManagerModel, ManagerState
+from verify.manager import ManagerEvent, ManagerModel, ManagerState
 from verify.on_air import InAir
 from verify.terminal import TerminalModel, TerminalState
 from verify.train import TrainModel, TrainState
@@ -90,6 +90,7 @@ class StepKind(Enum):
     TELEGRAM_ANEW = 12
     MANAGER_ANEW = 13
     TERMINAL_ANEW = 14
+    PERSONS_ERR = 15
 
 
 class Parties:
@@ -127,6 +128,7 @@ class Parties:
             StepKind.TELEGRAM_ANEW: self._telegram_anew,
             StepKind.MANAGER_ANEW: self._manager_anew,
             StepKind.TERMINAL_ANEW: self._terminal_anew,
+            StepKind.PERSONS_ERR: self._persons_err,
         }
 
     def make(self, kind: StepKind, *of: Any) -> Any:  # noqa: ANN401 - LocalStep, events or a number, by the kind
@@ -194,6 +196,12 @@ class Parties:
         return LocalStep(self.managers.number(after), self._sent(sends), correlation)
 
     def _manager_events(self, manager: int) -> tuple[LocalEvent, ...]:
+        return self._of_manager(self._manager.events(self.managers.things[manager]))
+
+    def _persons_err(self, manager: int) -> tuple[LocalEvent, ...]:
+        return self._of_manager(self._manager.errs(self.managers.things[manager]))
+
+    def _of_manager(self, found: tuple[ManagerEvent, ...]) -> tuple[LocalEvent, ...]:
         return tuple(
             LocalEvent(
                 e.name,
@@ -205,7 +213,7 @@ class Parties:
                 word=e.word,
                 corrects=e.corrects,
             )
-            for e in self._manager.events(self.managers.things[manager])
+            for e in found
         )
 
     def _boundary_passed(self, manager: int) -> LocalStep:

@@ -16,6 +16,7 @@ from verify.composition import Cell, Composition, LineState
 from verify.explored_line import Trouble
 from verify.parties import Parties, StepKind
 
+ELSEWHERE: Final = "a step does not lead where it did"
 _STATE_BYTES: Final = 8
 _RANK_BYTES: Final = 2
 LOOKS_EVERY: Final = 10_000  # states, after each of which who watches is told
@@ -42,11 +43,18 @@ def recount(
         return Recounted("the steps are not those it was made from: their sources have another digest")
     parties = Parties(certificate.line)
     for index, (kind, *of) in enumerate(certificate.made):
-        parties.make(StepKind(kind), *(_as_made(number) for number in of))
+        try:
+            parties.make(StepKind(kind), *(_as_made(number) for number in of))
+        except (
+            IndexError,
+            TypeError,
+            ValueError,
+        ):  # of a state or telegram that the steps before it did not lead to
+            return Recounted(f"step {index}: {ELSEWHERE}")
         if len(parties.made) != index + 1:
             return Recounted(f"step {index} is named twice")
     if parties.digest() != certificate.locals:
-        return Recounted("a step does not lead where it says: the local states have another digest")
+        return Recounted(f"the local states have another digest: {ELSEWHERE}")
     return _Recount(certificate, Composition(parties)).all(watch)
 
 

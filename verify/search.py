@@ -36,13 +36,14 @@ class SearchedSpace(NamedTuple):
 def search(
     expansion: Expansion,
     states_max: int,
-    watch: Callable[[Level], None] = lambda _: None,
+    watch: Callable[[Level], None],
+    breaks: Callable[[Keys], NDArray[np.bool_]],
 ) -> SearchedSpace:
-    """Every state, until a level has one that breaks a rule, or `states_max` are found."""
+    """Every state, until a level has one that breaks a rule by `breaks`, or `states_max` are found."""
     frontier = expansion.start()
     levels, seen, generated = [frontier], Seen(), 0
     seen.add(frontier)
-    broken = frontier[expansion.broken(frontier)]
+    broken = frontier[breaks(frontier)]
     while len(frontier) and not len(broken) and seen.count < states_max:
         found: list[Keys] = []
         for part in parts(frontier):
@@ -52,7 +53,7 @@ def search(
         frontier = np.unique(np.concatenate(found))
         seen.add(frontier)
         levels.append(frontier)
-        broken = frontier[expansion.broken(frontier)]
+        broken = frontier[breaks(frontier)]
         watch(Level(len(levels) - 1, len(frontier), seen.count, generated))
     return SearchedSpace(seen.all(), tuple(levels), generated, broken, complete=not len(frontier))
 

@@ -2,15 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from enum import Enum
+from itertools import groupby
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
-from verify.composition import Cell, Composition, LineState
+from radio.messages import AnyMessage
+from verify.composition import Cell, Composition, Following, LineState
 from verify.expansion import Expansion, Keys
 from verify.parties import Parties
 from verify.search import parts
+
+
+_UNSAID: Final = ("token", "capabilities", "mac", "unit_id", "terminal_id")
+WORDS: Final = MappingProxyType(
+    {
+        "Begin": "has its train number entered",
+        "SwitchedOn": "has its train number entered after the boot",
+        "ChangeEnds": "has its driver change ends and enter the next train number",
+        "Leave": "is to leave the line",
+        "OffTheLine": "is told that its train has left",
+        "WheelsTurning": "moves off",
+        "Looked": "runs on by a third of a section",
+        "Stopped": "stops",
+        "TagBelieved": "reads a tag",
+        "AtMark": "is told by its driver that it stands at its mark",
+        "NotAtMark": "is told by its driver that it does not stand at its mark",
+        "PointsSeen": "has its crew see that points lie as needed, and lock them by hand",
+        "PointsWrong": "has its crew see that points do not lie as needed",
+        "EndOfHeld": "is told where it stands, at the end of what it holds",
+        "PositionLost": "loses its position",
+    }
+)
 
 
 class StoryTeller:
@@ -48,10 +74,34 @@ class StoryTeller:
         raise LookupError(f"nothing leads to {key}")
 
     def story(self, levels: Sequence[Keys], key: int) -> tuple[str, ...]:
-        """What happens on a shortest way to a state: who, and what, a line for each event."""
+        """What happens on a shortest way to a state, a line for each event, or for the same ones after each other."""
         way = [self.line_state(k) for k in self.way_to(levels, key)]
         lines: list[str] = []
         for before, after in zip(way, way[1:], strict=False):
             found = next(f for f in self.composition.following(before) if f.state == after)
-            lines.append(f"{found.who} {found.what}")
-        return tuple(lines)
+            lines.append(self._words(found))
+        return tuple(f"{line} ({count} times)" if count > 1 else line for line, count in _runs(lines))
+
+    def _words(self, found: Following) -> str:
+        if found.telegram < 0:
+            return f"{found.who} {WORDS.get(found.what, found.what)}"
+        message = self.composition.parties.telegrams.things[found.telegram].message
+        return f"{found.who} {found.what} {telegram_words(message)}"
+
+
+def telegram_words(message: AnyMessage) -> str:
+    """A telegram by its name and what it says, without numbers and codes."""
+    fields = {name: getattr(message, name) for name in message.__struct_fields__ if name not in _UNSAID}
+    said = [_field_words(value) for value in fields.values() if value not in ((), None)]
+    unknown = ["does not know"] if fields.get("section_ids", ()) is None else []
+    return " ".join((type(message).__name__, *unknown, *said))
+
+
+def _field_words(value: object) -> str:
+    if isinstance(value, tuple):
+        return " ".join(map(str, value))
+    return value.name.lower().replace("_", " ") if isinstance(value, Enum) else str(value)
+
+
+def _runs(lines: Iterable[str]) -> Iterator[tuple[str, int]]:
+    return ((line, len(list(same))) for line, same in groupby(lines))

@@ -81,7 +81,12 @@ def events(model: TrainModel, state: TrainState) -> tuple[TrainEvent, ...]:
     """All that can happen next; what changes nothing and says nothing is left out."""
     if not state.power:
         return (TrainEvent("power is back", _booted(state)),)
-    found = (*_people(model, state), *_movement(model, state), *_timers(model, state), *_troubles(model, state))
+    found = (
+        *_people(model, state),
+        *_movement(model, state),
+        *_timers(model, state),
+        *_troubles(model, state),
+    )
     return tuple(e for e in found if e.state != state or e.sends)
 
 

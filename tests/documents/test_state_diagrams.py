@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from documents.explored import explore
-from documents.explored_unit import event_name, events_from, phase_name, steps
+from verify.breadth import explore
+from verify.lone_unit import event_name, events_from, phase_name, steps
 from documents.state_diagrams import DIAGRAMS, diagram, machine_diagram
 from onboard.authority import machine as authority
 from onboard.duty import machine as duty

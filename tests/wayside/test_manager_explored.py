@@ -12,7 +12,7 @@ from typing import Final
 
 import pytest
 
-from documents.explored import Explored, explore
+from verify.breadth import Explored, explore
 from radio.messages import (
     AnyMessage,
     Claim,

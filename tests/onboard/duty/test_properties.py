@@ -1,6 +1,6 @@
 """What always holds of a unit, whatever happens to it: breadth first on a small line, and at random on longer courses.
 
-The steps are those of `documents.explored_unit`: the real machines, a train that moves as it is let, telegrams that
+The steps are those of `verify.lone_unit`: the real machines, a train that moves as it is let, telegrams that
 answer well or ill, people, tags and timers.
 """
 
@@ -15,9 +15,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from documents import explored_unit
-from documents.explored import Explored, explore
-from documents.explored_unit import (
+from verify import lone_unit
+from verify.breadth import Explored, explore
+from verify.lone_unit import (
     END,
     PLANS,
     ExploredRun,
@@ -231,7 +231,7 @@ def explored(request: pytest.FixtureRequest) -> Iterator[Explored[ExploredRun]]:
 
 
 def release_by(patch: pytest.MonkeyPatch, rule: ReleaseRule) -> None:
-    patch.setattr(explored_unit, "TIMES", replace(explored_unit.TIMES, release=rule))
+    patch.setattr(lone_unit, "TIMES", replace(lone_unit.TIMES, release=rule))
 
 
 def test_every_state_reached_first_keeps_the_rules(explored: Explored[ExploredRun]) -> None:

@@ -385,6 +385,6 @@ def _is_good(event: Event) -> bool:
 
 
 def events_from(run: ExploredRun) -> Iterator[tuple[str, ExploredRun]]:
-    """What `documents.explored` asks for: events by name and what they lead to."""
+    """What `verify.breadth` asks for: events by name and what they lead to."""
     for step_ in steps(run):
         yield event_name(step_.event), step_.run

@@ -1,0 +1,60 @@
+"""What exploring a line whole finds: that the machines are safe and alive, and what they once did wrong."""
+
+from __future__ import annotations
+
+import pytest
+
+from onboard.duty.duty_step import ReleaseRule
+from tests.nightly import others_nightly
+from verify.composition import TWO_TRAINS
+from verify.explore import explored
+from verify.explored_line import Budgets, ExploredLine
+from verify.restored import restored
+
+# How often telegrams are lost or late, power fails and persons say what is not so.
+IN_EVERY_RUN = (Budgets(), Budgets(loss=1, delay=1), Budgets(loss=2))
+AT_NIGHT = (
+    Budgets(power=1),
+    Budgets(word=1),
+    Budgets(points=1),
+    Budgets(sensor=1),
+    Budgets(loss=1, power=1),
+    Budgets(loss=1, delay=1, power=1),
+)
+
+
+@pytest.mark.parametrize("release", ReleaseRule)
+@pytest.mark.parametrize("budgets", others_nightly((*IN_EVERY_RUN, *AT_NIGHT), IN_EVERY_RUN))
+def test_every_state_is_safe_and_alive(budgets: Budgets, release: ReleaseRule) -> None:
+    found = explored(ExploredLine(release=release, budgets=budgets))
+    assert found.holds, found.story
+
+
+def test_a_sign_off_that_frees_leads_to_a_collision_by_one_lost_telegram() -> None:
+    line = ExploredLine(budgets=Budgets(loss=1))
+    with restored("sign-off-frees"):
+        found = explored(line, collisions_alone=True)
+    assert found.broken == TWO_TRAINS
+    assert "block-manager hears SignOff" in found.story
+    assert not any("SignOffAccepted" in line for line in found.story), "u1 has not heard that it may leave"
+    assert found.story[-1] == "u2 enters"
+    assert not explored(line, collisions_alone=True).broken
+
+
+def test_a_booted_unit_that_says_it_holds_nothing_leads_to_a_train_where_the_register_has_none() -> None:
+    line = ExploredLine(budgets=Budgets(power=2))
+    with restored("booted-holds-nothing"):
+        found = explored(line)
+    assert found.broken == "free in a defined register, and a train stands in it"
+    assert [line for line in found.story if "power" in line].count("manager power fails") == 1
+    assert found.story[-1] == "manager a person accepts the picture"
+
+
+def test_a_driver_who_tells_the_unit_later_that_the_train_has_left_can_leave_a_portal_held_for_ever() -> None:
+    line = ExploredLine(budgets=Budgets(delay=1))
+    with restored("driver-tells-later"):
+        found = explored(line)
+    assert not found.broken
+    assert found.dead > 0
+    assert found.story[-1] == "block-manager hears Claim P", "made once the contact had counted the train out"
+    assert explored(line).dead == 0

@@ -1,0 +1,111 @@
+"""The checker takes a certificate that holds, and refuses one that does not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+import pytest
+from msgspec.structs import replace
+
+from network.errors import InputError
+from onboard.duty import duty_step
+from verify.certificate import Certificate, read, sources_digest, write
+from verify.explore import certificate_of, explored
+from verify.explored_line import BIT, Budgets, ExploredLine
+from verify.parties import Parties, StepKind
+from verify.recount import ELSEWHERE, recount
+from verify.restored import restored
+
+WIDTH: Final = 8
+
+
+@pytest.fixture(scope="module")
+def certificate() -> Certificate:
+    return certificate_of(explored(ExploredLine(budgets=Budgets())))
+
+
+def without(certificate: Certificate, index: int) -> Certificate:
+    states, ranks = certificate.states, certificate.ranks
+    return replace(
+        certificate,
+        states=states[: WIDTH * index] + states[WIDTH * (index + 1) :],
+        ranks=ranks[: 2 * index] + ranks[2 * (index + 1) :],
+    )
+
+
+def test_it_holds_whatever_way_it_came(certificate: Certificate, tmp_path: Path) -> None:
+    file = tmp_path / "a.cert"
+    write(file, certificate)
+    found = recount(read(file))
+    assert found.refused == ""
+    assert found.states == len(certificate.states) // WIDTH
+    assert found.finished > 0
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.7])
+def test_one_state_removed_is_refused(certificate: Certificate, share: float) -> None:
+    count = len(certificate.states) // WIDTH
+    found = recount(without(certificate, int(share * count)))
+    assert "leads out of the set" in found.refused or found.refused == "the start is not in it"
+
+
+def test_an_unsafe_state_put_in_is_refused(certificate: Certificate) -> None:
+    """Both trains in the portal: a cell of each in which it stands there, on the first ground."""
+    parties = Parties(certificate.line)
+    for kind, *of in certificate.made:
+        parties.make(StepKind(kind), *of)
+    one, other = (
+        next(
+            index
+            for index, cell in enumerate(certificate.cells[unit])
+            if parties.train_models[unit].occupied(parties.trains[unit].things[cell[0]]) == BIT["P"]
+        )
+        for unit in (0, 1)
+    )
+    key = (one << certificate.bits[2]) | other
+    states = sorted(
+        [certificate.states[i : i + WIDTH] for i in range(0, len(certificate.states), WIDTH)]
+        + [key.to_bytes(WIDTH)]
+    )
+    at = states.index(key.to_bytes(WIDTH))
+    ranks = certificate.ranks[: 2 * at] + b"\0\1" + certificate.ranks[2 * at :]
+    found = recount(replace(certificate, states=b"".join(states), ranks=ranks))
+    assert "is not safe: two trains in one section" in found.refused
+
+
+def test_a_step_that_has_changed_is_refused(
+    certificate: Certificate, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the local states, even where the digest of the sources is not looked at."""
+    monkeypatch.setattr(duty_step, "cleared_sections", lambda *_: ())
+    found = recount(certificate, sources=sources_digest())
+    assert ELSEWHERE in found.refused
+
+
+def test_other_sources_are_refused(certificate: Certificate) -> None:
+    assert "another digest" in recount(certificate, sources="0" * 32).refused
+
+
+def test_a_rank_that_nothing_lowers_is_refused(certificate: Certificate) -> None:
+    ranks = bytearray(certificate.ranks)
+    at = next(i for i in range(0, len(ranks), 2) if int.from_bytes(ranks[i : i + 2]) > 3)
+    ranks[at : at + 2] = (1).to_bytes(2)
+    assert "nothing leads to a rank below" in recount(replace(certificate, ranks=bytes(ranks))).refused
+
+
+def test_a_file_that_is_damaged_or_none_is_bad_input(certificate: Certificate, tmp_path: Path) -> None:
+    file = tmp_path / "a.cert"
+    write(file, certificate)
+    data = bytearray(file.read_bytes())
+    data[len(data) // 2] ^= 1
+    file.write_bytes(data)
+    with pytest.raises(InputError, match="digest"):
+        read(file)
+
+
+def test_no_certificate_of_what_does_not_hold() -> None:
+    with restored("sign-off-frees"):
+        found = explored(ExploredLine(budgets=Budgets(loss=1)))
+    with pytest.raises(ValueError, match="safe and alive"):
+        certificate_of(found)

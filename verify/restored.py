@@ -1,0 +1,75 @@
+"""Behaviours that the machines had once, by name: restored for as long as an exploration takes, to see what they lead to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import MappingProxyType
+from typing import Any, Final
+
+from onboard.authority import machine as authority
+from onboard.authority import sign_on
+from onboard.authority.records import QueryHeard
+from onboard.authority.tables import SignOnStanding
+from radio.messages import SignOff
+from verify import train_events
+from wayside import block_manager, leaving, reentry
+from wayside.actions import Show
+from wayside.reentry import Step
+from wayside.register import Register, UnitStanding
+from wayside.heard import Heard
+
+Change = tuple[object, str, Any]
+
+
+def _frees_at_once(register: Register, heard: Heard[SignOff]) -> Step:
+    """A sign-off that is accepted frees the portal, whether or not its unit hears that."""
+    after, actions = leaving.sign_off(register, heard)
+    if after.unit(heard.unit_id).standing is not UnitStanding.LEAVING:
+        return after, actions
+    after, shown = leaving.left_line(after, heard.unit_id)
+    return after, (*(action for action in actions if not isinstance(action, Show)), *shown)
+
+
+def _sign_off_frees() -> tuple[Change, ...]:
+    table = dict(block_manager.TELEGRAMS)
+    table[UnitStanding.REPORTED, SignOff] = _frees_at_once
+    return ((block_manager, "TELEGRAMS", MappingProxyType(table)),)
+
+
+def _booted_holds_nothing() -> tuple[Change, ...]:
+    """A unit that has booted answers that it holds nothing, and the manager takes that for what is so."""
+    table = dict(authority.TABLE)
+    table[SignOnStanding.OFF_LINE, QueryHeard] = sign_on.queried
+    return (
+        (authority, "TABLE", MappingProxyType(table)),
+        (reentry, "cannot_be_outside", lambda _register, _unit_id: False),
+    )
+
+
+def _told_later() -> tuple[Change, ...]:
+    """The driver tells the unit some time after the boundary that the train has left the line."""
+    return ((train_events, "TOLD_AT_ONCE", False),)
+
+
+RESTORED: Final[MappingProxyType[str, Callable[[], tuple[Change, ...]]]] = MappingProxyType(
+    {
+        "sign-off-frees": _sign_off_frees,
+        "booted-holds-nothing": _booted_holds_nothing,
+        "driver-tells-later": _told_later,
+    }
+)
+
+
+@contextmanager
+def restored(*names: str) -> Iterator[None]:
+    """With these behaviours; KeyError for a name that is none."""
+    changes = [change for name in names for change in RESTORED[name]()]
+    before = [(where, what, getattr(where, what)) for where, what, _ in changes]
+    try:
+        for where, what, value in changes:
+            setattr(where, what, value)
+        yield
+    finally:
+        for where, what, value in before:
+            setattr(where, what, value)
