@@ -22,7 +22,16 @@ FIELDS_MIN: Final = 6  # as many names in a row, in one order, make a list of fi
 ROOM_SHARE_MAX: Final = 0.15
 # Of what it bounds: room for what one recipe adds. A ceiling further above that is to be lowered.
 BELOW_CEILING: Final = 0.05
-ABOVE_SIMULATION: Final = ("branchline", "documents", "verify", "papers", "plan", "study", "scenario", "exchange")
+ABOVE_SIMULATION: Final = (
+    "branchline",
+    "documents",
+    "verify",
+    "papers",
+    "plan",
+    "study",
+    "scenario",
+    "exchange",
+)
 DIVIDED: Final = "study"  # its folders are rooms of their own
 
 

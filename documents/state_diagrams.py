@@ -12,8 +12,6 @@ from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from verify.breadth import Explored, explore
-from verify.lone_unit import events_from, first, phase_name
 from network.model import Position
 from onboard.authority import machine as authority
 from onboard.authority import records as auth
@@ -31,6 +29,8 @@ from radio.messages import (
 )
 from simulation.world import point_machine
 from simulation.world.point_machine import PointMachine
+from verify.breadth import Explored, explore
+from verify.lone_unit import events_from, first, phase_name
 from wayside import block_manager, point_terminal
 from wayside.config import ManagerConfig, PointsEntry, RouteEntry, SectionEntry, TerminalConfig
 from wayside.point_terminal import Terminal, TerminalMemory

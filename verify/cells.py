@@ -24,12 +24,9 @@ NEVER: Final = 99
 HELD_UNKNOWN: Final = -1
 CELL_BITS, EFFECT_BITS, TOKEN_BITS, CORRELATION_BITS = 21, 20, 20, 10
 # columns of a cell
-TRAIN, GRANTED, SAID, OCCUPIED, HELD, SPEAKS, FINISHED, IN_USE, OLDEST, NEAR_ANY, TO_MANAGER = range(11)
-NEAR, HEAD, NEEDS = (
-    11,
-    11 + len(PEERS),
-    11 + 2 * len(PEERS),
-)  # by peer; by peer: the first telegram; by terminal
+TRAIN, GRANTED, SAID, OCCUPIED, HELD, SPEAKS, FINISHED, IN_USE, OLDEST, SAID_TO_STAND_IN = range(10)
+# by peer; by peer: the first telegram; by terminal
+NEAR, HEAD, NEEDS = 10, 10 + len(PEERS), 10 + 2 * len(PEERS)
 # columns of a choice
 AFTER, COSTS, GUARD, GUARD_OF, GROUND = range(5)
 
@@ -108,14 +105,13 @@ class Cells:
             train.place is TrainPlace.GONE and not authority.perhaps_on_line,
             in_use,
             min((telegrams[t].epoch for t in air[1]), default=NEVER),
-            any(air),
-            bool(air[0] or air[1]),
+            model.said_to_stand_in(train),
             *(bool(air[2 * peer] or air[2 * peer + 1]) for peer in range(len(PEERS))),
             *heads,
             *(needs.get(terminal, 0) for terminal in TERMINALS),
         )
 
-    # what can come of a cell by itself ---------------------------------------------------------------------------------
+    # what can come of a cell by itself -------------------------------------------------------------------------------
 
     def _choices(self, cell: int) -> list[Sequence[int]]:
         train, air, granted = self.keys.things[cell]
@@ -135,6 +131,9 @@ class Cells:
             ground = self._grounds.number((event.left, event.locks, event.unlocks))
             found.append((after, event.trouble or delay, *_guard(event), ground))
         return found
+
+    def _first_gone(self, way: int, cell: int) -> tuple[int]:
+        return (self._popped(cell, way),)
 
     def _popped(self, cell: int, way: int) -> int:
         train, air, granted = self.keys.things[cell]

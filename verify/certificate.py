@@ -1,4 +1,4 @@
-"""A certificate: every state of an explored line, in order, each with its rank to finishing, in a file that can be recounted.
+"""A certificate: every state of an explored line, in order, each with its rank to finishing, in a file to be recounted.
 
 The file names the steps that were made, in their order, so that who makes them again has the same numbers; the parts of
 states (ground, cells) by these numbers; the states by their parts, sorted; and digests of the local states and of the
@@ -39,8 +39,8 @@ MODEL: Final = (
 
 
 class Certificate(msgspec.Struct, frozen=True):
-    """What is in the file. `states`: 8 bytes each, big-endian, sorted: ground, cell of the first train, of the second, by
-    index into the tables; `ranks`: 2 bytes each. `made`: steps by their kind and numbers.
+    """What is in the file. `states`: 8 bytes each, big-endian, sorted: ground, and the cell of each train, by index
+    into the tables; `ranks`: 2 bytes each. `made`: steps by their kind and numbers.
     """
 
     format: int

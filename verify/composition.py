@@ -41,9 +41,7 @@ class LineState(NamedTuple):
 
 
 class Following(NamedTuple):
-    """What may follow: who did what, with which telegram (-1: none); with a trouble, it is nothing that happens when faults
-    have ended.
-    """
+    """What may follow: who did what, with which telegram (-1: none). What has a trouble need not happen."""
 
     who: str
     what: str
@@ -56,6 +54,7 @@ class TrainView(NamedTuple):
     """What the rules of the whole look at of one train."""
 
     occupied: int
+    said_to_stand_in: int
     held: int | None  # None: its unit does not know, or says nothing
     speaks: bool
     finished: bool
@@ -162,7 +161,7 @@ class Composition:
                 continue
             if event.about >= 0:
                 view = self.view(state, event.about)
-                true = (event.corrects or not view.speaks) and view.occupied == event.stands
+                true = (event.corrects or not view.speaks) and view.said_to_stand_in == event.stands
                 if true is not (event.trouble is Trouble.NONE):
                     continue
             trouble = event.trouble or _delay(queue for cell in state.cells for queue in cell.air[:2])
@@ -282,6 +281,7 @@ class Composition:
         }
         return TrainView(
             occupied,
+            model.said_to_stand_in(train),
             mask_of(authority.held) if knows and (authority.on_line or authority.leaving) else None,
             model.speaks(train),
             train.place is TrainPlace.GONE and not authority.perhaps_on_line,

@@ -8,6 +8,7 @@ looked up for all states that have it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -32,6 +33,7 @@ from verify.cells import (
     OCCUPIED,
     OLDEST,
     SAID,
+    SAID_TO_STAND_IN,
     SPEAKS,
     TOKEN_BITS,
     Cells,
@@ -43,6 +45,7 @@ from verify.terminal import lie_code
 from verify.train_events import GuardKind
 
 Keys = NDArray[np.uint64]
+Which = NDArray[np.bool_]
 MANAGER_BITS, TERMINAL_BITS, LEFT_BITS = 20, 14, 12
 GROUND_BITS: Final = 22
 TWO: Final = 2
@@ -62,7 +65,7 @@ class Columns(NamedTuple):
     left: Numbers
     cells: tuple[Numbers, ...]
 
-    def at(self, which: Numbers | NDArray[np.bool_]) -> Columns:
+    def at(self, which: Numbers | Which) -> Columns:
         """Some of the states."""
         return Columns(
             self.manager[which],
@@ -96,34 +99,23 @@ class Expansion:
         self._manager_choices: Final = Choices(EFFECT + TWO, self._manager_events)
         self._persons_choices: Final = Choices(EFFECT + TWO, self._persons_err)
         self._terminal_choices: Final = tuple(
-            Choices(EFFECT + TWO, lambda t, i=i: self._terminal_events(i, t)) for i in range(len(TERMINALS))
+            Choices(EFFECT + TWO, partial(self._terminal_events, i)) for i in range(len(TERMINALS))
         )
         self._spent: Final = Once(self._spend, 1, LEFT_BITS, 4)
         self._manager_hears: Final = tuple(
-            Once(lambda m, said, u=u: self._heard(u, m, said), 2 + TWO, MANAGER_BITS, 20) for u in range(TWO)
+            Once(partial(self._heard, u), 2 + TWO, MANAGER_BITS, 20) for u in range(TWO)
         )
         self._terminal_hears: Final = tuple(
-            tuple(
-                Once(lambda t, tel, u=u, i=i: self._t_heard(i, t, u, tel), 1 + TWO, TERMINAL_BITS, 20)
-                for u in range(TWO)
-            )
+            tuple(Once(partial(self._t_heard, i, u), 1 + TWO, TERMINAL_BITS, 20) for u in range(TWO))
             for i in range(len(TERMINALS))
         )
         self._boundary: Final = Once(self._passed, 1 + TWO, MANAGER_BITS)
         self._by_hand: Final = tuple(
-            Once(lambda t, locked, i=i: self._locked(i, t, locked), 1 + TWO, TERMINAL_BITS, 1)
-            for i in range(len(TERMINALS))
+            Once(partial(self._locked, i), 1 + TWO, TERMINAL_BITS, 1) for i in range(len(TERMINALS))
         )
-        self._manager_anew: Final = Once(
-            lambda m, b: (parties.make(StepKind.MANAGER_ANEW, m, self._bits.things[b]),), 1, MANAGER_BITS, 20
-        )
+        self._manager_anew: Final = Once(self._manager_in_order, 1, MANAGER_BITS, TOKEN_BITS)
         self._terminal_anew: Final = tuple(
-            Once(
-                lambda t, b, i=i: (parties.make(StepKind.TERMINAL_ANEW, i, t, self._bits.things[b]),),
-                1,
-                TERMINAL_BITS,
-                20,
-            )
+            Once(partial(self._terminal_in_order, i), 1, TERMINAL_BITS, TOKEN_BITS)
             for i in range(len(TERMINALS))
         )
         self.ground_keys: Final = Numbered[tuple[int, ...]]()
@@ -274,8 +266,8 @@ class Expansion:
         about, near = column(ABOUT), np.zeros(len(source), bool)
         for unit, cells in enumerate(self.cells):
             cell = states.cells[unit][source]
-            speaks, occupied = (cells.rows.column(c)[cell] for c in (SPEAKS, OCCUPIED))
-            true = ((speaks == 0) | (column(CORRECTS) != 0)) & (occupied == column(STANDS))
+            speaks, said_in = (cells.rows.column(c)[cell] for c in (SPEAKS, SAID_TO_STAND_IN))
+            true = ((speaks == 0) | (column(CORRECTS) != 0)) & (said_in == column(STANDS))
             may &= (about != unit) | (true == (column(TROUBLE) == Trouble.NONE))
             early = cells.rows.column(OLDEST)[cell] < self._managers.column(EPOCH)[states.manager[source]]
             may &= (column(WORD) == 0) | ~early
@@ -294,8 +286,8 @@ class Expansion:
         states: Columns,
         source: Numbers,
         column: Callable[[int], Numbers],
-        may: NDArray[np.bool_],
-        near: NDArray[np.bool_],
+        may: Which,
+        near: Which,
         index: int | None,
     ) -> Block:
         trouble = np.where((column(TROUBLE) == Trouble.NONE) & near, Trouble.DELAY, column(TROUBLE))
@@ -391,7 +383,7 @@ class Expansion:
 
     # what must hold ---------------------------------------------------------------------------------------------------
 
-    def broken(self, keys: Keys) -> NDArray[np.bool_]:
+    def broken(self, keys: Keys) -> Which:
         """In which states a rule is broken; `Composition.broken` says which."""
         self._add_rows()
         states = self.columns(keys)
@@ -399,7 +391,7 @@ class Expansion:
         occupied = [columns[u](OCCUPIED)[states.cells[u]] for u in range(TWO)]
         held = [columns[u](HELD)[states.cells[u]] for u in range(TWO)]
         both_know = (held[0] >= 0) & (held[1] >= 0)
-        bad = (occupied[0] & occupied[1] != 0) | (both_know & (held[0] & held[1] != 0))
+        bad: Which = (occupied[0] & occupied[1] != 0) | (both_know & (held[0] & held[1] != 0))
         manager = states.manager
         on_sight = self._managers.column(ON_SIGHT)[manager]
         may_grant = self._managers.column(MAY_GRANT)[manager] != 0
@@ -410,19 +402,22 @@ class Expansion:
             for index in range(len(TERMINALS)):
                 need = columns[unit](NEEDS + index)[states.cells[unit]]
                 bad |= (need != 0) & (self._lie(index, states.terminals[index]) != need)
-        return bad | (self._managers.column(BAD)[manager] != 0)
+        bad |= self._managers.column(BAD)[manager] != 0
+        return bad
 
-    def collided(self, keys: Keys) -> NDArray[np.bool_]:
+    def collided(self, keys: Keys) -> Which:
         """In which states two trains stand in one section."""
         cells = self.columns(keys).cells
         one, other = (self.cells[u].rows.column(OCCUPIED)[cells[u]] for u in range(TWO))
-        return one & other != 0
+        both: Which = one & other != 0
+        return both
 
-    def finished(self, keys: Keys) -> NDArray[np.bool_]:
+    def finished(self, keys: Keys) -> Which:
         """In which states every train has come and gone."""
         states = self.columns(keys)
         done = [self.cells[u].rows.column(FINISHED)[states.cells[u]] != 0 for u in range(TWO)]
-        return done[0] & done[1]
+        both: Which = done[0] & done[1]
+        return both
 
     # tables -----------------------------------------------------------------------------------------------------------
 
@@ -436,7 +431,7 @@ class Expansion:
         made = self.parties.make(StepKind.MANAGER_HEARS, manager, unit, telegram, granted)
         return made.state, made.granted, *self._effects(0, made.sends)
 
-    def _t_heard(self, index: int, terminal: int, unit: int, telegram: int) -> tuple[int, ...]:
+    def _t_heard(self, index: int, unit: int, terminal: int, telegram: int) -> tuple[int, ...]:
         made = self.parties.make(StepKind.TERMINAL_HEARS, index, terminal, unit, telegram)
         return made.state, *self._effects(index + 1, made.sends)
 
@@ -461,6 +456,12 @@ class Expansion:
     def _event_row(self, peer: int, event: LocalEvent) -> Sequence[int]:
         effects = self._effects(peer, event.sends)
         return event.state, event.trouble, event.about, event.stands, event.word, event.corrects, *effects
+
+    def _manager_in_order(self, manager: int, bits: int) -> tuple[int]:
+        return (self.parties.make(StepKind.MANAGER_ANEW, manager, self._bits.things[bits]),)
+
+    def _terminal_in_order(self, index: int, terminal: int, bits: int) -> tuple[int]:
+        return (self.parties.make(StepKind.TERMINAL_ANEW, index, terminal, self._bits.things[bits]),)
 
     def _spend(self, left: int, trouble: int) -> tuple[int]:
         budget = self.lefts.things[left]

@@ -20,8 +20,8 @@ STATES_MAX: Final = 200_000_000
 
 
 class ExploredSpace(NamedTuple):
-    """What was found. `broken`: the rule that a state breaks, with the shortest story to it; `dead`: how many states there
-    are from which not all trains can finish, though faults end and people are truthful, with the shortest story to one.
+    """What was found. `broken`: the rule that a state breaks, with the shortest story to it; `dead`: from how many
+    states not all trains can finish, though faults end and people are truthful, with the shortest story to one.
     """
 
     line: ExploredLine
@@ -46,7 +46,7 @@ def explored(
     *,
     collisions_alone: bool = False,
 ) -> ExploredSpace:
-    """Explore a line as far as its budgets go, or `states_max`; the first state that breaks a rule ends it, or the first
+    """Explore a line as far as its budgets go, or `states_max`. The first state that breaks a rule ends it; or only one
     in which two trains stand in one section.
     """
     parties = Parties(line)

@@ -28,9 +28,10 @@ from verify.explored_line import (
 from verify.on_air import InAir, opened
 from wayside import acts, reentry
 from wayside.actions import Action, Send
+from wayside.barring import person_key
 from wayside.block_manager import AskUnits, Event, Heard, step, wake_at_s
-from wayside.register import Register, UnitStanding, start
-from wayside.said import AcceptPicture, BoundaryPassed, ConfirmHolding, ConfirmOutside
+from wayside.register import Register, start
+from wayside.said import AcceptPicture, BoundaryPassed, ConfirmHolding, ConfirmOutside, TakeBack
 
 LATE_S: Final = 1000.0  # later than whatever a rule of the manager waits for
 GRANTED_IN_DOUBT: Final = "granted while the line was not defined"
@@ -48,8 +49,8 @@ class PlainRegister:
 
 
 class ManagerState(NamedTuple):
-    """`kept`: the register, or with the power off what outlives that. `heard`: boots of the units. `bad`: what must never
-    happen and did in the step that led here.
+    """`kept`: the register, or with the power off what outlives that. `heard`: boots of the units. `bad`: what must
+    never happen and did in the step that led here.
     """
 
     power: bool
@@ -68,9 +69,9 @@ class ManagerStep(NamedTuple):
 
 
 class ManagerEvent(NamedTuple):
-    """Something that can happen. `about`: the unit that a person speaks of, truly where its train stands in `stands`, and
-    where nobody has said anything of it before (else `corrects`), only if it does not speak for itself. `word`: a person
-    acts, which takes effect only when no telegram of an earlier boot is on the air.
+    """Something that can happen. `about`: the unit that a person speaks of, truly where its train stands in `stands`
+    and, unless that `corrects` what was said before, if it does not speak for itself. `word`: a person acts, which
+    takes effect only when no telegram of an earlier boot is on the air.
     """
 
     name: str
@@ -112,7 +113,7 @@ def _of_the_other(register: Register) -> Register:
     """What the two persons have said, each by the other: who of two it is makes no difference."""
     words, of = (
         register.reentry,
-        dict(zip(map(acts.person_key, PERSONS), map(acts.person_key, reversed(PERSONS)), strict=True)),
+        dict(zip(map(person_key, PERSONS), map(person_key, reversed(PERSONS)), strict=True)),
     )
     swapped = replace(
         words,
@@ -218,7 +219,7 @@ class ManagerModel:
             yield ManagerEvent("asks the units", after, sends)
 
     def _words(self, state: ManagerState) -> Iterator[ManagerEvent]:
-        """True words: that the picture is right, where a silent train stands, or that what was said before is not so."""
+        """True words: that the picture is right, where a silent train stands, or what was said before is not so."""
         register = state.kept.register
         if register.restoring and not reentry.missing_for_acceptance(register):
             after, sends, _ = self._took(state, AcceptPicture(PERSONS[0]))
@@ -228,6 +229,14 @@ class ManagerModel:
             corrects = self._corrects(state, unit_id)
             if corrects or unit_id in lacking:
                 yield from self._words_of(state, unit, corrects=corrects)
+            if register.restoring:
+                yield from self._taken_back(state, unit_id)
+
+    def _taken_back(self, state: ManagerState, unit_id: str) -> Iterator[ManagerEvent]:
+        """While the line is restored, whoever has said something of a unit may take that back."""
+        for person in reentry.words_for(state.kept.register, unit_id):
+            after, sends, _ = self._took(state, TakeBack(unit_id, person))
+            yield ManagerEvent(f"{person} takes back what was said of {unit_id}", after, sends, word=True)
 
     def errs(self, state: ManagerState) -> tuple[ManagerEvent, ...]:
         """Words of persons that are not true, or about a unit that speaks for itself."""
@@ -242,7 +251,8 @@ class ManagerModel:
 
     def _corrects(self, state: ManagerState, unit_id: str) -> bool:
         register = state.kept.register
-        return bool(register.unit(unit_id).by) or bool(reentry.words_for(register, unit_id))
+        said = bool(register.unit(unit_id).by) or bool(reentry.words_for(register, unit_id))
+        return said and not register.restoring
 
     def _words_of(self, state: ManagerState, unit: int, *, corrects: bool) -> Iterator[ManagerEvent]:
         unit_id = self.units[unit]
@@ -274,6 +284,3 @@ class ManagerModel:
         return start(
             self._config, epoch, CAPABILITY_KEYS, register.ledger, register.unswept, {}, register.bars
         )
-
-
-__all__ = ["ManagerModel", "UnitStanding"]

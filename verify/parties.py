@@ -1,4 +1,4 @@
-"""The steps of all parties, each made once: local states and telegrams are numbers in the order in which they were found.
+"""The steps of all parties, each made once: local states and telegrams are numbers in the order of their finding.
 
 What was made is kept as a list of small tuples, so that whoever makes the same steps again, in that order, comes to the
 same numbers: a certificate names states by them, and its checker makes every step anew.
@@ -46,7 +46,7 @@ class Numbered(Generic[T]):
 
 
 class LocalStep(NamedTuple):
-    """What comes of a step, in numbers. `granted`: of the manager, the correlation of its last grant to the unit heard."""
+    """What comes of a step, in numbers. `granted`: the correlation of the manager's last grant to the unit heard."""
 
     state: int
     sends: Sends = ()
@@ -143,10 +143,10 @@ class Parties:
     def digest(self) -> str:
         """Of all local states and telegrams found, in order."""
         code = blake2b(digest_size=16)
-        tables = (self.managers, *self.terminals, *self.trains, self.telegrams)
-        for table in tables:
-            for thing in table.things:
-                code.update(in_one_order(thing).encode())
+        found: list[list[Any]] = [self.managers.things, *(t.things for t in self.terminals)]
+        found += [*(t.things for t in self.trains), self.telegrams.things]
+        for thing in (thing for things in found for thing in things):
+            code.update(in_one_order(thing).encode())
         return code.hexdigest()
 
     def manager_grants(self, manager: int) -> int:

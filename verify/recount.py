@@ -1,8 +1,8 @@
 """Recounting a certificate: its start, every successor of every member, the rules, and the ranks, one state at a time.
 
-It makes every step of every party anew and composes them by `verify.composition`; it shares nothing with the search. What
-it shows: the set holds the start and all that follows from any member, no member breaks a rule, and from every member an
-untroubled event leads to one of lower rank, down to a state in which all trains have finished.
+It makes every step of every party anew and composes them by `verify.composition`; it shares nothing with the search.
+What it shows: the set holds the start and all that follows from any member, no member breaks a rule, and from every
+member an untroubled event leads to one of lower rank, down to a state in which all trains have finished.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Recounted:
 def recount(
     certificate: Certificate, watch: Callable[[int], None] = lambda _: None, sources: str | None = None
 ) -> Recounted:
-    """Whether the certificate holds. `sources`: the digest of the steps that run, if it is not to be taken of the files."""
+    """Whether the certificate holds. `sources`: the digest of the steps that run; None: that of the files."""
     if certificate.format != FORMAT:
         return Recounted(f"format {certificate.format}; this checker knows {FORMAT}")
     if certificate.sources != (sources_digest() if sources is None else sources):
@@ -86,22 +86,27 @@ class _Recount:
             return Recounted("the start is not in it")
         successors = finished = 0
         for count, (key, rank) in enumerate(self._ranks.items(), start=1):
-            state = self._state(key)
-            if state is None:
-                return Recounted(f"state {key:016x} has parts that are not in the tables", count, successors)
-            if broken := self._composition.broken(state):
-                return Recounted(f"state {key:016x} is not safe: {broken}", count, successors)
-            best, found, missing = self._look(state)
-            successors += found
-            if missing:
-                return Recounted(f"state {key:016x}: {missing} leads out of the set", count, successors)
-            done = self._composition.finished(state)
-            finished += done
-            if (rank == 0) is not done or (rank > 0 and best >= rank):
-                return Recounted(f"state {key:016x}: nothing leads to a rank below {rank}", count, successors)
+            wrong, found, done = self._member(key, rank)
+            successors, finished = successors + found, finished + done
+            if wrong:
+                return Recounted(f"state {key:016x} {wrong}", count, successors)
             if count % LOOKS_EVERY == 0:
                 watch(count)
         return Recounted("", len(self._ranks), successors, finished, max(self._ranks.values()))
+
+    def _member(self, key: int, rank: int) -> tuple[str, int, bool]:
+        """What is wrong with a member, how many states follow from it, and whether all trains have finished in it."""
+        state = self._state(key)
+        if state is None:
+            return "has parts that are not in the tables", 0, False
+        if broken := self._composition.broken(state):
+            return f"is not safe: {broken}", 0, False
+        best, found, missing = self._look(state)
+        done = self._composition.finished(state)
+        if missing:
+            return f"leads out of the set: {missing}", found, done
+        lowered = done if rank == 0 else best < rank and not done
+        return "" if lowered else f"has no event that leads to a rank below {rank}", found, done
 
     def _look(self, state: LineState) -> tuple[int, int, str]:
         """The lowest rank that an untroubled event leads to, how many follow, and what leads out of the set."""

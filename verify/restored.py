@@ -1,4 +1,4 @@
-"""Behaviours that the machines had once, by name: restored for as long as an exploration takes, to see what they lead to."""
+"""Behaviours that the machines had once, by name: restored while a line is explored, to see what they lead to."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from radio.messages import SignOff
 from verify import train_events
 from wayside import block_manager, leaving, reentry
 from wayside.actions import Show
+from wayside.heard import Heard
 from wayside.reentry import Step
 from wayside.register import Register, UnitStanding
-from wayside.heard import Heard
 
 Change = tuple[object, str, Any]
 

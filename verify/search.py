@@ -97,7 +97,8 @@ def among(run: Keys, keys: Keys) -> NDArray[np.bool_]:
     if not len(run):
         return np.zeros(len(keys), bool)
     at = np.searchsorted(run, keys)
-    return run[np.minimum(at, len(run) - 1)] == keys
+    there: NDArray[np.bool_] = run[np.minimum(at, len(run) - 1)] == keys
+    return there
 
 
 def ranks(expansion: Expansion, states: Keys) -> Numbers:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from enum import Enum
-from itertools import groupby
+from itertools import groupby, pairwise
 from types import MappingProxyType
 from typing import Final
 
@@ -15,7 +15,6 @@ from verify.composition import Cell, Composition, Following, LineState
 from verify.expansion import Expansion, Keys
 from verify.parties import Parties
 from verify.search import parts
-
 
 _UNSAID: Final = ("token", "capabilities", "mac", "unit_id", "terminal_id")
 WORDS: Final = MappingProxyType(
@@ -77,7 +76,7 @@ class StoryTeller:
         """What happens on a shortest way to a state, a line for each event, or for the same ones after each other."""
         way = [self.line_state(k) for k in self.way_to(levels, key)]
         lines: list[str] = []
-        for before, after in zip(way, way[1:], strict=False):
+        for before, after in pairwise(way):
             found = next(f for f in self.composition.following(before) if f.state == after)
             lines.append(self._words(found))
         return tuple(f"{line} ({count} times)" if count > 1 else line for line, count in _runs(lines))

@@ -1,4 +1,4 @@
-"""Tables over numbers: rows that grow, functions that are computed once for each argument, for whole arrays at a time."""
+"""Tables over numbers: rows that grow, and functions computed once for each argument, for whole arrays at a time."""
 
 from __future__ import annotations
 

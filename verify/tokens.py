@@ -51,7 +51,7 @@ def of_boot(bits: int, epoch: int) -> int:
 
 
 def in_order(bits: int, epoch: int, counter: int) -> bool:
-    """Whether nothing is to be counted anew; `counter` of the manager's boot `epoch`, negative where it has no power."""
+    """Whether nothing is to be counted anew; `counter`: of the manager's boot `epoch`, negative without power."""
     parts = [of_boot(bits, boot) for boot in range(1, BOOTS + 1)]
     return all(part & part + 1 == 0 for part in parts) and counter in (-1, parts[epoch - 1].bit_count())
 

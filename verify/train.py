@@ -63,8 +63,8 @@ class TrainPlace(Enum):
 
 
 class TrainState(NamedTuple):
-    """A unit and its train. `heard`: boots of the manager and the terminals as it last heard them; `spot`: how far on its
-    plan, in thirds of a span; `keys`: points that its crew has locked on the spot.
+    """A unit and its train. `heard`: boots of the manager and the terminals as it last heard them; `spot`: how far on
+    its plan, in thirds of a span; `keys`: points that its crew has locked on the spot.
     """
 
     place: TrainPlace = TrainPlace.OUTSIDE
@@ -201,6 +201,10 @@ class TrainModel:
             return 0
         span, part = divmod(state.spot, PLACES_A_SPAN)
         return mask_of(tuple(s.section_id for s in self.plan(state).spans[span : span + 1 + (part == 2)]))
+
+    def said_to_stand_in(self, state: TrainState) -> int:
+        """Where a truthful person says it stands, as bits; before the portal it is off the line."""
+        return self.occupied(state)
 
     def speaks(self, state: TrainState) -> bool:
         """Whether the unit has power and knows what it holds, so that nobody needs to speak for it."""

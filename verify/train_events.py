@@ -63,8 +63,8 @@ TOLD_AT_ONCE = True  # the unit is told that its train has left as the contact a
 
 
 class TrainEvent(NamedTuple):
-    """Something that can happen. `left`: the train passes the boundary out; `locks`, `unlocks`: points by terminal that its
-    crew locks by hand, or gives back.
+    """Something that can happen. `left`: the train passes the boundary out; `locks`, `unlocks`: points, by terminal,
+    that its crew locks by hand, or gives back.
     """
 
     name: str
@@ -170,7 +170,7 @@ def _eyes(model: TrainModel, state: TrainState) -> Iterator[TrainEvent]:
 
 
 def _may_go_on(model: TrainModel, state: TrainState) -> bool:
-    """Whether the next joint is free: by the stop limit, or without a position within what is held, by the crew's eye."""
+    """Whether the next joint is free: by the stop limit, or on sight within what is held, by the crew's eye."""
     plan, duty = model.plan(state), state.duty
     if state.spot == END:
         return False

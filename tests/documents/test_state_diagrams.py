@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from verify.breadth import explore
-from verify.lone_unit import event_name, events_from, phase_name, steps
 from documents.state_diagrams import DIAGRAMS, diagram, machine_diagram
 from onboard.authority import machine as authority
 from onboard.duty import machine as duty
 from onboard.duty.records import AtMark, DutyPhase
 from radio.table import TableCell
 from simulation.world import point_machine
+from verify.breadth import explore
+from verify.lone_unit import event_name, events_from, phase_name, steps
 from wayside import block_manager, point_terminal
 from wayside.register import UnitStanding
 

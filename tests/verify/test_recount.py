@@ -91,7 +91,7 @@ def test_a_rank_that_nothing_lowers_is_refused(certificate: Certificate) -> None
     ranks = bytearray(certificate.ranks)
     at = next(i for i in range(0, len(ranks), 2) if int.from_bytes(ranks[i : i + 2]) > 3)
     ranks[at : at + 2] = (1).to_bytes(2)
-    assert "nothing leads to a rank below" in recount(replace(certificate, ranks=bytes(ranks))).refused
+    assert "no event that leads to a rank below" in recount(replace(certificate, ranks=bytes(ranks))).refused
 
 
 def test_a_file_that_is_damaged_or_none_is_bad_input(certificate: Certificate, tmp_path: Path) -> None:

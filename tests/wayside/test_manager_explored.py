@@ -12,7 +12,6 @@ from typing import Final
 
 import pytest
 
-from verify.breadth import Explored, explore
 from radio.messages import (
     AnyMessage,
     Claim,
@@ -26,6 +25,7 @@ from radio.messages import (
     SignOnAccepted,
 )
 from tests.nightly import others_nightly
+from verify.breadth import Explored, explore
 from wayside import acts, block_manager, reentry
 from wayside.actions import Action, Send
 from wayside.block_manager import AskUnits, Event, Heard, step

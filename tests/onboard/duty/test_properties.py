@@ -15,21 +15,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from verify import lone_unit
-from verify.breadth import Explored, explore
-from verify.lone_unit import (
-    END,
-    PLANS,
-    ExploredRun,
-    Step,
-    X,
-    course,
-    events_from,
-    first,
-    may_start,
-    phase_name,
-    steps,
-)
 from onboard.authority import machine as authority_machine
 from onboard.authority import report
 from onboard.authority.machine import TABLE
@@ -71,6 +56,21 @@ from onboard.duty.records import (
     TimerDue,
 )
 from onboard.duty.shown import command_of
+from verify import lone_unit
+from verify.breadth import Explored, explore
+from verify.lone_unit import (
+    END,
+    PLANS,
+    ExploredRun,
+    Step,
+    X,
+    course,
+    events_from,
+    first,
+    may_start,
+    phase_name,
+    steps,
+)
 
 SMALL_BYTES = 4096  # of a state, written out
 
