@@ -5,6 +5,7 @@ the ground makes of it.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Final
 
 from verify import tokens
@@ -47,11 +48,10 @@ class Cells:
         self.choices: Final = Choices(5, self._choices)
         self.sent: Final = Once(self._sent, 1, CELL_BITS, EFFECT_BITS)
         self.without_first: Final = tuple(
-            Once(lambda cell, w=2 * peer: (self._popped(cell, w),), 1, CELL_BITS)
-            for peer in range(len(PEERS))
+            Once(partial(self._first_gone, 2 * peer), 1, CELL_BITS) for peer in range(len(PEERS))
         )
         self.heard: Final = Once(self._heard, 1, CELL_BITS, CORRELATION_BITS, EFFECT_BITS)
-        self.forgets: Final = Once(lambda cell: (self._with_granted(cell, 0),), 1, CELL_BITS)
+        self.forgets: Final = Once(self._forgets, 1, CELL_BITS)
         self.in_use: Final = Numbered[int]()
         self.anew: Final = Once(self._anew, 1, CELL_BITS, TOKEN_BITS)
         self.effects.number(())
@@ -157,9 +157,10 @@ class Cells:
             ways[way] = (*ways[way], telegram)
         return (self.number(train, tuple(ways), granted),)
 
-    def _with_granted(self, cell: int, granted: int) -> int:
+    def _forgets(self, cell: int) -> tuple[int]:
+        """No request can be a repetition of the manager's last grant."""
         train, air, _ = self.keys.things[cell]
-        return self.number(train, air, granted)
+        return (self.number(train, air, 0),)
 
     def _anew(self, cell: int, which: int) -> tuple[int]:
         """With tokens counted anew among those in use."""

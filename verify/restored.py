@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from types import MappingProxyType
 from typing import Any, Final
@@ -43,8 +43,12 @@ def _booted_holds_nothing() -> tuple[Change, ...]:
     table[SignOnStanding.OFF_LINE, QueryHeard] = sign_on.queried
     return (
         (authority, "TABLE", MappingProxyType(table)),
-        (reentry, "cannot_be_outside", lambda _register, _unit_id: False),
+        (reentry, "cannot_be_outside", _never),
     )
+
+
+def _never(_register: Register, _unit_id: str) -> bool:
+    return False
 
 
 def _told_later() -> tuple[Change, ...]:
@@ -62,7 +66,7 @@ RESTORED: Final[MappingProxyType[str, Callable[[], tuple[Change, ...]]]] = Mappi
 
 
 @contextmanager
-def restored(*names: str) -> Iterator[None]:
+def restored(*names: str) -> Generator[None]:
     """With these behaviours; KeyError for a name that is none."""
     changes = [change for name in names for change in RESTORED[name]()]
     before = [(where, what, getattr(where, what)) for where, what, _ in changes]

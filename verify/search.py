@@ -103,7 +103,7 @@ def among(run: Keys, keys: Keys) -> NDArray[np.bool_]:
 
 def ranks(expansion: Expansion, states: Keys) -> Numbers:
     """By state: how many steps without trouble are enough for all trains to finish; -1: no number is."""
-    sources, targets = [], []
+    sources, targets = list[NDArray[np.uint32]](), list[NDArray[np.uint32]]()
     for first in range(0, len(states), AT_ONCE):
         source, after, trouble = expansion.following(states[first : first + AT_ONCE])
         helpful = trouble == 0
