@@ -9,9 +9,9 @@ from functools import partial
 from typing import Final
 
 from verify import tokens
-from verify.explored_line import BIT, TERMINALS, Trouble, mask_of
-from verify.parties import LocalEvent, Numbered, Parties, Sends, StepKind, renaming
-from verify.tables import Choices, Once, Rows
+from verify.explored_line import BIT, TERMINALS, UnwishedFor, mask_of
+from verify.parties import ExploredParties, LocalEvent, Numbered, Sends, StepKind, renaming
+from verify.tables import Choices, GrowingRows, Once
 from verify.terminal import LIES
 from verify.train import PEERS, TrainPlace
 from verify.train_events import GuardKind
@@ -32,11 +32,14 @@ NEAR, HEAD, NEEDS = 10, 10 + len(PEERS), 10 + 2 * len(PEERS)
 AFTER, COSTS, GUARD, GUARD_OF, GROUND = range(5)
 
 
-class Cells:
+class TrainCells:
     """All cells of one unit."""
 
     def __init__(
-        self, parties: Parties, unit: int, grounds: Numbered[tuple[bool, tuple[int, ...], tuple[int, ...]]]
+        self,
+        parties: ExploredParties,
+        unit: int,
+        grounds: Numbered[tuple[bool, tuple[int, ...], tuple[int, ...]]],
     ) -> None:
         self._parties: Final = parties
         self._unit: Final = unit
@@ -44,7 +47,7 @@ class Cells:
         self.keys: Final = Numbered[CellKey]()
         self.effects: Final = Numbered[Sends]()
         self.said: Final = Numbered[tuple[int, int]]()
-        self.rows: Final = Rows(NEEDS + len(TERMINALS))
+        self.rows: Final = GrowingRows(NEEDS + len(TERMINALS))
         self.choices: Final = Choices(5, self._choices)
         self.sent: Final = Once(self._sent, 1, CELL_BITS, EFFECT_BITS)
         self.without_first: Final = tuple(
@@ -119,13 +122,13 @@ class Cells:
         for way, queue in enumerate(air):
             if not queue:
                 continue
-            found.append((self._popped(cell, way), Trouble.LOSS, 0, 0, 0))
+            found.append((self._popped(cell, way), UnwishedFor.LOSS, 0, 0, 0))
             if way % 2:
                 heard = make(StepKind.UNIT_HEARS, self._unit, train, way // 2, queue[0])
                 rest = (*air[:way], queue[1:], *air[way + 1 :])
                 after = self.number(heard.state, _sent_up(rest, heard.sends), granted)
-                found.append((after, Trouble.NONE, 0, 0, 0))
-        delay = Trouble.DELAY if any(air) else Trouble.NONE
+                found.append((after, UnwishedFor.NONE, 0, 0, 0))
+        delay = UnwishedFor.DELAY if any(air) else UnwishedFor.NONE
         for event in make(StepKind.UNIT_EVENTS, self._unit, train):
             after = self.number(event.state, _sent_up(air, event.sends), granted)
             ground = self._grounds.number((event.left, event.locks, event.unlocks))

@@ -11,8 +11,8 @@ from typing import Final, NamedTuple
 
 from network.model import Position
 from verify import tokens
-from verify.explored_line import ANY, BIT, PORTAL, SECTIONS, TERMINALS, Trouble, mask_of
-from verify.parties import LocalEvent, Parties, Sends, StepKind, renaming
+from verify.explored_line import ANY, BIT, PORTAL, SECTIONS, TERMINALS, UnwishedFor, mask_of
+from verify.parties import ExploredParties, LocalEvent, Sends, StepKind, renaming
 from verify.terminal import LIES, lie_code
 from verify.train import PEERS, TrainPlace
 from verify.train_events import GuardKind
@@ -23,7 +23,7 @@ HEARS, LOSES = "hears", "loses"
 NO_TELEGRAMS: Final[Queues] = ((),) * (2 * len(PEERS))
 
 
-class Cell(NamedTuple):
+class TrainCell(NamedTuple):
     """A train with the telegrams from and to its unit, and the correlation of the manager's last grant to it."""
 
     train: int
@@ -31,13 +31,13 @@ class Cell(NamedTuple):
     granted: int = 0
 
 
-class LineState(NamedTuple):
+class StateOfLine(NamedTuple):
     """A state of the whole: numbers of local states, and what is left of the budgets."""
 
     manager: int
     terminals: tuple[int, ...]
     left: tuple[int, ...]
-    cells: tuple[Cell, ...]
+    cells: tuple[TrainCell, ...]
 
 
 class Following(NamedTuple):
@@ -45,8 +45,8 @@ class Following(NamedTuple):
 
     who: str
     what: str
-    trouble: Trouble
-    state: LineState
+    trouble: UnwishedFor
+    state: StateOfLine
     telegram: int = -1
 
 
@@ -64,20 +64,20 @@ class TrainView(NamedTuple):
 class Composition:
     """Successors, and what must hold, of states of the line."""
 
-    def __init__(self, parties: Parties) -> None:
+    def __init__(self, parties: ExploredParties) -> None:
         self.parties: Final = parties
         self._units: Final = range(len(parties.units))
         self._views: Final[dict[tuple[int, int], TrainView]] = {}
-        self._told_apart: Final[dict[tuple[int, Cell], Cell]] = {}
-        self._cell_bits: Final[dict[tuple[int, Cell], int]] = {}
+        self._told_apart: Final[dict[tuple[int, TrainCell], TrainCell]] = {}
+        self._cell_bits: Final[dict[tuple[int, TrainCell], int]] = {}
         self._ground_bits: Final[tuple[dict[int, int], dict[tuple[int, int], int]]] = ({}, {})
 
-    def start(self) -> LineState:
+    def start(self) -> StateOfLine:
         """A day under way, before the first train comes."""
-        cells = tuple(Cell(0) for _ in self._units)
-        return LineState(0, (0,) * len(TERMINALS), tuple(self.parties.line.budgets), cells)
+        cells = tuple(TrainCell(0) for _ in self._units)
+        return StateOfLine(0, (0,) * len(TERMINALS), tuple(self.parties.line.budgets), cells)
 
-    def following(self, state: LineState) -> Iterator[Following]:
+    def following(self, state: StateOfLine) -> Iterator[Following]:
         """All that may follow."""
         for found in (
             *self._deliveries(state),
@@ -89,7 +89,7 @@ class Composition:
 
     # telegrams ------------------------------------------------------------------------------------------------------
 
-    def _deliveries(self, state: LineState) -> Iterator[Following]:
+    def _deliveries(self, state: StateOfLine) -> Iterator[Following]:
         for unit in self._units:
             for way, queue in enumerate(state.cells[unit].air):
                 if not queue:
@@ -98,11 +98,11 @@ class Composition:
                 ends = self.parties.units[unit], PEERS[way // 2]
                 sender, hearer = reversed(ends) if way % 2 else ends
                 heard = self._heard(rest, unit, way, queue[0])
-                yield Following(hearer, HEARS, Trouble.NONE, heard, queue[0])
-                if (left := _spend(state.left, Trouble.LOSS)) is not None:
-                    yield Following(sender, LOSES, Trouble.LOSS, rest._replace(left=left), queue[0])
+                yield Following(hearer, HEARS, UnwishedFor.NONE, heard, queue[0])
+                if (left := _spend(state.left, UnwishedFor.LOSS)) is not None:
+                    yield Following(sender, LOSES, UnwishedFor.LOSS, rest._replace(left=left), queue[0])
 
-    def _heard(self, state: LineState, unit: int, way: int, telegram: int) -> LineState:
+    def _heard(self, state: StateOfLine, unit: int, way: int, telegram: int) -> StateOfLine:
         peer, to_unit = divmod(way, 2)
         cell = state.cells[unit]
         if to_unit:
@@ -117,7 +117,7 @@ class Composition:
 
     # what happens at the parties --------------------------------------------------------------------------------------
 
-    def _train_events(self, state: LineState) -> Iterator[Following]:
+    def _train_events(self, state: StateOfLine) -> Iterator[Following]:
         for unit in self._units:
             for event in self.parties.make(StepKind.UNIT_EVENTS, unit, state.cells[unit].train):
                 trouble = event.trouble or _delay(state.cells[unit].air)
@@ -128,7 +128,7 @@ class Composition:
                 after = _sent_up(_with_cell(state, unit, cell)._replace(left=left), unit, event.sends)
                 yield Following(self.parties.units[unit], event.name, trouble, self._elsewhere(after, event))
 
-    def _guarded(self, state: LineState, unit: int, event: LocalEvent) -> bool:
+    def _guarded(self, state: StateOfLine, unit: int, event: LocalEvent) -> bool:
         guard = event.guard
         if guard.kind is GuardKind.NONE:
             return True
@@ -139,10 +139,10 @@ class Composition:
         lies = self._lie(state, guard.of) == LIES[guard.position]
         return lies is (guard.kind is GuardKind.LIES)
 
-    def _lie(self, state: LineState, index: int) -> int:
+    def _lie(self, state: StateOfLine, index: int) -> int:
         return lie_code(self.parties.terminals[index].things[state.terminals[index]])
 
-    def _elsewhere(self, state: LineState, event: LocalEvent) -> LineState:
+    def _elsewhere(self, state: StateOfLine, event: LocalEvent) -> StateOfLine:
         """What an event of a train does to the ground: its contact counts it out, its crew takes or gives back keys."""
         if event.left:
             made = self.parties.make(StepKind.BOUNDARY_PASSED, state.manager)
@@ -153,8 +153,8 @@ class Composition:
             state = _sent_down(_with_terminal(state, index, made.state), index + 1, made.sends)
         return state
 
-    def _manager_events(self, state: LineState) -> Iterator[Following]:
-        errs = state.left[Trouble.WORD - 1] > 0
+    def _manager_events(self, state: StateOfLine) -> Iterator[Following]:
+        errs = state.left[UnwishedFor.WORD - 1] > 0
         kinds = (StepKind.MANAGER_EVENTS, StepKind.PERSONS_ERR) if errs else (StepKind.MANAGER_EVENTS,)
         for event in (event for kind in kinds for event in self.parties.make(kind, state.manager)):
             if event.word and self._early(state):
@@ -162,21 +162,21 @@ class Composition:
             if event.about >= 0:
                 view = self.view(state, event.about)
                 true = (event.corrects or not view.speaks) and view.said_to_stand_in == event.stands
-                if true is not (event.trouble is Trouble.NONE):
+                if true is not (event.trouble is UnwishedFor.NONE):
                     continue
             trouble = event.trouble or _delay(queue for cell in state.cells for queue in cell.air[:2])
             if (left := _spend(state.left, trouble)) is not None:
                 after = state._replace(manager=event.state, left=left)
                 yield Following("manager", event.name, trouble, _sent_down(after, 0, event.sends))
 
-    def _early(self, state: LineState) -> bool:
+    def _early(self, state: StateOfLine) -> bool:
         """Whether a telegram of an earlier boot of the manager may still take effect."""
         epoch = self.parties.managers.things[state.manager].epoch
         return any(
             self.parties.telegrams.things[t].epoch < epoch for cell in state.cells for t in cell.air[1]
         )
 
-    def _terminal_events(self, state: LineState) -> Iterator[Following]:
+    def _terminal_events(self, state: StateOfLine) -> Iterator[Following]:
         for index, terminal_id in enumerate(TERMINALS):
             near = _delay(q for cell in state.cells for q in cell.air[2 * index + 2 : 2 * index + 4])
             for event in self.parties.make(StepKind.TERMINAL_EVENTS, index, state.terminals[index]):
@@ -188,7 +188,7 @@ class Composition:
 
     # states that are one ----------------------------------------------------------------------------------------------
 
-    def _settled(self, state: LineState) -> LineState:
+    def _settled(self, state: StateOfLine) -> StateOfLine:
         """With correlations counted anew, and none kept of a grant that can be repeated no more."""
         grants = self.parties.manager_grants(state.manager)
         kept = (
@@ -200,7 +200,7 @@ class Composition:
         bits = self._tokens_in_use(state)
         return state if tokens.in_order(bits, manager.epoch, counter) else self._anew(state, bits)
 
-    def _tokens_in_use(self, state: LineState) -> int:
+    def _tokens_in_use(self, state: StateOfLine) -> int:
         parties, bits = self.parties, 0
         for unit, cell in enumerate(state.cells):
             bits |= self._bits_of(unit, cell)
@@ -213,7 +213,7 @@ class Composition:
             bits |= of_terminals[index, terminal]
         return bits | of_manager[state.manager]
 
-    def _bits_of(self, unit: int, cell: Cell) -> int:
+    def _bits_of(self, unit: int, cell: TrainCell) -> int:
         bits = self._cell_bits.get((unit, cell))
         if bits is None:
             bits = tokens.of_train(self.parties.trains[unit].things[cell.train])
@@ -222,10 +222,10 @@ class Composition:
             self._cell_bits[unit, cell] = bits
         return bits
 
-    def _anew(self, state: LineState, bits: int) -> LineState:
+    def _anew(self, state: StateOfLine, bits: int) -> StateOfLine:
         make = self.parties.make
         cells = tuple(
-            Cell(
+            TrainCell(
                 make(StepKind.UNIT_ANEW, unit, cell.train, bits),
                 tuple(tuple(self._telegram_anew(t, bits) for t in queue) for queue in cell.air),
                 cell.granted,
@@ -233,13 +233,13 @@ class Composition:
             for unit, cell in enumerate(state.cells)
         )
         terminals = tuple(make(StepKind.TERMINAL_ANEW, i, t, bits) for i, t in enumerate(state.terminals))
-        return LineState(make(StepKind.MANAGER_ANEW, state.manager, bits), terminals, state.left, cells)
+        return StateOfLine(make(StepKind.MANAGER_ANEW, state.manager, bits), terminals, state.left, cells)
 
     def _telegram_anew(self, telegram: int, bits: int) -> int:
         has_token = tokens.of_telegram(self.parties.telegrams.things[telegram])
         return self.parties.make(StepKind.TELEGRAM_ANEW, telegram, bits) if has_token else telegram
 
-    def _renamed(self, unit: int, cell: Cell) -> Cell:
+    def _renamed(self, unit: int, cell: TrainCell) -> TrainCell:
         found = self._told_apart.get((unit, cell))
         if found is not None:
             return found
@@ -256,13 +256,13 @@ class Composition:
         if counted != numbers.correlation or any(by.get(n, n) != n for _, n in numbers.open):
             train = self.parties.make(StepKind.UNIT_RENAMED, unit, train, renamed, counted)
         air = tuple(tuple(new[t] for t in queue) for queue in cell.air)
-        after = Cell(train, air, by.get(cell.granted, cell.granted))
+        after = TrainCell(train, air, by.get(cell.granted, cell.granted))
         self._told_apart[unit, cell] = after
         return after
 
     # what must hold ---------------------------------------------------------------------------------------------------
 
-    def view(self, state: LineState, unit: int) -> TrainView:
+    def view(self, state: StateOfLine, unit: int) -> TrainView:
         """What is seen of a train."""
         key = unit, state.cells[unit].train
         if key not in self._views:
@@ -288,11 +288,11 @@ class Composition:
             tuple(needs.get(index, 0) for index in range(len(TERMINALS))),
         )
 
-    def finished(self, state: LineState) -> bool:
+    def finished(self, state: StateOfLine) -> bool:
         """Whether every train has come and gone, and its unit knows that."""
         return all(self.view(state, unit).finished for unit in self._units)
 
-    def broken(self, state: LineState) -> str:
+    def broken(self, state: StateOfLine) -> str:
         """Which rule is broken, in words; empty: none."""
         views = [self.view(state, unit) for unit in self._units]
         for one, view in enumerate(views):
@@ -314,27 +314,27 @@ class Composition:
         return manager.bad
 
 
-def _with_cell(state: LineState, unit: int, cell: Cell) -> LineState:
+def _with_cell(state: StateOfLine, unit: int, cell: TrainCell) -> StateOfLine:
     return state._replace(cells=(*state.cells[:unit], cell, *state.cells[unit + 1 :]))
 
 
-def _with_queue(state: LineState, unit: int, way: int, queue: tuple[int, ...]) -> LineState:
+def _with_queue(state: StateOfLine, unit: int, way: int, queue: tuple[int, ...]) -> StateOfLine:
     cell = state.cells[unit]
     return _with_cell(state, unit, cell._replace(air=(*cell.air[:way], queue, *cell.air[way + 1 :])))
 
 
-def _with_terminal(state: LineState, index: int, terminal: int) -> LineState:
+def _with_terminal(state: StateOfLine, index: int, terminal: int) -> StateOfLine:
     return state._replace(terminals=(*state.terminals[:index], terminal, *state.terminals[index + 1 :]))
 
 
-def _sent_up(state: LineState, unit: int, sends: Sends) -> LineState:
+def _sent_up(state: StateOfLine, unit: int, sends: Sends) -> StateOfLine:
     """A unit's telegrams, each to its peer."""
     for peer, telegram in sends:
         state = _with_queue(state, unit, 2 * peer, (*state.cells[unit].air[2 * peer], telegram))
     return state
 
 
-def _sent_down(state: LineState, peer: int, sends: Sends) -> LineState:
+def _sent_down(state: StateOfLine, peer: int, sends: Sends) -> StateOfLine:
     """The telegrams of the manager or of a terminal, each to its unit."""
     for unit, telegram in sends:
         queue = state.cells[unit].air[2 * peer + 1]
@@ -342,14 +342,14 @@ def _sent_down(state: LineState, peer: int, sends: Sends) -> LineState:
     return state
 
 
-def _delay(queues: Iterable[tuple[int, ...]]) -> Trouble:
+def _delay(queues: Iterable[tuple[int, ...]]) -> UnwishedFor:
     """What it costs when something happens at a party with these telegrams under way."""
-    return Trouble.DELAY if any(queues) else Trouble.NONE
+    return UnwishedFor.DELAY if any(queues) else UnwishedFor.NONE
 
 
-def _spend(left: tuple[int, ...], trouble: Trouble) -> tuple[int, ...] | None:
+def _spend(left: tuple[int, ...], trouble: UnwishedFor) -> tuple[int, ...] | None:
     """What is left of the budgets; None: nothing of this one is."""
-    if trouble is Trouble.NONE:
+    if trouble is UnwishedFor.NONE:
         return left
     at = trouble - 1
     if left[at] == ANY:
@@ -357,4 +357,4 @@ def _spend(left: tuple[int, ...], trouble: Trouble) -> tuple[int, ...] | None:
     return None if left[at] == 0 else (*left[:at], left[at] - 1, *left[at + 1 :])
 
 
-__all__ = ["PORTAL", "SECTIONS", "Cell", "Composition", "Following", "LineState", "Position"]
+__all__ = ["PORTAL", "SECTIONS", "Composition", "Following", "Position", "StateOfLine", "TrainCell"]

@@ -36,11 +36,11 @@ from verify.cells import (
     SAID_TO_STAND_IN,
     SPEAKS,
     TOKEN_BITS,
-    Cells,
+    TrainCells,
 )
-from verify.explored_line import ANY, TERMINALS, Trouble, mask_of
-from verify.parties import LocalEvent, Numbered, Parties, Sends, StepKind
-from verify.tables import Choices, Numbers, Once, Rows
+from verify.explored_line import ANY, TERMINALS, UnwishedFor, mask_of
+from verify.parties import ExploredParties, LocalEvent, Numbered, Sends, StepKind
+from verify.tables import Choices, GrowingRows, Numbers, Once
 from verify.terminal import lie_code
 from verify.train_events import GuardKind
 
@@ -86,16 +86,16 @@ class Block(NamedTuple):
 class Expansion:
     """Successors of states, and rules, for whole arrays."""
 
-    def __init__(self, parties: Parties) -> None:
+    def __init__(self, parties: ExploredParties) -> None:
         if len(parties.units) != TWO:
             raise ValueError(f"{len(parties.units)} trains; the search packs two into a state")
         self.parties: Final = parties
         self.grounds: Final = Numbered[tuple[bool, tuple[int, ...], tuple[int, ...]]]()
         self.lefts: Final = Numbered[tuple[int, ...]]()
-        self.cells: Final = tuple(Cells(parties, unit, self.grounds) for unit in range(TWO))
+        self.cells: Final = tuple(TrainCells(parties, unit, self.grounds) for unit in range(TWO))
         self._bits: Final = Numbered[int]()
-        self._managers: Final = Rows(HOLDS + TWO)
-        self._terminals: Final = tuple(Rows(2) for _ in TERMINALS)
+        self._managers: Final = GrowingRows(HOLDS + TWO)
+        self._terminals: Final = tuple(GrowingRows(2) for _ in TERMINALS)
         self._manager_choices: Final = Choices(EFFECT + TWO, self._manager_events)
         self._persons_choices: Final = Choices(EFFECT + TWO, self._persons_err)
         self._terminal_choices: Final = tuple(
@@ -119,7 +119,7 @@ class Expansion:
             for i in range(len(TERMINALS))
         )
         self.ground_keys: Final = Numbered[tuple[int, ...]]()
-        self._ground_rows: Final = Rows(2 + len(TERMINALS))
+        self._ground_rows: Final = GrowingRows(2 + len(TERMINALS))
         self._ground: Final = Once(
             self._ground_of, 1, MANAGER_BITS, *(TERMINAL_BITS,) * len(TERMINALS), LEFT_BITS
         )
@@ -181,7 +181,9 @@ class Expansion:
             for index in range(len(TERMINALS)):
                 yield self._to_terminal(states, unit, index)
         yield self._of_manager(states, self._manager_choices)
-        may_err = np.flatnonzero(self._spent(states.left, np.full(len(states.left), Trouble.WORD))[:, 0] >= 0)
+        may_err = np.flatnonzero(
+            self._spent(states.left, np.full(len(states.left), UnwishedFor.WORD))[:, 0] >= 0
+        )
         errs = self._of_manager(states.at(may_err), self._persons_choices)
         yield errs._replace(source=may_err[errs.source])
         for index in range(len(TERMINALS)):
@@ -268,7 +270,7 @@ class Expansion:
             cell = states.cells[unit][source]
             speaks, said_in = (cells.rows.column(c)[cell] for c in (SPEAKS, SAID_TO_STAND_IN))
             true = ((speaks == 0) | (column(CORRECTS) != 0)) & (said_in == column(STANDS))
-            may &= (about != unit) | (true == (column(TROUBLE) == Trouble.NONE))
+            may &= (about != unit) | (true == (column(TROUBLE) == UnwishedFor.NONE))
             early = cells.rows.column(OLDEST)[cell] < self._managers.column(EPOCH)[states.manager[source]]
             may &= (column(WORD) == 0) | ~early
             near |= cells.rows.column(NEAR)[cell] != 0
@@ -290,7 +292,7 @@ class Expansion:
         near: Which,
         index: int | None,
     ) -> Block:
-        trouble = np.where((column(TROUBLE) == Trouble.NONE) & near, Trouble.DELAY, column(TROUBLE))
+        trouble = np.where((column(TROUBLE) == UnwishedFor.NONE) & near, UnwishedFor.DELAY, column(TROUBLE))
         picked = np.flatnonzero(may)
         kept, after = self._spending(states.at(source[picked]), source[picked], trouble[picked])
         rows = picked[kept.chosen]
@@ -465,7 +467,7 @@ class Expansion:
 
     def _spend(self, left: int, trouble: int) -> tuple[int]:
         budget = self.lefts.things[left]
-        if trouble == Trouble.NONE or budget[trouble - 1] == ANY:
+        if trouble == UnwishedFor.NONE or budget[trouble - 1] == ANY:
             return (left,)
         if budget[trouble - 1] == 0:
             return (-1,)

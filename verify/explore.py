@@ -11,7 +11,7 @@ from verify.cells import CELL_BITS
 from verify.certificate import FORMAT, Certificate, sources_digest
 from verify.expansion import GROUND_BITS, TWO, Expansion
 from verify.explored_line import ExploredLine
-from verify.parties import Parties
+from verify.parties import ExploredParties
 from verify.search import Level, SearchedSpace, ranks, search
 from verify.story import StoryTeller
 from verify.tables import Numbers
@@ -25,7 +25,7 @@ class ExploredSpace(NamedTuple):
     """
 
     line: ExploredLine
-    parties: Parties
+    parties: ExploredParties
     expansion: Expansion
     space: SearchedSpace
     ranks: Numbers | None
@@ -49,7 +49,7 @@ def explored(
     """Explore a line as far as its budgets go, or `states_max`. The first state that breaks a rule ends it; or only one
     in which two trains stand in one section.
     """
-    parties = Parties(line)
+    parties = ExploredParties(line)
     expansion = Expansion(parties)
     breaks = expansion.collided if collisions_alone else expansion.broken
     space = search(expansion, states_max, watch, breaks)

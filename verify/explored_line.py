@@ -39,8 +39,8 @@ _KINDS: Final = {"P": SectionKind.PORTAL, "X": SectionKind.POINTS}
 CAPABILITY_KEYS: Final = {terminal: capability_key(_MASTER, terminal) for terminal in TERMINALS}
 
 
-class Trouble(IntEnum):
-    """What is not wished for, each within a budget; `Trouble.NONE` costs nothing."""
+class UnwishedFor(IntEnum):
+    """What is not wished for, each within a budget; `UnwishedFor.NONE` costs nothing."""
 
     NONE = 0
     LOSS = 1  # a telegram is lost, overtaken, or older than the age limit

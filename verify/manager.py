@@ -20,7 +20,7 @@ from verify.explored_line import (
     PORTAL,
     UNITS,
     ExploredLine,
-    Trouble,
+    UnwishedFor,
     manager_config,
     mask_of,
     sections_of,
@@ -77,7 +77,7 @@ class ManagerEvent(NamedTuple):
     name: str
     state: ManagerState
     sends: tuple[tuple[int, InAir], ...] = ()
-    trouble: Trouble = Trouble.NONE
+    trouble: UnwishedFor = UnwishedFor.NONE
     about: int = -1
     stands: int = 0
     word: bool = False
@@ -243,7 +243,7 @@ class ManagerModel:
         if not state.power:
             return ()
         return tuple(
-            told._replace(trouble=Trouble.WORD)
+            told._replace(trouble=UnwishedFor.WORD)
             for unit, unit_id in enumerate(self.units)
             for told in self._words_of(state, unit, corrects=self._corrects(state, unit_id))
             if told.state != state or told.sends
@@ -274,7 +274,7 @@ class ManagerModel:
         register = state.kept.register
         memory = self._started(state.epoch, register)
         off = ManagerState(False, state.epoch, (0,) * len(self.units), plain(memory))
-        return ManagerEvent("power fails", off, trouble=Trouble.POWER)
+        return ManagerEvent("power fails", off, trouble=UnwishedFor.POWER)
 
     def _booted(self, state: ManagerState) -> ManagerState:
         register = self._started(state.epoch + 1, state.kept.register)

@@ -18,11 +18,11 @@ from typing import Any, Final, Generic, NamedTuple, TypeVar
 import msgspec
 
 from verify import tokens
-from verify.explored_line import TERMINALS, UNITS, ExploredLine, Trouble
+from verify.explored_line import TERMINALS, UNITS, ExploredLine, UnwishedFor
 from verify.manager import ManagerEvent, ManagerModel, ManagerState
 from verify.on_air import InAir
 from verify.terminal import TerminalModel, TerminalState
-from verify.train import TrainModel, TrainState
+from verify.train import ExploredTrain, TrainState
 from verify.train_events import NO_GUARD, Guard, events
 
 T = TypeVar("T", bound=Hashable)
@@ -59,7 +59,7 @@ class LocalEvent(NamedTuple):
     name: str
     state: int
     sends: Sends = ()
-    trouble: Trouble = Trouble.NONE
+    trouble: UnwishedFor = UnwishedFor.NONE
     guard: Guard = NO_GUARD
     left: bool = False
     locks: tuple[int, ...] = ()
@@ -93,7 +93,7 @@ class StepKind(Enum):
     PERSONS_ERR = 15
 
 
-class Parties:
+class ExploredParties:
     """The parties of a line and their steps."""
 
     def __init__(self, line: ExploredLine) -> None:
@@ -101,7 +101,7 @@ class Parties:
         self.units: Final = UNITS[: line.trains]
         self._manager: Final = ManagerModel(line)
         self._terminal: Final = tuple(TerminalModel(line, t) for t in TERMINALS)
-        self.train_models: Final = tuple(TrainModel(line, u) for u in self.units)
+        self.train_models: Final = tuple(ExploredTrain(line, u) for u in self.units)
         self.managers: Final = Numbered[ManagerState]()
         self.terminals: Final = tuple(Numbered[TerminalState]() for _ in TERMINALS)
         self.trains: Final = tuple(Numbered[TrainState]() for _ in self.units)

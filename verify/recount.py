@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from verify.certificate import FORMAT, Certificate, sources_digest
-from verify.composition import Cell, Composition, LineState
-from verify.explored_line import Trouble
-from verify.parties import Parties, StepKind
+from verify.composition import Composition, StateOfLine, TrainCell
+from verify.explored_line import UnwishedFor
+from verify.parties import ExploredParties, StepKind
 
 ELSEWHERE: Final = "a step does not lead where it did"
 _STATE_BYTES: Final = 8
@@ -41,7 +41,7 @@ def recount(
         return Recounted(f"format {certificate.format}; this checker knows {FORMAT}")
     if certificate.sources != (sources_digest() if sources is None else sources):
         return Recounted("the steps are not those it was made from: their sources have another digest")
-    parties = Parties(certificate.line)
+    parties = ExploredParties(certificate.line)
     for index, (kind, *of) in enumerate(certificate.made):
         try:
             parties.make(StepKind(kind), *(_as_made(number) for number in of))
@@ -68,7 +68,7 @@ class _Recount:
         self._certificate: Final = certificate
         self._grounds: Final = [(parts, left) for parts, left in certificate.grounds]
         self._ground_index: Final = {ground: index for index, ground in enumerate(self._grounds)}
-        self._cells: Final = [[Cell(*cell) for cell in cells] for cells in certificate.cells]
+        self._cells: Final = [[TrainCell(*cell) for cell in cells] for cells in certificate.cells]
         self._cell_index: Final = [{cell: i for i, cell in enumerate(cells)} for cells in self._cells]
         self._ranks: Final = dict(self._members())
 
@@ -108,7 +108,7 @@ class _Recount:
         lowered = done if rank == 0 else best < rank and not done
         return "" if lowered else f"has no event that leads to a rank below {rank}", found, done
 
-    def _look(self, state: LineState) -> tuple[int, int, str]:
+    def _look(self, state: StateOfLine) -> tuple[int, int, str]:
         """The lowest rank that an untroubled event leads to, how many follow, and what leads out of the set."""
         best, count = 1 << 8 * _RANK_BYTES, 0
         for after in self._composition.following(state):
@@ -116,11 +116,11 @@ class _Recount:
             rank = self._ranks.get(self._key(after.state))
             if rank is None:
                 return best, count, f"{after.who} {after.what}"
-            if after.trouble is Trouble.NONE:
+            if after.trouble is UnwishedFor.NONE:
                 best = min(best, rank)
         return best, count, ""
 
-    def _key(self, state: LineState) -> int:
+    def _key(self, state: StateOfLine) -> int:
         """A state as the certificate writes it; -1 where its parts are in no table."""
         ground = self._ground_index.get(((state.manager, *state.terminals), state.left))
         cells = [index.get(cell) for index, cell in zip(self._cell_index, state.cells, strict=True)]
@@ -131,8 +131,8 @@ class _Recount:
             key = key << bits | (number or 0)
         return key
 
-    def _state(self, key: int) -> LineState | None:
-        rest, cells = key, list[Cell]()
+    def _state(self, key: int) -> StateOfLine | None:
+        rest, cells = key, list[TrainCell]()
         for bits, table in zip(reversed(self._certificate.bits[1:]), reversed(self._cells), strict=True):
             number, rest = rest & (1 << bits) - 1, rest >> bits
             if number >= len(table):
@@ -141,4 +141,4 @@ class _Recount:
         if rest >= len(self._grounds):
             return None
         (manager, *terminals), left = self._grounds[rest]
-        return LineState(manager, tuple(terminals), left, tuple(reversed(cells)))
+        return StateOfLine(manager, tuple(terminals), left, tuple(reversed(cells)))

@@ -41,7 +41,7 @@ def search(
 ) -> SearchedSpace:
     """Every state, until a level has one that breaks a rule by `breaks`, or `states_max` are found."""
     frontier = expansion.start()
-    levels, seen, generated = [frontier], Seen(), 0
+    levels, seen, generated = [frontier], SeenStates(), 0
     seen.add(frontier)
     broken = frontier[breaks(frontier)]
     while len(frontier) and not len(broken) and seen.count < states_max:
@@ -63,7 +63,7 @@ def parts(keys: Keys) -> Iterator[Keys]:
     return (keys[first : first + AT_ONCE] for first in range(0, len(keys), AT_ONCE))
 
 
-class Seen:
+class SeenStates:
     """States that have been found: a few sorted arrays, the greater at least twice as great as the next."""
 
     def __init__(self) -> None:

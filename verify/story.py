@@ -11,9 +11,9 @@ from typing import Final
 import numpy as np
 
 from radio.messages import AnyMessage
-from verify.composition import Cell, Composition, Following, LineState
+from verify.composition import Composition, Following, StateOfLine, TrainCell
 from verify.expansion import Expansion, Keys
-from verify.parties import Parties
+from verify.parties import ExploredParties
 from verify.search import parts
 
 _UNSAID: Final = ("token", "capabilities", "mac", "unit_id", "terminal_id")
@@ -41,20 +41,20 @@ WORDS: Final = MappingProxyType(
 class StoryTeller:
     """Tells how the search came to a state."""
 
-    def __init__(self, parties: Parties, expansion: Expansion) -> None:
+    def __init__(self, parties: ExploredParties, expansion: Expansion) -> None:
         self.composition: Final = Composition(parties)
         self._expansion: Final = expansion
 
-    def line_state(self, key: int) -> LineState:
+    def line_state(self, key: int) -> StateOfLine:
         """A state of the search as the composition has it."""
         columns = self._expansion.columns(np.array([key], np.uint64))
         cells = tuple(
-            Cell(*self._expansion.cells[unit].keys.things[int(numbers[0])])
+            TrainCell(*self._expansion.cells[unit].keys.things[int(numbers[0])])
             for unit, numbers in enumerate(columns.cells)
         )
         left = self._expansion.lefts.things[int(columns.left[0])]
         terminals = tuple(int(numbers[0]) for numbers in columns.terminals)
-        return LineState(int(columns.manager[0]), terminals, left, cells)
+        return StateOfLine(int(columns.manager[0]), terminals, left, cells)
 
     def way_to(self, levels: Sequence[Keys], key: int) -> list[int]:
         """The states on a shortest way to one, the first and itself among them."""

@@ -12,7 +12,7 @@ Numbers = NDArray[np.int64]
 _FEW: Final = 64
 
 
-class Rows:
+class GrowingRows:
     """A table of numbers whose rows are added one by one."""
 
     def __init__(self, width: int) -> None:
@@ -43,8 +43,8 @@ class Choices:
 
     def __init__(self, width: int, find: Callable[[int], Sequence[Sequence[int]]]) -> None:
         self._find: Final = find
-        self._rows: Final = Rows(width)
-        self._first: Final = Rows(2)
+        self._rows: Final = GrowingRows(width)
+        self._first: Final = GrowingRows(2)
 
     def of(self, numbers: Numbers) -> tuple[Numbers, Callable[[int], Numbers]]:
         """Which of the numbers each choice belongs to (by index), and the columns of these choices."""

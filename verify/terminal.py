@@ -17,7 +17,7 @@ from verify.explored_line import (
     TERMINALS,
     UNITS,
     ExploredLine,
-    Trouble,
+    UnwishedFor,
     terminal_config,
 )
 from verify.on_air import InAir, opened
@@ -75,7 +75,7 @@ class TerminalHappening(NamedTuple):
     name: str
     state: TerminalState
     sends: tuple[tuple[int, InAir], ...] = ()
-    trouble: Trouble = Trouble.NONE
+    trouble: UnwishedFor = UnwishedFor.NONE
 
 
 def plain(terminal: Terminal) -> PlainTerminal:
@@ -140,10 +140,10 @@ class TerminalModel:
             yield TerminalHappening("points come to lie and are locked", *self._shown(there))
         if state.power and wake_at_s(state.kept.terminal) is not None:
             after, sends = self._took(state, Expired(), LATE_S)
-            yield TerminalHappening("a throw takes too long", after, sends, Trouble.POINTS)
+            yield TerminalHappening("a throw takes too long", after, sends, UnwishedFor.POINTS)
         changed = self._shown(state._replace(detects=not state.detects))
         if state.detects:
-            yield TerminalHappening("position or lock are detected no more", *changed, Trouble.POINTS)
+            yield TerminalHappening("position or lock are detected no more", *changed, UnwishedFor.POINTS)
         else:
             yield TerminalHappening("position and lock are detected again", *changed)
 
@@ -152,7 +152,7 @@ class TerminalModel:
         off = plain(start(self._config, self._key, memory))
         quiet = state._replace(heard=(0,) * len(self.units), kept=off, throws=None)
         if state.power:
-            yield TerminalHappening("power fails", quiet._replace(power=False), (), Trouble.POWER)
+            yield TerminalHappening("power fails", quiet._replace(power=False), (), UnwishedFor.POWER)
             return
         back = self._shown(quiet._replace(power=True, epoch=state.epoch + 1))
         yield TerminalHappening("power is back", *back)

@@ -92,7 +92,7 @@ class TrainStep(NamedTuple):
     sends: tuple[tuple[int, InAir], ...] = ()
 
 
-class TrainModel:
+class ExploredTrain:
     """Steps of one unit and its train."""
 
     def __init__(self, line: ExploredLine, unit_id: str) -> None:

@@ -36,9 +36,9 @@ from onboard.duty.records import (
     WheelsTurning,
 )
 from onboard.duty.shown import command_of
-from verify.explored_line import END, PLACES_A_SPAN, TERMINALS, Trouble, mask_of
+from verify.explored_line import END, PLACES_A_SPAN, TERMINALS, UnwishedFor, mask_of
 from verify.on_air import InAir
-from verify.train import TrainModel, TrainPlace, TrainState
+from verify.train import ExploredTrain, TrainPlace, TrainState
 
 
 class GuardKind(IntEnum):
@@ -70,14 +70,14 @@ class TrainEvent(NamedTuple):
     name: str
     state: TrainState
     sends: tuple[tuple[int, InAir], ...] = ()
-    trouble: Trouble = Trouble.NONE
+    trouble: UnwishedFor = UnwishedFor.NONE
     guard: Guard = NO_GUARD
     left: bool = False
     locks: tuple[int, ...] = ()
     unlocks: tuple[int, ...] = ()
 
 
-def events(model: TrainModel, state: TrainState) -> tuple[TrainEvent, ...]:
+def events(model: ExploredTrain, state: TrainState) -> tuple[TrainEvent, ...]:
     """All that can happen next; what changes nothing and says nothing is left out."""
     if not state.power:
         return (TrainEvent("power is back", _booted(state)),)
@@ -90,12 +90,12 @@ def events(model: TrainModel, state: TrainState) -> tuple[TrainEvent, ...]:
     return tuple(e for e in found if e.state != state or e.sends)
 
 
-def _took(model: TrainModel, state: TrainState, event: Event, name: str = "") -> TrainEvent:
+def _took(model: ExploredTrain, state: TrainState, event: Event, name: str = "") -> TrainEvent:
     after, sends = model.take(state, event)
     return TrainEvent(name or type(event).__name__, after, sends)
 
 
-def _command(model: TrainModel, state: TrainState) -> DrivingCommand:
+def _command(model: ExploredTrain, state: TrainState) -> DrivingCommand:
     return command_of(model.plan(state), state.duty)
 
 
@@ -115,7 +115,7 @@ def _booted(state: TrainState) -> TrainState:
     )
 
 
-def _people(model: TrainModel, state: TrainState) -> Iterator[TrainEvent]:
+def _people(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
     phase, plan = state.duty.phase, model.plan(state)
     match state.place, phase:
         case TrainPlace.OUTSIDE, _:
@@ -146,7 +146,7 @@ def _people(model: TrainModel, state: TrainState) -> Iterator[TrainEvent]:
         yield from _eyes(model, state)
 
 
-def _eyes(model: TrainModel, state: TrainState) -> Iterator[TrainEvent]:
+def _eyes(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
     """What the crew of a train that stands sees and says."""
     command, duty, plan = _command(model, state), state.duty, model.plan(state)
     if command.confirm:
@@ -169,7 +169,7 @@ def _eyes(model: TrainModel, state: TrainState) -> Iterator[TrainEvent]:
         yield _took(model, state, EndOfHeld(state.spot // PLACES_A_SPAN))
 
 
-def _may_go_on(model: TrainModel, state: TrainState) -> bool:
+def _may_go_on(model: ExploredTrain, state: TrainState) -> bool:
     """Whether the next joint is free: by the stop limit, or on sight within what is held, by the crew's eye."""
     plan, duty = model.plan(state), state.duty
     if state.spot == END:
@@ -183,7 +183,7 @@ def _may_go_on(model: TrainModel, state: TrainState) -> bool:
     return duty.authority.holds(span.section_id) and all(n in duty.authority.proven for n in span.points)
 
 
-def _movement(model: TrainModel, state: TrainState) -> Iterator[TrainEvent]:
+def _movement(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
     if state.place is not TrainPlace.ON_LINE:
         return
     command, unread = _command(model, state), state.spot == END and not state.read
@@ -201,7 +201,7 @@ def _movement(model: TrainModel, state: TrainState) -> Iterator[TrainEvent]:
         yield from _runs(model, state, on_sight=command.on_sight or command.sweeps)
 
 
-def _runs(model: TrainModel, state: TrainState, *, on_sight: bool) -> Iterator[TrainEvent]:
+def _runs(model: ExploredTrain, state: TrainState, *, on_sight: bool) -> Iterator[TrainEvent]:
     plan, part = model.plan(state), state.spot % PLACES_A_SPAN
     go_on = _may_go_on(model, state)
     if go_on or (part == 0 and state.spot != END):  # the bounds may pass a joint that the front does not
@@ -219,16 +219,16 @@ def _runs(model: TrainModel, state: TrainState, *, on_sight: bool) -> Iterator[T
         yield _took(model, state._replace(moves=False), Stopped(how, 0.0))
 
 
-def _timers(model: TrainModel, state: TrainState) -> Iterator[TrainEvent]:
+def _timers(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
     for timer in sorted(state.timers):
         due = _took(model, state._replace(timers=state.timers - {timer}), TimerDue(timer))
         yield due._replace(name=f"timer {timer.name} {timer.of}".rstrip())
 
 
-def _troubles(model: TrainModel, state: TrainState) -> Iterator[TrainEvent]:
+def _troubles(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
     if state.place in (TrainPlace.WAITING, TrainPlace.ON_LINE):
         off = _booted(state)._replace(power=False, epoch=state.epoch)
-        yield TrainEvent("power fails", off, trouble=Trouble.POWER)
+        yield TrainEvent("power fails", off, trouble=UnwishedFor.POWER)
     if state.place is TrainPlace.ON_LINE and state.known and state.duty.phase is not DutyPhase.OFF:
         lost = state._replace(known=False, emergency=True)
-        yield _took(model, lost, PositionLost())._replace(trouble=Trouble.SENSOR)
+        yield _took(model, lost, PositionLost())._replace(trouble=UnwishedFor.SENSOR)

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from tests.nightly import others_nightly
-from verify.composition import Cell, Composition, LineState
+from verify.composition import Composition, StateOfLine, TrainCell
 from verify.expansion import Expansion
 from verify.explored_line import Budgets, ExploredLine
-from verify.parties import Parties
+from verify.parties import ExploredParties
 from verify.search import search
 from verify.story import StoryTeller
 
@@ -24,12 +24,12 @@ FEW, MANY = 1_500, 40_000
 @pytest.mark.parametrize("states_max", others_nightly((FEW, MANY), [FEW]))
 @pytest.mark.parametrize("budgets", [Budgets(), ALL_TROUBLES])
 def test_both_ways_give_the_same_successors(budgets: Budgets, states_max: int) -> None:
-    parties = Parties(ExploredLine(budgets=budgets))
+    parties = ExploredParties(ExploredLine(budgets=budgets))
     expansion = Expansion(parties)
     states = search(expansion, states_max, lambda _: None, expansion.broken).states[:states_max]
     teller = StoryTeller(parties, expansion)
     source, after, trouble = expansion.following(states)
-    found: dict[int, Counter[tuple[LineState, int]]] = {index: Counter() for index in range(len(states))}
+    found: dict[int, Counter[tuple[StateOfLine, int]]] = {index: Counter() for index in range(len(states))}
     for index, key, cost in zip(source.tolist(), after.tolist(), trouble.tolist(), strict=True):
         found[index][teller.line_state(key), cost] += 1
     broken, finished = expansion.broken(states), expansion.finished(states)
@@ -43,7 +43,7 @@ def test_both_ways_give_the_same_successors(budgets: Budgets, states_max: int) -
 
 def test_the_search_finds_what_a_plain_one_finds() -> None:
     line = ExploredLine(budgets=Budgets())
-    composition = Composition(Parties(line))
+    composition = Composition(ExploredParties(line))
     queue = deque([composition.start()])
     seen = set(queue)
     while queue:
@@ -51,7 +51,7 @@ def test_the_search_finds_what_a_plain_one_finds() -> None:
             if found.state not in seen:
                 seen.add(found.state)
                 queue.append(found.state)
-    expansion = Expansion(Parties(line))
+    expansion = Expansion(ExploredParties(line))
     assert len(search(expansion, 10**6, lambda _: None, expansion.broken).states) == len(seen)
 
 
@@ -59,19 +59,19 @@ class AsTheyAre(Composition):
     """Every state by itself, with the numbers and the words that it has."""
 
     def __init__(self, line: ExploredLine) -> None:
-        super().__init__(Parties(line))
+        super().__init__(ExploredParties(line))
         for model in self.parties.train_models:
             model.told_apart = lambda state: state  # type: ignore[method-assign]
 
-    def _settled(self, state: LineState) -> LineState:
+    def _settled(self, state: StateOfLine) -> StateOfLine:
         return state
 
 
-def as_one(raw: AsTheyAre, state: LineState, settled: Composition) -> LineState:
+def as_one(raw: AsTheyAre, state: StateOfLine, settled: Composition) -> StateOfLine:
     """The state that it counts as."""
     theirs, ours = raw.parties, settled.parties
     cells = tuple(
-        Cell(
+        TrainCell(
             ours.trains[unit].number(
                 ours.train_models[unit].told_apart(theirs.trains[unit].things[cell.train])
             ),
@@ -87,7 +87,7 @@ def as_one(raw: AsTheyAre, state: LineState, settled: Composition) -> LineState:
         for mine, their, t in zip(ours.terminals, theirs.terminals, state.terminals, strict=True)
     )
     manager = ours.managers.number(theirs.managers.things[state.manager])
-    return settled._settled(LineState(manager, terminals, state.left, cells))
+    return settled._settled(StateOfLine(manager, terminals, state.left, cells))
 
 
 @pytest.mark.parametrize("states_max", others_nightly((FEW, MANY), [FEW]))
@@ -96,9 +96,9 @@ def as_one(raw: AsTheyAre, state: LineState, settled: Composition) -> LineState:
 def test_states_that_count_as_one_take_the_same_way(budgets: Budgets, trains: int, states_max: int) -> None:
     """A bisimulation, on the first states that a search without any reduction comes to."""
     line = ExploredLine(trains, budgets=budgets)
-    raw, settled = AsTheyAre(line), Composition(Parties(line))
+    raw, settled = AsTheyAre(line), Composition(ExploredParties(line))
     queue = deque([raw.start()])
-    seen, counted = set(queue), dict[LineState, set[tuple[str, str, LineState]]]()
+    seen, counted = set(queue), dict[StateOfLine, set[tuple[str, str, StateOfLine]]]()
     while queue and len(seen) < states_max:
         state = queue.popleft()
         following = list(raw.following(state))
@@ -116,5 +116,5 @@ def test_states_that_count_as_one_take_the_same_way(budgets: Budgets, trains: in
 
 
 def test_a_state_of_numbers_is_small() -> None:
-    expansion = Expansion(Parties(ExploredLine()))
+    expansion = Expansion(ExploredParties(ExploredLine()))
     assert expansion.start().dtype == np.uint64

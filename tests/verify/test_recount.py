@@ -13,7 +13,7 @@ from onboard.duty import duty_step
 from verify.certificate import Certificate, read, sources_digest, write
 from verify.explore import certificate_of, explored
 from verify.explored_line import BIT, Budgets, ExploredLine
-from verify.parties import Parties, StepKind
+from verify.parties import ExploredParties, StepKind
 from verify.recount import ELSEWHERE, recount
 from verify.restored import restored
 
@@ -52,7 +52,7 @@ def test_one_state_removed_is_refused(certificate: Certificate, share: float) ->
 
 def test_an_unsafe_state_put_in_is_refused(certificate: Certificate) -> None:
     """Both trains in the portal: a cell of each in which it stands there, on the first ground."""
-    parties = Parties(certificate.line)
+    parties = ExploredParties(certificate.line)
     for kind, *of in certificate.made:
         parties.make(StepKind(kind), *of)
     one, other = (
