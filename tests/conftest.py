@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -15,6 +17,13 @@ from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+from branchline.__main__ import COLLECTED_AFTER
+
+# Some hundred commands run as processes: bytecode is kept for them, also where the environment would have none.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+gc.set_threshold(COLLECTED_AFTER, 20, 20)
 
 # No verdict depends on how fast the machine is, and the same examples are tried everywhere. Fixtures are shared by the
 # examples of a test: who changes one sets it anew. `make nightly` asks for the profile of many.
@@ -111,7 +120,7 @@ class Ended:
 @pytest.fixture(scope="session")
 def command() -> tuple[str, ...]:
     """What starts the program."""
-    return (sys.executable, "-m", "branchline.cli")
+    return (sys.executable, "-m", "branchline")
 
 
 @pytest.fixture(scope="session")
