@@ -22,11 +22,11 @@ has counted its train out, or the unit itself, in the boot that signed off, says
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Final, TypeVar
 
-import msgspec
+from msgspec.structs import replace
 
 from radio.messages import (
     AnyMessage,
@@ -353,7 +353,7 @@ def _never_granted(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> S
 
 
 def _without_token(message: SignOn | Claim) -> Any:  # noqa: ANN401 - of the type given
-    return msgspec.structs.replace(message, token=0)
+    return replace(message, token=0)
 
 
 def _wishes(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> bool:

@@ -11,9 +11,11 @@ order of trains for longer than `hold_s_max`, nor when more than `overtaken_max`
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
 from typing import Final
+
+from msgspec.structs import replace
 
 from network.clock import clock
 from radio.messages import RefusalReason, RouteRequest

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
+
+import msgspec
 
 from radio.messages import ClaimQuery, RefusalReason
 from wayside.actions import Send, Show
@@ -14,8 +15,7 @@ from wayside.said import Refused
 M = TypeVar("M")
 
 
-@dataclass(frozen=True, slots=True)
-class Heard(Generic[M]):
+class Heard(msgspec.Struct, Generic[M], frozen=True):
     """A telegram passed the envelope's checks. `fresh`: its sender has heard this boot of the manager."""
 
     unit_id: str

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Final
 
+import msgspec
 from msgspec.structs import asdict
 
 from wayside.certificate import CertificateAnswer
@@ -56,8 +57,7 @@ class Days:
     given: tuple[int, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class DayProgress:
+class DayProgress(msgspec.Struct, frozen=True):
     """How far a stock is in its day. `done`: moves granted. `late_s`: how late it asked for the last of them.
 
     `asked_s`: since when it asks for the next one in vain; `held_s`: since when the order of trains holds it back;
@@ -75,8 +75,7 @@ class DayProgress:
     part: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class LastCertificate:
+class LastCertificate(msgspec.Struct, frozen=True):
     """The order of the last certificate, and the places and holdings of all stock from which it leads.
 
     `until_s`: it has the moves planned to begin before that, as the whole day has no order.
@@ -92,8 +91,7 @@ class LastCertificate:
         return (self.at, self.holds) == (stands.at, stands.holds)
 
 
-@dataclass(frozen=True, slots=True)
-class LastSearch:
+class LastSearch(msgspec.Struct, frozen=True):
     """The last search that found no order of the whole day: from which places, with how many steps, what it found
     instead, until when that is taken as it is, s, and what the journal was told.
     """
@@ -114,8 +112,7 @@ class LastSearch:
         return now_s < self.again_s
 
 
-@dataclass(frozen=True, slots=True)
-class Stands:
+class Stands(msgspec.Struct, frozen=True):
     """All stock with a day: how many moves each has made, and what it holds once it has run what it was granted."""
 
     at: tuple[int, ...]

@@ -9,8 +9,11 @@ words only; what persons enter stands apart in `reentry` until the line is defin
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from enum import Enum
+
+import msgspec
+from msgspec.structs import replace
 
 from network.errors import InputError
 from radio.keys import capability_mac
@@ -32,8 +35,7 @@ class UnitStanding(Enum):
     DISPUTED = "disputed"  # it claims what another holds; nothing is granted to anyone meanwhile
 
 
-@dataclass(frozen=True, slots=True)
-class RegisteredUnit:
+class RegisteredUnit(msgspec.Struct, frozen=True):
     """A unit that has been heard or entered.
 
     `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request;
@@ -92,8 +94,7 @@ class ReentryStage(Enum):
     DEFINED = "defined"
 
 
-@dataclass(frozen=True, slots=True)
-class Reentry:
+class Reentry(msgspec.Struct, frozen=True):
     """What persons entered in this boot, and what the picture needs besides.
 
     `entries`: section -> person -> unit, None for free. `complete`: (person, unit) where the person has said
@@ -101,20 +102,19 @@ class Reentry:
     unknown unit was last heard. `inputs`: by person.
     """
 
-    entries: Mapping[str, Mapping[str, str | None]] = field(
+    entries: Mapping[str, Mapping[str, str | None]] = msgspec.field(
         default_factory=dict[str, Mapping[str, str | None]]
     )
     complete: frozenset[tuple[str, str]] = frozenset()
-    left_by: Mapping[tuple[str, str], str] = field(default_factory=dict[tuple[str, str], str])
+    left_by: Mapping[tuple[str, str], str] = msgspec.field(default_factory=dict[tuple[str, str], str])
     accepted_by: str = ""
-    inputs: Mapping[str, int] = field(default_factory=dict[str, int])
-    heard_s: Mapping[str, float] = field(default_factory=dict[str, float])
+    inputs: Mapping[str, int] = msgspec.field(default_factory=dict[str, int])
+    heard_s: Mapping[str, float] = msgspec.field(default_factory=dict[str, float])
     stage: ReentryStage = ReentryStage.INCOMPLETE
     defined_s: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Register:
+class Register(msgspec.Struct, frozen=True):
     """State of the block manager. `epoch` is its boot, `counter` counts the tokens given in it.
 
     `started_s`: time of the first event of this boot. `restoring`: the block state was lost and no picture of the line
@@ -130,8 +130,8 @@ class Register:
     plan: RegisterPlan
     epoch: int
     counter: int = 0
-    holders: Mapping[str, str] = field(default_factory=dict[str, str])
-    units: Mapping[str, RegisteredUnit] = field(default_factory=dict[str, RegisteredUnit])
+    holders: Mapping[str, str] = msgspec.field(default_factory=dict[str, str])
+    units: Mapping[str, RegisteredUnit] = msgspec.field(default_factory=dict[str, RegisteredUnit])
     started_s: float | None = None
     ask_at_s: float = 0.0
     restoring: bool = False
@@ -139,9 +139,9 @@ class Register:
     bars: Bars = NO_BARS
     unswept: frozenset[str] = frozenset()
     left_through: frozenset[str] = frozenset()
-    doubted: Mapping[str, int] = field(default_factory=dict[str, int])
-    reentry: Reentry = field(default_factory=Reentry)
-    trips: Mapping[str, DayProgress] = field(default_factory=dict[str, DayProgress])
+    doubted: Mapping[str, int] = msgspec.field(default_factory=dict[str, int])
+    reentry: Reentry = msgspec.field(default_factory=Reentry)
+    trips: Mapping[str, DayProgress] = msgspec.field(default_factory=dict[str, DayProgress])
     trips_lost: bool = False
     kept: LastCertificate | None = None
     sought: LastSearch | None = None

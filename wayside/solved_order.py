@@ -8,8 +8,9 @@ all trains stand where they have room, so that there is an order to find.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Final
+
+from msgspec.structs import replace
 
 from wayside.actions import Show
 from wayside.journeys import Days, PlannedMove, Stands

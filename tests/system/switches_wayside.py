@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 
 import msgspec
 import pytest
@@ -51,7 +50,7 @@ def starts_with_every_section_free(patch: pytest.MonkeyPatch) -> None:
     def afresh(
         config: ManagerConfig, epoch: int, keys: Mapping[str, bytes], *_kept: Iterable[str] | None
     ) -> Register:
-        return replace(start(config, epoch, keys, ()), restoring=False)
+        return msgspec.structs.replace(start(config, epoch, keys, ()), restoring=False)
 
     patch.setattr(device, "start_register", afresh)
     patch.setattr(register, "UNKNOWN_UNIT", register.RegisteredUnit(UnitStanding.OUTSIDE))
@@ -88,7 +87,7 @@ def accepts_a_picture_without_the_silent(patch: pytest.MonkeyPatch) -> None:
 @switch
 def tokens_begin_anew(patch: pytest.MonkeyPatch) -> None:
     def next_token(self: Register) -> tuple[Register, int]:
-        return replace(self, counter=self.counter + 1), self.counter + 1
+        return msgspec.structs.replace(self, counter=self.counter + 1), self.counter + 1
 
     patch.setattr(Register, "next_token", next_token)
 

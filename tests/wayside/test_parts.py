@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
+import msgspec
 import pytest
 
 from radio.messages import Claim, HoldingReport, RouteGranted, RouteRefused, RouteRequest, SignOn
@@ -99,7 +100,8 @@ def test_a_follower_has_the_blocks_that_are_free_and_later_the_rest() -> None:
 
 def test_no_part_ends_where_the_radio_does_not_reach() -> None:
     line = following()
-    line.register = replace(line.register, plan=replace(line.register.plan, hears=frozenset({"2", "3"})))
+    plan = replace(line.register.plan, hears=frozenset({"2", "3"}))
+    line.register = msgspec.structs.replace(line.register, plan=plan)
     assert line.ask("u2", "A2>B") == ()
 
 
