@@ -26,6 +26,8 @@ from network.graph import next_pieces
 from network.model import Direction, Line, Piece, PlatformTrack, Section, SectionKind, Tag, TagPurpose
 
 TAGS_PER_STATION: Final = 100  # ids are 100 * (1 + number of the nearest station) + running number
+# Assumed: bounds that span two tags and grow by 1 % are 120 m wide at most, so that a stop's first tag is come to and read.
+OPEN_LINE_MAX_M: Final = 6_000.0
 _OPEN: Final = (SectionKind.BETWEEN, SectionKind.PORTAL)
 _BOTH: Final = (Direction.DOWN, Direction.UP)
 
@@ -38,8 +40,6 @@ class TagRule:
     clear_margin_m: float = 10.0  # bound of the position when the rear is reported clear
     nose_m: float = 5.0
     position_before_m: tuple[float, ...] = (300.0, 100.0, 15.0)
-    # Bounds span two tags and grow by 1 %: 120 m at most, so that the first tag before a mark is reached and read.
-    open_line_max_m: float = 6_000.0
     service_deceleration_mps2: float = 0.7
     reaction_s: float = 10.0
     portal_inset_m: float = 60.0
@@ -73,7 +73,7 @@ def lay_tags(line: Line, rule: TagRule | None = None) -> tuple[Tag, ...]:
     rule = rule or TagRule()
     spots: dict[tuple[str, float, TagPurpose], list[Direction]] = {}
     by_stations = tuple(_spots(line, rule))
-    for spot in (*by_stations, *_far_spots(line, rule, by_stations)):
+    for spot in (*by_stations, *_far_spots(line, by_stations)):
         key = (spot.piece_id, round(spot.position_m, 3), spot.purpose)
         directions = spots.setdefault(key, [])
         if spot.direction not in directions:
@@ -166,7 +166,7 @@ def _open_spots(line: Line, rule: TagRule, section: Section) -> Iterator[_Spot]:
             yield _checked(piece, _Spot(piece.id, approach_m, TagPurpose.APPROACH, direction))
 
 
-def _far_spots(line: Line, rule: TagRule, laid: Iterable[_Spot]) -> Iterator[_Spot]:
+def _far_spots(line: Line, laid: Iterable[_Spot]) -> Iterator[_Spot]:
     """Where trains of a direction would run far without a tag, one evenly every so far, for both directions."""
     for section in line.sections.values():
         if section.kind is not SectionKind.BETWEEN:
@@ -174,9 +174,11 @@ def _far_spots(line: Line, rule: TagRule, laid: Iterable[_Spot]) -> Iterator[_Sp
         piece = line.pieces[section.piece_ids[0]]
         added: list[float] = []
         for direction in _BOTH:
-            tags = [spot.position_m for spot in laid if spot.piece_id == piece.id and spot.direction is direction]
+            tags = [
+                spot.position_m for spot in laid if spot.piece_id == piece.id and spot.direction is direction
+            ]
             for from_m, to_m in pairwise(sorted((piece.from_m, *tags, *added, piece.to_m))):
-                parts = math.ceil((to_m - from_m) / rule.open_line_max_m)
+                parts = math.ceil((to_m - from_m) / OPEN_LINE_MAX_M)
                 added += [float(round(from_m + part * (to_m - from_m) / parts)) for part in range(1, parts)]
         for position_m in added:
             for direction in _BOTH:
