@@ -18,12 +18,12 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
-from branchline.__main__ import COLLECTED_AFTER
+from study.runner.collector import MORE_OBJECTS
 
 # Some hundred commands run as processes: bytecode is kept for them, also where the environment would have none.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
-gc.set_threshold(COLLECTED_AFTER, 20, 20)
+gc.set_threshold(MORE_OBJECTS)
 
 # No verdict depends on how fast the machine is, and the same examples are tried everywhere. Fixtures are shared by the
 # examples of a test: who changes one sets it anew. `make nightly` asks for the profile of many.
