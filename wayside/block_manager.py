@@ -45,8 +45,9 @@ from radio.messages import (
     SignOnRefused,
 )
 from radio.table import TableCell, rows
-from wayside import acts, dispatch, leaving, reentry
+from wayside import acts, dispatch, entering, leaving, reentry
 from wayside.actions import Action, Send, Show
+from wayside.config import RouteEntry
 from wayside.dispatch import DispatchRequest
 from wayside.heard import Heard, challenge, show_refusal
 from wayside.reentry import Step
@@ -139,6 +140,12 @@ def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
     """Granted whole if the line is defined and all of it free or its own, or a part (`wayside.parts`); else refused."""
     held = register.held_by(heard.unit_id)
     against = _against(register, heard, frozenset(held))
+    route = register.plan.routes.get(heard.message.route_id)
+    if against is None and route is not None:
+        if entering.asks_leave(register, heard.unit_id, route, heard.message.section_ids):
+            return _leave_to_enter(register, heard, route)
+        if (fouls := entering.fouled(register, heard.unit_id, route, heard.message.section_ids)) is not None:
+            against = (RefusalReason.OVERLAP, *fouls)
     shown: tuple[Action, ...] = ()
     if against is not None and against[0] is RefusalReason.HELD:
         register, part = dispatch.part_to_grant(register, heard.unit_id, heard.message)
@@ -150,6 +157,15 @@ def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
     wanted = heard.message.section_ids
     answer = _grant(register, heard, wanted) if against is None else _refuse_route(register, heard, *against)
     return answer[0], (*shown, *answer[1])
+
+
+def _leave_to_enter(register: Register, heard: Heard[RouteRequest], route: RouteEntry) -> Step:
+    """It holds its arrival points and asks to come in: not while its overrun, or another's, would foul a way."""
+    register = entering.leave_lacking(register, heard.unit_id, route)
+    fouls = entering.fouled(register, heard.unit_id, route, heard.message.section_ids)
+    if fouls is not None:
+        return _refuse_route(register, heard, RefusalReason.OVERLAP, *fouls)
+    return _grant(register, heard, heard.message.section_ids)
 
 
 def _against(
@@ -177,6 +193,7 @@ def _against(
 
 def _grant(register: Register, heard: Heard[RouteRequest], section_ids: tuple[str, ...]) -> Step:
     message, unit_id = heard.message, heard.unit_id
+    register = entering.leave_given(register, unit_id, register.plan.routes[message.route_id], section_ids)
     unit, held = register.unit(unit_id), register.held_by(unit_id)
     same_request = (unit.route_id, unit.correlation) == (message.route_id, heard.correlation)
     repeated = heard.correlation > 0 and same_request and set(section_ids) <= set(held)
@@ -407,7 +424,10 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     # A unit that has started again numbers its requests anew, so its old request cannot be repeated.
     same_boot = heard.epoch == unit.epoch
     after = RegisteredUnit(standing, heard.epoch, token, unit.route_id, unit.correlation if same_boot else 0)
-    after = replace(after, unproven=not held and (bool(shown) or unit.unproven))
+    leave, lacks = unit.leave.intersection(held), unit.without_leave.intersection(held)
+    after = replace(
+        after, unproven=not held and (bool(shown) or unit.unproven), leave=leave, without_leave=lacks
+    )
     register = register.with_unit(unit_id, after)
     actions: list[Action] = [*shown]
     if added or after.standing is not unit.standing or after.epoch != unit.epoch:
