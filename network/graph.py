@@ -94,6 +94,11 @@ def _fouled(
     return tuple(found)
 
 
+def overlap_id(section_id: str) -> str:
+    """What is one train's at a time where it comes in, or goes out, over points that another could foul."""
+    return f"{section_id} overlap"
+
+
 def fouled_sections(line: Line) -> frozenset[str]:
     """Points sections that lie in the overlap of any track."""
     return frozenset(section_id for found in Graph.of_line(line).overlaps.values() for section_id in found)
