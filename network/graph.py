@@ -160,6 +160,18 @@ def routes_from(line: Line, section_id: str, direction: Direction) -> tuple[Rout
     return tuple(routes)
 
 
+def overlaps_coming_in(line: Line, route: Route) -> tuple[str, ...]:
+    """What a train has alone from its leave to come in by a route until it stands (`wayside.entering`)."""
+    own = (s for s in route.entry if s in fouled_sections(line))
+    return tuple(map(overlap_id, dict.fromkeys((*route.overlap, *own))))
+
+
+def overlaps_going_out(line: Line, route: Route) -> tuple[str, ...]:
+    """What it has alone from the grant of a route until it has given its first points back."""
+    fouled = fouled_sections(line).difference(route.entry)
+    return tuple(overlap_id(s) for s in route.section_ids if s in fouled)
+
+
 def all_routes(line: Line) -> tuple[Route, ...]:
     """Every route of the line, both directions, in the order of its sections."""
     return tuple(

@@ -18,7 +18,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
-from network.graph import fouled_sections, overlap_id
+from network.graph import overlap_id, overlaps_coming_in, overlaps_going_out
 from network.model import Position
 from onboard.reach import charger_at
 from simulation.loop import OPENING_S
@@ -50,7 +50,6 @@ class Theory:
         self.rules: Final = rules
         self.links: Final = Links.of_air(setup.air)
         self._day: Final[PlannedDay] = planned_day(setup)
-        self._fouled: Final = fouled_sections(setup.believed_line)
         self._driving: Final[dict[str, StockDriving]] = {
             stock_id: driving_of(setup, stock_id, rules, self.links) for stock_id in self._day.trains
         }
@@ -204,19 +203,22 @@ class Theory:
     ) -> Iterator[SectionPassage]:
         """What is this train's alone by the rule of `wayside.entering`, once it has passed points."""
         leg = next(leg for leg in journey.plan.legs if own.section_id in leg.section_ids)
-        if own.section_id not in leg.entry:
-            if own.section_id in self._fouled:
-                yield replace(own, section_id=overlap_id(own.section_id))
-        elif own.section_id == leg.entry[-1]:
+        route = next(r for r in journey.mission.routes if r.id == leg.route_id)
+        if overlap_id(own.section_id) in overlaps_going_out(self.setup.believed_line, route):
+            yield replace(own, section_id=overlap_id(own.section_id))
+        elif route.entry and own.section_id == route.entry[-1]:
             enters_s = journey.at_s(journey.mission.spans[journey.mission.span_index(leg.entry[0])].start_m)
             leave = self.setting(journey.stock_id).leave(journey, leg, set_ups)
-            moments = leave.wanted_s, leave.sent_s, leave.heard_s, leave.held_s, enters_s
-            names = "wanted_s", "sent_s", "heard_s", "held_s", "enters_s"
-            route = next(r for r in journey.mission.routes if r.id == leg.route_id)
-            for section_id in dict.fromkeys((*route.overlap, *self._fouled.intersection(leg.entry))):
-                yield replace(
-                    own, section_id=overlap_id(section_id), **dict(zip(names, moments, strict=True))
-                )
+            came = replace(
+                own,
+                wanted_s=leave.wanted_s,
+                sent_s=leave.sent_s,
+                heard_s=leave.heard_s,
+                held_s=leave.held_s,
+                enters_s=enters_s,
+            )
+            for name in overlaps_coming_in(self.setup.believed_line, route):
+                yield replace(came, section_id=name)
 
     def _set(self, journey: TrainJourney, index: int, set_up: SetUp) -> SectionPassage:
         span = journey.mission.spans[index]
