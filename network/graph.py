@@ -68,8 +68,8 @@ def _build(line: Line) -> Graph:
         (track.section_id, direction): found
         for station in line.stations.values()
         for track in station.tracks
-        for direction, onward in ((Direction.DOWN, down), (Direction.UP, up))
-        if (found := _fouled(line, track, direction, onward))
+        for direction, onward, back in ((Direction.DOWN, down, up), (Direction.UP, up, down))
+        if back[track.piece_id] and (found := _fouled(line, track, direction, onward))
     }
     return Graph(line, down, up, overlaps)
 

@@ -81,11 +81,14 @@ class Entries:
 
     def _brakes_s(self, train: PlannedTrain, looked_m: Sequence[float], at_s: Sequence[float]) -> float:
         """When it would have to brake to stop where the last of these places is."""
-        room = self._room(train)
+        room, spare_m = self._room(train), math.inf
         for (here_m, next_m), (here_s, next_s) in zip(pairwise(looked_m), pairwise(at_s), strict=True):
             speed_mps = np.array([(next_m - here_m) / max(next_s - here_s, 1e-6)])
-            if looked_m[-1] - next_m < float(room.needed_m(speed_mps, self._bound_m)[0]):
-                return here_s
+            left_m = looked_m[-1] - next_m - float(room.needed_m(speed_mps, self._bound_m)[0])
+            if left_m < 0.0:
+                share = spare_m / (spare_m - left_m) if math.isfinite(spare_m) else 0.0
+                return here_s + share * (next_s - here_s)
+            spare_m = left_m
         return at_s[-1]
 
     @property

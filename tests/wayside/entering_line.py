@@ -1,7 +1,8 @@
 """Random lines of loops with points at both ends, on which trains need leave to come in, played by asking a manager.
 
-Stations 0, 1, … have tracks `k.1` (and `k.2`) between points `kW` and `kE`; the line between two is `k-l`. An overrun on any
-track but those of the ends fouls the points beyond it. `can_finish` tries everything, on its own account of the rule.
+Stations 0, 1, … have tracks `k.1` (and `k.2`) between points `kW` and `kE`; the line between two is `k-l`. An overrun
+on any track but those of the ends fouls the points beyond it. `can_finish` tries everything, on its own account of the
+rule.
 """
 
 from __future__ import annotations

@@ -63,19 +63,19 @@ def test_without_the_rule_both_come_in(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(entering, "EXCLUDES", False)
     play = _meeting()
     register, granted = _ask(play.register, "u0", ENTRY["u0"])
-    register, other = _ask(register, "u1", ENTRY["u1"])
+    _, other = _ask(register, "u1", ENTRY["u1"])
     assert isinstance(granted, RouteGranted)
     assert isinstance(other, RouteGranted)
 
 
 def test_asked_again_under_the_same_number_it_is_answered_alike() -> None:
     register, first = _ask(_meeting().register, "u0", ENTRY["u0"])
-    register, again = _ask(register, "u0", ENTRY["u0"])
+    _, again = _ask(register, "u0", ENTRY["u0"])
     assert again == first
 
 
 def test_nobody_goes_out_over_points_into_which_another_may_overrun() -> None:
-    """u1 stands on the second track of station 1 and would leave over the points beyond the first, where u0 comes in."""
+    """u1 stands on the second track of station 1 and would leave over the points beyond the first, where u0 comes."""
     ways = [["0.1", "1.1"], ["1.2", "2.2"]]
     play = Play(config_of([2, 2, 2], ways), ways)
     assert play.acts(0)
@@ -98,7 +98,7 @@ def test_who_goes_out_over_them_keeps_the_other_out() -> None:
 def test_a_unit_that_boots_on_its_way_is_given_no_leave_by_signing_on() -> None:
     play = _meeting()
     held = play.register.held_by("u0")
-    register, actions = step(play.register, Heard("u0", 1, True, 3, Claim(held, 0)), 0.0)
+    _, actions = step(play.register, Heard("u0", 1, True, 3, Claim(held, 0)), 0.0)
     (accepted,) = (
         a.message for a in actions if isinstance(a, Send) and isinstance(a.message, SignOnAccepted)
     )
@@ -106,7 +106,7 @@ def test_a_unit_that_boots_on_its_way_is_given_no_leave_by_signing_on() -> None:
 
 
 def test_after_a_restart_who_may_have_leave_keeps_the_other_out_until_it_asks() -> None:
-    """The manager knows nothing then: both may be coming in, so neither is let in; by asking, each says that it is not."""
+    """The manager knows nothing then: both may be coming in, so neither is let in; who asks says that it is not."""
     before = _meeting().register
     register = start(
         config_of([2, 2, 2], MEET), 1, {f"{k}{end}": b"k" * 32 for k in range(3) for end in "WE"}
@@ -118,13 +118,13 @@ def test_after_a_restart_who_may_have_leave_keeps_the_other_out_until_it_asks() 
     assert first == RouteRefused(ROUTE["u0"], RefusalReason.OVERLAP, "1W", "u1")
     register, second = _ask(register, "u1", ENTRY["u1"])
     assert isinstance(second, RouteGranted)  # u0 has said that it has none
-    register, third = _ask(register, "u0", ENTRY["u0"], correlation=8)
+    _, third = _ask(register, "u0", ENTRY["u0"], correlation=8)
     assert third == RouteRefused(ROUTE["u0"], RefusalReason.OVERLAP, "1W", "u1")
 
 
 @pytest.mark.parametrize("seed", range(80))
 def test_a_certificate_holds_where_trains_need_leave(seed: int) -> None:
-    """Its search knows whole moves alone; a search of everything, with leave asked for and waited for, says the same."""
+    """Its search knows whole moves alone; a search of everything, with leave asked and waited for, says the same."""
     tracks, ways = random_case(random.Random(seed))
     play, last = Play(config_of(tracks, ways), ways), len(tracks) - 1
     days = play.register.plan.days
