@@ -25,7 +25,7 @@ timetable = "rtri_meet"
 operation.portal_lead_s = 80.0
 patch.line.set = { "line.overlap_m" = OVERLAP }
 """
-# T1 into B, track 1: it runs at 45 km/h less the 1.2 m/s by which trains are driven under a limit. It brakes at 0.6 m/s2
+# T1 into B, track 1: it runs at 45 km/h less the 1.2 m/s by which trains stay under a limit. It brakes at 0.6 m/s2
 # for a stop 15 m before points 7, of which 0.9 s pass; its mark lies 140 m beyond where they begin.
 RUNS_MPS = 45.0 / 3.6 - 1.2
 BRAKES_M = RUNS_MPS**2 / (2.0 * 0.6)
