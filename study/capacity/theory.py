@@ -129,7 +129,7 @@ class Theory:
             for train in trains:
                 ready_s = run[-1].ends_s if run else self.opens_s
                 if run and not train.duty.enters:
-                    ready_s += self.setup.operation.change_ends_s
+                    ready_s += self.setup.turn_s
                 elif run:
                     ready_s = self.over_s(run[-1])
                 run.append(driving.journey(train, setting, ready_s))
@@ -271,7 +271,7 @@ class Theory:
         self, stock_id: str, journeys: Sequence[TrainJourney], set_ups: Sequence[Mapping[int, SetUp]]
     ) -> Iterator[PassageStand]:
         """All stands of a stock, until it moves; of what goes on at once the last one noted counts."""
-        change_s, moves_s = self.setup.operation.change_ends_s, self._driving[stock_id].start.moves_s
+        change_s, moves_s = self.setup.turn_s, self._driving[stock_id].start.moves_s
         for at, journey in enumerate(journeys):
             follows = journeys[at + 1] if at + 1 < len(journeys) and not journeys[at + 1].enters else None
             first, *between, last = journey.stays

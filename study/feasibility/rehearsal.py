@@ -324,7 +324,7 @@ class Rehearsal:
         elif follows:
             one.at += 1
             one.node = 0
-            self._at(now_s + self._setup.operation.change_ends_s, partial(self._begin, one))
+            self._at(now_s + self._setup.turn_s, partial(self._begin, one))
         else:
             one.done = True
 

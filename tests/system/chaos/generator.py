@@ -169,7 +169,8 @@ def _head(family: Family, seed: int, draw: Draw) -> dict[str, Any]:
     if draw.chance(BY_HAND_P):
         head["operation"] = {"reentry": "by_hand"}
     if draw.of("interlocking").chance(CENTRAL_P):
-        head["operation"] = head.get("operation", {}) | {"interlocking": "central"}
+        relay = {"interlocking": "relay", "staff_reach_s": 120.0} if draw.of("relay").chance(0.5) else {}
+        head["operation"] = head.get("operation", {}) | {"interlocking": "central"} | relay
     if draw.of("release").chance(BY_SECTION_P):
         head["operation"] = head.get("operation", {}) | {"release": ReleaseRule.SECTION.value}
     overlap = draw.of("overlap")
