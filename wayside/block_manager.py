@@ -47,15 +47,13 @@ from radio.messages import (
 from radio.table import TableCell, rows
 from wayside import acts, dispatch, entering, leaving, reentry
 from wayside.actions import Action, Send, Show
-from wayside.config import RouteEntry
-from wayside.dispatch import DispatchRequest
+from wayside.dispatch import Against, DispatchRequest
 from wayside.heard import Heard, challenge, show_refusal
 from wayside.reentry import Step
 from wayside.register import Register, RegisteredUnit, UnitStanding
 from wayside.said import Accepted, BoundaryPassed, Contradicted, Freed, Granted, Outside, Refused
 
 M = TypeVar("M")
-
 
 ASKED_AGAIN: Final = 1  # correlation of a query whose answer is known to be one to it
 __all__ = ["TELEGRAMS", "AskUnits", "Event", "Heard", "step", "table_rows", "wake_at_s"]
@@ -140,18 +138,13 @@ def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
     """Granted whole if the line is defined and all of it free or its own, or a part (`wayside.parts`); else refused."""
     held = register.held_by(heard.unit_id)
     against = _against(register, heard, frozenset(held))
-    route = register.plan.routes.get(heard.message.route_id)
-    if against is None and route is not None:
-        if entering.asks_leave(register, heard.unit_id, route, heard.message.section_ids):
-            return _leave_to_enter(register, heard, route)
-        if (fouls := entering.fouled(register, heard.unit_id, route, heard.message.section_ids)) is not None:
-            against = (RefusalReason.OVERLAP, *fouls)
+    register, against, leave = entering.weighed(register, heard.unit_id, heard.message, against)
     shown: tuple[Action, ...] = ()
     if against is not None and against[0] is RefusalReason.HELD:
         register, part = dispatch.part_to_grant(register, heard.unit_id, heard.message)
         if part:
             return _grant(register, heard, part)
-    if against is not None or not set(heard.message.section_ids) <= set(held):
+    if not leave and (against is not None or not set(heard.message.section_ids) <= set(held)):
         asked = DispatchRequest(heard.unit_id, heard.message.route_id)
         register, against, shown = dispatch.weigh_request(register, asked, against)
     wanted = heard.message.section_ids
@@ -159,23 +152,12 @@ def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
     return answer[0], (*shown, *answer[1])
 
 
-def _leave_to_enter(register: Register, heard: Heard[RouteRequest], route: RouteEntry) -> Step:
-    """It holds its arrival points and asks to come in: not while its overrun, or another's, would foul a way."""
-    register = entering.leave_lacking(register, heard.unit_id, route)
-    fouls = entering.fouled(register, heard.unit_id, route, heard.message.section_ids)
-    if fouls is not None:
-        return _refuse_route(register, heard, RefusalReason.OVERLAP, *fouls)
-    return _grant(register, heard, heard.message.section_ids)
-
-
-def _against(
-    register: Register, heard: Heard[RouteRequest], held: frozenset[str]
-) -> tuple[RefusalReason, str | None, str | None] | None:
+def _against(register: Register, heard: Heard[RouteRequest], held: frozenset[str]) -> Against | None:
     """Why the route may not be granted, and the section and unit in the way; or None."""
     message, unit_id = heard.message, heard.unit_id
     route = register.plan.routes.get(message.route_id)
     blocking = register.undefined_because_of()
-    against: tuple[RefusalReason, str | None, str | None] | None = None
+    against: Against | None = None
     if message.unit_id != unit_id:
         against = (RefusalReason.WRONG_UNIT, None, None)
     elif heard.epoch != register.unit(unit_id).epoch:
@@ -393,7 +375,7 @@ def _enter(
     if register.unit(unit_id).standing is UnitStanding.UNKNOWN:
         register = register.with_unit(unit_id, RegisteredUnit(UnitStanding.OUTSIDE, heard.epoch))
         shows = (Show(Outside(unit_id=unit_id, was=UnitStanding.UNKNOWN.value)),)
-    against: dispatch.Against | None = None
+    against: Against | None = None
     if not register.defined:
         against = (RefusalReason.UNDEFINED, None, (*register.undefined_because_of(), None)[0])
     elif conflict is not None:
@@ -424,10 +406,8 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     # A unit that has started again numbers its requests anew, so its old request cannot be repeated.
     same_boot = heard.epoch == unit.epoch
     after = RegisteredUnit(standing, heard.epoch, token, unit.route_id, unit.correlation if same_boot else 0)
-    leave, lacks = unit.leave.intersection(held), unit.without_leave.intersection(held)
-    after = replace(
-        after, unproven=not held and (bool(shown) or unit.unproven), leave=leave, without_leave=lacks
-    )
+    unproven = not held and (bool(shown) or unit.unproven)
+    after = entering.carried_over(unit, replace(after, unproven=unproven), held)
     register = register.with_unit(unit_id, after)
     actions: list[Action] = [*shown]
     if added or after.standing is not unit.standing or after.epoch != unit.epoch:

@@ -15,10 +15,37 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
+from radio.messages import RefusalReason, RouteRequest
 from wayside.config import RouteEntry
-from wayside.register import Register
+from wayside.register import Register, RegisteredUnit
 
 EXCLUDES = True  # off: opposing trains come in at once, whatever they would overrun
+
+
+Refusal = tuple[RefusalReason, str | None, str | None]
+
+
+def weighed(
+    register: Register, unit_id: str, message: RouteRequest, against: Refusal | None
+) -> tuple[Register, Refusal | None, bool]:
+    """The register, why a request is refused, if so, and whether it is one for leave.
+
+    A unit that asks for leave says by that that it has none. `against`: what else is against the request.
+    """
+    route = register.plan.routes.get(message.route_id)
+    if against is not None or route is None:
+        return register, against, False
+    asks = asks_leave(register, unit_id, route, message.section_ids)
+    if asks:
+        register = leave_lacking(register, unit_id, route)
+    fouls = fouled(register, unit_id, route, message.section_ids)
+    return register, None if fouls is None else (RefusalReason.OVERLAP, *fouls), asks
+
+
+def carried_over(before: RegisteredUnit, after: RegisteredUnit, held: Iterable[str]) -> RegisteredUnit:
+    """A unit that has claimed what it holds, with the leave that this boot told it of before."""
+    kept = frozenset(held)
+    return replace(after, leave=before.leave & kept, without_leave=before.without_leave & kept)
 
 
 def asks_leave(register: Register, unit_id: str, route: RouteEntry, section_ids: tuple[str, ...]) -> bool:

@@ -20,7 +20,7 @@ from network.files.line_schema import (
     StationTable,
 )
 from network.files.toml_input import one_of
-from network.graph import all_routes
+from network.graph import all_routes, fouled_sections
 from network.model import Alignment, Direction, Line, Piece, PointsLeg, SectionKind
 from network.units import metres
 
@@ -287,7 +287,7 @@ def check_reachable(file: str, line: Line, keys: Mapping[str, str]) -> None:
 
 def check_entries(file: str, line: Line, keys: Mapping[str, str]) -> None:
     """Where trains need leave to come in, the radio reaches those that wait for it before the points."""
-    for route in all_routes(line):
+    for route in all_routes(line) if fouled_sections(line) else ():
         if not route.entry:
             continue
         pieces = [line.pieces[piece_id] for piece_id in route.piece_ids]

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 
 from onboard.authority.records import AskRoute, RequestKind
 from onboard.duty.duty_step import DutyStep
-from onboard.duty.plan import DutyPlan, PlanLeg, PointsNeeded
+from onboard.duty.plan import DutyPlan, PlanLeg, PointsNeeded, Span
 from onboard.duty.records import AT_A_MARK, DutyPhase, DutyState
 
 KEEPS = True  # off: arrival points are given back as soon as a tag proves that they are behind
@@ -42,6 +42,15 @@ def ask_leave(duty: DutyStep, points: Iterable[PointsNeeded]) -> bool:
         ahead = leg.section_ids[leg.section_ids.index(needed.section_id) :]
         duty.authority(AskRoute(leg.route_id, leg.to_enter if needed.section_id in leg.entry else ahead))
     return True
+
+
+def ask_beyond(duty: DutyStep, track: Span | None) -> None:
+    """A train that runs through a track asks for the route beyond it before it comes there, once it may come in."""
+    leg = None if track is None else leg_with(duty.plan, track.section_id)
+    if leg is not None and not set(leg.entry) <= set(duty.state.authority.commandable):
+        return
+    if track is not None and not duty.plan.calls_at(track.section_id):
+        duty.ask(duty.plan.leg_beyond(track.section_id))
 
 
 def kept_until_stand(plan: DutyPlan, state: DutyState) -> int:

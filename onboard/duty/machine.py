@@ -39,9 +39,9 @@ from onboard.authority.stop_limit import (
 from onboard.duty import fitness, on_sight
 from onboard.duty.arrival import clear_behind, confirm, releases_at_each
 from onboard.duty.duty_step import Action, DutyParameters, DutyStep
-from onboard.duty.entering import ask_leave, leg_with
+from onboard.duty.entering import ask_beyond, ask_leave
 from onboard.duty.fitness import way_is_free
-from onboard.duty.plan import DutyPlan, PlanTag, Span
+from onboard.duty.plan import DutyPlan, PlanTag
 from onboard.duty.records import (
     ABLE,
     ASK,
@@ -200,15 +200,6 @@ def look_ahead(duty: DutyStep, passed: tuple[PlanTag, ...]) -> None:
         ask_beyond(duty, plan.track_ahead(passed[last]))  # not beyond a track that this tag stands in
     elif passed[-1].purpose is TagPurpose.POSITION:
         ask_beyond(duty, plan.track_behind_joint(passed[-1]))
-
-
-def ask_beyond(duty: DutyStep, track: Span | None) -> None:
-    """A train that runs through a track asks for the route beyond it before it comes there, once it may come in."""
-    leg = None if track is None else leg_with(duty.plan, track.section_id)
-    if leg is not None and not set(leg.entry) <= set(duty.state.authority.commandable):
-        return
-    if track is not None and not duty.plan.calls_at(track.section_id):
-        duty.ask(duty.plan.leg_beyond(track.section_id))
 
 
 def started(duty: DutyStep, _event: WheelsTurning) -> None:
