@@ -53,7 +53,7 @@ def check_centre(file: str, operation: Operation, stations: Collection[str]) -> 
     """A centre is named only where there is one, at a station that exists, or InputError."""
     if operation.centre is None:
         return
-    if operation.interlocking is not Interlocking.CENTRAL:
+    if operation.interlocking is Interlocking.ONBOARD:
         expected = 'no such key with interlocking = "onboard"'
         raise InputError(file, "operation.centre", operation.centre, expected)
     if operation.centre not in stations:

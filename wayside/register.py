@@ -42,7 +42,9 @@ class RegisteredUnit(msgspec.Struct, frozen=True):
     `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `claim_needed`:
     of this boot only a fresh claim counts, since it spoke for itself before persons did; `silent`: it may be on the
     line, so it is asked all the same; `taken_back`: persons were wrong about it, or it was. `unproven`: by its own word
-    it is outside, and it was on the line as far as was known when the block state was lost.
+    it is outside, and it was on the line as far as was known when the block state was lost. `leave`: sections
+    that it may run over, `without_leave`: and may not, as this boot has told it; of others it has not
+    (`wayside.entering`).
     """
 
     standing: UnitStanding
@@ -56,6 +58,8 @@ class RegisteredUnit(msgspec.Struct, frozen=True):
     silent: bool = False
     taken_back: bool = False
     unproven: bool = False
+    leave: frozenset[str] = frozenset()
+    without_leave: frozenset[str] = frozenset()
 
     @property
     def has_spoken(self) -> bool:
@@ -82,6 +86,7 @@ class RegisterPlan:
     telegram_age_max_s: float
     reentry: ReentryMode
     days: Days | None = None  # None: nothing but the register decides
+    has_overlaps: bool = False
     solver: OrderSolver = without_solver
 
 
@@ -245,7 +250,8 @@ class Register(msgspec.Struct, frozen=True):
         return register, register.token_max
 
     def capabilities(self, unit_id: str, section_ids: Iterable[str], token: int) -> tuple[Capability, ...]:
-        """For each terminal with points among the sections, the proof that the unit holds them."""
+        """For each terminal with points among the sections that it may run over, the proof that the unit holds them."""
+        leave = self.unit(unit_id).leave
         return tuple(
             Capability(
                 terminal_id,
@@ -255,6 +261,7 @@ class Register(msgspec.Struct, frozen=True):
                 ),
             )
             for section_id in section_ids
+            if section_id in leave or not self.plan.has_overlaps
             for terminal_id in self.plan.terminals.get(section_id, ())
         )
 
@@ -298,6 +305,7 @@ def start(
         config.telegram_age_max_s,
         config.reentry,
         days_of(config),
+        any(route.overlap for route in config.routes),
         solver,
     )
     return Register(

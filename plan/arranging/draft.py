@@ -50,7 +50,7 @@ def trains_to_arrange(
     line: Line, timetable: Timetable, printed: Mapping[str, tuple[PrintedCall, ...]], times: LineTimes
 ) -> list[TrainToArrange]:
     """All trains of the day. Raises InputError where the line has no way for one."""
-    turn_s = math.ceil(times.setup.operation.change_ends_s)
+    turn_s = math.ceil(max(times.setup.turn_s, timetable.head.turn_min_s))
     found: list[TrainToArrange] = []
     turning = {train.calls[i].station_id for train in timetable.trains.values() for i in (0, -1)}
     for number, train in timetable.trains.items():

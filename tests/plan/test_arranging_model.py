@@ -119,3 +119,30 @@ def test_more_sets_than_tracks_are_refused() -> None:
     ]
     with pytest.raises(model.NoRoomError):
         nearest_plan(sets, limit_s=300)
+
+
+def _comes_in(train: TrainToArrange) -> TrainToArrange:
+    """With leave to come in at L: from 40 s before it is there until 1 s after."""
+    visits = [
+        replace(
+            v, leg=replace(v.leg, overlaps=("L overlap",), enters=ByStanding(40, 40), stood=ByStanding(1, 1))
+        )
+        if v.station_id == "L" and v.leg is not None
+        else v
+        for v in train.visits
+    ]
+    return replace(train, visits=tuple(visits))
+
+
+def test_a_meet_is_moved_by_just_the_seconds_by_which_one_comes_in_later() -> None:
+    """Both could be at L at noon + 300 and leave 20 s later. One comes 41 s after the other, and leaves 41 s later; the
+    other can leave for where that came from when it has come, at noon + 341.
+    """
+    at_loop = _visit("L", departure_s=NOON + 320, tracks=("L.1",))
+    visits = _visit("B", departure_s=NOON, tracks=("B.2",)), replace(at_loop, tracks=("L.2",))
+    down, up = _down(at_loop), _train("2", *visits, _visit("A", tracks=("A.2",)))
+    assert nearest_plan([down, up], limit_s=300).moves == ()
+    plan = nearest_plan([_comes_in(down), _comes_in(up)], limit_s=300)
+    assert sorted(move.by_s for move in plan.moves) == [21, 41]
+    assert plan.proven
+    assert abs(_times(plan, "1", "L")[0] - _times(plan, "2", "L")[0]) >= 41

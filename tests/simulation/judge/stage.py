@@ -56,7 +56,7 @@ class Stage:
     """Checkers and a clock; each act takes one second."""
 
     def __init__(self, unit_ids: tuple[str, ...] = ("A", "B")) -> None:
-        self.checkers = Checkers(net(), POINTS, unit_ids, dict.fromkeys(unit_ids, BRAKE), {}, DESIGN)
+        self.checkers = Checkers(net(), POINTS, unit_ids, dict.fromkeys(unit_ids, BRAKE), {}, DESIGN, {})
         self.t_s = 0.0
         self.token = 0
 
