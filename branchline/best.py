@@ -6,6 +6,8 @@ import typer
 
 from branchline.best_interval import interval
 from branchline.best_loops import loops
+from branchline.best_robust import robust
+from branchline.best_roster import roster
 from branchline.best_trains import trains
 from branchline.dispatching import deadlock, displib
 
@@ -15,5 +17,7 @@ best = typer.Typer(
 best.command()(interval)
 best.command()(loops)
 best.command()(trains)
+best.command()(robust)
+best.command()(roster)
 best.command()(displib)
 best.command()(deadlock)
