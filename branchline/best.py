@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from branchline.best_equipment import equipment
 from branchline.best_interval import interval
 from branchline.best_loops import loops
 from branchline.best_robust import robust
@@ -18,6 +19,7 @@ best.command()(interval)
 best.command()(loops)
 best.command()(trains)
 best.command()(robust)
+best.command()(equipment)
 best.command()(roster)
 best.command()(displib)
 best.command()(deadlock)

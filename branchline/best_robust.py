@@ -73,9 +73,10 @@ def _shapes(found: Robust, plan: ReservePlan) -> Iterator[dict[str, object]]:
 
 
 def _rows(line: Line, found: Robust, plans: dict[str, ReservePlan]) -> Iterator[str]:
-    yield f"mean delay of an arrival by the model    {len(found.training_seeds)} days trained on   {len(found.fresh_seeds)} fresh days"
+    trained, fresh = f"{len(found.training_seeds)} days trained on", f"{len(found.fresh_seeds)} fresh days"
+    yield f"mean delay of an arrival by the model {trained:>20} {fresh:>18}"
     for name, plan in plans.items():
-        yield f"  {name:38} {plan.trained_s:15.2f} s {plan.fresh_s:15.2f} s"
+        yield f"  {name:35} {plan.trained_s:18.2f} s {plan.fresh_s:16.2f} s"
     yield (
         f"on the days trained on no timetable with these orders, journeys and intervals is below {found.bound_s:.2f} s"
     )
@@ -86,7 +87,10 @@ def _rows(line: Line, found: Robust, plans: dict[str, ReservePlan]) -> Iterator[
     )
     for (train, _, before), (_, moved_s, after) in both:
         count = sum(other.shape == train.shape for other in found.problem.trains.values())
-        yield f"train {train.number} and those like it ({count}): first departure {moved_s:+d} s; reserves, s, before and after:"
+        yield (
+            f"train {train.number} and those like it ({count}): first departure {moved_s:+d} s;"
+            " reserves, s, before and after:"
+        )
         for (station_id, run_s, stay_s), (_, new_run_s, new_stay_s) in zip(before, after, strict=True):
             name = line.stations[station_id].name
             yield f"  {name:24} run there {run_s:4.0f} -> {new_run_s:4.0f}   stand {stay_s:4.0f} -> {new_stay_s:4.0f}"

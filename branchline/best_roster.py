@@ -138,4 +138,5 @@ def _night(line: Line, found: FewestSets) -> Iterator[str]:
     for station_id, by in sorted(stand.items()):
         if by:
             more = "more sets end than begin" if by > 0 else "fewer sets end than begin"
-            yield f"by night: at {line.stations[station_id].name} {abs(by)} {more} the day; an empty working brings them back"
+            name = line.stations[station_id].name
+            yield f"by night: at {name} {abs(by)} {more} the day; an empty working brings them back"

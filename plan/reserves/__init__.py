@@ -1,1 +1,1 @@
-"""Where a timetable's reserves (余裕時分) lie: on running times, at stops and at meets, placed against sampled late days."""
+"""Where a timetable's reserves (余裕時分) lie, on runs, at stops and at meets: placed against late days."""

@@ -123,7 +123,8 @@ class SampledDelays:
         for after in self._order:
             for before, rule in self._into.get(after, ()):
                 so[after] = np.maximum(so[after], so[before] + self._least[rule])
-        return so - planned[:, None]
+        late: NDArray[np.float64] = so - planned[:, None]
+        return late
 
 
 def _stop(problem: ReserveProblem, event: PlanEvent) -> ReserveStop:

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,7 @@ SHIFT_S: Final = 600  # assumed: by how much first departures of one shape may m
 
 @dataclass(frozen=True, slots=True)
 class FoundReserves:
-    """Times of all trains. `mean_s`: the mean delay of an arrival on the sampled days; `bound_s`: no times have less."""
+    """Times of all trains. `mean_s`: the mean delay of an arrival on the sampled days; none has less than `bound_s`."""
 
     times: PlannedTimes
     mean_s: float
@@ -48,6 +48,7 @@ class LinearRows:
     least: list[float] = field(default_factory=list[float])
 
     def add(self, terms: Iterable[tuple[int, float]], least: float) -> None:
+        """One more row."""
         for variable, factor in terms:
             self.at.append(len(self.least))
             self.of.append(variable)
@@ -59,9 +60,11 @@ class LinearRows:
     ) -> tuple[NDArray[np.float64], float]:
         """The variables and the cost. Raises ValueError where there is no solution."""
         shape = len(self.least), len(cost)
-        matrix = coo_matrix((-np.array(self.factors), (self.at, self.of)), shape=shape).tocsr()
+        places = np.array(self.at), np.array(self.of)
+        matrix = coo_matrix((-np.array(self.factors), places), shape=shape).tocsr()
         limits = {"maxiter": ITERATIONS_MAX}
-        found = linprog(cost, matrix, -np.array(self.least), bounds=between, method="highs", options=limits)
+        solve = cast("Any", linprog)  # its stub knows no sparse matrices
+        found = solve(cost, matrix, -np.array(self.least), bounds=between, method="highs", options=limits)
         if found.x is None or found.status != 0:
             raise ValueError(f"no times were found: {found.message}")
         return np.asarray(found.x), float(found.fun)
@@ -128,7 +131,7 @@ class ShapeTimes:
             yield self._difference(wait.after, wait.before, self._planned_s(wait))
 
     def _planned_s(self, wait: SectionWait) -> float:
-        """Nobody is planned to leave for a section before the train in it has come, although its tag frees it sooner."""
+        """Nobody is planned to leave for a section before the train in it has come, though its tag frees it sooner."""
         trains = self.problem.trains
         before = trains[wait.before.number].stops[wait.before.stop]
         after = trains[wait.after.number].stops[wait.after.stop]

@@ -96,7 +96,7 @@ class SectionWait:
 
 @dataclass(frozen=True, slots=True)
 class ReserveProblem:
-    """The trains of a day by number, and who waits for whom. `early_s`: trains aim to arrive so long before the plan."""
+    """The trains of a day by number, and who waits for whom. `early_s`: trains aim to arrive so long before plan."""
 
     trains: Mapping[str, ReserveTrain]
     waits: tuple[SectionWait, ...]

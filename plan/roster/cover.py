@@ -70,7 +70,7 @@ def _match(number: str, after: Mapping[str, Sequence[str]], goes_on: dict[str, s
     stack = [(number, iter(after.get(number, ())))]
     way: list[str] = []
     while stack:
-        at, others = stack[-1]
+        _, others = stack[-1]
         before = next((one for one in others if one not in tried), None)
         if before is None:
             stack.pop()

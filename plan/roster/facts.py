@@ -103,7 +103,7 @@ def possible_links(trains: Iterable[RosterTrain], terms: RosterTerms) -> Iterato
 
 def _in_time(before: RosterTrain, after: RosterTrain, terms: RosterTerms, *, here: bool) -> bool:
     """Whether the set of one train is free in time for another, where that begins or from where it can run empty."""
-    least_s = terms.outside_s if before.ends.outside else after.turns_s + terms.turn_s
+    least_s: float = terms.outside_s if before.ends.outside else after.turns_s + terms.turn_s
     if not here and terms.empty_mps is not None:
         least_s = abs(after.begins.position_m - before.ends.position_m) / terms.empty_mps
     today = after.follows == before.number and not terms.turn_s

@@ -1,4 +1,4 @@
-"""Recounts a roster and why fewer sets cannot do, from the facts of the trains; it shares no code with what finds them."""
+"""Recounts a roster, and why fewer sets cannot do, from the facts of trains; it shares no code with what finds them."""
 
 from __future__ import annotations
 

@@ -16,12 +16,12 @@ def stranded(trains: Sequence[RosterTrain], roster: Roster) -> Iterator[str]:
     for train in trains:
         others = [event for t in trains if t is not train for event in (t.begins, t.ends)]
         begins, ends = train.begins, train.ends
-        if train.number not in roster.follows and not begins.outside:
-            if any(e.place == begins.place and e.time_s < begins.time_s for e in others):
-                yield train.number
-        if train.number not in goes_on and not ends.outside:
-            if any(e.place == ends.place and e.time_s > ends.time_s for e in others):
-                yield train.number
+        first = train.number not in roster.follows and not begins.outside
+        last = train.number not in goes_on and not ends.outside
+        if first and any(e.place == begins.place and e.time_s < begins.time_s for e in others):
+            yield train.number
+        elif last and any(e.place == ends.place and e.time_s > ends.time_s for e in others):
+            yield train.number
 
 
 def with_sets(timetable: Timetable, roster: Roster, kinds: Mapping[str, str]) -> Timetable:
