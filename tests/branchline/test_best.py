@@ -90,3 +90,18 @@ def test_reserves_are_placed_as_a_scenario_and_a_sweep_of_fresh_days(main: Calla
     )
     assert main("check", "placed.toml").code == 0
     assert main("sweep", "placed_days.toml", "--check").code == 0
+
+
+def test_a_line_with_eight_loops_has_its_bound(main: Callable[..., Any], tmp_path: Path) -> None:
+    """Ten stations 2 km apart: 12 trains an hour each way are excluded, 12 in both ways fit, and the answer runs."""
+    rows = ["id,name,km,tracks", *(f"S{i},Station {i},{2 * i},2" for i in range(10))]
+    (tmp_path / "eight.csv").write_text("\n".join(rows) + "\n", "utf-8")
+    assert main("new", "line", "eight.csv", "eight.toml", "--scenario", "day.toml").code == 0
+    found = main("best", "interval", "day.toml", "--out", "least.toml", "--proof", "why.json", "--json")
+    assert found.code == 0, found.err
+    ((from_s, to_s),) = found.figures()["excluded_s"]
+    assert from_s <= 1
+    assert to_s >= 3600 // 12
+    assert to_s + 1 == found.figures()["interval_s"] <= 3600 // 6
+    assert main("best", "interval", "day.toml", "--check", "why.json").code == 0
+    assert main("check", "least.toml").code == 0
