@@ -8,12 +8,13 @@ all trains stand where they have room, so that there is an order to find.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import replace
 from typing import Final
 
 from wayside.actions import Show
 from wayside.journeys import Days, PlannedMove, Stands
-from wayside.order_question import LastOrder, OrderMove, OrderQuestion, OrderTrain
+from wayside.order_question import LastOrder, OrderAnswer, OrderMove, OrderQuestion, OrderTrain
 from wayside.register import Register
 from wayside.said import OrderLacking
 
@@ -27,10 +28,19 @@ def with_order(register: Register, days: Days, stands: Stands) -> tuple[Register
     last = register.solved
     if last is not None and register.now_s < last.made_s + ASKED_EVERY_S:
         return register, ()
-    answer = register.plan.solver(question_of(register, days, stands))
+    question = question_of(register, days, stands)
+    answer = register.plan.solver(question)
+    if not _of_these(question, answer):
+        answer = OrderAnswer(lacking="the solver's order is not of the moves asked for")
     said = "" if last is None else last.answer.lacking
     shows = (Show(OrderLacking(why=answer.lacking)),) if answer.lacking and answer.lacking != said else ()
     return replace(register, solved=LastOrder(register.now_s, stands.at, answer)), shows
+
+
+def _of_these(question: OrderQuestion, answer: OrderAnswer) -> bool:
+    """Whether an order has no other moves than were asked for."""
+    moves = [len(train.moves) for train in question.trains]
+    return all(0 <= k < len(moves) and n <= moves[k] for k, n in Counter(answer.order).items())
 
 
 def question_of(register: Register, days: Days, stands: Stands) -> OrderQuestion:

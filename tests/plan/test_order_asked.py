@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import subprocess
+from typing import Final
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from host.order_solver import SolverProcess, order_solver
+from host import order_solver
+from host.order_solver import SolverProcess
+from host.parties import PartyError
 from plan.dispatching.asked import answer_to
 from radio.messages import RouteGranted, RouteRefused
 from study.evaluate import order_of_trains
@@ -18,7 +23,7 @@ from study.evaluate.order_of_trains import lost_min
 from tests.wayside.loop_line import Play, config_of
 from wayside import order
 from wayside.config import JourneyMove, ManagerConfig, OrderRule
-from wayside.order_question import OrderMove, OrderQuestion, OrderTrain, without_solver
+from wayside.order_question import OrderAnswer, OrderMove, OrderQuestion, OrderTrain, without_solver
 from wayside.said import HeldBack, OrderLacking
 
 # A slow train, late by its doors, is planned first from the middle to the east; a fast one comes against it and goes on
@@ -119,11 +124,67 @@ def test_without_a_solver_the_order_is_that_of_less_delay_and_says_so_once() -> 
     assert [note for note in without.notes if note not in lacking] == pairwise.notes
 
 
-def test_a_solver_that_does_not_start_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("host.order_solver.MODULE", "plan.dispatching.missing")
+ONE: Final = OrderQuestion(
+    (OrderTrain((1,), 0, (1,), 30, (OrderMove((100, 11), (11,), 0, 60, 20, 60, True),)),), (), 7200, 0.1
+)
+ENDED: Final = OrderAnswer(lacking="the solver has ended without an answer")
+NOTHING: Final = OrderQuestion((), (), 7200, 0.01)
+
+
+@pytest.mark.parametrize("module", ["plan.dispatching.missing", "tests.plan.odd_solver"])
+def test_a_solver_that_ends_is_none_from_then_on(module: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ODD_SOLVER", "ends")
+    monkeypatch.setattr(order_solver, "MODULE", module)
     solver = SolverProcess()
-    question = OrderQuestion((), (), 7200, 0.01)
-    assert solver(question) == solver(question) == without_solver(question)
+    assert solver(NOTHING) == ENDED
+    monkeypatch.setattr(order_solver, "started", None)
+    assert solver(NOTHING) == ENDED
+
+
+def test_a_solver_that_was_killed_is_started_again_and_answers_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    start, started = order_solver.started, list[subprocess.Popen[bytes]]()
+    monkeypatch.setattr(order_solver, "started", lambda: started.append(start()) or started[-1])
+    for starts, answer in ((2, answer_to(ONE)), (1, ENDED)):
+        monkeypatch.setattr(order_solver, "STARTS", starts)
+        solver = SolverProcess()
+        assert solver(ONE) == answer_to(ONE)
+        started[-1].kill()
+        started[-1].wait()
+        assert solver(ONE) == answer
+        solver.close()
+
+
+@pytest.mark.parametrize(("does", "said"), [("nothing", "hangs"), ("nonsense", "what is no answer")])
+def test_a_solver_that_hangs_or_answers_nonsense_ends_the_run(
+    does: str, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ODD_SOLVER", does)
+    monkeypatch.setattr(order_solver, "MODULE", "tests.plan.odd_solver")
+    if does == "nothing":
+        monkeypatch.setattr(order_solver, "LOOKS_S", 0.01)
+        monkeypatch.setattr(order_solver, "HANGS_S", 0.0)
+    solver = SolverProcess()
+    with pytest.raises(PartyError, match=said):
+        solver(NOTHING)
+    solver.close()
+
+
+def test_a_question_larger_than_a_pipe_is_answered() -> None:
+    question = OrderQuestion(ONE.trains, (9,) * (1 << 16), 7200, 0.1)
+    assert len(msgspec.json.encode(question)) > 1 << 16
+    assert order_solver.order_solver()(question) == answer_to(question)
+
+
+@pytest.mark.parametrize("order", [(7,), (-1,), (0, 0)], ids=["no train", "below none", "a move too many"])
+def test_an_order_of_other_moves_than_were_asked_for_is_none(order: tuple[int, ...]) -> None:
+    play = asked()
+    plan = dataclasses.replace(play.register.plan, solver=lambda _: OrderAnswer(order))
+    play.register = dataclasses.replace(play.register, plan=plan)
+    play.asks(0)
+    (lacking,) = [note.why for note in play.notes if isinstance(note, OrderLacking)]
+    assert lacking == "the solver's order is not of the moves asked for"
 
 
 @st.composite
@@ -182,7 +243,5 @@ def test_the_order_delays_least(question: OrderQuestion) -> None:
 
 
 def test_the_process_answers_as_the_function() -> None:
-    moves = (OrderMove((100, 11), (11,), 0, 60, 20, 60, True),)
-    question = OrderQuestion((OrderTrain((1,), 0, (1,), 30, moves),), (), 7200, 0.1)
-    assert order_solver()(question) == answer_to(question)
-    assert answer_to(question).delay_s == 30
+    assert order_solver.order_solver()(ONE) == answer_to(ONE)
+    assert answer_to(ONE).delay_s == 30
