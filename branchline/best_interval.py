@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -53,6 +52,8 @@ def interval(
         from plan.least_interval import AS_UNITS_ASK, SET_LATE, least_interval, recounted
     from plan.moving.proof import Impossibility, proof_text
 
+    if out is not None:
+        new_day(out, scenario)
     setup = load_scenario(scenario).setup
     rules = SET_LATE if set_late else AS_UNITS_ASK
     if check is not None:
@@ -97,17 +98,27 @@ def write_day_of(
     extends: str,
     loops: tuple[str, ...] = (),
 ) -> None:
-    """A scenario that repeats a pattern all day. Raises InputError where it would extend itself."""
-    from network.errors import COMMAND_LINE, InputError
+    """A scenario that repeats a pattern all day. Raises InputError where one of its files stands already."""
     from plan.even_day import Repetition, timetable_of, write_day
 
-    if Path(extends).is_file():
-        extends = os.path.relpath(extends, out.parent)
-    if extends in {out.stem, out.name}:
-        raise InputError(COMMAND_LINE, "--out", str(out), "another name than that of the scenario")
-    day = timetable_of(setup, Repetition(pattern, moves_s, every_s), f"{out.stem}_times")
-    write_day(out, day, extends, loops)
+    base = new_day(out, extends)
+    day = timetable_of(setup, Repetition(pattern, moves_s, every_s), _times_of(out).stem)
+    write_day(out, day, base, loops)
     print_aside(f"wrote {out} and {day.head.id}.toml beside it")
+
+
+def new_day(out: Path, extends: str) -> str:
+    """How the scenario to be written names the one that it extends. InputError where a file of it stands already."""
+    from study.making.place import checked_new, extended_by
+
+    base = extended_by(out, extends, "--out")
+    checked_new(_times_of(out), "--out")
+    return base
+
+
+def _times_of(out: Path) -> Path:
+    """Where its timetable goes."""
+    return out.with_name(f"{out.stem}_times.toml")
 
 
 def _times(circle: Circle) -> str:

@@ -103,5 +103,12 @@ def test_export_solve_import(tmp_path: Path) -> None:
     scenario = load_scenario(ordered)
     assert scenario.setup.seed == SEED
     assert len(scenario.setup.dispatch.given) > 50
+    text = Path(ordered).read_text("utf-8")
+    for out, said in ((ordered, "another name"), (problem, "NAME.toml"), (str(tmp_path / "a"), "NAME.toml")):
+        again = CliRunner().invoke(app, ["import", "displib", ordered, solved, out, "--seed", "7"])
+        assert isinstance(again.exception, InputError)
+        assert said in str(again.exception)
+    assert Path(ordered).read_text("utf-8") == text
+    ordered = str(tmp_path / "other.toml")
     other = CliRunner().invoke(app, ["import", "displib", "karasuyama_late", solved, ordered, "--seed", "8"])
     assert isinstance(other.exception, InputError)
