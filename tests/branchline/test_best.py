@@ -42,7 +42,9 @@ def test_the_answer_is_a_scenario(main: Callable[..., Any]) -> None:
     assert checked.code == 0, checked.out
     two = main("best", "trains", WEEKDAY, "--every", "90", "--out", "two.toml")
     assert two.code == 0
-    assert two.out.startswith("2 trains each way every 90 min: as many as can be\na train each way has HSK.1 for ")
+    assert two.out.startswith(
+        "2 trains each way every 90 min: as many as can be\na train each way has HSK.1 for "
+    )
     assert " s of 5400 s\n" in two.out
     assert main("check", "two.toml").code == 0
 

@@ -17,14 +17,18 @@ from host import order_solver
 from host.order_solver import SolverProcess
 from host.parties import PartyError
 from plan.dispatching.asked import answer_to
-from radio.messages import RouteGranted, RouteRefused
+from radio.messages import RouteGranted, RouteRefused, RouteRequest
 from study.evaluate import order_of_trains
 from study.evaluate.order_of_trains import lost_min
 from tests.wayside.loop_line import Play, config_of
 from wayside import order
 from wayside.config import JourneyMove, ManagerConfig, OrderRule
+from wayside.journeys import DayProgress, Stands, days_of
+from wayside.order import is_disturbed
 from wayside.order_question import OrderAnswer, OrderMove, OrderQuestion, OrderTrain, without_solver
+from wayside.places import stands_of
 from wayside.said import HeldBack, OrderLacking
+from wayside.solved_order import question_of
 
 # A slow train, late by its doors, is planned first from the middle to the east; a fast one comes against it and goes on
 # to the west, from where a third is planned after it. All three ask at once, so late is the slow one.
@@ -122,6 +126,91 @@ def test_without_a_solver_the_order_is_that_of_less_delay_and_says_so_once() -> 
     lacking = [note for note in without.notes if isinstance(note, OrderLacking)]
     assert [note.why for note in lacking] == ["there is no solver: the extra `plan` is not installed"]
     assert [note for note in without.notes if note not in lacking] == pairwise.notes
+
+
+def test_what_is_asked_is_what_the_manager_knows() -> None:
+    """The fast train has left 181 s late, and gives nothing back yet: it comes 60 s from now, is ready 20 s later."""
+    play = asked()
+    fast = play.config.dispatch.journeys[2].moves[0]
+    assert isinstance(play.hear(2, RouteRequest("u2", fast.route_id, ("1-2", fast.section_id))), RouteGranted)
+    register = play.register.with_trip("u1", DayProgress(astray=True))
+    days = register.plan.days
+    assert days is not None
+    numbers = {section_id: k for k, section_id in enumerate(days.bits)}
+    slow, third, fast_one = question_of(register, days, stands_of(register, days)).trains
+    held = tuple(sorted(numbers[s] for s in ("2.2", "1-2", "1.3")))
+    assert (fast_one.holds, fast_one.keeps) == (held, (numbers["1.3"],))
+    assert (fast_one.comes_s, fast_one.ready_s) == (FAST_S, STAYS_S)
+    line = tuple(sorted(numbers[s] for s in ("0-1", "0.2")))
+    assert fast_one.moves == (OrderMove(line, (numbers["0.2"],), 0, 60, 20, int(FAST_DUE_S - ASKS_S), True),)
+    assert third == OrderTrain((), 0, (), 0, ())  # it goes where nobody knows
+    assert (slow.comes_s, slow.ready_s, slow.moves[0].due_s) == (0, 0, int(SLOW_DUE_S - ASKS_S))
+
+
+def test_each_train_of_a_stock_counts_where_it_ends() -> None:
+    given = config(OrderRule.OPTIMAL)
+    *others, fast = given.dispatch.journeys
+    for first, counts in (("2", [False, True]), ("another", [True, True])):
+        moves = (replace(fast.moves[0], train=first), fast.moves[1])
+        days = days_of(
+            replace(given, dispatch=replace(given.dispatch, journeys=(*others, replace(fast, moves=moves))))
+        )
+        assert days is not None
+        asked_of = question_of(asked().register, days, Stands((0, 0, 0), (0, 0, 0)))
+        assert [move.counts for move in asked_of.trains[2].moves] == counts
+
+
+def test_it_is_asked_only_where_one_is_late_and_others_want_the_line_and_once_a_minute() -> None:
+    play, questions = asked(), list[OrderQuestion]()
+
+    def solver(question: OrderQuestion) -> OrderAnswer:
+        questions.append(question)
+        return without_solver(question)
+
+    plan = dataclasses.replace(play.register.plan, solver=solver)
+    play.register = dataclasses.replace(play.register, plan=plan)
+    for play.now_s, count in ((100.0, 0), (339.0, 0), (340.0, 1), (399.0, 1), (400.0, 2)):
+        play.hear(
+            0,
+            RouteRequest(
+                "u0",
+                "1.1>2.1",
+                ("1-2", "2.1"),
+            ),
+        )
+        play.register = dataclasses.replace(
+            play.register, holders={s: u for s, u in play.register.holders.items() if "-" not in s}
+        )
+        assert len(questions) == count
+        play.register = play.register.with_trip("u0", DayProgress())
+    days = play.register.plan.days
+    assert days is not None
+    assert is_disturbed(play.register, days, Stands((0, 0, 0), (0, 0, 0)), 0)
+    assert not is_disturbed(play.register, days, Stands((0, 1, 2), (0, 0, 0)), 0)  # all others are through
+
+
+def test_an_order_of_which_more_may_be_hoped_says_so() -> None:
+    play = asked()
+    plan = dataclasses.replace(play.register.plan, solver=lambda _: OrderAnswer((2, 1, 2, 0), 120, 60))
+    play.register = dataclasses.replace(play.register, plan=plan)
+    play.asks(0)
+    (held,) = [note.why for note in play.notes if isinstance(note, HeldBack)]
+    assert held == "0 waits for 2: 2 min late in all in the best order known"
+
+
+def test_where_a_train_leaves_or_has_not_come_yet_nobody_else_can_be() -> None:
+    """The second wants the place that the first leaves, or the line on which it still is for 40 s."""
+    wants = OrderTrain((5,), 0, (5,), 0, (OrderMove((1,), (1,), 0, 10, 0, 10, True),))
+    leaves = OrderTrain((1,), 0, (1,), 0, (OrderMove((100, 2), (2,), 0, 60, 0, 60, True),))
+    comes = OrderTrain((1, 2), 40, (2,), 0, ())
+    for first, late_s in ((leaves, 60), (comes, 40)):
+        found = answer_to(OrderQuestion((first, wants), (), 7200, 0.5))
+        assert (found.delay_s, found.bound_s) == (late_s, late_s)
+
+
+def test_an_answer_names_trains_as_they_were_asked() -> None:
+    off_the_line = OrderTrain((), 0, (), 0, ())
+    assert answer_to(OrderQuestion((off_the_line, *ONE.trains), (), 7200, 0.1)).order == (1,)
 
 
 ONE: Final = OrderQuestion(

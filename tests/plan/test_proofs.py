@@ -135,7 +135,11 @@ def test_there_is_a_proof_just_where_the_solver_finds_no_moves(
 # Two trains that cross between sections X and Y, a hundred seconds long on their way: 20 s are enough for both.
 CROSS = legs_of(
     [
-        *(held("X", "d", 0.0, 10.0), held("Y", "d", 100.0, 110.0), held("P.1", "d", 110.0, 120.0, stays=True)),
+        *(
+            held("X", "d", 0.0, 10.0),
+            held("Y", "d", 100.0, 110.0),
+            held("P.1", "d", 110.0, 120.0, stays=True),
+        ),
         held("Y", "u", 0.0, 10.0, down=False),
         *(held("X", "u", 100.0, 110.0, down=False), held("P.2", "u", 110.0, 120.0, down=False, stays=True)),
     ],
