@@ -66,7 +66,9 @@ def trains_to_arrange(
             raise InputError(timetable.head.id, "trains", number, expected)
         window_s = (train.calls[0].last_s - WITHIN_S, train.calls[-1].last_s + WITHIN_S)
         free = all(v.arrival_s is None and v.departure_s is None for v in visits)
-        found.append(TrainToArrange(number, visits, follows, turn_s + leads_s[0], *(window_s if free else ())))
+        found.append(
+            TrainToArrange(number, visits, follows, turn_s + leads_s[0], *(window_s if free else ()))
+        )
     return found
 
 

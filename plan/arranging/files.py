@@ -22,7 +22,9 @@ def checked_files(out: Path | None, scenario: Path | None) -> None:
     if scenario is not None:
         checked_new(scenario, "--scenario")
         if scenario.resolve() == out.resolve():
-            raise InputError(COMMAND_LINE, "--scenario", str(scenario), "another file than that of the timetable")
+            raise InputError(
+                COMMAND_LINE, "--scenario", str(scenario), "another file than that of the timetable"
+            )
 
 
 def write_day(

@@ -149,7 +149,7 @@ def test_who_stood_there_when_the_day_began_goes_first() -> None:
 
 
 def test_sections_between_which_no_trains_can_cross_are_one_question() -> None:
-    """Down has X until 30 s and Y until 50, up both from 10 s, Y until 50 and X until 70: down first is 40 s, else 70."""
+    """Down has X until 30 s and Y until 50, up both from 10 s, Y until 50 and X until 70: 40 s, or 70 the other way."""
     ends = held("P.1", "d", 50, 60, stays=True), held("P.2", "u", 70, 80, down=False, stays=True)
     both = of_hand(
         *(held("X", "d", 0, 30), held("Y", "d", 0, 50), ends[0]),
