@@ -5,9 +5,9 @@ stands, then it runs, with a new operation at each instant at which it claims or
 it stands. What it gives back after it has come to a stand has a release time. A leg that claims its way before it is in
 the place where it begins (it runs through) claims it there at the soonest.
 
-Late are trains that come late to their portal, passengers who take longer and doors that do not close, at halts too, as
-drawn for the scenario's seed; failures and dead zones are no part of it. Times are whole seconds after midnight. A train
-costs what it comes later to its last stop than printed.
+Late are trains that come late to their portal, passengers who take longer and doors that do not close, as drawn for the
+scenario's seed; failures and dead zones are no part of it. Times are whole seconds after midnight. A train costs what
+it comes later to its last stop than printed. What a halt takes longer is time on the way.
 """
 
 from __future__ import annotations

@@ -117,3 +117,18 @@ def test_a_manager_that_forgets_it_lets_both_stand_against_each_other(
     assert line.asks("third", "C1>B")
     assert line.asks("follower", "A1>B", "2", "3", "B") == ()
     assert line.asks("third", "B>A2") == ()
+
+
+def test_a_train_in_its_part_is_on_its_way_and_not_back_where_it_came_from() -> None:
+    """It has given its track back, and stands in block 1, through which it came to A before."""
+    line = Line()
+    assert line.asks("follower", "B>A1")
+    line.keeps("follower", "A1")
+    assert line.asks("leader", "A2>B")
+    line.keeps("leader", "2", "3", "B")
+    assert line.asks("follower", "A1>B") == ("1",)
+    line.keeps("follower", "1")
+    assert line.asks("leader", "B>C2")
+    line.keeps("leader", "C2")
+    assert line.asks("third", "C1>B") == ()
+    assert line.asks("follower", "A1>B", "2", "3", "B") == ("2", "3", "B")
