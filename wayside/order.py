@@ -208,7 +208,8 @@ def _coming(days: Days, stands: Stands, index: int, first: _First) -> tuple[int,
         mover = wanted[-1]
         if at[mover] == len(days.moves[mover]):
             return None
-        move = days.moves[mover][at[mover]]
+        begins = at[mover] == stands.at[mover]
+        move = stands.next_move(days, mover) if begins else days.moves[mover][at[mover]]
         in_the_way = next((i for i, held in enumerate(holds) if i != mover and held & move.needs), None)
         if in_the_way is None:
             holds[mover] = move.keeps

@@ -14,6 +14,7 @@ from typing import Final
 
 from wayside.actions import Show
 from wayside.journeys import Days, PlannedMove, Stands
+from wayside.moves import Move
 from wayside.order_question import LastOrder, OrderAnswer, OrderMove, OrderQuestion, OrderTrain
 from wayside.register import Register
 from wayside.said import OrderLacking
@@ -69,16 +70,22 @@ def _train(register: Register, days: Days, stands: Stands, index: int, held: int
         ready_s = max(0, math.ceil(before.arrives_s + trip.late_s + before.stays_s - now_s) - comes_s)
     ahead = [hop for hop in hops[at:] if hop.departs_s < now_s + AHEAD_S]
     moves = tuple(
-        _move(days, hop, now_s, counts=place + 1 == len(ahead) or ahead[place + 1].train != hop.train)
+        _move(
+            days,
+            hop,
+            hop.move if place else stands.next_move(days, index),
+            now_s,
+            counts=place + 1 == len(ahead) or ahead[place + 1].train != hop.train,
+        )
         for place, hop in enumerate(ahead)
     )
     return OrderTrain(_sections(days, held), comes_s, keeps, ready_s, moves)
 
 
-def _move(days: Days, hop: PlannedMove, now_s: float, *, counts: bool) -> OrderMove:
+def _move(days: Days, hop: PlannedMove, move: Move, now_s: float, *, counts: bool) -> OrderMove:
     return OrderMove(
-        _sections(days, hop.move.needs),
-        _sections(days, hop.move.keeps),
+        _sections(days, move.needs),
+        _sections(days, move.keeps),
         max(0, math.ceil(hop.departs_s - now_s)),
         math.ceil(hop.arrives_s - hop.departs_s),
         math.ceil(hop.stays_s),

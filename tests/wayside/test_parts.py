@@ -12,6 +12,7 @@ from typing import Final
 import msgspec
 import pytest
 
+from plan.dispatching.asked import answer_to
 from radio.messages import Claim, HoldingReport, RouteGranted, RouteRefused, RouteRequest, SignOn
 from wayside import dispatch, parts
 from wayside.actions import Send
@@ -26,7 +27,9 @@ from wayside.config import (
     StockMoves,
 )
 from wayside.parts import free_part
+from wayside.places import stands_of
 from wayside.register import Register, start
+from wayside.solved_order import question_of
 
 OPEN: Final = ("1", "2", "3", "4")
 SECTIONS: Final = tuple(
@@ -176,6 +179,26 @@ def test_what_lies_behind_a_train_on_its_way_is_free_for_the_next() -> None:
     assert line.ask("u2", "A2>B") == ("1", "2")
     line.keeps("u2", "2")
     assert line.ask("u3", "A3>B") == ("1",)
+    days = line.register.plan.days
+    assert days is not None
+    question = question_of(line.register, days, stands_of(line.register, days))
+    assert question.trains[1].moves[0].needs == tuple(list(days.bits).index(s) for s in ("2", "3", "B"))
+    assert answer_to(question).lacking == ""
+
+
+@pytest.mark.parametrize(
+    ("holds", "at"), [(("2", "3", "B"), 1), (("2",), 0), (("A1",), 0), (("4", "C2"), 2), (("B",), 1)]
+)
+def test_a_train_on_its_way_has_its_place_in_its_day_though_the_memory_is_lost(
+    holds: tuple[str, ...], at: int
+) -> None:
+    """It goes to C, and as another train back to A."""
+    there, back = moves("u1", "A1>B", "B>C2"), moves("another", "A1>B", "A1>B", "C2>B", "B>A1")
+    line = Line({"u1": "A1"}, msgspec.structs.replace(there, moves=there.moves + back.moves[2:]))
+    register = replace(line.register, trips={}, trips_lost=True, holders=dict.fromkeys(holds, "u1"))
+    days = register.plan.days
+    assert days is not None
+    assert stands_of(register, days).at == (at,)
 
 
 OTHER_WAY: Final = (FOLLOWING[0], moves("u2", "A2>B", "B>C3"), moves("u3", "C2>B", "B>A1"))
