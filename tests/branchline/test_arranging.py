@@ -174,3 +174,19 @@ def test_a_set_that_has_no_room_where_it_begins_is_brought_as_an_empty_working(
     assert list(empty)[-1] == "KID"
     assert _seconds(empty["KID"].arrival) < _seconds("11:00")
     assert main("check", "run.toml").code == 0
+
+
+def test_a_train_with_one_call_has_no_blocking_times(
+    main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path
+) -> None:
+    hill("10:00")
+    day = tmp_path / "day.toml"
+    one = CALLS_1.split(" }, ", maxsplit=1)[0] + " }"
+    day.write_text(day.read_text("utf-8").replace(CALLS_1, one, 1), "utf-8")
+    scenario = (
+        'id = "one"\nname = "one"\nline = "hill.toml"\ntimetable = "day.toml"\n[trains]\ndefault = "br642"\n'
+    )
+    (tmp_path / "one.toml").write_text(scenario, "utf-8")
+    ended = main("export", "displib", "one.toml", "one.json")
+    assert (ended.code, "two calls or more" in ended.err) == (2, True), ended
+    assert not (tmp_path / "one.json").exists()
