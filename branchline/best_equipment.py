@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from branchline.best_interval import ScenarioOut, write_answer
+from branchline.best_interval import ScenarioOut, new_day, write_answer
 from branchline.ending import end_with
 from branchline.extras import planning_extra
 from branchline.options import Json, ScenarioName
@@ -71,6 +71,8 @@ def equipment(
     def with_tables(tables: Mapping[str, Any]) -> Setup:
         return load_scenario(scenario, tables=tables or None).setup
 
+    if out is not None:
+        new_day(out, scenario)
     own = () if options is None else tuple(options_of_file(options))
     asked = EquipmentAsked(loops, own, frozenset(without or ()), dict(map(_cost, cost or ())))
     choices = choices_of(with_tables, asked)

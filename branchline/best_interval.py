@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -54,6 +53,8 @@ def interval(
         from plan.least_interval import AS_UNITS_ASK, SET_LATE, least_interval, recounted
     from plan.moving.proof import Impossibility, proof_text
 
+    if out is not None:
+        new_day(out, scenario)
     setup = load_scenario(scenario).setup
     rules = SET_LATE if set_late else AS_UNITS_ASK
     if check is not None:
@@ -98,32 +99,35 @@ def write_day_of(
     extends: str,
     changes: Mapping[str, Any] | None = None,
 ) -> None:
-    """A scenario that repeats a pattern all day. Raises InputError where it would extend itself."""
+    """A scenario that repeats a pattern all day. Raises InputError where one of its files stands already."""
     from plan.even_day import Repetition, timetable_of
 
-    day = timetable_of(setup, Repetition(pattern, moves_s, every_s), f"{out.stem}_times")
+    day = timetable_of(setup, Repetition(pattern, moves_s, every_s), times_beside(out).stem)
     write_extending(out, day, extends, changes)
 
 
 def write_extending(
     out: Path, timetable: Timetable, extends: str, changes: Mapping[str, Any] | None = None
 ) -> None:
-    """A scenario with another timetable, and what else is changed. Raises InputError where it would extend itself."""
+    """A scenario with another timetable, and what else is changed. InputError where one of its files stands already."""
     from plan.even_day import write_day
 
-    write_day(out, timetable, extended(out, extends), changes or {})
+    write_day(out, timetable, new_day(out, extends), changes or {})
     print_aside(f"wrote {out} and {timetable.head.id}.toml beside it")
 
 
-def extended(out: Path, scenario: str) -> str:
-    """The scenario as a file that extends it names it. Raises InputError where that would extend itself."""
-    from network.errors import COMMAND_LINE, InputError
+def new_day(out: Path, extends: str) -> str:
+    """How the scenario to be written names the one that it extends. InputError where a file of it stands already."""
+    from study.making.place import checked_new, extended_by
 
-    if Path(scenario).is_file():
-        scenario = os.path.relpath(scenario, out.parent)
-    if scenario in {out.stem, out.name}:
-        raise InputError(COMMAND_LINE, "--out", str(out), "another name than that of the scenario")
-    return scenario
+    base = extended_by(out, extends, "--out")
+    checked_new(times_beside(out), "--out")
+    return base
+
+
+def times_beside(out: Path) -> Path:
+    """Where its timetable goes."""
+    return out.with_name(f"{out.stem}_times.toml")
 
 
 def _times(circle: Circle) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from branchline.best_interval import ScenarioOut, SetLate, figures_of, write_answer
+from branchline.best_interval import ScenarioOut, SetLate, figures_of, new_day, write_answer
 from branchline.ending import end_with
 from branchline.extras import planning_extra
 from branchline.options import Json, ScenarioName
@@ -39,6 +39,8 @@ def loops(
     def with_loops(loops: Sequence[str]) -> Setup:
         return load_scenario(scenario, tables=laying(loops)).setup
 
+    if out is not None:
+        new_day(out, scenario)
     halts = halts_of(with_loops(()).line)
     for station_id in at or ():
         if station_id not in halts:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from branchline.best_interval import ScenarioOut, extended, write_extending
+from branchline.best_interval import ScenarioOut, new_day, write_extending
 from branchline.ending import end_with
 from branchline.options import Json, ScenarioName
 from branchline.progress import print_aside
@@ -38,12 +38,13 @@ def robust(
     from plan.reserves.robust import most_robust, timetables_of, write_sweep
     from scenario.scenario import load_scenario
 
+    base = new_day(out, scenario) if out is not None else scenario
     setup = load_scenario(scenario).setup
     found = most_robust(setup, days, range(1, fresh + 1))
     if out is not None:
         timetables = timetables_of(setup, found, out.stem)
         write_extending(out, timetables[0], scenario)
-        path = write_sweep(out, extended(out, scenario), timetables, found.fresh_seeds)
+        path = write_sweep(out, base, timetables, found.fresh_seeds)
         print_aside(f"wrote {path}, which runs all three: branchline sweep {path}")
     plans = {"as it is": found.as_it_is, "spread evenly": found.evenly, "placed": found.placed}
     figures = {

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from branchline.best_interval import ScenarioOut, write_extending
+from branchline.best_interval import ScenarioOut, new_day, write_extending
 from branchline.ending import end_with
 from branchline.options import Json, ScenarioName
 
@@ -54,6 +54,8 @@ def roster(
     from plan.roster.recount import RosterRecount
     from scenario.scenario import load_scenario
 
+    if out is not None:
+        new_day(out, scenario)
     setup = load_scenario(scenario).setup
     terms = RosterTerms(turn, outside)
     if check is not None:

@@ -139,17 +139,17 @@ def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
     held = register.held_by(heard.unit_id)
     against = _against(register, heard, frozenset(held))
     register, against, leave = entering.weighed(register, heard.unit_id, heard.message, against)
-    shown: tuple[Action, ...] = ()
+    wanted, part = heard.message.section_ids, tuple[str, ...]()
+    shown, more = tuple[Action, ...](), tuple[Action, ...]()
     if against is not None and against[0] is RefusalReason.HELD:
-        register, part = dispatch.part_to_grant(register, heard.unit_id, heard.message)
-        if part:
-            return _grant(register, heard, part)
-    if not leave and (against is not None or not set(heard.message.section_ids) <= set(held)):
+        register, part, shown = dispatch.part_to_grant(register, heard.unit_id, heard.message)
+    if part:
+        wanted, against = part, None
+    elif not leave and (against is not None or not set(wanted) <= set(held)):
         asked = DispatchRequest(heard.unit_id, heard.message.route_id)
-        register, against, shown = dispatch.weigh_request(register, asked, against)
-    wanted = heard.message.section_ids
+        register, against, more = dispatch.weigh_request(register, asked, against)
     answer = _grant(register, heard, wanted) if against is None else _refuse_route(register, heard, *against)
-    return answer[0], (*shown, *answer[1])
+    return answer[0], (*shown, *more, *answer[1])
 
 
 def _against(register: Register, heard: Heard[RouteRequest], held: frozenset[str]) -> Against | None:

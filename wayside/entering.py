@@ -13,7 +13,8 @@ capability, no proof, no way past them. A unit that asks for it has none: so the
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from radio.messages import RefusalReason, RouteRequest
 from wayside.config import RouteEntry

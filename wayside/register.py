@@ -8,7 +8,7 @@ words only; what persons enter stands apart in `reentry` until the line is defin
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
@@ -275,13 +275,14 @@ def start(
     moves_done: Mapping[str, int] | None = None,
     bars: Bars = NO_BARS,
     solver: OrderSolver = without_solver,
+    on_part: Collection[str] = (),
 ) -> Register:
     """The register after a (re)start: nothing is known. `epoch` must be greater than that of any earlier boot.
 
     `ledger`: the units on the line when the boot before ended; None: lost, so every unit counts as on the
-    line and all of it as not swept, except at the first start. `moves_done`: how far each unit was in its day.
-    `solver`: who finds the order of least delay. Raises InputError if the ledger names a unit that is not on the fleet
-    list.
+    line and all of it as not swept, except at the first start. `moves_done`: how far each unit was in its day,
+    `on_part`: which had a part of their next move. `solver`: who finds the order of least delay. Raises InputError if
+    the ledger names a unit that is not on the fleet list.
     """
     trips_lost = epoch > 1 and (ledger is None or moves_done is None)
     if ledger is None and epoch > 1:
@@ -315,6 +316,9 @@ def start(
         ledger=on_line,
         bars=bars,
         unswept=frozenset(unswept),
-        trips={unit_id: DayProgress(done) for unit_id, done in (moves_done or {}).items()},
+        trips={
+            unit_id: DayProgress(done, part=unit_id in on_part)
+            for unit_id, done in (moves_done or {}).items()
+        },
         trips_lost=trips_lost,
     )

@@ -60,10 +60,15 @@ def trains_to_arrange(
             expected = f"a line with a way for it; there is none for {missing}"
             raise InputError(timetable.head.id, "trains", number, expected) from missing
         follows = train.begins.number if isinstance(train.begins, FromTrain) else None
-        lead_s = next(v.leg.lead.stands for v in visits if v.leg is not None)
+        leads_s = [v.leg.lead.stands for v in visits if v.leg is not None]
+        if not leads_s:
+            expected = "a train from one station with tracks of its own to another"
+            raise InputError(timetable.head.id, "trains", number, expected)
         window_s = (train.calls[0].last_s - WITHIN_S, train.calls[-1].last_s + WITHIN_S)
         free = all(v.arrival_s is None and v.departure_s is None for v in visits)
-        found.append(TrainToArrange(number, visits, follows, turn_s + lead_s, *(window_s if free else ())))
+        found.append(
+            TrainToArrange(number, visits, follows, turn_s + leads_s[0], *(window_s if free else ()))
+        )
     return found
 
 

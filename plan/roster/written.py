@@ -18,9 +18,9 @@ def stranded(trains: Sequence[RosterTrain], roster: Roster) -> Iterator[str]:
         begins, ends = train.begins, train.ends
         first = train.number not in roster.follows and not begins.outside
         last = train.number not in goes_on and not ends.outside
-        if first and any(e.place == begins.place and e.time_s < begins.time_s for e in others):
-            yield train.number
-        elif last and any(e.place == ends.place and e.time_s > ends.time_s for e in others):
+        if (first and any(e.place == begins.place and e.time_s < begins.time_s for e in others)) or (
+            last and any(e.place == ends.place and e.time_s > ends.time_s for e in others)
+        ):
             yield train.number
 
 

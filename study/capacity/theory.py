@@ -18,6 +18,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
+from network.errors import InputError
 from network.graph import overlap_id, overlaps_coming_in, overlaps_going_out
 from network.model import Position
 from onboard.reach import charger_at
@@ -57,8 +58,16 @@ class Theory:
         self.opens_s: Final = math.floor((first_s - OPENING_S) / 60.0) * 60.0
 
     def journeys(self) -> dict[str, tuple[TrainJourney, ...]]:
-        """The journeys of each stock as planned, in order. Points are set as the order of the day has them."""
+        """The journeys of each stock as planned, in order. Points are set as the order of the day has them.
+
+        Raises InputError for a train with one call.
+        """
         found = self._journeys(frozenset())
+        for journey in (journey for run in found.values() for journey in run):
+            if len(journey.stays) < 2:
+                raise InputError(
+                    self.setup.name, "timetable", journey.number, "a train with two calls or more"
+                )
         if self.rules.throws:
             return found
         return self._journeys(self._lie_right(found))
