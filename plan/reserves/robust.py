@@ -36,7 +36,7 @@ class ReservePlan:
 
 @dataclass(frozen=True, slots=True)
 class Robust:
-    """A timetable as it is, with its reserves spread evenly, and with them placed; `bound_s`: of the days trained on."""
+    """A timetable as it is, with reserves spread evenly, and with them placed; `bound_s`: of the days trained on."""
 
     problem: ReserveProblem
     as_it_is: ReservePlan
@@ -69,7 +69,7 @@ def most_robust(setup: Setup, days: int, fresh: range) -> Robust:
 
 
 def timetables_of(setup: Setup, found: Robust, stem: str) -> tuple[Timetable, Timetable]:
-    """The timetable with its reserves placed, and with them spread evenly. Raises InputError where one fails `check`."""
+    """The timetable with reserves placed, and with them spread evenly. InputError where one fails `check`."""
     how = f"placed against {len(found.training_seeds)} sampled late days", "spread evenly over all runs"
     plans = (found.placed, f"{stem}_times", how[0]), (found.evenly, f"{stem}_evenly_times", how[1])
     made: list[Timetable] = []
