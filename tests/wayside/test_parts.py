@@ -131,7 +131,9 @@ def test_nobody_comes_against_a_train_into_its_stretch(
 ) -> None:
     """u1 holds block 1, u2 at B wants the other way; blocks 3 and 2 are free."""
     line = Line({"u1": "1", "u2": "B"}, moves("u1", "A1>B"), moves("u2", "B>A1"))
-    line.register = line.register.with_unit("u1", replace(line.register.unit("u1"), route_id=granted))
+    line.register = line.register.with_unit(
+        "u1", msgspec.structs.replace(line.register.unit("u1"), route_id=granted)
+    )
     back = ROUTES["B>A1"]
     assert free_part(line.register, "u2", back, back.section_ids) == ()
     monkeypatch.setattr(parts, "_runs", lambda *_: True)
@@ -156,7 +158,7 @@ def test_each_train_in_the_stretch_is_known_to_run_this_way(
     line = Line({"u1": "3", "u2": "A2", "u3": "2"}, moves("u2", "A2>B"))
     for unit_id in known:
         unit = line.register.unit(unit_id)
-        line.register = line.register.with_unit(unit_id, replace(unit, route_id="A1>B"))
+        line.register = line.register.with_unit(unit_id, msgspec.structs.replace(unit, route_id="A1>B"))
     assert free_part(line.register, "u2", ROUTES["A2>B"], ROUTES["A2>B"].section_ids) == part
 
 
@@ -196,7 +198,9 @@ def test_a_train_on_its_way_has_its_place_in_its_day_though_the_memory_is_lost(
     """It goes to C, and as another train back to A."""
     there, back = moves("u1", "A1>B", "B>C2"), moves("another", "A1>B", "A1>B", "C2>B", "B>A1")
     line = Line({"u1": "A1"}, msgspec.structs.replace(there, moves=there.moves + back.moves[2:]))
-    register = replace(line.register, trips={}, trips_lost=True, holders=dict.fromkeys(holds, "u1"))
+    register = msgspec.structs.replace(
+        line.register, trips={}, trips_lost=True, holders=dict.fromkeys(holds, "u1")
+    )
     days = register.plan.days
     assert days is not None
     assert stands_of(register, days).at == (at,)
