@@ -20,8 +20,7 @@ from simulation.late.entry import entry_late_s
 from simulation.late.settings import Late
 from simulation.late_day import DrawnStay, late_day
 from simulation.setup import Setup
-from study.capacity.legs import follows_on, legs_of, places_of
-from study.capacity.theory import occupations
+from study.capacity.legs import follows_on
 from study.feasibility.planned import planned_day
 from study.runner.journeys import journeys_of
 
@@ -102,21 +101,6 @@ def test_what_halts_take_longer_is_time_on_the_way(
     legs = sum(map(len, late.legs))
     assert drawn_s > 1000.0
     assert lasts_s[0] - lasts_s[1] == pytest.approx(drawn_s, abs=legs)  # each is rounded up
-
-
-def test_times_are_rounded_up(setup: Setup, late: DispatchedDay) -> None:
-    """From setting out until it has come, each leg has the time that it takes as fast as it is driven, or more."""
-    days = occupations(replace(setup, late=Late()), day.FAST)
-    runs_s = {
-        (leg.number, leg.occupations[-1].section_id): leg.arrives_s - leg.departs_s
-        for leg in legs_of(days, places_of(setup.line))
-    }
-    for index, legs in enumerate(late.legs):
-        train = late.instance.trains[index]
-        ends = [*late.departs[index][1:], len(train)]
-        for leg, begins, end in zip(legs, late.departs[index], ends, strict=True):
-            own_s = runs_s[leg.number, leg.occupations[-1].section_id]
-            assert sum(operation.min_duration for operation in train[begins:end]) >= own_s
 
 
 def test_each_set_has_what_its_way_needs_before_it_sets_out(
