@@ -93,7 +93,7 @@ def test_a_day_on_which_the_order_of_all_is_better(
 def asked(*, solved: bool = True, **dispatch: object) -> Play:
     play = Play(config(OrderRule.OPTIMAL, **dispatch), WAYS, now_s=ASKS_S)
     plan = dataclasses.replace(play.register.plan, solver=answer_to if solved else without_solver)
-    play.register = dataclasses.replace(play.register, plan=plan)
+    play.register = replace(play.register, plan=plan)
     return play
 
 
@@ -168,7 +168,7 @@ def test_it_is_asked_only_where_one_is_late_and_others_want_the_line_and_once_a_
         return without_solver(question)
 
     plan = dataclasses.replace(play.register.plan, solver=solver)
-    play.register = dataclasses.replace(play.register, plan=plan)
+    play.register = replace(play.register, plan=plan)
     for play.now_s, count in ((100.0, 0), (339.0, 0), (340.0, 1), (399.0, 1), (400.0, 2)):
         play.hear(
             0,
@@ -178,7 +178,7 @@ def test_it_is_asked_only_where_one_is_late_and_others_want_the_line_and_once_a_
                 ("1-2", "2.1"),
             ),
         )
-        play.register = dataclasses.replace(
+        play.register = replace(
             play.register, holders={s: u for s, u in play.register.holders.items() if "-" not in s}
         )
         assert len(questions) == count
@@ -192,7 +192,7 @@ def test_it_is_asked_only_where_one_is_late_and_others_want_the_line_and_once_a_
 def test_an_order_of_which_more_may_be_hoped_says_so() -> None:
     play = asked()
     plan = dataclasses.replace(play.register.plan, solver=lambda _: OrderAnswer((2, 1, 2, 0), 120, 60))
-    play.register = dataclasses.replace(play.register, plan=plan)
+    play.register = replace(play.register, plan=plan)
     play.asks(0)
     (held,) = [note.why for note in play.notes if isinstance(note, HeldBack)]
     assert held == "0 waits for 2: 2 min late in all in the best order known"
@@ -270,7 +270,7 @@ def test_a_question_larger_than_a_pipe_is_answered() -> None:
 def test_an_order_of_other_moves_than_were_asked_for_is_none(order: tuple[int, ...]) -> None:
     play = asked()
     plan = dataclasses.replace(play.register.plan, solver=lambda _: OrderAnswer(order))
-    play.register = dataclasses.replace(play.register, plan=plan)
+    play.register = replace(play.register, plan=plan)
     play.asks(0)
     (lacking,) = [note.why for note in play.notes if isinstance(note, OrderLacking)]
     assert lacking == "the solver's order is not of the moves asked for"
