@@ -172,7 +172,7 @@ def _elevation_m(alignment: Alignment, kilometrage_m: NDArray[np.float64]) -> ND
 
 
 def _turn_rad(alignment: Alignment, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Integral of |curvature| from the alignment's beginning; a curve before or after all of them is the same to each."""
+    """Integral of |curvature| from the alignment's beginning; to all, a curve before or after them is one number."""
     turn_rad = np.zeros_like(kilometrage_m)
     low_m, high_m = float(kilometrage_m.min()), float(kilometrage_m.max())
     for curve in alignment.curves:
