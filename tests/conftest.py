@@ -38,6 +38,11 @@ settings.register_profile("many", settings.get_profile("few"), max_examples=300)
 settings.load_profile("few")
 
 
+def pytest_collection_finish() -> None:
+    """What was imported stays: the collector need not go through it after each day that a test runs."""
+    gc.freeze()
+
+
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """What tests record as `figures`, one line each, at the end."""
     for reports in terminalreporter.stats.values():
