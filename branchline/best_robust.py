@@ -28,6 +28,12 @@ def robust(
             "--fresh", min=1, max=10_000, help="Other days on which the answer is judged, seeds 1 on."
         ),
     ] = 200,
+    move: Annotated[
+        int,
+        typer.Option(
+            "--move", min=0, max=3600, help="First departures of like trains may move by so much, s."
+        ),
+    ] = 60,
     out: ScenarioOut = None,
     as_json: Json = False,
 ) -> None:
@@ -40,7 +46,7 @@ def robust(
 
     base = new_day(out, scenario) if out is not None else scenario
     setup = load_scenario(scenario).setup
-    found = most_robust(setup, days, range(1, fresh + 1))
+    found = most_robust(setup, days, range(1, fresh + 1), move)
     if out is not None:
         timetables = timetables_of(setup, found, out.stem)
         write_extending(out, timetables[0], scenario)

@@ -7,16 +7,16 @@ from collections.abc import Iterator
 from typing import Final
 
 from plan.reserves.delays import PlannedTimes
-from plan.reserves.model import LinearRows, ShapeTimes
+from plan.reserves.model import MOVE_S, LinearRows, ShapeTimes
 from plan.reserves.problem import ReserveProblem
 
 EVEN: Final = 100.0  # weight of the greatest deviation against the sum of all
 ROOM_S: Final = 60  # assumed: more room at a meet is no reserve
 
 
-def spread_evenly(problem: ReserveProblem) -> PlannedTimes:
+def spread_evenly(problem: ReserveProblem, move_s: int = MOVE_S) -> PlannedTimes:
     """Runs longer by one share, stops as short as they may, as nearly as meets allow; most room at meets then."""
-    shapes, rows = ShapeTimes(problem), LinearRows()
+    shapes, rows = ShapeTimes(problem, move_s), LinearRows()
     differences = list(shapes.differences())
     between, cost = shapes.between(), [0.0] * shapes.count
     room, worst = len(cost), len(cost) + 1

@@ -26,7 +26,7 @@ from plan.reserves.sampled import SampledDay
 
 ITERATIONS_MAX: Final = 500_000  # counted work of a linear program
 ROUNDINGS: Final = 10  # thresholds that are tried
-SHIFT_S: Final = 600  # assumed: by how much first departures of one shape may move together
+MOVE_S: Final = 60  # assumed: nobody calls it another train that leaves a minute sooner or later
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,8 +73,9 @@ class LinearRows:
 class ShapeTimes:
     """The times of a timetable as variables: one a time of a shape, relative to the first departure of its trains."""
 
-    def __init__(self, problem: ReserveProblem) -> None:
+    def __init__(self, problem: ReserveProblem, move_s: int) -> None:
         self.problem: Final = problem
+        self._move_s: Final = move_s
         shapes = list(dict.fromkeys(train.shape for train in problem.trains.values()))
         self._shape_of: Final = {n: shapes.index(train.shape) for n, train in problem.trains.items()}
         self.trains: Final[dict[int, ReserveTrain]] = {}  # one of each shape, by its first variable
@@ -99,10 +100,10 @@ class ShapeTimes:
         return {event: values[at] + first_s for event, (at, first_s) in placed.items()}
 
     def between(self) -> list[tuple[float, float]]:
-        """Within what each variable may be: the first departures of the first shape stay as they are."""
+        """Within what each variable may be: the first departures of the first shape stay, others move so much."""
         found: list[tuple[float, float]] = [(-math.inf, math.inf)] * self.count
         for begins in self._begins:
-            found[begins] = (-SHIFT_S, SHIFT_S) if begins else (0, 0)
+            found[begins] = (-self._move_s, self._move_s) if begins else (0, 0)
         return found
 
     def differences(self) -> Iterator[tuple[int, int, int]]:
@@ -145,9 +146,12 @@ class ShapeTimes:
         return later, sooner, min(math.ceil(least_s), has_s) - add_s + from_s
 
 
-def least_late(problem: ReserveProblem, days: Sequence[SampledDay]) -> FoundReserves:
-    """The times with which arrivals are least late on these days, in whole seconds."""
-    shapes, rows = ShapeTimes(problem), LinearRows()
+def least_late(problem: ReserveProblem, days: Sequence[SampledDay], move_s: int = MOVE_S) -> FoundReserves:
+    """The times with which arrivals are least late on these days, in whole seconds.
+
+    `move_s`: by how much the first departures of trains of one shape may move together.
+    """
+    shapes, rows = ShapeTimes(problem, move_s), LinearRows()
     for after, before, least in shapes.differences():
         rows.add(((after, 1.0), (before, -1.0)), least)
     between, cost, events = shapes.between(), [0.0] * shapes.count, list(events_of(problem))

@@ -13,7 +13,7 @@ from network.files.toml_text import toml_of
 from network.timetable import Timetable
 from plan.reserves.delays import PlannedTimes, SampledDelays, planned_times
 from plan.reserves.evenly import spread_evenly
-from plan.reserves.model import least_late
+from plan.reserves.model import MOVE_S, least_late
 from plan.reserves.problem import ReserveProblem, reserve_problem
 from plan.reserves.sampled import sampled_days
 from plan.reserves.written import with_times
@@ -36,7 +36,7 @@ class ReservePlan:
 
 @dataclass(frozen=True, slots=True)
 class Robust:
-    """A timetable as it is, with reserves spread evenly, and with them placed; `bound_s`: of the days trained on."""
+    """A timetable as it is, with its reserves spread evenly, and placed; `bound_s` is of the days trained on."""
 
     problem: ReserveProblem
     as_it_is: ReservePlan
@@ -47,7 +47,7 @@ class Robust:
     fresh_seeds: range
 
 
-def most_robust(setup: Setup, days: int, fresh: range) -> Robust:
+def most_robust(setup: Setup, days: int, fresh: range, move_s: int = MOVE_S) -> Robust:
     """Place the reserves of a timetable. Raises InputError where nothing makes days late, or seeds are met again."""
     if not setup.late.model_fields_set:
         raise InputError(setup.name, "late", None, "what makes its days late: a scenario with [late]")
@@ -63,13 +63,13 @@ def most_robust(setup: Setup, days: int, fresh: range) -> Robust:
     def judged(times: PlannedTimes) -> ReservePlan:
         return ReservePlan(times, *(judge.mean_s(times) for judge in judges))
 
-    found = least_late(problem, trained)
-    as_it_is, evenly = judged(planned_times(problem)), judged(spread_evenly(problem))
+    found = least_late(problem, trained, move_s)
+    as_it_is, evenly = judged(planned_times(problem)), judged(spread_evenly(problem, move_s))
     return Robust(problem, as_it_is, evenly, judged(found.times), found.bound_s, training, fresh)
 
 
 def timetables_of(setup: Setup, found: Robust, stem: str) -> tuple[Timetable, Timetable]:
-    """The timetable with reserves placed, and with them spread evenly. InputError where one fails `check`."""
+    """The timetable with its reserves placed, and spread evenly. Raises InputError where one fails `check`."""
     how = f"placed against {len(found.training_seeds)} sampled late days", "spread evenly over all runs"
     plans = (found.placed, f"{stem}_times", how[0]), (found.evenly, f"{stem}_evenly_times", how[1])
     made: list[Timetable] = []

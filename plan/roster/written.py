@@ -18,9 +18,9 @@ def stranded(trains: Sequence[RosterTrain], roster: Roster) -> Iterator[str]:
         begins, ends = train.begins, train.ends
         first = train.number not in roster.follows and not begins.outside
         last = train.number not in goes_on and not ends.outside
-        if (first and any(e.place == begins.place and e.time_s < begins.time_s for e in others)) or (
-            last and any(e.place == ends.place and e.time_s > ends.time_s for e in others)
-        ):
+        before = (e.place == begins.place and e.time_s < begins.time_s for e in others)
+        after = (e.place == ends.place and e.time_s > ends.time_s for e in others)
+        if (first and any(before)) or (last and any(after)):
             yield train.number
 
 
@@ -29,7 +29,7 @@ def with_sets(timetable: Timetable, roster: Roster, kinds: Mapping[str, str]) ->
     today = {number: own.stock_id for own in timetable.diagrams for number in own.train_numbers}
     free = [diagram.stock_id for diagram in timetable.diagrams]
     diagrams: list[Diagram] = []
-    for own in sorted(roster.sets, key=lambda own: free.index(today[own[0]]) if today[own[0]] in free else 0):
+    for own in roster.sets:
         wanted = [s for s in (today[number] for number in own) if s in free]
         kind = kinds[today[own[0]]]
         stock_id = (wanted or [s for s in free if kinds[s] == kind])[0]
