@@ -55,21 +55,32 @@ class _ProtocolMachine(Protocol):
 
 
 class _ManagerMemory(msgspec.Struct, frozen=True, array_like=True):
-    """What a manager keeps: the units on the line, sections not swept, how many moves of its day each unit has made."""
+    """What a manager keeps: the units on the line, sections not swept, how many moves of its day each unit has made,
+    and which of them end on another track.
+    """
 
     ledger: tuple[str, ...] = ()
     unswept: tuple[str, ...] = ()
     moves_done: dict[str, int] = {}
+    tracks: dict[str, dict[int, str]] = {}
 
 
 class _Manager:
     def __init__(self, config: ManagerConfig, keys: KeyRing, durable: Durable) -> None:
         kept = _remembered(durable.spare)
         ledger, moves_done = (None, None) if kept is None else (kept.ledger, kept.moves_done)
-        unswept = () if kept is None else kept.unswept
+        unswept, tracks = ((), None) if kept is None else (kept.unswept, kept.tracks)
         bars = bars_kept(durable.vital)
         self.register = start_register(
-            config, durable.epoch, keys.capabilities, ledger, unswept, moves_done, bars, order_solver()
+            config,
+            durable.epoch,
+            keys.capabilities,
+            ledger,
+            unswept,
+            moves_done,
+            tracks,
+            bars,
+            order_solver(),
         )
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
@@ -93,7 +104,9 @@ class _Manager:
 
     def kept(self, before: Durable) -> Durable:
         done = {unit_id: trip.done for unit_id, trip in sorted(self.register.trips.items())}
-        kept = _ManagerMemory(tuple(sorted(self.register.ledger)), tuple(sorted(self.register.unswept)), done)
+        tracks = {unit_id: dict(ends) for unit_id, ends in sorted(self.register.tracks.items())}
+        ledger, unswept = sorted(self.register.ledger), sorted(self.register.unswept)
+        kept = _ManagerMemory(tuple(ledger), tuple(unswept), done, tracks)
         bars = self.register.bars
         vital = b"" if bars == NO_BARS else msgspec.msgpack.encode(bars)
         return msgspec.structs.replace(before, vital=vital, spare=msgspec.msgpack.encode(kept))

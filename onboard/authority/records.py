@@ -14,6 +14,7 @@ import msgspec
 
 from onboard import notes
 from onboard.duty.plan import PointsNeeded
+from radio.messages import OrderRefusalReason
 
 
 class RequestKind(Enum):
@@ -323,6 +324,13 @@ class SendClaim(msgspec.Struct, frozen=True, tag=True):
     section_ids: tuple[str, ...] | None
 
 
+class SendRefusal(msgspec.Struct, frozen=True, tag=True):
+    """Tell the manager that what it ordered about this route is not done."""
+
+    route_id: str
+    reason: OrderRefusalReason
+
+
 class SendCommand(msgspec.Struct, frozen=True, tag=True):
     """Command points of their terminal."""
 
@@ -348,4 +356,6 @@ class Write(msgspec.Struct, frozen=True, tag=True):
     note: notes.Note
 
 
-Action = Renew | Commit | Take | SendRequest | SendClaim | SendCommand | SetTimer | StopTimer | Write
+Action = (
+    Renew | Commit | Take | SendRequest | SendClaim | SendRefusal | SendCommand | SetTimer | StopTimer | Write
+)

@@ -214,7 +214,7 @@ def test_a_ledger_that_cannot_be_read_is_a_lost_one_and_a_memory_is_no_start() -
 
 
 def remembered(store: PartyStore) -> tuple[tuple[str, ...], tuple[str, ...], dict[str, int]]:
-    kept = tuple[tuple[str, ...], tuple[str, ...], dict[str, int]]
+    kept = tuple[tuple[str, ...], tuple[str, ...], dict[str, int], dict[str, dict[int, str]]]
     return msgspec.msgpack.decode(store.load().spare or b"\xc0", type=kept)
 
 
