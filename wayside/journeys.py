@@ -126,7 +126,7 @@ class DayProgress:
     `overtaken`: how many were let on over its way meanwhile. `said`: what the journal said of it last.
     `part`: it was granted a part of its next move. `granted_s`: when the last one was granted. `orders`: how many it
     was given about that move or the next one; `own_way`: it has refused to go there otherwise, `keeps`: to give its
-    route back. `asked_back`: it was asked for that and has not refused; it then asks for none until `back_s`.
+    route back. `back_s`: until when it asks for none, if it has given its route back as it was asked to.
     """
 
     done: int = 0
@@ -141,7 +141,6 @@ class DayProgress:
     orders: int = 0
     own_way: bool = False
     keeps: bool = False
-    asked_back: bool = False
     back_s: float = -inf
 
 

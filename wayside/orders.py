@@ -2,9 +2,9 @@
 track of the next station; from a train that does not leave, its route back.
 
 Invariant: an order is given only if what it is for can be granted at once, by register, certificate and order of
-trains, with the order done. Nothing counts as done before the unit does it: it asks for the other route, or reports
-that it has given its own back; meanwhile nothing is granted that is not proven either way. So a lost order changes
-nothing. A move has `ORDERS_MAX` orders at most.
+trains, with the order done. Nothing counts as done before the unit does it: it asks for the other route, and the proof
+is made anew, or it reports that it has given its own back, and can have it again; so a lost order changes nothing. A
+move has `ORDERS_MAX` orders at most.
 """
 
 from __future__ import annotations
@@ -90,28 +90,14 @@ def decide(register: Register, asked: DispatchRequest, against: Against | None) 
     ordering = _Ordering(register, days, asked)
     if against is None and (decision := ordering.by_order_of_all()) is not None:
         return decision
-    before = ordering.register
-    register, after, shows = weigh_request(before, asked, against)
+    register, after, shows = weigh_request(ordering.register, asked, against)
     if after is None:
-        stuck = _stuck_if_given_back(register, asked.unit_id)
-        if not stuck:
-            return Decision(register, None, actions=shows)
-        return Decision(before, (RefusalReason.NO_WAY_ON, None, stuck))
+        return Decision(register, None, actions=shows)
     ordering = _Ordering(register, days, asked)
     found = ordering.by_what_is_free(after) or ordering.takes_back(after)
     if found is None:
         return Decision(register, after, actions=shows)
     return replace(found, actions=(*shows, *found.actions))
-
-
-def _stuck_if_given_back(register: Register, unit_id: str) -> str:
-    """A unit asked for its route back that, if it does so now, leaves no order in which all can finish; empty: none."""
-    for other, trip in register.trips.items():
-        if trip.asked_back and other != unit_id and _proven(register) is not None:
-            back = _without_route(register, other)
-            if back is not None and _proven(back) is None:
-                return other
-    return ""
 
 
 def _without_route(register: Register, unit_id: str) -> Register | None:
@@ -141,7 +127,7 @@ def refused(register: Register, heard: Heard[OrderRefused]) -> Step:
     index = days.index[unit_id]
     place = stands_of(register, days).at[index]
     asks = place < len(days.hops[index]) and days.hops[index][place].route_id == message.route_id
-    trip = replace(trip, own_way=True) if asks else replace(trip, keeps=True, asked_back=False)
+    trip = replace(trip, own_way=True) if asks else replace(trip, keeps=True, back_s=-inf)
     return register.with_trip(unit_id, trip), (note,)
 
 
@@ -229,11 +215,13 @@ class _Ordering:
 
     def _can_go(self, register: Register, asked: DispatchRequest) -> bool:
         """Whether that would be granted then, and it is proven for as much of the day as now that all can finish."""
+        if not BY_PROOF:
+            return True
         kept, sought = self.register.kept, self.register.sought
         least_s = inf if sought is None else -inf if kept is None else kept.until_s
         after, against, _ = weigh_request(register, asked, None)
         proven = after.kept is not None and after.kept.until_s >= least_s
-        return against is None and (proven or not BY_PROOF)
+        return against is None and proven
 
     # a route back -----------------------------------------------------------------------------------------------
 
@@ -258,9 +246,9 @@ class _Ordering:
         since_min = int((self.register.now_s - max(trip.granted_s, hop.departs_s)) // 60.0)
         train = next(self._trains_of(self._index, self._place), request.unit_id)
         why = f"{hop.train} is to give its route back to {train} if it has not left, {since_min} min after it could"
-        trip = replace(trip, orders=trip.orders + 1, back_s=self.register.now_s + HOLD_S, asked_back=True)
+        trip = replace(trip, orders=trip.orders + 1, back_s=self.register.now_s + HOLD_S)
         note = RouteAskedBack(unit_id=holder, other_id=request.unit_id, route_id=hop.route_id, why=why)
-        shows = () if self.register.trip(holder).asked_back else (Show(note),)
+        shows = (Show(note),) if trip.orders == 1 else ()
         token = self.register.unit(holder).token
         order = Send(holder, RouteTakenBack(hop.route_id, token, HOLD_S))
         return Decision(self.register.with_trip(holder, trip), against, actions=(*shows, order))

@@ -34,6 +34,7 @@ from wayside.order_question import OrderAnswer, OrderMove, OrderQuestion, OrderT
 MOVES_MAX: Final = (
     180  # assumed: making the model of more takes longer than solving it may; then a search extends it
 )
+CHOICES_MAX: Final = 24  # assumed: ways besides the planned ones, of moves that come first
 STAGES: Final = 3  # assumed: forty minutes of two hours are mostly proven in a tenth of a second
 
 ANYWHERE: Final = -1  # a move of which is not said from where: it has one way
@@ -47,7 +48,7 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
 
     A third of the time ahead is solved first, then two thirds, then all: what is near is certain and decides, and each
     begins with what the one before has found, or with the order found last. All moves planned before a time can be made
-    before all others.
+    before all others. Tracks are chosen in the first third alone.
     """
     asked = [
         index for index, train in enumerate(question.trains) if train.moves or train.holds or train.keeps
@@ -60,6 +61,8 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
     found = Answer(None, 0, impossible=False, work=0.0)
     for stage in range(1, STAGES + 1):
         part = [_before(train, question.ahead_s * stage // STAGES) for train in trains]
+        if stage == 1:
+            part = _near_choices(part)
         known = _known(part, (order, _of_these(part, last)))
         if known is None:
             return OrderAnswer(lacking="no order was found in which all trains can run")
@@ -67,6 +70,11 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
         if sum(len(move_ways(move)) for train in part for move in train.moves) <= MOVES_MAX:
             found = solve(_instance(part, known.objective_value), question.work_max / STAGES, known)
         order = _order(part, found.solution or known)
+        if stage == 1:
+            trains = [
+                _fixed(train, [end for each, end in order if each == index])
+                for index, train in enumerate(trains)
+            ]
     lost_s = sum(max(0, -move.due_s) for train in trains for move in train.moves if move.counts)
     delay_s = 0 if found.solution is None else found.solution.objective_value
     return OrderAnswer(
@@ -91,7 +99,43 @@ def _before(train: OrderTrain, until_s: int) -> OrderTrain:
     moves = [move for move in train.moves if move.departs_s < until_s]
     if moves:
         last = moves[-1]
-        moves[-1] = replace(last, counts=True, others=tuple(w for w in last.others if w.keeps == last.keeps))
+        moves[-1] = replace(_leads_on_only(last), counts=True)
+    return replace(train, moves=tuple(moves))
+
+
+def _near_choices(trains: Sequence[OrderTrain]) -> list[OrderTrain]:
+    """The trains with the choices that come first, as many as a model may have."""
+    ways = sorted(
+        (move.departs_s, index, place, len(move.others))
+        for index, train in enumerate(trains)
+        for place, move in enumerate(train.moves)
+    )
+    count, kept = 0, set[tuple[int, int]]()
+    for _, index, place, others in ways:
+        count += others
+        if count <= CHOICES_MAX:
+            kept.add((index, place))
+    return [
+        replace(
+            train,
+            moves=tuple(
+                move if (index, place) in kept else _leads_on_only(move)
+                for place, move in enumerate(train.moves)
+            ),
+        )
+        for index, train in enumerate(trains)
+    ]
+
+
+def _leads_on_only(move: OrderMove) -> OrderMove:
+    """The move to its planned track alone, from wherever the one before may end."""
+    return replace(move, others=tuple(way for way in move.others if way.keeps == move.keeps))
+
+
+def _fixed(train: OrderTrain, ends: Sequence[int]) -> OrderTrain:
+    """The train with one way for each move, to these ends, then to those planned."""
+    ways = zip(train.moves, _ways(train, ends), strict=True)
+    moves = (replace(m, needs=w.needs, keeps=w.keeps, here=w.here, others=()) for m, w in ways)
     return replace(train, moves=tuple(moves))
 
 
