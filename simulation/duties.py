@@ -287,8 +287,9 @@ class Duties:
             self._cabs.tell(slot, step, (NoSuchWay(),))
             return
         self._duties[stock_id] = (*duties[:at], duty, *rest)
-        self._trains.go_by(slot, duty)
-        self._books.follow(slot, duty, step)
+        if self._trains.truths[slot].active:  # else it has yet to come in
+            self._trains.go_by(slot, duty)
+            self._books.follow(slot, duty, step)
         for following in rest[:1]:
             self._on_board.forget_plan(slot, following)
         self._cabs.tell(slot, step, self._on_board.take_up_way(slot, duty))

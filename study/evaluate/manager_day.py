@@ -25,7 +25,15 @@ from scenario.scenario import load_scenario
 from study.runner.journeys import dispatch_of
 from wayside.actions import Send
 from wayside.block_manager import Heard, step
-from wayside.config import DispatcherMeans, JourneyMove, ManagerConfig, OrderRule, RouteEntry, StockMoves, manager_config
+from wayside.config import (
+    DispatcherMeans,
+    JourneyMove,
+    ManagerConfig,
+    OrderRule,
+    RouteEntry,
+    StockMoves,
+    manager_config,
+)
 from wayside.register import Register, start
 from wayside.said import BoundaryPassed
 

@@ -28,7 +28,7 @@ from wayside.actions import Send, Show
 from wayside.block_manager import Heard, step
 from wayside.config import DispatcherMeans, ManagerConfig, OrderRule
 from wayside.register import start
-from wayside.said import HeldBack, NotDone, RouteAskedBack, TrackChanged
+from wayside.said import NotDone, RouteAskedBack, TrackChanged
 
 BOTH = tuple(DispatcherMeans)
 
@@ -250,7 +250,9 @@ class Unruly(Play):
         self.register, _ = step(self.register, heard, self.now_s)  # type: ignore[arg-type]
 
 
-@given(st.integers(0, 10**6), st.sampled_from([OrderRule.FIRST_COME, OrderRule.PLANNED, OrderRule.LEAST_DELAY]))
+@given(
+    st.integers(0, 10**6), st.sampled_from([OrderRule.FIRST_COME, OrderRule.PLANNED, OrderRule.LEAST_DELAY])
+)
 def test_whatever_trains_make_of_orders_all_finish(seed: int, rule: OrderRule) -> None:
     chance = random.Random(seed)
     tracks, ways = random_case(chance)

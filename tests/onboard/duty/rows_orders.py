@@ -50,7 +50,12 @@ from tests.onboard.duty.stage import (
 ASKS: Final = replace(STANDING, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)))
 ORDERED: Final = replace(ASKS, ordered="3>9")
 HOLDS_ROUTE: Final = replace(
-    STANDING, may_ask=True, may_leave=True, authority=replace(HOLDS_ALL, proven=(P5,)), wanted=(P5,), limit=BEFORE_7
+    STANDING,
+    may_ask=True,
+    may_leave=True,
+    authority=replace(HOLDS_ALL, proven=(P5,)),
+    wanted=(P5,),
+    limit=BEFORE_7,
 )
 NOT_READY: Final = moved(AT_A, unfit="doors not closed")
 
