@@ -274,9 +274,9 @@ def _ready_s(register: Register, days: Days, stands: Stands, index: int) -> floa
     """When a stock can make its next move: it is on its way there, as late as it left, or waits."""
     at, trip = stands.at[index], register.trip(days.unit_ids[index])
     if at == 0 or trip.asked_s is not None:
-        return register.now_s
+        return max(register.now_s, trip.back_s)
     before = days.hops[index][at - 1]
-    return max(register.now_s, before.arrives_s + trip.late_s + before.stays_s)
+    return max(register.now_s, before.arrives_s + trip.late_s + before.stays_s, trip.back_s)
 
 
 def _minutes(time_s: float) -> int:

@@ -29,6 +29,7 @@ from wayside.said import NotDone, RouteAskedBack, TrackChanged
 from wayside.solved_order import ORDERS_MAX
 
 TAKEN_BACK_AFTER_S: Final = 60.0  # assumed: who has not left by then may be unable to
+STANDS_AGAIN: Final = 1.0  # assumed: who has stood for so long will stand for as long again
 HOLD_S: Final = 30.0  # assumed: time enough for the other to ask again and be let on
 BY_PROOF = True  # off: a track is changed without asking whether all can then finish
 
@@ -237,16 +238,17 @@ class _Ordering:
         trip, place = self.register.trip(holder), self._stands.at[index] - 1
         if place < 0 or not self._stays(trip, index, place):
             return None
-        hop, request, back = days.hops[index][place], self._asked, _without_route(self.register, holder)
+        hop, request, now_s = days.hops[index][place], self._asked, self.register.now_s
+        stood_s = now_s - max(trip.granted_s, hop.departs_s)
+        trip = replace(trip, orders=trip.orders + 1, back_s=now_s + max(HOLD_S, STANDS_AGAIN * stood_s))
+        back = _without_route(self.register.with_trip(holder, trip), holder)
         wanted = days.ways.routes[request.route_id].section_ids if request.route_id else (request.portal,)
         if back is None or back.other_holder(request.unit_id, wanted) is not None:
             return None
         if not self._can_go(back, request):
             return None
-        since_min = int((self.register.now_s - max(trip.granted_s, hop.departs_s)) // 60.0)
         train = next(self._trains_of(self._index, self._place), request.unit_id)
-        why = f"{hop.train} is to give its route back to {train} if it has not left, {since_min} min after it could"
-        trip = replace(trip, orders=trip.orders + 1, back_s=self.register.now_s + HOLD_S)
+        why = f"{hop.train} is to give its route back to {train} if it has not left, {int(stood_s // 60.0)} min after it could"
         note = RouteAskedBack(unit_id=holder, other_id=request.unit_id, route_id=hop.route_id, why=why)
         shows = (Show(note),) if trip.orders == 1 else ()
         token = self.register.unit(holder).token
