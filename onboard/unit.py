@@ -32,12 +32,10 @@ from onboard.duty.records import (
     Sensed,
     SetTimerAt,
     SwitchedOn,
-    TakeBackOrdered,
     TakeUpWay,
     TelegramHeard,
     TimerDue,
     Told,
-    TrackChangeOrdered,
 )
 from onboard.duty.shown import command_of
 from radio.elapsed import Elapsed
@@ -151,7 +149,7 @@ class OnboardUnit:
             return
         self._notes.append(opened.noted(self.unit_id))
         event = self._letters.read(opened)
-        if isinstance(event, TrackChangeOrdered | TakeBackOrdered):
+        if isinstance(event, auth.Ordered):
             self._take(event, place, now_s)
         elif event is not None:
             self._take(TelegramHeard(event), place, now_s)

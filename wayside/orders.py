@@ -248,7 +248,8 @@ class _Ordering:
         if not self._can_go(back, request):
             return None
         train = next(self._trains_of(self._index, self._place), request.unit_id)
-        why = f"{hop.train} is to give its route back to {train} if it has not left, {int(stood_s // 60.0)} min after it could"
+        stood_min = int(stood_s // 60.0)
+        why = f"{hop.train} is to give its route back to {train} if it has not left, {stood_min} min after it could"
         note = RouteAskedBack(unit_id=holder, other_id=request.unit_id, route_id=hop.route_id, why=why)
         shows = (Show(note),) if trip.orders == 1 else ()
         token = self.register.unit(holder).token

@@ -15,7 +15,6 @@ from onboard import notes
 from onboard.authority import records as sym
 from onboard.authority.records import RequestKind
 from onboard.duty.plan import PointsNeeded
-from onboard.duty.records import Ordered, TakeBackOrdered, TrackChangeOrdered
 from radio import messages as radio
 from radio.envelope import Received
 
@@ -55,7 +54,7 @@ class Letters:
         self._commanded: dict[str, _Commanded] = {}  # by points
         self._heard: Received | None = None  # the telegram at hand
 
-    def read(self, heard: Received) -> sym.Event | Ordered | None:
+    def read(self, heard: Received) -> sym.Event | sym.Ordered | None:
         """What a telegram means to the machines; None where it means nothing to a unit."""
         self._heard = heard
         reader = _READERS.get(type(heard.message))
@@ -196,12 +195,12 @@ class Letters:
         newer = message.token > self.token
         return sym.ConfirmationHeard(message.section_ids, answers, newer, message.contested, message.on_sight)
 
-    def _track_ordered(self, heard: Received, message: radio.TrackOrdered) -> Ordered:
+    def _track_ordered(self, heard: Received, message: radio.TrackOrdered) -> sym.Ordered:
         answers = self._answers(RequestKind.ROUTE, heard)
-        return TrackChangeOrdered(message.route_id, message.instead, answers)
+        return sym.TrackChangeOrdered(message.route_id, message.instead, answers)
 
-    def _taken_back(self, _heard: Received, message: radio.RouteTakenBack) -> Ordered:
-        return TakeBackOrdered(message.route_id, message.token == self.token, message.hold_s)
+    def _taken_back(self, _heard: Received, message: radio.RouteTakenBack) -> sym.Ordered:
+        return sym.TakeBackOrdered(message.route_id, message.token == self.token, message.hold_s)
 
     def _proof(self, heard: Received, message: radio.PointsProof) -> sym.Event:
         good = message.locked and message.detected and message.position is not None
@@ -219,7 +218,9 @@ class Letters:
         return known is not None and known.token == message.token
 
 
-_READERS: Final[Mapping[type[radio.AnyMessage], Callable[[Letters, Received, Any], sym.Event | Ordered]]] = {
+_READERS: Final[
+    Mapping[type[radio.AnyMessage], Callable[[Letters, Received, Any], sym.Event | sym.Ordered]]
+] = {
     radio.SignOnAccepted: Letters._signed_on,
     radio.SignOnRefused: Letters._sign_on_refused,
     radio.SignOffAccepted: Letters._signed_off,

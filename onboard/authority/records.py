@@ -265,6 +265,28 @@ class PeerRestarted(msgspec.Struct, frozen=True, tag=True):
     """A device has started again: nothing that was sent before is known to have arrived."""
 
 
+# for the duty: what the dispatcher orders -----------------------------------------------------------------------
+
+
+class TrackChangeOrdered(msgspec.Struct, frozen=True, tag=True):
+    """The manager wants the train to go by another route than the one asked for; `answers`: the request outstanding."""
+
+    route_id: str
+    instead: str
+    answers: bool
+
+
+class TakeBackOrdered(msgspec.Struct, frozen=True, tag=True):
+    """The manager wants a route back that was not entered; `newest`: the one granted last."""
+
+    route_id: str
+    newest: bool
+    hold_s: float
+
+
+Ordered = TrackChangeOrdered | TakeBackOrdered
+
+
 Event = (
     BeginOnLine
     | FoundAt

@@ -24,8 +24,10 @@ from onboard.authority.records import (
     EndOnLine,
     RepeatDue,
     RequestKind,
+    TakeBackOrdered,
     TakenOff,
     Throw,
+    TrackChangeOrdered,
     TurnedBack,
     Withdrawn,
 )
@@ -72,11 +74,9 @@ from onboard.duty.records import (
     SwitchedOn,
     TagBelieved,
     TagReached,
-    TakeBackOrdered,
     TakeUpWay,
     TelegramHeard,
     TimerDue,
-    TrackChangeOrdered,
     VehicleChecked,
     WheelsTurning,
 )

@@ -8,7 +8,7 @@ behind it stays as it is. All of it only gives up: the way that follows is asked
 from __future__ import annotations
 
 from onboard import notes
-from onboard.authority.records import GiveBack, RequestKind, SendRefusal
+from onboard.authority.records import GiveBack, RequestKind, SendRefusal, TakeBackOrdered, TrackChangeOrdered
 from onboard.duty.duty_step import DutyStep
 from onboard.duty.plan import DutyPlan
 from onboard.duty.records import (
@@ -16,9 +16,7 @@ from onboard.duty.records import (
     DutyState,
     NoSuchWay,
     SetBack,
-    TakeBackOrdered,
     TakeUpWay,
-    TrackChangeOrdered,
     WayOrdered,
 )
 from radio.messages import OrderRefusalReason

@@ -12,7 +12,7 @@ from typing import Final
 
 import msgspec
 
-from onboard.authority.records import Authority, Timer
+from onboard.authority.records import Authority, Ordered, Timer
 from onboard.authority.records import Event as AuthorityEvent
 from onboard.duty.plan import DutyPlan, PointsNeeded
 from onboard.duty.unable import Unable
@@ -253,23 +253,6 @@ class TelegramHeard(msgspec.Struct, frozen=True, tag=True):
     event: AuthorityEvent
 
 
-class TrackChangeOrdered(msgspec.Struct, frozen=True, tag=True):
-    """The manager wants the train to go by another route than the one asked for; `answers`: the request outstanding."""
-
-    route_id: str
-    instead: str
-    answers: bool
-
-
-class TakeBackOrdered(msgspec.Struct, frozen=True, tag=True):
-    """The manager wants a route back that was not entered; `newest`: the one granted last."""
-
-    route_id: str
-    newest: bool
-    hold_s: float
-
-
-Ordered = TrackChangeOrdered | TakeBackOrdered
 Person = (
     Begin
     | SwitchedOn

@@ -74,7 +74,7 @@ class ManagerDay:
         return RouteRequest(unit_id, route.route_id, route.section_ids)
 
     def hear(self, k: int, message: AnyMessage, now_s: float) -> bool:
-        """The manager hears a stock; whether it granted it something. What it orders besides is done at once, or refused."""
+        """The manager hears a stock; whether it granted it something. What it orders is done at once, or refused."""
         before = self.register.counter
         heard = Heard(self.journeys[k].unit_id, 1, True, 0, message)
         self.register, actions = step(self.register, heard, now_s)

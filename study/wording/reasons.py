@@ -42,6 +42,8 @@ _SAID_IN_FULL: Final[Mapping[str, str]] = {
     "no way on": "not every train could finish its day",
     "not its turn": "another train goes first",
     "barred": "the unit is barred",
+    "unknown track": "the train has no such way",
+    "may have entered": "the train may have entered the route",
     "no name": "the word has no name",
     "too early": "too early after the restart",
     "claim refused": "its claim was refused",

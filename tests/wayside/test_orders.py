@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -39,7 +40,7 @@ def with_choice(tracks: Sequence[int], ways: Sequence[Sequence[str]], **dispatch
     places = [["P"], *([f"{s}.{t}" for t in range(1, n + 1)] for s, n in enumerate(tracks)), ["Q"]]
     pairs = [
         (a, b)
-        for here, there in zip(places, places[1:], strict=False)
+        for here, there in itertools.pairwise(places)
         for one, other in ((here, there), (there, here))
         for a in one
         for b in other

@@ -20,9 +20,10 @@ from onboard.authority.records import (
     SendCommand,
     SendRequest,
     Take,
+    TakeBackOrdered,
+    TrackChangeOrdered,
 )
 from onboard.duty.plan import PointsNeeded
-from onboard.duty.records import TakeBackOrdered, TrackChangeOrdered
 from radio import messages as radio
 from radio.envelope import Received
 

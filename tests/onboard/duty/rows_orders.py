@@ -14,15 +14,15 @@ from onboard.authority.records import (
     SendRefusal,
     SetTimer,
     StopTimer,
+    TakeBackOrdered,
+    TrackChangeOrdered,
     Write,
 )
 from onboard.duty.records import (
     ASK,
     DutyPhase,
     NoSuchWay,
-    TakeBackOrdered,
     TakeUpWay,
-    TrackChangeOrdered,
     WayOrdered,
 )
 from radio.messages import OrderRefusalReason
