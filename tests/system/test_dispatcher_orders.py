@@ -1,5 +1,5 @@
-"""Orders of the dispatcher in runs of the busy line: the same on both links and both carriers' rules, and the day goes on
-from the track where a train really came.
+"""Orders of the dispatcher in runs of the busy line: the same on both links, and the day goes on from the track where a
+train really came.
 """
 
 from __future__ import annotations
