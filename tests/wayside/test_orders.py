@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from radio.messages import (
+    AnyMessage,
     HoldingReport,
     OrderRefusalReason,
     OrderRefused,
@@ -68,6 +69,10 @@ def with_choice(tracks: Sequence[int], ways: Sequence[Sequence[str]], **dispatch
     )
 
 
+def heard_from(k: int, message: AnyMessage) -> Heard[AnyMessage]:
+    return Heard(f"u{k}", 1, True, 0, message)
+
+
 # Down train 0 stands at the loop on the track that down train 1, behind it, is to go to.
 TRACKS, FOLLOWS = [1, 2, 2], [["1.1", "2.1"], ["0.1", "1.1", "2.2"]]
 
@@ -92,7 +97,7 @@ def test_one_that_refuses_is_not_ordered_there_again_on_this_move() -> None:
     play = Play(with_choice(TRACKS, FOLLOWS), FOLLOWS)
     request = RouteRequest("u1", "0.1>1.1", ("0-1", "1.1"))
     assert isinstance(play.hear(1, request), TrackOrdered)
-    refusal = Heard("u1", 1, True, 0, OrderRefused("0.1>1.1", OrderRefusalReason.UNKNOWN_TRACK))
+    refusal = heard_from(1, OrderRefused("0.1>1.1", OrderRefusalReason.UNKNOWN_TRACK))
     play.register, actions = step(play.register, refusal, 1.0)
     (note,) = [action.note for action in actions if isinstance(action, Show)]
     assert note == NotDone(unit_id="u1", route_id="0.1>1.1", why="unknown track")
@@ -144,7 +149,7 @@ def held_up(**dispatch: object) -> Play:
 
 def other_sends(play: Play, now_s: float) -> list[Send]:
     play.now_s = now_s
-    heard = Heard("u1", 1, True, 0, RouteRequest("u1", "1.2>0.2", ("0-1", "0.2")))
+    heard = heard_from(1, RouteRequest("u1", "1.2>0.2", ("0-1", "0.2")))
     play.register, actions = step(play.register, heard, now_s)
     play.notes += [action.note for action in actions if isinstance(action, Show)]
     return [a for a in actions if isinstance(a, Send) and a.destination == "u0"]
@@ -166,7 +171,7 @@ def test_who_does_not_leave_is_asked_for_its_route_and_the_other_goes_first() ->
 def test_who_has_left_keeps_its_route_and_is_not_asked_again() -> None:
     play = held_up()
     assert other_sends(play, 161.0)
-    refusal = Heard("u0", 1, True, 0, OrderRefused("0.1>1.1", OrderRefusalReason.NOT_AT_A_STOP))
+    refusal = heard_from(0, OrderRefused("0.1>1.1", OrderRefusalReason.NOT_AT_A_STOP))
     play.register, _ = step(play.register, refusal, 162.0)
     assert other_sends(play, 166.0) == []
 
@@ -216,7 +221,7 @@ class Unruly(Play):
     def _asks(self, k: int) -> None:
         way, unit_id = self.ways[k], f"u{k}"
         route = route_of(way[self.at[k]], way[self.at[k] + 1])
-        heard = Heard(unit_id, 1, True, 0, RouteRequest(unit_id, route.route_id, route.section_ids))
+        heard = heard_from(k, RouteRequest(unit_id, route.route_id, route.section_ids))
         self.register, actions = step(self.register, heard, self.now_s)
         for send in [action for action in actions if isinstance(action, Send)]:
             other = int(send.destination[1:])
@@ -246,9 +251,8 @@ class Unruly(Play):
         else:
             self._says(k, OrderRefused(order.route_id, OrderRefusalReason.NOT_AT_A_STOP))
 
-    def _says(self, k: int, message: object) -> None:
-        heard = Heard(f"u{k}", 1, True, 0, message)
-        self.register, _ = step(self.register, heard, self.now_s)  # type: ignore[arg-type]
+    def _says(self, k: int, message: AnyMessage) -> None:
+        self.register, _ = step(self.register, heard_from(k, message), self.now_s)
 
 
 @given(
