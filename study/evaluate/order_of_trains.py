@@ -2,8 +2,8 @@
 
 The manager alone is asked, as its host does it, by trains that run each move in the time planned for it: no driving, no
 radio, no failures. At some departures doors stay open for minutes, drawn by seed, train and place, so that every rule
-has the same days. `python -m study.evaluate.order_of_trains SCENARIO DAYS` says what each rule loses, and by how much
-more than with who asks first.
+has the same days. `python -m study.evaluate.order_of_trains SCENARIO FIRST DAYS [change_track] [take_back]` says what
+each rule loses, with and without that allowed, and by how much more than with who asks first.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import Final
 
 from study.evaluate.manager_day import AGAIN_S, ManagerDay, config_of
 from study.sweep.statistics import difference_of, mean_of
-from wayside.config import JourneyMove, ManagerConfig, OrderRule
+from wayside.config import DispatcherMeans, JourneyMove, ManagerConfig, OrderRule
 
 SHARE: Final = 0.01  # assumed: of departures at which doors stay open
 MEAN_S: Final = 480.0  # assumed: exponential
@@ -119,19 +119,32 @@ def days_lost_min(scenario: str, order: OrderRule, seeds: Sequence[int]) -> list
     return [lost_min(config, seed) for seed in seeds]
 
 
-def rows(scenario: str, days: int) -> list[str]:
-    """For each rule the train-minutes lost a day, and how much more than with who asks first, paired by day."""
-    seeds = range(1, days + 1)
-    by_rule = {order: days_lost_min(scenario, order, seeds) for order in OrderRule}
-    first = by_rule[OrderRule.FIRST_COME]
-    return [f"{order.value}: {_text(first, lost)}" for order, lost in by_rule.items()]
+def rows(scenario: str, seeds: Sequence[int], may: tuple[DispatcherMeans, ...] = ()) -> list[str]:
+    """For each rule, and with what the dispatcher may do besides, the train-minutes lost a day and waited at stops, and
+    how much more than with who asks first, paired by day.
+    """
+    first: list[LostDay] = []
+    found: list[str] = []
+    for means in dict.fromkeys(((), may)):
+        for order in OrderRule:
+            config = config_of(scenario, order, means)
+            days = [played_day(config, seed) for seed in seeds]
+            first = first or days
+            name = " and ".join([order.value, *(each.value for each in means)])
+            lost = _text([day.lost_min for day in first], [day.lost_min for day in days])
+            waited = _text([day.waited_min for day in first], [day.waited_min for day in days])
+            longest = max(day.longest_min for day in days)
+            found.append(f"{name}: lost {lost}; waited {waited}; at most {longest:.0f} min")
+    return found
 
 
 def _text(first: Sequence[float], lost: Sequence[float]) -> str:
     differs = sum(abs(a - b) > 1e-6 for a, b in zip(first, lost, strict=True))
     more = difference_of(list(zip(first, lost, strict=True)), SAID)
-    return f"{mean_of(lost, SAID).text} min; more than first come: {more.text}; {differs} days differ"
+    return f"{mean_of(lost, SAID).text} min, {more.text} more than first come, {differs} days differ"
 
 
 if __name__ == "__main__":
-    sys.stdout.write("\n".join(rows(sys.argv[1], int(sys.argv[2]))) + "\n")
+    scenario, first_seed, days, *named = sys.argv[1:]
+    seeds = range(int(first_seed), int(first_seed) + int(days))
+    sys.stdout.write("\n".join(rows(scenario, seeds, tuple(map(DispatcherMeans, named)))) + "\n")
