@@ -58,20 +58,23 @@ class _ProtocolMachine(Protocol):
 
 class _ManagerMemory(msgspec.Struct, frozen=True, array_like=True):
     """What a manager keeps: the units on the line, sections not swept, how many moves of its day each unit has made,
-    and which of them were granted a part of the next one.
+    which of them were granted a part of the next one, and which of them end on another track.
     """
 
     ledger: tuple[str, ...] = ()
     unswept: tuple[str, ...] = ()
     moves_done: dict[str, int] = {}
     on_part: tuple[str, ...] = ()
+    tracks: dict[str, dict[int, str]] = {}
 
 
 class _Manager:
     def __init__(self, config: ManagerConfig, keys: KeyRing, durable: Durable) -> None:
         kept = _remembered(durable.spare)
         ledger, moves_done = (None, None) if kept is None else (kept.ledger, kept.moves_done)
-        unswept, on_part = ((), ()) if kept is None else (kept.unswept, kept.on_part)
+        unswept, on_part, tracks = (
+            ((), (), None) if kept is None else (kept.unswept, kept.on_part, kept.tracks)
+        )
         bars = bars_kept(durable.vital)
         self.register = start_register(
             config,
@@ -80,6 +83,7 @@ class _Manager:
             ledger,
             unswept,
             moves_done,
+            tracks,
             bars,
             order_solver(),
             on_part,
@@ -111,6 +115,7 @@ class _Manager:
             tuple(sorted(self.register.unswept)),
             {unit_id: trip.done for unit_id, trip in trips},
             tuple(unit_id for unit_id, trip in trips if trip.part and PARTS_KEPT),
+            {unit_id: dict(ends) for unit_id, ends in sorted(self.register.tracks.items())},
         )
         bars = self.register.bars
         vital = b"" if bars == NO_BARS else msgspec.msgpack.encode(bars)

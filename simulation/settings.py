@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from network.files.kinds import about
 from network.files.part_of_day import PartOfDay
@@ -44,7 +44,7 @@ from simulation.late.settings import Late
 from simulation.people import People
 from simulation.scatter import ScatterSettings
 from simulation.sensor_settings import Beacons, Curvature, Lidar
-from wayside.config import OrderRule, ReentryMode
+from wayside.config import DispatcherMeans, OrderRule, ReentryMode
 
 
 class PositionSensor(StrEnum):
@@ -344,6 +344,15 @@ class Dispatch(Record):
         Overtaken,
         about("number of trains that may pass before one that waits for the same line", "assumed: two"),
     ] = 2
+    may: Annotated[
+        tuple[Annotated[DispatcherMeans, Field(strict=False)], ...],
+        Field(strict=False),
+        about(
+            "what the dispatcher may do besides: have a train go to another track of its next station, ask a train that"
+            " does not leave for its route back",
+            "nothing",
+        ),
+    ] = ()
     given: Annotated[
         tuple[str, ...],
         Field(strict=False),
@@ -352,6 +361,14 @@ class Dispatch(Record):
             "none: nobody goes by one",
         ),
     ] = ()
+
+    @model_validator(mode="after")
+    def _only_by_proof(self) -> Self:
+        if self.may and not self.certificate:
+            raise ValueError(
+                "nothing without certificate = true: on another track trains may block each other"
+            )
+        return self
 
 
 NO_TUNING: Final = Tuning(learn=False)  # a scenario without that table

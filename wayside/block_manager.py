@@ -32,9 +32,9 @@ from radio.messages import (
     AnyMessage,
     Claim,
     ClaimQuery,
-    Contested,
     HoldingConfirmed,
     HoldingReport,
+    OrderRefused,
     RefusalReason,
     RouteGranted,
     RouteRefused,
@@ -43,12 +43,13 @@ from radio.messages import (
     SignOn,
     SignOnAccepted,
     SignOnRefused,
+    TrackOrdered,
 )
 from radio.table import TableCell, rows
-from wayside import acts, dispatch, entering, leaving, reentry
+from wayside import acts, dispatch, entering, leaving, orders, reentry
 from wayside.actions import Action, Send, Show
 from wayside.dispatch import Against, DispatchRequest
-from wayside.heard import Heard, challenge, show_refusal
+from wayside.heard import Heard, challenge, newly_contested, show_refusal, tell_contested
 from wayside.reentry import Step
 from wayside.register import Register, RegisteredUnit, UnitStanding
 from wayside.said import Accepted, BoundaryPassed, Contradicted, Freed, Granted, Outside, Refused
@@ -82,7 +83,7 @@ def step(register: Register, event: Event, now_s: float) -> Step:
             register, actions = acts.act(register, event, now_s)
     register = leaving.asked_later(before, register, now_s)
     register, following = reentry.settle(register, now_s)
-    return register, (*actions, *following, *_newly_contested(before, register))
+    return register, (*actions, *following, *newly_contested(before, register))
 
 
 def wake_at_s(register: Register) -> float | None:
@@ -99,7 +100,7 @@ def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
         heard_s = {**register.reentry.heard_s, heard.unit_id: now_s}
         register = replace(register, reentry=replace(register.reentry, heard_s=heard_s))
     register, taken_back = acts.spoke(register, heard.unit_id, heard.message)
-    if register.plan.days is not None:
+    if register.days is not None:
         register = replace(register, now_s=now_s)
     unit = register.unit(heard.unit_id)
     if unit.claim_needed and heard.epoch <= unit.epoch and not isinstance(heard.message, Claim):
@@ -115,28 +116,16 @@ def _ask(register: Register, now_s: float) -> Step:
         return register, ()
     in_vain = {unit_id: times + 1 for unit_id, times in register.doubted.items()}
     register = replace(register, ask_at_s=now_s + register.plan.ask_interval_s, doubted=in_vain)
-    return register, (*(Send(unit_id, ClaimQuery()) for unit_id in asked), *_tell_contested(register))
-
-
-def _tell_contested(register: Register) -> tuple[Send, ...]:
-    """To every unit with something contested: it only restricts, and is said again as long as it lasts."""
-    if not register.in_dispute:
-        return ()
-    units = (unit_id for unit_id in register.plan.unit_ids if unit_id not in register.bars.barred)
-    contested = {unit_id: register.contested(unit_id) for unit_id in units}
-    return tuple(Send(unit_id, Contested(sections)) for unit_id, sections in contested.items() if sections)
-
-
-def _newly_contested(before: Register, after: Register) -> tuple[Send, ...]:
-    if before.units is after.units:
-        return ()
-    known = _tell_contested(before)
-    return tuple(send for send in _tell_contested(after) if send not in known)
+    return register, (*(Send(unit_id, ClaimQuery()) for unit_id in asked), *tell_contested(register))
 
 
 def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
     """Granted whole if the line is defined and all of it free or its own, or a part (`wayside.parts`); else refused."""
     held = register.held_by(heard.unit_id)
+    register, instead = orders.followed(register, heard.unit_id, heard.message.route_id)
+    if instead:
+        order = TrackOrdered(heard.message.route_id, instead)
+        return register, (Send(heard.unit_id, order, heard.correlation),)
     against = _against(register, heard, frozenset(held))
     register, against, leave = entering.weighed(register, heard.unit_id, heard.message, against)
     wanted, part = heard.message.section_ids, tuple[str, ...]()
@@ -147,7 +136,11 @@ def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
         wanted, against = part, None
     elif not leave and (against is not None or not set(wanted) <= set(held)):
         asked = DispatchRequest(heard.unit_id, heard.message.route_id)
-        register, against, more = dispatch.weigh_request(register, asked, against)
+        decision = orders.decide(register, asked, against)
+        register, against, more = decision.register, decision.against, decision.actions
+        if decision.instead:
+            order = TrackOrdered(heard.message.route_id, decision.instead)
+            return register, (*shown, *more, Send(heard.unit_id, order, heard.correlation))
     answer = _grant(register, heard, wanted) if against is None else _refuse_route(register, heard, *against)
     return answer[0], (*shown, *more, *answer[1])
 
@@ -463,31 +456,37 @@ TELEGRAMS: Final[Mapping[tuple[UnitStanding, type], _Handler]] = MappingProxyTyp
     {
         (UnitStanding.UNKNOWN, RouteRequest): _request_undefined,
         (UnitStanding.UNKNOWN, HoldingReport): challenge,
+        (UnitStanding.UNKNOWN, OrderRefused): challenge,
         (UnitStanding.UNKNOWN, SignOn): _sign_on,
         (UnitStanding.UNKNOWN, SignOff): leaving.sign_off_not_signed_on,
         (UnitStanding.UNKNOWN, Claim): _claim,
         (UnitStanding.OUTSIDE, RouteRequest): _request_not_signed_on,
         (UnitStanding.OUTSIDE, HoldingReport): challenge,
+        (UnitStanding.OUTSIDE, OrderRefused): challenge,
         (UnitStanding.OUTSIDE, SignOn): _sign_on,
         (UnitStanding.OUTSIDE, SignOff): leaving.sign_off_again,
         (UnitStanding.OUTSIDE, Claim): _claim,
         (UnitStanding.BY_HAND, RouteRequest): _request_not_signed_on,
         (UnitStanding.BY_HAND, HoldingReport): challenge,
+        (UnitStanding.BY_HAND, OrderRefused): challenge,
         (UnitStanding.BY_HAND, SignOn): _sign_on,
         (UnitStanding.BY_HAND, SignOff): leaving.sign_off_not_signed_on,
         (UnitStanding.BY_HAND, Claim): _claim,
         (UnitStanding.REPORTED, RouteRequest): _request,
         (UnitStanding.REPORTED, HoldingReport): _report,
+        (UnitStanding.REPORTED, OrderRefused): orders.refused,
         (UnitStanding.REPORTED, SignOn): _sign_on,
         (UnitStanding.REPORTED, SignOff): leaving.sign_off,
         (UnitStanding.REPORTED, Claim): _claim,
         (UnitStanding.LEAVING, RouteRequest): _request_not_signed_on,
         (UnitStanding.LEAVING, HoldingReport): _report,
+        (UnitStanding.LEAVING, OrderRefused): orders.refused,
         (UnitStanding.LEAVING, SignOn): _sign_on_leaving,
         (UnitStanding.LEAVING, SignOff): leaving.sign_off,
         (UnitStanding.LEAVING, Claim): _claim_leaving,
         (UnitStanding.DISPUTED, RouteRequest): _request_undefined,
         (UnitStanding.DISPUTED, HoldingReport): challenge,
+        (UnitStanding.DISPUTED, OrderRefused): challenge,
         (UnitStanding.DISPUTED, SignOn): _sign_on,
         (UnitStanding.DISPUTED, SignOff): leaving.sign_off_not_signed_on,
         (UnitStanding.DISPUTED, Claim): _claim,

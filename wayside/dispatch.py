@@ -59,7 +59,7 @@ def weigh_request(
 
     `against` is what the register has against the request: then the unit only counts as waiting.
     """
-    days = register.plan.days
+    days = register.days
     if days is None or asked.unit_id not in days.index:
         return register, against, ()
     index = days.index[asked.unit_id]
@@ -86,7 +86,7 @@ def part_to_grant(
     """The part of a way that may be granted (empty: nothing but the whole may be), the register with it weighed, and
     what the journal is told.
     """
-    if register.plan.days is None or not register.plan.days.parts:
+    if register.days is None or not register.days.parts:
         return register, (), ()
     part = free_part(register, unit_id, register.plan.routes[message.route_id], message.section_ids)
     if not set(part).difference(register.held_by(unit_id)):
@@ -102,7 +102,7 @@ def weigh_part(
 
     Its move is still to be made, from there: a train that waits on open line stands in others' way.
     """
-    days = register.plan.days
+    days = register.days
     if days is None or not days.parts or asked.unit_id not in days.index:
         return register, (), ()
     index, trip = days.index[asked.unit_id], register.trip(asked.unit_id)
@@ -125,6 +125,18 @@ def weigh_part(
     register = register.with_trip(asked.unit_id, replace(trip, part=True, done=place, asked_s=asked_s))
     kept = LastCertificate(after.at, after.holds, found.order)
     return replace(register, kept=kept, sought=None), part, shown
+
+
+def order_now(
+    register: Register, days: Days, stands: Stands, index: int
+) -> tuple[Register, LastOrder | None, tuple[Show, ...]]:
+    """The order of all trains that is given for the day, or as it is best now; None: there is none to go by."""
+    if days.given:
+        return register, LastOrder(0.0, (0,) * len(days.unit_ids), OrderAnswer(days.given)), ()
+    if days.order is not OrderRule.OPTIMAL or not is_disturbed(register, days, stands, index):
+        return register, None, ()
+    register, shows = with_order(register, days, stands)
+    return register, register.solved, shows
 
 
 def _skipped(stands: Stands, index: int, place: int) -> Stands:
@@ -333,17 +345,9 @@ class _Weighing:
         return RefusalReason.NOT_ITS_TURN, turn.section_id, other_id
 
     def _order(self) -> LastOrder | None:
-        """The order of all trains that is given for the day, or as it is best now; None: there is none to go by."""
-        days = self._days
-        if days.given:
-            return LastOrder(0.0, (0,) * len(days.unit_ids), OrderAnswer(days.given))
-        if days.order is not OrderRule.OPTIMAL:
-            return None
-        if not is_disturbed(self._register, days, self._stands, self._index):
-            return None
-        self._register, shows = with_order(self._register, days, self._stands)
+        self._register, order, shows = order_now(self._register, self._days, self._stands, self._index)
         self._shows += shows
-        return self._register.solved
+        return order
 
     def _held_by_order(self) -> None:
         if self._trip.held_s is None:
@@ -375,12 +379,17 @@ class _Weighing:
         register, days, index = self._register, self._days, self._index
         place = self._stands.at[index]
         hop = days.hops[index][place]
-        late_s = max(0.0, register.now_s - hop.departs_s)
-        register = register.with_trip(self._unit_id, DayProgress(place + 1, late_s))
+        late_s, again = max(0.0, register.now_s - hop.departs_s), self._trip.done == place + 1
+        made = DayProgress(place + 1, late_s, granted_s=register.now_s)
+        if again:  # it had given it back: it is not asked for it, or overtaken, without end
+            made = replace(made, orders=self._trip.orders, overtaken=self._trip.overtaken)
+        register = register.with_trip(self._unit_id, made)
         for other, unit_id in enumerate(days.unit_ids):
             trip = register.trips.get(unit_id)
             at = self._stands.at[other]
-            if other == index or trip is None or trip.asked_s is None or at == len(days.hops[other]):
+            if other == index or trip is None or at == len(days.hops[other]):
+                continue
+            if trip.asked_s is None and trip.back_s <= register.now_s:
                 continue
             if days.hops[other][at].line & hop.line:
                 register = register.with_trip(unit_id, replace(trip, overtaken=trip.overtaken + 1))

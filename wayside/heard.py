@@ -6,7 +6,7 @@ from typing import Any, Generic, TypeVar
 
 import msgspec
 
-from radio.messages import ClaimQuery, RefusalReason
+from radio.messages import ClaimQuery, Contested, RefusalReason
 from wayside.actions import Send, Show
 from wayside.reentry import Step
 from wayside.register import Register
@@ -36,3 +36,20 @@ def show_refusal(
     """A refusal for the journal, and what stands against it."""
     sections = () if section_id is None else (section_id,)
     return Show(Refused(unit_id=unit_id, section_ids=sections, other_id=holder or "", why=reason.name))
+
+
+def tell_contested(register: Register) -> tuple[Send, ...]:
+    """To every unit with something contested: it only restricts, and is said again as long as it lasts."""
+    if not register.in_dispute:
+        return ()
+    units = (unit_id for unit_id in register.plan.unit_ids if unit_id not in register.bars.barred)
+    contested = {unit_id: register.contested(unit_id) for unit_id in units}
+    return tuple(Send(unit_id, Contested(sections)) for unit_id, sections in contested.items() if sections)
+
+
+def newly_contested(before: Register, after: Register) -> tuple[Send, ...]:
+    """What is to be told of it that was not before."""
+    if before.units is after.units:
+        return ()
+    known = tell_contested(before)
+    return tuple(send for send in tell_contested(after) if send not in known)

@@ -85,10 +85,13 @@ class _Solved:
 
     def cost(self) -> str:
         """What it costs, for the sentence."""
-        if self.answer is None:
-            return "so is the order given for the day"
-        proof = "the best order" if self.answer.delay_s <= self.answer.bound_s else "the best order known"
-        return f"{_minutes(self.answer.delay_s)} min late in all in {proof}"
+        return "so is the order given for the day" if self.answer is None else cost_of(self.answer)
+
+
+def cost_of(answer: OrderAnswer) -> str:
+    """What an order costs, in words."""
+    proof = "the best order" if answer.delay_s <= answer.bound_s else "the best order known"
+    return f"{_minutes(answer.delay_s)} min late in all in {proof}"
 
 
 def is_disturbed(register: Register, days: Days, stands: Stands, index: int) -> bool:
@@ -279,9 +282,9 @@ def _ready_s(register: Register, days: Days, stands: Stands, index: int) -> floa
     """When a stock can make its next move: it is on its way there, as late as it left, or waits."""
     at, trip = stands.at[index], register.trip(days.unit_ids[index])
     if at == 0 or trip.asked_s is not None:
-        return register.now_s
+        return max(register.now_s, trip.back_s)
     before = days.hops[index][at - 1]
-    return max(register.now_s, before.arrives_s + trip.late_s + before.stays_s)
+    return max(register.now_s, before.arrives_s + trip.late_s + before.stays_s, trip.back_s)
 
 
 def _minutes(time_s: float) -> int:

@@ -130,6 +130,8 @@ class Register(msgspec.Struct, frozen=True):
     now says something, each with how often it was asked in vain since. `trips`: how far each unit is in its day, kept
     over power cuts, `kept` the order in which all can finish, as last proven, `sought` the last search that found none,
     `solved` the order of least delay found last, and `now_s` when the last telegram came; all where `plan.days` are.
+    `tracks`: for each unit the moves of its day, by place, that end on another track than planned, kept over power
+    cuts; `days` are the days with them.
     """
 
     plan: RegisterPlan
@@ -152,6 +154,8 @@ class Register(msgspec.Struct, frozen=True):
     sought: LastSearch | None = None
     solved: LastOrder | None = None
     now_s: float = 0.0
+    days: Days | None = None
+    tracks: Mapping[str, Mapping[int, str]] = msgspec.field(default_factory=dict[str, Mapping[int, str]])
 
     @property
     def defined(self) -> bool:
@@ -179,6 +183,19 @@ class Register(msgspec.Struct, frozen=True):
     def with_trip(self, unit_id: str, trip: DayProgress) -> Register:
         """The register with this known of a stock's day."""
         return replace(self, trips={**self.trips, unit_id: trip})
+
+    def with_track(self, unit_id: str, place: int, section_id: str) -> Register | None:
+        """The register with a move of a unit's day ending on another track: what was proven of the day before is not
+        known to be so any more. None: it cannot end there.
+        """
+        index = None if self.days is None else self.days.index.get(unit_id)
+        if self.days is None or index is None or place >= len(self.days.hops[index]):
+            return None
+        days = self.days.with_track(index, place, section_id)
+        if days is None:
+            return None
+        tracks = {**self.tracks, unit_id: {**self.tracks.get(unit_id, {}), place: section_id}}
+        return replace(self, days=days, tracks=tracks, kept=None, sought=None)
 
     def held_by(self, unit_id: str) -> tuple[str, ...]:
         """Its sections, in the order of the line."""
@@ -273,6 +290,7 @@ def start(
     ledger: Iterable[str] | None = None,
     unswept: Iterable[str] = (),
     moves_done: Mapping[str, int] | None = None,
+    tracks: Mapping[str, Mapping[int, str]] | None = None,
     bars: Bars = NO_BARS,
     solver: OrderSolver = without_solver,
     on_part: Collection[str] = (),
@@ -281,7 +299,8 @@ def start(
 
     `ledger`: the units on the line when the boot before ended; None: lost, so every unit counts as on the
     line and all of it as not swept, except at the first start. `moves_done`: how far each unit was in its day,
-    `on_part`: which had a part of their next move. `solver`: who finds the order of least delay. Raises InputError if
+    `on_part`: which had a part of their next move; `tracks`: on which other tracks its moves end. `solver`: who finds
+    the order of least delay. Raises InputError if
     the ledger names a unit that is not on the fleet list.
     """
     trips_lost = epoch > 1 and (ledger is None or moves_done is None)
@@ -309,7 +328,7 @@ def start(
         any(route.overlap for route in config.routes),
         solver,
     )
-    return Register(
+    register = Register(
         plan,
         epoch,
         restoring=epoch > 1,
@@ -321,4 +340,9 @@ def start(
             for unit_id, done in (moves_done or {}).items()
         },
         trips_lost=trips_lost,
+        days=plan.days,
     )
+    for unit_id, ends in (tracks or {}).items():
+        for place, section_id in sorted(ends.items()):
+            register = register.with_track(unit_id, place, section_id) or register
+    return register

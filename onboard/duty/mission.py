@@ -7,7 +7,8 @@ coordinates (m) of the train's front in the direction of travel.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 from network.graph import routes_from
 from network.model import Direction, Line, Position, Route, SectionKind, TagPurpose
@@ -105,9 +106,21 @@ class Mission:
         """The section at a path coordinate (m); at a joint the one being entered."""
         return next((s for s in self.spans if s.start_m <= position_m < s.end_m), self.spans[-1])
 
+    @property
+    def tracks(self) -> dict[str, str]:
+        """The track at each station where it stops or that it passes."""
+        passed = {p.station_id: p.track for target in self.targets for p in target.passings}
+        return passed | {t.station_id: t.track for t in self.targets if t.station_id is not None}
+
     def route_beyond(self, section_id: str) -> Route | None:
         """The route that begins in a section, or None where the mission ends there."""
         return next((route for route in self.routes if route.from_section == section_id), None)
+
+
+def on_tracks(train: TimetableTrain, tracks: Mapping[str, str]) -> TimetableTrain:
+    """The train with its calls at these stations on these tracks, by name."""
+    calls = tuple(replace(c, track=tracks.get(c.station_id, c.track)) for c in train.calls)
+    return replace(train, calls=calls)
 
 
 class NoWay(Exception):  # noqa: N818 - a planner's finding, not a program error

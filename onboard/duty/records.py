@@ -12,7 +12,7 @@ from typing import Final
 
 import msgspec
 
-from onboard.authority.records import Authority, Timer
+from onboard.authority.records import Authority, Ordered, Timer
 from onboard.authority.records import Event as AuthorityEvent
 from onboard.duty.plan import DutyPlan, PointsNeeded
 from onboard.duty.unable import Unable
@@ -85,7 +85,8 @@ class DutyState(msgspec.Struct, frozen=True):
     `entered`: points sections that the train came onto by their proof. `proved`: spans that the tags read so far prove
     to be behind the train; `freed`: those of them that are to be given back, the arrival being told, or each at once.
     `halted`: braked because register and unit contradict each other; `sweeps`: runs on sight through what it holds.
-    `unable`: why it may not leave its stop, as its driver was told.
+    `unable`: why it may not leave its stop, as its driver was told. `ordered`: the route by which the dispatcher wants
+    it to go instead of the one that it asks for, until its driver has taken up that way.
     """
 
     phase: DutyPhase = DutyPhase.OFF
@@ -104,6 +105,7 @@ class DutyState(msgspec.Struct, frozen=True):
     may_leave: bool = False
     released: bool = True  # no emergency stop waits for the driver's acknowledgement
     unable: Unable | None = None
+    ordered: str = ""
 
 
 # events: people -------------------------------------------------------------------------------------------------
@@ -122,6 +124,16 @@ class SwitchedOn(msgspec.Struct, frozen=True, tag=True):
     plan: DutyPlan
     stands_at: int | None
     epoch: int = 0  # of this boot; the unit fills it in
+
+
+class TakeUpWay(msgspec.Struct, frozen=True, tag=True):
+    """The driver has taken up the way ordered: the same train, from where it stands by another route."""
+
+    plan: DutyPlan
+
+
+class NoSuchWay(msgspec.Struct, frozen=True, tag=True):
+    """The train has no way on by the route ordered."""
 
 
 class ChangeEnds(msgspec.Struct, frozen=True, tag=True):
@@ -247,6 +259,8 @@ class TelegramHeard(msgspec.Struct, frozen=True, tag=True):
 Person = (
     Begin
     | SwitchedOn
+    | TakeUpWay
+    | NoSuchWay
     | ChangeEnds
     | Leave
     | OffTheLine
@@ -267,7 +281,7 @@ Sensed = (
     | Looked
     | VehicleChecked
 )
-Event = Person | Sensed | TimerDue | TelegramHeard
+Event = Person | Sensed | TimerDue | TelegramHeard | Ordered
 
 
 # actions ----------------------------------------------------------------------------------------------------------
@@ -299,7 +313,14 @@ class EntryAllowed(msgspec.Struct, frozen=True, tag=True):
     number: str
 
 
-Told = Finished | LeftLine | EntryAllowed
+class WayOrdered(msgspec.Struct, frozen=True, tag=True):
+    """To the driver: the dispatcher wants the train to go by another route than this one."""
+
+    route_id: str
+    instead: str
+
+
+Told = Finished | LeftLine | EntryAllowed | WayOrdered
 
 
 class DrivingOrder(Enum):

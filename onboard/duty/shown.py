@@ -91,7 +91,8 @@ def _reasons(plan: DutyPlan, state: DutyState) -> Iterator[str]:
         yield "the driver's confirmation that the whole train has arrived"
     if authority.open(RequestKind.REPORT) is not None and state.place.stands:
         yield "the block manager's confirmation of what is held"
-    if state.phase is DutyPhase.RUNNING and not state.may_ask:
+    held_back = state.phase is DutyPhase.STANDING and state.may_leave
+    if (state.phase is DutyPhase.RUNNING or held_back) and not state.may_ask:
         yield "the end of the hold on its route"
     ahead = min(state.at + 1, len(plan.stops) - 1)
     may_go_on = state.limit.before is None or state.limit.joint >= state.place.reach

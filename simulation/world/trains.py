@@ -249,6 +249,16 @@ class Trains:
         first = pieces.index(path.step_at(float(truth.position_m)).piece_id)
         self.carrier.reroute(self.stock_ids[slot], pieces[first:], path.direction)
 
+    def go_by(self, slot: int, duty: Duty) -> None:
+        """Go on as the same train by another way, the same as far as the train is."""
+        self.duties[slot] = duty
+        path, position_m = self._onward(duty.mission.path), float(self.truths[slot].position_m)
+        self.paths[slot] = path
+        self._use_rows(slot, self.rows_of(slot, path), position_m)
+        self.set_boundaries(slot)
+        first = path.piece_ids.index(path.step_at(position_m).piece_id)
+        self.carrier.reroute(self.stock_ids[slot], path.piece_ids[first:], path.direction)
+
     def stands_in(self, section_id: str) -> bool:
         """Whether any train truly stands in a section, wholly or in part."""
         return any(self._is_in(slot, section_id) for slot in self.active())

@@ -43,6 +43,8 @@ _SAID_IN_FULL: Final[Mapping[str, str]] = {
     "not its turn": "another train goes first",
     "overlap": "another train must stand first",
     "barred": "the unit is barred",
+    "unknown track": "the train has no such way",
+    "may have entered": "the train may have entered the route",
     "no name": "the word has no name",
     "too early": "too early after the restart",
     "claim refused": "its claim was refused",

@@ -37,6 +37,7 @@ from onboard.duty.records import (
 )
 from onboard.duty.shown import command_of, waits_for
 from tests.onboard.duty.rows_fixes import FIXES
+from tests.onboard.duty.rows_orders import ORDERS
 from tests.onboard.duty.rows_people import PEOPLE
 from tests.onboard.duty.rows_sensed import SENSED
 from tests.onboard.duty.rows_told import TOLD
@@ -71,7 +72,7 @@ from tests.onboard.duty.stage import (
     sent,
 )
 
-CASES: Final = PEOPLE | SENSED | FIXES | TOLD | VEHICLE
+CASES: Final = PEOPLE | SENSED | FIXES | TOLD | VEHICLE | ORDERS
 
 
 @pytest.mark.parametrize("name", CASES)
