@@ -41,8 +41,9 @@ def arrange(
     Exit code 1 if a printed time has to be moved by more than --limit; the least that would do is said.
     """
     from plan.arranging.arrange import arrange as arranged_by_name
-    from plan.arranging.files import write_day
+    from plan.arranging.files import checked_files, write_day
 
+    checked_files(out, scenario)
     day = arranged_by_name(line, timetable, train, limit)
     for path in write_day(day, line, train, out, scenario):
         print_aside(f"wrote {path}")

@@ -26,7 +26,7 @@ from network.graph import next_pieces
 from network.model import Direction, Line, Piece, PlatformTrack, Section, SectionKind, Tag, TagPurpose
 
 TAGS_PER_STATION: Final = 100  # ids are 100 * (1 + number of the nearest station) + running number
-# Assumed: bounds that span two tags and grow by 1 % are 120 m wide at most: a stop's first tag is come to and read.
+# Assumed: bounds over two tags that grow by 1 % are 120 m wide at most: a stop's first tag is come to and read.
 OPEN_LINE_MAX_M: Final = 6_000.0
 _OPEN: Final = (SectionKind.BETWEEN, SectionKind.PORTAL)
 _BOTH: Final = (Direction.DOWN, Direction.UP)

@@ -48,6 +48,7 @@ class RefusalReason(Enum):
     NO_WAY_ON = 11  # granted, not every train could still finish; named: who is waited for, to come where
     UNKNOWN_TOKEN = 13  # claimed under a token that was never granted
     NOT_ITS_TURN = 12  # another goes first by the order of trains; named likewise
+    OVERLAP = 14  # another comes in whose overrun would foul the way there, or is in the way of one's own
 
 
 class PointsRefusalReason(Enum):

@@ -306,9 +306,7 @@ class Duties:
             self._begins(Pause.SIGN_OFF, slot, step)
         elif duty.becomes is not None and duty not in self._becoming:
             self._becoming.append(duty)  # a unit that starts again in its terminus finishes twice
-            self._agenda.put(
-                step + round(self._setup.operation.change_ends_s / STEP_S), AgendaKind.DUTY, stock_id
-            )
+            self._agenda.put(step + round(self._setup.turn_s / STEP_S), AgendaKind.DUTY, stock_id)
         elif duty.becomes is None:
             self._books.stable(slot, step)
             self._stage[slot] = StockStage.DONE

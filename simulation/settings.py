@@ -262,6 +262,9 @@ class Interlocking(StrEnum):
 
     ONBOARD = "onboard"  # units ask the manager and command terminals, by radio
     CENTRAL = "central"  # a centre (CTC) does, over a cable along the line
+    RELAY = (
+        "relay"  # a centre does, and where it does not reach, staff at the stations' own relay interlockings
+    )
 
 
 class Operation(Record):
@@ -272,10 +275,21 @@ class Operation(Record):
         Field(strict=False),
         about(
             "on board, or by a centre whose cable reaches trains and points: beyond a cut (`cable_cut`) no train moves"
-            " further than it may already",
+            " further than it may already; `relay`: until staff have come to the stations and work them",
             "Sugiyama: on board",
         ),
     ] = Interlocking.ONBOARD
+    staff_reach_s: Annotated[
+        Wait,
+        about("`relay`: from a cut until staff are at the stations beyond it", "assumed: an hour by road"),
+    ] = 3600.0
+    telephone_block_s: Annotated[
+        Wait,
+        about(
+            "`relay`: staff of two stations agree on a train by telephone and write it down (代用閉そく)",
+            "assumed: three minutes",
+        ),
+    ] = 180.0
     release: Annotated[
         ReleaseRule,
         Field(strict=False),

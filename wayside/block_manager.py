@@ -45,16 +45,15 @@ from radio.messages import (
     SignOnRefused,
 )
 from radio.table import TableCell, rows
-from wayside import acts, dispatch, leaving, reentry
+from wayside import acts, dispatch, entering, leaving, reentry
 from wayside.actions import Action, Send, Show
-from wayside.dispatch import DispatchRequest
+from wayside.dispatch import Against, DispatchRequest
 from wayside.heard import Heard, challenge, show_refusal
 from wayside.reentry import Step
 from wayside.register import Register, RegisteredUnit, UnitStanding
 from wayside.said import Accepted, BoundaryPassed, Contradicted, Freed, Granted, Outside, Refused
 
 M = TypeVar("M")
-
 
 ASKED_AGAIN: Final = 1  # correlation of a query whose answer is known to be one to it
 __all__ = ["TELEGRAMS", "AskUnits", "Event", "Heard", "step", "table_rows", "wake_at_s"]
@@ -139,27 +138,26 @@ def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
     """Granted whole if the line is defined and all of it free or its own, or a part (`wayside.parts`); else refused."""
     held = register.held_by(heard.unit_id)
     against = _against(register, heard, frozenset(held))
-    shown: tuple[Action, ...] = ()
+    register, against, leave = entering.weighed(register, heard.unit_id, heard.message, against)
+    wanted, part = heard.message.section_ids, tuple[str, ...]()
+    shown, more = tuple[Action, ...](), tuple[Action, ...]()
     if against is not None and against[0] is RefusalReason.HELD:
-        register, part = dispatch.part_to_grant(register, heard.unit_id, heard.message)
-        if part:
-            return _grant(register, heard, part)
-    if against is not None or not set(heard.message.section_ids) <= set(held):
+        register, part, shown = dispatch.part_to_grant(register, heard.unit_id, heard.message)
+    if part:
+        wanted, against = part, None
+    elif not leave and (against is not None or not set(wanted) <= set(held)):
         asked = DispatchRequest(heard.unit_id, heard.message.route_id)
-        register, against, shown = dispatch.weigh_request(register, asked, against)
-    wanted = heard.message.section_ids
+        register, against, more = dispatch.weigh_request(register, asked, against)
     answer = _grant(register, heard, wanted) if against is None else _refuse_route(register, heard, *against)
-    return answer[0], (*shown, *answer[1])
+    return answer[0], (*shown, *more, *answer[1])
 
 
-def _against(
-    register: Register, heard: Heard[RouteRequest], held: frozenset[str]
-) -> tuple[RefusalReason, str | None, str | None] | None:
+def _against(register: Register, heard: Heard[RouteRequest], held: frozenset[str]) -> Against | None:
     """Why the route may not be granted, and the section and unit in the way; or None."""
     message, unit_id = heard.message, heard.unit_id
     route = register.plan.routes.get(message.route_id)
     blocking = register.undefined_because_of()
-    against: tuple[RefusalReason, str | None, str | None] | None = None
+    against: Against | None = None
     if message.unit_id != unit_id:
         against = (RefusalReason.WRONG_UNIT, None, None)
     elif heard.epoch != register.unit(unit_id).epoch:
@@ -177,6 +175,7 @@ def _against(
 
 def _grant(register: Register, heard: Heard[RouteRequest], section_ids: tuple[str, ...]) -> Step:
     message, unit_id = heard.message, heard.unit_id
+    register = entering.leave_given(register, unit_id, register.plan.routes[message.route_id], section_ids)
     unit, held = register.unit(unit_id), register.held_by(unit_id)
     same_request = (unit.route_id, unit.correlation) == (message.route_id, heard.correlation)
     repeated = heard.correlation > 0 and same_request and set(section_ids) <= set(held)
@@ -376,7 +375,7 @@ def _enter(
     if register.unit(unit_id).standing is UnitStanding.UNKNOWN:
         register = register.with_unit(unit_id, RegisteredUnit(UnitStanding.OUTSIDE, heard.epoch))
         shows = (Show(Outside(unit_id=unit_id, was=UnitStanding.UNKNOWN.value)),)
-    against: dispatch.Against | None = None
+    against: Against | None = None
     if not register.defined:
         against = (RefusalReason.UNDEFINED, None, (*register.undefined_because_of(), None)[0])
     elif conflict is not None:
@@ -407,7 +406,8 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     # A unit that has started again numbers its requests anew, so its old request cannot be repeated.
     same_boot = heard.epoch == unit.epoch
     after = RegisteredUnit(standing, heard.epoch, token, unit.route_id, unit.correlation if same_boot else 0)
-    after = replace(after, unproven=not held and (bool(shown) or unit.unproven))
+    unproven = not held and (bool(shown) or unit.unproven)
+    after = entering.carried_over(unit, replace(after, unproven=unproven), held)
     register = register.with_unit(unit_id, after)
     actions: list[Action] = [*shown]
     if added or after.standing is not unit.standing or after.epoch != unit.epoch:

@@ -47,11 +47,14 @@ class RouteEntry(msgspec.Struct, frozen=True):
     """A route that may be granted, whole or what lies ahead of a train that is on it.
 
     The unit must hold `from_section` or a part of the route; of what lies ahead, the section in which it begins.
+    `entry` and `overlap` are those of `network.model.Route`.
     """
 
     route_id: str
     from_section: str
     section_ids: tuple[str, ...]
+    entry: tuple[str, ...] = ()
+    overlap: tuple[str, ...] = ()
 
     def has_part(self, section_ids: tuple[str, ...]) -> bool:
         """Whether these are the route, or its end from some section on."""
@@ -192,7 +195,10 @@ def manager_config(
         )
         for section in line.sections.values()
     )
-    entries = tuple(RouteEntry(route.id, route.from_section, route.section_ids) for route in routes)
+    entries = tuple(
+        RouteEntry(route.id, route.from_section, route.section_ids, route.entry, route.overlap)
+        for route in routes
+    )
     return ManagerConfig(
         line.id,
         MANAGER_ID,

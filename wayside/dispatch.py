@@ -10,7 +10,7 @@ order of trains for longer than `hold_s_max`, nor when more than `overtaken_max`
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Final
@@ -82,40 +82,49 @@ def weigh_request(
 
 def part_to_grant(
     register: Register, unit_id: str, message: RouteRequest
-) -> tuple[Register, tuple[str, ...]]:
-    """The part of a way that may be granted, and the register with it weighed; empty: nothing but the whole may be."""
+) -> tuple[Register, tuple[str, ...], tuple[Show, ...]]:
+    """The part of a way that may be granted (empty: nothing but the whole may be), the register with it weighed, and
+    what the journal is told.
+    """
     if register.plan.days is None or not register.plan.days.parts:
-        return register, ()
+        return register, (), ()
     part = free_part(register, unit_id, register.plan.routes[message.route_id], message.section_ids)
     if not set(part).difference(register.held_by(unit_id)):
-        return register, part  # what it has already, as its answer may have been lost
-    weighed = weigh_part(register, DispatchRequest(unit_id, message.route_id), part)
-    return (register, ()) if weighed is None else (weighed, part)
+        return register, part, ()  # what it has already, as its answer may have been lost
+    return weigh_part(register, DispatchRequest(unit_id, message.route_id), part)
 
 
-def weigh_part(register: Register, asked: DispatchRequest, part: Iterable[str]) -> Register | None:
-    """The register with a part of a route counted as the unit's; None: it is not proven that all can then finish.
+def weigh_part(
+    register: Register, asked: DispatchRequest, part: tuple[str, ...]
+) -> tuple[Register, tuple[str, ...], tuple[Show, ...]]:
+    """The register with a part of a route counted as the unit's; no part where it is not proven that all can then
+    finish, or another is to go first.
 
     Its move is still to be made, from there: a train that waits on open line stands in others' way.
     """
     days = register.plan.days
     if days is None or not days.parts or asked.unit_id not in days.index:
-        return None
+        return register, (), ()
     index, trip = days.index[asked.unit_id], register.trip(asked.unit_id)
     stands = stands_of(register, days)
     place = next_hop(days, index, stands.at[index], asked.route_id, "")
     if trip.astray or place is None or place != stands.at[index]:
-        return None
+        return register, (), ()
     has = 0
     for section_id in {*register.held_by(asked.unit_id), *part}:
         has |= days.bits[section_id]
     after = Stands(stands.at, (*stands.holds[:index], has, *stands.holds[index + 1 :]))
     found = finishing_order(after.trains(days), STEPS_MAX)
     if found.proof is not CertificateProof.ORDER:
-        return None
+        return register, (), ()
+    register, waits, shown = _Weighing(register, days, stands, index).by_order()
+    if waits is not None:
+        return register, (), shown
+    trip = register.trip(asked.unit_id)
     asked_s = register.now_s if trip.asked_s is None else trip.asked_s
     register = register.with_trip(asked.unit_id, replace(trip, part=True, done=place, asked_s=asked_s))
-    return replace(register, kept=LastCertificate(after.at, after.holds, found.order), sought=None)
+    kept = LastCertificate(after.at, after.holds, found.order)
+    return replace(register, kept=kept, sought=None), part, shown
 
 
 def _skipped(stands: Stands, index: int, place: int) -> Stands:
@@ -139,10 +148,15 @@ class _Weighing:
     def done(self) -> tuple[Register, Against | None, tuple[Show, ...]]:
         """The answer."""
         against, after = self._certified() if self._days.certificate else (None, None)
-        if against is None and (self._days.given or self._days.order is not OrderRule.FIRST_COME):
+        if against is None:
             against = self._by_order()
         if against is None:
             self._granted(after)
+        return self._register, against, tuple(self._shows)
+
+    def by_order(self) -> tuple[Register, Against | None, tuple[Show, ...]]:
+        """The answer by the order of trains alone, the register as it is but for what waits."""
+        against = self._by_order()
         return self._register, against, tuple(self._shows)
 
     # the certificate ------------------------------------------------------------------------------------------
@@ -304,6 +318,8 @@ class _Weighing:
     # the order of trains --------------------------------------------------------------------------------------
 
     def _by_order(self) -> Against | None:
+        if not self._days.given and self._days.order is OrderRule.FIRST_COME:
+            return None
         turn = turn_of(self._register, self._days, self._stands, self._index, self._order())
         if turn is None:
             return None

@@ -124,12 +124,16 @@ class Stands(msgspec.Struct, frozen=True):
         trains = [Train(held, _before(moves, done, until_s)) for held, moves, done in places]
         return [self._on_its_way(days, index, train) for index, train in enumerate(trains)]
 
+    def next_move(self, days: Days, index: int) -> Move:
+        """The next move of a stock, or what is left of it where it has a part."""
+        hop, held = days.hops[index][self.at[index]], self.holds[index]
+        return hop.rest(held) if days.parts and held & hop.move.needs else hop.move
+
     def _on_its_way(self, days: Days, index: int, train: Train) -> Train:
-        """With what is left of a move of which it has a part."""
-        if not days.parts or not train.ahead or not train.holds & train.ahead[0].needs:
+        """With what is left of its next move."""
+        if not days.parts or not train.ahead:
             return train
-        rest = days.hops[index][self.at[index]].rest(train.holds)
-        return Train(train.holds, (rest, *train.ahead[1:]))
+        return Train(train.holds, (self.next_move(days, index), *train.ahead[1:]))
 
     def after(self, days: Days, index: int) -> Stands:
         """With one stock a move further."""

@@ -8,7 +8,7 @@ words only; what persons enter stands apart in `reentry` until the line is defin
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
@@ -42,7 +42,9 @@ class RegisteredUnit(msgspec.Struct, frozen=True):
     `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `claim_needed`:
     of this boot only a fresh claim counts, since it spoke for itself before persons did; `silent`: it may be on the
     line, so it is asked all the same; `taken_back`: persons were wrong about it, or it was. `unproven`: by its own word
-    it is outside, and it was on the line as far as was known when the block state was lost.
+    it is outside, and it was on the line as far as was known when the block state was lost. `leave`: sections
+    that it may run over, `without_leave`: and may not, as this boot has told it; of others it has not
+    (`wayside.entering`).
     """
 
     standing: UnitStanding
@@ -56,6 +58,8 @@ class RegisteredUnit(msgspec.Struct, frozen=True):
     silent: bool = False
     taken_back: bool = False
     unproven: bool = False
+    leave: frozenset[str] = frozenset()
+    without_leave: frozenset[str] = frozenset()
 
     @property
     def has_spoken(self) -> bool:
@@ -82,6 +86,7 @@ class RegisterPlan:
     telegram_age_max_s: float
     reentry: ReentryMode
     days: Days | None = None  # None: nothing but the register decides
+    has_overlaps: bool = False
     solver: OrderSolver = without_solver
 
 
@@ -245,7 +250,8 @@ class Register(msgspec.Struct, frozen=True):
         return register, register.token_max
 
     def capabilities(self, unit_id: str, section_ids: Iterable[str], token: int) -> tuple[Capability, ...]:
-        """For each terminal with points among the sections, the proof that the unit holds them."""
+        """For each terminal with points among the sections that it may run over, the proof that the unit holds them."""
+        leave = self.unit(unit_id).leave
         return tuple(
             Capability(
                 terminal_id,
@@ -255,6 +261,7 @@ class Register(msgspec.Struct, frozen=True):
                 ),
             )
             for section_id in section_ids
+            if section_id in leave or not self.plan.has_overlaps
             for terminal_id in self.plan.terminals.get(section_id, ())
         )
 
@@ -268,13 +275,14 @@ def start(
     moves_done: Mapping[str, int] | None = None,
     bars: Bars = NO_BARS,
     solver: OrderSolver = without_solver,
+    on_part: Collection[str] = (),
 ) -> Register:
     """The register after a (re)start: nothing is known. `epoch` must be greater than that of any earlier boot.
 
     `ledger`: the units on the line when the boot before ended; None: lost, so every unit counts as on the
-    line and all of it as not swept, except at the first start. `moves_done`: how far each unit was in its day.
-    `solver`: who finds the order of least delay. Raises InputError if the ledger names a unit that is not on the fleet
-    list.
+    line and all of it as not swept, except at the first start. `moves_done`: how far each unit was in its day,
+    `on_part`: which had a part of their next move. `solver`: who finds the order of least delay. Raises InputError if
+    the ledger names a unit that is not on the fleet list.
     """
     trips_lost = epoch > 1 and (ledger is None or moves_done is None)
     if ledger is None and epoch > 1:
@@ -298,6 +306,7 @@ def start(
         config.telegram_age_max_s,
         config.reentry,
         days_of(config),
+        any(route.overlap for route in config.routes),
         solver,
     )
     return Register(
@@ -307,6 +316,9 @@ def start(
         ledger=on_line,
         bars=bars,
         unswept=frozenset(unswept),
-        trips={unit_id: DayProgress(done) for unit_id, done in (moves_done or {}).items()},
+        trips={
+            unit_id: DayProgress(done, part=unit_id in on_part)
+            for unit_id, done in (moves_done or {}).items()
+        },
         trips_lost=trips_lost,
     )

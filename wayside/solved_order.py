@@ -8,13 +8,15 @@ all trains stand where they have room, so that there is an order to find.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from typing import Final
 
 from msgspec.structs import replace
 
 from wayside.actions import Show
 from wayside.journeys import Days, PlannedMove, Stands
-from wayside.order_question import LastOrder, OrderMove, OrderQuestion, OrderTrain
+from wayside.moves import Move
+from wayside.order_question import LastOrder, OrderAnswer, OrderMove, OrderQuestion, OrderTrain
 from wayside.register import Register
 from wayside.said import OrderLacking
 
@@ -28,10 +30,19 @@ def with_order(register: Register, days: Days, stands: Stands) -> tuple[Register
     last = register.solved
     if last is not None and register.now_s < last.made_s + ASKED_EVERY_S:
         return register, ()
-    answer = register.plan.solver(question_of(register, days, stands))
+    question = question_of(register, days, stands)
+    answer = register.plan.solver(question)
+    if not _of_these(question, answer):
+        answer = OrderAnswer(lacking="the solver's order is not of the moves asked for")
     said = "" if last is None else last.answer.lacking
     shows = (Show(OrderLacking(why=answer.lacking)),) if answer.lacking and answer.lacking != said else ()
     return replace(register, solved=LastOrder(register.now_s, stands.at, answer)), shows
+
+
+def _of_these(question: OrderQuestion, answer: OrderAnswer) -> bool:
+    """Whether an order has no other moves than were asked for."""
+    moves = [len(train.moves) for train in question.trains]
+    return all(0 <= k < len(moves) and n <= moves[k] for k, n in Counter(answer.order).items())
 
 
 def question_of(register: Register, days: Days, stands: Stands) -> OrderQuestion:
@@ -60,16 +71,22 @@ def _train(register: Register, days: Days, stands: Stands, index: int, held: int
         ready_s = max(0, math.ceil(before.arrives_s + trip.late_s + before.stays_s - now_s) - comes_s)
     ahead = [hop for hop in hops[at:] if hop.departs_s < now_s + AHEAD_S]
     moves = tuple(
-        _move(days, hop, now_s, counts=place + 1 == len(ahead) or ahead[place + 1].train != hop.train)
+        _move(
+            days,
+            hop,
+            hop.move if place else stands.next_move(days, index),
+            now_s,
+            counts=place + 1 == len(ahead) or ahead[place + 1].train != hop.train,
+        )
         for place, hop in enumerate(ahead)
     )
     return OrderTrain(_sections(days, held), comes_s, keeps, ready_s, moves)
 
 
-def _move(days: Days, hop: PlannedMove, now_s: float, *, counts: bool) -> OrderMove:
+def _move(days: Days, hop: PlannedMove, move: Move, now_s: float, *, counts: bool) -> OrderMove:
     return OrderMove(
-        _sections(days, hop.move.needs),
-        _sections(days, hop.move.keeps),
+        _sections(days, move.needs),
+        _sections(days, move.keeps),
         max(0, math.ceil(hop.departs_s - now_s)),
         math.ceil(hop.arrives_s - hop.departs_s),
         math.ceil(hop.stays_s),

@@ -39,11 +39,13 @@ from onboard.authority.stop_limit import (
 from onboard.duty import fitness, on_sight
 from onboard.duty.arrival import clear_behind, confirm, releases_at_each
 from onboard.duty.duty_step import Action, DutyParameters, DutyStep
+from onboard.duty.entering import ask_beyond, ask_leave
 from onboard.duty.fitness import way_is_free
-from onboard.duty.plan import DutyPlan, PlanTag, Span
+from onboard.duty.plan import DutyPlan, PlanTag
 from onboard.duty.records import (
     ABLE,
     ASK,
+    AT_A_MARK,
     LEAVE,
     RELEASE,
     AtMark,
@@ -77,7 +79,7 @@ from onboard.duty.records import (
     VehicleChecked,
     WheelsTurning,
 )
-from onboard.duty.shown import AT_A_MARK, to_confirm
+from onboard.duty.shown import to_confirm
 from radio.table import TableCell, rows
 
 Handler = Callable[[DutyStep, Any], None]
@@ -200,12 +202,6 @@ def look_ahead(duty: DutyStep, passed: tuple[PlanTag, ...]) -> None:
         ask_beyond(duty, plan.track_behind_joint(passed[-1]))
 
 
-def ask_beyond(duty: DutyStep, track: Span | None) -> None:
-    """A train that runs through a track asks for the route beyond it before it comes there."""
-    if track is not None and not duty.plan.calls_at(track.section_id):
-        duty.ask(duty.plan.leg_beyond(track.section_id))
-
-
 def started(duty: DutyStep, _event: WheelsTurning) -> None:
     """Notes that the wheels turn."""
     duty.note(notes.Moving())
@@ -274,6 +270,8 @@ def heard(duty: DutyStep, event: TelegramHeard) -> None:
     now = duty.state.authority.open(RequestKind.ROUTE)
     if leg is not None and asked is not None and (now is None or now.section_ids != asked.section_ids):
         duty.want(duty.plan.departure_points(leg.from_section))
+        if asked is not None and asked.section_ids == leg.to_enter:
+            ask_beyond(duty, next(s for s in duty.plan.spans if s.section_id == leg.section_ids[-1]))
 
 
 # what follows from the state as it is ------------------------------------------------------------------------------
@@ -390,6 +388,7 @@ def throw_wanted(duty: DutyStep) -> None:
     missing = tuple(needed for needed in wanted if needed not in under_way)
     if missing:
         duty.authority(Throw(missing))
+        ask_leave(duty, missing)
 
 
 def set_limit(duty: DutyStep) -> None:

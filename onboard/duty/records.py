@@ -32,6 +32,8 @@ class DutyPhase(Enum):
     GONE = "gone"
 
 
+AT_A_MARK: Final = (DutyPhase.STANDING, DutyPhase.FINISHED, DutyPhase.SIGNING_OFF)
+
 ASK: Final = Timer("ask")  # a route is asked for some time before the departure
 LEAVE: Final = Timer("leave")  # the departure, after the dwell
 RELEASE: Final = Timer("release")  # the driver's acknowledgement after an emergency stop
@@ -141,9 +143,10 @@ class SetBack(msgspec.Struct, frozen=True, tag=True):
 
 
 class PointsSeen(msgspec.Struct, frozen=True, tag=True):
-    """The crew has seen that points ahead lie as needed."""
+    """The crew has seen that points ahead lie as needed; `under`: its train stands on them."""
 
     points: PointsNeeded
+    under: bool = False
 
 
 class PointsWrong(msgspec.Struct, frozen=True, tag=True):

@@ -50,7 +50,7 @@ def trains_to_arrange(
     line: Line, timetable: Timetable, printed: Mapping[str, tuple[PrintedCall, ...]], times: LineTimes
 ) -> list[TrainToArrange]:
     """All trains of the day. Raises InputError where the line has no way for one."""
-    turn_s = math.ceil(times.setup.operation.change_ends_s)
+    turn_s = math.ceil(max(times.setup.turn_s, timetable.head.turn_min_s))
     found: list[TrainToArrange] = []
     turning = {train.calls[i].station_id for train in timetable.trains.values() for i in (0, -1)}
     for number, train in timetable.trains.items():
@@ -60,10 +60,15 @@ def trains_to_arrange(
             expected = f"a line with a way for it; there is none for {missing}"
             raise InputError(timetable.head.id, "trains", number, expected) from missing
         follows = train.begins.number if isinstance(train.begins, FromTrain) else None
-        lead_s = next(v.leg.lead.stands for v in visits if v.leg is not None)
+        leads_s = [v.leg.lead.stands for v in visits if v.leg is not None]
+        if not leads_s:
+            expected = "a train from one station with tracks of its own to another"
+            raise InputError(timetable.head.id, "trains", number, expected)
         window_s = (train.calls[0].last_s - WITHIN_S, train.calls[-1].last_s + WITHIN_S)
         free = all(v.arrival_s is None and v.departure_s is None for v in visits)
-        found.append(TrainToArrange(number, visits, follows, turn_s + lead_s, *(window_s if free else ())))
+        found.append(
+            TrainToArrange(number, visits, follows, turn_s + leads_s[0], *(window_s if free else ()))
+        )
     return found
 
 

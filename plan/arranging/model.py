@@ -19,6 +19,7 @@ from plan.arranging.problem import (
     Arranged,
     ArrangedVisit,
     ByStanding,
+    Leg,
     PrintedMove,
     Standing,
     TrainToArrange,
@@ -161,6 +162,7 @@ class ArrangeModel:
             way = self._interval(f"{train.number} {here}", self._from(own, here, there), self._to(own, there))
             for section_id in leg.section_ids:
                 self._held[section_id].append((train.number, way))
+            self._come_in(f"{train.number} {there} in", own[there], leg)
         for at, here in enumerate(places):
             if at == 0 and train.follows is not None:
                 continue  # its set stands there since the train before
@@ -176,6 +178,15 @@ class ArrangeModel:
             else:
                 end = self._ends_s
             self._stand(f"{train.number} {here} track", begin, end, stays)
+
+    def _come_in(self, name: str, one: _VisitVars, leg: Leg) -> None:
+        """What a train has alone as it comes in, where opposing ones may not do so at once."""
+        if leg.overlaps:
+            enters = ByStanding(-leg.enters.stands, -leg.enters.passes)
+            begin, end = (self._shifted(one.arrives, one, by) for by in (enters, leg.stood))
+            interval = self._interval(name, begin, end)
+            for overlap in leg.overlaps:
+                self._held[overlap].append((name, interval))
 
     def _stand(self, name: str, begin: Bound, end: Bound, stays: Sequence[_VisitVars]) -> None:
         """One of the tracks for as long as the train, or its set, is there; the same for all its calls there."""

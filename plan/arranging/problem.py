@@ -49,12 +49,16 @@ class RunSeconds:
 class Leg:
     """What a train holds besides the tracks at both ends on its way from the place before, and around which times.
 
-    `lead`: before it leaves the place before, `lag`: after it comes to this one; both may be negative.
+    `lead`: before it leaves the place before, `lag`: after it comes to this one; both may be negative. `overlaps`: what
+    it has alone as it comes in, from `enters` before it comes to this place until `stood` after that.
     """
 
     section_ids: tuple[str, ...]
     lead: ByStanding
     lag: ByStanding
+    overlaps: tuple[str, ...] = ()
+    enters: ByStanding = ByStanding(0, 0)
+    stood: ByStanding = ByStanding(0, 0)
 
 
 @dataclass(frozen=True, slots=True)

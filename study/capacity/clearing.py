@@ -90,11 +90,12 @@ class Clearing:
 
     def _reported_s(self, journey: TrainJourney, frees: tuple[ReleaseMoment, ...], span: int) -> float:
         end_m = journey.mission.spans[span].end_m
+        kept_s = _kept_until_s(journey, span)
         if self.by_section:
-            return journey.at_s(self.clear_at_m(journey, end_m, 0.0, 0.0))
+            return max(journey.at_s(self.clear_at_m(journey, end_m, 0.0, 0.0)), kept_s)
         found_s = math.inf
         for each in frees:
-            if each.spans <= span:
+            if each.spans <= span or each.t_s < kept_s:
                 continue
             if not each.stands:
                 at_m = self.clear_at_m(journey, end_m, each.at_m, self.unit.doubt_error_share)
@@ -122,6 +123,14 @@ class Clearing:
                     yield ReleaseMoment(journey.at_s(laid.position_m), laid.position_m, proved, stands=False)
             if mission.spans[stop.span].kind is not SectionKind.BETWEEN:
                 yield ReleaseMoment(stay.arrives_s, mark_m, min(proved, stop.clear), stands=True)
+
+
+def _kept_until_s(journey: TrainJourney, span: int) -> float:
+    """When a train stands behind arrival points that it keeps until then (`onboard.duty.entering`), s."""
+    section_id, plan = journey.plan.spans[span].section_id, journey.plan
+    leg = next((leg for leg in plan.legs if section_id in leg.entry), None)
+    ends = {i for i, at in enumerate(plan.spans) if leg is not None and at.section_id == leg.section_ids[-1]}
+    return next((s.arrives_s for s in journey.stays if plan.stops[s.target].span in ends), -math.inf)
 
 
 def _known_m(journey: TrainJourney) -> list[float]:

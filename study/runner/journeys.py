@@ -50,7 +50,7 @@ def _moves(setup: Setup, train: PlannedTrain) -> Iterator[JourneyMove]:
         here, there = nodes[place], nodes[place + 1]
         last = place == len(train.routes) - 1
         stops = there.target is not None and there.target.passengers
-        stays_s = setup.operation.change_ends_s if last else setup.unit.dwell_min_s if stops else 0.0
+        stays_s = setup.turn_s if last else setup.unit.dwell_min_s if stops else 0.0
         leaves = last and duty.leaves
         yield JourneyMove(
             train.number, route.id, there.section_id, leaves, here.departs_s, there.arrives_s, stays_s

@@ -41,6 +41,7 @@ _SAID_IN_FULL: Final[Mapping[str, str]] = {
     "unknown token": "the token was never granted",
     "no way on": "not every train could finish its day",
     "not its turn": "another train goes first",
+    "overlap": "another train must stand first",
     "barred": "the unit is barred",
     "no name": "the word has no name",
     "too early": "too early after the restart",

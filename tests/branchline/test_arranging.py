@@ -103,11 +103,54 @@ def test_what_has_to_move_further_than_it_may_is_named_and_ends_in_1(
     assert re.search(r"least that would do:\n  1 \+\d+ s at Bato \(arrival printed 10:01\)", found.out)
 
 
-def test_a_scenario_wants_its_timetable_written(
-    main: Callable[..., Any], hill: Callable[[str], None]
+@pytest.mark.parametrize(
+    ("files", "said"),
+    [
+        (("--scenario", "run.toml"), "the timetable file that the scenario is to run"),
+        (("run.toml", "--scenario", "run.toml"), "another file"),
+        (("run.toml", "--scenario", "hill.toml"), "exists already"),
+        (("day.toml",), "exists already"),
+        (("run",), "NAME.toml"),
+    ],
+)
+def test_what_cannot_be_written_is_said_and_nothing_is(
+    main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path, files: tuple[str, ...], said: str
 ) -> None:
     hill("10:00")
-    assert main("arrange", "hill.toml", "day.toml", "--scenario", "run.toml").code == 2
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    ended = main("arrange", "hill.toml", "day.toml", *files)
+    assert (ended.code, said in ended.err) == (2, True), ended
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+CALLS_1 = '{ station = "ASA", departure = "10:00" }, { station = "BAT", arrival = "10:20" }'
+OF_2 = 'calls = [{ station = "BAT", departure = "10:00" }'
+
+
+@pytest.mark.parametrize(
+    ("was", "becomes", "said"),
+    [
+        (CALLS_1, '{ station = "ASA", departure = "10:00" }', "from one station with tracks of its own"),
+        (CALLS_1, CALLS_1.replace("10:20", "09:20"), "a time not before 10:00:00"),
+        ('"BAT", arrival', '"XYZ", arrival', "one of ASA, KID, BAT"),
+        ("dwell_min_s = 20", "dwell_min_s = -1", "0 to 3600 s"),
+        (OF_2, OF_2.replace('departure = "10:00"', 'departure = "10:00", track = "9"'), "9"),
+        ('begins = "stabled"', 'begins = "from:2"', "the first train of set V1"),
+        ('trains = ["2"]', 'trains = ["1"]', "1"),
+    ],
+    ids=["one call", "backwards", "station", "dwell", "track", "circle", "twice"],
+)
+def test_nonsense_is_one_line(
+    main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path, was: str, becomes: str, said: str
+) -> None:
+    hill("10:00")
+    day = tmp_path / "day.toml"
+    day.write_text(day.read_text("utf-8").replace(was, becomes, 1), "utf-8")
+    ended = main("arrange", "hill.toml", "day.toml", "made.toml", "--scenario", "run.toml")
+    assert ended.code == 2, ended
+    assert said in ended.err
+    assert ended.err.count("\n") == 1
+    assert not (tmp_path / "made.toml").exists()
 
 
 def test_a_set_that_has_no_room_where_it_begins_is_brought_as_an_empty_working(
@@ -131,3 +174,19 @@ def test_a_set_that_has_no_room_where_it_begins_is_brought_as_an_empty_working(
     assert list(empty)[-1] == "KID"
     assert _seconds(empty["KID"].arrival) < _seconds("11:00")
     assert main("check", "run.toml").code == 0
+
+
+def test_a_train_with_one_call_has_no_blocking_times(
+    main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path
+) -> None:
+    hill("10:00")
+    day = tmp_path / "day.toml"
+    one = CALLS_1.split(" }, ", maxsplit=1)[0] + " }"
+    day.write_text(day.read_text("utf-8").replace(CALLS_1, one, 1), "utf-8")
+    scenario = (
+        'id = "one"\nname = "one"\nline = "hill.toml"\ntimetable = "day.toml"\n[trains]\ndefault = "br642"\n'
+    )
+    (tmp_path / "one.toml").write_text(scenario, "utf-8")
+    ended = main("export", "displib", "one.toml", "one.json")
+    assert (ended.code, "two calls or more" in ended.err) == (2, True), ended
+    assert not (tmp_path / "one.json").exists()

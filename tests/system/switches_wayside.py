@@ -24,7 +24,7 @@ from radio.messages import (
 )
 from radio.noted import TookEffect
 from tests.system.switchboard import K1_ON_P7_S, K2_ON_P7_S, switch
-from wayside import acts, barring, block_manager, leaving, point_terminal, reentry, register
+from wayside import acts, barring, block_manager, entering, leaving, point_terminal, reentry, register
 from wayside.actions import Action, Send, Show
 from wayside.config import ManagerConfig
 from wayside.register import Register, UnitStanding
@@ -36,6 +36,11 @@ from wayside.said import Freed
 @switch
 def grants_what_another_holds(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Register, "other_holder", lambda *_: None)
+
+
+@switch
+def lets_all_come_in(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(entering, "EXCLUDES", False)
 
 
 @switch

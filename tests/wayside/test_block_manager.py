@@ -123,6 +123,9 @@ def test_a_train_on_its_way_is_granted_what_lies_ahead_whoever_is_behind_it() ->
     granted = desk.hear("u1", RouteRequest("u1", "over", ("D", "E")))
     assert isinstance(granted, RouteGranted)
     assert granted.section_ids == ("D", "E")
+    refused = defined(u1=("E",)).hear("u1", RouteRequest("u1", "over", ("D", "E")))
+    assert isinstance(refused, RouteRefused)  # it is beyond where that begins
+    assert refused.reason is RefusalReason.NOT_CONNECTED
     assert desk.register.held_by("u1") == ("D", "E")
     assert desk.register.held_by("u2") == ("C",)
 
