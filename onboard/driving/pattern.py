@@ -48,7 +48,7 @@ def limit_for_length(limit_mps: NDArray[np.float64], length_m: float) -> NDArray
     while 2 * over <= behind_m + 1:
         least_mps, over = np.minimum(least_mps[over:], least_mps[:-over]), 2 * over
     rest = behind_m + 1 - over
-    return np.minimum(least_mps[rest:], least_mps[: least_mps.size - rest])
+    return np.asarray(np.minimum(least_mps[rest:], least_mps[: least_mps.size - rest]), dtype=np.float64)
 
 
 def limit_for_train(limit_mps: NDArray[np.float64], train: TrainRow) -> NDArray[np.float64]:
