@@ -11,7 +11,9 @@ import pytest
 
 from network.files.timetable_schema import CallTable, TimetableFile
 from network.files.toml_input import parse_toml
-from network.timetable import seconds_of
+from network.model import Line
+from network.timetable import Timetable, seconds_of
+from plan.arranging import draft
 
 STATIONS = "name,id,km,tracks,kind\nAsa,ASA,0,2,\nKido,KID,3,2,signal station\nBato,BAT,6,2,\n"
 DAY = """[timetable]
@@ -150,7 +152,10 @@ def test_a_train_is_overtaken_on_the_other_track(main: Callable[..., Any], tmp_p
 def test_without_a_choice_of_tracks_the_second_waits_behind_the_first(
     main: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("plan.arranging.draft.stations_to_overtake", lambda *_: {})
+    def nowhere(_line: Line, _timetable: Timetable) -> dict[str, frozenset[str]]:
+        return {}
+
+    monkeypatch.setattr(draft, "stations_to_overtake", nowhere)
     found = _day_at_kido(main, tmp_path, OVERTAKEN)()
     assert "printed times moved: 0" not in found.out
 
