@@ -6,7 +6,7 @@ places it has whole, from a time before it leaves the one to a time after it is 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 
@@ -125,7 +125,7 @@ class Arranged:
     """A plan that works.
 
     `proven`: none in which no time is moved by more than `reach_s` moves printed times by less in all (beyond the limit
-    first); `bound_s`: below which there is none.
+    first); `bound_s`: below which there is none. `more_tracks`: that it takes and that stations do not have.
     """
 
     visits: dict[str, tuple[ArrangedVisit, ...]]
@@ -134,3 +134,4 @@ class Arranged:
     bound_s: float
     reach_s: int
     work: float
+    more_tracks: dict[str, int] = field(default_factory=dict[str, int])

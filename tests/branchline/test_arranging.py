@@ -11,7 +11,9 @@ import pytest
 
 from network.files.timetable_schema import CallTable, TimetableFile
 from network.files.toml_input import parse_toml
-from network.timetable import seconds_of
+from network.model import Line
+from network.timetable import Timetable, seconds_of
+from plan.arranging import draft
 
 STATIONS = "name,id,km,tracks,kind\nAsa,ASA,0,2,\nKido,KID,3,2,signal station\nBato,BAT,6,2,\n"
 DAY = """[timetable]
@@ -153,26 +155,75 @@ def test_nonsense_is_one_line(
     assert not (tmp_path / "made.toml").exists()
 
 
-def test_a_set_that_has_no_room_where_it_begins_is_brought_as_an_empty_working(
-    main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path
-) -> None:
-    hill("10:00")
-    text = DAY.replace('station = "BAT", departure = "UP_LEAVES"', 'station = "KID", departure = "11:00"')
-    text = text.replace('station = "ASA", departure = "10:00"', 'station = "KID", departure = "10:00"')
-    text = text.replace('"10:20", inferred', '"11:20", inferred')
-    (tmp_path / "hill.csv").write_text(STATIONS.replace("signal station", "station"), "utf-8")
-    (tmp_path / "hill.toml").unlink()
+def _day_at_kido(
+    main: Callable[..., Any], tmp_path: Path, trains: str, tracks: int = 2, ends: int = 2
+) -> Callable[..., Any]:
+    """A line whose middle station has so many tracks, and a day of `trains`; the command that arranges it."""
+    stations = STATIONS.replace("3,2,signal station", f"3,{tracks},station")
+    stations = stations.replace("0,2,", f"0,{ends},").replace("6,2,", f"6,{ends},")
+    (tmp_path / "hill.csv").write_text(stations, "utf-8")
     assert main("new", "line", "hill.csv", "hill.toml").code == 0
-    (tmp_path / "day.toml").write_text(text, "utf-8")
-    # Of the two tracks of Kido one stays free, so that the second set stands elsewhere at night.
-    found = main(
-        "arrange", "hill.toml", "day.toml", "made.toml", "--train", "br642", "--scenario", "run.toml"
+    (tmp_path / "day.toml").write_text(DAY[: DAY.index("[[trains]]")] + trains, "utf-8")
+    return lambda *more: main("arrange", "hill.toml", "day.toml", *more, "--train", "br642")
+
+
+def _train(number: str, direction: str, *calls: str) -> str:
+    rows = ", ".join(f"{{ {call} }}" for call in calls)
+    return (
+        f'[[trains]]\nnumber = "{number}"\ndirection = "{direction}"\nbegins = "stabled"\nends = "stabled"\n'
+        f'calls = [{rows}]\n\n[[diagrams]]\nstock = "V{number}"\ntrains = ["{number}"]\n\n'
     )
+
+
+OVERTAKEN = _train(
+    "1",
+    "down",
+    'station = "ASA", departure = "10:00"',
+    'station = "KID", arrival = "10:05", departure = "10:20"',
+    'station = "BAT", arrival = "10:26"',
+) + _train("3", "down", 'station = "ASA", departure = "10:08"', 'station = "BAT", arrival = "10:16"')
+
+
+def test_a_train_is_overtaken_on_the_other_track(main: Callable[..., Any], tmp_path: Path) -> None:
+    found = _day_at_kido(main, tmp_path, OVERTAKEN)("made.toml", "--scenario", "run.toml")
+    assert "printed times moved: 0 of 6" in found.out
+    assert {_calls(tmp_path / "made.toml", number)["KID"].track for number in ("1", "3")} != {None}
+    checked = main("check", "run.toml")
+    assert checked.code == 0, checked
+
+
+def test_without_a_choice_of_tracks_the_second_waits_behind_the_first(
+    main: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def nowhere(_line: Line, _timetable: Timetable) -> dict[str, frozenset[str]]:
+        return {}
+
+    monkeypatch.setattr(draft, "stations_to_overtake", nowhere)
+    found = _day_at_kido(main, tmp_path, OVERTAKEN)()
+    assert "printed times moved: 0" not in found.out
+
+
+AT_KIDO = [
+    _train(
+        str(2 * i), "up", f'station = "KID", departure = "1{i}:00"', f'station = "ASA", arrival = "1{i}:10"'
+    )
+    for i in range(3)
+]
+
+
+def test_two_sets_stand_on_two_tracks(main: Callable[..., Any], tmp_path: Path) -> None:
+    found = _day_at_kido(main, tmp_path, "".join(AT_KIDO[:2]))()
+    assert found.code == 0
+    assert "empty working" not in found.out
+
+
+def test_a_third_set_is_brought_as_an_empty_working(main: Callable[..., Any], tmp_path: Path) -> None:
+    found = _day_at_kido(main, tmp_path, "".join(AT_KIDO))("made.toml", "--scenario", "run.toml")
     assert found.code == 0, found
     assert "empty working added: E1" in found.out
     empty = _calls(tmp_path / "made.toml", "E1")
     assert list(empty)[-1] == "KID"
-    assert _seconds(empty["KID"].arrival) < _seconds("11:00")
+    assert 10 * 3600 < _seconds(empty["KID"].arrival) < 12 * 3600  # a track is free from 10:00 on
     assert main("check", "run.toml").code == 0
 
 
@@ -190,3 +241,12 @@ def test_a_train_with_one_call_has_no_blocking_times(
     ended = main("export", "displib", "one.toml", "one.json")
     assert (ended.code, "two calls or more" in ended.err) == (2, True), ended
     assert not (tmp_path / "one.json").exists()
+
+
+def test_tracks_that_would_do_are_named(main: Callable[..., Any], tmp_path: Path) -> None:
+    # Two sets begin at Kido and end at Asa; no station has more than one track.
+    found = _day_at_kido(main, tmp_path, "".join(AT_KIDO[:2]), tracks=1, ends=1)()
+    assert found.code == 2
+    assert "Kido had 1 more track" in found.err
+    assert "Asa had 1 more track" in found.err
+    assert "no printed time would be moved" in found.err
