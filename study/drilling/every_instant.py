@@ -20,8 +20,9 @@ from simulation.late_day import late_day
 from simulation.loop import Simulation
 from simulation.setup import STEPS_PER_S, Setup, step_not_before
 from simulation.world.roster import drawn_up
-from study.drilling.forks import CopyDied, Forks
+from study.drilling.forks import CopyDied, Forks, Key
 from study.drilling.outcome_class import SweptRun, swept_run_of, swept_run_of_death
+from study.drilling.swept_rows import MadeOf, SweptRows
 from study.runner.run import simulation_of
 
 NOTHING: Final = Script()
@@ -130,10 +131,11 @@ def sweep(
     jobs: int,
     progress: Progress | None = None,
     beside: Script = NOTHING,
+    rows: SweptRows | None = None,
 ) -> SweepOutcomes:
     """Run every variation at every instant of its window. InputError on a day on which something fails by itself.
 
-    What is varied happens where nothing else does, or beside a script of its own.
+    What is varied happens where nothing else does, or beside a script of its own. What `rows` have is not run again.
     """
     if late_day(setup).failures:
         expected = "no failures and dead zones: a sweep puts faults where there are none"
@@ -154,15 +156,26 @@ def sweep(
         len(steps if variation.instants is None else variation.instants)
         for variation, steps in zip(variations, planned, strict=True)
     )
-    with simulation_of(replace(setup, script=beside)) as simulation, Forks(SweptRun, jobs) as copies:
+    rows = SweptRows(None, MadeOf(), {}) if rows is None else rows
+    found: dict[Key, SweptRun] = {}
+
+    def take(key: Key, result: SweptRun | CopyDied) -> None:
+        found[key] = swept_run_of_death(result) if isinstance(result, CopyDied) else result
+        rows.add(key, found[key])
+
+    with simulation_of(replace(setup, script=beside)) as simulation, Forks(SweptRun, jobs, take) as copies:
         simulation.begin()
         while any(course.open for course in courses) and not simulation.settle():
             for course in courses:
                 variation = course.variation
                 for step in course.due(simulation):
-                    copies.start((variation.name, step), partial(_end_of, simulation, variation.at(step)))
+                    key = variation.name, step
+                    if key in rows.taken_up:
+                        found[key] = rows.taken_up[key].run
+                    else:
+                        copies.start(key, partial(_end_of, simulation, variation.at(step)))
                     if progress is not None:
-                        progress(len(copies.results), total)
+                        progress(len(found), total)
                 if window.to_s is None and all(map(simulation.has_finished, variation.stocks)):
                     course.close(simulation.step)
             simulation.advance()
@@ -172,9 +185,9 @@ def sweep(
         copies.wait()
     outcomes: dict[str, dict[int, SweptRun]] = {variation.name: {} for variation in variations}
     last_of = {course.variation.name: course.last_step for course in courses}
-    for (name, step), found in sorted(copies.results.items(), key=_key):
+    for (name, step), run in sorted(found.items()):
         if step <= last_of[name]:
-            outcomes[name][step] = swept_run_of_death(found) if isinstance(found, CopyDied) else found
+            outcomes[name][step] = run
     return SweepOutcomes(every_step, outcomes)
 
 
@@ -182,10 +195,6 @@ def _end_of(simulation: Simulation, script: Script) -> SweptRun:
     """In a copy: what becomes of it all with this script."""
     simulation.carry_out(script)
     return swept_run_of(simulation.finish(), script)
-
-
-def _key(item: tuple[tuple[str, int], object]) -> tuple[str, int]:
-    return item[0]
 
 
 def _planned(setup: Setup, variation: Variation, window: InstantWindow) -> range:
