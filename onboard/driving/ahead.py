@@ -29,7 +29,8 @@ def kept_along_mps(
 
     def pattern(at_m: NDArray[np.int64]) -> NDArray[np.float64]:
         here, there = (np.minimum(m.astype(np.int64), path.size - 1) for m in (at_m, at_m + furthest_m))
-        return np.minimum(path["driving_mps"][here], path["permitted_mps"][there] - margin_mps)
+        kept_mps = np.minimum(path["driving_mps"][here], path["permitted_mps"][there] - margin_mps)
+        return np.asarray(kept_mps, dtype=np.float64)
 
     ahead_m = np.maximum(path["driving_mps"] * LOOK_AHEAD_S, 1.0).astype(np.int64)
     return np.maximum(np.minimum(pattern(metres), pattern(metres + ahead_m)), 0.0)

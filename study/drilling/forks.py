@@ -96,6 +96,11 @@ class Forks(Generic[T]):
         self._running[from_copy] = (key, _Copy(pid, from_copy))
         self._selector.register(from_copy, selectors.EVENT_READ)
 
+    @property
+    def under_way(self) -> int:
+        """How many copies run."""
+        return len(self._running)
+
     def wait(self) -> None:
         """Until all copies have ended."""
         while self._running:

@@ -15,8 +15,8 @@ from typing import Final
 
 from network.errors import InputError
 from simulation.setup import STEPS_PER_S
-from study.drilling.forks import Key
-from study.drilling.outcome_class import OutcomeKind, SweptRun
+from study.drilling.forks import CopyDied, Key
+from study.drilling.outcome_class import OutcomeKind, SweptRun, swept_run_of_death
 from study.record.directory import INCOMPLETE, check_out
 
 CSV_FILE: Final = "sweep.csv"
@@ -67,8 +67,9 @@ class SweptRows:
         """How many of those taken up another code ran."""
         return sum(row.made_of.code != self._made_of.code for row in self.taken_up.values())
 
-    def add(self, key: Key, run: SweptRun) -> None:
+    def take(self, key: Key, found: SweptRun | CopyDied) -> None:
         """A run has ended."""
+        run = swept_run_of_death(found) if isinstance(found, CopyDied) else found
         self.rows[key] = SweptRow(run, self._made_of)
         if self._file is not None:
             with self._file.open("a", encoding="utf-8", newline="") as stream:

@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from onboard import motion as motion_module
 from onboard.duty.mission import Mission
 from onboard.duty.records import (
     AtMark,
@@ -26,7 +27,6 @@ from onboard.duty.records import (
     TagBelieved,
     WheelsTurning,
 )
-from onboard import motion as motion_module
 from onboard.motion import ARRIVED_WITHIN_M, UnitMotion
 from onboard.records import (
     EMERGENCY_INTERVENTION,
@@ -346,7 +346,7 @@ def test_on_sight_a_train_that_moves_keeps_its_mark_to_the_last(
     monkeypatch: pytest.MonkeyPatch,
     speed_mps: float,
     keeps: bool,
-    aim_m: float,  # noqa: FBT001
+    aim_m: float,
 ) -> None:
     """Whatever makes it look again half a metre before it; one that stands there has called, and may go on."""
     monkeypatch.setattr(motion_module, "KEEPS_ITS_MARK", keeps)
