@@ -76,8 +76,6 @@ from vehicle.wheel import pulse_m
 
 STANDS_WITHIN_M: Final = 0.01  # a train that has come this far has begun to move
 NO_ROOM: Final = "the bounds leave no room to go on"
-AT_MARK_M: Final = 1.0  # on sight: who stands so near before a mark is there
-KEEPS_ITS_MARK = True  # off: on sight a mark is forgotten in its last metre, with the train still moving
 ARRIVED_WITHIN_M: Final = 5.0  # stood this near the mark, the train has arrived
 
 
@@ -458,10 +456,7 @@ class UnitMotion:
         row.rear_trigger_m = row.stop_limit_m = aim_m = math.inf
         if row.position_known and mission is not None:
             row.stop_limit_m = mission.span_at(row.position_m).end_m
-            # Who moves comes to a stand at its mark; who stands just short of one is there.
-            there_m = 0.0 if KEEPS_ITS_MARK and row.speed_mps > 0.0 else AT_MARK_M
-            marks_m = [t.mark_m for t in mission.targets if t.mark_m > row.position_m + there_m]
-            aim_m = min(marks_m, default=math.inf)
+            aim_m = mission.mark_ahead_m(row.position_m, moves=bool(row.speed_mps > 0.0))
         if aim_m != row.target_stop_m:
             row.target_stop_m = row.mark_m = aim_m
             row.braking_to_stop = 0

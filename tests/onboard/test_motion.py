@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from onboard import motion as motion_module
+from onboard.duty import mission as mission_module
 from onboard.duty.mission import Mission
 from onboard.duty.records import (
     AtMark,
@@ -349,7 +349,7 @@ def test_on_sight_a_train_that_moves_keeps_its_mark_to_the_last(
     aim_m: float,
 ) -> None:
     """Whatever makes it look again half a metre before it; one that stands there has called, and may go on."""
-    monkeypatch.setattr(motion_module, "KEEPS_ITS_MARK", keeps)
+    monkeypatch.setattr(mission_module, "KEEPS_ITS_MARK", keeps)
     row = motion.row
     row.position_m, row.speed_mps = MARK_B_M - 0.5, speed_mps
     row.target_stop_m, row.braking_to_stop = MARK_B_M, 1
