@@ -334,7 +334,7 @@ def test_no_row_of_any_shipped_line_is_below_what_a_run_needs(
         driving = [drives.drive_headway(case, searched=False) for case in cases]
         monkeypatch.setattr(headways_driven, "DRIVING_COUNTS", False)
         kept = [drives.drive_headway(case, searched=False) for case in cases]
-    assert not [one.text for one in kept if one.kept_s > LATE_S]
+    assert not [one.text for one in kept if one.kept_s > NEAR_S]
     assert not [one.text for one in driving if one.driving_s > SLOWER_S + TOUCH_S]
 
 
