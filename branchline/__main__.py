@@ -12,9 +12,12 @@ def main() -> None:
     if (hidden := hidden_package()) is not None:
         sys.stderr.write(f"error: {hidden}\n")
         sys.exit(2)
-    from branchline.cli import main as run_command_line
+    from study.runner.collector import collecting_rarely
 
-    run_command_line()
+    with collecting_rarely():
+        from branchline.cli import main as run_command_line
+
+        run_command_line()
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -41,8 +42,9 @@ def arrange(
     Exit code 1 if a printed time has to be moved by more than --limit; the least that would do is said.
     """
     from plan.arranging.arrange import arrange as arranged_by_name
-    from plan.arranging.files import write_day
+    from plan.arranging.files import checked_files, write_day
 
+    checked_files(out, scenario)
     day = arranged_by_name(line, timetable, train, limit)
     for path in write_day(day, line, train, out, scenario):
         print_aside(f"wrote {path}")
@@ -56,6 +58,7 @@ def arrange(
 
 def _print(day: ArrangedDay, limit_s: int) -> None:
     from network.clock import clock
+    from plan.arranging.arrange import lacking_text
 
     figures = day.figures
     rows = [
@@ -64,11 +67,10 @@ def _print(day: ArrangedDay, limit_s: int) -> None:
     ]
     if day.beyond:
         rows.insert(0, f"no plan moves every printed time by {limit_s} s or less; the least that would do:")
-        rows[1:1] = [f"  {_move(day, move)}" for move in day.beyond]
-    worst = sorted(day.moves, key=lambda move: (-abs(move.by_s), move.number, move.printed_s))
-    rows += [f"moved: {_move(day, move)}" for move in worst[:NAMED]]
-    if len(worst) > NAMED:
-        rows.append(f"moved: {len(worst) - NAMED} more, by {abs(worst[NAMED].by_s)} s at most")
+        rows[1:1] = list(_named(day, day.beyond, "  "))
+        if day.lacking is not None:
+            rows.insert(0, lacking_text(day.line, day.lacking))
+    rows += _named(day, [move for move in day.moves if abs(move.by_s) <= limit_s], "moved: ")
     stops = [f"{number} at {clock(at_s)[:-3]}" for number, _, at_s in day.added]
     by_station: dict[str, list[str]] = {}
     for (_, station_id, _), text in zip(day.added, stops, strict=True):
@@ -80,13 +82,21 @@ def _print(day: ArrangedDay, limit_s: int) -> None:
         calls = day.timetable.trains[number].calls
         way = " - ".join(day.line.stations[calls[at].station_id].name for at in (0, -1))
         rows.append(f"empty working added: {number}, {way} at {clock(calls[0].last_s)[:-3]}")
-    proof = (
-        "the least that there is"
-        if day.arranged.proven
-        else f"at least {day.arranged.bound_s:.0f} s are needed"
-    )
+    proof = "the least that there is"
+    if not day.arranged.proven:
+        proof = (
+            "less may do" if day.beyond else f"at least {day.arranged.bound_s:.0f} s are needed in all"
+        )  # the bound of a plan beyond the limit is none in seconds
     rows.append(f"{proof}, where none is moved by more than {day.arranged.reach_s} s")
     sys.stdout.write("\n".join(rows) + "\n")
+
+
+def _named(day: ArrangedDay, moves: Sequence[PrintedMove], mark: str) -> Iterator[str]:
+    """The furthest moves, and how many there are besides."""
+    worst = sorted(moves, key=lambda move: (-abs(move.by_s), move.number, move.printed_s))
+    yield from (f"{mark}{_move(day, move)}" for move in worst[:NAMED])
+    if len(worst) > NAMED:
+        yield f"{mark}{len(worst) - NAMED} more, by {abs(worst[NAMED].by_s)} s at most"
 
 
 def _move(day: ArrangedDay, move: PrintedMove) -> str:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import typer
 
+from branchline.best_equipment import equipment
 from branchline.best_interval import interval
 from branchline.best_loops import loops
+from branchline.best_robust import robust
+from branchline.best_roster import roster
 from branchline.best_trains import trains
 from branchline.dispatching import deadlock, displib
 
@@ -15,5 +18,8 @@ best = typer.Typer(
 best.command()(interval)
 best.command()(loops)
 best.command()(trains)
+best.command()(robust)
+best.command()(equipment)
+best.command()(roster)
 best.command()(displib)
 best.command()(deadlock)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,6 +14,7 @@ from branchline.options import Json, ScenarioName
 from branchline.progress import print_aside
 
 if TYPE_CHECKING:
+    from network.timetable import Timetable
     from plan.least_interval import LeastInterval, RepeatedPaths
     from plan.moving.proof import Circle, Impossibility
     from simulation.setup import Setup
@@ -53,6 +53,8 @@ def interval(
         from plan.least_interval import AS_UNITS_ASK, SET_LATE, least_interval, recounted
     from plan.moving.proof import Impossibility, proof_text
 
+    if out is not None:
+        new_day(out, scenario)
     setup = load_scenario(scenario).setup
     rules = SET_LATE if set_late else AS_UNITS_ASK
     if check is not None:
@@ -81,11 +83,11 @@ def figures_of(found: LeastInterval) -> dict[str, Any]:
 
 
 def write_answer(
-    out: Path, setup: Setup, found: LeastInterval, extends: str, loops: tuple[str, ...] = ()
+    out: Path, setup: Setup, found: LeastInterval, extends: str, changes: Mapping[str, Any] | None = None
 ) -> None:
     """A scenario that runs a line at its least interval all day, and its timetable beside it."""
     if found.interval_s is not None:
-        write_day_of(out, setup, found.pattern, found.moves_s, found.interval_s, extends, loops)
+        write_day_of(out, setup, found.pattern, found.moves_s, found.interval_s, extends, changes)
 
 
 def write_day_of(
@@ -95,19 +97,37 @@ def write_day_of(
     moves_s: Sequence[Sequence[float]],
     every_s: int,
     extends: str,
-    loops: tuple[str, ...] = (),
+    changes: Mapping[str, Any] | None = None,
 ) -> None:
-    """A scenario that repeats a pattern all day. Raises InputError where it would extend itself."""
-    from network.errors import COMMAND_LINE, InputError
-    from plan.even_day import Repetition, timetable_of, write_day
+    """A scenario that repeats a pattern all day. Raises InputError where one of its files stands already."""
+    from plan.even_day import Repetition, timetable_of
 
-    if Path(extends).is_file():
-        extends = os.path.relpath(extends, out.parent)
-    if extends in {out.stem, out.name}:
-        raise InputError(COMMAND_LINE, "--out", str(out), "another name than that of the scenario")
-    day = timetable_of(setup, Repetition(pattern, moves_s, every_s), f"{out.stem}_times")
-    write_day(out, day, extends, loops)
-    print_aside(f"wrote {out} and {day.head.id}.toml beside it")
+    day = timetable_of(setup, Repetition(pattern, moves_s, every_s), times_beside(out).stem)
+    write_extending(out, day, extends, changes)
+
+
+def write_extending(
+    out: Path, timetable: Timetable, extends: str, changes: Mapping[str, Any] | None = None
+) -> None:
+    """A scenario with another timetable, and what else is changed. InputError where one of its files stands already."""
+    from plan.even_day import write_day
+
+    write_day(out, timetable, new_day(out, extends), changes or {})
+    print_aside(f"wrote {out} and {timetable.head.id}.toml beside it")
+
+
+def new_day(out: Path, extends: str) -> str:
+    """How the scenario to be written names the one that it extends. InputError where a file of it stands already."""
+    from study.making.place import checked_new, extended_by
+
+    base = extended_by(out, extends, "--out")
+    checked_new(times_beside(out), "--out")
+    return base
+
+
+def times_beside(out: Path) -> Path:
+    """Where its timetable goes."""
+    return out.with_name(f"{out.stem}_times.toml")
 
 
 def _times(circle: Circle) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from branchline.best_interval import ScenarioOut, SetLate, figures_of, write_answer
+from branchline.best_interval import ScenarioOut, SetLate, figures_of, new_day, write_answer
 from branchline.ending import end_with
 from branchline.extras import planning_extra
 from branchline.options import Json, ScenarioName
@@ -34,13 +34,13 @@ def loops(
 
     with planning_extra("loops"):
         from plan.least_interval import AS_UNITS_ASK, SET_LATE
-        from plan.where_to_meet import halts_of, loop_choices
+        from plan.where_to_meet import halts_of, laying, loop_choices
 
     def with_loops(loops: Sequence[str]) -> Setup:
-        return load_scenario(
-            scenario, tables={"patch": {"line": {"add_loops": list(loops)}}} if loops else None
-        ).setup
+        return load_scenario(scenario, tables=laying(loops)).setup
 
+    if out is not None:
+        new_day(out, scenario)
     halts = halts_of(with_loops(()).line)
     for station_id in at or ():
         if station_id not in halts:
@@ -48,7 +48,7 @@ def loops(
     choices = loop_choices(with_loops, at or halts, most, SET_LATE if set_late else AS_UNITS_ASK)
     best = choices[0]
     if out is not None and best.setup is not None and best.found is not None:
-        write_answer(out, best.setup, best.found, scenario, best.loops)
+        write_answer(out, best.setup, best.found, scenario, laying(best.loops))
     rows = ["loops at              interval   an hour   waits"]
     for choice in choices:
         where = " ".join(choice.loops) or "none more"

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from branchline.best_interval import ScenarioOut, SetLate, write_day_of
+from branchline.best_interval import ScenarioOut, SetLate, new_day, write_day_of
 from branchline.ending import end_with
 from branchline.extras import planning_extra
 from branchline.options import Json, ScenarioName
@@ -28,6 +28,8 @@ def trains(
         from plan.least_interval import AS_UNITS_ASK, SET_LATE
         from plan.most_trains import most_trains
 
+    if out is not None:
+        new_day(out, scenario)
     setup = load_scenario(scenario).setup
     found = most_trains(setup, 60 * every, SET_LATE if set_late else AS_UNITS_ASK)
     if out is not None and found.waits is not None:

@@ -54,25 +54,25 @@ def import_displib(
 ) -> None:
     """Make a solution of `export displib` the order of the day: a scenario in which trains go in that order."""
     from network.errors import InputError
-    from network.files.json_input import write_aside
     from plan.dispatching.checker import objections
     from plan.dispatching.day import day_of, moves_of
     from plan.dispatching.instance import read_solution
     from scenario.scenario import load_scenario
+    from study.making.place import extended_by, write_new
     from study.outcome import Outcome
 
+    base = extended_by(out, scenario)
     loaded, solved = load_scenario(scenario, seed), read_solution(solution)
     day = day_of(loaded.setup)
     if wrong := objections(day.instance, solved):
         raise InputError(str(solution), "events", wrong[0], "a solution of this scenario's day and seed")
     given = moves_of(loaded.setup, day.order(solved))
-    base = str(Path(scenario).resolve()) if Path(scenario).suffix == ".toml" else scenario
     text = (
         f"extends = {json.dumps(base)}\nid = {json.dumps(f'{loaded.id}_ordered')}\n"
         f"name = {json.dumps(f'{loaded.name}, in the order of {solution.name}')}\n"
         f"seed = {loaded.setup.seed}\n\n[dispatch]\ngiven = {json.dumps(given)}\n"
     )
-    write_aside(out, text)
+    write_new(out, text)
     figures: dict[str, object] = {"file": str(out), "promised_s": solved.objective_value}
     lines = [f"wrote {out}: promised {solved.objective_value / 60.0:.1f} min late in all at last stops"]
     if run:

@@ -62,6 +62,14 @@ def drill(
         int | None,
         typer.Option("--sample", min=1, help="With --at: run an even sample of this size; default all."),
     ] = None,
+    resume: Annotated[
+        bool,
+        typer.Option(
+            "--resume",
+            help="With --out: take up the runs that a sweep which was stopped, or is whole, has left there for the same"
+            " inputs, whichever code ran them, and run the rest.",
+        ),
+    ] = False,
     every: Annotated[
         float,
         typer.Option("--every", min=0.1, help="With --sweep or --sweep-kinds: step between instants, s."),
@@ -87,7 +95,9 @@ def drill(
 
         if link != "simulated" or units != "simulator":
             raise InputError("command line", "--link", link, "simulated: a sweep forks one process")
-        asked = SweepOptions(every, from_time, to_time, jobs, seed, out, as_json, sample)
+        if resume and out is None:
+            raise InputError("command line", "--resume", True, "--out DIR, where the runs are")
+        asked = SweepOptions(every, from_time, to_time, jobs, seed, out, as_json, sample, resume)
         if at is not None:
             end(judged_outcome(sweep_telegrams(file, asked, at, faults)))
         good = sweep_all_kinds(file, asked) if sweep_kinds else sweep_drill(file, asked)

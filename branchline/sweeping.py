@@ -7,6 +7,7 @@ import time
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from hashlib import blake2b
 from pathlib import Path
 from typing import Any, Final
 
@@ -23,8 +24,10 @@ from study.drilling.forks import jobs_of
 from study.drilling.grid_report import classes_of, figures_of, owns_file, text_of, write_sweep
 from study.drilling.moving import single_faults, staffed, what_is_moved
 from study.drilling.outcome_class import expected_breaks
+from study.drilling.swept_rows import MadeOf, growing_rows
 from study.drilling.telegram_grid import FaultChoice, TelegramGrid, grid_of
 from study.record.directory import replacing_folder
+from study.sweep.digest import code_digest, inputs_digest
 
 AT_TELEGRAMS: Final = "telegrams"
 
@@ -41,6 +44,7 @@ class SweepOptions:
     out: Path | None
     as_json: bool
     sample: int | None = None
+    resume: bool = False
 
 
 def sweep_drill(name: str, asked: SweepOptions) -> bool:
@@ -120,19 +124,24 @@ def _swept(
     beside = grid is not None
     out = None if asked.out is None else asked.out.resolve()
     began_s = time.monotonic()
-    with nullcontext() if out is None else replacing_folder(out, owns_file, "a sweep") as folder:
+    made_of = MadeOf(_inputs_of(setup), code_digest())
+    with (
+        growing_rows(out, made_of, resume=asked.resume) as rows,
+        nullcontext() if out is None else replacing_folder(out, owns_file, "a sweep") as folder,
+    ):
         with progress_of_runs(f"sweep of {scenario.id}") as progress:
             script = setup.script if beside else NOTHING
-            swept = sweep(setup, variations, window, jobs_of(asked.jobs), progress, script)
+            swept = sweep(setup, variations, window, jobs_of(asked.jobs), progress, script, rows)
             swept = swept.beside(*(expected_breaks(setup.script) if grid is None else grid.own))
         figures = figures_of(scenario, swept, left_out)
         figures |= {"wall_s": round(time.monotonic() - began_s, 1)}
         figures |= (
             {} if grid is None else {"every_s": None, "grid": grid.of, "own": [run.label for run in grid.own]}
         )
+        figures |= {"taken_up": len(rows.taken_up), "taken_up_of_other_code": rows.of_other_code}
         figures |= {"out": None if out is None else str(out)}
         if folder is not None:
-            write_sweep(scenario, swept, variations, figures, folder, beside=beside)
+            write_sweep(scenario, swept, variations, figures, folder, rows=rows, beside=beside)
     if not asked.as_json:
         how = f"one every {figures['every_s']:g} s" if grid is None else "before and after telegrams"
         sampled = "" if grid is None or grid.of == grid.runs else f", an even sample of {grid.of}"
@@ -140,10 +149,18 @@ def _swept(
     return figures
 
 
+def _inputs_of(setup: Setup) -> str:
+    """Digest of a setup with its seed."""
+    return blake2b(f"{inputs_digest(setup)} {setup.seed}".encode()).hexdigest()
+
+
 def _show(
     scenario: Scenario, swept: SweepOutcomes, figures: dict[str, Any], how: str, out: Path | None
 ) -> None:
     sys.stdout.write(f"{scenario.name}: {figures['runs']} runs, {how}, in {figures['wall_s']:.0f} s\n")
+    if taken_up := figures["taken_up"]:
+        other = figures["taken_up_of_other_code"]
+        sys.stdout.write(f"  {taken_up:6d}  of these were there before, {other} of them run by other code\n")
     for kind, count in figures["by_kind"].items():
         sys.stdout.write(f"  {count:6d}  {kind}\n")
     for text in figures["left_out"]:

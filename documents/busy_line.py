@@ -48,6 +48,7 @@ _LINE: Final = f"""[line]
 id = "{LINE_ID}"
 name = "Busy line"
 max_speed_kmh = 85
+overlap_m = 0 # assumed: supervision guarantees the stop before the points, so opposing trains come in at once
 assumed = [
   "the line: made up by documents.busy_line to measure a busy day; no figure of it has a source",
   "stations: six, 6.6 km apart, two tracks of 240 m, platforms of 80 m, marks that centre a train of 40 m",

@@ -38,6 +38,11 @@ CAUGHT: Final = (
         "onboard/duty/test_properties.py::test_every_state_reached_first_keeps_the_rules",
     ),
     GuardedRule(
+        "arrival points are kept until the train stands, where others must not come in before",
+        "onboard.duty.entering",
+        "onboard/duty/test_entering.py::test_arrival_points_are_kept_until_it_stands",
+    ),
+    GuardedRule(
         "a route is not given back while moving",
         "onboard.duty.machine",
         "onboard/duty/test_machine.py::test_row",

@@ -140,6 +140,16 @@ HAZARDS: Final = (
         ("sections given back by the front instead of the safe rear",),
     ),
     Hazard(
+        "A train overruns its stop into the way of another that comes in",
+        "two trains come to a loop at once, on a line with less room beyond its marks than an overrun may take",
+        "a train has leave, the capability to command its arrival points, only while nobody else comes in or goes over"
+        " points that it would foul, or whose overrun would foul its own; it keeps its arrival points until it stands",
+        ("wayside.entering", "onboard.duty.entering"),
+        (Checker.ONE_COMES_IN,),
+        ("rtri/78_comes_in_at_once",),
+        ("leave to come in for two at once",),
+    ),
+    Hazard(
         "A train that follows another in virtual blocks meets one that comes against it, or stands for ever",
         "a part of a way is granted, the rest of which is held",
         "only behind trains that run the same way, to a place where the radio reaches, and if it is proven that all can"

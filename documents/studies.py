@@ -41,7 +41,7 @@ RADIO: Final = (
     *(f"tags_and_radio/{name}" for name in ("half_tags", "slow_radio", "both")),
 )
 DENSE: Final = ("second_loop/loop_at_hanaoka", "tags_and_radio/dense_slow_radio")
-CABLE: Final = tuple(f"cut_cable/{name}" for name in ("on_board", "central", "central_beyond"))
+CABLE: Final = tuple(f"cut_cable/{name}" for name in ("on_board", "relay", "central", "central_beyond"))
 CUT_S: Final = (seconds_of("", "", "10:50", None), seconds_of("", "", "17:00", None))
 _DAY_S: Final = (7 * 3600, 20 * 3600)  # in which the even timetables are full
 _MARK: Final = re.compile(r"(<!-- made: ([\w-]+) -->\n).*?(<!-- /made -->)", re.DOTALL)
@@ -57,6 +57,7 @@ _STATED: Final = MappingProxyType(
         "both": "both",
         "dense_slow_radio": "2 s radio",
         "on_board": "on board",
+        "relay": "relay, worked by staff",
         "central": "central",
         "central_beyond": "central, cut beyond Ogane",
     }

@@ -12,13 +12,13 @@ from typing import Any, Final
 
 from exchange.additions import Additions
 from exchange.onto_line import onto_line
-from exchange.planned import TrainOnLine, Working
+from exchange.planned import TrainOnLine, Working, Workings
 from exchange.published import PublishedTimetable
 from exchange.running import Running
 from exchange.station_join import StationJoin
 from exchange.timetable_writer import file_of_trains, timetable_toml
 from exchange.workings import SetRules, workings_of
-from network.errors import COMMAND_LINE
+from network.errors import COMMAND_LINE, InputError
 from network.files.json_input import write_aside
 from network.files.timetable_schema import HeadTable, TimetableFile
 from network.model import Line
@@ -100,6 +100,7 @@ def import_timetable(published: PublishedTimetable, line: Line, order: ImportOrd
         order.rules.turn_min_s, order.rules.outside_min_s, order.rules.stock or order.additions.stock
     )
     workings = workings_of(trains, line, rules, published.source)
+    _check_turning(published.source, line, trains, workings)
     head = HeadTable(
         id=order.id,
         name=order.name or published.name,
@@ -120,6 +121,23 @@ def import_timetable(published: PublishedTimetable, line: Line, order: ImportOrd
         workings.warnings,
         published.left,
     )
+
+
+def _check_turning(file: str, line: Line, trains: Iterable[TrainOnLine], workings: Workings) -> None:
+    """Whoever made the list of stations learns at once of all halts where trains begin or end."""
+    ends = (
+        (train.calls[at].station_id, how[train.number])
+        for train in trains
+        for at, how in ((0, workings.begins), (-1, workings.ends))
+    )
+    halts = sorted(
+        {name for name, how in ends if line.stations[name].is_halt and not how.startswith("portal:")},
+        key=lambda name: line.stations[name].position_m,
+    )
+    if halts:
+        names = ", ".join(line.stations[name].name for name in halts)
+        expected = "stations where trains can begin and end: kind = station in the list of stations, as these are halts"
+        raise InputError(file, "stations", names, expected)
 
 
 def write_timetable(imported: ImportedTimetable, out: Path) -> None:

@@ -34,6 +34,8 @@ def head_toml(head: HeadTable) -> list[str]:
     if head.name:
         rows.append(f"name = {text_toml(head.name)}")
     rows += [f"line = {text_toml(head.line)}", f"dwell_min_s = {_number(head.dwell_min_s)}"]
+    if head.turn_min_s:
+        rows.append(f"turn_min_s = {_number(head.turn_min_s)}")
     return [*rows, *_list("sources", head.sources), *_list("assumed", head.assumed)]
 
 

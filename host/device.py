@@ -39,6 +39,8 @@ from wayside.said import (
     UnbarUnit,
 )
 
+PARTS_KEPT = True  # off: a manager that starts again has forgotten who has a part of its way
+
 
 class _ProtocolMachine(Protocol):
     """What the host needs of a protocol machine: the actions for one event, in order."""
@@ -55,21 +57,36 @@ class _ProtocolMachine(Protocol):
 
 
 class _ManagerMemory(msgspec.Struct, frozen=True, array_like=True):
-    """What a manager keeps: the units on the line, sections not swept, how many moves of its day each unit has made."""
+    """What a manager keeps: the units on the line, sections not swept, how many moves of its day each unit has made,
+    which of them were granted a part of the next one, and which of them end on another track.
+    """
 
     ledger: tuple[str, ...] = ()
     unswept: tuple[str, ...] = ()
     moves_done: dict[str, int] = {}
+    on_part: tuple[str, ...] = ()
+    tracks: dict[str, dict[int, str]] = {}
 
 
 class _Manager:
     def __init__(self, config: ManagerConfig, keys: KeyRing, durable: Durable) -> None:
         kept = _remembered(durable.spare)
         ledger, moves_done = (None, None) if kept is None else (kept.ledger, kept.moves_done)
-        unswept = () if kept is None else kept.unswept
+        unswept, on_part, tracks = (
+            ((), (), None) if kept is None else (kept.unswept, kept.on_part, kept.tracks)
+        )
         bars = bars_kept(durable.vital)
         self.register = start_register(
-            config, durable.epoch, keys.capabilities, ledger, unswept, moves_done, bars, order_solver()
+            config,
+            durable.epoch,
+            keys.capabilities,
+            ledger,
+            unswept,
+            moves_done,
+            tracks,
+            bars,
+            order_solver(),
+            on_part,
         )
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
@@ -92,8 +109,14 @@ class _Manager:
         return block_manager.wake_at_s(self.register)
 
     def kept(self, before: Durable) -> Durable:
-        done = {unit_id: trip.done for unit_id, trip in sorted(self.register.trips.items())}
-        kept = _ManagerMemory(tuple(sorted(self.register.ledger)), tuple(sorted(self.register.unswept)), done)
+        trips = sorted(self.register.trips.items())
+        kept = _ManagerMemory(
+            tuple(sorted(self.register.ledger)),
+            tuple(sorted(self.register.unswept)),
+            {unit_id: trip.done for unit_id, trip in trips},
+            tuple(unit_id for unit_id, trip in trips if trip.part and PARTS_KEPT),
+            {unit_id: dict(ends) for unit_id, ends in sorted(self.register.tracks.items())},
+        )
         bars = self.register.bars
         vital = b"" if bars == NO_BARS else msgspec.msgpack.encode(bars)
         return msgspec.structs.replace(before, vital=vital, spare=msgspec.msgpack.encode(kept))

@@ -8,9 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Final
 
-from network.model import Direction, Line, Piece, PointsLeg, Position, Route, Section, SectionKind
+from network.model import (
+    Direction,
+    Line,
+    Piece,
+    PlatformTrack,
+    PointsLeg,
+    Position,
+    Route,
+    Section,
+    SectionKind,
+)
 
 _STOPS: Final = frozenset({SectionKind.TRACK, SectionKind.PORTAL})
 _POSITION: Final = {PointsLeg.NORMAL: Position.NORMAL, PointsLeg.REVERSE: Position.REVERSE}
@@ -25,6 +36,9 @@ class Graph:
     line: Line
     down: dict[str, tuple[str, ...]]
     up: dict[str, tuple[str, ...]]
+    overlaps: dict[
+        tuple[str, Direction], tuple[str, ...]
+    ]  # by track and direction of who comes in: `Route.overlap`
 
     @staticmethod
     def of_line(line: Line) -> Graph:
@@ -48,11 +62,46 @@ def _build(line: Line) -> Graph:
     for piece in sorted(line.pieces.values(), key=lambda piece: piece.leg is PointsLeg.REVERSE):
         from_low.setdefault(piece.low_node, []).append(piece.id)
         from_high.setdefault(piece.high_node, []).append(piece.id)
-    return Graph(
-        line,
-        {piece.id: tuple(from_low.get(piece.high_node, ())) for piece in line.pieces.values()},
-        {piece.id: tuple(from_high.get(piece.low_node, ())) for piece in line.pieces.values()},
-    )
+    down = {piece.id: tuple(from_low.get(piece.high_node, ())) for piece in line.pieces.values()}
+    up = {piece.id: tuple(from_high.get(piece.low_node, ())) for piece in line.pieces.values()}
+    overlaps = {
+        (track.section_id, direction): found
+        for station in line.stations.values()
+        for track in station.tracks
+        for direction, onward, back in ((Direction.DOWN, down, up), (Direction.UP, up, down))
+        if back[track.piece_id] and (found := _fouled(line, track, direction, onward))
+    }
+    return Graph(line, down, up, overlaps)
+
+
+def _fouled(
+    line: Line, track: PlatformTrack, direction: Direction, onward: dict[str, tuple[str, ...]]
+) -> tuple[str, ...]:
+    """Points sections that begin within the overlap beyond a train's stop on a track, the nearest first.
+
+    It stops at its mark, else before the end of the track. Open line beyond the points is not among them.
+    """
+    piece, overlap_m = line.pieces[track.piece_id], track.overlaps_m.get(direction, 0.0)
+    if overlap_m == 0.0 or line.sections[track.section_id].kind is not SectionKind.TRACK:
+        return ()
+    end_m = piece.to_m if direction is Direction.DOWN else piece.from_m
+    found: dict[str, None] = {}
+    ways = [(next_id, abs(end_m - track.marks_m.get(direction, end_m))) for next_id in onward[piece.id]]
+    for piece_id, away_m in ways:
+        if _section_of(line, piece_id).kind is SectionKind.POINTS and away_m < overlap_m:
+            found[line.pieces[piece_id].section_id] = None
+            ways += [(next_id, away_m + line.pieces[piece_id].length_m) for next_id in onward[piece_id]]
+    return tuple(found)
+
+
+def overlap_id(section_id: str) -> str:
+    """What is one train's at a time where it comes in, or goes out, over points that another could foul."""
+    return f"{section_id} overlap"
+
+
+def fouled_sections(line: Line) -> frozenset[str]:
+    """Points sections that lie in the overlap of any track."""
+    return frozenset(section_id for found in Graph.of_line(line).overlaps.values() for section_id in found)
 
 
 def next_pieces(line: Line, piece_id: str, direction: Direction) -> tuple[str, ...]:
@@ -111,6 +160,18 @@ def routes_from(line: Line, section_id: str, direction: Direction) -> tuple[Rout
     return tuple(routes)
 
 
+def overlaps_coming_in(line: Line, route: Route) -> tuple[str, ...]:
+    """What a train has alone from its leave to come in by a route until it stands (`wayside.entering`)."""
+    own = (s for s in route.entry if s in fouled_sections(line))
+    return tuple(map(overlap_id, dict.fromkeys((*route.overlap, *own))))
+
+
+def overlaps_going_out(line: Line, route: Route) -> tuple[str, ...]:
+    """What it has alone from the grant of a route until it has given its first points back."""
+    fouled = fouled_sections(line).difference(route.entry)
+    return tuple(overlap_id(s) for s in route.section_ids if s in fouled)
+
+
 def all_routes(line: Line) -> tuple[Route, ...]:
     """Every route of the line, both directions, in the order of its sections."""
     return tuple(
@@ -151,4 +212,10 @@ def _route(line: Line, name: str, direction: Direction, trail: list[str]) -> Rou
     pieces: list[Piece] = [line.pieces[piece_id] for piece_id in trail]
     section_ids = tuple(dict.fromkeys(piece.section_id for piece in pieces))
     first, last, points = section_ids[0], section_ids[-1], required_positions(line, trail)
-    return Route(name, direction, first, last, section_ids[1:], tuple(trail), points)
+    overlap = Graph.of_line(line).overlaps.get((last, direction), ())
+    way = section_ids[1:-1]
+    before = takewhile(lambda s: line.sections[s].kind is SectionKind.POINTS, reversed(way))
+    entry = tuple(before)[::-1]
+    if not overlap and fouled_sections(line).isdisjoint(entry):
+        entry = ()
+    return Route(name, direction, first, last, section_ids[1:], tuple(trail), points, entry, overlap)

@@ -118,7 +118,8 @@ class PlatformTrack:
     """A place where trains stand. At a halt (停留所) `section_id` is the section between stations.
 
     `platform_m` are the kilometrages (m) of the platform's low and high end; None on a track that has none, as at a
-    signal station (信号場). `marks_m` gives by direction of travel the kilometrage (m) at which the front stops.
+    signal station (信号場). `marks_m` gives by direction of travel the kilometrage (m) at which the front stops,
+    `overlaps_m` how far (m) beyond its stop the way must be clear of others while a train comes in (過走余裕).
     """
 
     station_id: str
@@ -128,6 +129,7 @@ class PlatformTrack:
     platform_m: tuple[float, float] | None
     marks_m: Mapping[Direction, float]
     directions: tuple[Direction, ...]  # directions for which this track is the usual one
+    overlaps_m: Mapping[Direction, float] = field(default_factory=dict[Direction, float])
 
 
 @dataclass(frozen=True, slots=True)
@@ -278,6 +280,9 @@ class Route:
 
     `section_ids` are those to be obtained, in order of travel, without the one the train stands in, up to and
     with the arrival track; `piece_ids` run from the departure track's piece to the arrival track's piece.
+    `overlap`: points sections beyond the arrival track that a train which overran its stop there would foul; `entry`:
+    those right before the track, where it needs leave to come in, as its overrun or another's is in the way
+    (不同時進入).
     """
 
     id: str
@@ -287,6 +292,8 @@ class Route:
     section_ids: tuple[str, ...]
     piece_ids: tuple[str, ...]
     points: tuple[tuple[str, Position], ...]
+    entry: tuple[str, ...] = ()
+    overlap: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -172,10 +172,13 @@ def _elevation_m(alignment: Alignment, kilometrage_m: NDArray[np.float64]) -> ND
 
 
 def _turn_rad(alignment: Alignment, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Integral of |curvature| from the alignment's beginning."""
+    """Integral of |curvature| from the alignment's beginning; to all, a curve before or after them is one number."""
     turn_rad = np.zeros_like(kilometrage_m)
+    low_m, high_m = float(kilometrage_m.min()), float(kilometrage_m.max())
     for curve in alignment.curves:
-        turn_rad += _turn_in_curve_rad(curve, np.clip(kilometrage_m, curve.from_m, curve.to_m))
+        if curve.from_m < high_m:
+            at_m = kilometrage_m if low_m < curve.to_m else np.array([curve.to_m])
+            turn_rad += _turn_in_curve_rad(curve, np.clip(at_m, curve.from_m, curve.to_m))
     return turn_rad
 
 

@@ -7,7 +7,8 @@ By direction of travel, with a train of `train_length_m`:
 - DEPARTED (3) between stations (or on a portal) where the whole train, and a margin, has left the station;
 - APPROACH (4) before a points section, farther than a service stop from line speed and the throw take;
 - POSITION before every mark, halts included, as the beacons of fixed-position stop control (定位置停止制御;
-  Oda, section 2.1: about 400 m, 100 m to 200 m and 10 m to 20 m before the mark);
+  Oda, section 2.1: about 400 m, 100 m to 200 m and 10 m to 20 m before the mark), and between stations where no other
+  tag lies for long;
 - PORTAL where a train comes onto the line, for trains of both directions.
 """
 
@@ -17,6 +18,7 @@ import math
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
@@ -24,6 +26,8 @@ from network.graph import next_pieces
 from network.model import Direction, Line, Piece, PlatformTrack, Section, SectionKind, Tag, TagPurpose
 
 TAGS_PER_STATION: Final = 100  # ids are 100 * (1 + number of the nearest station) + running number
+# Assumed: bounds over two tags that grow by 1 % are 120 m wide at most: a stop's first tag is come to and read.
+OPEN_LINE_MAX_M: Final = 6_000.0
 _OPEN: Final = (SectionKind.BETWEEN, SectionKind.PORTAL)
 _BOTH: Final = (Direction.DOWN, Direction.UP)
 
@@ -68,7 +72,8 @@ def lay_tags(line: Line, rule: TagRule | None = None) -> tuple[Tag, ...]:
     """
     rule = rule or TagRule()
     spots: dict[tuple[str, float, TagPurpose], list[Direction]] = {}
-    for spot in _spots(line, rule):
+    by_stations = tuple(_spots(line, rule))
+    for spot in (*by_stations, *_far_spots(line, by_stations)):
         key = (spot.piece_id, round(spot.position_m, 3), spot.purpose)
         directions = spots.setdefault(key, [])
         if spot.direction not in directions:
@@ -159,6 +164,25 @@ def _open_spots(line: Line, rule: TagRule, section: Section) -> Iterator[_Spot]:
             if rule.short_approach and piece.length_m <= rule.approach_m(line.max_speed_mps) + rule.nose_m:
                 approach_m = _entry_m(piece, direction) + direction * rule.nose_m
             yield _checked(piece, _Spot(piece.id, approach_m, TagPurpose.APPROACH, direction))
+
+
+def _far_spots(line: Line, laid: Iterable[_Spot]) -> Iterator[_Spot]:
+    """Where trains of a direction would run far without a tag, one evenly every so far, for both directions."""
+    for section in line.sections.values():
+        if section.kind is not SectionKind.BETWEEN:
+            continue
+        piece = line.pieces[section.piece_ids[0]]
+        added: list[float] = []
+        for direction in _BOTH:
+            tags = [
+                spot.position_m for spot in laid if spot.piece_id == piece.id and spot.direction is direction
+            ]
+            for from_m, to_m in pairwise(sorted((piece.from_m, *tags, *added, piece.to_m))):
+                parts = math.ceil((to_m - from_m) / OPEN_LINE_MAX_M)
+                added += [float(round(from_m + part * (to_m - from_m) / parts)) for part in range(1, parts)]
+        for position_m in added:
+            for direction in _BOTH:
+                yield _Spot(piece.id, position_m, TagPurpose.POSITION, direction)
 
 
 def _entry_m(piece: Piece, direction: Direction) -> float:

@@ -456,8 +456,7 @@ class UnitMotion:
         row.rear_trigger_m = row.stop_limit_m = aim_m = math.inf
         if row.position_known and mission is not None:
             row.stop_limit_m = mission.span_at(row.position_m).end_m
-            marks_m = [t.mark_m for t in mission.targets if t.mark_m > row.position_m + 1.0]
-            aim_m = min(marks_m, default=math.inf)
+            aim_m = mission.mark_ahead_m(row.position_m, moves=bool(row.speed_mps > 0.0))
         if aim_m != row.target_stop_m:
             row.target_stop_m = row.mark_m = aim_m
             row.braking_to_stop = 0

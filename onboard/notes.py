@@ -303,6 +303,20 @@ class GiveBackDenied(Noted, frozen=True, kw_only=True, tag="give_back_refused"):
     why: str
 
 
+class WayChanged(Noted, frozen=True, kw_only=True, tag="way_changed"):
+    """By the dispatcher's order the train goes by this route instead of another, to another track of that station."""
+
+    route_id: str
+    instead: str
+
+
+class OrderDenied(Noted, frozen=True, kw_only=True, tag="order_denied"):
+    """The unit refused what the dispatcher ordered about this route."""
+
+    route_id: str
+    why: str
+
+
 class RouteHeld(Noted, frozen=True, kw_only=True, tag="route_held"):
     """A route was granted and counts as held."""
 
@@ -408,6 +422,8 @@ Note = (
     | Reported
     | GaveBack
     | GiveBackDenied
+    | WayChanged
+    | OrderDenied
     | RouteHeld
     | RouteDenied
     | LimitSet

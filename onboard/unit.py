@@ -18,6 +18,7 @@ from onboard.authority import records as auth
 from onboard.authority.letters import Letters
 from onboard.duty.duty_step import NEVER_S, Action, DutyParameters
 from onboard.duty.machine import step
+from onboard.duty.orders import leads_on
 from onboard.duty.plan import NO_PLAN, DutyPlan
 from onboard.duty.records import (
     Begin,
@@ -25,11 +26,13 @@ from onboard.duty.records import (
     DrivingOrder,
     DutyState,
     Event,
+    NoSuchWay,
     Person,
     PlaceInJoints,
     Sensed,
     SetTimerAt,
     SwitchedOn,
+    TakeUpWay,
     TelegramHeard,
     TimerDue,
     Told,
@@ -128,7 +131,9 @@ class OnboardUnit:
     def _take(self, event: Event, place: PlaceInJoints, now_s: float) -> None:
         if DrivingOrder.LOSE in self._orders:  # its driving part has yet to obey
             place = msgspec.structs.replace(place, known=False, emergency=True)
-        if isinstance(event, Begin | SwitchedOn):
+        if isinstance(event, TakeUpWay) and not leads_on(self.plan, self.state, event.plan):
+            event = NoSuchWay()
+        if isinstance(event, Begin | SwitchedOn | TakeUpWay):
             self.plan = event.plan
         if isinstance(event, SwitchedOn):
             event = msgspec.structs.replace(event, epoch=self._endpoint.epoch)
@@ -144,7 +149,9 @@ class OnboardUnit:
             return
         self._notes.append(opened.noted(self.unit_id))
         event = self._letters.read(opened)
-        if event is not None:
+        if isinstance(event, auth.Ordered):
+            self._take(event, place, now_s)
+        elif event is not None:
             self._take(TelegramHeard(event), place, now_s)
 
     def _shown_at(self, runs_out: _RunsOut) -> float:
@@ -157,7 +164,7 @@ class OnboardUnit:
 
     def _do(self, action: Action, now_s: float) -> None:
         match action:
-            case auth.SendRequest() | auth.SendClaim() | auth.SendCommand():
+            case auth.SendRequest() | auth.SendClaim() | auth.SendRefusal() | auth.SendCommand():
                 letter = self._letters.write(action)
                 data = self._endpoint.seal(letter.destination, letter.message, now_s, letter.correlation)
                 self._telegrams.append(Telegram(letter.destination, data))

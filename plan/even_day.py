@@ -8,12 +8,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from exchange.timetable_writer import file_of_timetable, timetable_toml
 from network.files.json_input import write_aside
 from network.files.timetable_schema import HeadTable
-from network.files.toml_text import text_toml
+from network.files.toml_text import toml_of
 from network.model import Direction
 from network.timetable import BecomesTrain, Diagram, FromTrain, Timetable, TimetableTrain
 from plan.least_interval import RepeatedPaths
@@ -121,16 +121,9 @@ def timetable_of(setup: Setup, repeated: Repetition, timetable_id: str) -> Timet
     return Timetable(head, by_number, diagrams)
 
 
-def write_day(out: Path, timetable: Timetable, extends: str, loops: Sequence[str] = ()) -> None:
-    """A scenario file, and its timetable beside it; `loops` are laid at halts. Raises InputError."""
+def write_day(out: Path, timetable: Timetable, extends: str, changes: Mapping[str, Any]) -> None:
+    """A scenario file, and its timetable beside it; `changes`: other tables of the scenario. Raises InputError."""
     times = out.with_name(f"{timetable.head.id}.toml")
     write_aside(times, timetable_toml(file_of_timetable(timetable)))
-    rows = [
-        f"extends = {text_toml(extends)}",
-        f"id = {text_toml(out.stem)}",
-        f"name = {text_toml(timetable.head.name)}",
-        f"timetable = {text_toml(times.name)}",
-    ]
-    if loops:
-        rows += ["", "[patch.line]", f"add_loops = [{', '.join(map(text_toml, loops))}]"]
-    write_aside(out, "\n".join(rows) + "\n")
+    head = {"extends": extends, "id": out.stem, "name": timetable.head.name, "timetable": times.name}
+    write_aside(out, toml_of({**head, **changes}))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Any
 
 from network.errors import InputError
 from network.model import Line
@@ -34,6 +35,11 @@ def halts_of(line: Line) -> tuple[str, ...]:
     """Where a loop could be laid, along the line."""
     stations = sorted(line.stations.values(), key=lambda station: station.position_m)
     return tuple(station.id for station in stations if station.is_halt)
+
+
+def laying(loops: Sequence[str]) -> dict[str, Any]:
+    """The tables of a scenario that lay loops at halts."""
+    return {"patch": {"line": {"add_loops": list(loops)}}} if loops else {}
 
 
 def loop_choices(

@@ -19,6 +19,8 @@ What a unit owes, so that no late answer gives it back what it has released:
 - Every ClaimQuery is answered at once, with the whole of what is held and the correlation of the query. A
   unit that waits for its portal holds nothing yet. One that has booted, and was or may have been on the line
   before, does not know what it holds, whether or not its crew has entered a train number yet.
+- TrackOrdered counts for the request outstanding, RouteTakenBack under the token of the newest grant; a unit that
+  cannot do either says OrderRefused. Silence gives nothing away: the request is open, or the route held, as before.
 - A unit drops a section before it reports; it repeats the sign-off until accepted, and reports when it is
   refused. Signed off, it holds its portal until its train is off the line.
 """
@@ -48,6 +50,16 @@ class RefusalReason(Enum):
     NO_WAY_ON = 11  # granted, not every train could still finish; named: who is waited for, to come where
     UNKNOWN_TOKEN = 13  # claimed under a token that was never granted
     NOT_ITS_TURN = 12  # another goes first by the order of trains; named likewise
+    OVERLAP = 14  # another comes in whose overrun would foul the way there, or is in the way of one's own
+
+
+class OrderRefusalReason(Enum):
+    """Why a unit refused what the dispatcher ordered."""
+
+    NOT_AT_A_STOP = 1  # it is under way, or does not know where it is
+    UNKNOWN_TRACK = 2  # its train has no such way
+    NOT_HELD = 3  # it has no such route ahead, or got it anew
+    MAY_HAVE_ENTERED = 4  # its front may be on the route already
 
 
 class PointsRefusalReason(Enum):
@@ -232,6 +244,34 @@ class Contested(Message, frozen=True, array_like=True, tag=18):
     section_ids: tuple[str, ...]
 
 
+class TrackOrdered(Message, frozen=True, array_like=True, tag=19):
+    """Manager to unit, in answer to a request: not by this route; ask for `instead`, to another track of that station.
+
+    Lost, the request is repeated and answered again.
+    """
+
+    route_id: str
+    instead: str
+
+
+class RouteTakenBack(Message, frozen=True, array_like=True, tag=20):
+    """Manager to unit: set back the route granted under `token`, which you have not entered; ask for none for `hold_s`.
+
+    It only restricts. Lost, it is said again when who waits for the line asks again.
+    """
+
+    route_id: str
+    token: int
+    hold_s: float
+
+
+class OrderRefused(Message, frozen=True, array_like=True, tag=21):
+    """Unit to manager: what was ordered about this route is not done. Lost, it is said again to the next such order."""
+
+    route_id: str
+    reason: OrderRefusalReason
+
+
 AnyMessage = (
     RouteRequest
     | RouteGranted
@@ -251,4 +291,7 @@ AnyMessage = (
     | PointsRefused
     | Restarted
     | Contested
+    | TrackOrdered
+    | RouteTakenBack
+    | OrderRefused
 )

@@ -22,7 +22,7 @@ from onboard.unit_records import UnitParameters
 from simulation.design import overrated_brake
 from simulation.events import WORLD
 from simulation.scatter import ScatterSettings
-from simulation.settings import Interlocking, Operation, PositionSensor, Sensors, Tuning, Vision
+from simulation.settings import Dispatch, Interlocking, Operation, PositionSensor, Sensors, Tuning, Vision
 from simulation.setup import Setup
 from vehicle.train_file import TrainType
 from wayside.config import MANAGER_ID
@@ -53,12 +53,19 @@ def check_centre(file: str, operation: Operation, stations: Collection[str]) -> 
     """A centre is named only where there is one, at a station that exists, or InputError."""
     if operation.centre is None:
         return
-    if operation.interlocking is not Interlocking.CENTRAL:
+    if operation.interlocking is Interlocking.ONBOARD:
         expected = 'no such key with interlocking = "onboard"'
         raise InputError(file, "operation.centre", operation.centre, expected)
     if operation.centre not in stations:
         expected = f"a station: {one_of(sorted(stations), operation.centre)}"
         raise InputError(file, "operation.centre", operation.centre, expected)
+
+
+def check_given(file: str, dispatch: Dispatch, stock_ids: Iterable[str]) -> None:
+    """An order of the day names sets that exist, or InputError."""
+    known = sorted(stock_ids)
+    if strangers := [stock_id for stock_id in dispatch.given if stock_id not in known]:
+        raise InputError(file, "dispatch.given", strangers[0], f"a set: {one_of(known, strangers[0])}")
 
 
 def check_scatter(file: str, scatter: ScatterSettings, stock_ids: Iterable[str]) -> None:

@@ -11,7 +11,17 @@ from enum import Enum
 from typing import Final
 
 from network.model import SectionKind
-from onboard.duty.records import EntryAllowed, Finished, Leave, LeftLine, OffTheLine, Told
+from onboard.duty.mission import NoWay
+from onboard.duty.records import (
+    EntryAllowed,
+    Finished,
+    Leave,
+    LeftLine,
+    NoSuchWay,
+    OffTheLine,
+    Told,
+    WayOrdered,
+)
 from onboard.notes import MissionDone
 from simulation.agenda import AgendaKind
 from simulation.cabs import Cabs
@@ -20,7 +30,7 @@ from simulation.judge.checkers import Checkers
 from simulation.people import Pause
 from simulation.result import Waiting
 from simulation.setup import STEP_S, STEPS_PER_S
-from simulation.world.roster import Duty, stabled_at_start
+from simulation.world.roster import Duty, by_route, from_section, stabled_at_start
 from simulation.world.stage import World
 from simulation.world.trains import SIGN
 from wayside.config import MANAGER_ID
@@ -51,7 +61,8 @@ class Duties:
     """The duties of all stocks."""
 
     def __init__(self, world: World, cabs: Cabs, checkers: Checkers) -> None:
-        self._setup, self._duties, self._charging = world.setup, world.drawn, world.charging
+        self._setup, self._charging = world.setup, world.charging
+        self._duties = dict(world.drawn)  # as orders have changed them
         self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
         self._books, self._agenda, self._journal = world.books, world.agenda, world.journal
         self._cabs, self._checkers = cabs, checkers
@@ -254,10 +265,34 @@ class Duties:
                 self._begins(Pause.ENTRY, slot, step)
             case Finished():
                 self._finish(slot, step)
+            case WayOrdered():
+                self._go_by(slot, told, step)
             case LeftLine() if self._stage[slot] is StockStage.ON_LINE:
                 self._begins(Pause.LEAVE, slot, step)
             case _:
                 pass
+
+    def _go_by(self, slot: int, ordered: WayOrdered, step: int) -> None:
+        """The driver takes up another way of the same train, and from another track that of the next one, if any."""
+        stock_id, line = self._trains.stock_ids[slot], self._setup.believed_line
+        at, duties = self._next[stock_id] - 1, self._duties[stock_id]
+        length_m = self._setup.lengths_m[stock_id]
+        old, rest = duties[at], duties[at + 1 :]
+        try:
+            duty = by_route(line, old, ordered.route_id, ordered.instead, length_m)
+            end = duty.mission.spans[-1].section_id
+            if duty.becomes is not None and end != old.mission.spans[-1].section_id:
+                rest = (from_section(line, rest[0], end, length_m), *rest[1:])
+        except NoWay:
+            self._cabs.tell(slot, step, (NoSuchWay(),))
+            return
+        self._duties[stock_id] = (*duties[:at], duty, *rest)
+        if self._trains.truths[slot].active:  # else it has yet to come in
+            self._trains.go_by(slot, duty)
+            self._books.follow(slot, duty, step)
+        for following in rest[:1]:
+            self._on_board.forget_plan(slot, following)
+        self._cabs.tell(slot, step, self._on_board.take_up_way(slot, duty))
 
     def _enter(self, slot: int, duty: Duty, step: int) -> None:
         """Through the portal, if nothing stands there."""
@@ -306,9 +341,7 @@ class Duties:
             self._begins(Pause.SIGN_OFF, slot, step)
         elif duty.becomes is not None and duty not in self._becoming:
             self._becoming.append(duty)  # a unit that starts again in its terminus finishes twice
-            self._agenda.put(
-                step + round(self._setup.operation.change_ends_s / STEP_S), AgendaKind.DUTY, stock_id
-            )
+            self._agenda.put(step + round(self._setup.turn_s / STEP_S), AgendaKind.DUTY, stock_id)
         elif duty.becomes is None:
             self._books.stable(slot, step)
             self._stage[slot] = StockStage.DONE

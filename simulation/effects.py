@@ -22,6 +22,7 @@ from simulation.faults.points import Condition, PointsFault
 from simulation.faults.speech import SpeechFault
 from simulation.faults.vehicle import BrakeFault, BrakeState, DoorsFault, MotorsFault
 from simulation.platforms import Platforms
+from simulation.setup import STEPS_PER_S
 from simulation.world import disorder
 from simulation.world.stage import World
 
@@ -79,8 +80,8 @@ class Effects:
         self._cabs.claim_besides(self._trains.slot_of[fault.target], step, section_ids)
 
     @put_effect.register
-    def _cable(self, _fault: CableFault, cuts: tuple[CableCut, ...], _step: int) -> None:
-        self._wayside.cable.cut(cuts)
+    def _cable(self, _fault: CableFault, cuts: tuple[CableCut, ...], step: int) -> None:
+        self._wayside.cable.cut(cuts, step / STEPS_PER_S)
 
     @put_effect.register
     def _points(self, fault: PointsFault, condition: Condition, step: int) -> None:

@@ -8,6 +8,7 @@ from network.model import Direction, Line
 from network.profile import heights_of
 from simulation.judge.body import Heights
 from simulation.judge.checkers import Checkers, GuaranteedBrake, PointsFacts
+from simulation.judge.entering import TrackOverlap
 from simulation.setup import Setup, behaviour_row
 from simulation.world.trains import SIGN
 from sumo_cfg.truth_map import NetMap
@@ -22,7 +23,22 @@ def checkers_of(setup: Setup, net: NetMap, stock_ids: Collection[str]) -> Checke
         for p in line.points.values()
     }
     brakes = {stock_id: brake_of(setup, stock_id) for stock_id in stock_ids}
-    return Checkers(net, points, stock_ids, brakes, edge_heights(line), setup.driving.design_adhesion_share)
+    share = setup.driving.design_adhesion_share
+    return Checkers(net, points, stock_ids, brakes, edge_heights(line), share, track_overlaps(line))
+
+
+def track_overlaps(line: Line) -> dict[str, TrackOverlap]:
+    """What must be clear beyond a train's stop on each track, by SUMO's edge."""
+    found: dict[str, TrackOverlap] = {}
+    for track in (track for station in line.stations.values() for track in station.tracks):
+        piece = line.pieces[track.piece_id]
+        for direction, overlap_m in track.overlaps_m.items():
+            begin_m = piece.from_m if direction is Direction.DOWN else piece.to_m
+            mark_m = track.marks_m.get(direction)
+            stops_m = piece.length_m if mark_m is None else abs(mark_m - begin_m)
+            if overlap_m and not line.stations[track.station_id].is_halt:
+                found[track.piece_id + SIGN[direction]] = TrackOverlap(stops_m, overlap_m)
+    return found
 
 
 def brake_of(setup: Setup, stock_id: str) -> GuaranteedBrake:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from network.files.kinds import about
 from network.files.part_of_day import PartOfDay
@@ -44,7 +44,7 @@ from simulation.late.settings import Late
 from simulation.people import People
 from simulation.scatter import ScatterSettings
 from simulation.sensor_settings import Beacons, Curvature, Lidar
-from wayside.config import OrderRule, ReentryMode
+from wayside.config import DispatcherMeans, OrderRule, ReentryMode
 
 
 class PositionSensor(StrEnum):
@@ -262,6 +262,9 @@ class Interlocking(StrEnum):
 
     ONBOARD = "onboard"  # units ask the manager and command terminals, by radio
     CENTRAL = "central"  # a centre (CTC) does, over a cable along the line
+    RELAY = (
+        "relay"  # a centre does, and where it does not reach, staff at the stations' own relay interlockings
+    )
 
 
 class Operation(Record):
@@ -272,10 +275,21 @@ class Operation(Record):
         Field(strict=False),
         about(
             "on board, or by a centre whose cable reaches trains and points: beyond a cut (`cable_cut`) no train moves"
-            " further than it may already",
+            " further than it may already; `relay`: until staff have come to the stations and work them",
             "Sugiyama: on board",
         ),
     ] = Interlocking.ONBOARD
+    staff_reach_s: Annotated[
+        Wait,
+        about("`relay`: from a cut until staff are at the stations beyond it", "assumed: an hour by road"),
+    ] = 3600.0
+    telephone_block_s: Annotated[
+        Wait,
+        about(
+            "`relay`: staff of two stations agree on a train by telephone and write it down (代用閉そく)",
+            "assumed: three minutes",
+        ),
+    ] = 180.0
     release: Annotated[
         ReleaseRule,
         Field(strict=False),
@@ -330,6 +344,15 @@ class Dispatch(Record):
         Overtaken,
         about("number of trains that may pass before one that waits for the same line", "assumed: two"),
     ] = 2
+    may: Annotated[
+        tuple[Annotated[DispatcherMeans, Field(strict=False)], ...],
+        Field(strict=False),
+        about(
+            "what the dispatcher may do besides: have a train go to another track of its next station, ask a train that"
+            " does not leave for its route back",
+            "nothing",
+        ),
+    ] = ()
     given: Annotated[
         tuple[str, ...],
         Field(strict=False),
@@ -338,6 +361,14 @@ class Dispatch(Record):
             "none: nobody goes by one",
         ),
     ] = ()
+
+    @model_validator(mode="after")
+    def _only_by_proof(self) -> Self:
+        if self.may and not self.certificate:
+            raise ValueError(
+                "nothing without certificate = true: on another track trains may block each other"
+            )
+        return self
 
 
 NO_TUNING: Final = Tuning(learn=False)  # a scenario without that table

@@ -65,6 +65,11 @@ class Setup(Tables):
     until_s: float = math.inf  # only the part of the day before it is run
 
     @property
+    def turn_s(self) -> float:
+        """From a train's arrival until its set's next one begins, s: the driver's walk, or crews' least turn."""
+        return max(self.operation.change_ends_s, self.timetable.head.turn_min_s)
+
+    @property
     def believed_line(self) -> Line:
         """The line as units believe it to be."""
         return self.line if self.belief is None else self.belief.line

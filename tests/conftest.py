@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -16,6 +18,13 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
+from study.runner.collector import MORE_OBJECTS
+
+# Some hundred commands run as processes: bytecode is kept for them, also where the environment would have none.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+gc.set_threshold(MORE_OBJECTS)
+
 # No verdict depends on how fast the machine is, and the same examples are tried everywhere. Fixtures are shared by the
 # examples of a test: who changes one sets it anew. `make nightly` asks for the profile of many.
 settings.register_profile(
@@ -27,6 +36,11 @@ settings.register_profile(
 )
 settings.register_profile("many", settings.get_profile("few"), max_examples=300)
 settings.load_profile("few")
+
+
+def pytest_collection_finish() -> None:
+    """What was imported stays: the collector need not go through it after each day that a test runs."""
+    gc.freeze()
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
@@ -111,7 +125,7 @@ class Ended:
 @pytest.fixture(scope="session")
 def command() -> tuple[str, ...]:
     """What starts the program."""
-    return (sys.executable, "-m", "branchline.cli")
+    return (sys.executable, "-m", "branchline")
 
 
 @pytest.fixture(scope="session")

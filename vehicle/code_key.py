@@ -8,6 +8,7 @@ a constant does in whatever module it stands, also when a test has patched it.
 from __future__ import annotations
 
 import dis
+import inspect
 from collections.abc import Iterator
 from enum import Enum
 from hashlib import blake2b
@@ -19,6 +20,9 @@ from numba.core import types
 from numpy.typing import NDArray
 
 LIBRARIES: Final = ("math", "numpy")  # theirs is the compiler's, in its version
+FLAGS: Final = (
+    inspect.CO_VARARGS | inspect.CO_VARKEYWORDS | inspect.CO_GENERATOR
+)  # others numba clears under a profiler
 PLAIN: Final = (bool, int, float, complex, str, bytes, type(None), type(Ellipsis))
 
 
@@ -129,7 +133,7 @@ def _code_text(code: CodeType, doc: str | None) -> str:
     """Bytecode with its constants and names, without lines and documentation."""
     constants = [_constant_text(each) for each in code.co_consts if doc is None or each != doc]
     names = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
-    counts = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags)
+    counts = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags & FLAGS)
     return f"{code.co_code.hex()} {constants} {names} {counts}"
 
 

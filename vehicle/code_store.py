@@ -1,4 +1,4 @@
-"""Machine code on disk, each piece in a file of its own under its name and the key of all that it depends on.
+"""What is costly to make, on disk, each piece in a file of its own under its name and the key of what it depends on.
 
 A key says what is inside, so a folder may be copied to any place or machine, and any number of versions, branches and
 processes may share it. A file that is cut short, damaged or renamed is as good as none.
@@ -15,6 +15,15 @@ from typing import Final
 SUFFIX: Final = ".code"
 SEAL_BYTES: Final = 16
 KEPT: Final = 12  # pieces of one name, those used last
+
+
+def kept_folder() -> Path:
+    """In numba's own cache folder if one is set, else beside this file, else in the user's cache."""
+    if given := os.environ.get("NUMBA_CACHE_DIR"):
+        return Path(given)
+    beside = Path(__file__).parent / "__pycache__"
+    users = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "branchline"
+    return beside if os.access(beside if beside.exists() else beside.parent, os.W_OK) else users
 
 
 class CodeStore:

@@ -7,7 +7,6 @@ Fastmath stays off: same input, same bits.
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
@@ -18,30 +17,16 @@ from typing import Any, Final, ParamSpec, TypeVar, cast
 import numpy as np
 from numba.core import config
 
-from vehicle.code_store import CodeStore
+from vehicle.code_store import CodeStore, kept_folder
 from vehicle.entries import Entry, LateEntry
 
 INTERPRETED: Final = bool(config.DISABLE_JIT)
 SHIPPED: Final = Path(__file__).parent / "machine_code"  # compiled for any processor; a wheel has it
+STORE: Final = CodeStore(kept_folder() / SHIPPED.name, [SHIPPED])
 OPTIONS: Final = {"nopython": True, "error_model": "numpy"}
 
 P = ParamSpec("P")
 R = TypeVar("R")
-
-
-def _store() -> CodeStore:
-    """In numba's own cache folder if one is set, else beside this file, else in the user's cache."""
-    given = config.__dict__[
-        "CACHE_DIR"
-    ]  # numba fills this module at run time, so type checkers do not know it
-    beside = Path(__file__).parent / "__pycache__"
-    users = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "branchline"
-    writable = os.access(beside if beside.exists() else beside.parent, os.W_OK)
-    base = Path(given) if given else beside if writable else users
-    return CodeStore(base / "machine_code", [SHIPPED])
-
-
-STORE: Final = _store()
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:

@@ -10,11 +10,11 @@ from typing import Final
 
 from verify import tokens
 from verify.explored_line import BIT, TERMINALS, UnwishedFor, mask_of
+from verify.happening import GuardKind
 from verify.parties import ExploredParties, LocalEvent, Numbered, Sends, StepKind, renaming
 from verify.tables import Choices, GrowingRows, Once
 from verify.terminal import LIES
 from verify.train import PEERS, TrainPlace
-from verify.train_events import GuardKind
 
 Air = tuple[tuple[int, ...], ...]
 CellKey = tuple[

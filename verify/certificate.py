@@ -28,10 +28,12 @@ STEPS: Final = (
 )  # packages whose sources decide the steps
 MODEL: Final = (
     "explored_line.py",
+    "happening.py",
     "manager.py",
     "on_air.py",
     "parties.py",
     "terminal.py",
+    "thirds.py",
     "tokens.py",
     "train.py",
     "train_events.py",

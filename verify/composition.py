@@ -12,10 +12,10 @@ from typing import Final, NamedTuple
 from network.model import Position
 from verify import tokens
 from verify.explored_line import ANY, BIT, PORTAL, SECTIONS, TERMINALS, UnwishedFor, mask_of
+from verify.happening import GuardKind
 from verify.parties import ExploredParties, LocalEvent, Sends, StepKind, renaming
 from verify.terminal import LIES, lie_code
 from verify.train import PEERS, TrainPlace
-from verify.train_events import GuardKind
 
 Queues = tuple[tuple[int, ...], ...]  # by peer: telegrams from the unit, then telegrams to it, oldest first
 TWO_TRAINS: Final = "two trains in one section"

@@ -39,10 +39,10 @@ from verify.cells import (
     TrainCells,
 )
 from verify.explored_line import ANY, TERMINALS, UnwishedFor, mask_of
+from verify.happening import GuardKind
 from verify.parties import ExploredParties, LocalEvent, Numbered, Sends, StepKind
 from verify.tables import Choices, GrowingRows, Numbers, Once
 from verify.terminal import lie_code
-from verify.train_events import GuardKind
 
 Keys = NDArray[np.uint64]
 Which = NDArray[np.bool_]

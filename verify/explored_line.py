@@ -16,6 +16,7 @@ from network.model import Position, SectionKind, TagPurpose
 from onboard.duty.duty_step import DutyParameters, ReleaseRule
 from onboard.duty.plan import DutyPlan, PlanLeg, PlanStop, PlanTag, PointsNeeded, Span
 from radio.keys import capability_key
+from verify.thirds import PLACES_A_SPAN
 from wayside.config import (
     MANAGER_ID,
     ManagerConfig,
@@ -32,7 +33,6 @@ PORTAL: Final = "P"
 TERMINALS: Final = ("t1", "t2")
 POINTS_OF: Final = {"t1": "PX", "t2": "PY"}
 PERSONS: Final = ("Mori", "Sato")
-PLACES_A_SPAN: Final = 3  # whole in it; perhaps beyond the next joint; surely beyond, its rear still behind
 _MASTER: Final = b"explored" * 4
 _TRACK_OF: Final = {"u1": ("A", Position.NORMAL), "u2": ("B", Position.REVERSE)}
 _KINDS: Final = {"P": SectionKind.PORTAL, "X": SectionKind.POINTS}

@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final, NamedTuple
 
+from msgspec.structs import replace
+
 from network.model import Position, SectionKind, TagPurpose
 from onboard.authority.records import (
     ConfirmationHeard,
@@ -62,6 +64,7 @@ from onboard.duty.records import (
 )
 from onboard.duty.shown import command_of
 from onboard.duty.unable import TooSteep
+from verify.thirds import PLACES_A_SPAN, place_in_joints
 
 X: Final = PointsNeeded("PX", Position.NORMAL, "X", "terminal")
 _KINDS: Final = {
@@ -72,9 +75,6 @@ _KINDS: Final = {
 }
 TIMES: Final = DutyParameters(dwell_min_s=20.0, request_lead_s=45.0, emergency_release_s=30.0)
 _NOW_S, _DEPARTURE_S = 0.0, 1000.0
-_PLACES_A_SPAN: Final = (
-    3  # between joints, perhaps beyond the next, surely beyond it with the rear still behind
-)
 
 
 def _plan(number: str, section_ids: tuple[str, ...], tags: tuple[PlanTag, ...]) -> DutyPlan:
@@ -118,31 +118,16 @@ class ExploredRun(NamedTuple):
     @property
     def place(self) -> PlaceInJoints:
         """What `onboard.motion` would make of it."""
+        place = place_in_joints(self.spot, END, known=self.known, moves=self.moves, emergency=self.emergency)
         if not self.known:
-            return PlaceInJoints(stands=not self.moves, emergency=self.emergency)
-        span, part = divmod(self.spot, _PLACES_A_SPAN)
-        here = span + (part == 2)
-        perhaps = span + 1 + (part > 0)
-        return PlaceInJoints(
-            known=True,
-            stands=not self.moves,
-            emergency=self.emergency,
-            here=here,
-            sure=here + 1,
-            perhaps=perhaps,
-            clear=span,
-            clear_at_mark=span,
-            reach=perhaps,
-            near={0: 0, END: 1}.get(self.spot, -1),
-            passed=int(self.spot == END and not self.moves),
-            unable=TOO_STEEP if self.unable and self.spot == 0 and not self.moves else None,
-            untold=self.untold,
-        )
+            return place
+        unable = TOO_STEEP if self.unable and self.spot == 0 and not self.moves else None
+        return replace(place, unable=unable, untold=self.untold)
 
     @property
     def under(self) -> tuple[str, ...]:
         """Sections that the train stands in."""
-        span, part = divmod(self.spot, _PLACES_A_SPAN)
+        span, part = divmod(self.spot, PLACES_A_SPAN)
         return tuple(s.section_id for s in PLANS[self.plan].spans[span : span + 1 + (part > 0)])
 
 
@@ -191,8 +176,8 @@ def may_go_on(run: ExploredRun) -> bool:
     plan, state = PLANS[run.plan], run.state
     if run.spot == END:
         return False
-    joint = run.spot // _PLACES_A_SPAN + 1
-    if run.spot % _PLACES_A_SPAN == 2:
+    joint = run.spot // PLACES_A_SPAN + 1
+    if run.spot % PLACES_A_SPAN == 2:
         return True
     if run.known and state.phase is not DutyPhase.ON_SIGHT:
         return state.limit.joint > joint
@@ -233,13 +218,13 @@ def _people(run: ExploredRun) -> Iterator[_Happening]:
     if command_of(PLANS[run.plan], run.state).confirm:
         yield (AtMark(run.state.at) if run.spot == END else NotAtMark()), run
     if phase is DutyPhase.ON_SIGHT and not run.moves:
-        if not run.known and PLANS[run.plan].spans[run.spot // _PLACES_A_SPAN + (run.spot < END)].points:
+        if not run.known and PLANS[run.plan].spans[run.spot // PLACES_A_SPAN + (run.spot < END)].points:
             yield PointsSeen(X), run
             yield PointsWrong(X), run
         if not run.known and run.spot == END and run.state.stands_at != 1:
             yield AtMark(1), run
         if not run.known and not run.state.authority.holds(PLANS[run.plan].spans[-1].section_id):
-            yield EndOfHeld(run.spot // _PLACES_A_SPAN), run
+            yield EndOfHeld(run.spot // PLACES_A_SPAN), run
 
 
 def _movement(run: ExploredRun) -> Iterator[_Happening]:
@@ -251,7 +236,7 @@ def _movement(run: ExploredRun) -> Iterator[_Happening]:
         if run.known and tag > run.read:
             pass  # a tag that is expected is read, or missed and the position lost
         else:
-            bounds_may_pass = run.spot % _PLACES_A_SPAN == 0 and run.spot != END
+            bounds_may_pass = run.spot % PLACES_A_SPAN == 0 and run.spot != END
             if may_go_on(run) or bounds_may_pass:
                 yield Looked(), run._replace(spot=run.spot + 1)
             if not may_go_on(run):
@@ -305,7 +290,7 @@ def _answers(run: ExploredRun) -> Iterator[AuthorityEvent]:
         match request.ask:
             case RequestKind.SIGN_ON if request.section_ids is None:
                 yield SignOnHeard(run.under, _with_points(run.under), answers=True, newer=True)
-                whole = (*run.under, *ahead[max(0, run.spot // _PLACES_A_SPAN) :])
+                whole = (*run.under, *ahead[max(0, run.spot // PLACES_A_SPAN) :])
                 yield SignOnHeard(whole, _with_points(whole), answers=True, newer=True)
             case RequestKind.SIGN_ON:
                 yield SignOnHeard(request.section_ids or (), (), answers=True, newer=True)

@@ -8,9 +8,12 @@ or where the two persons have said each what in the other the other has.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Final, NamedTuple
+
+import msgspec
+from msgspec.structs import replace
 
 from radio.envelope import DropReason
 from radio.messages import Restarted, RouteGranted
@@ -25,6 +28,7 @@ from verify.explored_line import (
     mask_of,
     sections_of,
 )
+from verify.happening import Happening
 from verify.on_air import InAir, opened
 from wayside import acts, reentry
 from wayside.actions import Action, Send
@@ -68,20 +72,7 @@ class ManagerStep(NamedTuple):
     granted: int = 0
 
 
-class ManagerEvent(NamedTuple):
-    """Something that can happen. `about`: the unit that a person speaks of, truly where its train stands in `stands`
-    and, unless that `corrects` what was said before, if it does not speak for itself. `word`: a person acts, which
-    takes effect only when no telegram of an earlier boot is on the air.
-    """
-
-    name: str
-    state: ManagerState
-    sends: tuple[tuple[int, InAir], ...] = ()
-    trouble: UnwishedFor = UnwishedFor.NONE
-    about: int = -1
-    stands: int = 0
-    word: bool = False
-    corrects: bool = False
+ManagerEvent = Happening[ManagerState, InAir]
 
 
 def plain(register: Register) -> PlainRegister:
@@ -124,22 +115,18 @@ def _of_the_other(register: Register) -> Register:
     return replace(register, reentry=swapped)
 
 
-def _sorted(things: Iterable[object]) -> tuple[object, ...]:
-    return tuple(sorted(things, key=repr))
-
-
-def _key(register: Register) -> object:
-    words = register.reentry
-    return (
-        (register.epoch, register.counter, register.restoring),
-        tuple(sorted(register.holders.items())),
-        tuple(sorted(register.units.items(), key=lambda item: item[0])),
-        (*map(_sorted, (register.ledger, register.unswept, register.left_through)), register.bars),
-        tuple(sorted(register.doubted.items())),
-        tuple(sorted((s, tuple(sorted(by.items(), key=repr))) for s, by in words.entries.items())),
-        (_sorted(words.complete), tuple(sorted(words.left_by.items())), words.accepted_by, words.stage),
-        tuple(sorted(words.heard_s)),
-    )
+def _key(thing: object) -> object:
+    """All that is in a register besides its fixed data, so that no field of it can be forgotten."""
+    match thing:
+        case msgspec.Struct():
+            names = (name for name in thing.__struct_fields__ if name != "plan")
+            return type(thing).__name__, *(_key(getattr(thing, name)) for name in names)
+        case Mapping():
+            return tuple(sorted(((k, _key(v)) for k, v in thing.items()), key=repr))
+        case frozenset():
+            return tuple(sorted(thing, key=repr))
+        case _:
+            return thing
 
 
 class ManagerModel:
@@ -282,5 +269,5 @@ class ManagerModel:
 
     def _started(self, epoch: int, register: Register) -> Register:
         return start(
-            self._config, epoch, CAPABILITY_KEYS, register.ledger, register.unswept, {}, register.bars
+            self._config, epoch, CAPABILITY_KEYS, register.ledger, register.unswept, {}, bars=register.bars
         )

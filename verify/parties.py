@@ -18,12 +18,13 @@ from typing import Any, Final, Generic, NamedTuple, TypeVar
 import msgspec
 
 from verify import tokens
-from verify.explored_line import TERMINALS, UNITS, ExploredLine, UnwishedFor
-from verify.manager import ManagerEvent, ManagerModel, ManagerState
+from verify.explored_line import TERMINALS, UNITS, ExploredLine
+from verify.happening import Happening
+from verify.manager import ManagerModel, ManagerState
 from verify.on_air import InAir
 from verify.terminal import TerminalModel, TerminalState
 from verify.train import ExploredTrain, TrainState
-from verify.train_events import NO_GUARD, Guard, events
+from verify.train_events import events
 
 T = TypeVar("T", bound=Hashable)
 Sends = tuple[tuple[int, int], ...]  # to whom, which telegram
@@ -53,23 +54,7 @@ class LocalStep(NamedTuple):
     granted: int = 0
 
 
-class LocalEvent(NamedTuple):
-    """Something that can happen at a party, in numbers; as in `TrainEvent`, `ManagerEvent` and `TerminalHappening`."""
-
-    name: str
-    state: int
-    sends: Sends = ()
-    trouble: UnwishedFor = UnwishedFor.NONE
-    guard: Guard = NO_GUARD
-    left: bool = False
-    locks: tuple[int, ...] = ()
-    unlocks: tuple[int, ...] = ()
-    about: int = -1
-    stands: int = 0
-    word: bool = False
-    corrects: bool = False
-
-
+LocalEvent = Happening[int, int]
 Renamed = tuple[tuple[int, int], ...]  # number before, number after
 
 
@@ -166,19 +151,7 @@ class ExploredParties:
 
     def _unit_events(self, unit: int, train: int) -> tuple[LocalEvent, ...]:
         found = events(self.train_models[unit], self.trains[unit].things[train])
-        return tuple(
-            LocalEvent(
-                e.name,
-                self.trains[unit].number(e.state),
-                self._sent(e.sends),
-                e.trouble,
-                e.guard,
-                e.left,
-                e.locks,
-                e.unlocks,
-            )
-            for e in found
-        )
+        return self._in_numbers(self.trains[unit], found)
 
     def _unit_renamed(self, unit: int, train: int, renamed: Renamed, counted: int) -> int:
         known, by = self.trains[unit].things[train], dict(renamed)
@@ -196,25 +169,10 @@ class ExploredParties:
         return LocalStep(self.managers.number(after), self._sent(sends), correlation)
 
     def _manager_events(self, manager: int) -> tuple[LocalEvent, ...]:
-        return self._of_manager(self._manager.events(self.managers.things[manager]))
+        return self._in_numbers(self.managers, self._manager.events(self.managers.things[manager]))
 
     def _persons_err(self, manager: int) -> tuple[LocalEvent, ...]:
-        return self._of_manager(self._manager.errs(self.managers.things[manager]))
-
-    def _of_manager(self, found: tuple[ManagerEvent, ...]) -> tuple[LocalEvent, ...]:
-        return tuple(
-            LocalEvent(
-                e.name,
-                self.managers.number(e.state),
-                self._sent(e.sends),
-                e.trouble,
-                about=e.about,
-                stands=e.stands,
-                word=e.word,
-                corrects=e.corrects,
-            )
-            for e in found
-        )
+        return self._in_numbers(self.managers, self._manager.errs(self.managers.things[manager]))
 
     def _boundary_passed(self, manager: int) -> LocalStep:
         after, sends, _ = self._manager.boundary_passed(self.managers.things[manager])
@@ -226,10 +184,8 @@ class ExploredParties:
         return LocalStep(self.terminals[index].number(after), self._sent(sends))
 
     def _terminal_events(self, index: int, terminal: int) -> tuple[LocalEvent, ...]:
-        return tuple(
-            LocalEvent(e.name, self.terminals[index].number(e.state), self._sent(e.sends), e.trouble)
-            for e in self._terminal[index].events(self.terminals[index].things[terminal])
-        )
+        numbered = self.terminals[index]
+        return self._in_numbers(numbered, self._terminal[index].events(numbered.things[terminal]))
 
     def _locked_by_hand(self, index: int, terminal: int, locked: int) -> LocalStep:
         known = self.terminals[index].things[terminal]
@@ -248,6 +204,27 @@ class ExploredParties:
     def _terminal_anew(self, index: int, terminal: int, bits: int) -> int:
         numbered = self.terminals[index]
         return numbered.number(tokens.terminal_anew(numbered.things[terminal], bits))
+
+    def _in_numbers(
+        self, numbered: Numbered[T], found: Iterable[Happening[T, InAir]]
+    ) -> tuple[LocalEvent, ...]:
+        return tuple(
+            LocalEvent(
+                e.name,
+                numbered.number(e.state),
+                self._sent(e.sends),
+                e.trouble,
+                e.guard,
+                e.left,
+                e.locks,
+                e.unlocks,
+                e.about,
+                e.stands,
+                e.word,
+                e.corrects,
+            )
+            for e in found
+        )
 
     def _sent(self, sends: tuple[tuple[int, InAir], ...]) -> Sends:
         return tuple((to, self.telegrams.number(telegram)) for to, telegram in sends)

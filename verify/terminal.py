@@ -5,8 +5,10 @@ once as it changes, the terminal's power, and the crew's key.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Final, NamedTuple
+
+from msgspec.structs import replace
 
 from network.model import Position
 from radio.envelope import DropReason
@@ -20,6 +22,7 @@ from verify.explored_line import (
     UnwishedFor,
     terminal_config,
 )
+from verify.happening import Happening
 from verify.on_air import InAir, opened
 from wayside.actions import Action, Drive, Send
 from wayside.point_terminal import (
@@ -69,13 +72,7 @@ class TerminalStep(NamedTuple):
     sends: tuple[tuple[int, InAir], ...] = ()
 
 
-class TerminalHappening(NamedTuple):
-    """Something that can happen besides telegrams."""
-
-    name: str
-    state: TerminalState
-    sends: tuple[tuple[int, InAir], ...] = ()
-    trouble: UnwishedFor = UnwishedFor.NONE
+TerminalHappening = Happening[TerminalState, InAir]
 
 
 def plain(terminal: Terminal) -> PlainTerminal:

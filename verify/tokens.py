@@ -8,11 +8,10 @@ all. Codes of capabilities follow their tokens.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from functools import cache
 from typing import Final
 
-import msgspec
+from msgspec.structs import replace
 
 from onboard.authority.letters import CommandedPoints
 from radio.keys import capability_mac
@@ -120,7 +119,7 @@ def telegram_anew(telegram: InAir, bits: int) -> InAir:
         )
     if hasattr(message, "mac"):
         changes["mac"] = _code(message.mac, bits)
-    return telegram._replace(message=msgspec.structs.replace(message, **changes))
+    return telegram._replace(message=replace(message, **changes))
 
 
 def of_manager(manager: ManagerState) -> int:
@@ -148,7 +147,7 @@ def terminal_anew(terminal: TerminalState, bits: int) -> TerminalState:
     memory = TerminalMemory(
         {section: anew(token, bits) for section, token in known.memory.tokens.items()},
         {
-            points: msgspec.structs.replace(held, token=anew(held.token, bits))
+            points: replace(held, token=anew(held.token, bits))
             for points, held in known.memory.commitments.items()
         },
         known.memory.bars,

@@ -17,10 +17,12 @@ from onboard.authority.letters import NO_NUMBERS, CommandedPoints, LetterNumbers
 from onboard.authority.records import (
     Authority,
     Commit,
+    Ordered,
     Renew,
     RequestKind,
     SendClaim,
     SendCommand,
+    SendRefusal,
     SendRequest,
     SetTimer,
     StopTimer,
@@ -44,8 +46,9 @@ from onboard.duty.records import (
 )
 from radio.envelope import DropReason, Received
 from radio.messages import PointsCommand
-from verify.explored_line import END, PLACES_A_SPAN, TERMINALS, ExploredLine, mask_of, plans_of
+from verify.explored_line import END, TERMINALS, ExploredLine, mask_of, plans_of
 from verify.on_air import InAir, opened
+from verify.thirds import PLACES_A_SPAN, place_in_joints
 from wayside.config import MANAGER_ID
 
 PEERS: Final = (MANAGER_ID, *TERMINALS)
@@ -122,7 +125,7 @@ class ExploredTrain:
             read = letters.read(what)
             if read is None:
                 return TrainStep(state)
-            event = TelegramHeard(read)
+            event = read if isinstance(read, Ordered) else TelegramHeard(read)
         assert not isinstance(event, Received)
         if isinstance(event, SwitchedOn):
             event = replace(event, epoch=state.epoch)
@@ -134,7 +137,7 @@ class ExploredTrain:
         timers, sends = set(state.timers), list[tuple[int, InAir]]()
         for action in actions:
             match action:
-                case SendRequest() | SendClaim() | SendCommand():
+                case SendRequest() | SendClaim() | SendRefusal() | SendCommand():
                     letter = letters.write(action)
                     peer = PEERS.index(letter.destination)
                     # No one reads the correlation of a command, nor that of a proof.
@@ -176,23 +179,8 @@ class ExploredTrain:
 
     def place(self, state: TrainState) -> PlaceInJoints:
         """What `onboard.motion` would make of where the train is."""
-        if not state.known:
-            return PlaceInJoints(stands=not state.moves, emergency=state.emergency)
-        span, part = divmod(state.spot, PLACES_A_SPAN)
-        here = span + (part == 2)
-        perhaps = span + 1 + (part > 0)
-        return PlaceInJoints(
-            known=True,
-            stands=not state.moves,
-            emergency=state.emergency,
-            here=here,
-            sure=here + 1,
-            perhaps=perhaps,
-            clear=span,
-            clear_at_mark=span,
-            reach=perhaps,
-            near={0: 0, END: 1}.get(state.spot, -1),
-            passed=int(state.spot == END and not state.moves),
+        return place_in_joints(
+            state.spot, END, known=state.known, moves=state.moves, emergency=state.emergency
         )
 
     def occupied(self, state: TrainState) -> int:

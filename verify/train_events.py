@@ -7,10 +7,7 @@ it is a matter of metres, not of this model.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from enum import IntEnum
-from typing import Final, NamedTuple
 
-from network.model import Position
 from onboard.authority.records import Authority, RequestKind
 from onboard.duty.records import (
     AtMark,
@@ -36,45 +33,16 @@ from onboard.duty.records import (
     WheelsTurning,
 )
 from onboard.duty.shown import command_of
-from verify.explored_line import END, PLACES_A_SPAN, TERMINALS, UnwishedFor, mask_of
+from verify.explored_line import END, TERMINALS, UnwishedFor, mask_of
+from verify.happening import Guard, GuardKind, Happening
 from verify.on_air import InAir
+from verify.thirds import PLACES_A_SPAN
 from verify.train import ExploredTrain, TrainPlace, TrainState
 
-
-class GuardKind(IntEnum):
-    """What must be so elsewhere for an event to happen."""
-
-    NONE = 0
-    LIES = 1  # points lie and are locked as needed, no motor runs
-    LIES_NOT = 2
-    FREE = 3  # no other train stands in a section
-
-
-class Guard(NamedTuple):
-    """`of`: a terminal's index, or sections as bits; `position`: as needed."""
-
-    kind: GuardKind = GuardKind.NONE
-    of: int = 0
-    position: Position | None = None
-
-
-NO_GUARD: Final = Guard()
 TOLD_AT_ONCE = True  # the unit is told that its train has left as the contact at the boundary counts it
 
 
-class TrainEvent(NamedTuple):
-    """Something that can happen. `left`: the train passes the boundary out; `locks`, `unlocks`: points, by terminal,
-    that its crew locks by hand, or gives back.
-    """
-
-    name: str
-    state: TrainState
-    sends: tuple[tuple[int, InAir], ...] = ()
-    trouble: UnwishedFor = UnwishedFor.NONE
-    guard: Guard = NO_GUARD
-    left: bool = False
-    locks: tuple[int, ...] = ()
-    unlocks: tuple[int, ...] = ()
+TrainEvent = Happening[TrainState, InAir]
 
 
 def events(model: ExploredTrain, state: TrainState) -> tuple[TrainEvent, ...]:

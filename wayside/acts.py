@@ -11,10 +11,11 @@ inputs, and a first word that waits for the second.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from enum import Enum
 from types import MappingProxyType
 from typing import Any, Final
+
+from msgspec.structs import replace
 
 from radio.envelope import CLOCK_SKEW_MAX_S
 from radio.messages import AnyMessage, Claim

@@ -22,19 +22,19 @@ has counted its train out, or the unit itself, in the boot that signed off, says
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Final, TypeVar
 
-import msgspec
+from msgspec.structs import replace
 
 from radio.messages import (
     AnyMessage,
     Claim,
     ClaimQuery,
-    Contested,
     HoldingConfirmed,
     HoldingReport,
+    OrderRefused,
     RefusalReason,
     RouteGranted,
     RouteRefused,
@@ -43,18 +43,18 @@ from radio.messages import (
     SignOn,
     SignOnAccepted,
     SignOnRefused,
+    TrackOrdered,
 )
 from radio.table import TableCell, rows
-from wayside import acts, dispatch, leaving, reentry
+from wayside import acts, dispatch, entering, leaving, orders, reentry
 from wayside.actions import Action, Send, Show
-from wayside.dispatch import DispatchRequest
-from wayside.heard import Heard, challenge, show_refusal
+from wayside.dispatch import Against, DispatchRequest
+from wayside.heard import Heard, challenge, newly_contested, show_refusal, tell_contested
 from wayside.reentry import Step
 from wayside.register import Register, RegisteredUnit, UnitStanding
 from wayside.said import Accepted, BoundaryPassed, Contradicted, Freed, Granted, Outside, Refused
 
 M = TypeVar("M")
-
 
 ASKED_AGAIN: Final = 1  # correlation of a query whose answer is known to be one to it
 __all__ = ["TELEGRAMS", "AskUnits", "Event", "Heard", "step", "table_rows", "wake_at_s"]
@@ -83,7 +83,7 @@ def step(register: Register, event: Event, now_s: float) -> Step:
             register, actions = acts.act(register, event, now_s)
     register = leaving.asked_later(before, register, now_s)
     register, following = reentry.settle(register, now_s)
-    return register, (*actions, *following, *_newly_contested(before, register))
+    return register, (*actions, *following, *newly_contested(before, register))
 
 
 def wake_at_s(register: Register) -> float | None:
@@ -100,7 +100,7 @@ def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
         heard_s = {**register.reentry.heard_s, heard.unit_id: now_s}
         register = replace(register, reentry=replace(register.reentry, heard_s=heard_s))
     register, taken_back = acts.spoke(register, heard.unit_id, heard.message)
-    if register.plan.days is not None:
+    if register.days is not None:
         register = replace(register, now_s=now_s)
     unit = register.unit(heard.unit_id)
     if unit.claim_needed and heard.epoch <= unit.epoch and not isinstance(heard.message, Claim):
@@ -116,50 +116,41 @@ def _ask(register: Register, now_s: float) -> Step:
         return register, ()
     in_vain = {unit_id: times + 1 for unit_id, times in register.doubted.items()}
     register = replace(register, ask_at_s=now_s + register.plan.ask_interval_s, doubted=in_vain)
-    return register, (*(Send(unit_id, ClaimQuery()) for unit_id in asked), *_tell_contested(register))
-
-
-def _tell_contested(register: Register) -> tuple[Send, ...]:
-    """To every unit with something contested: it only restricts, and is said again as long as it lasts."""
-    if not register.in_dispute:
-        return ()
-    units = (unit_id for unit_id in register.plan.unit_ids if unit_id not in register.bars.barred)
-    contested = {unit_id: register.contested(unit_id) for unit_id in units}
-    return tuple(Send(unit_id, Contested(sections)) for unit_id, sections in contested.items() if sections)
-
-
-def _newly_contested(before: Register, after: Register) -> tuple[Send, ...]:
-    if before.units is after.units:
-        return ()
-    known = _tell_contested(before)
-    return tuple(send for send in _tell_contested(after) if send not in known)
+    return register, (*(Send(unit_id, ClaimQuery()) for unit_id in asked), *tell_contested(register))
 
 
 def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
     """Granted whole if the line is defined and all of it free or its own, or a part (`wayside.parts`); else refused."""
     held = register.held_by(heard.unit_id)
+    register, instead = orders.followed(register, heard.unit_id, heard.message.route_id)
+    if instead:
+        order = TrackOrdered(heard.message.route_id, instead)
+        return register, (Send(heard.unit_id, order, heard.correlation),)
     against = _against(register, heard, frozenset(held))
-    shown: tuple[Action, ...] = ()
+    register, against, leave = entering.weighed(register, heard.unit_id, heard.message, against)
+    wanted, part = heard.message.section_ids, tuple[str, ...]()
+    shown, more = tuple[Action, ...](), tuple[Action, ...]()
     if against is not None and against[0] is RefusalReason.HELD:
-        register, part = dispatch.part_to_grant(register, heard.unit_id, heard.message)
-        if part:
-            return _grant(register, heard, part)
-    if against is not None or not set(heard.message.section_ids) <= set(held):
+        register, part, shown = dispatch.part_to_grant(register, heard.unit_id, heard.message)
+    if part:
+        wanted, against = part, None
+    elif not leave and (against is not None or not set(wanted) <= set(held)):
         asked = DispatchRequest(heard.unit_id, heard.message.route_id)
-        register, against, shown = dispatch.weigh_request(register, asked, against)
-    wanted = heard.message.section_ids
+        decision = orders.decide(register, asked, against)
+        register, against, more = decision.register, decision.against, decision.actions
+        if decision.instead:
+            order = TrackOrdered(heard.message.route_id, decision.instead)
+            return register, (*shown, *more, Send(heard.unit_id, order, heard.correlation))
     answer = _grant(register, heard, wanted) if against is None else _refuse_route(register, heard, *against)
-    return answer[0], (*shown, *answer[1])
+    return answer[0], (*shown, *more, *answer[1])
 
 
-def _against(
-    register: Register, heard: Heard[RouteRequest], held: frozenset[str]
-) -> tuple[RefusalReason, str | None, str | None] | None:
+def _against(register: Register, heard: Heard[RouteRequest], held: frozenset[str]) -> Against | None:
     """Why the route may not be granted, and the section and unit in the way; or None."""
     message, unit_id = heard.message, heard.unit_id
     route = register.plan.routes.get(message.route_id)
     blocking = register.undefined_because_of()
-    against: tuple[RefusalReason, str | None, str | None] | None = None
+    against: Against | None = None
     if message.unit_id != unit_id:
         against = (RefusalReason.WRONG_UNIT, None, None)
     elif heard.epoch != register.unit(unit_id).epoch:
@@ -177,6 +168,7 @@ def _against(
 
 def _grant(register: Register, heard: Heard[RouteRequest], section_ids: tuple[str, ...]) -> Step:
     message, unit_id = heard.message, heard.unit_id
+    register = entering.leave_given(register, unit_id, register.plan.routes[message.route_id], section_ids)
     unit, held = register.unit(unit_id), register.held_by(unit_id)
     same_request = (unit.route_id, unit.correlation) == (message.route_id, heard.correlation)
     repeated = heard.correlation > 0 and same_request and set(section_ids) <= set(held)
@@ -353,7 +345,7 @@ def _never_granted(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> S
 
 
 def _without_token(message: SignOn | Claim) -> Any:  # noqa: ANN401 - of the type given
-    return msgspec.structs.replace(message, token=0)
+    return replace(message, token=0)
 
 
 def _wishes(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> bool:
@@ -376,7 +368,7 @@ def _enter(
     if register.unit(unit_id).standing is UnitStanding.UNKNOWN:
         register = register.with_unit(unit_id, RegisteredUnit(UnitStanding.OUTSIDE, heard.epoch))
         shows = (Show(Outside(unit_id=unit_id, was=UnitStanding.UNKNOWN.value)),)
-    against: dispatch.Against | None = None
+    against: Against | None = None
     if not register.defined:
         against = (RefusalReason.UNDEFINED, None, (*register.undefined_because_of(), None)[0])
     elif conflict is not None:
@@ -407,7 +399,8 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     # A unit that has started again numbers its requests anew, so its old request cannot be repeated.
     same_boot = heard.epoch == unit.epoch
     after = RegisteredUnit(standing, heard.epoch, token, unit.route_id, unit.correlation if same_boot else 0)
-    after = replace(after, unproven=not held and (bool(shown) or unit.unproven))
+    unproven = not held and (bool(shown) or unit.unproven)
+    after = entering.carried_over(unit, replace(after, unproven=unproven), held)
     register = register.with_unit(unit_id, after)
     actions: list[Action] = [*shown]
     if added or after.standing is not unit.standing or after.epoch != unit.epoch:
@@ -463,31 +456,37 @@ TELEGRAMS: Final[Mapping[tuple[UnitStanding, type], _Handler]] = MappingProxyTyp
     {
         (UnitStanding.UNKNOWN, RouteRequest): _request_undefined,
         (UnitStanding.UNKNOWN, HoldingReport): challenge,
+        (UnitStanding.UNKNOWN, OrderRefused): challenge,
         (UnitStanding.UNKNOWN, SignOn): _sign_on,
         (UnitStanding.UNKNOWN, SignOff): leaving.sign_off_not_signed_on,
         (UnitStanding.UNKNOWN, Claim): _claim,
         (UnitStanding.OUTSIDE, RouteRequest): _request_not_signed_on,
         (UnitStanding.OUTSIDE, HoldingReport): challenge,
+        (UnitStanding.OUTSIDE, OrderRefused): challenge,
         (UnitStanding.OUTSIDE, SignOn): _sign_on,
         (UnitStanding.OUTSIDE, SignOff): leaving.sign_off_again,
         (UnitStanding.OUTSIDE, Claim): _claim,
         (UnitStanding.BY_HAND, RouteRequest): _request_not_signed_on,
         (UnitStanding.BY_HAND, HoldingReport): challenge,
+        (UnitStanding.BY_HAND, OrderRefused): challenge,
         (UnitStanding.BY_HAND, SignOn): _sign_on,
         (UnitStanding.BY_HAND, SignOff): leaving.sign_off_not_signed_on,
         (UnitStanding.BY_HAND, Claim): _claim,
         (UnitStanding.REPORTED, RouteRequest): _request,
         (UnitStanding.REPORTED, HoldingReport): _report,
+        (UnitStanding.REPORTED, OrderRefused): orders.refused,
         (UnitStanding.REPORTED, SignOn): _sign_on,
         (UnitStanding.REPORTED, SignOff): leaving.sign_off,
         (UnitStanding.REPORTED, Claim): _claim,
         (UnitStanding.LEAVING, RouteRequest): _request_not_signed_on,
         (UnitStanding.LEAVING, HoldingReport): _report,
+        (UnitStanding.LEAVING, OrderRefused): orders.refused,
         (UnitStanding.LEAVING, SignOn): _sign_on_leaving,
         (UnitStanding.LEAVING, SignOff): leaving.sign_off,
         (UnitStanding.LEAVING, Claim): _claim_leaving,
         (UnitStanding.DISPUTED, RouteRequest): _request_undefined,
         (UnitStanding.DISPUTED, HoldingReport): challenge,
+        (UnitStanding.DISPUTED, OrderRefused): challenge,
         (UnitStanding.DISPUTED, SignOn): _sign_on,
         (UnitStanding.DISPUTED, SignOff): leaving.sign_off_not_signed_on,
         (UnitStanding.DISPUTED, Claim): _claim,

@@ -23,6 +23,8 @@ from enum import Enum
 from functools import reduce
 from typing import Final
 
+import msgspec
+
 from wayside.moves import Train
 from wayside.pairs import Pairs
 
@@ -39,8 +41,7 @@ class CertificateProof(Enum):
     UNKNOWN = "none was found within the steps that the search has"
 
 
-@dataclass(frozen=True, slots=True)
-class CertificateAnswer:
+class CertificateAnswer(msgspec.Struct, frozen=True):
     """The answer. `order`: trains by index, a move each, and `moves`: which of its moves that is; `circle`: trains that
     were in each other's way, by index. Where there is no order, they alone have none.
     """

@@ -47,11 +47,14 @@ class RouteEntry(msgspec.Struct, frozen=True):
     """A route that may be granted, whole or what lies ahead of a train that is on it.
 
     The unit must hold `from_section` or a part of the route; of what lies ahead, the section in which it begins.
+    `entry` and `overlap` are those of `network.model.Route`.
     """
 
     route_id: str
     from_section: str
     section_ids: tuple[str, ...]
+    entry: tuple[str, ...] = ()
+    overlap: tuple[str, ...] = ()
 
     def has_part(self, section_ids: tuple[str, ...]) -> bool:
         """Whether these are the route, or its end from some section on."""
@@ -80,7 +83,7 @@ class JourneyMove(msgspec.Struct, frozen=True, array_like=True):
     """A move of a stock's day: by a route, or onto the line by a portal (then `route_id` is empty).
 
     `section_id`: where it ends; `leaves`: by that portal, off the line. Planned times s since midnight; `stays_s`: from
-    its end to the next move at least.
+    its end to the next move at least. `others`: tracks of the same station where it may end instead.
     """
 
     train: str
@@ -90,6 +93,7 @@ class JourneyMove(msgspec.Struct, frozen=True, array_like=True):
     departs_s: float
     arrives_s: float
     stays_s: float
+    others: tuple[str, ...] = ()
 
 
 class StockMoves(msgspec.Struct, frozen=True):
@@ -99,10 +103,17 @@ class StockMoves(msgspec.Struct, frozen=True):
     moves: tuple[JourneyMove, ...]
 
 
+class DispatcherMeans(Enum):
+    """What the dispatcher may do besides letting trains wait for their routes."""
+
+    CHANGE_TRACK = "change_track"  # another track of the next station (着発線変更)
+    TAKE_BACK = "take_back"  # a route granted to a train that does not leave, so that others go first
+
+
 class DispatchEntry(msgspec.Struct, frozen=True):
     """How routes are given to trains that could all have them; see `wayside.dispatch`.
 
-    `given`: the order of the day, a unit for each of all moves in turn; empty: none is given.
+    `given`: the order of the day, a unit for each of all moves in turn; empty: none is given. `may`: see there.
     """
 
     certificate: bool = False
@@ -113,11 +124,12 @@ class DispatchEntry(msgspec.Struct, frozen=True):
     journeys: tuple[StockMoves, ...] = ()
     given: tuple[str, ...] = ()
     parts: bool = False  # of a way in virtual blocks, as far as it is free; with the certificate alone
+    may: tuple[DispatcherMeans, ...] = ()
 
     @property
     def weighs(self) -> bool:
         """Whether anything but the register decides."""
-        return self.certificate or self.order is not OrderRule.FIRST_COME or bool(self.given)
+        return self.certificate or self.order is not OrderRule.FIRST_COME or bool(self.given or self.may)
 
 
 NO_DISPATCH: Final = DispatchEntry()
@@ -192,7 +204,10 @@ def manager_config(
         )
         for section in line.sections.values()
     )
-    entries = tuple(RouteEntry(route.id, route.from_section, route.section_ids) for route in routes)
+    entries = tuple(
+        RouteEntry(route.id, route.from_section, route.section_ids, route.entry, route.overlap)
+        for route in routes
+    )
     return ManagerConfig(
         line.id,
         MANAGER_ID,

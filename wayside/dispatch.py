@@ -10,10 +10,12 @@ order of trains for longer than `hold_s_max`, nor when more than `overtaken_max`
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from math import inf
 from typing import Final
+
+from msgspec.structs import replace
 
 from network.clock import clock
 from radio.messages import RefusalReason, RouteRequest
@@ -57,7 +59,7 @@ def weigh_request(
 
     `against` is what the register has against the request: then the unit only counts as waiting.
     """
-    days = register.plan.days
+    days = register.days
     if days is None or asked.unit_id not in days.index:
         return register, against, ()
     index = days.index[asked.unit_id]
@@ -80,40 +82,61 @@ def weigh_request(
 
 def part_to_grant(
     register: Register, unit_id: str, message: RouteRequest
-) -> tuple[Register, tuple[str, ...]]:
-    """The part of a way that may be granted, and the register with it weighed; empty: nothing but the whole may be."""
-    if register.plan.days is None or not register.plan.days.parts:
-        return register, ()
+) -> tuple[Register, tuple[str, ...], tuple[Show, ...]]:
+    """The part of a way that may be granted (empty: nothing but the whole may be), the register with it weighed, and
+    what the journal is told.
+    """
+    if register.days is None or not register.days.parts:
+        return register, (), ()
     part = free_part(register, unit_id, register.plan.routes[message.route_id], message.section_ids)
     if not set(part).difference(register.held_by(unit_id)):
-        return register, part  # what it has already, as its answer may have been lost
-    weighed = weigh_part(register, DispatchRequest(unit_id, message.route_id), part)
-    return (register, ()) if weighed is None else (weighed, part)
+        return register, part, ()  # what it has already, as its answer may have been lost
+    return weigh_part(register, DispatchRequest(unit_id, message.route_id), part)
 
 
-def weigh_part(register: Register, asked: DispatchRequest, part: Iterable[str]) -> Register | None:
-    """The register with a part of a route counted as the unit's; None: it is not proven that all can then finish.
+def weigh_part(
+    register: Register, asked: DispatchRequest, part: tuple[str, ...]
+) -> tuple[Register, tuple[str, ...], tuple[Show, ...]]:
+    """The register with a part of a route counted as the unit's; no part where it is not proven that all can then
+    finish, or another is to go first.
 
     Its move is still to be made, from there: a train that waits on open line stands in others' way.
     """
-    days = register.plan.days
+    days = register.days
     if days is None or not days.parts or asked.unit_id not in days.index:
-        return None
+        return register, (), ()
     index, trip = days.index[asked.unit_id], register.trip(asked.unit_id)
     stands = stands_of(register, days)
     place = next_hop(days, index, stands.at[index], asked.route_id, "")
     if trip.astray or place is None or place != stands.at[index]:
-        return None
+        return register, (), ()
     has = 0
     for section_id in {*register.held_by(asked.unit_id), *part}:
         has |= days.bits[section_id]
     after = Stands(stands.at, (*stands.holds[:index], has, *stands.holds[index + 1 :]))
     found = finishing_order(after.trains(days), STEPS_MAX)
     if found.proof is not CertificateProof.ORDER:
-        return None
+        return register, (), ()
+    register, waits, shown = _Weighing(register, days, stands, index).by_order()
+    if waits is not None:
+        return register, (), shown
+    trip = register.trip(asked.unit_id)
     asked_s = register.now_s if trip.asked_s is None else trip.asked_s
     register = register.with_trip(asked.unit_id, replace(trip, part=True, done=place, asked_s=asked_s))
-    return replace(register, kept=LastCertificate(after.at, after.holds, found.order), sought=None)
+    kept = LastCertificate(after.at, after.holds, found.order)
+    return replace(register, kept=kept, sought=None), part, shown
+
+
+def order_now(
+    register: Register, days: Days, stands: Stands, index: int
+) -> tuple[Register, LastOrder | None, tuple[Show, ...]]:
+    """The order of all trains that is given for the day, or as it is best now; None: there is none to go by."""
+    if days.given:
+        return register, LastOrder(0.0, (0,) * len(days.unit_ids), OrderAnswer(days.given)), ()
+    if days.order is not OrderRule.OPTIMAL or not is_disturbed(register, days, stands, index):
+        return register, None, ()
+    register, shows = with_order(register, days, stands)
+    return register, register.solved, shows
 
 
 def _skipped(stands: Stands, index: int, place: int) -> Stands:
@@ -137,10 +160,15 @@ class _Weighing:
     def done(self) -> tuple[Register, Against | None, tuple[Show, ...]]:
         """The answer."""
         against, after = self._certified() if self._days.certificate else (None, None)
-        if against is None and (self._days.given or self._days.order is not OrderRule.FIRST_COME):
+        if against is None:
             against = self._by_order()
         if against is None:
             self._granted(after)
+        return self._register, against, tuple(self._shows)
+
+    def by_order(self) -> tuple[Register, Against | None, tuple[Show, ...]]:
+        """The answer by the order of trains alone, the register as it is but for what waits."""
+        against = self._by_order()
         return self._register, against, tuple(self._shows)
 
     # the certificate ------------------------------------------------------------------------------------------
@@ -302,6 +330,8 @@ class _Weighing:
     # the order of trains --------------------------------------------------------------------------------------
 
     def _by_order(self) -> Against | None:
+        if not self._days.given and self._days.order is OrderRule.FIRST_COME:
+            return None
         turn = turn_of(self._register, self._days, self._stands, self._index, self._order())
         if turn is None:
             return None
@@ -315,17 +345,9 @@ class _Weighing:
         return RefusalReason.NOT_ITS_TURN, turn.section_id, other_id
 
     def _order(self) -> LastOrder | None:
-        """The order of all trains that is given for the day, or as it is best now; None: there is none to go by."""
-        days = self._days
-        if days.given:
-            return LastOrder(0.0, (0,) * len(days.unit_ids), OrderAnswer(days.given))
-        if days.order is not OrderRule.OPTIMAL:
-            return None
-        if not is_disturbed(self._register, days, self._stands, self._index):
-            return None
-        self._register, shows = with_order(self._register, days, self._stands)
+        self._register, order, shows = order_now(self._register, self._days, self._stands, self._index)
         self._shows += shows
-        return self._register.solved
+        return order
 
     def _held_by_order(self) -> None:
         if self._trip.held_s is None:
@@ -357,12 +379,17 @@ class _Weighing:
         register, days, index = self._register, self._days, self._index
         place = self._stands.at[index]
         hop = days.hops[index][place]
-        late_s = max(0.0, register.now_s - hop.departs_s)
-        register = register.with_trip(self._unit_id, DayProgress(place + 1, late_s))
+        late_s, again = max(0.0, register.now_s - hop.departs_s), self._trip.done == place + 1
+        made = DayProgress(place + 1, late_s, granted_s=register.now_s)
+        if again:  # it had given it back: it is not asked for it, or overtaken, without end
+            made = replace(made, orders=self._trip.orders, overtaken=self._trip.overtaken)
+        register = register.with_trip(self._unit_id, made)
         for other, unit_id in enumerate(days.unit_ids):
             trip = register.trips.get(unit_id)
             at = self._stands.at[other]
-            if other == index or trip is None or trip.asked_s is None or at == len(days.hops[other]):
+            if other == index or trip is None or at == len(days.hops[other]):
+                continue
+            if trip.asked_s is None and trip.back_s <= register.now_s:
                 continue
             if days.hops[other][at].line & hop.line:
                 register = register.with_trip(unit_id, replace(trip, overtaken=trip.overtaken + 1))

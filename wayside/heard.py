@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from radio.messages import ClaimQuery, RefusalReason
+import msgspec
+
+from radio.messages import ClaimQuery, Contested, RefusalReason
 from wayside.actions import Send, Show
 from wayside.reentry import Step
 from wayside.register import Register
@@ -14,8 +15,7 @@ from wayside.said import Refused
 M = TypeVar("M")
 
 
-@dataclass(frozen=True, slots=True)
-class Heard(Generic[M]):
+class Heard(msgspec.Struct, Generic[M], frozen=True):
     """A telegram passed the envelope's checks. `fresh`: its sender has heard this boot of the manager."""
 
     unit_id: str
@@ -36,3 +36,20 @@ def show_refusal(
     """A refusal for the journal, and what stands against it."""
     sections = () if section_id is None else (section_id,)
     return Show(Refused(unit_id=unit_id, section_ids=sections, other_id=holder or "", why=reason.name))
+
+
+def tell_contested(register: Register) -> tuple[Send, ...]:
+    """To every unit with something contested: it only restricts, and is said again as long as it lasts."""
+    if not register.in_dispute:
+        return ()
+    units = (unit_id for unit_id in register.plan.unit_ids if unit_id not in register.bars.barred)
+    contested = {unit_id: register.contested(unit_id) for unit_id in units}
+    return tuple(Send(unit_id, Contested(sections)) for unit_id, sections in contested.items() if sections)
+
+
+def newly_contested(before: Register, after: Register) -> tuple[Send, ...]:
+    """What is to be told of it that was not before."""
+    if before.units is after.units:
+        return ()
+    known = tell_contested(before)
+    return tuple(send for send in tell_contested(after) if send not in known)

@@ -7,20 +7,21 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
-from typing import Final
+from typing import Any, Final
 
+import msgspec
 from msgspec.structs import asdict
 
 from wayside.certificate import CertificateAnswer
-from wayside.config import JourneyMove, ManagerConfig, OrderRule
+from wayside.config import DispatcherMeans, JourneyMove, ManagerConfig, OrderRule, RouteEntry
 from wayside.moves import Move, Train
 
 LOST: Final = -1  # nobody knows how far a stock is in its day
 
 
-class PlannedMove(JourneyMove, frozen=True):
+class PlannedMove(JourneyMove, frozen=True, kw_only=True):
     """A move with what it means. As bits: sections where it begins and ends, those of open line on its way, and all on
     its way in their order.
     """
@@ -38,8 +39,45 @@ class PlannedMove(JourneyMove, frozen=True):
 
 
 @dataclass(frozen=True, slots=True)
+class LineWays:
+    """The line as moves need it: sections and queues before portals as bits, and routes by name and by their ends."""
+
+    bits: Mapping[str, int]
+    queues: Mapping[str, int]
+    open_line: int
+    routes: Mapping[str, RouteEntry]
+    between: Mapping[tuple[str, str], str]
+
+    def move(self, given: JourneyMove) -> PlannedMove:
+        """A move with what it means."""
+        return PlannedMove(**asdict(given), **self._meaning(given))
+
+    def turned(self, hop: PlannedMove, here: str, there: str) -> PlannedMove | None:
+        """The same move of a train's day from one of two tracks or to one of two; None: no route leads there."""
+        route_id = self.between.get((here, there))
+        if route_id is None:
+            return None
+        others = tuple(o for o in (hop.section_id, *hop.others) if o != there)
+        turned = msgspec.structs.replace(hop, route_id=route_id, section_id=there, others=others)
+        return msgspec.structs.replace(turned, **self._meaning(turned))
+
+    def _meaning(self, given: JourneyMove) -> dict[str, Any]:
+        route, end = self.routes.get(given.route_id), self.bits[given.section_id]
+        start = 0 if route is None else self.bits[route.from_section]
+        needs = end | self.queues.get(given.section_id, 0)
+        if route is not None:
+            needs = sum(self.bits[s] for s in set(route.section_ids))
+        move = Move(needs, 0 if given.leaves else end, given.departs_s)
+        way = () if route is None else tuple(self.bits[s] for s in route.section_ids)
+        return {"move": move, "start": start, "end": end, "line": needs & self.open_line, "way": way}
+
+
+@dataclass(frozen=True, slots=True)
 class Days:
-    """Fixed data, indexed: the day of each stock, and the rules by which routes are given."""
+    """Fixed data, indexed: the day of each stock, and the rules by which routes are given.
+
+    Where tracks are changed, the register has days of its own in which that is so (`with_track`).
+    """
 
     unit_ids: tuple[str, ...]
     hops: tuple[tuple[PlannedMove, ...], ...]
@@ -53,16 +91,41 @@ class Days:
     hold_s_max: float
     overtaken_max: int
     parts: bool
+    ways: LineWays
     given: tuple[int, ...] = ()
+    may: tuple[DispatcherMeans, ...] = ()
+
+    def with_track(self, index: int, place: int, section_id: str) -> Days | None:
+        """With that move of a stock ending on another track, and the one after it beginning there; None: it cannot."""
+        hops = self.hops[index]
+        hop = hops[place]
+        route = self.ways.routes.get(hop.route_id)
+        turned = None if route is None else self.ways.turned(hop, route.from_section, section_id)
+        if turned is None or hop.leaves or section_id not in hop.others:
+            return None
+        changed = [turned]
+        if place + 1 < len(hops):
+            following = self.ways.turned(hops[place + 1], section_id, hops[place + 1].section_id)
+            if following is None:
+                return None
+            changed.append(following)
+        own = (*hops[:place], *changed, *hops[place + len(changed) :])
+        moves = tuple(each.move for each in own)
+        return replace(
+            self,
+            hops=(*self.hops[:index], own, *self.hops[index + 1 :]),
+            moves=(*self.moves[:index], moves, *self.moves[index + 1 :]),
+        )
 
 
-@dataclass(frozen=True, slots=True)
-class DayProgress:
+class DayProgress(msgspec.Struct, frozen=True):
     """How far a stock is in its day. `done`: moves granted. `late_s`: how late it asked for the last of them.
 
     `asked_s`: since when it asks for the next one in vain; `held_s`: since when the order of trains holds it back;
     `overtaken`: how many were let on over its way meanwhile. `said`: what the journal said of it last.
-    `part`: it was granted a part of its next move.
+    `part`: it was granted a part of its next move. `granted_s`: when the last one was granted. `orders`: how many it
+    was given about that move or the next one; `own_way`: it has refused to go there otherwise, `keeps`: to give its
+    route back. `back_s`: until when it asks for none, if it has given its route back as it was asked to.
     """
 
     done: int = 0
@@ -73,10 +136,14 @@ class DayProgress:
     astray: bool = False
     said: str = ""
     part: bool = False
+    granted_s: float = -inf
+    orders: int = 0
+    own_way: bool = False
+    keeps: bool = False
+    back_s: float = -inf
 
 
-@dataclass(frozen=True, slots=True)
-class LastCertificate:
+class LastCertificate(msgspec.Struct, frozen=True):
     """The order of the last certificate, and the places and holdings of all stock from which it leads.
 
     `until_s`: it has the moves planned to begin before that, as the whole day has no order.
@@ -92,8 +159,7 @@ class LastCertificate:
         return (self.at, self.holds) == (stands.at, stands.holds)
 
 
-@dataclass(frozen=True, slots=True)
-class LastSearch:
+class LastSearch(msgspec.Struct, frozen=True):
     """The last search that found no order of the whole day: from which places, with how many steps, what it found
     instead, until when that is taken as it is, s, and what the journal was told.
     """
@@ -114,8 +180,7 @@ class LastSearch:
         return now_s < self.again_s
 
 
-@dataclass(frozen=True, slots=True)
-class Stands:
+class Stands(msgspec.Struct, frozen=True):
     """All stock with a day: how many moves each has made, and what it holds once it has run what it was granted."""
 
     at: tuple[int, ...]
@@ -127,12 +192,16 @@ class Stands:
         trains = [Train(held, _before(moves, done, until_s)) for held, moves, done in places]
         return [self._on_its_way(days, index, train) for index, train in enumerate(trains)]
 
+    def next_move(self, days: Days, index: int) -> Move:
+        """The next move of a stock, or what is left of it where it has a part."""
+        hop, held = days.hops[index][self.at[index]], self.holds[index]
+        return hop.rest(held) if days.parts and held & hop.move.needs else hop.move
+
     def _on_its_way(self, days: Days, index: int, train: Train) -> Train:
-        """With what is left of a move of which it has a part."""
-        if not days.parts or not train.ahead or not train.holds & train.ahead[0].needs:
+        """With what is left of its next move."""
+        if not days.parts or not train.ahead:
             return train
-        rest = days.hops[index][self.at[index]].rest(train.holds)
-        return Train(train.holds, (rest, *train.ahead[1:]))
+        return Train(train.holds, (self.next_move(days, index), *train.ahead[1:]))
 
     def after(self, days: Days, index: int) -> Stands:
         """With one stock a move further."""
@@ -164,18 +233,9 @@ def days_of(config: ManagerConfig) -> Days | None:
     queues = {portal: 1 << (len(bits) + index) for index, portal in enumerate(portals)}
     line = sum(bits[section.section_id] for section in config.sections if section.open_line)
     routes = {route.route_id: route for route in config.routes}
-
-    def hop_of(given: JourneyMove) -> PlannedMove:
-        route, end = routes.get(given.route_id), bits[given.section_id]
-        start = 0 if route is None else bits[route.from_section]
-        needs = (
-            end | queues[given.section_id] if route is None else sum(bits[s] for s in set(route.section_ids))
-        )
-        move = Move(needs, 0 if given.leaves else end, given.departs_s)
-        way = () if route is None else tuple(bits[s] for s in route.section_ids)
-        return PlannedMove(**asdict(given), move=move, start=start, end=end, line=needs & line, way=way)
-
-    hops = tuple(tuple(map(hop_of, journey.moves)) for journey in given.journeys)
+    between = {(route.from_section, route.section_ids[-1]): route.route_id for route in config.routes}
+    ways = LineWays(bits, queues, line, routes, between)
+    hops = tuple(tuple(map(ways.move, journey.moves)) for journey in given.journeys)
     unit_ids = tuple(journey.unit_id for journey in given.journeys)
     index = {unit_id: index for index, unit_id in enumerate(unit_ids)}
     return Days(
@@ -191,7 +251,9 @@ def days_of(config: ManagerConfig) -> Days | None:
         given.hold_s_max,
         given.overtaken_max,
         given.parts,
+        ways,
         tuple(index[unit_id] for unit_id in given.given if unit_id in index),
+        given.may,
     )
 
 

@@ -8,8 +8,9 @@ power before it hears it; so the manager's acceptance says only that the train m
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Final
+
+from msgspec.structs import replace
 
 from radio.messages import Claim, RefusalReason, SignOff, SignOffAccepted, SignOffRefused
 from wayside import reentry

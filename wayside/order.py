@@ -85,10 +85,13 @@ class _Solved:
 
     def cost(self) -> str:
         """What it costs, for the sentence."""
-        if self.answer is None:
-            return "so is the order given for the day"
-        proof = "the best order" if self.answer.delay_s <= self.answer.bound_s else "the best order known"
-        return f"{_minutes(self.answer.delay_s)} min late in all in {proof}"
+        return "so is the order given for the day" if self.answer is None else cost_of(self.answer)
+
+
+def cost_of(answer: OrderAnswer) -> str:
+    """What an order costs, in words."""
+    proof = "the best order" if answer.delay_s <= answer.bound_s else "the best order known"
+    return f"{_minutes(answer.delay_s)} min late in all in {proof}"
 
 
 def is_disturbed(register: Register, days: Days, stands: Stands, index: int) -> bool:
@@ -98,6 +101,13 @@ def is_disturbed(register: Register, days: Days, stands: Stands, index: int) -> 
     return late and bool(_rivals(register, days, stands, index))
 
 
+def _to_come(register: Register, days: Days, stands: Stands, index: int) -> int:
+    """The next move of a stock of which it has nothing: where it has a part it is first already."""
+    at, hops = stands.at[index], days.hops[index]
+    part = register.trip(days.unit_ids[index]).part and at < len(hops)
+    return at + bool(part and hops[at].move.needs & stands.holds[index])
+
+
 def _rivals(register: Register, days: Days, stands: Stands, index: int) -> list[_First]:
     """Trains that are to go over line that this one wants, within the time that is looked ahead."""
     mine, until_s = days.hops[index][stands.at[index]], register.now_s + AHEAD_S
@@ -105,7 +115,7 @@ def _rivals(register: Register, days: Days, stands: Stands, index: int) -> list[
     for other, hops in enumerate(days.hops):
         if other == index or register.trip(days.unit_ids[other]).astray:
             continue
-        for place in range(stands.at[other], len(hops)):
+        for place in range(_to_come(register, days, stands, other), len(hops)):
             if hops[place].departs_s >= until_s:
                 break
             if hops[place].line & mine.line:
@@ -121,7 +131,7 @@ def _planned_first(register: Register, days: Days, stands: Stands, index: int) -
     for other, hops in enumerate(days.hops):
         if other == index or register.trip(days.unit_ids[other]).astray:
             continue
-        for place in range(stands.at[other], len(hops)):
+        for place in range(_to_come(register, days, stands, other), len(hops)):
             hop = hops[place]
             if hop.departs_s >= mine.departs_s:
                 break
@@ -136,7 +146,7 @@ def _too_often(register: Register, days: Days, stands: Stands, index: int) -> li
     mine = days.hops[index][stands.at[index]]
     found: list[_First] = []
     for other, hops in enumerate(days.hops):
-        at, trip = stands.at[other], register.trip(days.unit_ids[other])
+        at, trip = _to_come(register, days, stands, other), register.trip(days.unit_ids[other])
         if other == index or at == len(hops) or trip.asked_s is None or trip.overtaken < days.overtaken_max:
             continue
         if hops[at].line & mine.line and hops[at].departs_s >= mine.departs_s:
@@ -201,7 +211,8 @@ def _coming(days: Days, stands: Stands, index: int, first: _First) -> tuple[int,
         mover = wanted[-1]
         if at[mover] == len(days.moves[mover]):
             return None
-        move = days.moves[mover][at[mover]]
+        begins = at[mover] == stands.at[mover]
+        move = stands.next_move(days, mover) if begins else days.moves[mover][at[mover]]
         in_the_way = next((i for i, held in enumerate(holds) if i != mover and held & move.needs), None)
         if in_the_way is None:
             holds[mover] = move.keeps
@@ -271,9 +282,9 @@ def _ready_s(register: Register, days: Days, stands: Stands, index: int) -> floa
     """When a stock can make its next move: it is on its way there, as late as it left, or waits."""
     at, trip = stands.at[index], register.trip(days.unit_ids[index])
     if at == 0 or trip.asked_s is not None:
-        return register.now_s
+        return max(register.now_s, trip.back_s)
     before = days.hops[index][at - 1]
-    return max(register.now_s, before.arrives_s + trip.late_s + before.stays_s)
+    return max(register.now_s, before.arrives_s + trip.late_s + before.stays_s, trip.back_s)
 
 
 def _minutes(time_s: float) -> int:

@@ -11,10 +11,19 @@ from dataclasses import dataclass
 import msgspec
 
 
+class OrderWay(msgspec.Struct, frozen=True, array_like=True):
+    """One of several ways to make a move: from the track `here`, with all `needs`, to where it `keeps` a section."""
+
+    here: int
+    needs: tuple[int, ...]
+    keeps: tuple[int, ...]
+
+
 class OrderMove(msgspec.Struct, frozen=True, array_like=True):
     """A move: not before `departs_s`, `runs_s` long; then it stays at least `stays_s`. It is to end at `due_s`.
 
-    Where it `counts`, as a train ends there, each second later costs one.
+    Where it `counts`, as a train ends there, each second later costs one. `others`: other ways to make it than the
+    planned one, from the track `here`.
     """
 
     needs: tuple[int, ...]
@@ -24,6 +33,8 @@ class OrderMove(msgspec.Struct, frozen=True, array_like=True):
     stays_s: int
     due_s: int
     counts: bool
+    here: int = -1
+    others: tuple[OrderWay, ...] = ()
 
 
 class OrderTrain(msgspec.Struct, frozen=True, array_like=True):
@@ -37,24 +48,29 @@ class OrderTrain(msgspec.Struct, frozen=True, array_like=True):
 
 
 class OrderQuestion(msgspec.Struct, frozen=True, array_like=True):
-    """All stock, what is left of the order found last, how far is looked ahead, and how much the solver may work."""
+    """All stock, what is left of the order found last, with the `ends` of its moves, how far is looked ahead, and how
+    much the solver may work.
+    """
 
     trains: tuple[OrderTrain, ...]
     order: tuple[int, ...]
     ahead_s: int
     work_max: float
+    ends: tuple[int, ...] = ()
 
 
 class OrderAnswer(msgspec.Struct, frozen=True, array_like=True):
     """Trains by index in the order in which their moves begin, all delay in it, and below which there is none, s.
 
-    `lacking`: why there is no order; empty where there is one.
+    `lacking`: why there is no order; empty where there is one. `ends`: for each of the order the section where its move
+    ends, -1 off the line.
     """
 
     order: tuple[int, ...] = ()
     delay_s: int = 0
     bound_s: int = 0
     lacking: str = ""
+    ends: tuple[int, ...] = ()
 
 
 OrderSolver = Callable[[OrderQuestion], OrderAnswer]
@@ -76,6 +92,21 @@ class LastOrder:
                 found.append((index, places[index]))
             places[index] += 1
         return found
+
+    def ends_left(self, at: tuple[int, ...]) -> tuple[int, ...]:
+        """The ends of what is left of it."""
+        places, found = list(self.at), list[int]()
+        for index, end in zip(self.answer.order, self.answer.ends, strict=False):
+            if places[index] >= at[index]:
+                found.append(end)
+            places[index] += 1
+        return tuple(found)
+
+    def end_of(self, index: int, place: int) -> int | None:
+        """The section, by number, where a move of a stock ends; None: the order does not say."""
+        at = place - self.at[index]
+        own = [end for each, end in zip(self.answer.order, self.answer.ends, strict=False) if each == index]
+        return own[at] if 0 <= at < len(own) else None
 
 
 def without_solver(_: OrderQuestion) -> OrderAnswer:

@@ -62,4 +62,8 @@ def _by_time(now_s: float, hops: tuple[PlannedMove, ...], held: int) -> int:
     ]
     if hops and hops[-1].end & held:
         fits.append((abs(hops[-1].arrives_s - now_s), len(hops)))
+    if not fits:  # on its way, with the place that it left given back: with all of it, or a part
+        fits = [(abs(hop.arrives_s - now_s), k + 1) for k, hop in enumerate(hops) if hop.end & held]
+    if not fits:
+        fits = [(abs(hop.departs_s - now_s), k) for k, hop in enumerate(hops) if hop.line & held]
     return min(fits)[1] if fits else len(hops)

@@ -13,12 +13,13 @@ commands change nothing; points that a crew has locked by hand are commanded by 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
 from typing import Any, Final
 
 import msgspec
+from msgspec.structs import replace
 
 from network.model import Position
 from radio.keys import capability_mac, mac_equal
@@ -70,8 +71,7 @@ class TerminalMemory(msgspec.Struct, frozen=True):
     bars: Bars = NO_BARS
 
 
-@dataclass(frozen=True, slots=True)
-class PointsView:
+class PointsView(msgspec.Struct, frozen=True):
     """One set of points as the terminal sees it; `correlation` is that of the command being carried out."""
 
     entry: PointsEntry
@@ -81,14 +81,13 @@ class PointsView:
     correlation: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Terminal:
+class Terminal(msgspec.Struct, frozen=True):
     """State of a terminal. `key` is shared with the block manager only."""
 
     terminal_id: str
     key: bytes
     memory: TerminalMemory
-    views: Mapping[str, PointsView] = field(default_factory=dict[str, PointsView])
+    views: Mapping[str, PointsView] = msgspec.field(default_factory=dict[str, PointsView])
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +142,7 @@ def _bar(terminal: Terminal, event: BarUnit | UnbarUnit) -> TerminalStep:
     """Its commands are refused, or taken again, once a second person says the same; what is locked stays locked."""
     before, bar = terminal.memory.bars, isinstance(event, BarUnit)
     bars = barring.bars_after_word(before, event.unit_id, event.person, bar=bar)
-    terminal = replace(terminal, memory=msgspec.structs.replace(terminal.memory, bars=bars))
+    terminal = replace(terminal, memory=replace(terminal.memory, bars=bars))
     if bars.barred == before.barred:
         return terminal, ()
     note = Barred if bar else Unbarred

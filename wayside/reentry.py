@@ -29,9 +29,12 @@ first), so that two persons who agree on the same wrong word lead to a train tha
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 from typing import Final
+
+import msgspec
+from msgspec.structs import replace
 
 from wayside.actions import Action, Show
 from wayside.config import ReentryMode
@@ -77,8 +80,7 @@ class Contradiction:
         return self.clash in BLOCKING
 
 
-@dataclass(frozen=True, slots=True)
-class Missing:
+class Missing(msgspec.Struct, frozen=True):
     """Why the line is not defined: units nobody vouches for, sections not entered, what contradicts."""
 
     unit_ids: tuple[str, ...]

@@ -8,9 +8,12 @@ words only; what persons enter stands apart in `reentry` until the line is defin
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
 from enum import Enum
+
+import msgspec
+from msgspec.structs import replace
 
 from network.errors import InputError
 from radio.keys import capability_mac
@@ -32,15 +35,16 @@ class UnitStanding(Enum):
     DISPUTED = "disputed"  # it claims what another holds; nothing is granted to anyone meanwhile
 
 
-@dataclass(frozen=True, slots=True)
-class RegisteredUnit:
+class RegisteredUnit(msgspec.Struct, frozen=True):
     """A unit that has been heard or entered.
 
     `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request;
     `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `claim_needed`:
     of this boot only a fresh claim counts, since it spoke for itself before persons did; `silent`: it may be on the
     line, so it is asked all the same; `taken_back`: persons were wrong about it, or it was. `unproven`: by its own word
-    it is outside, and it was on the line as far as was known when the block state was lost.
+    it is outside, and it was on the line as far as was known when the block state was lost. `leave`: sections
+    that it may run over, `without_leave`: and may not, as this boot has told it; of others it has not
+    (`wayside.entering`).
     """
 
     standing: UnitStanding
@@ -54,6 +58,8 @@ class RegisteredUnit:
     silent: bool = False
     taken_back: bool = False
     unproven: bool = False
+    leave: frozenset[str] = frozenset()
+    without_leave: frozenset[str] = frozenset()
 
     @property
     def has_spoken(self) -> bool:
@@ -80,6 +86,7 @@ class RegisterPlan:
     telegram_age_max_s: float
     reentry: ReentryMode
     days: Days | None = None  # None: nothing but the register decides
+    has_overlaps: bool = False
     solver: OrderSolver = without_solver
 
 
@@ -92,8 +99,7 @@ class ReentryStage(Enum):
     DEFINED = "defined"
 
 
-@dataclass(frozen=True, slots=True)
-class Reentry:
+class Reentry(msgspec.Struct, frozen=True):
     """What persons entered in this boot, and what the picture needs besides.
 
     `entries`: section -> person -> unit, None for free. `complete`: (person, unit) where the person has said
@@ -101,20 +107,19 @@ class Reentry:
     unknown unit was last heard. `inputs`: by person.
     """
 
-    entries: Mapping[str, Mapping[str, str | None]] = field(
+    entries: Mapping[str, Mapping[str, str | None]] = msgspec.field(
         default_factory=dict[str, Mapping[str, str | None]]
     )
     complete: frozenset[tuple[str, str]] = frozenset()
-    left_by: Mapping[tuple[str, str], str] = field(default_factory=dict[tuple[str, str], str])
+    left_by: Mapping[tuple[str, str], str] = msgspec.field(default_factory=dict[tuple[str, str], str])
     accepted_by: str = ""
-    inputs: Mapping[str, int] = field(default_factory=dict[str, int])
-    heard_s: Mapping[str, float] = field(default_factory=dict[str, float])
+    inputs: Mapping[str, int] = msgspec.field(default_factory=dict[str, int])
+    heard_s: Mapping[str, float] = msgspec.field(default_factory=dict[str, float])
     stage: ReentryStage = ReentryStage.INCOMPLETE
     defined_s: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Register:
+class Register(msgspec.Struct, frozen=True):
     """State of the block manager. `epoch` is its boot, `counter` counts the tokens given in it.
 
     `started_s`: time of the first event of this boot. `restoring`: the block state was lost and no picture of the line
@@ -125,13 +130,15 @@ class Register:
     now says something, each with how often it was asked in vain since. `trips`: how far each unit is in its day, kept
     over power cuts, `kept` the order in which all can finish, as last proven, `sought` the last search that found none,
     `solved` the order of least delay found last, and `now_s` when the last telegram came; all where `plan.days` are.
+    `tracks`: for each unit the moves of its day, by place, that end on another track than planned, kept over power
+    cuts; `days` are the days with them.
     """
 
     plan: RegisterPlan
     epoch: int
     counter: int = 0
-    holders: Mapping[str, str] = field(default_factory=dict[str, str])
-    units: Mapping[str, RegisteredUnit] = field(default_factory=dict[str, RegisteredUnit])
+    holders: Mapping[str, str] = msgspec.field(default_factory=dict[str, str])
+    units: Mapping[str, RegisteredUnit] = msgspec.field(default_factory=dict[str, RegisteredUnit])
     started_s: float | None = None
     ask_at_s: float = 0.0
     restoring: bool = False
@@ -139,14 +146,16 @@ class Register:
     bars: Bars = NO_BARS
     unswept: frozenset[str] = frozenset()
     left_through: frozenset[str] = frozenset()
-    doubted: Mapping[str, int] = field(default_factory=dict[str, int])
-    reentry: Reentry = field(default_factory=Reentry)
-    trips: Mapping[str, DayProgress] = field(default_factory=dict[str, DayProgress])
+    doubted: Mapping[str, int] = msgspec.field(default_factory=dict[str, int])
+    reentry: Reentry = msgspec.field(default_factory=Reentry)
+    trips: Mapping[str, DayProgress] = msgspec.field(default_factory=dict[str, DayProgress])
     trips_lost: bool = False
     kept: LastCertificate | None = None
     sought: LastSearch | None = None
     solved: LastOrder | None = None
     now_s: float = 0.0
+    days: Days | None = None
+    tracks: Mapping[str, Mapping[int, str]] = msgspec.field(default_factory=dict[str, Mapping[int, str]])
 
     @property
     def defined(self) -> bool:
@@ -174,6 +183,19 @@ class Register:
     def with_trip(self, unit_id: str, trip: DayProgress) -> Register:
         """The register with this known of a stock's day."""
         return replace(self, trips={**self.trips, unit_id: trip})
+
+    def with_track(self, unit_id: str, place: int, section_id: str) -> Register | None:
+        """The register with a move of a unit's day ending on another track: what was proven of the day before is not
+        known to be so any more. None: it cannot end there.
+        """
+        index = None if self.days is None else self.days.index.get(unit_id)
+        if self.days is None or index is None or place >= len(self.days.hops[index]):
+            return None
+        days = self.days.with_track(index, place, section_id)
+        if days is None:
+            return None
+        tracks = {**self.tracks, unit_id: {**self.tracks.get(unit_id, {}), place: section_id}}
+        return replace(self, days=days, tracks=tracks, kept=None, sought=None)
 
     def held_by(self, unit_id: str) -> tuple[str, ...]:
         """Its sections, in the order of the line."""
@@ -245,7 +267,8 @@ class Register:
         return register, register.token_max
 
     def capabilities(self, unit_id: str, section_ids: Iterable[str], token: int) -> tuple[Capability, ...]:
-        """For each terminal with points among the sections, the proof that the unit holds them."""
+        """For each terminal with points among the sections that it may run over, the proof that the unit holds them."""
+        leave = self.unit(unit_id).leave
         return tuple(
             Capability(
                 terminal_id,
@@ -255,6 +278,7 @@ class Register:
                 ),
             )
             for section_id in section_ids
+            if section_id in leave or not self.plan.has_overlaps
             for terminal_id in self.plan.terminals.get(section_id, ())
         )
 
@@ -266,15 +290,18 @@ def start(
     ledger: Iterable[str] | None = None,
     unswept: Iterable[str] = (),
     moves_done: Mapping[str, int] | None = None,
+    tracks: Mapping[str, Mapping[int, str]] | None = None,
     bars: Bars = NO_BARS,
     solver: OrderSolver = without_solver,
+    on_part: Collection[str] = (),
 ) -> Register:
     """The register after a (re)start: nothing is known. `epoch` must be greater than that of any earlier boot.
 
     `ledger`: the units on the line when the boot before ended; None: lost, so every unit counts as on the
-    line and all of it as not swept, except at the first start. `moves_done`: how far each unit was in its day.
-    `solver`: who finds the order of least delay. Raises InputError if the ledger names a unit that is not on the fleet
-    list.
+    line and all of it as not swept, except at the first start. `moves_done`: how far each unit was in its day,
+    `on_part`: which had a part of their next move; `tracks`: on which other tracks its moves end. `solver`: who finds
+    the order of least delay. Raises InputError if
+    the ledger names a unit that is not on the fleet list.
     """
     trips_lost = epoch > 1 and (ledger is None or moves_done is None)
     if ledger is None and epoch > 1:
@@ -298,15 +325,24 @@ def start(
         config.telegram_age_max_s,
         config.reentry,
         days_of(config),
+        any(route.overlap for route in config.routes),
         solver,
     )
-    return Register(
+    register = Register(
         plan,
         epoch,
         restoring=epoch > 1,
         ledger=on_line,
         bars=bars,
         unswept=frozenset(unswept),
-        trips={unit_id: DayProgress(done) for unit_id, done in (moves_done or {}).items()},
+        trips={
+            unit_id: DayProgress(done, part=unit_id in on_part)
+            for unit_id, done in (moves_done or {}).items()
+        },
         trips_lost=trips_lost,
+        days=plan.days,
     )
+    for unit_id, ends in (tracks or {}).items():
+        for place, section_id in sorted(ends.items()):
+            register = register.with_track(unit_id, place, section_id) or register
+    return register

@@ -272,6 +272,31 @@ class OrderChanged(Noted, frozen=True, kw_only=True, tag="order_changed"):
     why: str
 
 
+class TrackChanged(Noted, frozen=True, kw_only=True, tag="track_changed"):
+    """The manager orders a unit to the section, another track of its next station; `why` says it in a sentence."""
+
+    unit_id: str
+    section_id: str
+    why: str
+
+
+class RouteAskedBack(Noted, frozen=True, kw_only=True, tag="route_asked_back"):
+    """The manager wants a route back from a unit that has not left, for another; `why` says it in a sentence."""
+
+    unit_id: str
+    other_id: str
+    route_id: str
+    why: str
+
+
+class NotDone(Noted, frozen=True, kw_only=True, tag="not_done"):
+    """A unit has refused what the manager ordered about this route."""
+
+    unit_id: str
+    route_id: str
+    why: str
+
+
 class OrderLacking(Noted, frozen=True, kw_only=True, tag="order_lacking"):
     """No order of least delay is known, so of each two trains the order is that of less delay, as in `least_delay`."""
 
@@ -349,6 +374,9 @@ ManagerNote = (
     | Certified
     | HeldBack
     | OrderChanged
+    | TrackChanged
+    | RouteAskedBack
+    | NotDone
     | OrderLacking
     | NoOrderKnown
     | TelegramDropped

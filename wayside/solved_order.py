@@ -8,17 +8,24 @@ all trains stand where they have room, so that there is an order to find.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from collections import Counter
+from functools import partial
 from typing import Final
 
+from msgspec.structs import replace
+
 from wayside.actions import Show
+from wayside.config import DispatcherMeans
 from wayside.journeys import Days, PlannedMove, Stands
-from wayside.order_question import LastOrder, OrderMove, OrderQuestion, OrderTrain
+from wayside.moves import Move
+from wayside.order_question import LastOrder, OrderAnswer, OrderMove, OrderQuestion, OrderTrain, OrderWay
 from wayside.register import Register
 from wayside.said import OrderLacking
 
 AHEAD_S: Final = 2 * 3600.0  # assumed: how far ahead delays are compared
 WORK_MAX: Final = 0.04  # assumed: of the solver's counted work, some 0.3 s of a processor
+CHOICE_AHEAD_S: Final = 2400.0  # assumed: further ahead tracks are as planned, or as they were changed
+ORDERS_MAX: Final = 6  # assumed: lost orders are given again; trains are not sent to and fro
 ASKED_EVERY_S: Final = 60.0  # assumed: who asks for a route asks again every few seconds
 
 
@@ -27,10 +34,19 @@ def with_order(register: Register, days: Days, stands: Stands) -> tuple[Register
     last = register.solved
     if last is not None and register.now_s < last.made_s + ASKED_EVERY_S:
         return register, ()
-    answer = register.plan.solver(question_of(register, days, stands))
+    question = question_of(register, days, stands)
+    answer = register.plan.solver(question)
+    if not _of_these(question, answer):
+        answer = OrderAnswer(lacking="the solver's order is not of the moves asked for")
     said = "" if last is None else last.answer.lacking
     shows = (Show(OrderLacking(why=answer.lacking)),) if answer.lacking and answer.lacking != said else ()
     return replace(register, solved=LastOrder(register.now_s, stands.at, answer)), shows
+
+
+def _of_these(question: OrderQuestion, answer: OrderAnswer) -> bool:
+    """Whether an order has no other moves than were asked for."""
+    moves = [len(train.moves) for train in question.trains]
+    return all(0 <= k < len(moves) and n <= moves[k] for k, n in Counter(answer.order).items())
 
 
 def question_of(register: Register, days: Days, stands: Stands) -> OrderQuestion:
@@ -42,8 +58,10 @@ def question_of(register: Register, days: Days, stands: Stands) -> OrderQuestion
     trains = (
         _train(register, days, stands, index, held[unit_id]) for index, unit_id in enumerate(days.unit_ids)
     )
-    order = () if register.solved is None else register.solved.left(stands.at)
-    return OrderQuestion(tuple(trains), tuple(index for index, _ in order), math.ceil(AHEAD_S), WORK_MAX)
+    last = register.solved
+    order = () if last is None else tuple(index for index, _ in last.left(stands.at))
+    ends = () if last is None or not days.may else last.ends_left(stands.at)
+    return OrderQuestion(tuple(trains), order, math.ceil(AHEAD_S), WORK_MAX, ends)
 
 
 def _train(register: Register, days: Days, stands: Stands, index: int, held: int) -> OrderTrain:
@@ -57,18 +75,71 @@ def _train(register: Register, days: Days, stands: Stands, index: int, held: int
         before = hops[at - 1]
         comes_s = max(0, math.ceil(before.arrives_s + trip.late_s - now_s))
         ready_s = max(0, math.ceil(before.arrives_s + trip.late_s + before.stays_s - now_s) - comes_s)
+    ready_s = max(ready_s, math.ceil(trip.back_s - now_s) - comes_s) if trip.back_s > now_s else ready_s
     ahead = [hop for hop in hops[at:] if hop.departs_s < now_s + AHEAD_S]
     moves = tuple(
-        _move(days, hop, now_s, counts=place + 1 == len(ahead) or ahead[place + 1].train != hop.train)
+        _move(
+            days,
+            hop,
+            hop.move if place else stands.next_move(days, index),
+            now_s,
+            counts=place + 1 == len(ahead) or ahead[place + 1].train != hop.train,
+        )
         for place, hop in enumerate(ahead)
     )
+    if DispatcherMeans.CHANGE_TRACK in days.may:
+        moves = _with_others(register, days, index, at, moves)
     return OrderTrain(_sections(days, held), comes_s, keeps, ready_s, moves)
 
 
-def _move(days: Days, hop: PlannedMove, now_s: float, *, counts: bool) -> OrderMove:
+def _with_others(
+    register: Register, days: Days, index: int, at: int, moves: tuple[OrderMove, ...]
+) -> tuple[OrderMove, ...]:
+    """The moves with all ways to make those that are near: from each track where the one before may end."""
+    trip, found = register.trip(days.unit_ids[index]), list[OrderMove]()
+    here: tuple[str, ...] = ()
+    for place, move in enumerate(moves, at):
+        hop = days.hops[index][place]
+        route = days.ways.routes.get(hop.route_id)
+        if route is None:
+            here = (hop.section_id,)
+            found.append(move)
+            continue
+        fixed = hop.departs_s >= register.now_s + CHOICE_AHEAD_S
+        fixed = fixed or (place == at and (trip.own_way or trip.orders >= ORDERS_MAX))
+        there = (
+            hop.section_id,
+            *(() if fixed else filter(partial(_leads_on, days, index, place), hop.others)),
+        )
+        turned = (
+            hop if (a, b) == (route.from_section, hop.section_id) else days.ways.turned(hop, a, b)
+            for a in here or (route.from_section,)
+            for b in there
+        )
+        others = tuple(_way(days, each) for each in turned if each is not None and each is not hop)
+        found.append(replace(move, here=_number(hop.start), others=others))
+        here = there
+    return tuple(found)
+
+
+def _leads_on(days: Days, index: int, place: int, section_id: str) -> bool:
+    """Whether a move may end there: the one after it can begin there."""
+    return days.with_track(index, place, section_id) is not None
+
+
+def _way(days: Days, hop: PlannedMove) -> OrderWay:
+    needs, keeps = _sections(days, hop.move.needs), _sections(days, hop.move.keeps)
+    return OrderWay(_number(hop.start), needs, keeps)
+
+
+def _number(section: int) -> int:
+    return section.bit_length() - 1
+
+
+def _move(days: Days, hop: PlannedMove, move: Move, now_s: float, *, counts: bool) -> OrderMove:
     return OrderMove(
-        _sections(days, hop.move.needs),
-        _sections(days, hop.move.keeps),
+        _sections(days, move.needs),
+        _sections(days, move.keeps),
         max(0, math.ceil(hop.departs_s - now_s)),
         math.ceil(hop.arrives_s - hop.departs_s),
         math.ceil(hop.stays_s),

@@ -27,6 +27,7 @@ class HeadWritten(msgspec.Struct):
     sources: list[str] = []
     assumed: list[str] = []
     diagrams: list[tuple[str, list[str]]] = []
+    turn_min_s: float = 0.0
 
 
 def head_written(file: TimetableFile) -> str:
@@ -34,7 +35,14 @@ def head_written(file: TimetableFile) -> str:
     head = file.timetable
     diagrams = [(item.stock, list(item.trains)) for item in file.diagrams]
     written = HeadWritten(
-        head.id, head.line, head.name, head.dwell_min_s, list(head.sources), list(head.assumed), diagrams
+        head.id,
+        head.line,
+        head.name,
+        head.dwell_min_s,
+        list(head.sources),
+        list(head.assumed),
+        diagrams,
+        head.turn_min_s,
     )
     return msgspec.json.encode(written).decode()
 

@@ -20,10 +20,12 @@ from network.files.line_schema import (
     StationTable,
 )
 from network.files.toml_input import one_of
-from network.model import Alignment, Line, Piece, PointsLeg, SectionKind
+from network.graph import all_routes, fouled_sections
+from network.model import Alignment, Direction, Line, Piece, PointsLeg, SectionKind
 from network.units import metres
 
 TOLERANCE_M: Final = 0.001
+WAITS_WITHIN_M: Final = 100.0  # assumed: who waits before points stands so near to them
 PIECE_M_MIN: Final = 1.0  # assumed: shorter than the wheelbase of any vehicle
 
 
@@ -281,3 +283,23 @@ def check_reachable(file: str, line: Line, keys: Mapping[str, str]) -> None:
         if not reached.intersection(section.piece_ids):
             expected = f"a section joined to the rest of the line; it cannot be reached from {first.id}"
             raise InputError(file, f"{keys[section.id]}.id", section.id, expected)
+
+
+def check_entries(file: str, line: Line, keys: Mapping[str, str]) -> None:
+    """Where trains need leave to come in, the radio reaches those that wait for it before the points."""
+    for route in all_routes(line) if fouled_sections(line) else ():
+        if not route.entry:
+            continue
+        pieces = [line.pieces[piece_id] for piece_id in route.piece_ids]
+        before = pieces[next(i for i, p in enumerate(pieces) if p.section_id == route.entry[0]) - 1]
+        joint_m = before.to_m if route.direction is Direction.DOWN else before.from_m
+        waits_m = joint_m - route.direction * min(WAITS_WITHIN_M, before.length_m)
+        low_m, high_m = sorted((joint_m, waits_m))
+        reach = line.alignments[before.alignment_id].coverage
+        if not any(c.from_m <= low_m and high_m <= c.to_m for c in reach):
+            station_id = line.sections[route.to_section].station_id or ""
+            expected = (
+                f"0 for tracks of {station_id}, or radio from km {_km(low_m)} to {_km(high_m)}, where trains wait for"
+                " leave to come in"
+            )
+            raise InputError(file, f"{keys.get(station_id, 'line')}.tracks.overlap_m", None, expected)

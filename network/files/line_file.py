@@ -101,6 +101,7 @@ def line_of(entry: LineFile, file: str) -> Line:
         section_id = str(error)
         expected = "a section with fewer ways from it to the next tracks"
         raise InputError(file, f"{keys[section_id]}.id", section_id, expected) from error
+    check.check_entries(file, line, {s.id: f"stations[{i}]" for i, s in enumerate(entry.stations)})
     return with_blocks_of(line, _blocks(file, entry, line))
 
 
@@ -301,7 +302,8 @@ def _stations(
             if not station.halt and owner.setdefault(track.section, where) != where:
                 expected = f"a section of its own; {owner[track.section]} has this one"
                 raise InputError(file, f"{where}.section", track.section, expected)
-            tracks.append(_platform(file, where, station.id, track, pieces[track.section]))
+            piece, overlap_m = pieces[track.section], entry.line.overlap_m
+            tracks.append(_platform(file, where, station.id, track, piece, overlap_m))
         position_m = metres(station.km)
         stations[station.id] = Station(
             station.id, station.name, station.name_ja, position_m, tuple(tracks), station.halt
@@ -315,14 +317,16 @@ def _stations(
 
 
 def _platform(
-    file: str, key: str, station_id: str, entry: schema.PlatformTable, piece: Piece
+    file: str, key: str, station_id: str, entry: schema.PlatformTable, piece: Piece, overlap_m: float
 ) -> PlatformTrack:
     check.check_platform(file, key, entry, piece)
     marks_km = {Direction.DOWN: entry.mark_down_km, Direction.UP: entry.mark_up_km}
     marks_m = {direction: metres(km) for direction, km in marks_km.items() if km is not None}
     usual = tuple(marks_m) if entry.directions is None else _directions(entry.directions)
+    own_m = {Direction.DOWN: entry.overlap_down_m, Direction.UP: entry.overlap_up_m}
+    overlaps_m = {direction: overlap_m if own is None else own for direction, own in own_m.items()}
     return PlatformTrack(
-        station_id, entry.name, entry.section, piece.id, _platform_m(entry), marks_m, directions=usual
+        station_id, entry.name, entry.section, piece.id, _platform_m(entry), marks_m, usual, overlaps_m
     )
 
 

@@ -22,6 +22,7 @@ from network.files.quantities import (
     Height,
     Kilometrage,
     Offset,
+    OverlapM,
     PositionBound,
     Radius,
     SpeedKmh,
@@ -54,6 +55,14 @@ class LineTable(Record):
         Field(max_length=TEXTS_MAX),
         about("what has no published source, in sentences for the report"),
     ] = Field(default_factory=list)
+    overlap_m: Annotated[
+        OverlapM,
+        about(
+            "how far beyond its stop the way must be clear while a train comes in (過走余裕); 0: opposing trains may"
+            " come in at once",
+            "assumed: 0, as supervision guarantees the stop before the points",
+        ),
+    ] = 0.0
 
 
 class RangeTable(Record):
@@ -182,6 +191,10 @@ class PlatformTable(Record):
         list[DirectionName] | None,
         about("directions that usually use this track; left out: all that have a mark"),
     ] = None
+    overlap_down_m: Annotated[
+        OverlapM | None, about("overlap for down trains, 0 with a safety siding; left out: that of the line")
+    ] = None
+    overlap_up_m: Annotated[OverlapM | None, about("overlap for up trains")] = None
 
 
 class StationTable(Record):

@@ -2,7 +2,7 @@
 
 Besides the words of `network.files.edits` it knows, before them:
 
-- `remove_tracks = ["OGN.2"]`: see `network.files.track_removal`;
+- `remove_tracks = ["OGN.2"]`, `remove_loops = ["OGN"]`: see `network.files.track_removal`;
 - `add_loops = ["NIT"]`: see `network.files.loop_addition`;
 - `remove_tags = { purpose = "position", near_marks_m = 200.0 }`: tags of that purpose on sections, as near as that
   to a stopping mark of the same alignment;
@@ -29,7 +29,7 @@ from network.files.line_schema import LineFile
 from network.files.loop_addition import with_loop
 from network.files.quantities import PositionBound
 from network.files.toml_input import Record, one_of, parse_table, read_text, validate
-from network.files.track_removal import without_track
+from network.files.track_removal import without_loop, without_track
 from network.model import Line
 
 KEY: Final = "patch.line"
@@ -51,6 +51,9 @@ class LinePatch(FilePatch):
     """`[patch.line]`."""
 
     remove_tracks: Annotated[list[str], about("platform tracks taken out with their points")] = Field(
+        default_factory=list
+    )
+    remove_loops: Annotated[list[str], about("stations that are left with one track")] = Field(
         default_factory=list
     )
     add_loops: Annotated[
@@ -97,6 +100,8 @@ def _patched(data: Mapping[str, Any], asked: PatchInFile) -> tuple[Patched, Line
     entry = validate(data, file, LineFile)
     for i, track_id in enumerate(wanted.remove_tracks):
         entry = without_track(entry, track_id, file, f"{asked.key}.remove_tracks[{i}]")
+    for i, station_id in enumerate(wanted.remove_loops):
+        entry = without_loop(entry, station_id, file, f"{asked.key}.remove_loops[{i}]")
     for i, station_id in enumerate(wanted.add_loops):
         entry = with_loop(entry, station_id, file, f"{asked.key}.add_loops[{i}]")
     if wanted.remove_tags is not None:

@@ -3,6 +3,8 @@
 Besides the words of `network.files.edits`, behind `remove` and before `set`:
 
 - a train that is removed leaves its diagram too, and a diagram without trains is gone;
+- `like = [{ number = "335M", train = "331M", later_s = 7200, stock = "V9" }]`: a train like one that there is,
+  with all its times so much later, run by a set of its own; `begins` and `ends` where that train's name another train;
 - `scale = [{ from = "07:00", to = "09:00", times = 1.1 }]`: running times (departure to the next arrival) that
   begin in those hours, of all trains or of those in `trains`; what follows in the train moves along, dwells stay.
 
@@ -49,8 +51,23 @@ class ScaleTable(Record):
     trains: Annotated[list[str] | None, about("only these; left out: all")] = None
 
 
+class LikeTable(Record):
+    """`like`: a train like another one, at another time, with a set of its own."""
+
+    number: Annotated[str, about("number of the new train")]
+    train: Annotated[str, about("number of the train that it is like")]
+    later_s: Annotated[int, Field(ge=-86_400, le=86_400), about("how much later, s; below 0: earlier")]
+    stock: Annotated[str, about("the set that runs it")]
+    begins: Annotated[str | None, about("how it begins; left out: as the other train")] = None
+    ends: Annotated[str | None, about("how it ends; left out: as the other train")] = None
+
+
 class TimetablePatch(FilePatch):
     """`[patch.timetable]`."""
+
+    like: Annotated[list[LikeTable], about("trains like others, at other times")] = Field(
+        default_factory=list
+    )
 
     scale: Annotated[list[ScaleTable], about("running times by a factor, between hours")] = Field(
         default_factory=list
@@ -82,6 +99,8 @@ def _patched(data: Data, asked: PatchInFile) -> Patched:
     patched = Patched(asked.file, asked.key, "timetable", deepcopy(data))
     patched.remove_all(wanted)
     _leave_diagrams(patched.data, {str(name) for name in wanted.remove.get("trains", ())})
+    for i, like in enumerate(wanted.like):
+        _add_like(patched, like, f"{asked.key}.like[{i}]")
     for i, scale in enumerate(wanted.scale):
         _scale(patched, scale, f"{asked.key}.scale[{i}]")
     patched.write_all(wanted)
@@ -91,6 +110,34 @@ def _patched(data: Data, asked: PatchInFile) -> Patched:
         for i, row in enumerate(rows):
             patched.append(patched.data.setdefault(table, []), deepcopy(row), f"{asked.key}.add.{table}[{i}]")
     return patched
+
+
+def _add_like(patched: Patched, like: LikeTable, key: str) -> None:
+    """Append the train and its set; InputError for one that is not there or begins (ends) as another train."""
+    trains = {entry_name(train, i): train for i, train in enumerate(patched.data["trains"])}
+    if like.train not in trains:
+        raise InputError(patched.file, f"{key}.train", like.train, one_of(trains, like.train))
+    train = deepcopy(trains[like.train])
+    before_s: int | None = None
+    for call in train["calls"]:
+        planned_s = _times_s(patched.file, key, call, before_s)
+        before_s = max(planned_s.values())
+        for name, time_s in planned_s.items():
+            if time_s + like.later_s < 0:
+                expected = f"times after midnight; {like.train} would be at {call['station']} before it"
+                raise InputError(patched.file, f"{key}.later_s", like.later_s, expected)
+            call[name] = clock(time_s + like.later_s)
+    train["number"] = like.number
+    for what, given in (("begins", like.begins), ("ends", like.ends)):
+        train[what] = train[what] if given is None else given
+        if train[what].startswith(("from:", "becomes:")):
+            expected = (
+                f"stabled or a portal: {like.train} has {train[what]}, and the new train a set of its own"
+            )
+            raise InputError(patched.file, f"{key}.{what}", given, expected)
+    patched.append(patched.data["trains"], train, key)
+    row = {"stock": like.stock, "trains": [like.number]}
+    patched.append(patched.data.setdefault("diagrams", []), row, key)
 
 
 def _leave_diagrams(data: Data, gone: set[str]) -> None:

@@ -22,6 +22,14 @@ class HeadTable(Record):
     name: Annotated[Title, about("display name")] = ""
     line: Annotated[str, about("id of the line it belongs to")]
     dwell_min_s: Annotated[Wait, about("shortest stop for passengers", "assumed: a quiet platform")] = 20.0
+    turn_min_s: Annotated[
+        Wait,
+        about(
+            "least time from a train's arrival until its set's next train can begin, for crews (折返し); 0: that of the"
+            " operation",
+            "assumed: none",
+        ),
+    ] = 0.0
     sources: Annotated[list[Prose], Field(max_length=TEXTS_MAX), about("where its times come from")] = Field(
         default_factory=list
     )

@@ -46,6 +46,26 @@ class _Asked:
         return InputError(self.file, self.key, self.track_id, expected)
 
 
+def without_loop(entry: LineFile, station_id: str, file: str, key: str) -> LineFile:
+    """The line file with one track at a station, its first; the others go as `without_track` takes them out.
+
+    Raises InputError for a station with fewer than two.
+    """
+    own = {section.id for section in entry.sections if section.kind == "track"}
+    tracks = {
+        station.id: tuple(dict.fromkeys(track.section for track in station.tracks if track.section in own))
+        for station in entry.stations
+    }
+    loops = [name for name, sections in tracks.items() if len(sections) > 1]
+    if station_id not in loops:
+        raise InputError(
+            file, key, station_id, f"a station with two tracks or more, {one_of(loops, station_id)}"
+        )
+    for track_id in tracks[station_id][1:]:
+        entry = without_track(entry, track_id, file, key)
+    return entry
+
+
 def without_track(entry: LineFile, track_id: str, file: str, key: str) -> LineFile:
     """The line file without a platform track and without the points that led to it.
 

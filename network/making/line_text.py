@@ -12,6 +12,9 @@ from network.making.layout import LaidStation, LayoutRule, LineLayout, coverage_
 from network.model import Alignment, Direction
 from network.tag_layout import lay_tags, tags_toml
 
+EQUIPPED: Final = (
+    "# assumed: supervision guarantees the stop before the points, so opposing trains come in at once"
+)
 THROW_TIME_S: Final = 6.0
 DIVERGING_KMH: Final = 45.0
 _NAMES: Final = {Direction.DOWN: "down", Direction.UP: "up"}
@@ -66,6 +69,7 @@ def _head(words: LineHeader) -> Iterable[str]:
     if words.name_ja:
         yield f"name_ja = {toml_string(words.name_ja)}"
     yield f"max_speed_kmh = {words.max_speed_kmh:g}"
+    yield f"overlap_m = 0 {EQUIPPED}"
     for key, texts in (("sources", words.sources), ("assumed", words.assumed)):
         if texts:
             yield from (f"{key} = [", *(f"  {toml_string(text)}," for text in texts), "]")

@@ -86,13 +86,13 @@ class Letters:
             tuple(sorted(self._commanded.items())),
         )
 
-    def read(self, heard: Received) -> sym.Event | None:
-        """What a telegram means to the machine; None where it means nothing to a unit."""
+    def read(self, heard: Received) -> sym.Event | sym.Ordered | None:
+        """What a telegram means to the machines; None where it means nothing to a unit."""
         self._heard = heard
         reader = _READERS.get(type(heard.message))
         return None if reader is None else reader(self, heard, heard.message)
 
-    def write(self, action: sym.SendRequest | sym.SendClaim | sym.SendCommand) -> Letter:
+    def write(self, action: sym.SendRequest | sym.SendClaim | sym.SendRefusal | sym.SendCommand) -> Letter:
         """The telegram that an action asks for."""
         match action:
             case sym.SendRequest(request):
@@ -105,6 +105,8 @@ class Letters:
                     radio.Claim(section_ids, token),
                     0 if query is None else query.correlation,
                 )
+            case sym.SendRefusal(route_id, reason):
+                return Letter(self._manager_id, radio.OrderRefused(route_id, reason), 0)
             case sym.SendCommand(needed):
                 known = self._commanded[needed.points_id]
                 order = radio.PointsCommand(
@@ -225,6 +227,13 @@ class Letters:
         newer = message.token > self.token
         return sym.ConfirmationHeard(message.section_ids, answers, newer, message.contested, message.on_sight)
 
+    def _track_ordered(self, heard: Received, message: radio.TrackOrdered) -> sym.Ordered:
+        answers = self._answers(RequestKind.ROUTE, heard)
+        return sym.TrackChangeOrdered(message.route_id, message.instead, answers)
+
+    def _taken_back(self, _heard: Received, message: radio.RouteTakenBack) -> sym.Ordered:
+        return sym.TakeBackOrdered(message.route_id, message.token == self.token, message.hold_s)
+
     def _proof(self, heard: Received, message: radio.PointsProof) -> sym.Event:
         good = message.locked and message.detected and message.position is not None
         position = message.position.value if good and message.position is not None else None
@@ -241,13 +250,17 @@ class Letters:
         return known is not None and known.token == message.token
 
 
-_READERS: Final[Mapping[type[radio.AnyMessage], Callable[[Letters, Received, Any], sym.Event]]] = {
+_READERS: Final[
+    Mapping[type[radio.AnyMessage], Callable[[Letters, Received, Any], sym.Event | sym.Ordered]]
+] = {
     radio.SignOnAccepted: Letters._signed_on,
     radio.SignOnRefused: Letters._sign_on_refused,
     radio.SignOffAccepted: Letters._signed_off,
     radio.SignOffRefused: Letters._sign_off_refused,
     radio.RouteGranted: Letters._granted,
     radio.RouteRefused: Letters._route_refused,
+    radio.TrackOrdered: Letters._track_ordered,
+    radio.RouteTakenBack: Letters._taken_back,
     radio.PointsProof: Letters._proof,
     radio.PointsRefused: Letters._points_refused,
     radio.HoldingConfirmed: Letters._confirmed,

@@ -14,6 +14,7 @@ import msgspec
 
 from onboard import notes
 from onboard.duty.plan import PointsNeeded
+from radio.messages import OrderRefusalReason
 
 
 class RequestKind(Enum):
@@ -264,6 +265,28 @@ class PeerRestarted(msgspec.Struct, frozen=True, tag=True):
     """A device has started again: nothing that was sent before is known to have arrived."""
 
 
+# for the duty: what the dispatcher orders -----------------------------------------------------------------------
+
+
+class TrackChangeOrdered(msgspec.Struct, frozen=True, tag=True):
+    """The manager wants the train to go by another route than the one asked for; `answers`: the request outstanding."""
+
+    route_id: str
+    instead: str
+    answers: bool
+
+
+class TakeBackOrdered(msgspec.Struct, frozen=True, tag=True):
+    """The manager wants a route back that was not entered; `newest`: the one granted last."""
+
+    route_id: str
+    newest: bool
+    hold_s: float
+
+
+Ordered = TrackChangeOrdered | TakeBackOrdered
+
+
 Event = (
     BeginOnLine
     | FoundAt
@@ -323,6 +346,13 @@ class SendClaim(msgspec.Struct, frozen=True, tag=True):
     section_ids: tuple[str, ...] | None
 
 
+class SendRefusal(msgspec.Struct, frozen=True, tag=True):
+    """Tell the manager that what it ordered about this route is not done."""
+
+    route_id: str
+    reason: OrderRefusalReason
+
+
 class SendCommand(msgspec.Struct, frozen=True, tag=True):
     """Command points of their terminal."""
 
@@ -348,4 +378,6 @@ class Write(msgspec.Struct, frozen=True, tag=True):
     note: notes.Note
 
 
-Action = Renew | Commit | Take | SendRequest | SendClaim | SendCommand | SetTimer | StopTimer | Write
+Action = (
+    Renew | Commit | Take | SendRequest | SendClaim | SendRefusal | SendCommand | SetTimer | StopTimer | Write
+)

@@ -56,7 +56,11 @@ def granted(state: Authority, event: GrantHeard) -> Result:
         s for s in held if s in event.commandable or (s in state.commandable and s not in regranted)
     )
     # What the crew saw while another could throw the points is no proof any more.
-    proven = tuple(needed for needed in state.proven if state.holds(needed.section_id))
+    proven = tuple(
+        needed
+        for needed in state.proven
+        if state.holds(needed.section_id) and needed.section_id not in regranted - {*event.commandable}
+    )
     unswept = (*(s for s in state.unswept if s not in regranted), *event.on_sight)
     state = replace(state, held=held, commandable=commandable, proven=proven, unswept=unswept)
     note = Write(notes.RouteHeld(route_id=event.route_id, token=0))

@@ -17,6 +17,25 @@ from vehicle.resistance import resistance_n
 LOOK_AHEAD_S: Final = 1.0
 
 
+def kept_along_mps(
+    path: NDArray[np.void], behaviour: BehaviourRow, bound_m: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """`limit_mps` on each metre of a path, for a train that goes as fast as it may; shape (n,).
+
+    `bound_m`: by how much its front may be further on than it believes, on each metre; shape (n,).
+    """
+    metres = np.arange(path.size)
+    furthest_m, margin_mps = bound_m + RESERVE_M, 2.0 * behaviour.settings.service_margin_mps
+
+    def pattern(at_m: NDArray[np.int64]) -> NDArray[np.float64]:
+        here, there = (np.minimum(m.astype(np.int64), path.size - 1) for m in (at_m, at_m + furthest_m))
+        kept_mps = np.minimum(path["driving_mps"][here], path["permitted_mps"][there] - margin_mps)
+        return np.asarray(kept_mps, dtype=np.float64)
+
+    ahead_m = np.maximum(path["driving_mps"] * LOOK_AHEAD_S, 1.0).astype(np.int64)
+    return np.maximum(np.minimum(pattern(metres), pattern(metres + ahead_m)), 0.0)
+
+
 @compiled
 def own_deceleration_mps2(unit: UnitRow, train: TrainRow, path: NDArray[np.void], load_share: float) -> float:
     """What slows the train without any brake: gradient, curves and running resistance, by the unit's own map."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from onboard.records import PATTERN, BehaviourRow
@@ -45,7 +44,11 @@ def limit_for_length(limit_mps: NDArray[np.float64], length_m: float) -> NDArray
     """Limit for the front of a train of `length_m` that must obey each limit with its whole length; shape (n,)."""
     behind_m = round(np.ceil(length_m))
     lengthened = np.concatenate([np.full(behind_m, limit_mps[0]), limit_mps])
-    return np.asarray(sliding_window_view(lengthened, behind_m + 1).min(axis=1), dtype=np.float64)
+    least_mps, over = lengthened, 1  # the least of two stretches is that of the one that they make
+    while 2 * over <= behind_m + 1:
+        least_mps, over = np.minimum(least_mps[over:], least_mps[:-over]), 2 * over
+    rest = behind_m + 1 - over
+    return np.asarray(np.minimum(least_mps[rest:], least_mps[: least_mps.size - rest]), dtype=np.float64)
 
 
 def limit_for_train(limit_mps: NDArray[np.float64], train: TrainRow) -> NDArray[np.float64]:

@@ -46,6 +46,15 @@ def fill_design(design: DesignRow, train: TrainRow, behaviour: BehaviourRow, lea
     design.step_s = behaviour.step_s
 
 
+def soft_end_s(pattern_mps2: float) -> float:
+    """How much later a stop comes to rest by its soft end than if it braked evenly all the way, s.
+
+    The deceleration falls at an even rate from b to e within (b - e) / jerk, so half of that is lost of b - e in b.
+    """
+    eased_mps2 = pattern_mps2 - min(END_MPS2, pattern_mps2)
+    return eased_mps2**2 / (2.0 * pattern_mps2 * END_JERK_MPS3)
+
+
 @dataclass(slots=True)
 class StopKeeper:
     """One train's records of TASC and what it has learned. It outlives the unit's boots: the memory is kept."""

@@ -9,20 +9,21 @@ from __future__ import annotations
 
 from onboard.authority.records import GiveBack, RequestKind
 from onboard.duty.duty_step import DutyStep, ReleaseRule
-from onboard.duty.records import AtMark, DutyPhase, TagBelieved
-from onboard.duty.shown import AT_A_MARK
+from onboard.duty.entering import kept_until_stand
+from onboard.duty.records import AT_A_MARK, AtMark, DutyPhase, TagBelieved
 
 
 def clear_behind(duty: DutyStep) -> None:
     """Give back what tags prove to be behind (`freed`: ①, once, or each), and the safe rear by the odometer has left.
 
-    At a mark on a track every tag read so far counts; what none of them proves, the driver is asked to confirm.
+    At a mark on a track every tag read so far counts; what none of them proves, the driver is asked to confirm. Where
+    opposing trains may not come in at once, arrival points are kept until it stands (`onboard.duty.entering`).
     """
     state = duty.state
     place, at_mark = state.place, state.phase in AT_A_MARK
     arrived(duty)
     clear = place.clear_at_mark if at_mark else place.clear
-    duty.give_back_behind(min(clear, duty.state.freed))
+    duty.give_back_behind(min(clear, duty.state.freed, kept_until_stand(duty.plan, duty.state)))
     if useless := (*elsewhere(duty), *useless_ahead(duty)):
         duty.authority(GiveBack(useless))
 

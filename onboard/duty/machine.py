@@ -22,11 +22,12 @@ from onboard import notes
 from onboard.authority.records import (
     BeginOnLine,
     EndOnLine,
-    GiveBack,
     RepeatDue,
     RequestKind,
+    TakeBackOrdered,
     TakenOff,
     Throw,
+    TrackChangeOrdered,
     TurnedBack,
     Withdrawn,
 )
@@ -36,14 +37,16 @@ from onboard.authority.stop_limit import (
     points_perhaps_under,
     stop_limit,
 )
-from onboard.duty import fitness, on_sight
+from onboard.duty import fitness, on_sight, orders
 from onboard.duty.arrival import clear_behind, confirm, releases_at_each
 from onboard.duty.duty_step import Action, DutyParameters, DutyStep
+from onboard.duty.entering import ask_beyond, ask_leave
 from onboard.duty.fitness import way_is_free
-from onboard.duty.plan import DutyPlan, PlanTag, Span
+from onboard.duty.plan import DutyPlan, PlanTag
 from onboard.duty.records import (
     ABLE,
     ASK,
+    AT_A_MARK,
     LEAVE,
     RELEASE,
     AtMark,
@@ -61,6 +64,7 @@ from onboard.duty.records import (
     LeftLine,
     Looked,
     MarkRelation,
+    NoSuchWay,
     NotAtMark,
     OffTheLine,
     PlaceInJoints,
@@ -72,12 +76,13 @@ from onboard.duty.records import (
     SwitchedOn,
     TagBelieved,
     TagReached,
+    TakeUpWay,
     TelegramHeard,
     TimerDue,
     VehicleChecked,
     WheelsTurning,
 )
-from onboard.duty.shown import AT_A_MARK, to_confirm
+from onboard.duty.shown import to_confirm
 from radio.table import TableCell, rows
 
 Handler = Callable[[DutyStep, Any], None]
@@ -139,31 +144,6 @@ def off_the_line(duty: DutyStep, _event: OffTheLine) -> None:
     duty.authority(TakenOff())
 
 
-def set_back(duty: DutyStep, event: SetBack) -> None:
-    """Standing surely short of it, gives the route ahead back and asks for none for a while."""
-    state, plan = duty.state, duty.plan
-    own, place = plan.stops[state.at].span, state.place
-    if not place.known or not place.stands:
-        duty.note(notes.GiveBackDenied(why="the train does not stand at a known place"))
-        return
-    if state.phase is DutyPhase.STANDING and place.perhaps > own + 1:
-        duty.note(notes.GiveBackDenied(why="the train may have entered the route"))
-        return
-    ahead = tuple(s.section_id for s in plan.spans[place.perhaps :] if state.authority.holds(s.section_id))
-    if state.phase is DutyPhase.STANDING:
-        duty.schedule(duty.now_s + event.hold_s + duty.parameters.request_lead_s, state.at)
-    else:
-        duty.set(may_ask=duty.timer("ask", event.hold_s))
-    duty.set(wanted=())
-    duty.note(notes.GaveBack(section_ids=ahead))
-    duty.authority(GiveBack(ahead))
-
-
-def set_back_refused(duty: DutyStep, _event: SetBack) -> None:
-    """Refused: only a train that stands, and knows where, can set back its route."""
-    duty.note(notes.GiveBackDenied(why="the train does not stand at a known place"))
-
-
 # what localisation and driving report ------------------------------------------------------------------------------
 
 
@@ -198,12 +178,6 @@ def look_ahead(duty: DutyStep, passed: tuple[PlanTag, ...]) -> None:
         ask_beyond(duty, plan.track_ahead(passed[last]))  # not beyond a track that this tag stands in
     elif passed[-1].purpose is TagPurpose.POSITION:
         ask_beyond(duty, plan.track_behind_joint(passed[-1]))
-
-
-def ask_beyond(duty: DutyStep, track: Span | None) -> None:
-    """A train that runs through a track asks for the route beyond it before it comes there."""
-    if track is not None and not duty.plan.calls_at(track.section_id):
-        duty.ask(duty.plan.leg_beyond(track.section_id))
 
 
 def started(duty: DutyStep, _event: WheelsTurning) -> None:
@@ -274,6 +248,8 @@ def heard(duty: DutyStep, event: TelegramHeard) -> None:
     now = duty.state.authority.open(RequestKind.ROUTE)
     if leg is not None and asked is not None and (now is None or now.section_ids != asked.section_ids):
         duty.want(duty.plan.departure_points(leg.from_section))
+        if asked is not None and asked.section_ids == leg.to_enter:
+            ask_beyond(duty, next(s for s in duty.plan.spans if s.section_id == leg.section_ids[-1]))
 
 
 # what follows from the state as it is ------------------------------------------------------------------------------
@@ -390,6 +366,7 @@ def throw_wanted(duty: DutyStep) -> None:
     missing = tuple(needed for needed in wanted if needed not in under_way)
     if missing:
         duty.authority(Throw(missing))
+        ask_leave(duty, missing)
 
 
 def set_limit(duty: DutyStep) -> None:
@@ -461,8 +438,22 @@ TABLE: Final[Mapping[tuple[DutyPhase, type[Event]], Handler]] = MappingProxyType
         (DutyPhase.FINISHED, ChangeEnds): change_ends,
         (DutyPhase.FINISHED, Leave): leave,
         (DutyPhase.LEAVING, OffTheLine): off_the_line,
-        **dict.fromkeys(((p, SetBack) for p in _MAY_SET_BACK), set_back),
-        **dict.fromkeys(((p, SetBack) for p in _ON_THE_LINE if p not in _MAY_SET_BACK), set_back_refused),
+        **dict.fromkeys(((p, SetBack) for p in _MAY_SET_BACK), orders.set_back),
+        **dict.fromkeys(
+            ((p, SetBack) for p in _ON_THE_LINE if p not in _MAY_SET_BACK), orders.set_back_refused
+        ),
+        (DutyPhase.STANDING, TrackChangeOrdered): orders.change_track,
+        (DutyPhase.STANDING, TakeUpWay): orders.take_up,
+        (DutyPhase.STANDING, NoSuchWay): orders.no_such_way,
+        (DutyPhase.STANDING, TakeBackOrdered): orders.take_back,
+        **dict.fromkeys(
+            ((p, TrackChangeOrdered) for p in _ON_THE_LINE if p is not DutyPhase.STANDING),
+            orders.no_other_track,
+        ),
+        **dict.fromkeys(
+            ((p, TakeBackOrdered) for p in _ON_THE_LINE if p is not DutyPhase.STANDING),
+            orders.nothing_to_take_back,
+        ),
         (DutyPhase.ON_SIGHT, PointsSeen): on_sight.points_seen,
         (DutyPhase.ON_SIGHT, PointsWrong): on_sight.points_wrong,
         (DutyPhase.ON_SIGHT, AtMark): on_sight.at_mark,

@@ -6,13 +6,19 @@ coordinates (m) of the train's front in the direction of travel.
 
 from __future__ import annotations
 
+import math
 from collections import deque
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final
 
 from network.graph import routes_from
 from network.model import Direction, Line, Position, Route, SectionKind, TagPurpose
 from network.path import Path, path_of
 from network.timetable import CallKind, TimetableTrain
+
+AT_MARK_M: Final = 1.0  # who stands on sight so near before a mark is there
+KEEPS_ITS_MARK = True  # off: on sight a mark is forgotten in its last metre, with the train still moving
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,13 +107,33 @@ class Mission:
                 return index
         raise ValueError(section_id)
 
+    def mark_ahead_m(self, position_m: float, *, moves: bool) -> float:
+        """The next mark of a train on sight, m; infinite where none follows. Who stands just short of one is there, who
+        still moves comes to a stand at it.
+        """
+        there_m = 0.0 if moves and KEEPS_ITS_MARK else AT_MARK_M
+        marks_m = (target.mark_m for target in self.targets if target.mark_m > position_m + there_m)
+        return min(marks_m, default=math.inf)
+
     def span_at(self, position_m: float) -> SectionSpan:
         """The section at a path coordinate (m); at a joint the one being entered."""
         return next((s for s in self.spans if s.start_m <= position_m < s.end_m), self.spans[-1])
 
+    @property
+    def tracks(self) -> dict[str, str]:
+        """The track at each station where it stops or that it passes."""
+        passed = {p.station_id: p.track for target in self.targets for p in target.passings}
+        return passed | {t.station_id: t.track for t in self.targets if t.station_id is not None}
+
     def route_beyond(self, section_id: str) -> Route | None:
         """The route that begins in a section, or None where the mission ends there."""
         return next((route for route in self.routes if route.from_section == section_id), None)
+
+
+def on_tracks(train: TimetableTrain, tracks: Mapping[str, str]) -> TimetableTrain:
+    """The train with its calls at these stations on these tracks, by name."""
+    calls = tuple(replace(c, track=tracks.get(c.station_id, c.track)) for c in train.calls)
+    return replace(train, calls=calls)
 
 
 class NoWay(Exception):  # noqa: N818 - a planner's finding, not a program error

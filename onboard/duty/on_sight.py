@@ -24,6 +24,7 @@ from onboard.authority.records import (
 )
 from onboard.duty.arrival import elsewhere
 from onboard.duty.duty_step import DutyStep
+from onboard.duty.entering import ask_leave
 from onboard.duty.records import (
     AtMark,
     DrivingOrder,
@@ -91,13 +92,15 @@ def give_up_position(duty: DutyStep) -> None:
 
 
 def points_seen(duty: DutyStep, event: PointsSeen) -> None:
-    """Counts the points as proven."""
-    duty.authority(CheckedByCrew(event.points))
+    """Counts the points as proven; before those that it may not come into yet, it asks for leave."""
+    if event.under or not ask_leave(duty, (event.points,)):
+        duty.authority(CheckedByCrew(event.points))
 
 
 def points_wrong(duty: DutyStep, event: PointsWrong) -> None:
-    """Commands the points, if it holds their section."""
-    duty.authority(Throw((event.points,)))
+    """Commands the points, if it holds their section; asks for leave where it has none."""
+    if not ask_leave(duty, (event.points,)):
+        duty.authority(Throw((event.points,)))
 
 
 def at_mark(duty: DutyStep, event: AtMark) -> None:

@@ -38,11 +38,17 @@ class Span(msgspec.Struct, frozen=True):
 
 
 class PlanLeg(msgspec.Struct, frozen=True):
-    """A route of the plan: from a track to the next one."""
+    """A route of the plan: from a track to the next one; `entry`: where it needs leave to come in (`Route.entry`)."""
 
     route_id: str
     from_section: str
     section_ids: tuple[str, ...]
+    entry: tuple[str, ...] = ()
+
+    @property
+    def to_enter(self) -> tuple[str, ...]:
+        """What leave to come in is for: those points, and the track behind them."""
+        return self.section_ids[-len(self.entry) - 1 :] if self.entry else ()
 
 
 class PlanStop(msgspec.Struct, frozen=True):
@@ -182,7 +188,7 @@ def plan_of(mission: Mission, length_m: float) -> DutyPlan:
         mission.number,
         mission.direction.name.lower(),
         tuple(spans),
-        tuple(PlanLeg(r.id, r.from_section, r.section_ids) for r in mission.routes),
+        tuple(PlanLeg(r.id, r.from_section, r.section_ids, r.entry) for r in mission.routes),
         tuple(stops),
         tags,
         end_piece,

@@ -12,7 +12,7 @@ from typing import Final
 
 import msgspec
 
-from onboard.authority.records import Authority, Timer
+from onboard.authority.records import Authority, Ordered, Timer
 from onboard.authority.records import Event as AuthorityEvent
 from onboard.duty.plan import DutyPlan, PointsNeeded
 from onboard.duty.unable import Unable
@@ -31,6 +31,8 @@ class DutyPhase(Enum):
     LEAVING = "leaving"  # signed off; its train may still stand in its portal
     GONE = "gone"
 
+
+AT_A_MARK: Final = (DutyPhase.STANDING, DutyPhase.FINISHED, DutyPhase.SIGNING_OFF)
 
 ASK: Final = Timer("ask")  # a route is asked for some time before the departure
 LEAVE: Final = Timer("leave")  # the departure, after the dwell
@@ -83,7 +85,8 @@ class DutyState(msgspec.Struct, frozen=True):
     `entered`: points sections that the train came onto by their proof. `proved`: spans that the tags read so far prove
     to be behind the train; `freed`: those of them that are to be given back, the arrival being told, or each at once.
     `halted`: braked because register and unit contradict each other; `sweeps`: runs on sight through what it holds.
-    `unable`: why it may not leave its stop, as its driver was told.
+    `unable`: why it may not leave its stop, as its driver was told. `ordered`: the route by which the dispatcher wants
+    it to go instead of the one that it asks for, until its driver has taken up that way.
     """
 
     phase: DutyPhase = DutyPhase.OFF
@@ -102,6 +105,7 @@ class DutyState(msgspec.Struct, frozen=True):
     may_leave: bool = False
     released: bool = True  # no emergency stop waits for the driver's acknowledgement
     unable: Unable | None = None
+    ordered: str = ""
 
 
 # events: people -------------------------------------------------------------------------------------------------
@@ -120,6 +124,16 @@ class SwitchedOn(msgspec.Struct, frozen=True, tag=True):
     plan: DutyPlan
     stands_at: int | None
     epoch: int = 0  # of this boot; the unit fills it in
+
+
+class TakeUpWay(msgspec.Struct, frozen=True, tag=True):
+    """The driver has taken up the way ordered: the same train, from where it stands by another route."""
+
+    plan: DutyPlan
+
+
+class NoSuchWay(msgspec.Struct, frozen=True, tag=True):
+    """The train has no way on by the route ordered."""
 
 
 class ChangeEnds(msgspec.Struct, frozen=True, tag=True):
@@ -141,9 +155,10 @@ class SetBack(msgspec.Struct, frozen=True, tag=True):
 
 
 class PointsSeen(msgspec.Struct, frozen=True, tag=True):
-    """The crew has seen that points ahead lie as needed."""
+    """The crew has seen that points ahead lie as needed; `under`: its train stands on them."""
 
     points: PointsNeeded
+    under: bool = False
 
 
 class PointsWrong(msgspec.Struct, frozen=True, tag=True):
@@ -244,6 +259,8 @@ class TelegramHeard(msgspec.Struct, frozen=True, tag=True):
 Person = (
     Begin
     | SwitchedOn
+    | TakeUpWay
+    | NoSuchWay
     | ChangeEnds
     | Leave
     | OffTheLine
@@ -264,7 +281,7 @@ Sensed = (
     | Looked
     | VehicleChecked
 )
-Event = Person | Sensed | TimerDue | TelegramHeard
+Event = Person | Sensed | TimerDue | TelegramHeard | Ordered
 
 
 # actions ----------------------------------------------------------------------------------------------------------
@@ -296,7 +313,14 @@ class EntryAllowed(msgspec.Struct, frozen=True, tag=True):
     number: str
 
 
-Told = Finished | LeftLine | EntryAllowed
+class WayOrdered(msgspec.Struct, frozen=True, tag=True):
+    """To the driver: the dispatcher wants the train to go by another route than this one."""
+
+    route_id: str
+    instead: str
+
+
+Told = Finished | LeftLine | EntryAllowed | WayOrdered
 
 
 class DrivingOrder(Enum):

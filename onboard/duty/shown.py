@@ -8,8 +8,9 @@ from typing import Final
 
 from onboard.authority.records import RequestKind
 from onboard.authority.stop_limit import cleared_sections, next_rear_span
+from onboard.duty.entering import kept_until_stand
 from onboard.duty.plan import DutyPlan
-from onboard.duty.records import DrivingCommand, DutyPhase, DutyState
+from onboard.duty.records import AT_A_MARK, DrivingCommand, DutyPhase, DutyState
 
 _IDLE: Final[Mapping[DutyPhase, str]] = MappingProxyType(
     {
@@ -23,7 +24,6 @@ _IDLE: Final[Mapping[DutyPhase, str]] = MappingProxyType(
 _ASKS: Final = MappingProxyType(
     {RequestKind.SIGN_ON: "signing on", RequestKind.SIGN_OFF: "signing off", RequestKind.ROUTE: "route"}
 )
-AT_A_MARK: Final = (DutyPhase.STANDING, DutyPhase.FINISHED, DutyPhase.SIGNING_OFF)
 
 
 def command_of(plan: DutyPlan, state: DutyState) -> DrivingCommand:
@@ -31,6 +31,7 @@ def command_of(plan: DutyPlan, state: DutyState) -> DrivingCommand:
     on_sight_now = state.phase is DutyPhase.ON_SIGHT
     running = state.phase is DutyPhase.RUNNING
     at_end = state.stands_at == len(plan.stops) - 1
+    freed = min(state.freed, kept_until_stand(plan, state))
     may_run = state.released and not at_end and (state.stands_at is None or state.may_leave)
     return DrivingCommand(
         drive=(running or (on_sight_now and may_run)) and not state.halted,
@@ -40,7 +41,7 @@ def command_of(plan: DutyPlan, state: DutyState) -> DrivingCommand:
         at=state.at,
         stands_at=state.stands_at,
         limit=state.limit,
-        rear=None if on_sight_now else next_rear_span(plan, state.authority, state.freed),
+        rear=None if on_sight_now else next_rear_span(plan, state.authority, freed),
         await_radio=state.authority.waits_for_radio,
         on_line=state.authority.on_line,
         held=state.authority.held,
@@ -90,7 +91,8 @@ def _reasons(plan: DutyPlan, state: DutyState) -> Iterator[str]:
         yield "the driver's confirmation that the whole train has arrived"
     if authority.open(RequestKind.REPORT) is not None and state.place.stands:
         yield "the block manager's confirmation of what is held"
-    if state.phase is DutyPhase.RUNNING and not state.may_ask:
+    held_back = state.phase is DutyPhase.STANDING and state.may_leave
+    if (state.phase is DutyPhase.RUNNING or held_back) and not state.may_ask:
         yield "the end of the hold on its route"
     ahead = min(state.at + 1, len(plan.stops) - 1)
     may_go_on = state.limit.before is None or state.limit.joint >= state.place.reach

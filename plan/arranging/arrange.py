@@ -13,20 +13,37 @@ from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import parse_toml, read_text
 from network.model import Line
 from network.timetable import Timetable, timetable_of
-from plan.arranging.draft import printed_calls, trains_to_arrange
-from plan.arranging.empty_workings import with_empty_workings
-from plan.arranging.line_times import line_times
+from plan.arranging.draft import PrintedCall, printed_calls, trains_to_arrange
+from plan.arranging.empty_workings import NIGHTS, with_empty_workings
+from plan.arranging.line_times import LineTimes, line_times
 from plan.arranging.model import REACH_S, ArrangeModel, NoRoomError
 from plan.arranging.problem import Arranged, PrintedMove, Standing, TrainToArrange
 from plan.arranging.written import MovesOfDay, arranged_file, moves_of_day
 from vehicle.train_file import TrainType, load_train, train_named
 
-REACHES_S: Final = (
-    300,
-    1200,
-    REACH_S,
-)  # tried one after the other: the less may move, the sooner all is known
-WORK_MAX: Final = 2.0  # of the solver's counted work for each
+WIDER_S: Final = 1200
+REACHES_S: Final = (300, WIDER_S, REACH_S)  # one after the other: the less may move, the sooner all is known
+WORK_MAX: Final = 0.8  # of the solver's counted work for each: some ten seconds of a processor
+MORE_TRACKS_MAX: Final = 6  # that a station is thought to be given, where a day lacks them
+
+
+@dataclass(frozen=True, slots=True)
+class MoreTracks:
+    """What a day lacks that does not keep the limit: tracks by station, and the furthest move with them, s."""
+
+    by_station: dict[str, int]
+    worst_s: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Draft:
+    """A day with its empty workings, before times are settled."""
+
+    file: TimetableFile
+    timetable: Timetable
+    printed: dict[str, tuple[PrintedCall, ...]]
+    trains: list[TrainToArrange]
+    empty: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +59,7 @@ class ArrangedDay:
     added: tuple[tuple[str, str, int], ...]  # train, station and time, s, of a call that no source prints
     empty: tuple[str, ...]  # numbers of empty workings that were added
     arranged: Arranged
+    lacking: MoreTracks | None  # tracks with which no printed time would be beyond the limit
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -51,6 +69,7 @@ class ArrangedDay:
             "empty_workings": list(self.empty),
             **asdict(self.figures),
             "mean_s": round(self.figures.mean_s, 2),
+            "lacking": None if self.lacking is None else asdict(self.lacking),
             "proven": self.arranged.proven,
             "bound_s": round(self.arranged.bound_s, 1),
             "reach_s": self.arranged.reach_s,
@@ -73,40 +92,103 @@ def arrange(line_name: str, timetable_name: str, train_name: str, limit_s: int) 
 
 def arranged_day(line: Line, file: TimetableFile, name: str, train: TrainType, limit_s: int) -> ArrangedDay:
     """The same of what has been read; `name` names the timetable in errors."""
-    timetable = timetable_of(file, name, line)
-    times = line_times(line, train, timetable.head.dwell_min_s)
-    file, empty = with_empty_workings(file, timetable, line, times)
-    timetable = timetable_of(file, name, line)
-    printed = printed_calls(file, timetable)
-    trains = trains_to_arrange(line, timetable, printed, times)
+    dwell_min_s = timetable_of(file, name, line).head.dwell_min_s
+    times = line_times(line, train, dwell_min_s)
+    as_printed = _draft(line, file, name, times)
+    drafts = tuple(_drafts(line, file, name, times))
     try:
-        arranged = nearest_plan(trains, limit_s)
+        index, arranged = nearest_plan([draft.trains for draft in drafts], limit_s)
     except NoRoomError as why:
-        raise InputError(name, "trains", len(trains), f"a day for which the line has room: {why}") from why
-    sentences = tuple(_assumed(train, arranged, empty))
-    written = arranged_file(line, file, timetable, printed, trains, arranged, sentences)
+        expected = f"a day for which the line has room: {why}"
+        lacking = tracks_lacking(as_printed.trains, limit_s)
+        if lacking is not None:
+            expected += f"; {lacking_text(line, lacking)}"
+        raise InputError(name, "trains", len(file.trains), expected) from why
+    draft = drafts[index]
+    beyond = tuple(move for move in arranged.moves if abs(move.by_s) > limit_s)
+    lacking = tracks_lacking(as_printed.trains, limit_s) if beyond else None
+    sentences = tuple(_assumed(train, arranged, draft.empty))
+    written = arranged_file(
+        line, draft.file, draft.timetable, draft.printed, draft.trains, arranged, sentences
+    )
     return ArrangedDay(
         line,
         written,
         timetable_of(written, name, line),
-        moves_of_day(printed, arranged.moves),
+        moves_of_day(draft.printed, arranged.moves),
         arranged.moves,
-        tuple(move for move in arranged.moves if abs(move.by_s) > limit_s),
-        tuple(_added(trains, arranged)),
-        empty,
+        beyond,
+        tuple(_added(draft.trains, arranged)),
+        draft.empty,
         arranged,
+        lacking,
     )
 
 
-def nearest_plan(trains: Sequence[TrainToArrange], limit_s: int) -> Arranged:
-    """The plan that moves printed times least. Raises NoRoomError where there is none."""
+def lacking_text(line: Line, lacking: MoreTracks) -> str:
+    """A sentence of it."""
+    names = [
+        f"{line.stations[station_id].name} had {count} more track{'s' if count > 1 else ''}"
+        for station_id, count in lacking.by_station.items()
+    ]
+    worst = f" by more than {lacking.worst_s} s" if lacking.worst_s else ""
+    return f"if {' and '.join(names)}, no printed time would be moved{worst}"
+
+
+def _draft(
+    line: Line, file: TimetableFile, name: str, times: LineTimes, empty: tuple[str, ...] = ()
+) -> _Draft:
+    timetable = timetable_of(file, name, line)
+    printed = printed_calls(file, timetable)
+    return _Draft(file, timetable, printed, trains_to_arrange(line, timetable, printed, times), empty)
+
+
+def _drafts(line: Line, file: TimetableFile, name: str, times: LineTimes) -> Iterator[_Draft]:
+    """The day with the empty workings that each rule of the night adds."""
+    timetable = timetable_of(file, name, line)
+    seen: list[TimetableFile] = []
+    for rule in NIGHTS:
+        more, empty = with_empty_workings(file, timetable, line, times, rule)
+        if more not in seen:
+            seen.append(more)
+            yield _draft(line, more, name, times, empty)
+
+
+def nearest_plan(days: Sequence[Sequence[TrainToArrange]], limit_s: int) -> tuple[int, Arranged]:
+    """Of some days the first of which a plan keeps the limit, else the plan that is the least beyond, and its day.
+
+    Raises NoRoomError where none has one.
+    """
+    why = NoRoomError("no plan keeps all trains apart")
     for reach_s in REACHES_S:
-        try:
-            return ArrangeModel(trains, limit_s, reach_s).solve(WORK_MAX)
-        except NoRoomError:
-            if reach_s == REACHES_S[-1]:
-                raise
-    raise AssertionError
+        found: list[tuple[int, int, Arranged]] = []
+        for index, trains in enumerate(days):
+            try:
+                arranged = ArrangeModel(trains, limit_s, reach_s).solve(WORK_MAX)
+            except NoRoomError as none:
+                why = none
+                if not none.certain:
+                    break  # with more room one is found sooner than for another day with as little
+                continue
+            beyond_s = sum(max(0, abs(move.by_s) - limit_s) for move in arranged.moves)
+            if not beyond_s:
+                return index, arranged
+            found.append((beyond_s, index, arranged))
+        if found:
+            _, index, arranged = min(found, key=lambda one: one[:2])
+            return index, arranged
+    raise why
+
+
+def tracks_lacking(trains: Sequence[TrainToArrange], limit_s: int) -> MoreTracks | None:
+    """The fewest tracks with which a plan moves no printed time beyond the limit; None where more tracks do not do."""
+    reach_s = max(limit_s, WIDER_S)
+    try:
+        arranged = ArrangeModel(trains, limit_s, reach_s, MORE_TRACKS_MAX).solve(WORK_MAX)
+    except NoRoomError:
+        return None
+    worst_s = max((abs(move.by_s) for move in arranged.moves), default=0)
+    return MoreTracks(arranged.more_tracks, worst_s) if arranged.more_tracks and worst_s <= limit_s else None
 
 
 def _added(trains: Sequence[TrainToArrange], arranged: Arranged) -> Iterator[tuple[str, str, int]]:

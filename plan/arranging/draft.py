@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import combinations, pairwise
 from typing import Final
 
 from network.errors import InputError
@@ -50,21 +52,52 @@ def trains_to_arrange(
     line: Line, timetable: Timetable, printed: Mapping[str, tuple[PrintedCall, ...]], times: LineTimes
 ) -> list[TrainToArrange]:
     """All trains of the day. Raises InputError where the line has no way for one."""
-    turn_s = math.ceil(times.setup.operation.change_ends_s)
+    turn_s = math.ceil(max(times.setup.turn_s, timetable.head.turn_min_s))
     found: list[TrainToArrange] = []
-    turning = {train.calls[i].station_id for train in timetable.trains.values() for i in (0, -1)}
+    turning = frozenset(train.calls[i].station_id for train in timetable.trains.values() for i in (0, -1))
+    overtaking = stations_to_overtake(line, timetable)
     for number, train in timetable.trains.items():
         try:
-            visits = tuple(_visits(line, train, printed[number], times, turning))
+            choice = turning | overtaking.get(number, frozenset())
+            visits = tuple(_visits(line, train, printed[number], times, choice))
         except KeyError as missing:
             expected = f"a line with a way for it; there is none for {missing}"
             raise InputError(timetable.head.id, "trains", number, expected) from missing
         follows = train.begins.number if isinstance(train.begins, FromTrain) else None
-        lead_s = next(v.leg.lead.stands for v in visits if v.leg is not None)
+        leads_s = [v.leg.lead.stands for v in visits if v.leg is not None]
+        if not leads_s:
+            expected = "a train from one station with tracks of its own to another"
+            raise InputError(timetable.head.id, "trains", number, expected)
         window_s = (train.calls[0].last_s - WITHIN_S, train.calls[-1].last_s + WITHIN_S)
         free = all(v.arrival_s is None and v.departure_s is None for v in visits)
-        found.append(TrainToArrange(number, visits, follows, turn_s + lead_s, *(window_s if free else ())))
+        found.append(
+            TrainToArrange(number, visits, follows, turn_s + leads_s[0], *(window_s if free else ()))
+        )
     return found
+
+
+def stations_to_overtake(line: Line, timetable: Timetable) -> dict[str, frozenset[str]]:
+    """By train: where it may overtake another, or be overtaken: from the last station that one of them leaves first
+    to the first that the other does.
+    """
+    found: dict[str, set[str]] = defaultdict(set)
+    order = {
+        train.number: {call.station_id: call.last_s for call in train.calls}
+        for train in timetable.trains.values()
+    }
+    for one, other in combinations(timetable.trains.values(), 2):
+        if one.direction is not other.direction:
+            continue
+        ours, theirs = order[one.number], order[other.number]
+        common = [name for name in ours if name in theirs]
+        for here, there in pairwise(common):
+            if (ours[here] < theirs[here]) == (ours[there] < theirs[there]):
+                continue
+            ends_m = sorted(line.stations[name].position_m for name in (here, there))
+            between = {s.id for s in line.stations.values() if ends_m[0] <= s.position_m <= ends_m[1]}
+            found[one.number] |= between
+            found[other.number] |= between
+    return {number: frozenset(stations) for number, stations in found.items()}
 
 
 def _visits(
@@ -72,9 +105,12 @@ def _visits(
     train: TimetableTrain,
     calls: tuple[PrintedCall, ...],
     times: LineTimes,
-    turning: Collection[str],
+    choice: Collection[str],
 ) -> Iterator[Visit]:
-    """A visit for every station of its way, those too that it runs through and of which the print says nothing."""
+    """A visit for every station of its way, those too that it runs through and of which the print says nothing.
+
+    At the stations of `choice` it may have any track, elsewhere the usual one.
+    """
     by_station = {call.call.station_id: call for call in calls}
     before: Station | None = None
     place: Station | None = None
@@ -82,7 +118,7 @@ def _visits(
         call = by_station.get(station.id)
         run = None if before is None else times.run(train.direction, before.id, station.id)
         tracks = _tracks(line, station, train, call)
-        if station.id not in turning:
+        if station.id not in choice:
             tracks = tracks[:1]
         leg = None
         if tracks and place is not None:

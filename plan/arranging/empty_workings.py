@@ -1,8 +1,9 @@
 """Sets that are missing where trains begin: brought as empty workings (回送) from where there is room for the night.
 
-A station inside the line keeps one track free of sets that stand over; at an end of it every track may have one. Sets
-that are too many begin (end) the day at the nearest station with room at which trains begin or end, or at an end of the
-line, and run empty before their first train (after their last one). When, the plan finds: nothing of them is printed.
+Sets that are too many begin (end) the day at the nearest station with room at which trains begin or end, at an end of
+the line, or else at any, and run empty before their first train (after their last one). When, the plan finds: nothing
+of them is printed. Of the tracks there one stays free. How many sets a station may have of its own trains, and whose
+sets come from elsewhere, is tried in the order of `NIGHTS`.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import math
 from collections import defaultdict
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Final
 
 from exchange.timetable_writer import call_table, train_table
 from network.files.timetable_schema import DiagramTable, TimetableFile, TrainTable
@@ -21,11 +23,23 @@ from plan.arranging.line_times import LineTimes
 TURNS_S = 600  # assumed, to begin with: between an empty working and the train before or after it
 
 
+@dataclass(frozen=True, slots=True)
+class NightRule:
+    """How many tracks stations inside the line keep free of sets, and whether the first trains' sets come empty."""
+
+    kept: int
+    first: bool
+
+
+NIGHTS: Final = (NightRule(0, first=False), NightRule(1, first=True), NightRule(1, first=False))
+
+
 @dataclass(slots=True)
 class _Night:
     """Which trains' sets stand where before the day (after it), and how many more may."""
 
     line: Line
+    rule: NightRule
     turning: frozenset[str]  # stations where trains begin or end
     sets: dict[str, list[TimetableTrain]] = field(default_factory=lambda: defaultdict(list))
 
@@ -35,29 +49,34 @@ class _Night:
         stations = self.line.stations.values()
         return frozenset(end(stations, key=lambda s: s.position_m).id for end in (min, max))
 
-    def room(self, station_id: str) -> int:
-        """How many more sets may stand there; negative: so many are too many."""
-        sections = {
-            track.section_id
-            for track in self.line.stations[station_id].tracks
-            if self.line.sections[track.section_id].kind is SectionKind.TRACK
-        }
-        kept = 0 if station_id in self.ends else 1
-        return max(len(sections) - kept, min(len(sections), 1)) - len(self.sets[station_id])
+    def tracks(self, station_id: str) -> int:
+        """How many tracks it has of its own."""
+        tracks = self.line.stations[station_id].tracks
+        sections = {track.section_id for track in tracks}
+        return sum(self.line.sections[name].kind is SectionKind.TRACK for name in sections)
+
+    def too_many(self, station_id: str) -> bool:
+        """Whether more sets stand there than may."""
+        tracks = self.tracks(station_id)
+        kept = 0 if station_id in self.ends else self.rule.kept
+        return len(self.sets[station_id]) > max(tracks - kept, min(tracks, 1))
 
     def nearest(self, station_id: str) -> str | None:
-        """The nearest other station with room."""
+        """The nearest other station where one more leaves a track free; one where trains turn before any other."""
         here_m = self.line.stations[station_id].position_m
-        others = [
-            station
-            for name in sorted((self.turning | self.ends) - {station_id})
-            if self.room(name) > 0 and (station := self.line.stations[name])
-        ]
-        return min(others, key=lambda s: (abs(s.position_m - here_m), s.id)).id if others else None
+        for names in (self.turning | self.ends, frozenset(self.line.stations)):
+            others = [
+                self.line.stations[name]
+                for name in sorted(names - {station_id})
+                if self.tracks(name) > len(self.sets[name]) + 1
+            ]
+            if others:
+                return min(others, key=lambda s: (abs(s.position_m - here_m), s.id)).id
+        return None
 
 
 def with_empty_workings(
-    file: TimetableFile, timetable: Timetable, line: Line, times: LineTimes
+    file: TimetableFile, timetable: Timetable, line: Line, times: LineTimes, rule: NightRule = NIGHTS[-1]
 ) -> tuple[TimetableFile, tuple[str, ...]]:
     """The day with them, and their numbers. Where no station has room, it stays as it is."""
     tables = {train.number: train for train in file.trains}
@@ -65,13 +84,15 @@ def with_empty_workings(
     added: list[str] = []
     turning = frozenset(train.calls[at].station_id for train in timetable.trains.values() for at in (0, -1))
     for morning in (True, False):
-        night = _Night(line, turning)
+        night = _Night(line, rule, turning)
         for train in timetable.trains.values():
             if isinstance(train.begins if morning else train.ends, Stabled):
                 night.sets[train.calls[0 if morning else -1].station_id].append(train)
         for station_id, sets in list(night.sets.items()):
-            sets.sort(key=lambda train: train.calls[0 if morning else -1].last_s, reverse=not morning)
-            while night.room(station_id) < 0 and (other := night.nearest(station_id)) is not None:
+            sets.sort(
+                key=lambda train: train.calls[0 if morning else -1].last_s, reverse=morning is rule.first
+            )
+            while night.too_many(station_id) and (other := night.nearest(station_id)) is not None:
                 train = sets.pop()
                 night.sets[other].append(train)
                 number = _free_number(tables)

@@ -12,18 +12,29 @@ from study.making.place import checked_new, named_from, write_new
 from study.making.timetable import scenario_text
 
 
-def write_day(
-    day: ArrangedDay, line_name: str, train_name: str, out: Path | None, scenario: Path | None
-) -> Iterator[Path]:
-    """Write what is asked for, whole or not at all. Raises InputError."""
+def checked_files(out: Path | None, scenario: Path | None) -> None:
+    """InputError where these cannot be written."""
     if out is None:
         if scenario is not None:
             raise InputError(COMMAND_LINE, "--out", None, "the timetable file that the scenario is to run")
         return
-    stem = checked_new(out)
+    checked_new(out)
     if scenario is not None:
         checked_new(scenario, "--scenario")
-    head = day.file.timetable.model_copy(update={"id": stem})
+        if scenario.resolve() == out.resolve():
+            raise InputError(
+                COMMAND_LINE, "--scenario", str(scenario), "another file than that of the timetable"
+            )
+
+
+def write_day(
+    day: ArrangedDay, line_name: str, train_name: str, out: Path | None, scenario: Path | None
+) -> Iterator[Path]:
+    """Write what is asked for, whole or not at all. Raises InputError."""
+    checked_files(out, scenario)
+    if out is None:
+        return
+    head = day.file.timetable.model_copy(update={"id": out.stem})
     write_new(out, timetable_toml(day.file.model_copy(update={"timetable": head})))
     yield out
     if scenario is not None:

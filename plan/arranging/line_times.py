@@ -19,6 +19,7 @@ from plan.arranging.problem import ByStanding, Leg, RunSeconds
 from simulation.setup import Setup
 from study.capacity.journey import TrainJourney
 from study.capacity.legs import SetLeg, legs_of, places_of
+from study.capacity.occupation import TOUCH_S
 from study.capacity.rules import Rules
 from study.capacity.theory import Theory
 from study.feasibility.planned import PlannedTrain, planned_day
@@ -38,6 +39,7 @@ class LineTimes:
 
     `runs`: s, by direction, both stations and how the train is there. `leads`, `lags`, s, by direction, the leg's
     places (station ids) and whether the train stands where it leaves (comes). `ways`: sections between the places.
+    `overlaps`: what it has alone as it comes in; from `enters` before it comes until `stood` after.
     """
 
     setup: Setup
@@ -52,6 +54,15 @@ class LineTimes:
     )
     ways: dict[tuple[Direction, str, str], tuple[str, ...]] = field(
         default_factory=dict[tuple[Direction, str, str], tuple[str, ...]]
+    )
+    overlaps: dict[tuple[Direction, str, str], tuple[str, ...]] = field(
+        default_factory=dict[tuple[Direction, str, str], tuple[str, ...]]
+    )
+    enters: dict[tuple[Direction, str, str, bool], float] = field(
+        default_factory=dict[tuple[Direction, str, str, bool], float]
+    )
+    stood: dict[tuple[Direction, str, str, bool], float] = field(
+        default_factory=dict[tuple[Direction, str, str, bool], float]
     )
 
     def run(self, direction: Direction, from_id: str, to_id: str) -> RunSeconds:
@@ -74,7 +85,11 @@ class LineTimes:
         lag = _by_standing(self.lags, key, 0.0)
         # a plan is judged by times at stations too: nobody leaves for a section before its train has come
         lag = ByStanding(max(lag.stands, -lead.stands), max(lag.passes, -lead.stands))
-        return Leg(self.ways[key], lead, lag)
+        overlaps = self.overlaps.get(key, ())
+        if not overlaps:
+            return Leg(self.ways[key], lead, lag)
+        enters = _by_standing(self.enters, key, REFUSED_REPEAT_S)
+        return Leg(self.ways[key], lead, lag, overlaps, enters, _by_standing(self.stood, key, 0.0))
 
 
 def _by_standing(
@@ -143,12 +158,24 @@ def _note(
         return
     from_id, to_id = (sections[one.section_id].station_id or "" for one in (leg.start, leg.end))
     (_, left_s, stood), (come_s, _, stands) = at[from_id], at[to_id]
-    way = [one for one in leg.occupations if sections[one.section_id].kind is not SectionKind.TRACK]
+    way = [
+        one
+        for one in leg.occupations
+        if not one.is_overlap and sections[one.section_id].kind is not SectionKind.TRACK
+    ]
     begin_s = min(one.begin_s for one in leg.occupations)
     end_s = max([one.end_s for one in way], default=come_s)
     found.ways[direction, from_id, to_id] = tuple(one.section_id for one in way)
     found.leads[direction, from_id, to_id, stood] = left_s - begin_s
     found.lags[direction, from_id, to_id, stands] = end_s - come_s
+    for one in (one for one in leg.occupations if one.is_overlap):
+        if one.begin_s <= begin_s + TOUCH_S:  # as it goes out: with its way
+            found.ways[direction, from_id, to_id] += (one.section_id,)
+            continue
+        known = found.overlaps.get((direction, from_id, to_id), ())
+        found.overlaps[direction, from_id, to_id] = tuple(dict.fromkeys((*known, one.section_id)))
+        found.enters[direction, from_id, to_id, stands] = come_s - one.begin_s
+        found.stood[direction, from_id, to_id, stands] = one.end_s - come_s
 
 
 def _calls(stations: Sequence[Station], stops: Sequence[bool]) -> tuple[Call, ...]:

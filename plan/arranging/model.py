@@ -19,6 +19,7 @@ from plan.arranging.problem import (
     Arranged,
     ArrangedVisit,
     ByStanding,
+    Leg,
     PrintedMove,
     Standing,
     TrainToArrange,
@@ -33,6 +34,7 @@ SECOND: Final = 20  # weight of a second
 STOP_COST: Final = 5  # a stop that no source prints, where it saves nothing
 TRACK_COST: Final = 1  # a track that is not the usual one
 BEYOND_COST: Final = 1000 * SECOND
+MORE_COST: Final = 1800 * SECOND  # assumed: a track more is worth half an hour of moves in all
 SLOWER_SHARE: Final = (
     0.25  # how much longer a run may take that ends in running through, so that it need not stop
 )
@@ -43,7 +45,11 @@ IntVar = cp_model.IntVar
 
 
 class NoRoomError(ValueError):
-    """No plan at all: sets that stand over have no tracks, whatever is moved."""
+    """No plan: mostly sets that stand over have no tracks. `certain`: there is none, not only that none was found."""
+
+    def __init__(self, why: str, *, certain: bool = True) -> None:
+        super().__init__(why)
+        self.certain: Final = certain
 
 
 @dataclass(slots=True)
@@ -59,10 +65,16 @@ class ArrangeModel:
     """The variables of a problem and what holds between them.
 
     `limit_s`: printed times may be moved by so much; `reach_s`: and are moved by so much at most, where they must be.
+    `more_tracks`: how many tracks a station may be given that it does not have, each at a price.
     """
 
-    def __init__(self, trains: Sequence[TrainToArrange], limit_s: int, reach_s: int) -> None:
+    def __init__(
+        self, trains: Sequence[TrainToArrange], limit_s: int, reach_s: int, more_tracks: int = 0
+    ) -> None:
         self.model: Final = cp_model.CpModel()
+        self._more_max: Final = more_tracks
+        self._on_more: dict[str, list[cp_model.IntervalVar]] = defaultdict(list)
+        self._more: dict[str, IntVar] = {}
         self._limit_s = limit_s
         self._reach_s = reach_s
         self._held: dict[str, list[tuple[object, cp_model.IntervalVar]]] = defaultdict(list)
@@ -161,6 +173,7 @@ class ArrangeModel:
             way = self._interval(f"{train.number} {here}", self._from(own, here, there), self._to(own, there))
             for section_id in leg.section_ids:
                 self._held[section_id].append((train.number, way))
+            self._come_in(f"{train.number} {there} in", own[there], leg)
         for at, here in enumerate(places):
             if at == 0 and train.follows is not None:
                 continue  # its set stands there since the train before
@@ -177,31 +190,38 @@ class ArrangeModel:
                 end = self._ends_s
             self._stand(f"{train.number} {here} track", begin, end, stays)
 
+    def _come_in(self, name: str, one: _VisitVars, leg: Leg) -> None:
+        """What a train has alone as it comes in, where opposing ones may not do so at once."""
+        if leg.overlaps:
+            enters = ByStanding(-leg.enters.stands, -leg.enters.passes)
+            begin, end = (self._shifted(one.arrives, one, by) for by in (enters, leg.stood))
+            interval = self._interval(name, begin, end)
+            for overlap in leg.overlaps:
+                self._held[overlap].append((name, interval))
+
     def _stand(self, name: str, begin: Bound, end: Bound, stays: Sequence[_VisitVars]) -> None:
         """One of the tracks for as long as the train, or its set, is there; the same for all its calls there."""
         allowed = [t for t in stays[0].visit.tracks if all(t in stay.visit.tracks for stay in stays)]
         if not allowed:
             raise NoRoomError(f"no track at {stays[0].visit.station_id} serves {name}")
-        if len(allowed) == 1:
-            self._held[allowed[0]].append((name, self._interval(name, begin, end)))
-            for stay in stays:
-                for track, chosen in stay.tracks.items():
-                    self.model.add(chosen == (track == allowed[0]))
-            return
-        first = stays[0].tracks
-        self.model.add_exactly_one(first[track] for track in allowed)
-        for track, chosen in first.items():
-            if track not in allowed:
-                self.model.add(chosen == 0)
-        for stay in stays[1:]:
-            for track, chosen in stay.tracks.items():
-                self.model.add(chosen == (first[track] if track in allowed else 0))
+        free = self._on_another(name, stays[0].visit.station_id, begin, end) if self._more_max else None
+        chosen = dict(stays[0].tracks)
+        if not chosen:
+            chosen[allowed[0]] = self.model.new_bool_var(f"{name} {allowed[0]}")
+        self.model.add_exactly_one([*(chosen[track] for track in allowed), *([] if free is None else [free])])
+        for stay in stays:
+            for track, here in stay.tracks.items():
+                self.model.add(here == (chosen[track] if track in allowed else 0))
         for rank, track in enumerate(allowed):
-            size = self.model.new_int_var(0, 2 * self._ends_s, f"{name} {track} size")
-            interval = self.model.new_optional_interval_var(begin, size, end, first[track], f"{name} {track}")
-            self._held[track].append((name, interval))
+            self._held[track].append((name, self._optional(f"{name} {track}", begin, end, chosen[track])))
             if rank:
-                self._cost.append(TRACK_COST * first[track])
+                self._cost.append(TRACK_COST * chosen[track])
+
+    def _on_another(self, name: str, station_id: str, begin: Bound, end: Bound) -> IntVar:
+        """Whether it stands on a track that the station does not have."""
+        chosen = self.model.new_bool_var(f"{name} another")
+        self._on_more[station_id].append(self._optional(f"{name} another", begin, end, chosen))
+        return chosen
 
     def _from(self, own: Sequence[_VisitVars], here: int, there: int) -> Bound:
         leg = own[there].visit.leg
@@ -224,6 +244,10 @@ class ArrangeModel:
         size = self.model.new_int_var(0, 2 * self._ends_s, f"{name} size")
         return self.model.new_interval_var(begin, size, end, name)
 
+    def _optional(self, name: str, begin: Bound, end: Bound, chosen: IntVar) -> cp_model.IntervalVar:
+        size = self.model.new_int_var(0, 2 * self._ends_s, f"{name} size")
+        return self.model.new_optional_interval_var(begin, size, end, chosen, name)
+
     def _exclude(self) -> None:
         """One train at a time; sections that are always held together are looked at once."""
         seen: set[tuple[int, ...]] = set()
@@ -232,6 +256,10 @@ class ArrangeModel:
             if EXCLUSIVE and len(held) > 1 and key not in seen:
                 seen.add(key)
                 self.model.add_no_overlap([interval for _, interval in held])
+        for station_id, intervals in self._on_more.items():
+            count = self._more[station_id] = self.model.new_int_var(0, self._more_max, f"{station_id} more")
+            self.model.add_cumulative(intervals, [1] * len(intervals), count)
+            self._cost.append(MORE_COST * count)
 
     # the answer -------------------------------------------------------------------------------------------------------
 
@@ -247,8 +275,9 @@ class ArrangeModel:
         status = solver.solve(self.model)
         work = solver.response_proto.deterministic_time
         if status not in {cp_model.OPTIMAL, cp_model.FEASIBLE}:
+            certain = status == cp_model.INFEASIBLE
             raise NoRoomError(
-                "no plan keeps all trains apart" if status == cp_model.INFEASIBLE else "none was found"
+                "no plan keeps all trains apart" if certain else "none was found", certain=certain
             )
         visits = {number: self._settled(own, solver) for number, own in self.vars.items()}
         moves = tuple(
@@ -263,6 +292,7 @@ class ArrangeModel:
             solver.best_objective_bound / SECOND,
             self._reach_s,
             work,
+            {name: count for name, at in self._more.items() if (count := solver.value(at))},
         )
 
     def _settled(self, own: Sequence[_VisitVars], solver: cp_model.CpSolver) -> tuple[ArrangedVisit, ...]:

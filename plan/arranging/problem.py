@@ -6,7 +6,7 @@ places it has whole, from a time before it leaves the one to a time after it is 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 
@@ -49,12 +49,16 @@ class RunSeconds:
 class Leg:
     """What a train holds besides the tracks at both ends on its way from the place before, and around which times.
 
-    `lead`: before it leaves the place before, `lag`: after it comes to this one; both may be negative.
+    `lead`: before it leaves the place before, `lag`: after it comes to this one; both may be negative. `overlaps`: what
+    it has alone as it comes in, from `enters` before it comes to this place until `stood` after that.
     """
 
     section_ids: tuple[str, ...]
     lead: ByStanding
     lag: ByStanding
+    overlaps: tuple[str, ...] = ()
+    enters: ByStanding = ByStanding(0, 0)
+    stood: ByStanding = ByStanding(0, 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +125,7 @@ class Arranged:
     """A plan that works.
 
     `proven`: none in which no time is moved by more than `reach_s` moves printed times by less in all (beyond the limit
-    first); `bound_s`: below which there is none.
+    first); `bound_s`: below which there is none. `more_tracks`: that it takes and that stations do not have.
     """
 
     visits: dict[str, tuple[ArrangedVisit, ...]]
@@ -130,3 +134,4 @@ class Arranged:
     bound_s: float
     reach_s: int
     work: float
+    more_tracks: dict[str, int] = field(default_factory=dict[str, int])

@@ -57,13 +57,14 @@ def arranged_file(
 ) -> TimetableFile:
     """The file with the times of the plan; calls that only a plan has are marked inferred."""
     to_arrange = {train.number: train for train in problem}
+    after_s = comes_in_after(problem, arranged)
     tables = [
         _train(
             line,
             table,
             timetable.trains[table.number],
             printed[table.number],
-            soonest(to_arrange[table.number], arranged.visits[table.number]),
+            soonest(to_arrange[table.number], arranged.visits[table.number], after_s),
         )
         for table in file.trains
     ]
@@ -71,8 +72,32 @@ def arranged_file(
     return file.model_copy(update={"timetable": head, "trains": tables})
 
 
-def soonest(train: TrainToArrange, visits: Sequence[ArrangedVisit]) -> tuple[ArrangedVisit, ...]:
-    """The same with arrivals as early as trains can run: what others need is freed no later by that."""
+def comes_in_after(problem: Sequence[TrainToArrange], arranged: Arranged) -> dict[tuple[str, str], int]:
+    """Before which time, s, a train (number) may not come to a station, as another has to stand there first."""
+    comes = [
+        (one.number, visit.leg, here)
+        for one in problem
+        for visit, here in zip(one.visits, arranged.visits[one.number], strict=True)
+        if visit.leg is not None and visit.leg.overlaps
+    ]
+    found: dict[tuple[str, str], int] = {}
+    for number, leg, here in comes:
+        for other, before, there in comes:
+            if other != number and there.arrival_s <= here.arrival_s and {*leg.overlaps} & {*before.overlaps}:
+                stood_s = before.stood.stands if there.stands else before.stood.passes
+                enters_s = leg.enters.stands if here.stands else leg.enters.passes
+                key = number, here.station_id
+                found[key] = max(found.get(key, 0), there.arrival_s + stood_s + enters_s)
+    return found
+
+
+def soonest(
+    train: TrainToArrange, visits: Sequence[ArrangedVisit], after_s: Mapping[tuple[str, str], int]
+) -> tuple[ArrangedVisit, ...]:
+    """The same with arrivals as early as trains can run: what others need is freed no later by that.
+
+    `after_s`: see `comes_in_after`.
+    """
     found = [visits[0]]
     for visit, (before, here) in zip(train.visits[1:], pairwise(visits), strict=True):
         run_s = next(
@@ -82,7 +107,8 @@ def soonest(train: TrainToArrange, visits: Sequence[ArrangedVisit]) -> tuple[Arr
         )
         arrives_s = here.arrival_s
         if here.stands:
-            arrives_s = min(arrives_s, max(found[-1].departure_s + run_s, visit.arrival_s or 0))
+            free_s = after_s.get((train.number, here.station_id), 0)
+            arrives_s = min(arrives_s, max(found[-1].departure_s + run_s, visit.arrival_s or 0, free_s))
         found.append(ArrangedVisit(here.station_id, arrives_s, here.departure_s, here.stands, here.track))
     return tuple(found)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import msgspec
@@ -28,12 +29,18 @@ from plan.dispatching.solver import Answer, solve
 from wayside.certificate import CertificateProof, finishing_order, follows
 from wayside.moves import Move
 from wayside.moves import Train as WaysideTrain
-from wayside.order_question import OrderAnswer, OrderQuestion, OrderTrain
+from wayside.order_question import OrderAnswer, OrderMove, OrderQuestion, OrderTrain, OrderWay
 
 MOVES_MAX: Final = (
     180  # assumed: making the model of more takes longer than solving it may; then a search extends it
 )
+CHOICES_MAX: Final = 24  # assumed: ways besides the planned ones, of moves that come first
 STAGES: Final = 3  # assumed: forty minutes of two hours are mostly proven in a tenth of a second
+
+ANYWHERE: Final = -1  # a move of which is not said from where: it has one way
+OFF_LINE: Final = -1
+PLANNED: Final = -2
+Order = tuple[tuple[int, int], ...]  # trains, and where the move of each ends
 
 
 def answer_to(question: OrderQuestion) -> OrderAnswer:
@@ -41,82 +48,160 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
 
     A third of the time ahead is solved first, then two thirds, then all: what is near is certain and decides, and each
     begins with what the one before has found, or with the order found last. All moves planned before a time can be made
-    before all others.
+    before all others. Tracks are chosen in the first third alone.
     """
     asked = [
         index for index, train in enumerate(question.trains) if train.moves or train.holds or train.keeps
     ]
     trains = [question.trains[index] for index in asked]
-    last = tuple(asked.index(index) for index in question.order if index in asked)
-    order: tuple[int, ...] = ()
+    ends = question.ends or (PLANNED,) * len(question.order)
+    told = zip(question.order, ends, strict=True)
+    last = tuple((asked.index(index), end) for index, end in told if index in asked)
+    order: Order = ()
     found = Answer(None, 0, impossible=False, work=0.0)
     for stage in range(1, STAGES + 1):
         part = [_before(train, question.ahead_s * stage // STAGES) for train in trains]
+        if stage == 1:
+            part = _near_choices(part)
         known = _known(part, (order, _of_these(part, last)))
         if known is None:
             return OrderAnswer(lacking="no order was found in which all trains can run")
         found = Answer(known, 0, impossible=False, work=0.0)
-        if sum(len(train.moves) for train in part) <= MOVES_MAX:
+        if sum(len(move_ways(move)) for train in part for move in train.moves) <= MOVES_MAX:
             found = solve(_instance(part, known.objective_value), question.work_max / STAGES, known)
         order = _order(part, found.solution or known)
+        if stage == 1:
+            trains = [
+                _fixed(train, [end for each, end in order if each == index])
+                for index, train in enumerate(trains)
+            ]
     lost_s = sum(max(0, -move.due_s) for train in trains for move in train.moves if move.counts)
     delay_s = 0 if found.solution is None else found.solution.objective_value
-    return OrderAnswer(tuple(asked[index] for index in order), delay_s + lost_s, found.bound + lost_s)
+    return OrderAnswer(
+        tuple(asked[index] for index, _ in order),
+        delay_s + lost_s,
+        found.bound + lost_s,
+        ends=tuple(end for _, end in order),
+    )
+
+
+def move_ways(move: OrderMove) -> tuple[OrderWay, ...]:
+    """All ways to make a move, the planned one first."""
+    return (OrderWay(move.here, move.needs, move.keeps), *move.others)
+
+
+def _end(way: OrderWay) -> int:
+    return way.keeps[0] if way.keeps else OFF_LINE
 
 
 def _before(train: OrderTrain, until_s: int) -> OrderTrain:
-    """With the moves that are planned to begin before that; where it is then counts."""
+    """With the moves that are planned to begin before that; where it is then counts, and is as planned."""
     moves = [move for move in train.moves if move.departs_s < until_s]
     if moves:
-        moves[-1] = replace(moves[-1], counts=True)
+        last = moves[-1]
+        moves[-1] = replace(_leads_on_only(last), counts=True)
     return replace(train, moves=tuple(moves))
 
 
-def _order(trains: Sequence[OrderTrain], solution: Solution) -> tuple[int, ...]:
-    """Trains in the order in which their moves begin."""
-    return tuple(e.train for e in solution.events if e.operation in _runs(trains[e.train]))
+def _near_choices(trains: Sequence[OrderTrain]) -> list[OrderTrain]:
+    """The trains with the choices that come first, as many as a model may have."""
+    ways = sorted(
+        (move.departs_s, index, place, len(move.others))
+        for index, train in enumerate(trains)
+        for place, move in enumerate(train.moves)
+    )
+    count, kept = 0, set[tuple[int, int]]()
+    for _, index, place, others in ways:
+        count += others
+        if count <= CHOICES_MAX:
+            kept.add((index, place))
+    return [
+        replace(
+            train,
+            moves=tuple(
+                move if (index, place) in kept else _leads_on_only(move)
+                for place, move in enumerate(train.moves)
+            ),
+        )
+        for index, train in enumerate(trains)
+    ]
 
 
-def _of_these(trains: Sequence[OrderTrain], order: Sequence[int]) -> tuple[int, ...]:
+def _leads_on_only(move: OrderMove) -> OrderMove:
+    """The move to its planned track alone, from wherever the one before may end."""
+    return replace(move, others=tuple(way for way in move.others if way.keeps == move.keeps))
+
+
+def _fixed(train: OrderTrain, ends: Sequence[int]) -> OrderTrain:
+    """The train with one way for each move, to these ends, then to those planned."""
+    ways = zip(train.moves, _ways(train, ends), strict=True)
+    moves = (replace(m, needs=w.needs, keeps=w.keeps, here=w.here, others=()) for m, w in ways)
+    return replace(train, moves=tuple(moves))
+
+
+def _order(trains: Sequence[OrderTrain], solution: Solution) -> Order:
+    """Trains in the order in which their moves begin, each with where it ends."""
+    runs = [course.runs for course in map(_course, trains)]
+    return tuple(
+        (e.train, _end(runs[e.train][e.operation])) for e in solution.events if e.operation in runs[e.train]
+    )
+
+
+def _of_these(trains: Sequence[OrderTrain], order: Order) -> Order:
     """As much of an order as is of the moves of these trains."""
     left = [len(train.moves) for train in trains]
-    found: list[int] = []
-    for index in order:
+    found: list[tuple[int, int]] = []
+    for index, end in order:
         if left[index]:
             left[index] -= 1
-            found.append(index)
+            found.append((index, end))
     return tuple(found)
 
 
-def _known(trains: Sequence[OrderTrain], begins: Iterable[tuple[int, ...]]) -> Solution | None:
+def _known(trains: Sequence[OrderTrain], begins: Iterable[Order]) -> Solution | None:
     """An order in which all can run, which begins in one of these ways; then by the times of the plan, or by when
-    trains can be ready, whichever delays least.
+    trains can be ready, whichever delays least. Tracks are as in what it begins with, then as planned.
     """
     instance = _instance(trains, None)
     solutions: list[Solution] = []
     for late in (False, True):
-        searched = [_searched(train, late=late) for train in trains]
         for begun in dict.fromkeys(begins):
-            if not follows(searched, begun):
+            ends = [[end for each, end in begun if each == index] for index in range(len(trains))]
+            ways = [_ways(train, own) for train, own in zip(trains, ends, strict=True)]
+            searched = [_searched(train, own, late=late) for train, own in zip(trains, ways, strict=True)]
+            first = [index for index, _ in begun]
+            if not follows(searched, first):
                 continue
-            counts = (begun.count(index) for index in range(len(trains)))
             rest = [
                 WaysideTrain(train.ahead[done - 1].keeps if done else train.holds, train.ahead[done:])
-                for train, done in zip(searched, counts, strict=True)
+                for train, done in zip(searched, map(len, ends), strict=True)
             ]
             found = finishing_order(rest)
             if found.proof is CertificateProof.ORDER:
-                solutions.append(_played(instance, (*begun, *found.order)))
+                solutions.append(_played(instance, trains, ways, (*first, *found.order)))
     return min(solutions, key=lambda solution: solution.objective_value, default=None)
 
 
-def _searched(train: OrderTrain, *, late: bool) -> WaysideTrain:
+def _ways(train: OrderTrain, ends: Sequence[int]) -> list[OrderWay]:
+    """A way for each move: to these ends, then to those planned, as far as a way leads there."""
+    chosen: list[OrderWay] = []
+    for place, move in enumerate(train.moves):
+        here = _end(chosen[-1]) if chosen else move.here
+        ways = [way for way in move_ways(move) if way.here in {here, ANYWHERE}]
+        end = ends[place] if place < len(ends) and ends[place] != PLANNED else _end(move_ways(move)[0])
+        chosen.append(
+            next((way for way in ways if _end(way) == end), ways[0] if ways else move_ways(move)[0])
+        )
+    return chosen
+
+
+def _searched(train: OrderTrain, ways: Sequence[OrderWay], *, late: bool) -> WaysideTrain:
     """The train as the search for any order takes it."""
     moves: list[Move] = []
     ready_s = train.comes_s + train.ready_s if late else 0
-    for move in train.moves:
+    for move, way in zip(train.moves, ways, strict=True):
         ready_s = max(ready_s, move.departs_s)
-        moves.append(Move(_bits(move.needs), _bits(move.keeps), ready_s))
+        moves.append(Move(_bits(way.needs), _bits(way.keeps), ready_s))
         ready_s = ready_s + move.runs_s + move.stays_s if late else 0
     return WaysideTrain(_bits(train.keeps), tuple(moves))
 
@@ -125,22 +210,26 @@ def _bits(sections: Sequence[int]) -> int:
     return sum(1 << section for section in sections)
 
 
-def _played(instance: Instance, order: Sequence[int]) -> Solution:
+def _played(
+    instance: Instance, trains: Sequence[OrderTrain], ways: Sequence[Sequence[OrderWay]], order: Sequence[int]
+) -> Solution:
     """The moves in an order, each as soon as it can be."""
     free_s: dict[str, int] = defaultdict(int)
+    paths = [_course(train).path(own) for train, own in zip(trains, ways, strict=True)]
     at = [0] * len(instance.trains)
     ready_s = [0] * len(instance.trains)
     events: list[tuple[int, int, int, int]] = []
 
     def starts(index: int) -> None:
-        operation = instance.trains[index][at[index]]
-        had = instance.trains[index][at[index] - 1].resources if at[index] else ()
+        train, path = instance.trains[index], paths[index]
+        operation = train[path[at[index]]]
+        had = train[path[at[index] - 1]].resources if at[index] else ()
         own = {use.resource for use in had}
         waits_s = (free_s[use.resource] for use in operation.resources if use.resource not in own)
         start_s = max(ready_s[index], operation.start_lb, *waits_s, 0)
         kept = {use.resource for use in operation.resources}
         free_s.update(dict.fromkeys(own - kept, start_s))
-        events.append((start_s, len(events), index, at[index]))
+        events.append((start_s, len(events), index, path[at[index]]))
         ready_s[index] = start_s + operation.min_duration
         at[index] += 1
 
@@ -156,54 +245,102 @@ def _played(instance: Instance, order: Sequence[int]) -> Solution:
 
 def _instance(trains: Sequence[OrderTrain], cost_max: int | None) -> Instance:
     """The problem of these trains. `cost_max`: what a known order costs, so that no train need be so late alone."""
-    delays = tuple(delay for index, train in enumerate(trains) for delay in _delays(index, train))
+    courses = [_course(train) for train in trains]
+    delays = tuple(
+        OperationDelay("op_delay", index, stand, threshold=max(0, move.due_s), coeff=1)
+        for index, (train, course) in enumerate(zip(trains, courses, strict=True))
+        for move, stands in zip(train.moves, course.stands, strict=True)
+        for stand in (stands if move.counts else ())
+    )
     latest: list[dict[int, int]] = [{} for _ in trains]
     for delay in delays if cost_max is not None else ():
         latest[delay.train][delay.operation] = delay.threshold + (cost_max or 0)
-    return Instance(tuple(map(_operations, trains, latest)), delays)
+    return Instance(tuple(c.operations(late) for c, late in zip(courses, latest, strict=True)), delays)
 
 
-def _runs(train: OrderTrain) -> range:
-    """The operations that are moves."""
-    return range(2, 2 + 2 * len(train.moves), 2)
+@dataclass(frozen=True, slots=True)
+class _Operation:
+    """What a train does at a place of its way, of all that it can do there (`place`)."""
+
+    place: int
+    lasts_s: int
+    earliest_s: int
+    sections: tuple[int, ...]
 
 
-def _operations(train: OrderTrain, latest_s: dict[int, int]) -> Train:
-    held = tuple(dict.fromkeys((*train.holds, *train.keeps)))
-    done = [(train.comes_s, 0, held), (train.ready_s, 0, train.keeps)]
-    keeps = train.keeps
-    for move in train.moves:
-        done += [
-            (move.runs_s, move.departs_s, tuple(dict.fromkeys((*keeps, *move.needs)))),
-            (move.stays_s, 0, move.keeps),
-        ]
-        keeps = move.keeps
-    until_s: int | None = None
-    operations: list[TrainOperation] = []
-    for place in range(len(done) - 1, -1, -1):
-        lasts_s, earliest_s, sections = done[place]
-        ends = [
-            s for s in (None if until_s is None else until_s - lasts_s, latest_s.get(place)) if s is not None
-        ]
-        until_s = min(ends, default=None)
-        operations.append(
-            TrainOperation(
-                lasts_s,
-                (place + 1,) if place + 1 < len(done) else (),
-                tuple(ResourceUsage(str(section)) for section in sections),
-                start_lb=earliest_s,
-                start_ub=until_s if place else 0,
+@dataclass(slots=True)
+class _Course:
+    """A train as operations: it comes, it stands, it runs, it stands. `runs`: those that are moves, each with its way;
+    `stands`: for each move those where it ends; `then`: what can follow each.
+    """
+
+    did: list[_Operation]
+    then: list[list[int]]
+    runs: dict[int, OrderWay]
+    stands: list[list[int]]
+
+    def path(self, ways: Sequence[OrderWay]) -> list[int]:
+        """The operations of a train that goes these ways."""
+        path = [0, 1]
+        for way in ways:
+            run = next(i for i in self.then[path[-1]] if self.runs[i] is way or self.runs[i] == way)
+            path += [run, self.then[run][0]]
+        return path
+
+    def operations(self, latest_s: dict[int, int]) -> Train:
+        """As an instance has them, each no later than it may be for those after it."""
+        until_s: list[int | None] = [None] * len(self.did)
+        for i in range(len(self.did) - 1, -1, -1):
+            after = [until_s[j] for j in self.then[i]]
+            ends = (
+                [max(s for s in after if s is not None) - self.did[i].lasts_s]
+                if after and None not in after
+                else []
             )
+            until_s[i] = min([*ends, *([latest_s[i]] if i in latest_s else [])], default=None)
+        return tuple(
+            TrainOperation(
+                each.lasts_s,
+                tuple(self.then[i]),
+                tuple(ResourceUsage(str(section)) for section in each.sections),
+                start_lb=each.earliest_s,
+                start_ub=until_s[i] if i else 0,
+            )
+            for i, each in enumerate(self.did)
         )
-    return tuple(reversed(operations))
 
 
-def _delays(index: int, train: OrderTrain) -> list[OperationDelay]:
-    return [
-        OperationDelay("op_delay", index, place + 1, threshold=max(0, move.due_s), coeff=1)
-        for place, move in zip(_runs(train), train.moves, strict=True)
-        if move.counts
-    ]
+def _course(train: OrderTrain) -> _Course:
+    """The operations of a train: while it runs it has what it needs and the place that it leaves."""
+    held = tuple(dict.fromkeys((*train.holds, *train.keeps)))
+    did = [_Operation(0, train.comes_s, 0, held), _Operation(1, train.ready_s, 0, train.keeps)]
+    course = _Course(did, [[1], []], {}, [])
+    at = {ANYWHERE: 1}
+    for move in train.moves:
+        place, comes_to, stands = did[-1].place, dict[int, int](), list[int]()
+        leads_on = [
+            way for way in move_ways(move) if way.here in at or ANYWHERE in at or way.here == ANYWHERE
+        ]
+        first = len(did)
+        for way in leads_on:
+            stood = [i for here, i in at.items() if ANYWHERE in {here, way.here} or here == way.here]
+            for i in stood:
+                course.runs[len(did)] = way
+                course.then[i].append(len(did))
+                sections = tuple(dict.fromkeys((*did[i].sections, *way.needs)))
+                did.append(_Operation(place + 1, move.runs_s, move.departs_s, sections))
+                course.then.append([])
+        for i in range(first, len(did)):
+            way = course.runs[i]
+            if _end(way) not in comes_to:
+                comes_to[_end(way)] = len(did)
+                stands.append(len(did))
+                did.append(_Operation(place + 2, move.stays_s, 0, way.keeps))
+                course.then.append([])
+            course.then[i].append(comes_to[_end(way)])
+        course.stands.append(stands)
+        at = comes_to
+    return course
 
 
 def serve() -> None:

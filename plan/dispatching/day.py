@@ -7,7 +7,7 @@ the place where it begins (it runs through) claims it there at the soonest.
 
 Late are trains that come late to their portal, passengers who take longer and doors that do not close, as drawn for the
 scenario's seed; failures and dead zones are no part of it. Times are whole seconds after midnight. A train costs what
-it comes later to its last stop than printed.
+it comes later to its last stop than printed. What a halt takes longer is time on the way.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from simulation.late.settings import Late
 from simulation.late_day import DrawnStay, late_day
 from simulation.setup import Setup
 from study.capacity.legs import SetLeg, follows_on, legs_of, places_of, stand_of
+from study.capacity.occupation import OccupationPart
 from study.capacity.rules import AS_UNITS, Rules
 from study.capacity.theory import occupations
 from study.feasibility.planned import planned_day
@@ -34,6 +35,7 @@ from study.runner.journeys import journeys_of
 ON_TIME: Final = DrawnStay()
 FAST: Final = Rules(unslowed=True)
 CLAIMS_COUNT = True  # a way is claimed before the departure; for tests alone
+HALTS_COUNT = True  # off: what is drawn for a halt costs no time
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +92,7 @@ class _LateTrains:
         self.dwell_min_s: Final = setup.unit.dwell_min_s
         self._trains = setup.timetable.trains
         self._stays = late_day(setup).stays
+        self._halts = {station.id for station in setup.line.stations.values() if station.is_halt}
         self._station = {section.id: section.station_id or "" for section in setup.line.sections.values()}
         self._entry_s = {
             number: entry_late_s(setup.late, setup.seed, setup.today, train)
@@ -103,6 +106,21 @@ class _LateTrains:
     def stay(self, number: str, section_id: str) -> DrawnStay:
         """What passengers and doors of a train take longer at a place."""
         return self._stays.get((number, self._station[section_id]), ON_TIME)
+
+    def halts(self, leg: SetLeg) -> list[tuple[float, float]]:
+        """When a leg's train leaves each halt on its way, s, and what passengers and doors take longer there."""
+        calls = self._trains[leg.number].calls
+        order = {call.station_id: at for at, call in enumerate(calls)}
+        first = -1 if leg.start is None else order.get(self._station[leg.start.section_id], -1)
+        last = order.get(self._station[leg.occupations[-1].section_id], len(calls))
+        drawn = [
+            self._stays.get((leg.number, call.station_id), ON_TIME)
+            for call in calls[first + 1 : last]
+            if call.stops and call.station_id in self._halts
+        ]
+        way = (one for one in leg.occupations if one is not leg.end)
+        dwells = (s.end_s for one in way for s in one.slices if s.part is OccupationPart.DWELL)
+        return [(at_s, stay.people_s + stay.doors_s) for at_s, stay in zip(dwells, drawn, strict=False)]
 
     def ends_at(self, number: str, section_id: str) -> bool:
         """Whether a train's last stop is there; it may go on to its portal."""
@@ -171,12 +189,14 @@ class _SetOperations:
         drawn = self._day.stay(leg.number, place.section_id) if place is not None else ON_TIME
         earliest_s = planned_s + drawn.doors_s + late_s
         self.departs.append(len(self._pieces))
+        longer = self._day.halts(leg) if HALTS_COUNT else []
         for one_s, other_s in list(pairwise(sorted(times))) or [(0.0, 0.0)]:
             sections = {s: 0.0 for s, begin, end in held if max(begin, begins_s) <= one_s < end}
             if other_s == arrives_s:
                 after = ((s, end - arrives_s) for s, _, end in held if s in sections and math.isfinite(end))
                 sections |= {s: max(0.0, left_s) for s, left_s in after}
-            self._pieces.append(_OperationDraft(other_s - one_s, sections))
+            halts_s = sum(stays_s for at_s, stays_s in longer if one_s < at_s - from_s <= other_s)
+            self._pieces.append(_OperationDraft(other_s - one_s + halts_s, sections))
         self._pieces[self.departs[-1]].earliest_s = earliest_s + begins_s
 
     def train(self) -> Train:

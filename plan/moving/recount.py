@@ -56,6 +56,8 @@ class Recount:
         """ValueError where anything is not as it says."""
         if (proof.tick_s, proof.legs) != (self._tick_s, self.names):
             raise ValueError("it is of other legs")
+        if all(one.to_ticks is not None and one.to_ticks < max(one.from_ticks, 1) for one in proof.excluded):
+            raise ValueError("it excludes no interval")
         for one in proof.excluded:
             claims = one.from_ticks, math.inf if one.to_ticks is None else one.to_ticks
             if claims != (shown := self._excluded(one.because, ())):

@@ -30,9 +30,6 @@ class SumoCarrier:
         self._sumo.start([*sumo_command(net), "--begin", f"{begin_s:.1f}"])
         self._collisions: dict[tuple[str, str], str] = {}
         self._lengths_m: dict[str, float] = {}
-        self._set_speed = self._sumo.vehicle.setSpeed
-        self._step = self._sumo.step
-        self._colliding = self._sumo.simulation.getCollidingVehiclesNumber
         self._routes = 0
         self._step_s = float(self._sumo.simulation.getDeltaT())
         self._reversing: list[tuple[str, str, float]] = []
@@ -78,7 +75,7 @@ class SumoCarrier:
 
     def _run_steps(self, columns: Sequence[tuple[str, Sequence[float]]], first: int, last: int) -> int:
         """Execute rows `first` to `last` - 1; returns the number of steps after which a collision was seen, or 0."""
-        set_speed, step, colliding = self._set_speed, self._step, self._colliding
+        set_speed, step, colliding = self._sumo.set_speed, self._sumo.step, self._sumo.colliding
         if not columns:
             if last > first and not self._judged:
                 step()

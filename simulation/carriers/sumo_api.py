@@ -32,6 +32,8 @@ class SumoApi:
 
     start: Callable[[Sequence[str]], object]
     step: Callable[..., object]
+    set_speed: Callable[[str, float], object]
+    colliding: Callable[[], int]
     close: Callable[[], None]
     simulation: type[libsumo.simulation]
     lane: type[libsumo.lane]
@@ -41,12 +43,15 @@ class SumoApi:
 
 
 def in_process() -> SumoApi:
-    """SUMO as a library, without a window."""
+    """SUMO as a library, without a window; what every step calls without libsumo's layer of Python over it."""
     import libsumo
+    from libsumo import _libsumo
 
     return SumoApi(
         libsumo.start,
-        libsumo.simulationStep,
+        _libsumo.simulation_step,
+        _libsumo.vehicle_setSpeed,
+        _libsumo.simulation_getCollidingVehiclesNumber,
         libsumo.close,
         libsumo.simulation,
         libsumo.lane,
@@ -90,6 +95,8 @@ def in_window(window: GuiWindow) -> SumoApi:
     return SumoApi(
         start,
         api.simulationStep,
+        api.vehicle.setSpeed,
+        api.simulation.getCollidingVehiclesNumber,
         api.close,
         api.simulation,
         api.lane,

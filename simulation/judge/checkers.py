@@ -39,6 +39,7 @@ from simulation.events import (
     Unsafe,
 )
 from simulation.judge.body import RESOLUTION_M, Body, Heights, NetTrack
+from simulation.judge.entering import EntryWatch, TrackOverlap
 from simulation.judge.liveness import LivenessWatch, TrainAndDisplay
 from simulation.judge.locking import GuaranteedBrake, RouteLocking
 from simulation.judge.log import Checker, Log, Violation
@@ -61,6 +62,7 @@ class Checkers:
         brakes: Mapping[str, GuaranteedBrake],
         heights: Heights,
         design_share: float,
+        overlaps: Mapping[str, TrackOverlap],
     ) -> None:
         self._log = Log()
         self._track = NetTrack(net, heights)
@@ -69,6 +71,7 @@ class Checkers:
         self._points = PointsWatch(points, self._log)
         self._register = RegisterWatch(self._log)
         self._liveness = LivenessWatch(self._log)
+        self._entries = EntryWatch(net, overlaps, {facts.section_id for facts in points.values()}, self._log)
         self._unit_ids = tuple(unit_ids)  # registered on the line, whatever the manager says of them
         self._bodies: dict[str, Body] = {}
         self._occupants: dict[str, set[str]] = {}
@@ -152,6 +155,7 @@ class Checkers:
             self._settle(t_s, body, edge_id, lane_position_m)
         if speed_mps == 0.0:
             self._rail.train_stood(unit_id)
+            self._entries.stands(body)
         for points_id in self._locking.observe(body):
             self._lock_failed(t_s, unit_id, points_id, "did not brake as it is guaranteed to")
 
@@ -210,6 +214,8 @@ class Checkers:
             self._points.check(t_s, body)
             for points_id in on_points - self._points.points_under(body):
                 self._locking.is_clear_of(body, points_id)
+        if self._entries.watches and body.pieces != pieces:
+            self._entries.moved(t_s, body, self._bodies.values())
         if body.sections != sections:
             self._check_alone(t_s, body, sections)
         self._check_held(t_s, body)

@@ -26,6 +26,7 @@ class Checker(StrEnum):
     TOKENS_GROW = "tokens-grow"
     NO_JUMP = "no-jump"
     NO_DEAD_STATE = "no-dead-state"
+    ONE_COMES_IN = "one-comes-in"
 
 
 @dataclass(frozen=True, slots=True)

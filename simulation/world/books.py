@@ -40,6 +40,17 @@ class Books:
 
     def begin_train(self, slot: int, duty: Duty, step: int) -> None:
         """A stock has taken up a train: its trace begins, and its stop at the first station."""
+        self.follow(slot, duty, step)
+        self._energy.begin(slot, duty, step)
+        self._at[slot] = 0
+        self._called.pop(slot, None)
+        first = duty.mission.targets[0]
+        if first.station_id is not None:
+            self._open_stop[slot] = self._record(slot, duty, 0)
+            self.stands(slot, 0, step / STEPS_PER_S)
+
+    def follow(self, slot: int, duty: Duty, step: int) -> None:
+        """A train goes by this way from now on."""
         path = duty.mission.path
         starts_m = tuple(step.start_m for step in path.steps)
         entries_m = tuple(step.entry_m for step in path.steps)
@@ -49,13 +60,6 @@ class Books:
             slot, step, duty.train.number, direction, starts_m, path.piece_ids, entries_m, load_share
         )
         self.spans.append(span)
-        self._energy.begin(slot, duty, step)
-        self._at[slot] = 0
-        self._called.pop(slot, None)
-        first = duty.mission.targets[0]
-        if first.station_id is not None:
-            self._open_stop[slot] = self._record(slot, duty, 0)
-            self.stands(slot, 0, step / STEPS_PER_S)
 
     def next_target(self, slot: int) -> int:
         """Index of the first target at which the train has not called yet; one too many where it has at all."""

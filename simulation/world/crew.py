@@ -174,7 +174,7 @@ class Crew:
         note = seen(points_id=needed.points_id, lies=machine.position)
         self._journal.write(now_s, self._trains.stock_ids[slot], note)
         if right:
-            return [PointsSeen(needed)]
+            return [PointsSeen(needed, under=start_m <= front_m)]
         return [PointsWrong(needed)] if start_m > front_m else []  # never under the train
 
     def watches(self, slot: int) -> bool:

@@ -20,7 +20,16 @@ from onboard.driving.tuning import Learned
 from onboard.driving.tuning import StopDecelerations as StopWaves
 from onboard.duty.mission import Mission
 from onboard.duty.plan import DutyPlan, plan_of
-from onboard.duty.records import AtMark, Begin, ChangeEnds, DrivingCommand, Person, Sensed, SwitchedOn
+from onboard.duty.records import (
+    AtMark,
+    Begin,
+    ChangeEnds,
+    DrivingCommand,
+    Person,
+    Sensed,
+    SwitchedOn,
+    TakeUpWay,
+)
 from onboard.motion import UnitMotion
 from onboard.notes import Note
 from onboard.records import PathData
@@ -154,6 +163,16 @@ class OnBoard:
             return [ChangeEnds(), begin]
         motion.go_on(mission, path)
         return [begin]
+
+    def take_up_way(self, slot: int, duty: Duty) -> list[Person]:
+        """The driver takes up another way of the same train; what the unit is told of it."""
+        self._plans.pop((duty.mission.number, slot), None)
+        self._motions[slot].go_on(duty.mission, self._path(slot, duty.mission))
+        return [TakeUpWay(self._plan(slot, duty.mission))]
+
+    def forget_plan(self, slot: int, duty: Duty) -> None:
+        """A train to come has another way than was drawn up."""
+        self._plans.pop((duty.mission.number, slot), None)
 
     def tag_read(self, slot: int, tag_id: int, odometer_m: float) -> list[Sensed]:
         """The reader read a tag."""

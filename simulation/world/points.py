@@ -12,6 +12,7 @@ from host.store import NotCommissioned
 from network.model import Line, Position
 from radio.air import Air
 from radio.envelope import header_of, noted_terms
+from radio.messages import RouteRequest
 from radio.noted import Lost, LostWhere, Sent
 from simulation.agenda import Agenda, AgendaKind
 from simulation.clock import Clock
@@ -103,9 +104,12 @@ class WaysideWorld:
         covered = self._covered(unit_id)
         deliveries = self._air.transmit(step, source, destination, data, covered)
         deliveries = disturbed(self._in_force, source, destination, deliveries)
-        whole = not self.cable.severed or self.cable.carries(self._place_m(unit_id), device_id)
-        deliveries = deliveries if whole else ()
         terms = noted_terms(header_of(data))
+        whole = not self.cable.severed or self.cable.carries(self._place_m(unit_id), device_id)
+        if not whole:
+            asks_route = terms["kind"] == RouteRequest.__name__
+            whole = self.cable.worked_locally(step / STEPS_PER_S, unit_id, asks_route=asks_route)
+        deliveries = deliveries if whole else ()
         count = self.telegrams[source, destination, terms["kind"] or "?"]
         count["sent"] += 1
         count["bytes"] += len(data)

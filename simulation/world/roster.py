@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 
+from network.graph import routes_from
 from network.model import Line, SectionKind, TagPurpose
 from network.timetable import AtPortal, Stabled, Timetable, TimetableTrain
-from onboard.duty.mission import Mission, plan_mission
+from onboard.duty.mission import Mission, NoWay, on_tracks, plan_mission
 from simulation.late.entry import entry_late_s
 from simulation.setup import Setup
 
@@ -86,6 +87,41 @@ def _duty(
     mission = plan_mission(line, train, start, leave_by, enter_mark_m)
     enter_s = train.calls[0].first_s - portal_lead_s if enters else train.calls[0].first_s
     return Duty(stock_id, train, mission, enters, enter_s, leaves=leave_by is not None, becomes=None)
+
+
+def by_route(line: Line, duty: Duty, route_id: str, instead: str, length_m: float) -> Duty:
+    """The same duty with another route for one of its own, to another track of that station. NoWay if there is none."""
+    mission = duty.mission
+    at = next((i for i, route in enumerate(mission.routes) if route.id == route_id), None)
+    if at is None:
+        raise NoWay(f"train {duty.train.number} has no route {route_id}")
+    old = mission.routes[at]
+    new = next((r for r in routes_from(line, old.from_section, old.direction) if r.id == instead), None)
+    station_id = line.sections[old.to_section].station_id
+    track = None if new is None else line.sections[new.to_section].track
+    if new is None or track is None or station_id is None:
+        raise NoWay(f"train {duty.train.number} has no way by {instead}")
+    changed = on_tracks(duty.train, mission.tracks | {station_id: track})
+    found = _by_tracks(line, duty, changed, mission.spans[0].section_id, length_m)
+    if [r.id for r in found.mission.routes[: at + 1]] != [*(r.id for r in mission.routes[:at]), instead]:
+        raise NoWay(f"train {duty.train.number} does not come by {instead} where it is to go")
+    return found
+
+
+def from_section(line: Line, duty: Duty, start: str, length_m: float) -> Duty:
+    """The same duty from another track of its first station. NoWay where it has no way from there."""
+    first, track = duty.train.calls[0].station_id, line.sections[start].track
+    if track is None or line.sections[start].station_id != first:
+        raise NoWay(f"train {duty.train.number} does not begin at {start}")
+    return _by_tracks(
+        line, duty, on_tracks(duty.train, duty.mission.tracks | {first: track}), start, length_m
+    )
+
+
+def _by_tracks(line: Line, duty: Duty, train: TimetableTrain, start: str, length_m: float) -> Duty:
+    leave_by = train.ends.section_id if isinstance(train.ends, AtPortal) else None
+    enter_mark_m = portal_mark_m(line, train, start, length_m) if duty.enters else None
+    return replace(duty, train=train, mission=plan_mission(line, train, start, leave_by, enter_mark_m))
 
 
 def first_section(line: Line, train: TimetableTrain) -> str:

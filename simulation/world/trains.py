@@ -249,6 +249,16 @@ class Trains:
         first = pieces.index(path.step_at(float(truth.position_m)).piece_id)
         self.carrier.reroute(self.stock_ids[slot], pieces[first:], path.direction)
 
+    def go_by(self, slot: int, duty: Duty) -> None:
+        """Go on as the same train by another way, the same as far as the train is."""
+        self.duties[slot] = duty
+        path, position_m = self._onward(duty.mission.path), float(self.truths[slot].position_m)
+        self.paths[slot] = path
+        self._use_rows(slot, self.rows_of(slot, path), position_m)
+        self.set_boundaries(slot)
+        first = path.piece_ids.index(path.step_at(position_m).piece_id)
+        self.carrier.reroute(self.stock_ids[slot], path.piece_ids[first:], path.direction)
+
     def stands_in(self, section_id: str) -> bool:
         """Whether any train truly stands in a section, wholly or in part."""
         return any(self._is_in(slot, section_id) for slot in self.active())
@@ -269,15 +279,14 @@ class Trains:
 
     def train_ahead_m(self, slot: int) -> float:
         """Where on its path (m) the nearest part of another train is, ahead of this one; infinite if none."""
-        path, front_m, nearest_m = self.true_path(slot), float(self.truths[slot].position_m), math.inf
-        mine = set(path.piece_ids)
+        path, front_m, nearest_m = self.true_path(slot), float(self._position_m[slot]), math.inf
         for other in self.active():
             if other == slot:
                 continue
-            to_m = float(self.truths[other].position_m)
+            to_m = float(self._position_m[other])
             from_m = to_m - float(self.bodies[other].length_m)
             for step in self.true_path(other).steps:
-                if step.piece_id not in mine or step.end_m <= from_m or step.start_m >= to_m:
+                if step.end_m <= from_m or step.start_m >= to_m or step.piece_id not in path:
                     continue
                 ends_m = (max(from_m, step.start_m), min(to_m, step.end_m))
                 there_m = [path.to_path_m(step.piece_id, step.kilometrage_m(end_m)) for end_m in ends_m]

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from itertools import zip_longest
 
 import numpy as np
+from numpy.typing import NDArray
 
 from network.model import Line
 from network.path import Path
@@ -94,12 +95,17 @@ def _runs_of(
 
 def ground_of(line: Line, path: Path, train: TrainRow, behaviour: BehaviourRow) -> Ground:
     """A unit's path database of a path: what its predictions need of it."""
+    rows = path_database(line, path, train, behaviour)
+    return Ground(np.ascontiguousarray(rows["climb_m"]), np.ascontiguousarray(rows["driving_mps"]))
+
+
+def path_database(line: Line, path: Path, train: TrainRow, behaviour: BehaviourRow) -> NDArray[np.void]:
+    """A unit's path database of a path: rows of PATTERN by the metre, shape (n,)."""
     profile = profile_of(line, path)
-    rows = pattern_of(
+    return pattern_of(
         np.ascontiguousarray(profile["elevation_m"]),
         np.ascontiguousarray(profile["turn_rad"]),
         np.ascontiguousarray(profile["limit_mps"]),
         train,
         behaviour,
     )
-    return Ground(np.ascontiguousarray(rows["climb_m"]), np.ascontiguousarray(rows["driving_mps"]))

@@ -9,13 +9,16 @@ the way.
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from network.model import SectionKind, TagPurpose
 from onboard.duty.duty_step import ReleaseRule
+from onboard.duty.mission import Mission
 from onboard.unit_records import UnitParameters
 from simulation.world.crew import LOOKS_AGAIN_S
 from study.capacity.journey import TrainJourney
@@ -57,17 +60,21 @@ class Clearing:
 
     def bound_m(self, journey: TrainJourney, front_m: float) -> float:
         """By how much the front may be off at a path coordinate, m either way."""
-        known_m = _known_m(journey)
-        counts = bisect_right(known_m, front_m) - 1 - self.unit.tags_wrong_together
-        since_m = max(front_m - known_m[max(counts, 0)], 0.0)
-        return self.unit.tag_accuracy_m + self.pulse_m + self.growth * since_m
+        return float(self.bounds_m(journey.mission, np.array([front_m]))[0])
+
+    def bounds_m(self, mission: Mission, fronts_m: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The same on a mission, at many path coordinates."""
+        known_m = np.array(_known_m(mission))
+        counts = np.searchsorted(known_m, fronts_m, side="right") - 1 - self.unit.tags_wrong_together
+        since_m = np.maximum(fronts_m - known_m[np.maximum(counts, 0)], 0.0)
+        return np.asarray(self.unit.tag_accuracy_m + self.pulse_m + self.growth * since_m)
 
     def clear_at_m(self, journey: TrainJourney, end_m: float, from_m: float, doubt: float) -> float:
         """Where the front is when the safe rear first is beyond `end_m`, from `from_m` on, m; infinite: nowhere.
 
         `doubt`: share of the way since the last tag that the odometer may have shown too much, for a release on it.
         """
-        known_m = _known_m(journey)
+        known_m = _known_m(journey.mission)
         for last_m, next_m in zip(known_m, (*known_m[1:], math.inf), strict=True):
             begin_m = max(from_m, last_m)
             if begin_m >= next_m:
@@ -90,11 +97,12 @@ class Clearing:
 
     def _reported_s(self, journey: TrainJourney, frees: tuple[ReleaseMoment, ...], span: int) -> float:
         end_m = journey.mission.spans[span].end_m
+        kept_s = _kept_until_s(journey, span)
         if self.by_section:
-            return journey.at_s(self.clear_at_m(journey, end_m, 0.0, 0.0))
+            return max(journey.at_s(self.clear_at_m(journey, end_m, 0.0, 0.0)), kept_s)
         found_s = math.inf
         for each in frees:
-            if each.spans <= span:
+            if each.spans <= span or each.t_s < kept_s:
                 continue
             if not each.stands:
                 at_m = self.clear_at_m(journey, end_m, each.at_m, self.unit.doubt_error_share)
@@ -124,7 +132,15 @@ class Clearing:
                 yield ReleaseMoment(stay.arrives_s, mark_m, min(proved, stop.clear), stands=True)
 
 
-def _known_m(journey: TrainJourney) -> list[float]:
-    """Where the position became known: where the journey begins, and at each tag, m."""
-    start_m = journey.mission.targets[0].mark_m
-    return [start_m, *(tag.position_m for tag in journey.mission.tags if tag.position_m > start_m)]
+def _kept_until_s(journey: TrainJourney, span: int) -> float:
+    """When a train stands behind arrival points that it keeps until then (`onboard.duty.entering`), s."""
+    section_id, plan = journey.plan.spans[span].section_id, journey.plan
+    leg = next((leg for leg in plan.legs if section_id in leg.entry), None)
+    ends = {i for i, at in enumerate(plan.spans) if leg is not None and at.section_id == leg.section_ids[-1]}
+    return next((s.arrives_s for s in journey.stays if plan.stops[s.target].span in ends), -math.inf)
+
+
+def _known_m(mission: Mission) -> list[float]:
+    """Where the position becomes known: where a mission begins, and at each tag, m."""
+    start_m = mission.targets[0].mark_m
+    return [start_m, *(tag.position_m for tag in mission.tags if tag.position_m > start_m)]

@@ -8,16 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from onboard.driving.ahead import kept_along_mps
 from onboard.driving.room import Room
+from onboard.driving.stop_keeper import soft_end_s
 from onboard.duty.mission import Mission, Passing, Target
 from onboard.duty.plan import plan_of
 from onboard.duty.timekeeping import cruise_for
-from onboard.reach import Ground
 from onboard.records import BehaviourRow
 from onboard.unit_records import UnitParameters
 from simulation.people import Pause
 from simulation.setup import Setup, behaviour_row
-from simulation.world.ways import ground_of
+from simulation.world.ways import path_database
 from study.capacity.clearing import Clearing
 from study.capacity.journey import JourneyStay, TrainJourney
 from study.capacity.links import Links
@@ -29,8 +30,22 @@ from vehicle.running_time import predicted_course
 from vehicle.starting import Start, start_of
 from vehicle.wheel import pulse_m
 
+SOFT_END_COUNTS = True  # off: a stop is braked evenly until the train stands
+BOUNDS_COUNT = True  # off: a limit that falls is met where it does, wherever the train may be
 STEP_S = 0.1
 HOP_LEAST_M = 0.05  # two marks nearer than this are one
+
+
+@dataclass(frozen=True, slots=True)
+class DrivenGround:
+    """A mission by the metre: climb, m; the speed by which its unit reckons in time, and that which it keeps, m/s.
+
+    The second one knows that a train brakes for a lower limit where its front may be at the furthest.
+    """
+
+    climb_m: NDArray[np.float64]
+    driving_mps: NDArray[np.float64]
+    kept_mps: NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +64,7 @@ class StockDriving:
     clearing: Clearing
     room: Room
     start: Start
-    grounds: dict[tuple[str, ...], Ground]
+    grounds: dict[tuple[str, ...], DrivenGround]
     known: dict[tuple[object, ...], NDArray[np.float64]]
 
     @property
@@ -149,7 +164,7 @@ class StockDriving:
         """A hop from time 0 on; `dues_s`: when it aims to be at the stations that it passes, and at its stop."""
         here, there = mission.targets[at - 1], mission.targets[at]
         ground, slows = self._ground(mission), float(self.behaviour.settings.stop_deceleration_mps2)
-        way = self.train, self.setup.load.load_share_mean, ground.climb_m, ground.driving_mps
+        stock = self.train, self.setup.load.load_share_mean, ground.climb_m
         asked_s, at_s, position_m, speed_mps = 0.0, self.start.delay_s, here.mark_m, 0.0
         rows = [np.array([[0.0, position_m, 0.0], [at_s, position_m, 0.0]])]
         for passing, due_s in zip((*there.passings, None), dues_s, strict=True):
@@ -157,12 +172,17 @@ class StockDriving:
             cruise_mps = math.inf
             if due_s is not None:
                 within_s = due_s - asked_s
-                cruise_mps = cruise_for(*way, position_m, there.mark_m, within_s, slows, speed_mps, until_m)
+                cruise_mps = cruise_for(
+                    *stock, ground.driving_mps, position_m, there.mark_m, within_s, slows, speed_mps, until_m
+                )
             ends = position_m, there.mark_m, cruise_mps, slows
-            part: NDArray[np.float64] = predicted_course(*way, *ends, STEP_S, speed_mps, until_m)
+            part: NDArray[np.float64] = predicted_course(
+                *stock, ground.kept_mps, *ends, STEP_S, speed_mps, until_m
+            )
             rows.append(part[1:] + np.array([at_s, 0.0, 0.0]))
             at_s, position_m, speed_mps = at_s + float(part[-1, 0]), float(part[-1, 1]), float(part[-1, 2])
             asked_s = at_s
+        rows[-1][-1, 0] += soft_end_s(slows) if SOFT_END_COUNTS else 0.0
         return np.vstack(rows)
 
     def _due_s(self, there: Target, passing: Passing | None) -> float | None:
@@ -174,11 +194,14 @@ class StockDriving:
         latest_s = None if there.arrival_s is None else there.latest_arrival_s(self.unit.dwell_min_s)
         return None if latest_s is None else latest_s - self.unit.time_margin_s
 
-    def _ground(self, mission: Mission) -> Ground:
-        key = mission.path.piece_ids
+    def _ground(self, mission: Mission) -> DrivenGround:
+        key = (*mission.path.piece_ids, str(mission.targets[0].mark_m))
         if key not in self.grounds:
-            line = self.setup.believed_line
-            self.grounds[key] = ground_of(line, mission.path, self.train, self.behaviour)
+            rows = path_database(self.setup.believed_line, mission.path, self.train, self.behaviour)
+            climb_m, driving_mps = (np.ascontiguousarray(rows[name]) for name in ("climb_m", "driving_mps"))
+            bounds_m = self.clearing.bounds_m(mission, np.arange(rows.size, dtype=np.float64))
+            kept_mps = kept_along_mps(rows, self.behaviour, bounds_m) if BOUNDS_COUNT else driving_mps
+            self.grounds[key] = DrivenGround(climb_m, driving_mps, kept_mps)
         return self.grounds[key]
 
 

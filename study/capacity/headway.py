@@ -9,7 +9,9 @@ there: its way in counts too, with the shortest stand. The kinds have the names 
 - the way open (開通): same direction from another track, departure (or passing) to departure;
 - closing up (追い込み): same direction onto another track, arrival to arrival (or passing);
 - arrival to departure (着発): the one comes, the other leaves into where it came from;
-- departure to arrival (発着): the one leaves, the other comes, onto its track or over the way that it took.
+- departure to arrival (発着): the one leaves, the other comes, onto its track or over the way that it took;
+- coming in against each other (不同時進入): onto two tracks, arrival to arrival, where one must
+  stand before the other comes in.
 """
 
 from __future__ import annotations
@@ -35,6 +37,7 @@ class HeadwayKind(StrEnum):
     CLOSING_UP = "追い込み"
     ARRIVAL_DEPARTURE = "着発"
     DEPARTURE_ARRIVAL = "発着"
+    COMING_IN = "不同時進入"
 
     @property
     def english(self) -> str:
@@ -53,6 +56,7 @@ _ENGLISH: Final[Mapping[HeadwayKind, str]] = {
     HeadwayKind.CLOSING_UP: "closing up",
     HeadwayKind.ARRIVAL_DEPARTURE: "arrival to departure",
     HeadwayKind.DEPARTURE_ARRIVAL: "departure to arrival",
+    HeadwayKind.COMING_IN: "coming in against each other",
 }
 NEAR: Final = 8  # trains: who is further from another is not held up by it
 _BETWEEN: Mapping[HeadwayKind, str] = {
@@ -61,6 +65,7 @@ _BETWEEN: Mapping[HeadwayKind, str] = {
     HeadwayKind.CLOSING_UP: "arrival to arrival",
     HeadwayKind.ARRIVAL_DEPARTURE: "arrival to departure",
     HeadwayKind.DEPARTURE_ARRIVAL: "departure to arrival",
+    HeadwayKind.COMING_IN: "arrival to arrival",
 }
 
 
@@ -198,6 +203,12 @@ def _events(first: StationVisit, second: StationVisit) -> Iterator[tuple[Headway
         yield (HeadwayKind.FOLLOWING if same_track else HeadwayKind.OPEN), one[1], other[1]
     if same_way and one[0] is not None and other[0] is not None and one[0].track_id != other[0].track_id:
         yield HeadwayKind.CLOSING_UP, one[0], other[0]
+    if not same_way and one[0] is not None and other[0] is not None and one[0].track_id != other[0].track_id:
+        overlaps = [
+            {o.section_id for o in event.leg.occupations if o.is_overlap} for event in (one[0], other[0])
+        ]
+        if overlaps[0] & overlaps[1]:
+            yield HeadwayKind.COMING_IN, one[0], other[0]
     # Who leaves stood there when the other came: on another track.
     if not same_way and one[0] is not None and other[1] is not None and one[0].track_id != other[1].track_id:
         yield HeadwayKind.ARRIVAL_DEPARTURE, one[0], other[1]

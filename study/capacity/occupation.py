@@ -15,6 +15,7 @@ from itertools import pairwise
 from types import MappingProxyType
 from typing import Final
 
+from network.graph import overlap_id
 from network.model import Direction
 
 TOUCH_S: Final = 1e-6  # instants nearer than this are one
@@ -140,6 +141,11 @@ class Occupation:
     def length_s(self) -> float:
         """How long it is."""
         return self.end_s - self.begin_s
+
+    @property
+    def is_overlap(self) -> bool:
+        """Whether it is no section, but what one train at a time may have where trains come in."""
+        return self.section_id.endswith(overlap_id(""))
 
     def of_part(self, part: OccupationPart) -> float:
         """How much of it goes into a part, s."""

@@ -101,6 +101,14 @@ class Setting:
         share = room_m[first - 1] / (room_m[first - 1] - room_m[first])
         return float(rows[first - 1, 0] + share * (rows[first, 0] - rows[first - 1, 0]))
 
+    def leave(self, journey: TrainJourney, leg: PlanLeg, set_ups: Mapping[int, SetUp]) -> SetUp:
+        """When a train asks for leave to come in by a route, and has it: before its arrival points are thrown."""
+        spans = [i for i in spans_of(journey.plan, leg) if journey.plan.spans[i].section_id in leg.entry]
+        throws_s = min(t.sent_s for i in spans for t in set_ups[i].throwing)
+        sent_s = throws_s - self.links.ask_s + self.links.request_s
+        heard_s = sent_s + self.links.delay_s
+        return SetUp(leg.route_id, throws_s - self.links.ask_s, sent_s, heard_s, heard_s + self.links.grant_s)
+
     # as units do it ---------------------------------------------------------------------------------------------------
 
     def _as_asked(
@@ -119,6 +127,8 @@ class Setting:
                     wants_s = held_s
                 elif wants_s == math.inf:
                     wants_s = self.touches_s(journey, span)
+                if needed.section_id in leg.entry:  # first it asks for leave to come in
+                    wants_s = max(wants_s, held_s) + self.links.ask_s
                 throwing.append(self._thrown(journey.number, needed.points_id, max(wants_s, held_s)))
             yield span, SetUp(leg.route_id, ask_s, sent_s, heard_s, held_s, tuple(throwing))
 

@@ -136,7 +136,7 @@ def _timed(setup: Setup, path: StandardPath) -> StandardPath:
     at_s, trains = ORIGIN_S, list[TimetableTrain]()
     for index, (train, own) in enumerate(zip(spread, planned, strict=True)):
         if index:
-            at_s += math.ceil(setup.operation.change_ends_s + setup.unit.request_lead_s)
+            at_s += math.ceil(setup.turn_s + setup.unit.request_lead_s)
         calls = _least_times(setup, train.calls, own, at_s)
         trains.append(replace(train, calls=calls))
         at_s = calls[-1].first_s

@@ -18,6 +18,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
+from network.errors import InputError
+from network.graph import overlap_id, overlaps_coming_in, overlaps_going_out
 from network.model import Position
 from onboard.reach import charger_at
 from simulation.loop import OPENING_S
@@ -56,8 +58,16 @@ class Theory:
         self.opens_s: Final = math.floor((first_s - OPENING_S) / 60.0) * 60.0
 
     def journeys(self) -> dict[str, tuple[TrainJourney, ...]]:
-        """The journeys of each stock as planned, in order. Points are set as the order of the day has them."""
+        """The journeys of each stock as planned, in order. Points are set as the order of the day has them.
+
+        Raises InputError for a train with one call.
+        """
         found = self._journeys(frozenset())
+        for journey in (journey for run in found.values() for journey in run):
+            if len(journey.stays) < 2:
+                raise InputError(
+                    self.setup.name, "timetable", journey.number, "a train with two calls or more"
+                )
         if self.rules.throws:
             return found
         return self._journeys(self._lie_right(found))
@@ -128,7 +138,7 @@ class Theory:
             for train in trains:
                 ready_s = run[-1].ends_s if run else self.opens_s
                 if run and not train.duty.enters:
-                    ready_s += self.setup.operation.change_ends_s
+                    ready_s += self.setup.turn_s
                 elif run:
                     ready_s = self.over_s(run[-1])
                 run.append(driving.journey(train, setting, ready_s))
@@ -185,7 +195,7 @@ class Theory:
                 leaves_s = rear_s = stands_s
                 safe_rear_s = reported_s = stands_s
                 freed_s = self.over_s(journey)
-            yield replace(
+            own = replace(
                 passage,
                 leaves_s=leaves_s,
                 rear_s=rear_s,
@@ -193,6 +203,31 @@ class Theory:
                 reported_s=reported_s,
                 freed_s=freed_s,
             )
+            yield own
+            if index:
+                yield from self._overlaps(journey, own, set_ups)
+
+    def _overlaps(
+        self, journey: TrainJourney, own: SectionPassage, set_ups: Mapping[int, SetUp]
+    ) -> Iterator[SectionPassage]:
+        """What is this train's alone by the rule of `wayside.entering`, once it has passed points."""
+        leg = next(leg for leg in journey.plan.legs if own.section_id in leg.section_ids)
+        route = next(r for r in journey.mission.routes if r.id == leg.route_id)
+        if overlap_id(own.section_id) in overlaps_going_out(self.setup.believed_line, route):
+            yield replace(own, section_id=overlap_id(own.section_id))
+        elif route.entry and own.section_id == route.entry[-1]:
+            enters_s = journey.at_s(journey.mission.spans[journey.mission.span_index(leg.entry[0])].start_m)
+            leave = self.setting(journey.stock_id).leave(journey, leg, set_ups)
+            came = replace(
+                own,
+                wanted_s=leave.wanted_s,
+                sent_s=leave.sent_s,
+                heard_s=leave.heard_s,
+                held_s=leave.held_s,
+                enters_s=enters_s,
+            )
+            for name in overlaps_coming_in(self.setup.believed_line, route):
+                yield replace(came, section_id=name)
 
     def _set(self, journey: TrainJourney, index: int, set_up: SetUp) -> SectionPassage:
         span = journey.mission.spans[index]
@@ -245,7 +280,7 @@ class Theory:
         self, stock_id: str, journeys: Sequence[TrainJourney], set_ups: Sequence[Mapping[int, SetUp]]
     ) -> Iterator[PassageStand]:
         """All stands of a stock, until it moves; of what goes on at once the last one noted counts."""
-        change_s, moves_s = self.setup.operation.change_ends_s, self._driving[stock_id].start.moves_s
+        change_s, moves_s = self.setup.turn_s, self._driving[stock_id].start.moves_s
         for at, journey in enumerate(journeys):
             follows = journeys[at + 1] if at + 1 < len(journeys) and not journeys[at + 1].enters else None
             first, *between, last = journey.stays

@@ -20,8 +20,9 @@ from simulation.late_day import late_day
 from simulation.loop import Simulation
 from simulation.setup import STEPS_PER_S, Setup, step_not_before
 from simulation.world.roster import drawn_up
-from study.drilling.forks import CopyDied, Forks
-from study.drilling.outcome_class import SweptRun, swept_run_of, swept_run_of_death
+from study.drilling.forks import Forks, Key
+from study.drilling.outcome_class import SweptRun, swept_run_of
+from study.drilling.swept_rows import MadeOf, SweptRows
 from study.runner.run import simulation_of
 
 NOTHING: Final = Script()
@@ -130,10 +131,11 @@ def sweep(
     jobs: int,
     progress: Progress | None = None,
     beside: Script = NOTHING,
+    rows: SweptRows | None = None,
 ) -> SweepOutcomes:
     """Run every variation at every instant of its window. InputError on a day on which something fails by itself.
 
-    What is varied happens where nothing else does, or beside a script of its own.
+    What is varied happens where nothing else does, or beside a script of its own. What `rows` have is not run again.
     """
     if late_day(setup).failures:
         expected = "no failures and dead zones: a sweep puts faults where there are none"
@@ -143,26 +145,34 @@ def sweep(
     if window.staggered:
         later = [n * p.step // len(planned) for n, p in enumerate(planned)]
         planned = [range(p.start + n, p.stop, p.step) for n, p in zip(later, planned, strict=True)]
-    courses: list[_VariationProgress] = []
-    for variation, steps in zip(variations, planned, strict=True):
-        # Trains may be late: without an end of its own a sweep goes on to where they have ended their day.
-        endless = steps if window.to_s is not None else count(steps.start, steps.step)
-        courses.append(
-            _VariationProgress(variation, endless if variation.instants is None else variation.instants)
+    # Trains may be late: without an end of its own a sweep goes on to where they have ended their day.
+    courses = [
+        _VariationProgress(
+            v,
+            (p if window.to_s is not None else count(p.start, p.step)) if v.instants is None else v.instants,
         )
+        for v, p in zip(variations, planned, strict=True)
+    ]
     total = sum(
         len(steps if variation.instants is None else variation.instants)
         for variation, steps in zip(variations, planned, strict=True)
     )
-    with simulation_of(replace(setup, script=beside)) as simulation, Forks(SweptRun, jobs) as copies:
+    rows = SweptRows(None, MadeOf(), {}) if rows is None else rows
+    asked: list[Key] = []
+    with (
+        simulation_of(replace(setup, script=beside)) as simulation,
+        Forks(SweptRun, jobs, rows.take) as copies,
+    ):
         simulation.begin()
         while any(course.open for course in courses) and not simulation.settle():
             for course in courses:
                 variation = course.variation
                 for step in course.due(simulation):
-                    copies.start((variation.name, step), partial(_end_of, simulation, variation.at(step)))
+                    asked.append((variation.name, step))
+                    if asked[-1] not in rows.taken_up:
+                        copies.start(asked[-1], partial(_end_of, simulation, variation.at(step)))
                     if progress is not None:
-                        progress(len(copies.results), total)
+                        progress(len(asked) - copies.under_way, total)
                 if window.to_s is None and all(map(simulation.has_finished, variation.stocks)):
                     course.close(simulation.step)
             simulation.advance()
@@ -172,9 +182,9 @@ def sweep(
         copies.wait()
     outcomes: dict[str, dict[int, SweptRun]] = {variation.name: {} for variation in variations}
     last_of = {course.variation.name: course.last_step for course in courses}
-    for (name, step), found in sorted(copies.results.items(), key=_key):
+    for name, step in sorted(asked):
         if step <= last_of[name]:
-            outcomes[name][step] = swept_run_of_death(found) if isinstance(found, CopyDied) else found
+            outcomes[name][step] = rows.rows[name, step].run
     return SweepOutcomes(every_step, outcomes)
 
 
@@ -182,10 +192,6 @@ def _end_of(simulation: Simulation, script: Script) -> SweptRun:
     """In a copy: what becomes of it all with this script."""
     simulation.carry_out(script)
     return swept_run_of(simulation.finish(), script)
-
-
-def _key(item: tuple[tuple[str, int], object]) -> tuple[str, int]:
-    return item[0]
 
 
 def _planned(setup: Setup, variation: Variation, window: InstantWindow) -> range:

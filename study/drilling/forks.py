@@ -53,12 +53,16 @@ class _Copy:
 class Forks(Generic[T]):
     """At most `jobs` copies at a time; `results` are those that have ended, by their keys.
 
-    A context manager: the copies are gone when the context ends, however it ends. `kind` is what a copy finds.
+    A context manager: the copies are gone when the context ends, however it ends. `kind` is what a copy finds,
+    `take` is given each result as it comes.
     """
 
-    def __init__(self, kind: type[T], jobs: int) -> None:
+    def __init__(
+        self, kind: type[T], jobs: int, take: Callable[[Key, T | CopyDied], None] | None = None
+    ) -> None:
         self._kind: Final = kind
         self._jobs: Final = jobs
+        self._take: Final = take
         self._running: dict[int, tuple[Key, _Copy]] = {}  # by pipe
         self._selector = selectors.DefaultSelector()
         self.results: dict[Key, T | CopyDied] = {}
@@ -92,6 +96,11 @@ class Forks(Generic[T]):
         self._running[from_copy] = (key, _Copy(pid, from_copy))
         self._selector.register(from_copy, selectors.EVENT_READ)
 
+    @property
+    def under_way(self) -> int:
+        """How many copies run."""
+        return len(self._running)
+
     def wait(self) -> None:
         """Until all copies have ended."""
         while self._running:
@@ -109,7 +118,9 @@ class Forks(Generic[T]):
             os.close(ready.fd)
             del self._running[ready.fd]
             _, status = os.waitpid(copy.pid, 0)
-            self.results[key] = self._result(b"".join(copy.heard), status)
+            found = self.results[key] = self._result(b"".join(copy.heard), status)
+            if self._take is not None:
+                self._take(key, found)
 
     def _result(self, heard: bytes, status: int) -> T | CopyDied:
         if os.WIFSIGNALED(status):

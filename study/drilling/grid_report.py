@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -18,8 +17,8 @@ from simulation.faults.script import Act, Script, ScriptedFault
 from simulation.setup import STEPS_PER_S
 from study.drilling.every_instant import SweepOutcomes, Variation
 from study.drilling.outcome_class import OutcomeKind, SweptRun
+from study.drilling.swept_rows import CSV_FILE, MadeOf, SweptRow, SweptRows, write_rows
 
-CSV_FILE: Final = "sweep.csv"
 JSON_FILE: Final = "sweep.json"
 REPLAY: Final = "replay_"
 RANGES_SHOWN: Final = 6  # for a person; the files have all
@@ -135,20 +134,19 @@ def write_sweep(
     figures: Mapping[str, Any],
     folder: Path,
     *,
+    rows: SweptRows | None = None,
     beside: bool = False,
 ) -> None:
-    """Write tables and drills into a new folder; `beside`: what is swept happens beside the scenario's own script."""
+    """Write tables and drills into a new folder; `beside`: what is swept happens beside the scenario's own script.
+
+    `rows` say what each run was made of.
+    """
     by_name = {variation.name: variation for variation in variations}
     folder.mkdir()
     (folder / JSON_FILE).write_text(json.dumps(figures, indent=2, ensure_ascii=False) + "\n", "utf-8")
-    with (folder / CSV_FILE).open("w", encoding="utf-8", newline="") as stream:
-        rows = csv.writer(stream)
-        rows.writerow(("variation", "instant_s", "kind", "class", "late_s", "digest"))
-        for name, runs in swept.outcomes.items():
-            rows.writerows(
-                (name, step / STEPS_PER_S, o.kind.name.lower(), o.label, o.late_s, o.digest)
-                for step, o in runs.items()
-            )
+    runs = {(name, step): run for name, of_name in swept.outcomes.items() for step, run in of_name.items()}
+    made_of = SweptRows(None, MadeOf(), {}).made_of if rows is None else rows.made_of
+    write_rows(folder / CSV_FILE, {key: SweptRow(run, made_of(key)) for key, run in runs.items()})
     for found in classes_of(swept):
         if found.bad:
             script = by_name[found.variation].at(found.steps[0])

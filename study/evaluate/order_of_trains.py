@@ -2,8 +2,8 @@
 
 The manager alone is asked, as its host does it, by trains that run each move in the time planned for it: no driving, no
 radio, no failures. At some departures doors stay open for minutes, drawn by seed, train and place, so that every rule
-has the same days. `python -m study.evaluate.order_of_trains SCENARIO DAYS` says what each rule loses, and by how much
-more than with who asks first.
+has the same days. `python -m study.evaluate.order_of_trains SCENARIO FIRST DAYS [change_track] [take_back]` says what
+each rule loses, with and without that allowed, and by how much more than with who asks first.
 """
 
 from __future__ import annotations
@@ -12,11 +12,12 @@ import heapq
 import random
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 from study.evaluate.manager_day import AGAIN_S, ManagerDay, config_of
 from study.sweep.statistics import difference_of, mean_of
-from wayside.config import JourneyMove, ManagerConfig, OrderRule
+from wayside.config import DispatcherMeans, JourneyMove, ManagerConfig, OrderRule
 
 SHARE: Final = 0.01  # assumed: of departures at which doors stay open
 MEAN_S: Final = 480.0  # assumed: exponential
@@ -25,36 +26,85 @@ LAST_S: Final = 2.0 * 86_400.0  # who has not come by then never does
 SAID: Final = 0.95
 
 
-def lost_min(config: ManagerConfig, seed: int) -> float:
-    """By how much trains come late to their ends on a day, together, min; who never comes, as late as `LAST_S`."""
-    journeys = config.dispatch.journeys
-    day, lost_s = ManagerDay(config, journeys), 0.0
+@dataclass(frozen=True, slots=True)
+class LostDay:
+    """What a day lost: by how much trains came late to their ends, together, and how long they waited at stops for each
+    other; the longest of these waits. Min.
+    """
 
-    def leaves_s(k: int, ready_s: float) -> float:
-        move = journeys[k].moves[day.at[k]]
-        return max(move.departs_s, ready_s) + doors_s(seed, move, day.at[k])
+    lost_min: float
+    waited_min: float
+    longest_min: float
 
-    asks = [(leaves_s(k, 0.0), k, False) for k in range(len(journeys)) if journeys[k].moves]
-    heapq.heapify(asks)
-    while asks:
-        now_s, k, runs = heapq.heappop(asks)
-        if now_s > LAST_S:
-            break
-        if not runs:
-            move = journeys[k].moves[day.at[k]]
-            granted = day.hear(k, day.request(k), now_s)
-            takes_s = move.arrives_s - move.departs_s if granted else AGAIN_S
-            heapq.heappush(asks, (now_s + takes_s, k, granted))
-            continue
-        move = day.arrives(k, now_s)
-        following = day.move(k)
+
+class _Played:
+    """A day of a manager, played through. `held`: doors stay open after a train was let on, else before it asks."""
+
+    def __init__(self, config: ManagerConfig, seed: int, *, held: bool) -> None:
+        self._day, self._seed, self._held = ManagerDay(config, config.dispatch.journeys), seed, held
+        self._events: list[tuple[float, int, bool]] = []  # asks, or (True) has come to the end of its move
+        self._asked_s: dict[int, float] = {}
+        self._doors_s: dict[int, float] = {}  # until when they are open
+        self.lost_s = self.waited_s = self.longest_s = 0.0
+
+    def run(self) -> None:
+        """To the end of the day."""
+        for k in range(len(self._day.moves)):
+            self._ready(k, 0.0)
+        while self._events:
+            now_s, k, comes = heapq.heappop(self._events)
+            if now_s > LAST_S:
+                break
+            if comes:
+                self._comes(k, now_s)
+            else:
+                self._asks(k, now_s)
+            for other, until_s in self._day.given_back.items():
+                self._events = [event for event in self._events if event[1] != other]
+                self._events.append((until_s, other, False))
+                heapq.heapify(self._events)
+            self._day.given_back.clear()
+        for k, moves in enumerate(self._day.moves):
+            last = {move.train: move for move in moves[self._day.at[k] :]}
+            self.lost_s += sum(LAST_S - move.arrives_s for move in last.values())
+
+    def _ready(self, k: int, ready_s: float) -> None:
+        """A stock asks when its next move is due and it is ready, or its doors are shut."""
+        move = self._day.move(k)
+        if move is not None:
+            due_s, open_s = max(move.departs_s, ready_s), doors_s(self._seed, move, self._day.at[k])
+            self._doors_s[k] = due_s + open_s
+            heapq.heappush(self._events, (due_s if self._held else due_s + open_s, k, False))
+
+    def _asks(self, k: int, now_s: float) -> None:
+        self._asked_s.setdefault(k, now_s)
+        if not self._day.hear(k, self._day.request(k), now_s):
+            heapq.heappush(self._events, (now_s + AGAIN_S, k, False))
+            return
+        waited_s = now_s - self._asked_s.pop(k)
+        self.waited_s, self.longest_s = self.waited_s + waited_s, max(self.longest_s, waited_s)
+        move, leaves_s = self._day.moves[k][self._day.at[k]], max(now_s, self._doors_s[k])
+        self._day.leaves_s[k] = leaves_s
+        heapq.heappush(self._events, (leaves_s + move.arrives_s - move.departs_s, k, True))
+
+    def _comes(self, k: int, now_s: float) -> None:
+        move = self._day.arrives(k, now_s)
+        following = self._day.move(k)
         if following is None or following.train != move.train:
-            lost_s += max(0.0, now_s - move.arrives_s)
-        if following is not None:
-            heapq.heappush(asks, (leaves_s(k, now_s + move.stays_s), k, False))
-    never = (moves[place:] for moves, place in zip((j.moves for j in journeys), day.at, strict=True))
-    lost_s += sum(LAST_S - last.arrives_s for rest in never for last in {m.train: m for m in rest}.values())
-    return lost_s / 60.0
+            self.lost_s += max(0.0, now_s - move.arrives_s)
+        self._ready(k, now_s + move.stays_s)
+
+
+def played_day(config: ManagerConfig, seed: int, *, held: bool = False) -> LostDay:
+    """A day by its seed; who never comes is as late as if it came at `LAST_S`."""
+    played = _Played(config, seed, held=held)
+    played.run()
+    return LostDay(played.lost_s / 60.0, played.waited_s / 60.0, played.longest_s / 60.0)
+
+
+def lost_min(config: ManagerConfig, seed: int) -> float:
+    """By how much trains come late to their ends on a day, together, min."""
+    return played_day(config, seed).lost_min
 
 
 def doors_s(seed: int, move: JourneyMove, place: int) -> float:
@@ -69,19 +119,32 @@ def days_lost_min(scenario: str, order: OrderRule, seeds: Sequence[int]) -> list
     return [lost_min(config, seed) for seed in seeds]
 
 
-def rows(scenario: str, days: int) -> list[str]:
-    """For each rule the train-minutes lost a day, and how much more than with who asks first, paired by day."""
-    seeds = range(1, days + 1)
-    by_rule = {order: days_lost_min(scenario, order, seeds) for order in OrderRule}
-    first = by_rule[OrderRule.FIRST_COME]
-    return [f"{order.value}: {_text(first, lost)}" for order, lost in by_rule.items()]
+def rows(scenario: str, seeds: Sequence[int], may: tuple[DispatcherMeans, ...] = ()) -> list[str]:
+    """For each rule, and with what the dispatcher may do besides, the train-minutes lost a day and waited at stops, and
+    how much more than with who asks first, paired by day.
+    """
+    first: list[LostDay] = []
+    found: list[str] = []
+    for means in dict.fromkeys(((), may)):
+        for order in OrderRule:
+            config = config_of(scenario, order, means)
+            days = [played_day(config, seed) for seed in seeds]
+            first = first or days
+            name = " and ".join([order.value, *(each.value for each in means)])
+            lost = _text([day.lost_min for day in first], [day.lost_min for day in days])
+            waited = _text([day.waited_min for day in first], [day.waited_min for day in days])
+            longest = max(day.longest_min for day in days)
+            found.append(f"{name}: lost {lost}; waited {waited}; at most {longest:.0f} min")
+    return found
 
 
 def _text(first: Sequence[float], lost: Sequence[float]) -> str:
     differs = sum(abs(a - b) > 1e-6 for a, b in zip(first, lost, strict=True))
     more = difference_of(list(zip(first, lost, strict=True)), SAID)
-    return f"{mean_of(lost, SAID).text} min; more than first come: {more.text}; {differs} days differ"
+    return f"{mean_of(lost, SAID).text} min, {more.text} more than first come, {differs} days differ"
 
 
 if __name__ == "__main__":
-    sys.stdout.write("\n".join(rows(sys.argv[1], int(sys.argv[2]))) + "\n")
+    scenario, first_seed, days, *named = sys.argv[1:]
+    seeds = range(int(first_seed), int(first_seed) + int(days))
+    sys.stdout.write("\n".join(rows(scenario, seeds, tuple(map(DispatcherMeans, named)))) + "\n")

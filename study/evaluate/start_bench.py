@@ -2,7 +2,8 @@
 
 Outside the day is all of `branchline run` before its second stretch and after its last: imports, inputs, the check,
 loading compiled code, tables, report. CPU seconds, because how fast a person sees it depends on what else the machine
-does. Each command has run once before it is measured; where code had to be compiled, that is not in the figures.
+does. Each command has run once before it is measured; where code had to be compiled, Python's bytecode too, that is not
+in the figures.
 """
 
 from __future__ import annotations
@@ -64,7 +65,7 @@ def command_of(what: str, scenario: str) -> tuple[str, ...]:
 def _cpu_s(arguments: Sequence[str], folder: Path) -> float:
     """CPU seconds of a command in a fresh process, without the day that it runs."""
     runs_day = arguments[0] == "run"
-    module = "study.evaluate.start_bench" if runs_day else "branchline.cli"
+    module = "study.evaluate.start_bench" if runs_day else "branchline"
     command = [sys.executable, "-m", module, *arguments]
     before = os.times()
     done = subprocess.run(command, cwd=folder, env=_env(), capture_output=True, text=True, check=False)
@@ -76,8 +77,9 @@ def _cpu_s(arguments: Sequence[str], folder: Path) -> float:
 
 
 def _env() -> dict[str, str]:
-    """Where the program's packages are found, also from another folder."""
-    return os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    """Where the program's packages are found, also from another folder; bytecode is kept, as where it is installed."""
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    return kept | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
 
 
 def report(figures: dict[str, list[float]]) -> dict[str, Any]:
@@ -125,7 +127,7 @@ def _run_child(arguments: Sequence[str]) -> None:
     timed.advance, timed.finish = advance_timed, finish_timed
     sys.argv = ["branchline", *arguments]
     try:
-        import_module("branchline.cli").main()
+        import_module("branchline.__main__").main()
     finally:
         sys.stderr.write(f"\n{sum(day_s):.4f}\n")
 

@@ -12,6 +12,7 @@ from simulation.setup import Setup
 from study.feasibility.charge import charge_of
 from study.feasibility.climbs import climbs_of
 from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of
+from study.feasibility.entries import entries_of
 from study.feasibility.equipment import equipment_of
 from study.feasibility.finding import (
     HIDDEN_BY_MINUTES_S,
@@ -50,6 +51,7 @@ def feasibility(setup: Setup) -> Feasibility:
         *_missing(setup, day),
         *_nowhere(day),
         *conflicts_of(day.line, pairs, met, by_section),
+        *entries_of(setup, day),
         *timing_of(setup, day),
         *climbs_of(setup, day),
         *passed,

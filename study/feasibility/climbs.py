@@ -25,7 +25,6 @@ from study.feasibility.finding import Finding, FindingKind, Severity, minute
 from study.feasibility.planned import PlannedDay, PlannedStop, PlannedTrain
 from study.feasibility.run_times import cut_way
 from study.measures.running_times import RunWay
-from vehicle.pull import mean_gradient_permille
 from vehicle.resistance import climb_m
 from vehicle.running_time import Conditions, Stall, balance_at, stall_of
 from vehicle.train_file import TrainType
@@ -133,8 +132,10 @@ class Climbs:
 
 def _steepest_m(climbs_m: NDArray[np.float64], way: RunWay, length_m: float) -> float:
     """Where the front of a train is that stands on the steepest climb of its way, m."""
-    fronts = range(math.ceil(way.from_m), math.floor(way.to_m) + 1)
-    return float(max(fronts, key=lambda at_m: mean_gradient_permille(climbs_m, float(at_m), length_m)))
+    fronts_m = np.arange(math.ceil(way.from_m), math.floor(way.to_m) + 1, dtype=np.float64)
+    grid_m = np.arange(len(climbs_m), dtype=np.float64)
+    rises_m = np.interp(fronts_m, grid_m, climbs_m) - np.interp(fronts_m - length_m, grid_m, climbs_m)
+    return float(fronts_m[int(np.argmax(rises_m))])
 
 
 def _finding(

@@ -33,6 +33,7 @@ Pair = frozenset[str]
 BY_BLOCKS: Final = (
     FindingKind.FOLLOWING,
     FindingKind.CROSSING,
+    FindingKind.COMING_IN,
     FindingKind.PORTAL,
     FindingKind.TRACK,
     FindingKind.TERMINAL,

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 from network.model import Line, SectionKind, TagPurpose
+from network.tag_layout import OPEN_LINE_MAX_M
 from onboard.authority.coverage import covered_at
 from onboard.driving.stopping import LIMIT_MARGIN_M
 from onboard.duty.mission import Mission, SectionSpan, Target
@@ -222,11 +223,13 @@ def _mark(way: _TrainUnderWay, target: Target) -> Iterator[Finding]:
     misses = f"{short_m:.0f} m short of" if short_m > off_m else f"perhaps {off_m:.0f} m off"
     text = (
         f"{way.train.number} would stop {misses} its mark at {name} at {minute(stand.arrives_s)}:"
-        f" no position tag for the {way.run_since_tag_m(target.mark_m) / 1000.0:.1f} km before it"
+        f" no position tag for the {way.run_since_tag_m(min(target.mark_m, stops_m)) / 1000.0:.1f} km before that"
     )
     room_m = (limit_m - target.mark_m - BEFORE_LIMIT_M - unit.tag_accuracy_m) / unit.wheel_error_share
     within_m = max(min(room_m, 300.0), 15.0)
     remedy = f"a position tag at most {within_m:.0f} m before the mark ({way.km(target.mark_m)})"
+    if way.run_since_tag_m(target.mark_m) <= within_m:  # there is one, which the train does not come to
+        remedy = f"tags on the way to it, at most {OPEN_LINE_MAX_M / 1000.0:.0f} km apart"
     way.mended_m.append(target.mark_m)
     yield way.finding(FindingKind.TAG, Severity.IMPOSSIBLE, stand, (text, remedy))
 

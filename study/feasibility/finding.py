@@ -31,6 +31,7 @@ class FindingKind(Enum):
     OPPOSING = "opposing trains"  # meet where they cannot pass each other
     FOLLOWING = "following trains"  # one is still in the section that the next needs
     CROSSING = "crossing routes"  # two routes over the same points
+    COMING_IN = "coming in at once"  # where one must stand before the other comes in
     TRACK = "track occupied"  # two trains on one track of a station
     TERMINAL = "terminal track occupied"  # the same at an end of the line
     PORTAL = "portal"  # cannot deliver, or not take, a train in time

@@ -17,11 +17,13 @@ from functools import partial
 from itertools import takewhile
 from typing import Final
 
-from network.model import SectionKind
+from network.graph import overlaps_coming_in, overlaps_going_out
+from network.model import Line, SectionKind
 from onboard.authority.tables import REFUSED_REPEAT_S
 from onboard.duty.duty_step import ReleaseRule
 from onboard.duty.timekeeping import CRUISE_MIN_KMH
 from simulation.setup import Setup
+from study.feasibility.entries import Entries
 from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedTrain
 from study.feasibility.timing import throws_s
 
@@ -62,6 +64,7 @@ class RehearsedLateness:
 class _RehearsedSet:
     """One set of the day. `asks` is the route of its train that it asks for, `granted` the last one granted."""
 
+    line: Line
     stock_id: str
     trains: Sequence[PlannedTrain]
     at: int = 0  # index of its train
@@ -85,8 +88,14 @@ class _RehearsedSet:
         """The sections that it needs next."""
         if not self.holds:
             return (self.train.nodes[0].section_id,)
-        routes = self.train.routes
-        return routes[self.asks].section_ids if self.asks < len(routes) else ()
+        return self.needs(self.asks)
+
+    def needs(self, route: int) -> tuple[str, ...]:
+        """What it needs to be granted a route of its train."""
+        if route >= len(self.train.routes):
+            return ()
+        wanted = self.train.routes[route]
+        return (*wanted.section_ids, *overlaps_going_out(self.line, wanted))
 
 
 class Rehearsal:
@@ -102,7 +111,13 @@ class Rehearsal:
         self._slowed = slowed
         self._day = day
         self._holder: dict[str, _RehearsedSet] = {}
-        self._sets = [_RehearsedSet(stock_id, trains) for stock_id, trains in day.trains.items() if trains]
+        self._sets = [
+            _RehearsedSet(day.line, stock_id, trains) for stock_id, trains in day.trains.items() if trains
+        ]
+        self._entries = Entries(setup)
+        self._before_points: list[
+            tuple[float, Callable[[float], None]]
+        ] = []  # asked in vain since, and again
         self._heap: list[tuple[float, int, Callable[[float], None]]] = []
         self._count = 0
         self.late: list[RehearsedLateness] = []
@@ -155,6 +170,11 @@ class Rehearsal:
             if other.waits_since_s is not None:
                 turns = math.ceil(max(now_s - other.waits_since_s, 0.0) / REFUSED_REPEAT_S)
                 self._at(other.waits_since_s + turns * REFUSED_REPEAT_S, partial(self._try, other))
+        heard_s = now_s + self._entries.report_s
+        for since_s, again in self._before_points:
+            turns = math.ceil(max(heard_s - since_s, 0.0) / REFUSED_REPEAT_S)
+            self._at(since_s + turns * REFUSED_REPEAT_S, again)
+        self._before_points.clear()
 
     def _begin(self, one: _RehearsedSet, now_s: float) -> None:
         """Takes up its train where it stands."""
@@ -217,7 +237,28 @@ class Rehearsal:
         if self._setup.operation.release is ReleaseRule.SECTION:
             left = partial(self._clear, one, self._left_behind(one))
             self._at(min(leaves_s + CLEARS_S, arrives_s), left)
-        self._at(arrives_s, partial(self._arrive, one))
+        if not train.routes[one.node].entry:
+            self._at(arrives_s, partial(self._arrive, one))
+            return
+        asks_s, lead_s = self._entries.leads_s(train, one.node + 1)
+        asks_s = max(arrives_s - asks_s, leaves_s)
+        self._at(asks_s, partial(self._come_in, one, asks_s, arrives_s, lead_s))
+
+    def _come_in(
+        self, one: _RehearsedSet, since_s: float, arrives_s: float, lead_s: float, now_s: float
+    ) -> None:
+        """Asks for leave to come in; who has none asks again when somebody stands."""
+        overlaps = overlaps_coming_in(self._day.line, one.train.routes[one.node])
+        held_by_other = next((s for s in overlaps if self._holder.get(s, one) is not one), None)
+        if held_by_other is None:
+            self._take(one, overlaps)
+            late_s = now_s + lead_s - arrives_s if now_s > since_s else 0.0
+            self._at(arrives_s + max(late_s, 0.0), partial(self._arrive, one))
+            return
+        ahead = self._holder[held_by_other].train.number
+        if ahead not in one.behind:
+            one.behind.append(ahead)
+        self._before_points.append((since_s, partial(self._come_in, one, since_s, arrives_s, lead_s)))
 
     def _left_behind(self, one: _RehearsedSet) -> set[str]:
         """The track that it leaves, and the points between that and the open line."""
@@ -251,7 +292,7 @@ class Rehearsal:
         one.node += 1
         one.moving = False
         node = train.nodes[one.node]
-        ahead = train.routes[one.node].section_ids if one.granted >= one.node else ()
+        ahead = one.needs(one.node) if one.granted >= one.node else ()
         self._note(one, node.arrives_s, now_s, leaves=False)
         self._give_back(one, {node.section_id, *ahead}, now_s)
         if one.node == len(train.nodes) - 1:
@@ -283,7 +324,7 @@ class Rehearsal:
         elif follows:
             one.at += 1
             one.node = 0
-            self._at(now_s + self._setup.operation.change_ends_s, partial(self._begin, one))
+            self._at(now_s + self._setup.turn_s, partial(self._begin, one))
         else:
             one.done = True
 

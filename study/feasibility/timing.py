@@ -136,7 +136,7 @@ def _between(setup: Setup, line: Line, before: PlannedTrain, after: PlannedTrain
         yield from _layover(setup, before, after)
         return
     arrival, start = before.stands[-1], after.stands[0]
-    needs_s = setup.operation.change_ends_s + throws_s(line, after.duty.mission)
+    needs_s = setup.turn_s + throws_s(line, after.duty.mission)
     planned_s = start.departs_s - arrival.arrives_s
     short_s = needs_s - planned_s
     if short_s < NEGLIGIBLE_S or arrival.target.station_id is None:

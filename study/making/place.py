@@ -29,6 +29,15 @@ def named_from(out: Path, name: str) -> str:
     return name
 
 
+def extended_by(out: Path, scenario: str, option: str = "OUT") -> str:
+    """How a new scenario at `out` names the one that it extends. InputError where it would be that one itself."""
+    base = named_from(out, scenario)
+    if base in {out.stem, out.name}:
+        raise InputError(COMMAND_LINE, option, str(out), "another name than that of the scenario")
+    checked_new(out, option)
+    return base
+
+
 def write_new(out: Path, text: str) -> None:
     """Write it whole or not at all; InputError."""
     write_aside(out, text)

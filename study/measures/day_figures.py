@@ -44,7 +44,7 @@ class DayFigures(msgspec.Struct, frozen=True):
     time takes back. `primary_delays` of LATE_S and more; `recovery_mean_s`: from each of those until no train is late
     any more, `recovery_s`: the longest time without a moment in which none was, `late_time_s`: all such time;
     `recovered`: whether the day ended so. `drawn`: how many things were drawn, by key path of their table. `deadlock`:
-    trains that wait for one another in a ring at the end.
+    trains that wait for one another in a ring at the end. `mean_delay_s`: as `mean_late_s`, what is early as on time.
     """
 
     planned_trains: int
@@ -70,6 +70,7 @@ class DayFigures(msgspec.Struct, frozen=True):
     recovered: bool = True
     drawn: tuple[tuple[str, int], ...] = ()
     deadlock: tuple[str, ...] = ()
+    mean_delay_s: float | None = None
 
 
 def day_figures(result: RunResult, setup: Setup) -> DayFigures:
@@ -133,6 +134,7 @@ def figures_of_stops(
         worst_train="" if worst is None else worst[0],
         worst_station="" if worst is None else worst[1],
         lost_train_minutes=_rounded(math.fsum(max(s, 0.0) for s in ends_s) / 60.0),
+        mean_delay_s=_rounded(float(np.maximum(late_s, 0.0).mean())) if late else None,
     )
 
 

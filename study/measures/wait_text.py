@@ -50,6 +50,10 @@ _SENTENCES: Final[Mapping[Cause, Phrase]] = {
     Cause.NOT_ITS_TURN: phrase(
         "{train} waits {place} for {party}, which goes first, to come to section {section}."
     ),
+    Cause.OVERLAP: phrase(
+        "{train} waits {place} until {party} stands, or is out of the way: one of them could overrun into section"
+        " {section}, where the other goes."
+    ),
     Cause.REFUSED: phrase("{train} waits {place}: the block manager has refused {asked}{why}."),
     Cause.ANSWER: phrase("{train} waits {place} for the block manager's answer to {asked}{since}{why}."),
     Cause.COVERAGE: phrase(
@@ -93,6 +97,7 @@ _LIMITED_BY: Final[Mapping[str, Phrase]] = {  # causes, where one holds the stop
     Cause.ROUTE_HELD.value: phrase("held by {party}{since}{until}"),
     Cause.NO_WAY_ON.value: phrase("it waits for {party} to come to its section"),
     Cause.NOT_ITS_TURN.value: phrase("{party} goes first"),
+    Cause.OVERLAP.value: phrase("{party} comes in first"),
     Cause.POINTS_MOVE.value: phrase("points {points} are being thrown"),
     Cause.POINTS_PROOF.value: phrase("points {points} are not proven"),
     Cause.POINTS_REFUSED.value: phrase("points {points} were refused"),

@@ -40,7 +40,11 @@ NO_PASSENGERS: Final = "operational"
 SAMPLES_S: Final = 2.0  # between two samples of the trace passes a second
 DOORS_OPEN: Final = VehicleInputs(doors_closed=False).unfit
 CABLE_CUT: Final = "cable cut"
-NOT_NOW: Final[Mapping[str, Cause]] = {"no way on": Cause.NO_WAY_ON, "not its turn": Cause.NOT_ITS_TURN}
+NOT_NOW: Final[Mapping[str, Cause]] = {
+    "no way on": Cause.NO_WAY_ON,
+    "not its turn": Cause.NOT_ITS_TURN,
+    "overlap": Cause.OVERLAP,
+}
 HELD_REASON: Final = "held"  # how a refusal begins that names another holder
 
 

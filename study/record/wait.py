@@ -25,6 +25,7 @@ class Cause(StrEnum):
     ROUTE_HELD = "route held"  # another stock has a section of its route
     NO_WAY_ON = "no way on"  # its route is free, but if it went now not every train could still finish
     NOT_ITS_TURN = "not its turn"  # its route is free, but another goes first by the order of trains
+    OVERLAP = "overlap"  # another comes in, whose overrun would foul its way, or is in the way of its own (過走余裕)
     REFUSED = "refused"  # the block manager refused, for another reason
     ANSWER = "answer"  # no answer to a request yet
     COVERAGE = "coverage"  # a request cannot be sent where it stands

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from base64 import b64encode
+from hashlib import blake2b
+from importlib.metadata import version
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 from typing import Final
+
+from vehicle.code_store import CodeStore, kept_folder
 
 FAMILY: Final = "branchline-ja"  # named last in the page's list of fonts, before what the machine has
 FACE: Final = "/* Japanese characters of this page */"  # where the template has it
@@ -25,12 +29,26 @@ def japanese_font() -> Path | None:
 def japanese_face(page: str) -> str:
     """An @font-face of the characters of `page` from 0x2E80 on; empty where it has none, or no font has them.
 
-    A subset of IPAex Gothic, which its licence lets a document embed. The same characters give the same text.
+    A subset of IPAex Gothic, which its licence lets a document embed. The same characters give the same text; it is
+    kept for the next page that has them, as most pages of a line do.
     """
-    wanted = {ord(character) for character in set(page) if ord(character) >= FIRST_JAPANESE}
+    wanted = sorted({ord(character) for character in set(page) if ord(character) >= FIRST_JAPANESE})
     path = japanese_font()
     if not wanted or path is None:
         return ""
+    store = CodeStore(kept_folder() / "fonts")
+    made_by = (Path(__file__).read_bytes(), version("fonttools"), version("matplotlib-fontja"))
+    key = blake2b(repr((wanted, made_by)).encode(), digest_size=16).hexdigest()
+    kept = store.read(FAMILY, key)
+    if kept is None:
+        kept = _subset(path, wanted)
+        store.write(FAMILY, key, kept)
+    data = b64encode(kept).decode("ascii")
+    return f'@font-face {{ font-family: "{FAMILY}"; src: url(data:font/woff;base64,{data}) format("woff"); }}'
+
+
+def _subset(path: Path, wanted: list[int]) -> bytes:
+    """The font of these characters, as woff."""
     from fontTools.subset import Options, Subsetter
     from fontTools.ttLib import TTFont
 
@@ -39,10 +57,9 @@ def japanese_face(page: str) -> str:
     options.drop_tables += ["FFTM"]
     font = TTFont(path, recalcBBoxes=False, recalcTimestamp=False)  # outlines stay as packed
     subsetter = Subsetter(options)
-    subsetter.populate(unicodes=sorted(wanted))
+    subsetter.populate(unicodes=wanted)
     subsetter.subset(font)
     font.flavor = "woff"
     buffer = BytesIO()
     font.save(buffer)
-    data = b64encode(buffer.getvalue()).decode("ascii")
-    return f'@font-face {{ font-family: "{FAMILY}"; src: url(data:font/woff;base64,{data}) format("woff"); }}'
+    return buffer.getvalue()

@@ -8,9 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import msgspec
+
+from network.files.line_file import usable_length_m
+from network.model import SectionKind
+from onboard.duty.mission import Target
 from simulation.setup import Setup
 from study.feasibility.planned import PlannedDay, PlannedTrain, planned_day
-from wayside.config import NO_DISPATCH, DispatchEntry, JourneyMove, OrderRule, StockMoves
+from wayside.config import (
+    NO_DISPATCH,
+    DispatchEntry,
+    DispatcherMeans,
+    JourneyMove,
+    OrderRule,
+    StockMoves,
+)
 
 S_PER_MIN = 60.0
 
@@ -29,15 +41,19 @@ def dispatch_of(setup: Setup) -> DispatchEntry:
         journeys_of(setup, planned_day(setup)),
         given.given,
         parts=setup.grants_parts,
+        may=given.may,
     )
 
 
 def journeys_of(setup: Setup, day: PlannedDay) -> tuple[StockMoves, ...]:
     """The moves of every stock in order, from where it stands at first, or from outside."""
-    return tuple(
-        StockMoves(stock_id, tuple(move for train in trains for move in _moves(setup, train)))
-        for stock_id, trains in day.trains.items()
-    )
+    found: list[StockMoves] = []
+    for stock_id, trains in day.trains.items():
+        moves = [move for train in trains for move in _moves(setup, train)]
+        if moves:  # where it is stabled the next day begins
+            moves[-1] = msgspec.structs.replace(moves[-1], others=())
+        found.append(StockMoves(stock_id, tuple(moves)))
+    return tuple(found)
 
 
 def _moves(setup: Setup, train: PlannedTrain) -> Iterator[JourneyMove]:
@@ -50,8 +66,25 @@ def _moves(setup: Setup, train: PlannedTrain) -> Iterator[JourneyMove]:
         here, there = nodes[place], nodes[place + 1]
         last = place == len(train.routes) - 1
         stops = there.target is not None and there.target.passengers
-        stays_s = setup.operation.change_ends_s if last else setup.unit.dwell_min_s if stops else 0.0
+        stays_s = setup.turn_s if last else setup.unit.dwell_min_s if stops else 0.0
         leaves = last and duty.leaves
+        others = () if there.target is None else _other_tracks(setup, train, there.target)
         yield JourneyMove(
-            train.number, route.id, there.section_id, leaves, here.departs_s, there.arrives_s, stays_s
+            train.number, route.id, there.section_id, leaves, here.departs_s, there.arrives_s, stays_s, others
         )
+
+
+def _other_tracks(setup: Setup, train: PlannedTrain, target: Target) -> tuple[str, ...]:
+    """Other tracks of the station where a train stops that can take it."""
+    line, direction = setup.believed_line, train.direction
+    if DispatcherMeans.CHANGE_TRACK not in setup.dispatch.may or target.station_id is None:
+        return ()
+    length_m = setup.lengths_m[train.duty.stock_id]
+    return tuple(
+        track.section_id
+        for track in line.stations[target.station_id].tracks
+        if track.section_id != target.section_id
+        and line.sections[track.section_id].kind is SectionKind.TRACK
+        and direction in track.marks_m
+        and usable_length_m(line, track, direction) >= length_m
+    )

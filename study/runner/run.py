@@ -64,6 +64,7 @@ from study.record.shown import shown_of
 from study.record.tables import RunTables, make_table
 from study.report.beside import Beside
 from study.report.report import write_report
+from study.runner.collector import collecting_rarely
 from study.runner.crash import bugs_named
 from study.runner.journeys import dispatch_of
 from study.runner.outcome import missing_said, outside_design, rules_said, unfinished, waiting_said
@@ -163,7 +164,7 @@ def run_to_end(
         last = setup.day >= scenario.setup.tuning.days
         state = course.folder / f"day-{setup.day}"
         state.mkdir()
-        with parties_of(course.link, setup.line.id, specs, state) as parties:
+        with parties_of(course.link, setup.line.id, specs, state) as parties, collecting_rarely():
             simulation = Simulation(
                 setup,
                 course.make if last else course.make_before or course.make,

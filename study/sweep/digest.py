@@ -95,6 +95,8 @@ def _plain(value: object) -> bytes:
         return value.tobytes()
     if isinstance(value, Enum):
         return value.name.encode()
+    if isinstance(value, type):  # of an event that is waited for
+        return value.__qualname__.encode()
     if value is None or isinstance(value, str | int | float | bytes | Path):
         return repr(value).encode()
     raise TypeError(f"{type(value)} has no digest")

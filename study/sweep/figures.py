@@ -33,6 +33,7 @@ def _within(index: int) -> Callable[[DayFigures], float | None]:
 
 _ALL: Final = (
     DayFigure("mean_late_s", "mean lateness of arrivals", "s", lambda day: day.mean_late_s),
+    DayFigure("mean_delay_s", "mean delay of arrivals, early as on time", "s", lambda day: day.mean_delay_s),
     DayFigure("median_late_s", "median lateness of arrivals", "s", lambda day: day.median_late_s),
     DayFigure("p95_late_s", "lateness that 5 % of arrivals exceed", "s", lambda day: day.p95_late_s),
     DayFigure("worst_late_s", "latest arrival", "s", lambda day: day.worst_late_s),

@@ -62,6 +62,11 @@ EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
         phrase("refused{unit_id}{section_ids}{token}{other_id}{why}"),
         _OF_UNIT,
     ),
+    said.TrackChanged: EventWording("order", phrase("{why}", "clause")),
+    said.RouteAskedBack: EventWording("order", phrase("{why}", "clause")),
+    said.NotDone: EventWording(
+        "refusal", phrase("{unit_id} refuses an order about route {route_id}{why}"), _WHY
+    ),
     said.ThrowRefused: EventWording(
         "refusal",
         phrase("points {points_id}: command of {unit_id} refused{section_id}{token}{why}"),

@@ -11,7 +11,9 @@ import pytest
 
 from network.files.timetable_schema import CallTable, TimetableFile
 from network.files.toml_input import parse_toml
-from network.timetable import seconds_of
+from network.model import Line
+from network.timetable import Timetable, seconds_of
+from plan.arranging import draft
 
 STATIONS = "name,id,km,tracks,kind\nAsa,ASA,0,2,\nKido,KID,3,2,signal station\nBato,BAT,6,2,\n"
 DAY = """[timetable]
@@ -103,31 +105,148 @@ def test_what_has_to_move_further_than_it_may_is_named_and_ends_in_1(
     assert re.search(r"least that would do:\n  1 \+\d+ s at Bato \(arrival printed 10:01\)", found.out)
 
 
-def test_a_scenario_wants_its_timetable_written(
-    main: Callable[..., Any], hill: Callable[[str], None]
+@pytest.mark.parametrize(
+    ("files", "said"),
+    [
+        (("--scenario", "run.toml"), "the timetable file that the scenario is to run"),
+        (("run.toml", "--scenario", "run.toml"), "another file"),
+        (("run.toml", "--scenario", "hill.toml"), "exists already"),
+        (("day.toml",), "exists already"),
+        (("run",), "NAME.toml"),
+    ],
+)
+def test_what_cannot_be_written_is_said_and_nothing_is(
+    main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path, files: tuple[str, ...], said: str
 ) -> None:
     hill("10:00")
-    assert main("arrange", "hill.toml", "day.toml", "--scenario", "run.toml").code == 2
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    ended = main("arrange", "hill.toml", "day.toml", *files)
+    assert (ended.code, said in ended.err) == (2, True), ended
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
-def test_a_set_that_has_no_room_where_it_begins_is_brought_as_an_empty_working(
-    main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path
+CALLS_1 = '{ station = "ASA", departure = "10:00" }, { station = "BAT", arrival = "10:20" }'
+OF_2 = 'calls = [{ station = "BAT", departure = "10:00" }'
+
+
+@pytest.mark.parametrize(
+    ("was", "becomes", "said"),
+    [
+        (CALLS_1, '{ station = "ASA", departure = "10:00" }', "from one station with tracks of its own"),
+        (CALLS_1, CALLS_1.replace("10:20", "09:20"), "a time not before 10:00:00"),
+        ('"BAT", arrival', '"XYZ", arrival', "one of ASA, KID, BAT"),
+        ("dwell_min_s = 20", "dwell_min_s = -1", "0 to 3600 s"),
+        (OF_2, OF_2.replace('departure = "10:00"', 'departure = "10:00", track = "9"'), "9"),
+        ('begins = "stabled"', 'begins = "from:2"', "the first train of set V1"),
+        ('trains = ["2"]', 'trains = ["1"]', "1"),
+    ],
+    ids=["one call", "backwards", "station", "dwell", "track", "circle", "twice"],
+)
+def test_nonsense_is_one_line(
+    main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path, was: str, becomes: str, said: str
 ) -> None:
     hill("10:00")
-    text = DAY.replace('station = "BAT", departure = "UP_LEAVES"', 'station = "KID", departure = "11:00"')
-    text = text.replace('station = "ASA", departure = "10:00"', 'station = "KID", departure = "10:00"')
-    text = text.replace('"10:20", inferred', '"11:20", inferred')
-    (tmp_path / "hill.csv").write_text(STATIONS.replace("signal station", "station"), "utf-8")
-    (tmp_path / "hill.toml").unlink()
+    day = tmp_path / "day.toml"
+    day.write_text(day.read_text("utf-8").replace(was, becomes, 1), "utf-8")
+    ended = main("arrange", "hill.toml", "day.toml", "made.toml", "--scenario", "run.toml")
+    assert ended.code == 2, ended
+    assert said in ended.err
+    assert ended.err.count("\n") == 1
+    assert not (tmp_path / "made.toml").exists()
+
+
+def _day_at_kido(
+    main: Callable[..., Any], tmp_path: Path, trains: str, tracks: int = 2, ends: int = 2
+) -> Callable[..., Any]:
+    """A line whose middle station has so many tracks, and a day of `trains`; the command that arranges it."""
+    stations = STATIONS.replace("3,2,signal station", f"3,{tracks},station")
+    stations = stations.replace("0,2,", f"0,{ends},").replace("6,2,", f"6,{ends},")
+    (tmp_path / "hill.csv").write_text(stations, "utf-8")
     assert main("new", "line", "hill.csv", "hill.toml").code == 0
-    (tmp_path / "day.toml").write_text(text, "utf-8")
-    # Of the two tracks of Kido one stays free, so that the second set stands elsewhere at night.
-    found = main(
-        "arrange", "hill.toml", "day.toml", "made.toml", "--train", "br642", "--scenario", "run.toml"
+    (tmp_path / "day.toml").write_text(DAY[: DAY.index("[[trains]]")] + trains, "utf-8")
+    return lambda *more: main("arrange", "hill.toml", "day.toml", *more, "--train", "br642")
+
+
+def _train(number: str, direction: str, *calls: str) -> str:
+    rows = ", ".join(f"{{ {call} }}" for call in calls)
+    return (
+        f'[[trains]]\nnumber = "{number}"\ndirection = "{direction}"\nbegins = "stabled"\nends = "stabled"\n'
+        f'calls = [{rows}]\n\n[[diagrams]]\nstock = "V{number}"\ntrains = ["{number}"]\n\n'
     )
+
+
+OVERTAKEN = _train(
+    "1",
+    "down",
+    'station = "ASA", departure = "10:00"',
+    'station = "KID", arrival = "10:05", departure = "10:20"',
+    'station = "BAT", arrival = "10:26"',
+) + _train("3", "down", 'station = "ASA", departure = "10:08"', 'station = "BAT", arrival = "10:16"')
+
+
+def test_a_train_is_overtaken_on_the_other_track(main: Callable[..., Any], tmp_path: Path) -> None:
+    found = _day_at_kido(main, tmp_path, OVERTAKEN)("made.toml", "--scenario", "run.toml")
+    assert "printed times moved: 0 of 6" in found.out
+    assert {_calls(tmp_path / "made.toml", number)["KID"].track for number in ("1", "3")} != {None}
+    checked = main("check", "run.toml")
+    assert checked.code == 0, checked
+
+
+def test_without_a_choice_of_tracks_the_second_waits_behind_the_first(
+    main: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def nowhere(_line: Line, _timetable: Timetable) -> dict[str, frozenset[str]]:
+        return {}
+
+    monkeypatch.setattr(draft, "stations_to_overtake", nowhere)
+    found = _day_at_kido(main, tmp_path, OVERTAKEN)()
+    assert "printed times moved: 0" not in found.out
+
+
+AT_KIDO = [
+    _train(
+        str(2 * i), "up", f'station = "KID", departure = "1{i}:00"', f'station = "ASA", arrival = "1{i}:10"'
+    )
+    for i in range(3)
+]
+
+
+def test_two_sets_stand_on_two_tracks(main: Callable[..., Any], tmp_path: Path) -> None:
+    found = _day_at_kido(main, tmp_path, "".join(AT_KIDO[:2]))()
+    assert found.code == 0
+    assert "empty working" not in found.out
+
+
+def test_a_third_set_is_brought_as_an_empty_working(main: Callable[..., Any], tmp_path: Path) -> None:
+    found = _day_at_kido(main, tmp_path, "".join(AT_KIDO))("made.toml", "--scenario", "run.toml")
     assert found.code == 0, found
     assert "empty working added: E1" in found.out
     empty = _calls(tmp_path / "made.toml", "E1")
     assert list(empty)[-1] == "KID"
-    assert _seconds(empty["KID"].arrival) < _seconds("11:00")
+    assert 10 * 3600 < _seconds(empty["KID"].arrival) < 12 * 3600  # a track is free from 10:00 on
     assert main("check", "run.toml").code == 0
+
+
+def test_a_train_with_one_call_has_no_blocking_times(
+    main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path
+) -> None:
+    hill("10:00")
+    day = tmp_path / "day.toml"
+    one = CALLS_1.split(" }, ", maxsplit=1)[0] + " }"
+    day.write_text(day.read_text("utf-8").replace(CALLS_1, one, 1), "utf-8")
+    scenario = (
+        'id = "one"\nname = "one"\nline = "hill.toml"\ntimetable = "day.toml"\n[trains]\ndefault = "br642"\n'
+    )
+    (tmp_path / "one.toml").write_text(scenario, "utf-8")
+    ended = main("export", "displib", "one.toml", "one.json")
+    assert (ended.code, "two calls or more" in ended.err) == (2, True), ended
+    assert not (tmp_path / "one.json").exists()
+
+
+def test_tracks_that_would_do_are_named(main: Callable[..., Any], tmp_path: Path) -> None:
+    # Two sets begin at Kido and end at Asa; no station has more than one track.
+    found = _day_at_kido(main, tmp_path, "".join(AT_KIDO[:2]), tracks=1, ends=1)()
+    assert found.code == 2
+    assert "Kido had 1 more track" in found.err
+    assert "Asa had 1 more track" in found.err
+    assert "no printed time would be moved" in found.err

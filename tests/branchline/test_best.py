@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,19 +21,31 @@ def test_a_proof_is_recounted_and_one_with_a_number_changed_refused(
     least_s = found.figures()["interval_s"]
     assert found.figures()["excluded_s"] == [[0, least_s - 1]]
     assert main("best", "interval", WEEKDAY, "--check", "proof.json").code == 0
+    told = main("best", "interval", WEEKDAY).out
+    an_hour = f"{3600 / least_s:.2f} trains an hour each way"
+    assert f"least interval {least_s} s ({least_s / 60:.1f} min), {an_hour}\n" in told
+    assert re.search(r"^waits: \d+ s of all trains together, least that it can be$", told, re.MULTILINE)
     text = (tmp_path / "proof.json").read_text("utf-8")
     (tmp_path / "proof.json").write_text(text.replace(str(least_s - 1), str(least_s)), "utf-8")
     refused = main("best", "interval", WEEKDAY, "--check", "proof.json")
     assert refused.code == 1
     assert str(least_s) in refused.out
     assert main("best", "interval", WEEKDAY, "--set-late", "--check", "proof.json").code == 1
+    (tmp_path / "proof.json").write_text(json.dumps(json.loads(text) | {"excluded": []}), "utf-8")
+    nothing = main("best", "interval", WEEKDAY, "--check", "proof.json")
+    assert (nothing.code, nothing.out) == (1, "it excludes no interval\n")
 
 
 def test_the_answer_is_a_scenario(main: Callable[..., Any]) -> None:
     assert main("best", "loops", WEEKDAY, "--at", "NIT", "--out", "loop.toml").code == 0
     checked = main("check", "loop.toml")
     assert checked.code == 0, checked.out
-    assert main("best", "trains", WEEKDAY, "--every", "90", "--out", "two.toml").code == 0
+    two = main("best", "trains", WEEKDAY, "--every", "90", "--out", "two.toml")
+    assert two.code == 0
+    assert two.out.startswith(
+        "2 trains each way every 90 min: as many as can be\na train each way has HSK.1 for "
+    )
+    assert " s of 5400 s\n" in two.out
     assert main("check", "two.toml").code == 0
 
 
@@ -40,11 +54,79 @@ def test_the_answer_is_a_scenario(main: Callable[..., Any]) -> None:
     [
         (("interval", "rtri_test_line"), "from one end to the other"),
         (("interval", WEEKDAY, "--out", f"{WEEKDAY}.toml"), "another name"),
+        (("interval", "mine.toml", "--out", "mine.toml"), "another name"),
+        (("interval", WEEKDAY, "--out", "mine.toml"), "exists already"),
+        (("loops", WEEKDAY, "--out", "day.toml"), "exists already"),
+        (("trains", WEEKDAY, "--out", "day.json"), "NAME.toml"),
         (("loops", WEEKDAY, "--at", "OGN"), "a halt"),
         (("trains", "isumi_weekday"), "portals"),
+        (("robust", WEEKDAY), "[late]"),
+        (("roster", "isumi_weekday", "--turn", "3600"), "turn back"),
+        (("equipment", WEEKDAY, "--cost", "loop"), "loop=100"),
+        (("equipment", WEEKDAY, "--without", "lop"), "loop"),
     ],
 )
-def test_what_cannot_be_asked_is_said(main: Callable[..., Any], words: tuple[str, ...], said: str) -> None:
+def test_what_cannot_be_asked_is_said(
+    main: Callable[..., Any], tmp_path: Path, words: tuple[str, ...], said: str
+) -> None:
+    """Nothing that stands already is written over: `mine` and the timetable that would lie beside `day`."""
+    mine = f'extends = "{WEEKDAY}"\nid = "mine"\nname = "mine"\n'
+    for name in ("mine.toml", "day_times.toml"):
+        (tmp_path / name).write_text(mine, "utf-8")
     ended = main("best", *words)
     assert ended.code == 2
     assert said in ended.err
+    assert {path.read_text("utf-8") for path in tmp_path.glob("*.*")} == {mine}
+
+
+def test_a_roster_is_written_recounted_and_refused_with_a_number_changed(
+    main: Callable[..., Any], tmp_path: Path
+) -> None:
+    found = main("best", "roster", WEEKDAY, "--out", "three.toml", "--proof", "why.json", "--json")
+    assert found.code == 0, found.err
+    assert (found.figures()["today"], found.figures()["least"]) == (4, 3)
+    assert main("check", "three.toml").code == 0
+    assert main("best", "roster", WEEKDAY, "--check", "why.json").code == 0
+    text = (tmp_path / "why.json").read_text("utf-8")
+    (tmp_path / "why.json").write_text(text.replace('"sets": 3', '"sets": 4'), "utf-8")
+    assert main("best", "roster", WEEKDAY, "--check", "why.json").code == 1
+
+
+def test_equipment_for_so_many_trains_is_a_scenario_with_a_proof(main: Callable[..., Any]) -> None:
+    words = ("best", "equipment", WEEKDAY, "--trains", "2.5", "--without", "limits", "--without", "blocks")
+    found = main(*words, "--out", "loop.toml", "--proof", "why.json")
+    assert found.code == 0, found.err
+    assert "2.5 trains an hour each way cost 100: a loop at Niita; every 1282 s" in found.out
+    assert main("check", "loop.toml").code == 0
+    assert main(*words, "--check", "why.json").code == 0
+    assert (
+        main("best", "equipment", WEEKDAY, "--trains", "9", "--loops", "0", "--without", "limits").code == 1
+    )
+
+
+def test_reserves_are_placed_as_a_scenario_and_a_sweep_of_fresh_days(main: Callable[..., Any]) -> None:
+    found = main(
+        "best", "robust", "karasuyama_late", "--days", "3", "--fresh", "4", "--out", "placed.toml", "--json"
+    )
+    assert found.code == 0, found.err
+    mean_s = found.figures()["mean_delay_s"]
+    assert mean_s["placed"]["trained"] <= min(
+        mean_s["as it is"]["trained"], mean_s["spread evenly"]["trained"]
+    )
+    assert main("check", "placed.toml").code == 0
+    assert main("sweep", "placed_days.toml", "--check").code == 0
+
+
+def test_a_line_with_eight_loops_has_its_bound(main: Callable[..., Any], tmp_path: Path) -> None:
+    """Ten stations 2 km apart: 12 trains an hour each way are excluded, 12 in both ways fit, and the answer runs."""
+    rows = ["id,name,km,tracks", *(f"S{i},Station {i},{2 * i},2" for i in range(10))]
+    (tmp_path / "eight.csv").write_text("\n".join(rows) + "\n", "utf-8")
+    assert main("new", "line", "eight.csv", "eight.toml", "--scenario", "day.toml").code == 0
+    found = main("best", "interval", "day.toml", "--out", "least.toml", "--proof", "why.json", "--json")
+    assert found.code == 0, found.err
+    ((from_s, to_s),) = found.figures()["excluded_s"]
+    assert from_s <= 1
+    assert to_s >= 3600 // 12
+    assert to_s + 1 == found.figures()["interval_s"] <= 3600 // 6
+    assert main("best", "interval", "day.toml", "--check", "why.json").code == 0
+    assert main("check", "least.toml").code == 0

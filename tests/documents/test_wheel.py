@@ -14,6 +14,7 @@ from documents.machine_code import days
 from documents.wheel import build_wheel
 from onboard.driving.laws.table import LAW_NAMES
 from simulation.settings import PositionSensor
+from vehicle.compiled import SHIPPED
 
 WEEKDAY = "karasuyama_weekday"
 WHEEL_MAX_B = 20_000_000
@@ -55,7 +56,7 @@ def test_it_runs_the_weekday_in_a_bare_environment_without_compiling(tmp_path: P
         done = _branchline(venv, folder, *command)
         assert done.returncode == 0, done.stderr
         assert "compiling" not in done.stderr
-    assert not (folder / "kept").exists()
+    assert not (folder / "kept" / SHIPPED.name).exists()
     summary = json.loads(done.stdout)
     here = json.loads(_branchline(Path(sys.prefix), folder, "run", WEEKDAY, "--out", "here", "--json").stdout)
     assert [summary[of] for of in ("digest", "motion_digest")] == [

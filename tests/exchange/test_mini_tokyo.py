@@ -249,3 +249,17 @@ def test_a_day_of_departures_on_a_line_from_a_list_can_be_run(tmp_path: Path, tr
     assert found.impossible == ()
     short = [text for text in imported.remarks if text.startswith("times too short")]
     assert any("from Isozaki to Minohamagakuen 60 s are left" in text for text in short)
+
+
+def test_all_halts_where_trains_turn_are_named_at_once(tmp_path: Path) -> None:
+    turning = [f"{PREFIX}{name}" for name in ("Konoyama", "Taki")]
+    rows = [
+        row(
+            number,
+            {"tt": [{"s": f"{PREFIX}Hoshakuji", "d": "06:00"}, {"s": name, "a": "06:40"}], "ds": [name]},
+        )
+        for number, name in zip(("1M", "3M"), turning, strict=True)
+    ]
+    line = load_line(shipped_line("karasuyama"))
+    with pytest.raises(InputError, match=r"Konoyama, Taki.*kind = station"):
+        import_timetable(read(tmp_path, *rows), line, ImportOrder("day", CREDIT))

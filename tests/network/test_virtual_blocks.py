@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from network.errors import InputError
-from network.files.line_file import parse_line
+from network.files.line_file import load_line, parse_line
 from network.files.shipped import shipped_line
 from network.graph import all_routes
+from network.model import Beacon, Direction, MarkerGroup
+from network.virtual_blocks import BEYOND_M, with_virtual_blocks
 
 TEXT = shipped_line("rtri_test_line").read_text("utf-8")
 SECTION = 'id = "6"\n'
@@ -46,3 +50,43 @@ def test_a_section_is_cut_into_equal_blocks_and_routes_lead_over_them() -> None:
 def test_blocks_that_cannot_be_are_refused(text: str, expected: str) -> None:
     with pytest.raises(InputError, match=expected):
         parse_line(text, "line.toml")
+
+
+@pytest.mark.parametrize(
+    ("line_id", "blocks", "block_id", "ends_m"),
+    [
+        # 13/20 of the way from km 0.1 to 12.4 is 8.095, in the 65 m of platform from 8.1245 and 60 m beside it, where
+        # the lower end is nearer; 4/5 of the way back from 8.654 to 0.201 is 5.2728, nearer to 5.2685 and 60 m.
+        ("karasuyama", 20, "HSK-OGN_13", 8064.5),
+        ("isumi", 5, "OHR-KNY_3", 5328.5),
+    ],
+)
+def test_a_border_in_a_platform_lies_beside_it_at_the_nearer_end(
+    line_id: str, blocks: int, block_id: str, ends_m: float
+) -> None:
+    cut = with_virtual_blocks(load_line(shipped_line(line_id)), blocks)
+    assert cut.pieces[block_id].to_m == pytest.approx(ends_m)
+
+
+def test_all_that_lies_on_a_section_lies_on_its_blocks() -> None:
+    """A platform lies in one block, with 60 m to spare; every tag, beacon and marker in the block that it is in."""
+    line = load_line(shipped_line("karasuyama"))
+    along = [(at_m, "HSK-OGN") for at_m in range(150, 12400, 500)]
+    both = (Direction.DOWN, Direction.UP)
+    line = replace(
+        line,
+        beacons={i: Beacon(i, piece_id, at_m, both) for i, (at_m, piece_id) in enumerate(along)},
+        markers={i: MarkerGroup(i, 1, piece_id, at_m, both) for i, (at_m, piece_id) in enumerate(along)},
+    )
+    cut = with_virtual_blocks(line, 20)
+    for before, after in ((line.tags, cut.tags), (line.beacons, cut.beacons), (line.markers, cut.markers)):
+        assert list(before) == list(after)
+        for one in after.values():
+            assert cut.pieces[one.piece_id].from_m <= one.position_m <= cut.pieces[one.piece_id].to_m
+    for station in cut.stations.values():
+        for track in station.tracks:
+            piece = cut.pieces[track.piece_id]
+            assert piece.section_id == track.section_id
+            if station.is_halt and track.platform_m is not None:
+                assert piece.from_m <= track.platform_m[0] - BEYOND_M
+                assert track.platform_m[1] + BEYOND_M <= piece.to_m

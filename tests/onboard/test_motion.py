@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from onboard.duty import mission as mission_module
 from onboard.duty.mission import Mission
 from onboard.duty.records import (
     AtMark,
@@ -335,6 +336,26 @@ def test_on_sight_it_is_slow_and_stays_within_its_section(motion: UnitMotion) ->
     row.intervention = EMERGENCY_INTERVENTION
     motion.obey(DrivingCommand(drive=True, on_sight=True), 0.0)
     assert row.mode == MODE_HOLD
+
+
+@pytest.mark.parametrize(
+    ("speed_mps", "keeps", "aim_m"), [(0.5, True, MARK_B_M), (0.0, True, math.inf), (0.5, False, math.inf)]
+)
+def test_on_sight_a_train_that_moves_keeps_its_mark_to_the_last(
+    motion: UnitMotion,
+    monkeypatch: pytest.MonkeyPatch,
+    speed_mps: float,
+    keeps: bool,
+    aim_m: float,
+) -> None:
+    """Whatever makes it look again half a metre before it; one that stands there has called, and may go on."""
+    monkeypatch.setattr(mission_module, "KEEPS_ITS_MARK", keeps)
+    row = motion.row
+    row.position_m, row.speed_mps = MARK_B_M - 0.5, speed_mps
+    row.target_stop_m, row.braking_to_stop = MARK_B_M, 1
+    motion.obey(DrivingCommand(drive=True, on_sight=True), 0.0)
+    assert row.target_stop_m == pytest.approx(aim_m)
+    assert row.braking_to_stop == (aim_m == MARK_B_M)
 
 
 def test_without_a_position_the_crew_alone_says_how_far(motion: UnitMotion) -> None:

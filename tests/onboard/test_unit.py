@@ -19,6 +19,8 @@ from onboard.duty.records import (
     LeftLine,
     OffTheLine,
     SwitchedOn,
+    TakeUpWay,
+    WayOrdered,
 )
 from onboard.motion import UnitMotion
 from onboard.records import (
@@ -38,6 +40,8 @@ from onboard.vehicle import VehicleInputs
 from radio.messages import (
     HoldingConfirmed,
     HoldingReport,
+    OrderRefusalReason,
+    OrderRefused,
     PointsCommand,
     RefusalReason,
     RouteRefused,
@@ -46,6 +50,7 @@ from radio.messages import (
     SignOffAccepted,
     SignOn,
     SignOnAccepted,
+    TrackOrdered,
 )
 from tests.onboard.unit_bench import (
     DEPARTURE_S,
@@ -422,3 +427,22 @@ def test_what_happened_comes_before_telegrams_and_telegrams_before_timers(
     granted.tell(granted.motion.events(EVENT_POSITION), [data])
     assert taken[:2] == ["Looked", "TelegramHeard"]
     assert set(taken[2:]) == {"TimerDue"}
+
+
+# what the dispatcher orders ---------------------------------------------------------------------------------------
+
+
+def test_a_way_that_was_not_ordered_is_not_taken_up(running: Bench) -> None:
+    running.tell([TakeUpWay(running.plan)])
+    assert running.said == []
+    assert running.unit.plan == running.plan
+
+
+def test_ordered_to_another_track_it_has_its_driver_take_up_that_way(bench: Bench) -> None:
+    bench.at(DEPARTURE_S - LEAD_S)
+    (request,) = bench.said
+    assert isinstance(request, RouteRequest)
+    bench.hear(MANAGER, TrackOrdered(request.route_id, "3>9"))
+    assert bench.told == (WayOrdered("3>8", "3>9"),)
+    bench.tell([TakeUpWay(bench.plan)])  # that is the way it has already
+    assert bench.said == [OrderRefused("3>8", OrderRefusalReason.UNKNOWN_TRACK)]

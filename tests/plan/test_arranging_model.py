@@ -8,10 +8,13 @@ from itertools import pairwise
 
 import pytest
 
+from network.timetable import Call
 from plan.arranging import model
 from plan.arranging.arrange import nearest_plan
+from plan.arranging.draft import PrintedCall
 from plan.arranging.problem import (
     Arranged,
+    ArrangedVisit,
     ByStanding,
     Leg,
     PrintedMove,
@@ -20,6 +23,7 @@ from plan.arranging.problem import (
     TrainToArrange,
     Visit,
 )
+from plan.arranging.written import moves_of_day, soonest
 
 NONE = ByStanding(0, 0)
 RUN = RunSeconds(300, 290, 290, 280)
@@ -61,7 +65,7 @@ def _times(plan: Arranged, number: str, station: str) -> tuple[int, int]:
 
 def test_one_departure_is_moved_by_30_s_where_that_is_the_least() -> None:
     # The down train is at the loop 300 s after noon, so that the up train cannot leave it at 270 s.
-    plan = nearest_plan([_down(), _up(NOON + 270)], limit_s=300)
+    plan = nearest_plan([[_down(), _up(NOON + 270)]], limit_s=300)[1]
     assert plan.moves == (PrintedMove("2", "L", "departure", NOON + 270, 30),)
     assert plan.proven
     assert plan.bound_s == pytest.approx(30.0, abs=0.5)
@@ -69,23 +73,23 @@ def test_one_departure_is_moved_by_30_s_where_that_is_the_least() -> None:
 
 def test_without_exclusion_nothing_is_moved(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(model, "EXCLUSIVE", False)
-    assert nearest_plan([_down(), _up(NOON + 270)], limit_s=300).moves == ()
+    assert nearest_plan([[_down(), _up(NOON + 270)]], limit_s=300)[1].moves == ()
 
 
 def test_what_can_not_be_within_the_limit_is_told_by_the_least_that_would_do() -> None:
-    plan = nearest_plan([_down(), _up(NOON + 270)], limit_s=10)
+    plan = nearest_plan([[_down(), _up(NOON + 270)]], limit_s=10)[1]
     beyond = [move for move in plan.moves if move.by_s > 10]
     assert beyond == [PrintedMove("2", "L", "departure", NOON + 270, 30)]
 
 
 def test_a_time_that_is_not_printed_costs_nothing() -> None:
-    plan = nearest_plan([_down(), _up(NOON, loop=_visit("L", tracks=("L.2",)))], limit_s=300)
+    plan = nearest_plan([[_down(), _up(NOON, loop=_visit("L", tracks=("L.2",)))]], limit_s=300)[1]
     assert plan.moves == ()
     assert _times(plan, "2", "L")[1] >= NOON + 300
 
 
 def test_a_train_without_an_arrival_comes_when_it_can_run() -> None:
-    plan = nearest_plan([_down()], limit_s=300)
+    plan = nearest_plan([[_down()]], limit_s=300)[1]
     arrives_s, departs_s = _times(plan, "1", "L")
     assert (arrives_s, departs_s) == (NOON + 300, NOON + 400) or NOON + 300 <= arrives_s <= departs_s - 20
     assert _times(plan, "1", "B")[0] >= NOON + 700
@@ -93,9 +97,11 @@ def test_a_train_without_an_arrival_comes_when_it_can_run() -> None:
 
 def test_trains_stand_at_a_signal_station_only_where_they_meet_there() -> None:
     through = replace(_visit("L", tracks=("L.1",)), standing=Standing.MAY, stay_s=10)
-    alone = nearest_plan([_down(through)], limit_s=300)
+    alone = nearest_plan([[_down(through)]], limit_s=300)[1]
     assert not alone.visits["1"][1].stands
-    met = nearest_plan([_down(through), _up(NOON + 500, loop=replace(through, tracks=("L.2",)))], limit_s=300)
+    met = nearest_plan(
+        [[_down(through), _up(NOON + 500, loop=replace(through, tracks=("L.2",)))]], limit_s=300
+    )[1]
     # The up train would be through L 10 s before noon, and has to let the down train come: 290 s to a stand.
     assert met.visits["2"][1].stands
     assert met.moves == ()
@@ -107,9 +113,77 @@ def test_a_train_that_came_down_goes_back_up_on_the_track_on_which_it_stands() -
     back = _train(
         "3", _visit("B", departure_s=NOON + 330, tracks=both[::-1]), _visit("A"), follows="1", turn_s=60
     )
-    plan = nearest_plan([down, back], limit_s=300)
+    plan = nearest_plan([[down, back]], limit_s=300)[1]
     assert plan.moves == (PrintedMove("3", "B", "departure", NOON + 330, 30),)
     assert plan.visits["1"][-1].track == plan.visits["3"][0].track
+
+
+def _against(limit_s: int) -> Arranged:
+    """Down has the line until it comes, printed at 360 s and possible at 300; up is to leave at 330."""
+    down = _train("1", _visit("A", departure_s=NOON), _visit("B", arrival_s=NOON + 360, tracks=("B.1",)))
+    up = _train("2", _visit("B", departure_s=NOON + 330, tracks=("B.2",)), _visit("A", tracks=("A.2",)))
+    return nearest_plan([[down, up]], limit_s)[1]
+
+
+def test_an_arrival_before_its_print_counts_as_one_after_it() -> None:
+    plan = _against(limit_s=300)
+    assert sum(abs(move.by_s) for move in plan.moves) == 30
+    assert plan.bound_s == pytest.approx(30.0, abs=0.5)
+
+
+def test_two_moves_within_the_limit_are_better_than_one_beyond_it() -> None:
+    moves = {(move.number, move.by_s) for move in _against(limit_s=15).moves}
+    assert moves == {("1", -15), ("2", 15)}
+
+
+def test_no_run_is_shorter_than_it_is_for_a_train_that_starts_or_stops() -> None:
+    """From a stand at A by L, where it passes, to a stand at B: 290 s and 290 s."""
+    train = _train(
+        "1",
+        _visit("A", departure_s=NOON),
+        replace(_visit("L", tracks=("L.1",)), standing=Standing.MAY),
+        _visit("B", arrival_s=NOON + 570),
+    )
+    assert nearest_plan([[train]], limit_s=300)[1].moves == (
+        PrintedMove("1", "B", "arrival", NOON + 570, 10),
+    )
+
+
+@pytest.mark.parametrize(("standing", "moved_s"), [(Standing.ALWAYS, 65), (Standing.MAY, 65)])
+def test_a_way_is_held_before_a_train_leaves_and_after_it_has_come(standing: Standing, moved_s: int) -> None:
+    """Down is at the loop at 300 s and clear 15 s after; up, to leave there at 270 s, asks 20 s before it leaves."""
+    held = Leg(("A-L",), ByStanding(20, 21), ByStanding(15, 16))
+
+    def with_ways(train: TrainToArrange) -> TrainToArrange:
+        visits = tuple(
+            v if v.leg is None or "A-L" not in v.leg.section_ids else replace(v, leg=held)
+            for v in train.visits
+        )
+        return replace(train, visits=visits)
+
+    loop = _visit("L", departure_s=NOON + 270, standing=standing, tracks=("L.2",))
+    plan = nearest_plan([[with_ways(_down()), with_ways(_up(NOON + 270, loop))]], limit_s=300)[1]
+    assert plan.moves == (PrintedMove("2", "L", "departure", NOON + 270, moved_s),)
+
+
+def test_what_is_moved_is_told_by_the_minute_and_for_each_printed_time() -> None:
+    """Of five printed times four are moved: three are no longer in the minute that is printed."""
+    moves = [PrintedMove("1", "A", "departure", NOON, by_s) for by_s in (-1, 59, 60, 120)]
+    call = Call("A", None, NOON, NOON)
+    printed = {"1": [PrintedCall(call, NOON, NOON)] * 2 + [PrintedCall(call, None, NOON)]}
+    found = moves_of_day(printed, moves)
+    assert (found.printed, found.moved, found.past_minute) == (5, 4, 3)
+    assert (found.total_s, found.worst_s, found.mean_s) == (240, 120, 48.0)
+
+
+def test_an_arrival_is_as_soon_as_it_can_be_but_not_before_its_print() -> None:
+    for printed_s, comes_s in ((None, 300), (NOON + 400, 400)):
+        train = _train("1", _visit("A", departure_s=NOON), _visit("B", arrival_s=printed_s))
+        plan = (
+            ArrangedVisit("A", NOON, NOON, True, "A.1"),
+            ArrangedVisit("B", NOON + 500, NOON + 500, True, "B.1"),
+        )
+        assert soonest(train, plan, {})[1].arrival_s == NOON + comes_s
 
 
 def test_more_sets_than_tracks_are_refused() -> None:
@@ -118,4 +192,31 @@ def test_more_sets_than_tracks_are_refused() -> None:
         for n in (1, 2)
     ]
     with pytest.raises(model.NoRoomError):
-        nearest_plan(sets, limit_s=300)
+        nearest_plan([sets], limit_s=300)
+
+
+def _comes_in(train: TrainToArrange) -> TrainToArrange:
+    """With leave to come in at L: from 40 s before it is there until 1 s after."""
+    visits = [
+        replace(
+            v, leg=replace(v.leg, overlaps=("L overlap",), enters=ByStanding(40, 40), stood=ByStanding(1, 1))
+        )
+        if v.station_id == "L" and v.leg is not None
+        else v
+        for v in train.visits
+    ]
+    return replace(train, visits=tuple(visits))
+
+
+def test_a_meet_is_moved_by_just_the_seconds_by_which_one_comes_in_later() -> None:
+    """Both could be at L at noon + 300 and leave 20 s later. One comes 41 s after the other, and leaves 41 s later; the
+    other can leave for where that came from when it has come, at noon + 341.
+    """
+    at_loop = _visit("L", departure_s=NOON + 320, tracks=("L.1",))
+    visits = _visit("B", departure_s=NOON, tracks=("B.2",)), replace(at_loop, tracks=("L.2",))
+    down, up = _down(at_loop), _train("2", *visits, _visit("A", tracks=("A.2",)))
+    assert nearest_plan([[down, up]], limit_s=300)[1].moves == ()
+    plan = nearest_plan([[_comes_in(down), _comes_in(up)]], limit_s=300)[1]
+    assert sorted(move.by_s for move in plan.moves) == [21, 41]
+    assert plan.proven
+    assert abs(_times(plan, "1", "L")[0] - _times(plan, "2", "L")[0]) >= 41

@@ -18,7 +18,9 @@ from plan.dispatching.solver import solve
 from scenario.scenario import load_scenario
 from simulation.late.entry import entry_late_s
 from simulation.late.settings import Late
+from simulation.late_day import DrawnStay, late_day
 from simulation.setup import Setup
+from study.capacity.legs import follows_on
 from study.feasibility.planned import planned_day
 from study.runner.journeys import journeys_of
 
@@ -57,6 +59,48 @@ def test_a_train_that_comes_late_sets_out_so_much_later(setup: Setup, late: Disp
     }
     assert len(moved) > 5 and max(moved.values()) > 500
     assert all(abs(late_s - drawn[number]) <= 1.0 for number, late_s in moved.items())
+
+
+def test_people_lengthen_a_stand_and_doors_put_off_a_departure(setup: Setup, late: DispatchedDay) -> None:
+    """As the late day draws them for its seed, to the second that times are rounded up to."""
+    punctual, stays = day_of(replace(setup, late=Late())), late_day(setup).stays
+    people_s, doors_s = 0.0, 0.0
+    for index, legs in enumerate(late.legs):
+        ours, theirs = late.instance.trains[index], punctual.instance.trains[index]
+        for before, (leg, operation) in zip(
+            (None, *legs), zip(legs, late.departs[index], strict=True), strict=False
+        ):
+            if leg.start is None or before is None or not follows_on(before, leg):
+                continue
+            station_id = setup.line.sections[leg.start.section_id].station_id or ""
+            drawn = stays.get((leg.number, station_id), DrawnStay())
+            sets_out_s = ours[operation].start_lb - theirs[operation].start_lb
+            stands_s = ours[operation - 1].min_duration - theirs[operation - 1].min_duration
+            assert sets_out_s == pytest.approx(drawn.doors_s, abs=1.0)
+            assert stands_s == pytest.approx(drawn.people_s, abs=1.0)
+            people_s, doors_s = people_s + drawn.people_s, doors_s + drawn.doors_s
+    assert people_s > 60.0 and doors_s > 5.0
+
+
+def test_what_halts_take_longer_is_time_on_the_way(
+    setup: Setup, late: DispatchedDay, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Five of seven stations of the line are halts, where most of what a day draws is lost."""
+    halts = {station.id for station in setup.line.stations.values() if station.is_halt}
+    drawn_s = sum(
+        stay.people_s + stay.doors_s
+        for (_, station_id), stay in late_day(setup).stays.items()
+        if station_id in halts
+    )
+    monkeypatch.setattr(day, "HALTS_COUNT", False)
+    without = day_of(setup)
+    lasts_s = [
+        sum(operation.min_duration for train in problem.instance.trains for operation in train)
+        for problem in (late, without)
+    ]
+    legs = sum(map(len, late.legs))
+    assert drawn_s > 1000.0
+    assert lasts_s[0] - lasts_s[1] == pytest.approx(drawn_s, abs=legs)  # each is rounded up
 
 
 def test_each_set_has_what_its_way_needs_before_it_sets_out(
@@ -103,5 +147,12 @@ def test_export_solve_import(tmp_path: Path) -> None:
     scenario = load_scenario(ordered)
     assert scenario.setup.seed == SEED
     assert len(scenario.setup.dispatch.given) > 50
+    text = Path(ordered).read_text("utf-8")
+    for out, said in ((ordered, "another name"), (problem, "NAME.toml"), (str(tmp_path / "a"), "NAME.toml")):
+        again = CliRunner().invoke(app, ["import", "displib", ordered, solved, out, "--seed", "7"])
+        assert isinstance(again.exception, InputError)
+        assert said in str(again.exception)
+    assert Path(ordered).read_text("utf-8") == text
+    ordered = str(tmp_path / "other.toml")
     other = CliRunner().invoke(app, ["import", "displib", "karasuyama_late", solved, ordered, "--seed", "8"])
     assert isinstance(other.exception, InputError)

@@ -205,6 +205,28 @@ def test_it_costs_no_more_than_the_best_of_all_orders(drawn: list[Train]) -> Non
     assert (None if answer.solution is None else answer.solution.objective_value) == best
 
 
+@st.composite
+def delays(draw: st.DrawFn, drawn: list[Train]) -> tuple[OperationDelay, ...]:
+    """Costs of any operation, steps and slopes, of which one train may have several."""
+    found: list[OperationDelay] = []
+    for _ in range(draw(st.integers(1, 4))):
+        train = draw(st.integers(0, len(drawn) - 1))
+        operation = draw(st.integers(0, len(drawn[train]) - 1))
+        threshold, increment, coeff = (draw(st.integers(0, most)) for most in (9, 20, 3))
+        found.append(OperationDelay("op_delay", train, operation, threshold, increment, coeff))
+    return tuple(found)
+
+
+@given(st.data())
+def test_steps_and_slopes_of_any_operation_are_weighed(data: st.DataObject) -> None:
+    drawn = data.draw(st.lists(trains(), min_size=2, max_size=3))
+    instance = Instance(tuple(drawn), data.draw(delays(drawn)))
+    answer, best = solve(instance, WORK), least_by_trying(instance)
+    assert (None if answer.solution is None else answer.solution.objective_value) == best
+    if answer.solution is not None:
+        assert not list(objections(instance, answer.solution))
+
+
 @given(st.lists(trains(), min_size=2, max_size=3))
 def test_one_answer_for_many_questions_loses_nothing(drawn: list[Train]) -> None:
     instance = in_time(*drawn)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from itertools import combinations
 
@@ -11,11 +12,14 @@ from network.model import Direction
 from plan.moving import bounds as moving_bounds
 from plan.moving.bounds import LegBounds, MoveTerms, bounds_of
 from plan.moving.model import FoundMoves, MovingModel
-from study.capacity.legs import SetLeg
-from study.capacity.occupation import TOUCH_S
-from tests.study.capacity.hand_made import FREE_S, SET_S, Made, legs
+from plan.moving.proof import MoveBound
+from study.capacity.legs import SetLeg, legs_of
+from study.capacity.occupation import TOUCH_S, Occupation, OccupationPart, Slice
+from tests.plan.test_proofs import CROSS
+from tests.study.capacity.hand_made import FREE_S, SET_S, Made, held, legs
 
 WORK = 1.0
+BEYOND = held("Q.1", "d", 600, 610, stays=True)
 PAIR = (Made("1", Direction.DOWN, 0.0), Made("2", Direction.UP, 0.0))
 
 
@@ -109,3 +113,52 @@ def test_the_least_interval_of_a_line_with_one_loop() -> None:
 def test_a_period_in_which_a_section_does_not_hold_both_is_impossible() -> None:
     bounds = bounds_of(legs(list(PAIR)), MoveTerms(1.0, periodic=True))
     assert as_soon_as_can_be(bounds, 2 * 325 - 1).impossible
+
+
+def of_hand(*occupations: Occupation) -> tuple[SetLeg, ...]:
+    return legs_of(list(occupations), lambda section: "." in section)
+
+
+def test_a_train_that_passes_waits_not_at_all() -> None:
+    way = of_hand(held("X", "d", 0, 90), held("P.1", "d", 90, 100), held("Y", "d", 100, 200), BEYOND)
+    assert {MoveBound(0, 1, 0), MoveBound(1, 0, 0)} <= set(bounds_of(way, MoveTerms(1.0)).always)
+
+
+def test_a_set_comes_back_after_it_has_left() -> None:
+    """It is in the portal P.1 at 10 s, and comes from P.2 at 500 s."""
+    way = of_hand(
+        *(held("X", "d", 0, 10), held("P.1", "d", 10, 20)),
+        *(held("P.2", "d", 490, 500), held("Y", "d", 500, 600), BEYOND),
+    )
+    assert MoveBound(0, 1, 10 - 490) in bounds_of(way, MoveTerms(1.0)).always
+
+
+def test_who_stood_there_when_the_day_began_goes_first() -> None:
+    """It leaves its track at 100 s, and another's way onto it is set at 150 s."""
+    ready = Occupation(
+        "P.1", "a", "a", Direction.DOWN, (Slice(OccupationPart.READY, 0.0, 100.0),), -math.inf, 100.0
+    )
+    both = of_hand(
+        *(ready, held("X", "a", 100, 200), held("Q.1", "a", 200, 210, stays=True)),
+        *(held("Y", "u", 50, 150, down=False), held("P.1", "u", 150, 160, down=False, stays=True)),
+    )
+    number = {leg.stock_id: at for at, leg in enumerate(both)}
+    bounds = bounds_of(both, MoveTerms(1.0))
+    assert MoveBound(number["a"], number["u"], 100 - 150, "P.1") in bounds.always
+    assert bounds.either == ()
+
+
+def test_sections_between_which_no_trains_can_cross_are_one_question() -> None:
+    """Down has X until 30 s and Y until 50, up both from 10 s, Y until 50 and X until 70: 40 s, or 70 the other way."""
+    ends = held("P.1", "d", 50, 60, stays=True), held("P.2", "u", 70, 80, down=False, stays=True)
+    both = of_hand(
+        *(held("X", "d", 0, 30), held("Y", "d", 0, 50), ends[0]),
+        *(held("Y", "u", 10, 50, down=False), held("X", "u", 10, 70, down=False), ends[1]),
+    )
+    (either,) = bounds_of(both, MoveTerms(1.0)).either
+    first = {both[bound.before].stock_id: bound.least for bound in (either.one_first, either.other_first)}
+    assert first == {"d": 40, "u": 70}
+
+
+def test_sections_between_which_trains_can_cross_are_two_questions() -> None:
+    assert len(bounds_of(CROSS, MoveTerms(1.0)).either) == 2

@@ -4,22 +4,31 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import subprocess
+from typing import Final
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from host.order_solver import SolverProcess, order_solver
+from host import order_solver
+from host.order_solver import SolverProcess
+from host.parties import PartyError
 from plan.dispatching.asked import answer_to
-from radio.messages import RouteGranted, RouteRefused
+from radio.messages import RouteGranted, RouteRefused, RouteRequest
 from study.evaluate import order_of_trains
 from study.evaluate.order_of_trains import lost_min
 from tests.wayside.loop_line import Play, config_of
 from wayside import order
 from wayside.config import JourneyMove, ManagerConfig, OrderRule
-from wayside.order_question import OrderMove, OrderQuestion, OrderTrain, without_solver
+from wayside.journeys import DayProgress, Stands, days_of
+from wayside.order import is_disturbed
+from wayside.order_question import OrderAnswer, OrderMove, OrderQuestion, OrderTrain, without_solver
+from wayside.places import stands_of
 from wayside.said import HeldBack, OrderLacking
+from wayside.solved_order import question_of
 
 # A slow train, late by its doors, is planned first from the middle to the east; a fast one comes against it and goes on
 # to the west, from where a third is planned after it. All three ask at once, so late is the slow one.
@@ -84,7 +93,7 @@ def test_a_day_on_which_the_order_of_all_is_better(
 def asked(*, solved: bool = True, **dispatch: object) -> Play:
     play = Play(config(OrderRule.OPTIMAL, **dispatch), WAYS, now_s=ASKS_S)
     plan = dataclasses.replace(play.register.plan, solver=answer_to if solved else without_solver)
-    play.register = dataclasses.replace(play.register, plan=plan)
+    play.register = replace(play.register, plan=plan)
     return play
 
 
@@ -119,11 +128,152 @@ def test_without_a_solver_the_order_is_that_of_less_delay_and_says_so_once() -> 
     assert [note for note in without.notes if note not in lacking] == pairwise.notes
 
 
-def test_a_solver_that_does_not_start_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("host.order_solver.MODULE", "plan.dispatching.missing")
+def test_what_is_asked_is_what_the_manager_knows() -> None:
+    """The fast train has left 181 s late, and gives nothing back yet: it comes 60 s from now, is ready 20 s later."""
+    play = asked()
+    fast = play.config.dispatch.journeys[2].moves[0]
+    assert isinstance(play.hear(2, RouteRequest("u2", fast.route_id, ("1-2", fast.section_id))), RouteGranted)
+    register = play.register.with_trip("u1", DayProgress(astray=True))
+    days = register.plan.days
+    assert days is not None
+    numbers = {section_id: k for k, section_id in enumerate(days.bits)}
+    slow, third, fast_one = question_of(register, days, stands_of(register, days)).trains
+    held = tuple(sorted(numbers[s] for s in ("2.2", "1-2", "1.3")))
+    assert (fast_one.holds, fast_one.keeps) == (held, (numbers["1.3"],))
+    assert (fast_one.comes_s, fast_one.ready_s) == (FAST_S, STAYS_S)
+    line = tuple(sorted(numbers[s] for s in ("0-1", "0.2")))
+    assert fast_one.moves == (OrderMove(line, (numbers["0.2"],), 0, 60, 20, int(FAST_DUE_S - ASKS_S), True),)
+    assert third == OrderTrain((), 0, (), 0, ())  # it goes where nobody knows
+    assert (slow.comes_s, slow.ready_s, slow.moves[0].due_s) == (0, 0, int(SLOW_DUE_S - ASKS_S))
+
+
+def test_each_train_of_a_stock_counts_where_it_ends() -> None:
+    given = config(OrderRule.OPTIMAL)
+    *others, fast = given.dispatch.journeys
+    for first, counts in (("2", [False, True]), ("another", [True, True])):
+        moves = (replace(fast.moves[0], train=first), fast.moves[1])
+        days = days_of(
+            replace(given, dispatch=replace(given.dispatch, journeys=(*others, replace(fast, moves=moves))))
+        )
+        assert days is not None
+        asked_of = question_of(asked().register, days, Stands((0, 0, 0), (0, 0, 0)))
+        assert [move.counts for move in asked_of.trains[2].moves] == counts
+
+
+def test_it_is_asked_only_where_one_is_late_and_others_want_the_line_and_once_a_minute() -> None:
+    play, questions = asked(), list[OrderQuestion]()
+
+    def solver(question: OrderQuestion) -> OrderAnswer:
+        questions.append(question)
+        return without_solver(question)
+
+    plan = dataclasses.replace(play.register.plan, solver=solver)
+    play.register = replace(play.register, plan=plan)
+    for play.now_s, count in ((100.0, 0), (339.0, 0), (340.0, 1), (399.0, 1), (400.0, 2)):
+        play.hear(
+            0,
+            RouteRequest(
+                "u0",
+                "1.1>2.1",
+                ("1-2", "2.1"),
+            ),
+        )
+        play.register = replace(
+            play.register, holders={s: u for s, u in play.register.holders.items() if "-" not in s}
+        )
+        assert len(questions) == count
+        play.register = play.register.with_trip("u0", DayProgress())
+    days = play.register.plan.days
+    assert days is not None
+    assert is_disturbed(play.register, days, Stands((0, 0, 0), (0, 0, 0)), 0)
+    assert not is_disturbed(play.register, days, Stands((0, 1, 2), (0, 0, 0)), 0)  # all others are through
+
+
+def test_an_order_of_which_more_may_be_hoped_says_so() -> None:
+    play = asked()
+    plan = dataclasses.replace(play.register.plan, solver=lambda _: OrderAnswer((2, 1, 2, 0), 120, 60))
+    play.register = replace(play.register, plan=plan)
+    play.asks(0)
+    (held,) = [note.why for note in play.notes if isinstance(note, HeldBack)]
+    assert held == "0 waits for 2: 2 min late in all in the best order known"
+
+
+def test_where_a_train_leaves_or_has_not_come_yet_nobody_else_can_be() -> None:
+    """The second wants the place that the first leaves, or the line on which it still is for 40 s."""
+    wants = OrderTrain((5,), 0, (5,), 0, (OrderMove((1,), (1,), 0, 10, 0, 10, True),))
+    leaves = OrderTrain((1,), 0, (1,), 0, (OrderMove((100, 2), (2,), 0, 60, 0, 60, True),))
+    comes = OrderTrain((1, 2), 40, (2,), 0, ())
+    for first, late_s in ((leaves, 60), (comes, 40)):
+        found = answer_to(OrderQuestion((first, wants), (), 7200, 0.5))
+        assert (found.delay_s, found.bound_s) == (late_s, late_s)
+
+
+def test_an_answer_names_trains_as_they_were_asked() -> None:
+    off_the_line = OrderTrain((), 0, (), 0, ())
+    assert answer_to(OrderQuestion((off_the_line, *ONE.trains), (), 7200, 0.1)).order == (1,)
+
+
+ONE: Final = OrderQuestion(
+    (OrderTrain((1,), 0, (1,), 30, (OrderMove((100, 11), (11,), 0, 60, 20, 60, True),)),), (), 7200, 0.1
+)
+ENDED: Final = OrderAnswer(lacking="the solver has ended without an answer")
+NOTHING: Final = OrderQuestion((), (), 7200, 0.01)
+
+
+@pytest.mark.parametrize("module", ["plan.dispatching.missing", "tests.plan.odd_solver"])
+def test_a_solver_that_ends_is_none_from_then_on(module: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ODD_SOLVER", "ends")
+    monkeypatch.setattr(order_solver, "MODULE", module)
     solver = SolverProcess()
-    question = OrderQuestion((), (), 7200, 0.01)
-    assert solver(question) == solver(question) == without_solver(question)
+    assert solver(NOTHING) == ENDED
+    monkeypatch.setattr(order_solver, "started", None)
+    assert solver(NOTHING) == ENDED
+
+
+def test_a_solver_that_was_killed_is_started_again_and_answers_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    start, started = order_solver.started, list[subprocess.Popen[bytes]]()
+    monkeypatch.setattr(order_solver, "started", lambda: started.append(start()) or started[-1])
+    for starts, answer in ((2, answer_to(ONE)), (1, ENDED)):
+        monkeypatch.setattr(order_solver, "STARTS", starts)
+        solver = SolverProcess()
+        assert solver(ONE) == answer_to(ONE)
+        started[-1].kill()
+        started[-1].wait()
+        assert solver(ONE) == answer
+        solver.close()
+
+
+@pytest.mark.parametrize(("does", "said"), [("nothing", "hangs"), ("nonsense", "what is no answer")])
+def test_a_solver_that_hangs_or_answers_nonsense_ends_the_run(
+    does: str, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ODD_SOLVER", does)
+    monkeypatch.setattr(order_solver, "MODULE", "tests.plan.odd_solver")
+    if does == "nothing":
+        monkeypatch.setattr(order_solver, "LOOKS_S", 0.01)
+        monkeypatch.setattr(order_solver, "HANGS_S", 0.0)
+    solver = SolverProcess()
+    with pytest.raises(PartyError, match=said):
+        solver(NOTHING)
+    solver.close()
+
+
+def test_a_question_larger_than_a_pipe_is_answered() -> None:
+    question = OrderQuestion(ONE.trains, (9,) * (1 << 16), 7200, 0.1)
+    assert len(msgspec.json.encode(question)) > 1 << 16
+    assert order_solver.order_solver()(question) == answer_to(question)
+
+
+@pytest.mark.parametrize("order", [(7,), (-1,), (0, 0)], ids=["no train", "below none", "a move too many"])
+def test_an_order_of_other_moves_than_were_asked_for_is_none(order: tuple[int, ...]) -> None:
+    play = asked()
+    plan = dataclasses.replace(play.register.plan, solver=lambda _: OrderAnswer(order))
+    play.register = replace(play.register, plan=plan)
+    play.asks(0)
+    (lacking,) = [note.why for note in play.notes if isinstance(note, OrderLacking)]
+    assert lacking == "the solver's order is not of the moves asked for"
 
 
 @st.composite
@@ -182,7 +332,5 @@ def test_the_order_delays_least(question: OrderQuestion) -> None:
 
 
 def test_the_process_answers_as_the_function() -> None:
-    moves = (OrderMove((100, 11), (11,), 0, 60, 20, 60, True),)
-    question = OrderQuestion((OrderTrain((1,), 0, (1,), 30, moves),), (), 7200, 0.1)
-    assert order_solver()(question) == answer_to(question)
-    assert answer_to(question).delay_s == 30
+    assert order_solver.order_solver()(ONE) == answer_to(ONE)
+    assert answer_to(ONE).delay_s == 30

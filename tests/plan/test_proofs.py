@@ -14,12 +14,20 @@ from network.model import Direction
 from plan.moving import bounds as moving_bounds
 from plan.moving.bounds import MoveTerms, bounds_of
 from plan.moving.model import MovingModel
-from plan.moving.proof import Circle, ExcludedPeriods, Impossibility, circles_of, proof_text
+from plan.moving.proof import (
+    Circle,
+    ExcludedPeriods,
+    Impossibility,
+    MoveBound,
+    TwoCases,
+    circles_of,
+    proof_text,
+)
 from plan.moving.recount import Recount
 from plan.moving.refutation import excluded_by, refutation_of
 from plan.moving.stints import stints_of
-from study.capacity.legs import SetLeg
-from tests.study.capacity.hand_made import FREE_S, SET_S, Made, legs
+from study.capacity.legs import SetLeg, legs_of
+from tests.study.capacity.hand_made import FREE_S, SET_S, Made, held, legs
 
 PAIR = legs([Made("1", Direction.DOWN, 0.0), Made("2", Direction.UP, 0.0)])
 BEYOND_S = SET_S + 240.0 + 30.0 + 180.0 + FREE_S  # one train over S2, M and S3, beyond the loop
@@ -122,6 +130,120 @@ def test_there_is_a_proof_just_where_the_solver_finds_no_moves(
     assert (found.moves is None) is (proof is not None)
     if proof is not None:
         Recount(trains, 1.0).refuse(proof)
+
+
+# Two trains that cross between sections X and Y, a hundred seconds long on their way: 20 s are enough for both.
+CROSS = legs_of(
+    [
+        *(
+            held("X", "d", 0.0, 10.0),
+            held("Y", "d", 100.0, 110.0),
+            held("P.1", "d", 110.0, 120.0, stays=True),
+        ),
+        held("Y", "u", 0.0, 10.0, down=False),
+        *(held("X", "u", 100.0, 110.0, down=False), held("P.2", "u", 110.0, 120.0, down=False, stays=True)),
+    ],
+    lambda section: "." in section,
+)
+# One that passes P between its two legs; the second begins 190 s after the first.
+PASSING = legs_of(
+    [
+        *(held("X", "d", 0.0, 190.0), held("P.1", "d", 190.0, 200.0)),
+        *(held("Y", "d", 200.0, 300.0), held("Q.1", "d", 300.0, 310.0, stays=True)),
+    ],
+    lambda section: "." in section,
+)
+UP_FIRST_ON_X, DOWN_FIRST_ON_X = MoveBound(1, 0, 110, "X"), MoveBound(0, 1, -90, "X")
+DOWN_FIRST_ON_Y = MoveBound(0, 1, 110, "Y")
+NOT_SOONER, NOT_A_PERIOD_LATER = MoveBound(0, 1, 0), MoveBound(1, 0, 1, periods=1)
+AGAIN = MoveBound(1, 0, 190), MoveBound(0, 1, -190, periods=-1)
+
+
+def cases(one: MoveBound, other: MoveBound, rest: MoveBound, other_rest: MoveBound) -> TwoCases:
+    return TwoCases(one, other, Circle((one, rest)), Circle((other, other_rest)))
+
+
+FALSE = {
+    "the circle of one that does not close": (
+        CROSS, None, Circle((NOT_SOONER, MoveBound(0, 0, 10, "X", periods=1))), "does not close",
+    ),
+    "cases that leave some repetitions out": (
+        CROSS, None, cases(UP_FIRST_ON_X, DOWN_FIRST_ON_X.later(-2), NOT_SOONER, NOT_A_PERIOD_LATER), "more cases",
+    ),
+    "cases of two sections between which trains can cross": (
+        CROSS,
+        None,
+        cases(UP_FIRST_ON_X.later(1), DOWN_FIRST_ON_Y.later(-1), NOT_SOONER, NOT_A_PERIOD_LATER),
+        "more cases",
+    ),
+    "a circle that adds up to nothing": (
+        PASSING, None, Circle((NOT_SOONER, MoveBound(1, 0, 0))), "a circle of 0 ticks",
+    ),
+    "rounds of which some are left out": (
+        PASSING, 1, cases(AGAIN[0], AGAIN[1].later(-1), NOT_SOONER, MoveBound(1, 0, 0)), "more cases",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FALSE)
+def test_a_proof_of_what_is_not_so_is_refused(name: str) -> None:
+    """Each number in it is right by itself, and it claims just what its circles would show."""
+    trains, again, because, said = FALSE[name]
+    low, high = excluded_by(because)
+    excluded = ExcludedPeriods(int(low), None if high == float("inf") else int(high), because)
+    recount = Recount(trains, 1.0, again)
+    with pytest.raises(ValueError, match=said):
+        recount.refuse(Impossibility(1.0, recount.names, (excluded,)))
+
+
+def test_cases_that_are_all_are_taken() -> None:
+    """As above, without what is wrong: 20 s are needed on X, and a round of 190 s fits no period above that."""
+    circles = bounds_of(CROSS, MoveTerms(1.0, periodic=True))
+    proof = refutation_of(circles, 19)
+    assert proof is not None
+    assert refutation_of(circles, 20) is None
+    around = cases(*AGAIN, NOT_SOONER, MoveBound(1, 0, 0))
+    for trains, again, because in ((CROSS, None, proof), (PASSING, 1, around)):
+        low, high = excluded_by(because)
+        excluded = ExcludedPeriods(int(low), None if high == float("inf") else int(high), because)
+        recount = Recount(trains, 1.0, again)
+        recount.refuse(Impossibility(1.0, recount.names, (excluded,)))
+
+
+@pytest.mark.parametrize("excluded", [(), (ExcludedPeriods(0, 0, Circle((NOT_SOONER, NOT_A_PERIOD_LATER))),)])
+def test_a_proof_that_excludes_nothing_is_none(excluded: tuple[ExcludedPeriods, ...]) -> None:
+    recount = Recount(CROSS, 1.0)
+    with pytest.raises(ValueError, match="excludes no interval"):
+        recount.refuse(Impossibility(1.0, recount.names, excluded))
+
+
+def test_a_proof_names_its_legs_and_its_ticks() -> None:
+    proof = proof_at(PAIR, 600)
+    assert proof is not None
+    for other in (
+        msgspec.structs.replace(proof, legs=proof.legs[::-1]),
+        msgspec.structs.replace(proof, tick_s=2.0),
+    ):
+        with pytest.raises(ValueError, match="other legs"):
+            Recount(PAIR, 1.0).refuse(other)
+
+
+def test_parts_of_a_second_are_rounded_up_by_both() -> None:
+    trains = legs([Made("1", Direction.DOWN, 0.0, throw_s=4.3), Made("2", Direction.UP, 0.0, throw_s=4.3)])
+    proof = proof_at(trains, 600)
+    assert proof is not None
+    Recount(trains, 1.0).refuse(proof)
+
+
+def test_a_stint_has_the_shortest_stand_in_seconds() -> None:
+    """The down train on its track of the loop, where 40 s of its 60 are enough."""
+    terms = MoveTerms(0.1, dwell_min_s=40.0, periodic=True)
+    down = legs([Made("1", Direction.DOWN, 0.0)])
+    circle = refutation_of(bounds_of(down, terms), round(10.0 * (LOOP_S - 20.0)) - 1)
+    assert isinstance(circle, Circle)
+    (stint,) = stints_of(down, circle, 0.1)
+    assert (stint.direction, stint.takes, stint.frees) == (Direction.DOWN, "L.1", "L.1")
+    assert stint.length_s == pytest.approx(LOOP_S - 20.0)
 
 
 def test_where_sections_are_anybodys_nothing_is_impossible(monkeypatch: pytest.MonkeyPatch) -> None:

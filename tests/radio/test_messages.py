@@ -33,6 +33,9 @@ EXAMPLES: list[m.AnyMessage] = [
     m.PointsRefused("p", m.PointsRefusalReason.OLD_TOKEN, 5),
     m.Restarted(),
     m.Contested(("a", "b")),
+    m.TrackOrdered("R", "S"),
+    m.RouteTakenBack("R", 5, 30.0),
+    m.OrderRefused("R", m.OrderRefusalReason.NOT_HELD),
 ]
 
 

@@ -65,6 +65,7 @@ def test_without_tables_nothing_scatters_learns_or_looks() -> None:
         ),
         ("[tuning]\ndays = 0", "tuning.days"),
         ('[vision]\nstations = ["C"]', "vision.stations[0]"),
+        ('[dispatch]\ngiven = ["K1", "K9"]', "dispatch.given"),
     ],
 )
 def test_what_cannot_be_is_named(tmp_path: Path, text: str, key: str) -> None:

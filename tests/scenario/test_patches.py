@@ -42,6 +42,41 @@ def test_a_departure_by_train_and_station(tmp_path: Path) -> None:
     assert what_if.inputs.changes == [change]
 
 
+LIKE_331M = """[[patch.timetable.like]]
+number = "331M-2"
+train = "331M"
+later_s = 7200
+stock = "V9"
+"""
+
+
+def test_a_train_like_another_two_hours_later(tmp_path: Path) -> None:
+    ways = 'begins = "stabled"\nends = "stabled"\n'
+    what_if = patched(tmp_path, LIKE_331M + ways).setup.timetable
+    old, new = (what_if.trains[number] for number in ("331M", "331M-2"))
+    assert [(c.station_id, c.first_s - 7200, c.last_s - 7200) for c in new.calls] == [
+        (c.station_id, c.first_s, c.last_s) for c in old.calls
+    ]
+    assert any(diagram.train_numbers == ("331M-2",) for diagram in what_if.diagrams)
+
+
+@pytest.mark.parametrize(
+    ("more", "key"),
+    [
+        ("", r"like\[0\]\.(begins|ends).*a set of its own"),
+        ('begins = "stabled"\nends = "becomes:333M"\n', r"like\[0\]\.ends is 'becomes:333M'"),
+    ],
+)
+def test_a_train_like_another_has_a_set_of_its_own(tmp_path: Path, more: str, key: str) -> None:
+    with pytest.raises(InputError, match=key):
+        patched(tmp_path, LIKE_331M + more)
+
+
+def test_a_train_like_one_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"like\[0\]\.train is '9M'"):
+        patched(tmp_path, LIKE_331M.replace('"331M"', '"9M"'))
+
+
 def test_running_times_by_share_between_hours(tmp_path: Path) -> None:
     """321M leaves HSK at 05:37 and runs 5, 3, 4, 6, 4, 4, 5 min; only runs that begin before 05:50 are stretched."""
     text = '[[patch.timetable.scale]]\nfrom = "05:30"\nto = "05:50"\ntimes = 1.5\ntrains = ["321M"]\n'

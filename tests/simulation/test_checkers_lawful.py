@@ -78,7 +78,7 @@ class Lawful:
     """Trains A, B, C that keep every rule, driven by random acts; an act that is not allowed now does nothing."""
 
     def __init__(self) -> None:
-        self.checkers = Checkers(net(), POINTS, ("A", "B", "C"), {}, {}, 0.8)
+        self.checkers = Checkers(net(), POINTS, ("A", "B", "C"), {}, {}, 0.8, {})
         self.t_s = 0.0
         self.token = 0
         self.trains: dict[str, Runner] = {}

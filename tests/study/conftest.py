@@ -6,6 +6,7 @@ import math
 import random
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -188,8 +189,9 @@ def make_run(line: Line, timetable: Timetable, seed: int = 1) -> RunTables:
 
 @pytest.fixture(scope="session")
 def make_day() -> Callable[[str, str], ReportedRun]:
-    """A made-up run of a shipped line and timetable."""
+    """A made-up run of a shipped line and timetable; who changes it takes a copy."""
 
+    @cache
     def make(line_name: str, timetable_name: str) -> ReportedRun:
         line = load_line(shipped_line(line_name))
         timetable = load_timetable(shipped_timetable(timetable_name), line)

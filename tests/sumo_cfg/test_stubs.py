@@ -34,6 +34,8 @@ def real(path: str) -> object:
 def test_each_function_takes_these_parameters(path: str, stub: ast.FunctionDef) -> None:
     function = real(path)
     assert callable(function)
+    if path.startswith("_libsumo."):
+        return  # compiled, and without a signature
     taken = list(inspect.signature(function).parameters)
     stated = [argument.arg for argument in stub.args.args]
     # Overloaded functions of the wrapper say only *args: their names cannot be compared.

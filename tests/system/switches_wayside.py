@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 
 import msgspec
 import pytest
@@ -25,7 +24,7 @@ from radio.messages import (
 )
 from radio.noted import TookEffect
 from tests.system.switchboard import K1_ON_P7_S, K2_ON_P7_S, switch
-from wayside import acts, barring, block_manager, leaving, point_terminal, reentry, register
+from wayside import acts, barring, block_manager, entering, leaving, point_terminal, reentry, register
 from wayside.actions import Action, Send, Show
 from wayside.config import ManagerConfig
 from wayside.register import Register, UnitStanding
@@ -40,6 +39,11 @@ def grants_what_another_holds(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
+def lets_all_come_in(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(entering, "EXCLUDES", False)
+
+
+@switch
 def grants_while_undefined(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Register, "defined", property(lambda _: True))
 
@@ -51,7 +55,7 @@ def starts_with_every_section_free(patch: pytest.MonkeyPatch) -> None:
     def afresh(
         config: ManagerConfig, epoch: int, keys: Mapping[str, bytes], *_kept: Iterable[str] | None
     ) -> Register:
-        return replace(start(config, epoch, keys, ()), restoring=False)
+        return msgspec.structs.replace(start(config, epoch, keys, ()), restoring=False)
 
     patch.setattr(device, "start_register", afresh)
     patch.setattr(register, "UNKNOWN_UNIT", register.RegisteredUnit(UnitStanding.OUTSIDE))
@@ -88,7 +92,7 @@ def accepts_a_picture_without_the_silent(patch: pytest.MonkeyPatch) -> None:
 @switch
 def tokens_begin_anew(patch: pytest.MonkeyPatch) -> None:
     def next_token(self: Register) -> tuple[Register, int]:
-        return replace(self, counter=self.counter + 1), self.counter + 1
+        return msgspec.structs.replace(self, counter=self.counter + 1), self.counter + 1
 
     patch.setattr(Register, "next_token", next_token)
 

@@ -66,6 +66,12 @@ DEFECTS: Final = (
         "tokens_begin_anew",
         (Checker.TOKENS_GROW,),
     ),
+    Defect(
+        "leave to come in for two at once",
+        "rtri/78_comes_in_at_once",
+        "lets_all_come_in",
+        (Checker.ONE_COMES_IN, "T2 is not let over the points before T1 stands"),
+    ),
     Defect("silence frees what a unit holds", "two_trains", "silence_frees", (Checker.INSIDE_HOLDING,)),
     Defect(
         "the block manager refuses everything",
@@ -243,6 +249,7 @@ EVERY_RUN: Final = tuple(
     in {
         "grants_what_another_holds",
         "grants_while_undefined",
+        "lets_all_come_in",
         "tokens_begin_anew",
         "silence_frees",
         "never_asks_again",

@@ -18,6 +18,7 @@ from onboard.authority import machine as authority
 from onboard.authority import records as sym
 from onboard.authority.records import Authority
 from onboard.authority.tables import Result, SignOnStanding
+from onboard.duty import entering as duty_entering
 from onboard.duty import fitness
 from onboard.duty import machine as duty_machine
 from onboard.duty.mission import Mission
@@ -96,6 +97,10 @@ def obeys_only_while_it_hears_the_manager(patch: pytest.MonkeyPatch) -> None:
 
 def releases_whole_routes(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(duty_machine, "releases_at_each", lambda *_: False)
+
+
+def gives_points_back_running(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(duty_entering, "KEEPS", False)
 
 
 def grants_no_part(patch: pytest.MonkeyPatch) -> None:
@@ -333,6 +338,10 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "77b_power_in_a_block": (
             "starts_with_every_section_free",
             "nothing is granted before persons have accepted the picture",
+        ),
+        "78_comes_in_at_once": (
+            gives_points_back_running,
+            "nor given leave for them, though T1's arrival tag says that its rear is in",
         ),
         "80_cable_cut_central": (reaches_over_a_cut, "nothing is granted while the cable is cut"),
         "80b_cable_cut_on_board": (says_everything_over_the_cable, "no telegram is lost in the cable"),

@@ -36,7 +36,7 @@ timetable = "times.toml"
 [trains]
 default = "br642"
 """
-# Loops, ladders of three and four tracks, a bay, a signal station, stations 600 m apart, portals, no loop at all.
+# Loops, ladders of three and four tracks, a bay, a signal station, stations 600 m apart and 36 km, portals, no loop.
 LISTS = {
     "mixed": """name,km,tracks,kind,points,normal,end
 A,0,3,,,,
@@ -50,12 +50,13 @@ H,13,2,,,,portal
 """,
     "portals": "name,km,tracks,end\nA,0,3,portal\nB,2.5,1,\nM,5,3,\nZ,9,1,portal\n",
     "no_loop": "name,km,tracks\nA,0,1\nB,1.5,1\nZ,4,1\n",
+    "far": "name,km,tracks\nA,0,1\nM,3,2\nZ,39,1\n",
     "near": "name,km,tracks,side\nA,0,1,\nM,0.6,2,left\nN,1.2,2,\nZ,1.8,1,\n",
 }
 
 
 @pytest.mark.system
-@pytest.mark.parametrize("name", others_nightly(LISTS, ["portals", "no_loop"]))
+@pytest.mark.parametrize("name", others_nightly(LISTS, ["portals", "no_loop", "far"]))
 def test_real_trains_run_on_it(main: Callable[..., Any], tmp_path: Path, name: str) -> None:
     pytest.importorskip("sumo", reason="netconvert makes the net of a line that is not shipped")
     (tmp_path / "list.csv").write_text(LISTS[name], "utf-8")

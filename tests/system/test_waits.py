@@ -45,6 +45,7 @@ AGREES: Mapping[str, tuple[Cause, ...]] = {
     r"route .*: held": (Cause.ROUTE_HELD, Cause.ANSWER, *BEFORE_ITS_TIME, *ABNORMAL),
     r"(route .*|signing on): no way on": (Cause.NO_WAY_ON, *BEFORE_ITS_TIME, *ABNORMAL),
     r"(route .*|signing on): not its turn": (Cause.NOT_ITS_TURN, *BEFORE_ITS_TIME, *ABNORMAL),
+    r"route .*: overlap": (Cause.OVERLAP, *BEFORE_ITS_TIME, *ABNORMAL),
     r"route .*: undefined": (Cause.REFUSED, *BEFORE_ITS_TIME, *ABNORMAL),
     r"route .*: no answer": (Cause.ANSWER, Cause.COVERAGE, Cause.STARTING, *BEFORE_ITS_TIME, *ABNORMAL),
     r"points .*: not detected": (Cause.POINTS_REFUSED, *BEFORE_ITS_TIME, *ABNORMAL),

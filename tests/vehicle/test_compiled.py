@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from cProfile import Profile
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
@@ -103,6 +104,15 @@ def test_what_was_compiled_is_found_again(load: Load) -> None:
     first, again = load().outer, load().outer
     assert (first(3.0), compilations(first)) == (19.0, 1)
     assert (again(3.0), compilations(again)) == (19.0, 0)
+
+
+def test_a_profiled_run_finds_it_too(load: Load) -> None:
+    first, profiled = load(), load()
+    first.inner(3.0)
+    first.outer(3.0)
+    with Profile():
+        profiled.inner(3.0)
+        assert (profiled.outer(3.0), compilations(profiled.outer)) == (19.0, 0)
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,8 @@ from radio.messages import (
     ClaimQuery,
     HoldingConfirmed,
     HoldingReport,
+    OrderRefusalReason,
+    OrderRefused,
     PointsProof,
     RefusalReason,
     RouteGranted,
@@ -41,6 +43,7 @@ from wayside.said import (
     Contradicted,
     Freed,
     Granted,
+    NotDone,
     Outside,
     PictureChanged,
     Refused,
@@ -123,6 +126,9 @@ def test_a_train_on_its_way_is_granted_what_lies_ahead_whoever_is_behind_it() ->
     granted = desk.hear("u1", RouteRequest("u1", "over", ("D", "E")))
     assert isinstance(granted, RouteGranted)
     assert granted.section_ids == ("D", "E")
+    refused = defined(u1=("E",)).hear("u1", RouteRequest("u1", "over", ("D", "E")))
+    assert isinstance(refused, RouteRefused)  # it is beyond where that begins
+    assert refused.reason is RefusalReason.NOT_CONNECTED
     assert desk.register.held_by("u1") == ("D", "E")
     assert desk.register.held_by("u2") == ("C",)
 
@@ -391,6 +397,7 @@ MESSAGES: tuple[AnyMessage, ...] = (
     SignOn("u1", ("B",)),
     SignOff("u1", 1),
     Claim(("B",), 1),
+    OrderRefused("over", OrderRefusalReason.NOT_HELD),
 )
 EXPECTED = {
     (RouteRequest, UnitStanding.UNKNOWN): ClaimQuery,
@@ -403,7 +410,9 @@ EXPECTED = {
     (HoldingReport, UnitStanding.LEAVING): HoldingConfirmed,
     (SignOff, UnitStanding.OUTSIDE): SignOffAccepted,
 }
+NOTED = {(OrderRefused, UnitStanding.REPORTED), (OrderRefused, UnitStanding.LEAVING)}  # and not answered
 OTHERWISE = {
+    OrderRefused: ClaimQuery,
     HoldingReport: ClaimQuery,
     SignOn: SignOnAccepted,
     SignOff: SignOffRefused,
@@ -417,7 +426,11 @@ def test_the_table_of_telegrams(standing: UnitStanding, message: AnyMessage) -> 
     desk = in_standing(standing)
     before = desk.register.holders
     kind = type(message)
-    assert isinstance(desk.hear("u1", message), EXPECTED.get((kind, standing)) or OTHERWISE[kind])
+    if (kind, standing) in NOTED:
+        desk.register, (shown,) = step(desk.register, Heard("u1", 1, True, 1, message), 0.0)
+        assert shown == Show(NotDone(unit_id="u1", route_id="over", why="not held"))
+    else:
+        assert isinstance(desk.hear("u1", message), EXPECTED.get((kind, standing)) or OTHERWISE[kind])
     # No telegram of this walk may touch u2, and none may take a section from u1.
     assert desk.register.held_by("u2") == ("E",)
     assert before.items() <= desk.register.holders.items()

@@ -366,8 +366,8 @@ def _any_word(register: Register, unit_id: str) -> frozenset[str] | None:
 
 SWITCHES: Final[dict[str, tuple[object, str, object]]] = {
     "two persons": (reentry, "agreed", _any_word),
-    "the other is told": (block_manager, "_newly_contested", lambda *_: ()),
-    "told again": (block_manager, "_tell_contested", lambda _: ()),
+    "the other is told": (block_manager, "newly_contested", lambda *_: ()),
+    "told again": (block_manager, "tell_contested", lambda _: ()),
     "a disputed unit blocks": (
         Register,
         "undefined_because_of",

@@ -8,6 +8,8 @@ from msgspec.structs import replace
 from radio.messages import RefusalReason, RouteGranted, RouteRefused
 from tests.wayside.loop_line import Play, config_of
 from wayside.config import OrderRule
+from wayside.journeys import DayProgress
+from wayside.order_question import LastOrder, OrderAnswer
 from wayside.said import HeldBack, OrderChanged
 
 # The first is planned first over the line between the two stations, from the west; the other comes from the east.
@@ -128,6 +130,34 @@ def test_an_order_given_for_the_day_is_kept_and_never_for_ever() -> None:
     play.now_s = FIRST_DUE_S
     assert isinstance(play.asks(1), RouteGranted)
     assert isinstance(play.asks(0), RouteGranted)
+
+
+@pytest.mark.parametrize(
+    ("given", "goes"),
+    [(("u1", "u0", "u1"), True), (("u1", "u1", "u0"), False), (("u1", "u1"), False), ((), True)],
+    ids=["between", "last", "not in it", "none"],
+)
+def test_of_an_order_each_move_counts_for_itself(given: tuple[str, ...], goes: bool) -> None:
+    """The second comes over another line first. What is not in the order comes last."""
+    ways = [["0.1", "1.1"], ["2.1", "1.2", "0.2"]]
+    play = Play(config_of([2, 2, 2], ways, given=given), ways)
+    play.now_s = FIRST_DUE_S
+    assert isinstance(play.asks(0), RouteGranted if goes else RouteRefused)
+
+
+def test_nobody_waits_by_an_order_for_who_is_astray() -> None:
+    play = play_of(OrderRule.FIRST_COME, given=("u1", "u0"))
+    play.now_s = FIRST_DUE_S
+    play.register = play.register.with_trip("u1", DayProgress(astray=True))
+    assert isinstance(play.asks(0), RouteGranted)
+
+
+def test_what_is_left_of_an_order() -> None:
+    """Stock and place in its day; what was made meanwhile is not left, in whatever order it was."""
+    known = LastOrder(0.0, (0, 1), OrderAnswer((0, 1, 0, 1)))
+    assert known.left((0, 1)) == [(0, 0), (1, 1), (0, 1), (1, 2)]
+    assert known.left((0, 2)) == [(0, 0), (0, 1), (1, 2)]
+    assert known.left((2, 3)) == []
 
 
 def test_the_order_never_grants_what_the_certificate_refuses() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from network.files.line_file import load_line
+from network.files.shipped import shipped_line
 from network.model import Direction, Line, Points, Position, Route, Section, SectionKind
 from wayside.config import (
     MANAGER_ID,
@@ -56,3 +58,14 @@ def test_terminals_have_their_points_and_time_to_throw_them() -> None:
     extra, west = terminal_configs(LINE)
     assert (extra.device_id, west.device_id) == ("extra", "west")
     assert west.points == (PointsEntry("w1", "S", 10.0), PointsEntry("w2", "S", 8.5))
+
+
+def test_a_train_may_wait_on_open_line_that_the_radio_reaches_from_end_to_end() -> None:
+    """Of the Karasuyama line the radio reaches the surroundings of stations, of the paper's test line all."""
+    for line_id, opens, hears in (
+        ("karasuyama", {"HSK-OGN", "OGN-KRS"}, set[str]()),
+        ("rtri_test_line", {"1", "6", "11"}, {"1", "6", "11"}),
+    ):
+        config = manager_config(load_line(shipped_line(line_id)), [], [])
+        assert {entry.section_id for entry in config.sections if entry.open_line} == opens
+        assert {entry.section_id for entry in config.sections if entry.hears} == hears

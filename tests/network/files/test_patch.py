@@ -102,13 +102,23 @@ def test_tracks_go_first_and_their_place_can_be_patched() -> None:
         patched('remove_tracks = ["A.2"]\nset = { "points.A.11.throw_time_s" = 5.0 }')
 
 
+def test_a_loop_taken_out_is_its_further_tracks_taken_out() -> None:
+    one, other = (
+        load_patched_line(shipped_line("karasuyama"), patch, "what_if.toml")
+        for patch in ({"remove_loops": ["OGN"]}, {"remove_tracks": ["OGN.2"]})
+    )
+    assert one == other
+    with pytest.raises(InputError, match=r"remove_loops\[0\] is 'NIT'; expected a station with two tracks"):
+        load_patched_line(shipped_line("karasuyama"), {"remove_loops": ["NIT"]}, "what_if.toml")
+
+
 @pytest.mark.parametrize(
     ("toml", "message"),
     [
         (
             "take = 1",
             "what_if.toml: patch.line.take is 1; expected no such key, but one of remove, set, times, add, "
-            "remove_tracks, add_loops, remove_tags",
+            "remove_tracks, remove_loops, add_loops, remove_tags",
         ),
         ('remove_tracks = "A.2"', "what_if.toml: patch.line.remove_tracks is 'A.2'; expected a valid list"),
         (

@@ -130,6 +130,17 @@ def test_stations_near_each_other_make_a_line_or_are_refused_by_name(
     assert_every_track_leads_to_every_next_one(rows, line)
 
 
+@given(rows=station_rows((3.0, 60.0), most=4))
+def test_no_train_runs_far_without_a_tag(
+    tmp_path_factory: pytest.TempPathFactory, rows: list[dict[str, object]]
+) -> None:
+    """Bounds that grow by 1 % over two such ways stay well below the 300 m at which the tags of a stop begin."""
+    line = made(tmp_path_factory.mktemp("l"), rows, max_speed_kmh=65.0, train_length_m=40.0).line
+    for direction in Direction:
+        read = sorted(tag.position_m for tag in line.tags.values() if direction in tag.directions)
+        assert max(after - before for before, after in pairwise(read)) <= 6_001.0
+
+
 @pytest.mark.parametrize("tracks", [(1, 2), (2, 2), (4, 1), (3, 4)])
 def test_what_a_refusal_asks_for_is_enough_and_needed(tmp_path: Path, tracks: tuple[int, int]) -> None:
     def rows(km: float) -> list[dict[str, object]]:

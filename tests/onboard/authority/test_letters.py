@@ -20,6 +20,8 @@ from onboard.authority.records import (
     SendCommand,
     SendRequest,
     Take,
+    TakeBackOrdered,
+    TrackChangeOrdered,
 )
 from onboard.duty.plan import PointsNeeded
 from radio import messages as radio
@@ -289,6 +291,26 @@ def test_what_must_be_swept_is_heard_with_what_is_granted(letters: Letters) -> N
     accepted = letters.read(heard(radio.SignOnAccepted(("3", "6"), 20, None, (), ("6",)), 9))
     assert isinstance(accepted, sym.SignOnHeard)
     assert granted.on_sight == accepted.on_sight == ("6",)
+
+
+def test_an_order_to_another_track_counts_for_the_request_outstanding(letters: Letters) -> None:
+    letters.keep(Renew(RequestKind.ROUTE))
+    order = radio.TrackOrdered("3>8", "3>9")
+    for correlation, answers in ((2, True), (1, False)):
+        read = letters.read(heard(order, correlation))
+        assert read == TrackChangeOrdered("3>8", "3>9", answers)
+
+
+def test_a_route_is_wanted_back_under_the_newest_token(holding: Letters) -> None:
+    for token, newest in ((20, True), (19, False), (21, False)):
+        read = holding.read(heard(radio.RouteTakenBack("3>8", token, 30.0)))
+        assert read == TakeBackOrdered("3>8", newest, 30.0)
+
+
+def test_a_refused_order_is_told_to_the_manager(letters: Letters) -> None:
+    reason = radio.OrderRefusalReason.UNKNOWN_TRACK
+    letter = letters.write(sym.SendRefusal("3>8", reason))
+    assert letter.message == radio.OrderRefused("3>8", reason)
 
 
 def test_a_restarted_peer_is_heard(letters: Letters) -> None:

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from onboard.driving.stop_keeper import soft_end_s
 from onboard.driving.tasc import (
     BRAKE_TOO_WEAK,
     DESIGN,
@@ -284,3 +285,15 @@ def test_reset_leaves_nothing_of_the_last_stop() -> None:
         rows[name] = 1
     reset(rows[0])
     assert rows.tobytes() == fresh().tobytes()
+
+
+@pytest.mark.parametrize("pattern_mps2", [0.3, 0.6, 0.8])
+def test_a_soft_end_costs_what_following_the_pattern_takes_longer(pattern_mps2: float) -> None:
+    """Both from 20 m/s: along the pattern, summed up over distances, and evenly."""
+    before_m = np.linspace(0.0, 20.0, 200_001)[1:] ** 2
+    speeds_mps = np.array([pattern(design(), pattern_mps2, float(at_m))[0] for at_m in before_m])
+    under = speeds_mps < 20.0
+    steps_m = np.diff(before_m, prepend=0.0)
+    times_s = 2.0 * steps_m / (speeds_mps + np.concatenate([[0.0], speeds_mps[:-1]]))
+    longer_s = float(times_s[under].sum()) - float(speeds_mps[under][-1]) / pattern_mps2
+    assert soft_end_s(pattern_mps2) == pytest.approx(longer_s, abs=0.005)

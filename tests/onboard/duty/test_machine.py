@@ -9,7 +9,9 @@ from msgspec.structs import replace
 
 from onboard.authority.records import (
     Authority,
+    GrantHeard,
     OpenCommand,
+    OpenRequest,
     PeerRestarted,
     ProofHeard,
     RequestKind,
@@ -25,6 +27,7 @@ from onboard.duty.records import (
     ChangeEnds,
     DutyPhase,
     DutyState,
+    EndOfHeld,
     Event,
     Looked,
     PlaceInJoints,
@@ -34,6 +37,7 @@ from onboard.duty.records import (
 )
 from onboard.duty.shown import command_of, waits_for
 from tests.onboard.duty.rows_fixes import FIXES
+from tests.onboard.duty.rows_orders import ORDERS
 from tests.onboard.duty.rows_people import PEOPLE
 from tests.onboard.duty.rows_sensed import SENSED
 from tests.onboard.duty.rows_told import TOLD
@@ -68,7 +72,7 @@ from tests.onboard.duty.stage import (
     sent,
 )
 
-CASES: Final = PEOPLE | SENSED | FIXES | TOLD | VEHICLE
+CASES: Final = PEOPLE | SENSED | FIXES | TOLD | VEHICLE | ORDERS
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -106,6 +110,46 @@ def test_by_section_only_what_lies_ahead_is_asked_for_again() -> None:
         request = asks.authority.open(RequestKind.ROUTE)
         assert request is not None
         assert request.section_ids == wants
+
+
+A_PART: Final = Authority(held=("3", "5", "6"), commandable=("5",), on_line=True)
+THE_REST: Final = replace(ROUTE_OPEN, section_ids=("7", "8"), refusal="the rest is not free")
+
+
+@pytest.mark.parametrize(
+    ("waits_for", "keeps"),
+    [((THE_REST,), ("3", "5", "6")), ((), ("3",)), ((ROUTE_OPEN,), ("3",))],
+    ids=["the rest", "nothing", "the whole"],
+)
+def test_a_part_of_the_way_is_kept_only_while_the_rest_is_asked_for(
+    waits_for: tuple[OpenRequest, ...], keeps: tuple[str, ...]
+) -> None:
+    state = replace(STANDING, authority=replace(A_PART, requests=waits_for))
+    after, _ = step(PLAN, replace(TIMES, release=ReleaseRule.SECTION), state, Looked(), AT_A, NOW_S)
+    assert after.authority.held == keeps
+
+
+def test_with_a_part_of_the_way_its_points_are_thrown() -> None:
+    asks = replace(STANDING, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)))
+    grant = GrantHeard("3>8", ("5", "6"), ("5",), answers=True, fresh=True, newer=True)
+    granted, actions = step(PLAN, TIMES, asks, TelegramHeard(grant), AT_A, NOW_S)
+    assert granted.authority.held == ("3", "5", "6")
+    assert [command.needed for command in granted.authority.commands] == [P5]
+    assert actions
+    refused, _ = step(PLAN, TIMES, asks, TelegramHeard(replace(grant, answers=False)), AT_A, NOW_S)
+    assert refused.authority == asks.authority
+
+
+@pytest.mark.parametrize("rule", ReleaseRule)
+def test_without_a_position_the_way_is_asked_for_from_where_the_driver_sees_the_train(
+    rule: ReleaseRule,
+) -> None:
+    """It stands on section 6, and has given back what lies behind: that may be another's."""
+    state = replace(ON_SIGHT, authority=replace(HOLDS_3, held=("6",)))
+    after, _ = step(PLAN, replace(TIMES, release=rule), state, EndOfHeld(2), LOST, NOW_S)
+    request = after.authority.open(RequestKind.ROUTE)
+    assert request is not None
+    assert request.section_ids == (("6", "7", "8") if rule is ReleaseRule.SECTION else SECTIONS)
 
 
 EXAMPLES: Final[dict[type[Event], Event]] = {type(event): event for _, event, _, _, _ in CASES.values()}

@@ -21,6 +21,7 @@ from simulation.events import (
     TookEffect,
 )
 from simulation.judge.checkers import Checkers, GuaranteedBrake, PointsFacts
+from simulation.judge.entering import TrackOverlap
 from simulation.judge.liveness import LOOKS_EVERY_S, TrainAndDisplay
 from sumo_cfg.truth_map import NetEdge, NetMap
 
@@ -38,6 +39,9 @@ POINTS = {
 }
 TRAIN_M = 40.0
 DESIGN = 0.8
+OVERLAPS = {
+    "T1+": TrackOverlap(stops_at_m=200.0, overlap_m=100.0)
+}  # points 2 begin 60 m beyond a train's stop on T1
 BRAKE = GuaranteedBrake(deceleration_mps2=1.0, reaction_s=1.0, gravity_mps2=9.0)
 
 
@@ -56,7 +60,9 @@ class Stage:
     """Checkers and a clock; each act takes one second."""
 
     def __init__(self, unit_ids: tuple[str, ...] = ("A", "B")) -> None:
-        self.checkers = Checkers(net(), POINTS, unit_ids, dict.fromkeys(unit_ids, BRAKE), {}, DESIGN)
+        self.checkers = Checkers(
+            net(), POINTS, unit_ids, dict.fromkeys(unit_ids, BRAKE), {}, DESIGN, OVERLAPS
+        )
         self.t_s = 0.0
         self.token = 0
 

@@ -38,6 +38,11 @@ class Case:
     good: Act
 
 
+def let_in_to_t2(stage: Stage) -> Stage:
+    """B may run from E to T2, points 2 proven in reverse."""
+    return stage.grant("B", "B", "P2", "T2").holds("B", "E", "B", "P2", "T2").prove("B", "2", "reverse")
+
+
 CASES = (
     # 40 m back from the front: at normal1 29.5 m the rear is 0.5 m inside W, at T1 0.5 m it is 0.5 m out of it
     Case(
@@ -281,6 +286,13 @@ CASES = (
         lambda: second(authorised()),
         lambda s: s.grant("B", "B", "P2", token=1),
         lambda s: s.grant("B", "B", "P2", token=2),
+    ),
+    Case(
+        "B onto points 2 while A comes in",
+        Checker.ONE_COMES_IN,
+        lambda: let_in_to_t2(second(on_points().see("A", ("T1+", 50.0)))),
+        lambda s: s.see("B", ("B-", 400.0), ("stem2-", 5.0)),
+        lambda s: s.see("A", ("T1+", 60.0), speed_mps=0.0).see("B", ("B-", 400.0), ("stem2-", 5.0)),
     ),
     Case(
         "to an edge that does not follow",

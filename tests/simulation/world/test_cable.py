@@ -93,3 +93,27 @@ def test_cuts_that_overlap_are_one_quantity(given_cuts: list[tuple[str, float]],
     cuts: tuple[CableCut, ...] = folded_value((), faults)
     alone = [cable_of(cut).carries(unit_m, MANAGER_ID) for cut in cuts]
     assert cable_of(*cuts).carries(unit_m, MANAGER_ID) is all(alone)
+
+
+def test_staff_work_relay_interlockings_an_hour_after_the_cut_and_agree_on_each_train_by_telephone() -> None:
+    relay = Cable(
+        LINE, Operation(interlocking=Interlocking.RELAY, staff_reach_s=3600.0, telephone_block_s=180.0)
+    )
+    relay.cut((CableCut(WHOLE, 0.5),), 1000.0)
+    assert not relay.carries(0.0, MANAGER_ID)
+    assert not relay.worked_locally(4599.9, "K1", asks_route=False)
+    assert relay.worked_locally(4600.0, "K1", asks_route=False)
+    # asked every 2 s from 4600 s on, and once more for another route after a minute in which it asked for nothing
+    heard = [t_s for t_s in range(4600, 4800, 2) if relay.worked_locally(float(t_s), "K1", asks_route=True)]
+    assert heard[0] == 4780
+    assert not relay.worked_locally(4860.0, "K1", asks_route=True)
+    relay.cut((), 5000.0)
+    relay.cut((CableCut(WHOLE, 0.5),), 6000.0)
+    assert not relay.worked_locally(6001.0, "K1", asks_route=False)
+
+
+@pytest.mark.parametrize("interlocking", [Interlocking.CENTRAL, Interlocking.ONBOARD])
+def test_nobody_works_stations_that_have_no_interlocking_of_their_own(interlocking: Interlocking) -> None:
+    cable = Cable(LINE, Operation(interlocking=interlocking))
+    cable.cut((CableCut(WHOLE, 0.5),), 0.0)
+    assert not cable.worked_locally(1e6, "K1", asks_route=False)

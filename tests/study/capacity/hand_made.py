@@ -115,3 +115,14 @@ def day(loop: str = "L", throw_s: float = 4.0) -> list[Made]:
 def legs(trains: list[Made]) -> tuple[SetLeg, ...]:
     made = [one for train in trains for one in train.occupations()]
     return legs_of(made, lambda section: "." in section)
+
+
+def held(
+    section: str, train: str, from_s: float, to_s: float, *, down: bool = True, stays: bool = False
+) -> Occupation:
+    """A section that a train runs through between two instants; or a place in which it stays."""
+    slices = (Slice(OccupationPart.RUN, from_s, to_s),)
+    if stays:
+        slices = (Slice(OccupationPart.APPROACH, from_s, to_s), Slice(OccupationPart.LAYOVER, to_s, to_s))
+    direction = Direction.DOWN if down else Direction.UP
+    return Occupation(section, train, train, direction, slices, from_s, math.inf if stays else to_s)

@@ -10,7 +10,7 @@ from network.model import Direction
 from study.capacity import claims as module
 from study.capacity.headway import Headway, HeadwayKind, headways_of, visits_at
 from study.capacity.legs import costs_between
-from study.capacity.occupation import OccupationCost
+from study.capacity.occupation import Occupation, OccupationCost, OccupationPart, Slice
 from tests.study.capacity.hand_made import Made, legs
 from tests.study.capacity.test_compression import days
 
@@ -123,3 +123,27 @@ def test_costs_between_two_instants_make_up_the_time(from_s: float, to_s: float)
     there, back = (costs_between(one, *pair) for pair in ((from_s, to_s), (to_s, from_s)))
     assert sum(there.values()) == pytest.approx(to_s - from_s, abs=1e-9)
     assert all(there[cost] == pytest.approx(-back[cost], abs=1e-9) for cost in OccupationCost)
+
+
+class ComesIn(Made):
+    """A train that must have the points of the loop alone from 30 s before it is there until 2 s after."""
+
+    def occupations(self) -> list[Occupation]:
+        found = super().occupations()
+        at = next(i for i, one in enumerate(found) if one.section_id.startswith("L."))
+        comes_s = found[at].enters_s
+        alone = Slice(OccupationPart.RUN, comes_s - 30.0, comes_s + 2.0)
+        found.insert(
+            at,
+            Occupation(
+                "L overlap", self.number, self.number, self.direction, (alone,), comes_s - 5.0, comes_s
+            ),
+        )
+        return found
+
+
+def test_of_two_that_come_in_against_each_other_one_must_stand_first() -> None:
+    one, other = (ComesIn(made.number, made.direction, made.starts_s) for made in two(DOWN, UP))
+    found = between("L", one, other)[HeadwayKind.COMING_IN]
+    assert (found.section_id, found.least_s) == ("L overlap", pytest.approx(2.0 + 30.0, abs=1e-9))
+    assert HeadwayKind.COMING_IN not in between("L", *two(DOWN, UP))

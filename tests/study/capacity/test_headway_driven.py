@@ -22,6 +22,7 @@ from scenario.scenario import Scenario, load_scenario
 from simulation.result import RunResult
 from simulation.setup import STEP_S, Setup
 from study.capacity import claims, orders, passage
+from study.capacity import driven as driven_by_prediction
 from study.capacity.headway import HeadwayCase, HeadwayKind, headways_of, line_cases, visits_at
 from study.capacity.legs import legs_of, places_of
 from study.capacity.occupation import TOUCH_S
@@ -303,6 +304,38 @@ def asks_again_s(case: HeadwayCase) -> float:
     """By how much a run may need more: where the first waits for the second both ask again before they are let on."""
     waits = any(wait_s > TOUCH_S for wait_s in case.headway.claims.ahead_waits_s)
     return REFUSED_REPEAT_S + UNEXPLAINED_S if waits else UNEXPLAINED_S
+
+
+SLOWER_S: Final = 0.3  # than predicted: events fall on steps, and power builds up again after a limit
+
+
+SLOWED: Final = "OTK", HeadwayKind.DEPARTURE_ARRIVAL, "up, OTK.2", "down, OTK.2"
+
+
+def test_a_train_brakes_for_a_lower_limit_where_its_front_may_be(
+    monkeypatch: pytest.MonkeyPatch, isumi: tuple[Drives, tuple[HeadwayCase, ...]]
+) -> None:
+    """8D is slower before the points of Kuniyoshi than if it knew where it is: its bounds are 1 % since two tags."""
+    drives, cases = isumi
+    assert drives.drive_headway(row(cases, *SLOWED), searched=False).driving_s < LATE_S
+    monkeypatch.setattr(driven_by_prediction, "BOUNDS_COUNT", False)
+    with drives_of("isumi_weekday") as (drives, cases):
+        assert drives.drive_headway(row(cases, *SLOWED), searched=False).driving_s > 2 * LATE_S
+
+
+@pytest.mark.nightly
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("name", SHIPPED)
+def test_no_row_of_any_shipped_line_is_below_what_a_run_needs(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The second is not late at a row as it stands, whatever its ways take as driven; nor are they driven slower."""
+    with drives_of(name) as (drives, cases):
+        driving = [drives.drive_headway(case, searched=False) for case in cases]
+        monkeypatch.setattr(headways_driven, "DRIVING_COUNTS", False)
+        kept = [drives.drive_headway(case, searched=False) for case in cases]
+    assert not [one.text for one in kept if one.kept_s > NEAR_S]
+    assert not [one.text for one in driving if one.driving_s > SLOWER_S + TOUCH_S]
 
 
 @pytest.mark.nightly

@@ -14,6 +14,7 @@ import pytest
 
 from scenario.scenario import load_scenario
 from simulation.setup import Setup
+from study.capacity import driven as driven_module
 from study.capacity import legs as legs_module
 from study.capacity import passage as passage_module
 from study.capacity.compression import compressed
@@ -31,7 +32,8 @@ STOP_MPS2: Final = 0.6
 RUN_M: Final = 3_000.0
 SLOWS_S, SLOWS_M = SPEED_MPS / STOP_MPS2, SPEED_MPS**2 / (2.0 * STOP_MPS2)  # 20 s, 120 m
 STARTS_S, STARTS_M = SPEED_MPS / PULL_MPS2, SPEED_MPS**2 / (2.0 * PULL_MPS2)  # 12 s, 72 m
-RUN_S: Final = STARTS_S + (RUN_M - STARTS_M - SLOWS_M) / SPEED_MPS + SLOWS_S  # 266 s
+SOFT_END_S: Final = 0.3**2 / (2.0 * STOP_MPS2 * 0.6)  # TASC eases to 0.3 m/s2 at 0.6 m/s3: 0.125 s
+RUN_S: Final = STARTS_S + (RUN_M - STARTS_M - SLOWS_M) / SPEED_MPS + SLOWS_S + SOFT_END_S  # 266.1 s
 START_S: Final = 1.0
 RADIO_S: Final = 0.1  # each telegram
 ASK_S: Final = 2 * RADIO_S
@@ -44,8 +46,8 @@ SETS_OUT_S: Final = ASK_S + POINTS_S + START_S  # from a station with points: 7.
 def to_mark_s(left_m: float) -> float:
     """From a place on the way to the mark so far ahead, which is the last of a run."""
     if left_m > SLOWS_M:
-        return SLOWS_S + (left_m - SLOWS_M) / SPEED_MPS
-    return math.sqrt(2.0 * left_m / STOP_MPS2)
+        return SLOWS_S + (left_m - SLOWS_M) / SPEED_MPS + SOFT_END_S
+    return math.sqrt(2.0 * left_m / STOP_MPS2) + SOFT_END_S
 
 
 # The way is given back at the arrival tag, where that lies a train's length behind its end; the points of Mori, and
@@ -57,25 +59,25 @@ F, DA, AD = HeadwayKind.FOLLOWING, HeadwayKind.DEPARTURE_ARRIVAL, HeadwayKind.AR
 THERE_S: Final = SETS_OUT_S + RUN_S  # from Mori to a terminus, from the request on
 BACK_S: Final = RUN_S + RADIO_S  # and until it stands at Mori and has given back its points
 BY_HAND: Final = {
-    ("KWA", DA, "up, KWA.1", "down, KWA.1"): BACK_S + THERE_S,  # 539.5
-    ("KWA", F, "up, KWA.1", "up, KWA.1"): BACK_S + THERE_S + AT_KAWA_S,  # 600.9
+    ("KWA", DA, "up, KWA.1", "down, KWA.1"): BACK_S + THERE_S,  # 539.8
+    ("KWA", F, "up, KWA.1", "up, KWA.1"): BACK_S + THERE_S + AT_KAWA_S,  # 601.2
     ("ASA", DA, "down, ASA.1", "up, ASA.1"): BACK_S + THERE_S,
-    ("ASA", F, "down, ASA.1", "down, ASA.1"): BACK_S + THERE_S + AT_ASA_S,  # 600.7
+    ("ASA", F, "down, ASA.1", "down, ASA.1"): BACK_S + THERE_S + AT_ASA_S,  # 601.0
     ("MRI", AD, "down, MRI.1", "up, MRI.2"): RADIO_S + SETS_OUT_S,  # 7.5
     ("MRI", AD, "up, MRI.2", "down, MRI.1"): RADIO_S + SETS_OUT_S,
-    # the first goes there and comes back before the second may go there: 600.9 and 600.7
+    # the first goes there and comes back before the second may go there: 601.2 and 601.0
     ("MRI", F, "down, MRI.1", "down, MRI.1"): RUN_S + AT_KAWA_S + BACK_S + SETS_OUT_S,
     ("MRI", F, "up, MRI.2", "up, MRI.2"): RUN_S + AT_ASA_S + BACK_S + SETS_OUT_S,
-    # then the second goes there and comes back: 1,194.3 and 1,193.9
+    # then the second goes there and comes back: 1,194.8 and 1,194.4
     ("MRI", DA, "down, MRI.1", "up, MRI.2"): 2 * (RUN_S + AT_KAWA_S) + BACK_S + SETS_OUT_S + RUN_S,
     ("MRI", DA, "up, MRI.2", "down, MRI.1"): 2 * (RUN_S + AT_ASA_S) + BACK_S + SETS_OUT_S + RUN_S,
-    # onto the track that the first leaves, let into the way there as it starts: 513.3
+    # onto the track that the first leaves, let into the way there as it starts: 513.4
     ("MRI", DA, "down, MRI.1", "down, MRI.1"): TO_KAWA_S + RADIO_S + ASK_S + START_S + RUN_S,
     ("MRI", DA, "up, MRI.2", "up, MRI.2"): TO_ASA_S + RADIO_S + ASK_S + START_S + RUN_S,
 }
-# From Mori to Kawa: 2 comes out, 1 goes in and comes out as 4, 3 goes in and comes out as 6, 5 goes in: 1,742.6 s.
+# From Mori to Kawa: 2 comes out, 1 goes in and comes out as 4, 3 goes in and comes out as 6, 5 goes in: 1,743.4 s.
 KAWA_PART_S: Final = (ASK_S + START_S + BACK_S) + 2 * (THERE_S + AT_KAWA_S + BACK_S) + (THERE_S + RADIO_S)
-# The track of Asa: 1 goes out, 2 and 4 come in and go out, 6 comes in, last of all, until it stands: 1,690.1 s.
+# The track of Asa: 1 goes out, 2 and 4 come in and go out, 6 comes in, last of all, until it stands: 1,690.5 s.
 FREES_ASA_S: Final = DOWN_TO_MORI_S + RADIO_S
 ASA_TRACK_S: Final = (ASK_S + START_S + FREES_ASA_S) + 2 * (THERE_S + AT_ASA_S + FREES_ASA_S) + THERE_S
 
@@ -137,6 +139,12 @@ def test_headways_by_hand(setup: Setup) -> None:
 
 def test_compression_by_hand(setup: Setup) -> None:
     assert occupied_s(setup) == pytest.approx([KAWA_PART_S, ASA_TRACK_S], abs=0.1)
+
+
+def test_without_the_soft_end_of_a_stop(setup: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(driven_module, "SOFT_END_COUNTS", False)
+    assert occupied_s(setup)[0] == pytest.approx(KAWA_PART_S - 6 * SOFT_END_S, abs=0.1)
+    assert ("KWA", DA, "up, KWA.1", "down, KWA.1") in off(setup)
 
 
 def test_without_the_last_stand(setup: Setup, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,10 +17,11 @@ from scenario.scenario import Scenario, load_scenario
 from simulation.faults.script import Expectation, Property, ScriptedFault
 from simulation.setup import STEPS_PER_S
 from study.drilling.drill import drills_in, find_drill, run_drill
-from study.drilling.every_instant import InstantWindow, sweep
+from study.drilling.every_instant import InstantWindow, Progress, SweepOutcomes, sweep
 from study.drilling.grid_report import replay_of, table_of
 from study.drilling.moving import staffed
 from study.drilling.outcome_class import OutcomeKind, SweptRun
+from study.drilling.swept_rows import MadeOf, SweptRows, growing_rows
 from study.drilling.telegram_grid import FaultChoice, grid_of, shortened_setup
 from study.runner.run import PartyLink, simulation_of
 from tests.nightly import others_nightly
@@ -222,3 +223,32 @@ def test_nothing_bad_on_a_slice_of_the_grid(
     )
     record_property("figures", f"grid of telegrams, {name}, {chosen.value}: {table_of(swept)}")
     assert not swept.bad
+
+
+def test_a_sweep_that_is_stopped_loses_no_run_and_is_gone_on_with(drill: Scenario, tmp_path: Path) -> None:
+    grid, out, stops_after = short(drill, FaultChoice.POWER, 36_040.0, 36_043.0), tmp_path / "grid", 3
+    made_of = MadeOf("a" * 32, "b" * 32)
+
+    def stop(done: int, _: int) -> None:
+        if done == stops_after:
+            raise KeyboardInterrupt
+
+    def swept(rows: SweptRows, progress: Progress | None = None) -> SweepOutcomes:
+        script = grid.setup.script
+        return sweep(grid.setup, grid.variations, InstantWindow(), 1, progress, script, rows)
+
+    with pytest.raises(KeyboardInterrupt), growing_rows(out, made_of, resume=False) as rows:
+        swept(rows, stop)
+    left = tmp_path / "grid-incomplete" / "sweep.csv"
+    with left.open("a") as stream:  # as one that was killed while it wrote
+        stream.write("power_off K1,36042.0,late,all arr")
+    with growing_rows(out, replace(made_of, code="c" * 32), resume=True) as rows:
+        assert (len(rows.taken_up), rows.of_other_code) == (stops_after, stops_after)
+        together = swept(rows)
+        assert len(rows.rows) == grid.runs > stops_after
+    assert not left.parent.exists()
+    assert together == swept(SweptRows(None, made_of, {}))
+    with pytest.raises(KeyboardInterrupt), growing_rows(out, made_of, resume=False) as rows:
+        swept(rows, stop)
+    with growing_rows(out, replace(made_of, inputs="d" * 32), resume=True) as rows:
+        assert not rows.taken_up

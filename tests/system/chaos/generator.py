@@ -41,6 +41,12 @@ BY_HAND_P: Final = 0.2
 OTHER_LAW_P: Final = 0.3
 CENTRAL_P: Final = 0.3
 BY_SECTION_P: Final = 0.4
+OVERLAP_P: Final = 0.4
+OVERLAPS_M: Final = (
+    60.0,
+    120.0,
+    200.0,
+)  # to the points of some tracks, of all, and with points behind points
 CARRIES_P: Final = 0.4
 CARRIES: Final = (
     ("tags", "gnss"),
@@ -163,9 +169,13 @@ def _head(family: Family, seed: int, draw: Draw) -> dict[str, Any]:
     if draw.chance(BY_HAND_P):
         head["operation"] = {"reentry": "by_hand"}
     if draw.of("interlocking").chance(CENTRAL_P):
-        head["operation"] = head.get("operation", {}) | {"interlocking": "central"}
+        relay = {"interlocking": "relay", "staff_reach_s": 120.0} if draw.of("relay").chance(0.5) else {}
+        head["operation"] = head.get("operation", {}) | {"interlocking": "central"} | relay
     if draw.of("release").chance(BY_SECTION_P):
         head["operation"] = head.get("operation", {}) | {"release": ReleaseRule.SECTION.value}
+    overlap = draw.of("overlap")
+    if overlap.chance(OVERLAP_P):
+        head["patch"] = {"line": {"set": {"line.overlap_m": overlap.one_of(OVERLAPS_M)}}}
     law = draw.of("law")
     if law.chance(OTHER_LAW_P):
         head["driving"] = {"law": law.one_of(LAW_NAMES)}

@@ -29,9 +29,13 @@ def _lines(table: Table) -> str:
     return "".join(f"{key} = {_value(value)}\n" for key, value in table.items())
 
 
+def _key(key: str) -> str:
+    return json.dumps(key) if "." in key else key
+
+
 def _value(value: object) -> str:
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {_value(v)}" for key, v in value.items()) + " }"
+        return "{ " + ", ".join(f"{_key(key)} = {_value(v)}" for key, v in value.items()) + " }"
     if isinstance(value, Sequence) and not isinstance(value, str):
         if _rows(value):
             return "[\n" + "".join(f"  {_value(v)},\n" for v in value) + "]"

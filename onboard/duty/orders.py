@@ -1,0 +1,139 @@
+"""What a crew or the dispatcher wants otherwise than planned: a route set back (進路取消), another track at the next
+station (着発線変更), a route taken back so that others go first.
+
+Invariant: only a train that stands at a stop, surely short of what lies ahead, does any of it; what it holds under and
+behind it stays as it is. All of it only gives up: the way that follows is asked for and granted like any other.
+"""
+
+from __future__ import annotations
+
+from onboard import notes
+from onboard.authority.records import GiveBack, RequestKind, SendRefusal, TakeBackOrdered, TrackChangeOrdered
+from onboard.duty.duty_step import DutyStep
+from onboard.duty.plan import DutyPlan
+from onboard.duty.records import (
+    DutyPhase,
+    DutyState,
+    NoSuchWay,
+    SetBack,
+    TakeUpWay,
+    WayOrdered,
+)
+from radio.messages import OrderRefusalReason
+
+ONCE = True  # off: an order that answers no open request, as an old or doubled one, is done all the same
+SHORT_OF_IT = True  # off: a route is given back wherever the train stands
+
+
+def set_back(duty: DutyStep, event: SetBack) -> None:
+    """Standing surely short of it, gives the route ahead back and asks for none for a while."""
+    state, place = duty.state, duty.state.place
+    if not place.known or not place.stands:
+        duty.note(notes.GiveBackDenied(why="the train does not stand at a known place"))
+        return
+    if state.phase is DutyPhase.STANDING and may_have_entered(duty):
+        duty.note(notes.GiveBackDenied(why="the train may have entered the route"))
+        return
+    if state.phase is DutyPhase.STANDING:
+        duty.schedule(duty.now_s + event.hold_s + duty.parameters.request_lead_s, state.at)
+    else:
+        duty.set(may_ask=duty.timer("ask", event.hold_s))
+    _give_back_ahead(duty)
+
+
+def set_back_refused(duty: DutyStep, _event: SetBack) -> None:
+    """Refused: only a train that stands, and knows where, can set back its route."""
+    duty.note(notes.GiveBackDenied(why="the train does not stand at a known place"))
+
+
+def may_have_entered(duty: DutyStep) -> bool:
+    """Whether the front of a train at a stop may be beyond the section where it stands."""
+    return SHORT_OF_IT and duty.state.place.perhaps > duty.stop(duty.state.at).span + 1
+
+
+def _give_back_ahead(duty: DutyStep) -> None:
+    ahead = duty.plan.spans[duty.state.place.perhaps :]
+    given = tuple(s.section_id for s in ahead if duty.state.authority.holds(s.section_id))
+    duty.set(wanted=())
+    duty.note(notes.GaveBack(section_ids=given))
+    duty.authority(GiveBack(given))
+
+
+# the dispatcher -------------------------------------------------------------------------------------------------
+
+
+def change_track(duty: DutyStep, event: TrackChangeOrdered) -> None:
+    """To the request outstanding: has the driver take up the way ordered; not once the front may have left."""
+    request = duty.state.authority.open(RequestKind.ROUTE)
+    answers = event.answers and request is not None and request.subject == event.route_id
+    if ONCE and not answers:
+        return
+    if may_have_entered(duty) or not duty.state.place.known:
+        refuse(duty, event.route_id, OrderRefusalReason.MAY_HAVE_ENTERED)
+        return
+    duty.set(ordered=event.instead)
+    duty.actions.append(WayOrdered(event.route_id, event.instead))
+
+
+def leads_on(plan: DutyPlan, state: DutyState, way: DutyPlan) -> bool:
+    """Whether a way may be taken up for a plan: it is the one ordered, and the same as far as the train may be."""
+    same, at = state.place.perhaps, state.at
+    leg = None if at >= len(way.stops) else way.leg_beyond(way.spans[way.stops[at].span].section_id)
+    return (
+        bool(state.ordered)
+        and state.phase is DutyPhase.STANDING
+        and state.authority.open(RequestKind.ROUTE) is not None
+        and leg is not None
+        and leg.route_id == state.ordered
+        and (way.number, way.spans[:same], way.stops[: at + 1])
+        == (plan.number, plan.spans[:same], plan.stops[: at + 1])
+    )
+
+
+def take_up(duty: DutyStep, _event: TakeUpWay) -> None:
+    """Gives up its request, reports what it holds, and asks for the way ordered."""
+    request = duty.state.authority.open(RequestKind.ROUTE)
+    was = "" if request is None else request.subject
+    duty.note(notes.WayChanged(route_id=was, instead=duty.state.ordered))
+    duty.set(ordered="", wanted=())
+    duty.authority(GiveBack(()))
+
+
+def no_such_way(duty: DutyStep, _event: NoSuchWay) -> None:
+    """Says that it has no such way, and goes on asking for its own."""
+    request = duty.state.authority.open(RequestKind.ROUTE)
+    ordered = duty.state.ordered
+    duty.set(ordered="")
+    if ordered and request is not None:
+        refuse(duty, request.subject, OrderRefusalReason.UNKNOWN_TRACK)
+
+
+def take_back(duty: DutyStep, event: TakeBackOrdered) -> None:
+    """Of the route granted last, not entered yet: gives it back and asks for none for a while; else says why not."""
+    state = duty.state
+    leg = None if state.at + 1 >= len(duty.plan.stops) else duty.leg_from_stop(state.at)
+    holds = leg is not None and any(map(state.authority.holds, leg.section_ids))
+    if leg is None or not event.newest or leg.route_id != event.route_id or not holds:
+        refuse(duty, event.route_id, OrderRefusalReason.NOT_HELD)
+    elif not state.place.known or not state.place.stands or may_have_entered(duty):
+        refuse(duty, event.route_id, OrderRefusalReason.MAY_HAVE_ENTERED)
+    else:
+        duty.set(may_ask=duty.timer("ask", event.hold_s))
+        _give_back_ahead(duty)
+
+
+def no_other_track(duty: DutyStep, event: TrackChangeOrdered) -> None:
+    """Refused: only a train that stands at a stop changes its way."""
+    if event.answers:
+        refuse(duty, event.route_id, OrderRefusalReason.NOT_AT_A_STOP)
+
+
+def nothing_to_take_back(duty: DutyStep, event: TakeBackOrdered) -> None:
+    """Refused: only a train that stands at a stop gives its route back."""
+    refuse(duty, event.route_id, OrderRefusalReason.NOT_AT_A_STOP)
+
+
+def refuse(duty: DutyStep, route_id: str, reason: OrderRefusalReason) -> None:
+    """Says that an order is not done, and why."""
+    duty.note(notes.OrderDenied(route_id=route_id, why=reason.name.lower().replace("_", " ")))
+    duty.actions.append(SendRefusal(route_id, reason))

@@ -1,0 +1,192 @@
+"""Rows of the table of the duty for what the dispatcher orders: state, event, place; next state and actions."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from msgspec.structs import replace
+
+from onboard import notes
+from onboard.authority.records import (
+    Action,
+    Renew,
+    RequestKind,
+    SendRefusal,
+    SetTimer,
+    StopTimer,
+    TakeBackOrdered,
+    TrackChangeOrdered,
+    Write,
+)
+from onboard.duty.records import (
+    ASK,
+    DutyPhase,
+    NoSuchWay,
+    TakeUpWay,
+    WayOrdered,
+)
+from radio.messages import OrderRefusalReason
+from tests.onboard.duty.stage import (
+    AT_A,
+    BEFORE_7,
+    HOLDS_3,
+    HOLDS_ALL,
+    ON_THE_LINE,
+    P5,
+    PLAN,
+    REPORT_OPEN,
+    ROUTE_OPEN,
+    SECTIONS,
+    STANDING,
+    STATES,
+    Case,
+    holds,
+    limit,
+    moved,
+    reported,
+    sent,
+)
+
+ASKS: Final = replace(STANDING, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)))
+ORDERED: Final = replace(ASKS, ordered="3>9")
+HOLDS_ROUTE: Final = replace(
+    STANDING,
+    may_ask=True,
+    may_leave=True,
+    authority=replace(HOLDS_ALL, proven=(P5,)),
+    wanted=(P5,),
+    limit=BEFORE_7,
+)
+NOT_READY: Final = moved(AT_A, unfit="doors not closed")
+
+
+def refused(reason: OrderRefusalReason, route_id: str = "3>8") -> tuple[Action, ...]:
+    words = reason.name.lower().replace("_", " ")
+    return Write(notes.OrderDenied(route_id=route_id, why=words)), SendRefusal(route_id, reason)
+
+
+ORDERS: Final[dict[str, Case]] = {
+    "another track, to the request outstanding": (
+        ASKS,
+        TrackChangeOrdered("3>8", "3>9", answers=True),
+        AT_A,
+        ORDERED,
+        (WayOrdered("3>8", "3>9"),),
+    ),
+    "another track, to a request that was answered before": (
+        ASKS,
+        TrackChangeOrdered("3>8", "3>9", answers=False),
+        AT_A,
+        ASKS,
+        (),
+    ),
+    "another track for a route that is held by now": (
+        HOLDS_ROUTE,
+        TrackChangeOrdered("3>8", "3>9", answers=True),
+        NOT_READY,
+        replace(HOLDS_ROUTE, place=NOT_READY),
+        (),
+    ),
+    "no other track once the front may have left": (
+        ASKS,
+        TrackChangeOrdered("3>8", "3>9", answers=True),
+        moved(AT_A, perhaps=2),
+        replace(ASKS, place=moved(AT_A, perhaps=2)),
+        refused(OrderRefusalReason.MAY_HAVE_ENTERED),
+    ),
+    "the driver has taken up the way ordered: its old request counts no more": (
+        ORDERED,
+        TakeUpWay(PLAN),
+        AT_A,
+        replace(ASKS, authority=replace(HOLDS_3, requests=(REPORT_OPEN, ROUTE_OPEN))),
+        (
+            Write(notes.WayChanged(route_id="3>8", instead="3>9")),
+            StopTimer(ROUTE_OPEN.timer),
+            Renew(RequestKind.REPORT),
+            *reported("3"),
+            Renew(RequestKind.ROUTE),
+            *sent(ROUTE_OPEN),
+        ),
+    ),
+    "the train has no such way": (
+        ORDERED,
+        NoSuchWay(),
+        AT_A,
+        ASKS,
+        refused(OrderRefusalReason.UNKNOWN_TRACK),
+    ),
+    "a route is taken back from a train that cannot leave": (
+        HOLDS_ROUTE,
+        TakeBackOrdered("3>8", newest=True, hold_s=30.0),
+        NOT_READY,
+        replace(
+            STANDING,
+            place=NOT_READY,
+            may_leave=True,
+            authority=replace(HOLDS_3, requests=(REPORT_OPEN,)),
+        ),
+        (
+            SetTimer(ASK, 30.0),
+            Write(notes.GaveBack(section_ids=SECTIONS)),
+            Renew(RequestKind.REPORT),
+            holds("3"),
+            *reported("3"),
+            limit(1, "5", "not held"),
+        ),
+    ),
+    "a route granted anew is not taken back by an old order": (
+        HOLDS_ROUTE,
+        TakeBackOrdered("3>8", newest=False, hold_s=30.0),
+        NOT_READY,
+        replace(HOLDS_ROUTE, place=NOT_READY),
+        refused(OrderRefusalReason.NOT_HELD),
+    ),
+    "one that it has not is not taken back": (
+        ASKS,
+        TakeBackOrdered("3>8", newest=True, hold_s=30.0),
+        AT_A,
+        ASKS,
+        refused(OrderRefusalReason.NOT_HELD),
+    ),
+    "another's is not taken back": (
+        HOLDS_ROUTE,
+        TakeBackOrdered("3>9", newest=True, hold_s=30.0),
+        NOT_READY,
+        replace(HOLDS_ROUTE, place=NOT_READY),
+        refused(OrderRefusalReason.NOT_HELD, "3>9"),
+    ),
+    "none is taken back that the front may have entered": (
+        replace(HOLDS_ROUTE, may_leave=False),
+        TakeBackOrdered("3>8", newest=True, hold_s=30.0),
+        moved(AT_A, perhaps=2),
+        replace(
+            HOLDS_ROUTE,
+            may_leave=False,
+            place=moved(AT_A, perhaps=2),
+            wanted=(),
+        ),
+        refused(OrderRefusalReason.MAY_HAVE_ENTERED),
+    ),
+    **{
+        f"no other track: {at.value}": (
+            STATES[at],
+            TrackChangeOrdered("3>8", "3>9", answers=True),
+            STATES[at].place,
+            STATES[at],
+            refused(OrderRefusalReason.NOT_AT_A_STOP),
+        )
+        for at in ON_THE_LINE
+        if at is not DutyPhase.STANDING
+    },
+    **{
+        f"nothing is taken back: {at.value}": (
+            STATES[at],
+            TakeBackOrdered("3>8", newest=True, hold_s=30.0),
+            STATES[at].place,
+            STATES[at],
+            refused(OrderRefusalReason.NOT_AT_A_STOP),
+        )
+        for at in ON_THE_LINE
+        if at is not DutyPhase.STANDING
+    },
+}

@@ -1,0 +1,13 @@
+"""Solvers that do not do what they should, as processes: `ODD_SOLVER` says which."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+for _ in sys.stdin.buffer:
+    if os.environ["ODD_SOLVER"] == "nonsense":
+        sys.stdout.write("{]\n")
+        sys.stdout.flush()
+    elif os.environ["ODD_SOLVER"] == "ends":
+        sys.exit(0)
