@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, cast
 
 import msgspec
 from msgspec.structs import replace
@@ -122,9 +122,10 @@ def _key(thing: object) -> object:
             names = (name for name in thing.__struct_fields__ if name != "plan")
             return type(thing).__name__, *(_key(getattr(thing, name)) for name in names)
         case Mapping():
-            return tuple(sorted(((k, _key(v)) for k, v in thing.items()), key=repr))
+            items = cast("Mapping[object, object]", thing).items()
+            return tuple(sorted(((name, _key(value)) for name, value in items), key=repr))
         case frozenset():
-            return tuple(sorted(thing, key=repr))
+            return tuple(sorted(cast("frozenset[object]", thing), key=repr))
         case _:
             return thing
 

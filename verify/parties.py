@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable
 from enum import Enum
 from hashlib import blake2b
-from typing import Any, Final, Generic, NamedTuple, TypeVar
+from typing import Any, Final, Generic, NamedTuple, TypeVar, cast
 
 import msgspec
 
@@ -244,9 +244,9 @@ def in_one_order(thing: Any) -> str:  # noqa: ANN401 - whatever a local state is
     """The text of a local state, the same in every process."""
     match thing:
         case frozenset():
-            return "{" + ",".join(sorted(map(in_one_order, thing))) + "}"
+            return "{" + ",".join(sorted(map(in_one_order, cast("frozenset[object]", thing)))) + "}"
         case tuple():
-            return "(" + ",".join(map(in_one_order, thing)) + ")"
+            return "(" + ",".join(map(in_one_order, cast("tuple[object, ...]", thing))) + ")"
         case msgspec.Struct():
             fields = (getattr(thing, name) for name in thing.__struct_fields__)
             return type(thing).__name__ + "(" + ",".join(map(in_one_order, fields)) + ")"

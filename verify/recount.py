@@ -7,9 +7,9 @@ member an untroubled event leads to one of lower rank, down to a state in which 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, cast
 
 from verify.certificate import FORMAT, Certificate, sources_digest
 from verify.composition import Composition, StateOfLine, TrainCell
@@ -59,7 +59,7 @@ def recount(
 
 
 def _as_made(of: Any) -> Any:  # noqa: ANN401 - numbers, and pairs of them
-    return tuple(_as_made(one) for one in of) if isinstance(of, list | tuple) else of
+    return tuple(map(_as_made, cast("Sequence[Any]", of))) if isinstance(of, list | tuple) else of
 
 
 class _Recount:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from enum import Enum
 from itertools import groupby, pairwise
 from types import MappingProxyType
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 
@@ -98,7 +98,7 @@ def telegram_words(message: AnyMessage) -> str:
 
 def _field_words(value: object) -> str:
     if isinstance(value, tuple):
-        return " ".join(map(str, value))
+        return " ".join(map(str, cast("tuple[object, ...]", value)))
     return value.name.lower().replace("_", " ") if isinstance(value, Enum) else str(value)
 
 

@@ -92,7 +92,7 @@ class Once:
     def _row(self, key: int) -> Sequence[int]:
         found = self._found.get(key)
         if found is None:
-            arguments, rest = [], key
+            arguments, rest = list[int](), key
             for bits in reversed(self._bits[1:]):
                 arguments.append(rest & (1 << bits) - 1)
                 rest >>= bits

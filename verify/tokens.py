@@ -15,7 +15,7 @@ from msgspec.structs import replace
 
 from onboard.authority.letters import CommandedPoints
 from radio.keys import capability_mac
-from radio.messages import AnyMessage, Capability
+from radio.messages import AnyMessage, Capability, PointsCommand, RouteGranted, SignOnAccepted
 from verify.explored_line import CAPABILITY_KEYS, UNITS
 from verify.manager import ManagerState
 from verify.manager import plain as plain_register
@@ -113,11 +113,11 @@ def telegram_anew(telegram: InAir, bits: int) -> InAir:
     """A telegram with its token counted anew."""
     message: AnyMessage = telegram.message
     changes: dict[str, object] = {"token": anew(getattr(message, "token", 0), bits)}
-    if hasattr(message, "capabilities"):
+    if isinstance(message, RouteGranted | SignOnAccepted):
         changes["capabilities"] = tuple(
             Capability(c.terminal_id, c.section_id, _code(c.mac, bits)) for c in message.capabilities
         )
-    if hasattr(message, "mac"):
+    if isinstance(message, PointsCommand):
         changes["mac"] = _code(message.mac, bits)
     return telegram._replace(message=replace(message, **changes))
 

@@ -82,7 +82,7 @@ class TrainState(NamedTuple):
     moves: bool = False
     known: bool = True
     emergency: bool = False
-    read: bool = False
+    tag_read: bool = False  # that of the arrival, at the mark
     may_enter: bool = False
     may_leave: bool = False
     keys: frozenset[int] = frozenset()

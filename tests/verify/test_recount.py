@@ -78,7 +78,11 @@ def test_a_step_that_has_changed_is_refused(
     certificate: Certificate, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By the local states, even where the digest of the sources is not looked at."""
-    monkeypatch.setattr(duty_step, "cleared_sections", lambda *_: ())
+
+    def none_cleared(*_: object) -> tuple[str, ...]:
+        return ()
+
+    monkeypatch.setattr(duty_step, "cleared_sections", none_cleared)
     found = recount(certificate, sources=sources_digest())
     assert ELSEWHERE in found.refused
 
