@@ -2,8 +2,7 @@
 
 Times stand outside: units may be asked again at any time, and what must wait until telegrams of an earlier boot are too
 old (a person's word) waits until none of them is on the air. Two states are one where only times, counts of inputs and
-names shown to people differ,
-or where the two persons have said each what in the other the other has.
+names shown to people differ, or where the two persons have said each what in the other the other has.
 """
 
 from __future__ import annotations

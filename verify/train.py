@@ -2,8 +2,8 @@
 sections, the unit's power and its crew.
 
 Two states are one where only words for people differ (why something was refused) or numbers that nothing reads any more
-(of requests that are closed, of sections that are not held); `tests/verify/test_train.py` shows for every state found
-that both kinds of state take the same way.
+(of requests that are closed, of sections that are not held); `tests/verify/test_composition.py` shows of the first
+states found that both kinds take the same way.
 """
 
 from __future__ import annotations
