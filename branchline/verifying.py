@@ -31,10 +31,6 @@ def explore(
             " 'any' for a delay that is not counted."
         ),
     ] = "1/1/0/0",
-    by_section: Annotated[
-        bool,
-        typer.Option("--by-section", help="Units give back each section by itself, not a route at once."),
-    ] = False,
     restore: Annotated[
         list[str] | None,
         typer.Option("--restore", help="A behaviour that the machines had once, by name; 'list' shows them."),
@@ -59,7 +55,7 @@ def explore(
     _known(names, sorted(RESTORED))
     began_s = time.process_time()
     with restored(*names):
-        found = explored(_line(config, by_section=by_section), states, _watch, collisions_alone=collisions)
+        found = explored(_line(config), states, _watch, collisions_alone=collisions)
     took_s = max(time.process_time() - began_s, 1e-3)
     count, space = len(found.space.states), found.space
     figures: dict[str, object] = {
@@ -142,13 +138,11 @@ def _known(names: list[str], known: list[str]) -> None:
             raise InputError("--restore", "", name, f"one of {', '.join(known)}")
 
 
-def _line(config: str, *, by_section: bool) -> ExploredLine:
+def _line(config: str) -> ExploredLine:
     from network.errors import InputError
-    from onboard.duty.duty_step import ReleaseRule
     from verify.explored_line import ANY, Budgets, ExploredLine
 
     numbers = [str(ANY) if part == "any" else part for part in config.split("/")]
     if not 1 <= len(numbers) <= len(Budgets._fields) or not all(n.isdecimal() for n in numbers):
         raise InputError("CONFIG", "", config, f"up to {len(Budgets._fields)} numbers, as in 1/1/0/0")
-    release = ReleaseRule.SECTION if by_section else ReleaseRule.ROUTE
-    return ExploredLine(release=release, budgets=Budgets(*map(int, numbers)))
+    return ExploredLine(budgets=Budgets(*map(int, numbers)))

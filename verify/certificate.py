@@ -14,7 +14,6 @@ from typing import Any, Final
 import msgspec
 
 from network.errors import InputError
-from onboard.duty.duty_step import ReleaseRule
 from verify.explored_line import Budgets, ExploredLine
 
 FORMAT: Final = 1
@@ -47,7 +46,6 @@ class Certificate(msgspec.Struct, frozen=True):
 
     format: int
     trains: int
-    release: str
     budgets: tuple[int, ...]
     sources: str
     locals: str
@@ -63,7 +61,7 @@ class Certificate(msgspec.Struct, frozen=True):
     @property
     def line(self) -> ExploredLine:
         """The line that it is about."""
-        return ExploredLine(self.trains, ReleaseRule(self.release), Budgets(*self.budgets))
+        return ExploredLine(self.trains, Budgets(*self.budgets))
 
 
 def sources_digest() -> str:

@@ -79,7 +79,6 @@ def certificate_of(found: ExploredSpace) -> Certificate:
     return Certificate(
         FORMAT,
         found.line.trains,
-        found.line.release.value,
         tuple(found.line.budgets),
         sources_digest(),
         parties.digest(),

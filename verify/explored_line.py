@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 import msgspec
 
 from network.model import Position, SectionKind, TagPurpose
-from onboard.duty.duty_step import DutyParameters, ReleaseRule
+from onboard.duty.duty_step import DutyParameters
 from onboard.duty.plan import DutyPlan, PlanLeg, PlanStop, PlanTag, PointsNeeded, Span
 from radio.keys import capability_key
 from verify.thirds import PLACES_A_SPAN
@@ -66,16 +66,15 @@ class Budgets(NamedTuple):
 
 
 class ExploredLine(NamedTuple):
-    """What is explored: how many of the trains run, by which rule they give back, and the budgets."""
+    """What is explored: how many of the trains run, and the budgets."""
 
     trains: int = 2
-    release: ReleaseRule = ReleaseRule.ROUTE
     budgets: Budgets = Budgets()
 
     @property
     def parameters(self) -> DutyParameters:
         """Times of the duty: no state knows them but by the timers that they start."""
-        return DutyParameters(20.0, 45.0, 30.0, self.release)
+        return DutyParameters(20.0, 45.0, 30.0)
 
 
 MANAGER: Final = ManagerConfig(

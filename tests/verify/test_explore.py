@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from onboard.duty.duty_step import ReleaseRule
 from tests.nightly import others_nightly
 from verify.composition import TWO_TRAINS
 from verify.explore import explored
@@ -23,10 +22,9 @@ AT_NIGHT = (
 )
 
 
-@pytest.mark.parametrize("release", ReleaseRule)
 @pytest.mark.parametrize("budgets", others_nightly((*IN_EVERY_RUN, *AT_NIGHT), IN_EVERY_RUN))
-def test_every_state_is_safe_and_alive(budgets: Budgets, release: ReleaseRule) -> None:
-    found = explored(ExploredLine(release=release, budgets=budgets))
+def test_every_state_is_safe_and_alive(budgets: Budgets) -> None:
+    found = explored(ExploredLine(budgets=budgets))
     assert found.holds, found.story
 
 
