@@ -166,8 +166,8 @@ HAZARDS: Final = (
     Hazard(
         "An order of the dispatcher lets a train on against another, or leaves it without a way",
         "an order is lost, doubled, or comes when the train has left",
-        "an order is a telegram that the unit takes at a stop or refuses; nothing counts as done before the unit asks by"
-        " the other way, or reports that it has given its route back; proven when given, and again when asked for",
+        "an order is a telegram that the unit takes at a stop or refuses; nothing counts as done before the unit asks"
+        " by the other way, or reports that it has given its route back; proven when given, and again when asked for",
         ("wayside.orders", "onboard.duty.orders"),
         (Checker.INSIDE_HOLDING, Checker.EVERYONE_ARRIVES, Checker.NO_DEAD_STATE),
         (
