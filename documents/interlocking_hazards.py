@@ -164,6 +164,23 @@ HAZARDS: Final = (
         ("rtri/77_follows_in_blocks", "rtri/77b_power_in_a_block"),
     ),
     Hazard(
+        "An order of the dispatcher lets a train on against another, or leaves it without a way",
+        "an order is lost, doubled, or comes when the train has left",
+        "an order is a telegram that the unit takes at a stop or refuses; nothing counts as done before the unit asks"
+        " by the other way, or reports that it has given its route back; proven when given, and again when asked for",
+        ("wayside.orders", "onboard.duty.orders"),
+        (Checker.INSIDE_HOLDING, Checker.EVERYONE_ARRIVES, Checker.NO_DEAD_STATE),
+        (
+            "rtri/90_other_track",
+            "rtri/90b_other_track_lost",
+            "rtri/90c_other_track_doubled",
+            "rtri/91_route_back",
+            "rtri/91b_route_back_lost",
+            "rtri/91c_route_back_doubled",
+            "rtri/91d_route_back_too_late",
+        ),
+    ),
+    Hazard(
         "A grant of the past takes effect",
         "a telegram comes after the manager or the unit has started again",
         "boot epochs in every envelope; a grant counts for the request outstanding, with a greater token only",

@@ -209,6 +209,7 @@ RUN_LIMIT: Final = Quantity("limit of a run", "s", ((1.0, 259_200.0),), "assumed
 DRILL_TIME: Final = Quantity("time in a drill", "s", ((0.0, 259_200.0),), "as the limit of a run")
 DURATION: Final = Quantity("duration in a drill", "s", ((0.1, 259_200.0),), "a step; as the limit of a run")
 PACE: Final = Quantity("time of an entry by hand", "s", ((0.0, 600.0),), "assumed: ten minutes for one word")
+LATER: Final = Quantity("shift of a train", "s", ((-86_400, 86_400),), "a day")
 CLOCK_OFFSET: Final = Quantity("clock offset", "s", ((-86_400.0, 86_400.0),), "a day")
 CLOCK_DRIFT: Final = Quantity(
     "clock drift", "ppm", ((-1e5, 1e5),), "assumed: a tenth; a quartz has 100 ppm at most"
@@ -431,6 +432,7 @@ DrillTime = Annotated[float, DRILL_TIME]
 Duration = Annotated[float, DURATION]
 Pace = Annotated[float, PACE]
 ClockOffset = Annotated[float, CLOCK_OFFSET]
+Later = Annotated[int, LATER]
 ClockDrift = Annotated[float, CLOCK_DRIFT]
 TimeOffset = Annotated[float, TIME_OFFSET]
 TimeSpread = Annotated[float, TIME_SPREAD]

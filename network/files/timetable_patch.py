@@ -33,7 +33,8 @@ from network.files.edits import (
     words_of,
 )
 from network.files.kinds import TimeOfDay, about
-from network.files.quantities import Stretch
+from network.files.names import Identifier
+from network.files.quantities import Later, Stretch
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import Record, one_of, parse_table, read_text, validate
 from network.model import Line
@@ -54,10 +55,10 @@ class ScaleTable(Record):
 class LikeTable(Record):
     """`like`: a train like another one, at another time, with a set of its own."""
 
-    number: Annotated[str, about("number of the new train")]
+    number: Annotated[Identifier, about("number of the new train")]
     train: Annotated[str, about("number of the train that it is like")]
-    later_s: Annotated[int, Field(ge=-86_400, le=86_400), about("how much later, s; below 0: earlier")]
-    stock: Annotated[str, about("the set that runs it")]
+    later_s: Annotated[Later, about("how much later, s; below 0: earlier")]
+    stock: Annotated[Identifier, about("the set that runs it")]
     begins: Annotated[str | None, about("how it begins; left out: as the other train")] = None
     ends: Annotated[str | None, about("how it ends; left out: as the other train")] = None
 

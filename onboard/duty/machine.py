@@ -248,7 +248,7 @@ def heard(duty: DutyStep, event: TelegramHeard) -> None:
     now = duty.state.authority.open(RequestKind.ROUTE)
     if leg is not None and asked is not None and (now is None or now.section_ids != asked.section_ids):
         duty.want(duty.plan.departure_points(leg.from_section))
-        if asked is not None and asked.section_ids == leg.to_enter:
+        if asked.section_ids == leg.to_enter:
             ask_beyond(duty, next(s for s in duty.plan.spans if s.section_id == leg.section_ids[-1]))
 
 

@@ -40,8 +40,10 @@ from simulation.world.points import WaysideWorld
 from study.drilling.drill import shipped_drills
 from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
-from wayside import dispatch
+from wayside import dispatch, orders
 from wayside.config import MANAGER_ID, TerminalConfig, terminal_configs
+from wayside.dispatch import Against, DispatchRequest
+from wayside.register import Register
 
 pytestmark = pytest.mark.system
 
@@ -105,6 +107,14 @@ def gives_points_back_running(patch: pytest.MonkeyPatch) -> None:
 
 def grants_no_part(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(dispatch, "free_part", lambda *_: ())
+
+
+def orders_nothing(patch: pytest.MonkeyPatch) -> None:
+    def decided(register: Register, asked: DispatchRequest, against: Against | None) -> orders.Decision:
+        register, against, shows = dispatch.weigh_request(register, asked, against)
+        return orders.Decision(register, against, actions=shows)
+
+    patch.setattr(orders, "decide", decided)
 
 
 def keeps_a_route_set_back(patch: pytest.MonkeyPatch) -> None:
@@ -345,6 +355,13 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         ),
         "80_cable_cut_central": (reaches_over_a_cut, "nothing is granted while the cable is cut"),
         "80b_cable_cut_on_board": (says_everything_over_the_cable, "no telegram is lost in the cable"),
+        "90_other_track": (orders_nothing, "T3 is ordered to track 2 of B"),
+        "90b_other_track_lost": (orders_nothing, "then it is let on to the other track"),
+        "90c_other_track_doubled": (orders_nothing, "T3 stands on track 2 of B"),
+        "91_route_back": (orders_nothing, "a minute after its time, T1 is asked for its route"),
+        "91b_route_back_lost": (orders_nothing, "asked again it gives it back"),
+        "91c_route_back_doubled": (orders_nothing, "T2 comes to A while T1 stands there"),
+        "91d_route_back_too_late": (orders_nothing, "T1 is asked for its route"),
     }
 )
 

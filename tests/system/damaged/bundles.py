@@ -207,7 +207,10 @@ def _scenario() -> Data:
                 "times": {"points.P5.throw_time_s": 1.1},
                 "remove_tags": {"purpose": "position", "near_marks_m": 20.0},
             },
-            "timetable": {"scale": [{"from": "09:00", "to": "11:00", "times": 1.1}]},
+            "timetable": {
+                "scale": [{"from": "09:00", "to": "11:00", "times": 1.1}],
+                "like": [{"number": "T9", "train": "T1", "later_s": 7200, "stock": "K9"}],
+            },
             "train": {"v.toml": {"set": {"mass_empty_t": 78.0}}},
             "law": {"set": {"predictive_fuzzy.estimates": False}},
             "planning": {"set": {"style": "coast"}},
