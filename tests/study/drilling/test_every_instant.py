@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
+import psutil
 import pytest
 
 from network.errors import InputError
@@ -82,11 +83,12 @@ def test_what_copies_find_and_how_they_die() -> None:
 
 
 def test_copies_are_gone_when_the_context_ends() -> None:
+    before = psutil.Process().children()
     with pytest.raises(KeyError), Forks(int, 1) as copies:
         copies.start(("waits", 0), partial(dies, signal.SIGSTOP))
+        assert len(psutil.Process().children()) == len(before) + 1
         raise KeyError
-    with pytest.raises(ChildProcessError):
-        os.waitpid(-1, os.WNOHANG)
+    assert psutil.Process().children() == before
 
 
 # a forked run is the drill's ------------------------------------------------------------------------------------------

@@ -210,6 +210,7 @@ def _scenario() -> Data:
             "timetable": {
                 "scale": [{"from": "09:00", "to": "11:00", "times": 1.1}],
                 "like": [{"number": "T9", "train": "T1", "later_s": 7200, "stock": "K9"}],
+                "set": {"trains.T9.calls.A.track": "2", "trains.T9.calls.B.track": "2"},
             },
             "train": {"v.toml": {"set": {"mass_empty_t": 78.0}}},
             "law": {"set": {"predictive_fuzzy.estimates": False}},
