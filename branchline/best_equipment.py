@@ -51,8 +51,6 @@ def equipment(
 
     Every choice is worked out, each least interval proven. Costs are assumed, a loop being 100, unless you say others.
     """
-    import msgspec
-
     from network.files.json_input import read_json, write_aside
     from scenario.scenario import load_scenario
 
@@ -67,6 +65,7 @@ def equipment(
             worked_out,
         )
     from plan.equipping.options import options_of_file, tables_of
+    from plan.moving.proof import proof_text
 
     def with_tables(tables: Mapping[str, Any]) -> Setup:
         return load_scenario(scenario, tables=tables or None).setup
@@ -85,8 +84,7 @@ def equipment(
     found = worked_out(with_tables, choices, until_s)
     reached = found[-1].interval_s <= until_s
     if proof is not None and reached:
-        text = msgspec.json.format(msgspec.json.encode(proof_of(found, int(until_s))), indent=1).decode()
-        write_aside(proof, text + "\n")
+        write_aside(proof, proof_text(proof_of(found, int(until_s))))
     curve = curve_of(found)
     best = curve[-1] if curve else None
     if out is not None and best is not None and best.setup is not None and best.found is not None:

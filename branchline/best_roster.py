@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from branchline.best_interval import ScenarioOut, new_day, write_extending
+from branchline.best_interval import ScenarioOut, new_day, times_beside, write_extending
 from branchline.ending import end_with
 from branchline.options import Json, ScenarioName
 
@@ -48,6 +48,7 @@ def roster(
 
     from network.errors import COMMAND_LINE, InputError
     from network.files.json_input import read_json, write_aside
+    from plan.moving.proof import proof_text
     from plan.roster.cover import FewerCannot
     from plan.roster.facts import RosterTerms, roster_trains
     from plan.roster.least import fewest_sets, named
@@ -69,11 +70,9 @@ def roster(
             COMMAND_LINE, "--turn", turn, f"a time in which sets turn back before train {found.stranded[0]}"
         )
     if proof is not None:
-        write_aside(
-            proof, msgspec.json.format(msgspec.json.encode(found.roster.why), indent=1).decode() + "\n"
-        )
+        write_aside(proof, proof_text(found.roster.why))
     if out is not None:
-        write_extending(out, named(found.timetable, f"{out.stem}_times"), scenario)
+        write_extending(out, named(found.timetable, times_beside(out).stem), scenario)
     figures = {
         "trains": len(found.trains),
         "today": found.today,

@@ -48,10 +48,10 @@ from radio.messages import (
 from radio.table import TableCell, rows
 from wayside import acts, dispatch, entering, leaving, orders, reentry
 from wayside.actions import Action, Send, Show
-from wayside.dispatch import Against, DispatchRequest
+from wayside.dispatch import DispatchRequest
 from wayside.heard import Heard, challenge, newly_contested, show_refusal, tell_contested
 from wayside.reentry import Step
-from wayside.register import Register, RegisteredUnit, UnitStanding
+from wayside.register import Against, Register, RegisteredUnit, UnitStanding
 from wayside.said import Accepted, BoundaryPassed, Contradicted, Freed, Granted, Outside, Refused
 
 M = TypeVar("M")

@@ -28,11 +28,10 @@ from wayside.order import is_disturbed, turn_of
 from wayside.order_question import LastOrder, OrderAnswer
 from wayside.parts import free_part
 from wayside.places import stands_of
-from wayside.register import Register
+from wayside.register import Against, Register
 from wayside.said import Certified, HeldBack, NoOrderKnown, OrderChanged
 from wayside.solved_order import with_order
 
-Against = tuple[RefusalReason, str | None, str | None]
 NEAR_STEPS: Final = 200  # assumed: tried before looking further ahead than the present trains
 SEARCHES_EVERY_S: Final = (
     60.0  # assumed: a day without an order is looked at again, what persons do may change it

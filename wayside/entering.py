@@ -18,17 +18,14 @@ from msgspec.structs import replace
 
 from radio.messages import RefusalReason, RouteRequest
 from wayside.config import RouteEntry
-from wayside.register import Register, RegisteredUnit
+from wayside.register import Against, Register, RegisteredUnit
 
 EXCLUDES = True  # off: opposing trains come in at once, whatever they would overrun
 
 
-Refusal = tuple[RefusalReason, str | None, str | None]
-
-
 def weighed(
-    register: Register, unit_id: str, message: RouteRequest, against: Refusal | None
-) -> tuple[Register, Refusal | None, bool]:
+    register: Register, unit_id: str, message: RouteRequest, against: Against | None
+) -> tuple[Register, Against | None, bool]:
     """The register, why a request is refused, if so, and whether it is one for leave.
 
     A unit that asks for leave says by that that it has none. `against`: what else is against the request.

@@ -20,13 +20,13 @@ from radio.messages import OrderRefused, RefusalReason, RouteTakenBack
 from wayside.actions import Action, Send, Show
 from wayside.certificate import STEPS_MAX, CertificateProof, finishing_order
 from wayside.config import DispatcherMeans
-from wayside.dispatch import Against, DispatchRequest, order_now, weigh_request
+from wayside.dispatch import DispatchRequest, order_now, weigh_request
 from wayside.heard import Heard
 from wayside.journeys import DayProgress, Days, LastCertificate, Stands
 from wayside.order import cost_of
 from wayside.places import stands_of
 from wayside.reentry import Step
-from wayside.register import Register
+from wayside.register import Against, Register
 from wayside.said import NotDone, RouteAskedBack, TrackChanged
 from wayside.solved_order import ORDERS_MAX
 

@@ -17,11 +17,14 @@ from msgspec.structs import replace
 
 from network.errors import InputError
 from radio.keys import capability_mac
-from radio.messages import Capability
+from radio.messages import Capability, RefusalReason
 from wayside.barring import NO_BARS, Bars
 from wayside.config import ManagerConfig, ReentryMode, RouteEntry
 from wayside.journeys import NEW, UNKNOWN, DayProgress, Days, LastCertificate, LastSearch, days_of
 from wayside.order_question import LastOrder, OrderSolver, without_solver
+
+# Why a request is not granted, and the section and the unit in its way.
+Against = tuple[RefusalReason, str | None, str | None]
 
 
 class UnitStanding(Enum):

@@ -65,6 +65,6 @@ def circles_of(proof: Refutation) -> tuple[Circle, ...]:
     return (proof,) if isinstance(proof, Circle) else (*circles_of(proof.if_one), *circles_of(proof.if_other))
 
 
-def proof_text(proof: Impossibility) -> str:
+def proof_text(proof: msgspec.Struct) -> str:
     """A proof as a file has it."""
     return msgspec.json.format(msgspec.json.encode(proof), indent=1).decode() + "\n"

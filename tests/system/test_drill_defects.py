@@ -42,8 +42,8 @@ from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
 from wayside import dispatch, orders
 from wayside.config import MANAGER_ID, TerminalConfig, terminal_configs
-from wayside.dispatch import Against, DispatchRequest
-from wayside.register import Register
+from wayside.dispatch import DispatchRequest
+from wayside.register import Against, Register
 
 pytestmark = pytest.mark.system
 
