@@ -30,6 +30,7 @@ from study.record.directory import replacing_folder
 from study.sweep.digest import code_digest, inputs_digest
 
 AT_TELEGRAMS: Final = "telegrams"
+JUDGES: Final = "study/drilling"  # decides, beside the code of a day, what a run of a sweep is called
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +125,7 @@ def _swept(
     beside = grid is not None
     out = None if asked.out is None else asked.out.resolve()
     began_s = time.monotonic()
-    made_of = MadeOf(_inputs_of(setup), code_digest())
+    made_of = MadeOf(_inputs_of(setup), code_digest(JUDGES))
     with (
         growing_rows(out, made_of, resume=asked.resume) as rows,
         nullcontext() if out is None else replacing_folder(out, owns_file, "a sweep") as folder,

@@ -41,8 +41,8 @@ outcome, and `--out` has a drill for each bad one:
 
 `--faults` is `power` of each party, `links` (each cut one way) or `all` kinds. `--sample` limits the runs of each
 drill to an even sample over faults and instants, chosen by the seed; without it all are run. A drill without faults or
-acts (01) is swept for an hour from its first telegram on, others from a minute before the first fault or act until
-five minutes after the last.
+acts (01) is swept for an hour from its first telegram on, others from a minute before each fault or act begins or is
+over until five minutes after that.
 Rules that the drill itself breaks, as it expects, are listed separately."""
 
 

@@ -8,7 +8,7 @@ party counts at telegrams in which that party takes part, one of a link at those
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
@@ -23,7 +23,7 @@ from radio.noted import Sent, TookEffect
 from scenario.script_file import names_of
 from simulation.faults.devices import PowerCut
 from simulation.faults.links import ONE_WAY, Cut, FaultyLink, LinkFault
-from simulation.faults.script import Act, ScriptedFault
+from simulation.faults.script import ScriptedFault
 from simulation.faults.table import FAULTS
 from simulation.setup import STEPS_PER_S, Setup, latest_end_s
 from study.drilling.every_instant import InstantWindow, Variation
@@ -32,8 +32,8 @@ from study.drilling.moving import NO_TIME, SINGLES, single_faults
 from study.drilling.outcome_class import SweptRun, expected_breaks, swept_run_of
 from study.runner.run import simulation_of
 
-BEFORE_S: Final = 60.0  # of what the script does first, and
-AFTER_S: Final = 300.0  # after the last of it
+BEFORE_S: Final = 60.0  # of when something in the script begins or is over, and
+AFTER_S: Final = 300.0  # after it
 LASTS_S: Final = 3600.0  # without a script, from the first telegram on
 ENDS_AFTER_S: Final = (
     14_400.0  # a day that is cut goes on so long at most, as the whole one could; a stall ends it
@@ -52,7 +52,7 @@ class FaultChoice(StrEnum):
 
 
 class _WrittenRun(msgspec.Struct, frozen=True):
-    """The run as it is written: who told whom something, at which step, and when its script was carried out."""
+    """The run as it is written: who told whom something, at which step; when all of its script began and was over."""
 
     telegrams: list[tuple[int, str, str]]
     script_s: list[float]
@@ -105,27 +105,38 @@ def grid_of(setup: Setup, chosen: FaultChoice, window: InstantWindow) -> Telegra
         setup = shortened_setup(setup, known_s + FOLLOWS_S)
     course = result_of_copy(_WrittenRun, partial(_course, setup))
     steps = [step for step, _, _ in course.telegrams] or [0]
-    first_s = min(course.script_s) - BEFORE_S if course.script_s else min(steps) / STEPS_PER_S - 1.0
-    last_s = max(course.script_s) + AFTER_S if course.script_s else first_s + LASTS_S
-    first_s = first_s if window.from_s is None else window.from_s
-    last_s = last_s if window.to_s is None else window.to_s
+    spans = _spans(course.script_s, min(steps) / STEPS_PER_S - 1.0, window)
     own = _own(setup, course)
-    setup = shortened_setup(setup, last_s + FOLLOWS_S)
+    setup = shortened_setup(setup, spans[-1][1] + FOLLOWS_S)
     names = names_of(setup)
     parties = frozenset((*names.units, *names.devices))
     within = [
         (step, source, receiver)
         for step, source, receiver in course.telegrams
-        if first_s * STEPS_PER_S <= step <= last_s * STEPS_PER_S and {source, receiver} <= parties
+        if _is_in(step, spans) and {source, receiver} <= parties
     ]
     variations = (
         replace(v, instants=_instants(v, within, parties))
         if v.instants is None
-        else replace(v, instants=_inside(v.instants, first_s, last_s))
+        else replace(v, instants=tuple(step for step in v.instants if _is_in(step, spans)))
         for v in _faults(setup, chosen, within)
     )
     found = tuple(v for v in variations if v.instants)
     return TelegramGrid(setup, found, own, _runs(found))
+
+
+def _spans(script_s: Sequence[float], begins_s: float, window: InstantWindow) -> list[tuple[float, float]]:
+    """From when until when instants lie, in order: round all of the script, else an hour; or as the window says."""
+    spans = [(time_s - BEFORE_S, time_s + AFTER_S) for time_s in sorted(script_s)]
+    spans = spans or [(begins_s, begins_s + LASTS_S)]
+    if window.from_s is None and window.to_s is None:
+        return spans
+    first_s = spans[0][0] if window.from_s is None else window.from_s
+    return [(first_s, spans[-1][1] if window.to_s is None else window.to_s)]
+
+
+def _is_in(step: int, spans: Iterable[tuple[float, float]]) -> bool:
+    return any(from_s * STEPS_PER_S <= step <= to_s * STEPS_PER_S for from_s, to_s in spans)
 
 
 def _course(setup: Setup) -> _WrittenRun:
@@ -137,16 +148,17 @@ def _course(setup: Setup) -> _WrittenRun:
         for entry in result.journal.entries
         if isinstance(entry.event, Sent | TookEffect)
     ]
-    script_s = [course.begun_s for course in result.courses if course.item in own]
+    courses = [course for course in result.courses if course.item in own]
+    script_s = [t for course in courses for t in (course.begun_s, course.over_s) if t is not None]
     return _WrittenRun(telegrams, script_s, swept_run_of(result, setup.script))
 
 
 def _last_known_s(setup: Setup, window: InstantWindow) -> float | None:
     """The last instant, where it is known before anything is run."""
-    items: tuple[ScriptedFault | Act, ...] = (*setup.script.faults, *setup.script.acts)
-    triggers = [item.trigger for item in items]
-    times_s = [trigger.at_s + trigger.after_s for trigger in triggers if trigger.at_s is not None]
-    script_s = max(times_s) + AFTER_S if times_s and len(times_s) == len(triggers) else None
+    faults = [(failure.trigger, failure.duration_s or 0.0) for failure in setup.script.faults]
+    items = [*faults, *((act.trigger, act.hold_s) for act in setup.script.acts)]
+    times_s = [t.at_s + t.after_s + lasts_s for t, lasts_s in items if t.at_s is not None]
+    script_s = max(times_s) + AFTER_S if times_s and len(times_s) == len(items) else None
     return script_s if window.to_s is None else window.to_s
 
 
@@ -195,10 +207,6 @@ def _instants(
         if concerns:
             steps |= {step - 1, step}
     return tuple(sorted(steps))
-
-
-def _inside(steps: tuple[int, ...], first_s: float, last_s: float) -> tuple[int, ...]:
-    return tuple(step for step in steps if first_s * STEPS_PER_S <= step <= last_s * STEPS_PER_S)
 
 
 def _goes_on(diagram: Diagram, kept: Mapping[str, TimetableTrain]) -> Iterator[str]:

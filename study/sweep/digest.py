@@ -50,11 +50,11 @@ def inputs_digest(setup: Setup) -> str:
 
 
 @cache
-def code_digest() -> str:
-    """Digest of the code that decides how a day goes."""
+def code_digest(*beside: str) -> str:
+    """Digest of the code that decides how a day goes, and of what else decides a result."""
     root = Path(str(files("study"))).parent
     found = blake2b(digest_size=HASH_BYTES)
-    for name in CODE:
+    for name in (*CODE, *beside):
         place = root / name
         for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
             if path.is_file():

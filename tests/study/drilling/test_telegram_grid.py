@@ -22,7 +22,7 @@ from study.drilling.grid_report import replay_of, table_of
 from study.drilling.moving import staffed
 from study.drilling.outcome_class import OutcomeKind, SweptRun
 from study.drilling.swept_rows import MadeOf, SweptRows, growing_rows
-from study.drilling.telegram_grid import FaultChoice, grid_of, shortened_setup
+from study.drilling.telegram_grid import AFTER_S, BEFORE_S, FaultChoice, grid_of, shortened_setup
 from study.runner.run import PartyLink, simulation_of
 from tests.nightly import others_nightly
 
@@ -252,3 +252,29 @@ def test_a_sweep_that_is_stopped_loses_no_run_and_is_gone_on_with(drill: Scenari
         swept(rows, stop)
     with growing_rows(out, replace(made_of, inputs="d" * 32), resume=True) as rows:
         assert not rows.taken_up
+
+
+def test_it_covers_what_comes_when_a_long_fault_is_over() -> None:
+    """Motors are cut out for 420 s, in which nobody says anything: the first telegrams are of the time after them."""
+    scenario = staffed(load_scenario(find_drill("rtri/57_motors_on_a_gradient")))
+    (motors,) = scenario.setup.script.faults
+    assert motors.trigger.at_s is not None
+    over_s = motors.trigger.at_s + (motors.duration_s or 0.0)
+    grid = grid_of(scenario.setup, FaultChoice.POWER, InstantWindow())
+    steps = {step for variation in grid.variations for step in variation.instants or ()}
+    assert min(steps) >= over_s * STEPS_PER_S - 1
+    assert max(steps) <= (over_s + AFTER_S) * STEPS_PER_S
+
+
+def test_what_is_said_long_after_the_script_and_between_its_parts_is_left_out() -> None:
+    """Drill 9 without staff: the manager is off for ten minutes; nothing of the middle of them can be new."""
+    scenario = load_scenario(find_drill("karasuyama/09_manager_power"))
+    (power,) = scenario.setup.script.faults
+    grid = grid_of(scenario.setup, FaultChoice.LINKS, InstantWindow())
+    times_s = {step / STEPS_PER_S for v in grid.variations for step in v.instants or ()}
+    begun_s = power.trigger.at_s or 0.0
+    over_s = begun_s + (power.duration_s or 0.0)
+    assert min(times_s) >= begun_s - BEFORE_S - 0.1
+    assert not [t for t in times_s if begun_s + AFTER_S < t < over_s - BEFORE_S - 0.1]
+    assert [t for t in times_s if over_s < t < over_s + 60.0]
+    assert max(times_s) <= max(over_s, scenario.setup.script.acts[0].trigger.at_s or 0.0) + AFTER_S
