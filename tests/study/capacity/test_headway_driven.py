@@ -323,6 +323,22 @@ def test_a_train_brakes_for_a_lower_limit_where_its_front_may_be(
         assert drives.drive_headway(row(cases, *SLOWED), searched=False).driving_s > 2 * LATE_S
 
 
+ON_OTHER_STEPS: Final = "KNY", HeadwayKind.DEPARTURE_ARRIVAL, "up, KNY.2", "down, KNY.1"
+
+
+@pytest.mark.nightly
+def test_a_stop_that_falls_on_other_steps_is_not_held_up(
+    monkeypatch: pytest.MonkeyPatch, isumi: tuple[Drives, tuple[HeadwayCase, ...]]
+) -> None:
+    """4D alone stops up to 0.8 s sooner or later by when it comes: at 4,114 s it was 0.3 s late, with a second less 0.1."""
+    drives, cases = isumi
+    monkeypatch.setattr(headways_driven, "DRIVING_COUNTS", False)
+    case = row(cases, *ON_OTHER_STEPS)
+    assert drives.drive_headway(case, searched=False).kept_s <= STEP_S + TOUCH_S
+    monkeypatch.setattr(headways_driven, "STEPS_COUNT", False)
+    assert drives.drive_headway(case, searched=False).kept_s > LATE_S
+
+
 @pytest.mark.nightly
 @pytest.mark.timeout(3600)
 @pytest.mark.parametrize("name", SHIPPED)
@@ -334,7 +350,7 @@ def test_no_row_of_any_shipped_line_is_below_what_a_run_needs(
         driving = [drives.drive_headway(case, searched=False) for case in cases]
         monkeypatch.setattr(headways_driven, "DRIVING_COUNTS", False)
         kept = [drives.drive_headway(case, searched=False) for case in cases]
-    assert not [one.text for one in kept if one.kept_s > NEAR_S]
+    assert not [one.text for one in kept if one.kept_s > LATE_S]
     assert not [one.text for one in driving if one.driving_s > SLOWER_S + TOUCH_S]
 
 
