@@ -172,6 +172,7 @@ class UnitMotion:
         row = self.row
         row.odometer_m, row.odometer_scale = odometer_m, 1.0
         row.speed_mps = speed_mps
+        row.boots += 1
         self._doubt.position_told()
         row.tag_window_m = self._parameters.tag_window_m
         self._take_up(mission, path)

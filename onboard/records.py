@@ -129,6 +129,7 @@ class UnitRow(Protocol):
     path_offset: int
     path_rows: int
     paths_taken_up: Annotated[int, "how many it has gone by: with each the coordinates are others"]
+    boots: Annotated[int, "how often it was switched on again: its sensors went on meanwhile"]
     places_offset: Annotated[int, "the same of the places that it knows, by position"]
     places_rows: int
     plan_offset: Annotated[int, "the same of its plan"]

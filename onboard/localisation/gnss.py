@@ -28,6 +28,8 @@ Possible errors and their effect (P is the protection level that the receiver st
 - Not covered: a fault that grows by less than 3 % of the distance while bounds are too wide to show it; several faults
   in succession that are too small to be seen. What leaves the bounds is refused by the one rule of fixes.
 - A wrong time tag shifts fixes by the speed; it shows, like any other fault, where the speed changes.
+- A unit that was switched off does not know what its train has run meanwhile: a fix taken before it was on again is no
+  use, and the receiver counts as lost. What is known of its error stays.
 
 A unit without a position takes the interval of a receiver that `FIRST_FIXES` open-sky fixes have confirmed.
 """
@@ -82,7 +84,8 @@ class GnssRow(Protocol):
     """What the unit keeps of its receiver."""
 
     path: Annotated[int, "which path the coordinates are of"]
-    ticks: int
+    boots: Annotated[int, "how often the unit had been switched on"]
+    ticks: Annotated[int, "since it was"]
     odometer_m: Annotated[float, "the tachometer a tick ago"]
     way_m: Annotated[float, "run by the wheels, as calibrated, since the unit began"]
     slid_m: Annotated[float, "by how much it may be short since then, since wheels slid"]
@@ -124,6 +127,9 @@ class GnssRow(Protocol):
 @compiled
 def keep_way(own: GnssRow, unit: UnitRow, step_s: float) -> None:
     """Count the way of this tick, and what widens the bounds; what cuts them has set the estimate anew."""
+    if own.boots != unit.boots:
+        own.boots, own.ticks, own.open_ticks, own.unproven = unit.boots, 0, 0, 1
+        own.slid_m, own.slipped_m = unit.slid_ahead_m, unit.slipped_behind_m
     run_m = (unit.odometer_m - own.odometer_m) * unit.odometer_scale if own.ticks > 0 else 0.0
     own.odometer_m = unit.odometer_m
     own.way_m += run_m
@@ -352,4 +358,6 @@ def gnss(own: GnssRow, reading: GnssReading, unit: UnitRow, _chart: Chart, step_
     sound = np.isfinite(reading.position_m) and reading.protection_m > 0.0
     if not (sound and 0.0 <= reading.age_s <= OLDEST_S):
         return REFUSED
+    if own.boots > 0 and int(reading.age_s / step_s + 0.5) >= own.ticks:
+        return NOTHING
     return use_fix(own, reading, unit, step_s)

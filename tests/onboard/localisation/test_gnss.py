@@ -451,3 +451,37 @@ def test_the_lie_that_is_kept_is_what_holds_it(unit: UnitRow) -> None:
         forget(train.own)
     assert train.out_m > 0.0
     assert reader.STEADY_SHARE + 2.0 * (reader.STEADY_SHARE + reader.WHEELS_SHARE) <= 1.0
+
+
+@pytest.mark.parametrize("knows", [True, False])
+def test_a_fix_taken_while_the_unit_was_off_is_no_use(unit: UnitRow, knows: bool) -> None:
+    """Off for 3 s in which the train runs 60 m: the receiver has not moved against the wheels (random run 20034)."""
+    train = Train(unit)
+    for _ in range(20):
+        train.second(0.0)
+    off_m = 60.0
+    train.true_m += off_m
+    unit.odometer_m += off_m
+    unit.position_known, unit.bound_ahead_m, unit.bound_behind_m = 0, 1.0, 1.0
+    unit.paths_taken_up += 1
+    unit.boots += int(knows)
+    train.tick(0.0)
+    for _ in range(FIRST_FIXES + 5):
+        train.second(0.0)
+    assert (reader.lie_m(train.own, unit) == (0.0, 0.0)) is knows
+
+
+def test_what_is_known_of_a_receivers_error_outlasts_the_units_power(unit: UnitRow) -> None:
+    train = Train(unit)
+    for _ in range(10):
+        train.second(0.0)
+    for _ in range(10):
+        train.second(30.0)
+    assert reader.lie_m(train.own, unit)[1] > 20.0
+    unit.paths_taken_up += 1
+    unit.boots += 1
+    unit.position_known = 0
+    for _ in range(FIRST_FIXES + 5):
+        train.second(30.0)
+        assert not unit.position_known or train.out_m <= 0.0
+    assert unit.position_known
