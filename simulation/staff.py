@@ -5,8 +5,8 @@ controller; after a time of their own (`[people]`) they do what the rules of ope
 often, while it is as it was: switch on what is off, or put it into service again; wind points to where no train is in
 the way; bar a unit that claims what is not so, and unbar it, again where that did not get through; see to the picture
 of the line until it is accepted; and for a unit whose word the manager waits for, or does not hear, two of them say
-where its train truly stands and what it shows that it holds. They act through the injector's door, so that what they
-did can be written down as acts of a drill.
+where its train truly stands and what it shows that it holds, with what their word cannot free. They act through the
+injector's door, so that what they did can be written down as acts of a drill.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from simulation.people import Pause
 from simulation.setup import STEP_S, STEPS_PER_S
 from simulation.world.point_machine import MachineState, PointMachine
 from simulation.world.stage import World
+from wayside.acts import IN_STATION
 from wayside.config import MANAGER_ID, ReentryMode
 from wayside.register import ReentryStage
 from wayside.said import (
@@ -38,6 +39,7 @@ from wayside.said import (
     Granted,
     Outside,
     PictureChanged,
+    Refused,
     Started,
 )
 
@@ -66,6 +68,9 @@ class Staff:
         ] = {}  # what each person said last: whether a unit is to be barred
         self._speaks_until_s: dict[str, float] = {}
         self._routes: dict[str, set[str]] = {}  # what each unit was granted and has not given back
+        self._not_freed: dict[
+            str, set[str]
+        ] = {}  # what a unit holds in the picture and their word cannot free
         self._forgetful: set[str] = set()  # units that have booted since they were granted anything
         self._left: set[str] = set()  # units that were on the line
         self._again_s: dict[tuple[ActKind, str, str], float] = {}
@@ -89,6 +94,7 @@ class Staff:
                 self._awaited.setdefault(unit_id)
             case Accepted(unit_id=unit_id) | Outside(unit_id=unit_id) | ConfirmedByHand(unit_id=unit_id):
                 self._awaited.pop(unit_id, None)
+                self._not_freed.pop(unit_id, None)
                 self._from_s.pop((Pause.SILENT, unit_id), None)
             case _:
                 self._see_units(entry)
@@ -100,6 +106,8 @@ class Staff:
                 self._bars.setdefault(unit_id, {})[entry.who] = _BARS[act]
             case Barred(unit_id=unit_id) if entry.who == MANAGER_ID:
                 self._awaited.setdefault(unit_id)
+            case Refused(unit_id=unit_id, section_ids=section_ids, why=why) if why.endswith(IN_STATION):
+                self._not_freed.setdefault(unit_id, set()).update(section_ids)
             case Left(unit_id=unit_id):
                 self._left.add(unit_id)
                 self._routes.pop(unit_id, None)
@@ -281,8 +289,10 @@ class Staff:
             for person in (CONTROLLER, STAFF):
                 self._act(t_s, ActKind.CONFIRM_OUTSIDE, unit_id, person, place=self._portal(slot))
         elif self._trains.plants[slot].speed_mps <= 0.0:
+            said = {*self._held(slot), *self._not_freed.get(unit_id, ())}
+            in_order = tuple(section for section in self._setup.line.sections if section in said)
             for person in (CONTROLLER, STAFF):
-                self._act(t_s, ActKind.CONFIRM_HOLDING, unit_id, person, self._held(slot))
+                self._act(t_s, ActKind.CONFIRM_HOLDING, unit_id, person, in_order)
 
     def _portal(self, slot: int) -> str:
         """The portal before which stock that is not on the line stands."""

@@ -201,7 +201,7 @@ def _confirm_holding(register: Register, event: ConfirmHolding) -> Step:
     freed = _freed(register, event)
     given_back = _given_back(register, event)
     if given_back and not reentry.in_station(register, section_ids):
-        return register, (_refused(event, _IN_STATION, given_back),)
+        return register, (_refused(event, IN_STATION, given_back),)
     if freed:
         register = reentry.with_word(register, person_key(event.person), unit_id, section_ids)
         if reentry.agreed(register, unit_id) is None:
@@ -230,7 +230,7 @@ def _doubt_speaker(register: Register, event: ConfirmOutside | ConfirmHolding) -
     unit_id, section_ids = event.unit_id, _sections(event)
     senseless = _senseless(register, event)
     if senseless is None and not reentry.in_station(register, section_ids):
-        senseless = _refused(event, _IN_STATION)
+        senseless = _refused(event, IN_STATION)
     if senseless is None and (conflict := register.other_holder(unit_id, section_ids)) is not None:
         senseless = _refused(event, f"section {conflict[0]} is held by {conflict[1]}")
     if senseless is not None:
@@ -344,7 +344,7 @@ def _new_contradictions(before: Register, after: Register) -> tuple[Show, ...]:
 
 
 _SECOND_PERSON: Final = "it may be on the line; a second person must say the same"
-_IN_STATION: Final = "a silent unit must stand in a station"
+IN_STATION: Final = "a silent unit must stand in a station"  # for what it may hold yet to be freed
 _STILL_ASKED: Final = "the unit is still being asked; say it again if it stays silent"
 _Handler = Callable[[Register, Any], Step]
 

@@ -35,7 +35,7 @@ from onboard.localisation.fix import Fix, RefusedFix, TakenFix, take_interval
 from onboard.localisation.wheel_scale import WheelScale
 from onboard.motion import UnitMotion
 from onboard.notes import Claimed
-from onboard.records import EMERGENCY_INTERVENTION, UnitRow
+from onboard.records import EMERGENCY_INTERVENTION, PathData, UnitRow
 from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
 from radio.messages import (
     PointsCommand,
@@ -334,3 +334,17 @@ def commands_after_the_look(patch: pytest.MonkeyPatch) -> None:
 @switch
 def forgets_that_it_was_on_the_line(patch: pytest.MonkeyPatch) -> None:
     patch.setattr("host.unit._was_on_line", lambda _kept: False)
+
+
+@switch
+def goes_on_as_if_it_had_been_on(patch: pytest.MonkeyPatch) -> None:
+    """A unit's readers do not learn that it was off."""
+    switch_on = UnitMotion.switch_on
+
+    def unnoticed(
+        motion: UnitMotion, mission: Mission, path: PathData, odometer_m: float, speed_mps: float
+    ) -> None:
+        switch_on(motion, mission, path, odometer_m, speed_mps)
+        motion.row.boots -= 1
+
+    patch.setattr(UnitMotion, "switch_on", unnoticed)

@@ -23,6 +23,7 @@ from radio.messages import (
     SignOff,
 )
 from radio.noted import TookEffect
+from simulation import staff
 from tests.system.switchboard import K1_ON_P7_S, K2_ON_P7_S, switch
 from wayside import acts, barring, block_manager, entering, leaving, point_terminal, reentry, register
 from wayside.actions import Action, Send, Show
@@ -261,3 +262,9 @@ def takes_a_lost_store_for_a_first_start(patch: pytest.MonkeyPatch) -> None:
 @switch
 def believes_an_empty_claim(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(reentry, "cannot_be_outside", lambda *_: False)
+
+
+@switch
+def staff_say_no_more_than_what_is_so(patch: pytest.MonkeyPatch) -> None:
+    """People do not say of a silent train that it holds what their word cannot free."""
+    patch.setattr(staff, "IN_STATION", "said by nobody")
