@@ -3,10 +3,11 @@
 They see that something has no power, that points do not lie as they must, and what the block manager shows its
 controller; after a time of their own (`[people]`) they do what the rules of operation say, and again, less and less
 often, while it is as it was: switch on what is off, or put it into service again; wind points to where no train is in
-the way; bar a unit that claims what is not so, and unbar it, again where that did not get through; see to the picture
-of the line until it is accepted; and for a unit whose word the manager waits for, or does not hear, two of them say
-where its train truly stands and what it shows that it holds, with what their word cannot free. They act through the
-injector's door, so that what they did can be written down as acts of a drill.
+the way, or to where the crew of one needs them that has stopped short of the blades; bar a unit that claims what is not
+so, and unbar it, again where that did not get through; see to the picture of the line until it is accepted; and for a
+unit whose word the manager waits for, or does not hear, two of them say where its train truly stands and what it shows
+that it holds, with what their word cannot free. They act through the injector's door, so that what they did can be
+written down as acts of a drill.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from collections import Counter
 from typing import Final
 
 from network.model import SectionKind
-from onboard.notes import UnitRestarted
+from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints, UnitRestarted
 from radio.chance import generator
 from radio.messages import ClaimQuery
 from radio.noted import Sent
@@ -71,6 +72,7 @@ class Staff:
         self._not_freed: dict[
             str, set[str]
         ] = {}  # what a unit holds in the picture and their word cannot free
+        self._waits_at: dict[str, str] = {}  # by points: the unit whose crew waits for them to lie otherwise
         self._forgetful: set[str] = set()  # units that have booted since they were granted anything
         self._left: set[str] = set()  # units that were on the line
         self._again_s: dict[tuple[ActKind, str, str], float] = {}
@@ -118,6 +120,10 @@ class Staff:
                 self._routes.get(unit_id, set()).difference_update(section_ids)
             case UnitRestarted():
                 self._forgetful.add(entry.who)
+            case CrewWaitsAtPoints(points_id=points_id):
+                self._waits_at[points_id] = entry.who
+            case CrewCheckedPoints(points_id=points_id):
+                self._waits_at.pop(points_id, None)
             case _:
                 pass
 
@@ -201,10 +207,33 @@ class Staff:
                 self._act(t_s, ActKind.COMMISSION if blank else ActKind.POWER_ON, party_id, STAFF)
 
     def _see_to_points(self, t_s: float, points_id: str, machine: PointMachine) -> None:
-        if not machine.stuck and machine.state is not MachineState.BETWEEN:
+        asked = self._asked_for(points_id, machine)
+        if not (asked or machine.stuck or machine.state is MachineState.BETWEEN):
             self._from_s.pop((Pause.POINTS, points_id), None)
-        elif self._ripe(Pause.POINTS, points_id, t_s) and (position := self._safe(points_id, machine)):
+        elif self._ripe(Pause.POINTS, points_id, t_s) and (
+            position := asked or self._safe(points_id, machine)
+        ):
             self._act(t_s, ActKind.REPAIR_POINTS, points_id, STAFF, position=position)
+
+    def _asked_for(self, points_id: str, machine: PointMachine) -> str:
+        """How a crew needs points that lie otherwise, with its train in their section and short of the blades, where
+        no unit throws them; empty: none does, or others are in the way.
+        """
+        unit_id = self._waits_at.get(points_id, "")
+        if not unit_id or machine.key or machine.state is not MachineState.AT_REST:
+            return ""
+        points, slot = self._setup.line.points[points_id], self._trains.slot_of[unit_id]
+        legs = {points.normal_piece: "normal", points.reverse_piece: "reverse"}
+        near = [
+            (other, piece)
+            for other in self._trains.active()
+            for piece in self._pieces_under(other) & {points.stem_piece, *legs}
+        ]
+        if len(near) != 1 or near[0][0] != slot:
+            return ""
+        way = (step.piece_id for step in self._trains.true_path(slot).steps)
+        needed = next((legs[piece] for piece in way if piece in legs), "")
+        return needed if machine.position is None or machine.position.value != needed else ""
 
     def _safe(self, points_id: str, machine: PointMachine) -> str:
         """As they lie, or as the train on them needs them; lying nowhere and free, either; empty: wait."""

@@ -10,6 +10,7 @@ import pytest
 
 from simulation.faults.script import Act, ActKind
 from simulation.people import People
+from simulation.staff import Staff
 from study.drilling.drill import find_drill, run_drill
 from study.runner.run import FinishedRun, PartyLink
 from tests.nightly import others_nightly
@@ -149,3 +150,23 @@ def test_what_a_mad_unit_outside_has_been_given_is_had_back(tmp_path: Path) -> N
         staff_did = {ActKind.BAR_UNIT, ActKind.CONFIRM_OUTSIDE, ActKind.UNBAR_UNIT}
         assert kinds >= staff_did if react == "true" else not kinds
     assert arrives == {"true": True, "false": False}
+
+
+@pytest.mark.parametrize("asks", [True, False])
+def test_points_are_wound_for_a_train_that_has_slid_just_onto_them(
+    asks: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It stands 1.6 m in their section, 8.4 m short of the blades, without a proof: no unit throws them there."""
+    if not asks:
+        monkeypatch.setattr(Staff, "_asked_for", lambda *_: "")
+    file = tmp_path / "slid.toml"
+    file.write_text(
+        f'extends = "{find_drill("rtri/27_slippery_rail")}"\nid = "slid"\nname = "slid"\nexpect = []\n'
+        "people.react = true\n"
+        '[[patch.fault.add]]\nkind = "cut"\ntarget = "K1 -> B-W"\nstart = "10:00:41"\nduration_s = 60.0\n',
+        "utf-8",
+    )
+    run = run_drill(str(file), PartyLink.SIMULATED).run
+    assert bool(run.result.trains_arrived) is asks
+    by_hand = [act for act in _acts(run) if act.kind is ActKind.REPAIR_POINTS]
+    assert [act.position for act in by_hand] == (["normal"] if asks else [])

@@ -12,9 +12,12 @@ from scenario.scenario import Scenario, load_scenario
 from simulation.faults.devices import PowerCut, Restart
 from simulation.faults.script import ActKind, ScriptedFault, Trigger
 from simulation.setup import STEPS_PER_S
-from study.drilling.drill import find_drill, shipped_drills
+from study.drilling.drill import find_drill, run_drill, shipped_drills
 from study.drilling.every_instant import InstantWindow, Variation
 from study.drilling.moving import single_faults, staffed, what_is_moved
+from study.runner.run import PartyLink
+from tests.system.conftest import SWITCHES
+from wayside.said import Leaving
 
 Sweeps = Callable[[Scenario, Sequence[Variation], InstantWindow], list[str]]
 
@@ -77,3 +80,18 @@ def test_a_unit_without_power_at_every_tenth_of_a_departure(
     )
     window = InstantWindow(1.0 / STEPS_PER_S, departure_s, departure_s + 3.0)
     assert bad_in(two_trains, variations, window) == []
+
+
+@pytest.mark.parametrize("frees", [False, True])
+def test_a_unit_without_power_at_every_tenth_round_its_sign_off_in_a_portal(
+    frees: bool, bad_in: Sweeps, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Drill 58b at 31 instants: its portal is leaving until it says or is seen to have gone."""
+    if frees:
+        SWITCHES["frees_a_portal_at_the_sign_off"](monkeypatch)
+    scenario = staffed(load_scenario(find_drill("rtri/58b_portal_unit_power")))
+    moved = what_is_moved(scenario).variation
+    events = run_drill("rtri/58b_portal_unit_power", PartyLink.SIMULATED).run.result.journal.entries
+    leaves_s = next(e.t_s for e in events if isinstance(e.event, Leaving))
+    window = InstantWindow(1.0 / STEPS_PER_S, leaves_s - 1.5, leaves_s + 1.5)
+    assert (len(bad_in(scenario, (moved,), window)) > 0) is frees
