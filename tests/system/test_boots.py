@@ -95,7 +95,7 @@ def test_all_stores_are_lost_at_once(nets: Path) -> None:
     assert outcome.fine, outcome.details
 
 
-@pytest.mark.parametrize("party", ["block-manager", "K1", "B-W"])
+@pytest.mark.parametrize("party", others_nightly(["block-manager", "K1", "B-W"], ["K1"]))
 def test_without_commissioning_the_summary_says_what_everybody_waits_for(
     party: str, nets: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

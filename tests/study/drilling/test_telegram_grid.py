@@ -160,6 +160,7 @@ def test_trains_that_come_later_are_left_out() -> None:
     assert {d.stock_id for d in cut.timetable.diagrams} == set(cut.trains)
 
 
+@pytest.mark.nightly
 def test_no_train_that_is_left_out_stands_in_the_way_of_one_that_is_kept() -> None:
     """325M begins before the cut and needs the track from which 326M leaves after it."""
     cut = shortened_setup(load_scenario("karasuyama_weekday").setup, 7.5 * 3600.0)

@@ -172,6 +172,7 @@ def test_workers_that_join_late_have_days(
     assert scheduler.at_once == AHEAD * 4
 
 
+@pytest.mark.nightly
 def test_without_a_look_at_them_they_have_none(
     sweep_file: Path, out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -26,7 +26,7 @@ from tests.system.chaos.run_one import Outcome
 
 pytestmark = pytest.mark.system
 
-SLICE: Final = ((Family.TEST_LINE, 0, 6), (Family.HOUR, 0, 1), (Family.LINES, 0, 2))
+SLICE: Final = ((Family.TEST_LINE, 0, 4), (Family.HOUR, 0, 1), (Family.LINES, 0, 1))
 ALL: Final = {Family.TEST_LINE: 4000, Family.HOUR: 500, Family.LINES: 500}
 CHUNK: Final = 250
 CHUNKS: Final = tuple(
