@@ -56,6 +56,7 @@ def test_a_crew_that_comes_late_loses_nothing_but_time(boots: str, boot_s: float
     assert outcome.fine, outcome.details
 
 
+@pytest.mark.nightly
 def test_a_crew_that_comes_after_half_an_hour_is_no_danger(nets: Path) -> None:
     """People speak for its train meanwhile, and nothing is broken by what they say."""
     outcome = two_trains(nets, UNIT_OFF, MANAGER, boot_s=1800.0)

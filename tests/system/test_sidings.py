@@ -37,7 +37,8 @@ def test_the_drills_come_in_pairs() -> None:
     assert shipped == {*WITHOUT, *WITH}
 
 
-@pytest.mark.parametrize("name", others_nightly(WITHOUT, ["01_one_siding"]))
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", WITHOUT)
 def test_without_the_certificate_nobody_gets_on(name: str) -> None:
     drill = run_drill(f"sidings/{name}", PartyLink.SIMULATED)
     assert drill.passed

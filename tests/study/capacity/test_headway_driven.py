@@ -314,6 +314,7 @@ SLOWER_S: Final = 0.3  # than predicted: events fall on steps, and power builds 
 SLOWED: Final = "OTK", HeadwayKind.DEPARTURE_ARRIVAL, "up, OTK.2", "down, OTK.2"
 
 
+@pytest.mark.nightly
 def test_a_train_brakes_for_a_lower_limit_where_its_front_may_be(
     monkeypatch: pytest.MonkeyPatch, isumi: tuple[Drives, tuple[HeadwayCase, ...]]
 ) -> None:

@@ -164,6 +164,7 @@ def run_on(scheduler: Growing, file: Path, out: Path, patch: pytest.MonkeyPatch)
     return state.run
 
 
+@pytest.mark.nightly
 def test_workers_that_join_late_have_days(
     sweep_file: Path, out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
