@@ -18,7 +18,7 @@ from typing import Any, Final, ParamSpec, TypeVar, cast
 import numpy as np
 
 from vehicle.code_store import CodeStore, kept_folder
-from vehicle.waiting import LATE, Waiting
+from vehicle.uncompiled import LATE, Uncompiled
 
 INTERPRETED: Final = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 SHIPPED: Final = Path(__file__).parent / "machine_code"  # compiled for any processor; a wheel has it
@@ -36,7 +36,9 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """
     if INTERPRETED:
         return _interpreted(function)
-    return cast("Callable[P, R]", Waiting(cast("FunctionType", function), partial(_made, STORE, late=False)))
+    return cast(
+        "Callable[P, R]", Uncompiled(cast("FunctionType", function), partial(_made, STORE, late=False))
+    )
 
 
 def compiled_when_called(function: Callable[P, R]) -> Callable[P, R]:
@@ -46,9 +48,9 @@ def compiled_when_called(function: Callable[P, R]) -> Callable[P, R]:
     """
     if INTERPRETED:
         return _interpreted(function)
-    waiting = Waiting(cast("FunctionType", function), partial(_made, STORE, late=True))
-    LATE[f"{waiting.py_func.__module__}.{waiting.py_func.__qualname__}"] = waiting
-    return cast("Callable[P, R]", waiting)
+    uncompiled = Uncompiled(cast("FunctionType", function), partial(_made, STORE, late=True))
+    LATE[f"{uncompiled.py_func.__module__}.{uncompiled.py_func.__qualname__}"] = uncompiled
+    return cast("Callable[P, R]", uncompiled)
 
 
 def _made(store: CodeStore, function: FunctionType, *, late: bool) -> object:

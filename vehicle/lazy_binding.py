@@ -22,7 +22,7 @@ from numba.core.cpu import CPUContext
 
 from vehicle.code_key import type_text
 from vehicle.linking import InnerLibrary
-from vehicle.waiting import LATE
+from vehicle.uncompiled import LATE
 
 PREFIX: Final = "branchline.cell."  # of the names of cells in compiled code
 BIND: Final = "branchline.bind"

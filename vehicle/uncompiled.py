@@ -8,7 +8,7 @@ from types import FunctionType
 from typing import Any, Final
 
 
-class Waiting:
+class Uncompiled:
     """A function that `make` makes callable by machine code, when it is called or the compiler looks at it."""
 
     def __init__(self, function: FunctionType, make: Callable[[FunctionType], Any]) -> None:
@@ -30,4 +30,4 @@ class Waiting:
         return getattr(self.made, name)
 
 
-LATE: Final[dict[str, Waiting]] = {}  # those that compiled code calls by address, the last of each name
+LATE: Final[dict[str, Uncompiled]] = {}  # those that compiled code calls by address, the last of each name
