@@ -70,9 +70,10 @@ class _Named(Record):
     trains: TrainsTable
 
 
+_KINDS: Final = get_type_hints(Tables, include_extras=True)
 TABLES: Final[Mapping[str, Any]] = {  # by name: kind and default of each field of `Tables`
     each.name: (
-        get_type_hints(Tables, include_extras=True)[each.name],
+        _KINDS[each.name],
         each.default if each.default_factory is MISSING else Field(default_factory=each.default_factory),
     )
     for each in fields(Tables)

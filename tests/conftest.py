@@ -29,7 +29,7 @@ gc.set_threshold(MORE_OBJECTS)
 # examples of a test: who changes one sets it anew. `make nightly` asks for the profile of many.
 settings.register_profile(
     "few",
-    max_examples=20,
+    max_examples=10,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],

@@ -7,20 +7,20 @@ Fastmath stays off: same input, same bits.
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from types import FunctionType
 from typing import Any, Final, ParamSpec, TypeVar, cast
 
 import numpy as np
-from numba.core import config
 
 from vehicle.code_store import CodeStore, kept_folder
-from vehicle.entries import Entry, LateEntry
+from vehicle.uncompiled import LATE, Uncompiled
 
-INTERPRETED: Final = bool(config.DISABLE_JIT)
+INTERPRETED: Final = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 SHIPPED: Final = Path(__file__).parent / "machine_code"  # compiled for any processor; a wheel has it
 STORE: Final = CodeStore(kept_folder() / SHIPPED.name, [SHIPPED])
 OPTIONS: Final = {"nopython": True, "error_model": "numpy"}
@@ -36,7 +36,9 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """
     if INTERPRETED:
         return _interpreted(function)
-    return cast("Callable[P, R]", Entry(cast("FunctionType", function), OPTIONS, STORE))
+    return cast(
+        "Callable[P, R]", Uncompiled(cast("FunctionType", function), partial(_made, STORE, late=False))
+    )
 
 
 def compiled_when_called(function: Callable[P, R]) -> Callable[P, R]:
@@ -46,7 +48,16 @@ def compiled_when_called(function: Callable[P, R]) -> Callable[P, R]:
     """
     if INTERPRETED:
         return _interpreted(function)
-    return cast("Callable[P, R]", LateEntry(cast("FunctionType", function), OPTIONS, STORE))
+    uncompiled = Uncompiled(cast("FunctionType", function), partial(_made, STORE, late=True))
+    LATE[f"{uncompiled.py_func.__module__}.{uncompiled.py_func.__qualname__}"] = uncompiled
+    return cast("Callable[P, R]", uncompiled)
+
+
+def _made(store: CodeStore, function: FunctionType, *, late: bool) -> object:
+    """The function as the compiler calls it; numba is loaded by the first."""
+    from vehicle.entries import Entry, LateEntry
+
+    return (LateEntry if late else Entry)(function, OPTIONS, store)
 
 
 def _interpreted(function: Callable[P, R]) -> Callable[P, R]:

@@ -22,6 +22,7 @@ from numba.core.cpu import CPUContext
 
 from vehicle.code_key import type_text
 from vehicle.linking import InnerLibrary
+from vehicle.uncompiled import LATE
 
 PREFIX: Final = "branchline.cell."  # of the names of cells in compiled code
 BIND: Final = "branchline.bind"
@@ -36,8 +37,6 @@ class LateFunction:
     TypeError if its annotation names another result than float, int or None.
     """
 
-    all: Final[dict[str, LateFunction]] = {}  # the last of each name
-
     def __init__(self, function: FunctionType, address: Callable[[Types], int]) -> None:
         self.name = f"{function.__module__}.{function.__qualname__}"
         self.parameters = function.__code__.co_varnames[: function.__code__.co_argcount]
@@ -49,7 +48,6 @@ class LateFunction:
                 f"{self.name} returns {returned}; called by address it must return {', '.join(RETURNED)}"
             )
         self.returns = RETURNED[returned]
-        self.all[self.name] = self
 
 
 class Cell(NamedTuple):
@@ -67,7 +65,7 @@ def _cell(name: str, args: Types) -> str:
     """The name of the cell of a function for these arguments; a function that replaces another takes its cell over."""
     text = "".join(type_text(each) for each in args)
     symbol = f"{PREFIX}{name}.{blake2b(text.encode(), digest_size=8).hexdigest()}"
-    function = LateFunction.all[name]
+    function: LateFunction = LATE[name].made.late
     if symbol not in CELLS:
         CELLS[symbol] = Cell(function, args, ctypes.c_int64())
         ll.add_symbol(symbol, ctypes.addressof(CELLS[symbol].address))

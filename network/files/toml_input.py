@@ -31,7 +31,7 @@ ModelT = TypeVar("ModelT", bound=BaseModel)
 class Record(BaseModel):
     """Base of every table in an input file: no unknown keys, no silent conversions, no infinities."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, defer_build=True)
 
 
 def parse_toml(text: str, file: str, model: type[ModelT]) -> ModelT:

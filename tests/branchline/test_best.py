@@ -117,6 +117,7 @@ def test_reserves_are_placed_as_a_scenario_and_a_sweep_of_fresh_days(main: Calla
     assert main("sweep", "placed_days.toml", "--check").code == 0
 
 
+@pytest.mark.nightly
 def test_a_line_with_eight_loops_has_its_bound(main: Callable[..., Any], tmp_path: Path) -> None:
     """Ten stations 2 km apart: 12 trains an hour each way are excluded, 12 in both ways fit, and the answer runs."""
     rows = ["id,name,km,tracks", *(f"S{i},Station {i},{2 * i},2" for i in range(10))]

@@ -16,8 +16,14 @@ IN_PYTHON = ("-c", "import branchline; branchline.load('rtri_test_line')")
 AS_COMMAND = ("-m", "branchline", "schema")
 
 
-@pytest.mark.parametrize("hiding", ["network.py", "study/__init__.py", "simulation/notes.txt"])
-@pytest.mark.parametrize(("start", "code"), [(IN_PYTHON, 1), (AS_COMMAND, 2)])
+@pytest.mark.parametrize(
+    ("hiding", "start", "code"),
+    [
+        ("network.py", AS_COMMAND, 2),
+        ("study/__init__.py", IN_PYTHON, 1),
+        pytest.param("simulation/notes.txt", AS_COMMAND, 2, marks=pytest.mark.nightly),
+    ],
+)
 def test_what_hides_a_package_is_named(
     tmp_path: Path, hiding: str, start: tuple[str, ...], code: int
 ) -> None:

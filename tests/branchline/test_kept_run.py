@@ -6,6 +6,7 @@ import json
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -15,6 +16,7 @@ from study.record.directory import FORMAT
 from study.record.figure import Figure
 from study.record.tables import ROWS
 from study.wording.phrase import Phrase
+from tests.nightly import others_nightly
 
 KEPT: Final = Path(__file__).parents[1] / "study" / "record" / "kept_run"
 COMMANDS: Final = (
@@ -34,8 +36,10 @@ def with_a_column(monkeypatch: pytest.MonkeyPatch, table: str, **default: None) 
     monkeypatch.setitem(ROWS, table, dataclass(frozen=True, kw_only=True)(row))
 
 
-@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
-@pytest.mark.parametrize("added", [False, True], ids=["as it is", "with a column added to every table"])
+@pytest.mark.parametrize(
+    ("command", "added"),
+    others_nightly(product(COMMANDS, [False, True]), {(c, n % 2 > 0) for n, c in enumerate(COMMANDS)}),
+)
 def test_a_directory_kept_opens(
     main: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, command: tuple[str, ...], added: bool
 ) -> None:

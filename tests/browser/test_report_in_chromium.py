@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.nightly import others_nightly
+
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page, Route
 
@@ -166,7 +168,7 @@ def test_every_paper_opens_from_disk_in_both_languages(
             assert all(width > 100 and height > 100 for width, height in drawn)
 
 
-@pytest.mark.parametrize("trains", [27, 500])
+@pytest.mark.parametrize("trains", others_nightly([27, 500], [27]))
 def test_frames_a_second(
     browser: Browser,
     request: pytest.FixtureRequest,

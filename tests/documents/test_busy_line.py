@@ -96,6 +96,7 @@ def _first_two_trains_of_each_set() -> Timetable:
     return replace(TIMETABLE, trains=trains, diagrams=tuple(diagrams))
 
 
+@pytest.mark.nightly
 @pytest.mark.system
 def test_a_morning_of_it_runs_to_plan() -> None:
     scenario = load_scenario(LINE_ID)

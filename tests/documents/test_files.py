@@ -18,6 +18,7 @@ from scenario import schemas
 from scenario.scenario import shipped_scenarios
 from scenario.scenario_file import ScenarioFile
 from scenario.schemas import FILES, other_keys, schema_of
+from tests.nightly import others_nightly
 from vehicle.train_file import TRAINS_FOLDER, _table_in_si
 
 # Faults, acts and expectations are types of their own: what their keys mean is said with each.
@@ -69,11 +70,14 @@ def test_every_setting_of_a_run_has_a_range() -> None:
             assert row[3], (where, row[0])
 
 
-@pytest.mark.parametrize("kind", schemas.KINDS)
+@pytest.mark.parametrize("kind", others_nightly(schemas.KINDS, list(schemas.KINDS)[:2]))
 def test_the_command_prints_a_schema(main: Callable[..., Any], kind: str) -> None:
     ended = main("schema", kind)
     assert ended.code == 0
     assert ended.figures() == json.loads(json.dumps(schema_of(kind)))
+
+
+def test_without_a_kind_it_prints_all_of_them(main: Callable[..., Any]) -> None:
     assert set(main("schema").figures()) == set(schemas.KINDS)
 
 

@@ -9,7 +9,6 @@ from nbclient.exceptions import CellExecutionError
 
 from documents.notebooks import FOLDER, QUICK, execute_notebook, notebook, texts_shown
 from documents.structure import ROOT
-from tests.nightly import others_nightly
 
 LONG = "DAYS = 1000"
 
@@ -19,7 +18,8 @@ def _this_tree(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
 
 
-@pytest.mark.parametrize("name", others_nightly(QUICK, QUICK[:1]))
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", QUICK)
 def test_a_notebook_shows_what_is_committed(tmp_path: Path, name: str) -> None:
     book = notebook(name)
     committed = texts_shown(book)

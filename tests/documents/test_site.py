@@ -9,6 +9,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from documents.site import ROOT
 
 FROM_ELSEWHERE = re.compile(r"<(?:script|link|img|iframe)\b[^>]*\b(?:src|href)=[\"']?(?:https?:)?//[^>]*>")
@@ -38,6 +40,7 @@ def test_the_site_has_every_page_and_takes_nothing_from_elsewhere(tmp_path: Path
     assert FROM_ELSEWHERE.search('<script async src="https://example.org/a.js"></script>')
 
 
+@pytest.mark.nightly
 def test_a_link_to_nothing_ends_the_build(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "docs", tmp_path / "docs")
     with (tmp_path / "docs/planner.md").open("a", encoding="utf-8") as page:

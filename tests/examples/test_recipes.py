@@ -101,7 +101,6 @@ def test_a_recipe_names_every_file_that_it_touches_and_no_other(
 def test_all_that_is_checked_in_seconds_holds(followed: Clone) -> None:
     followed.tool("ruff", "format", "--check", "--no-cache", *followed.touched)
     followed.tool("ruff", "check", "--no-cache", *followed.touched)
-    followed.succeeds("-m", "documents.structure")
     for page, texts in PAGES.items():
         written = (followed.root / f"docs/{page}.md").read_text("utf-8")
         assert [text for text in texts if text not in written] == []
@@ -116,6 +115,7 @@ def test_the_tests_of_what_was_added_to_hold(followed: Clone) -> None:
 def test_types_and_everything_generated_hold_too(followed: Clone) -> None:
     followed.tool("mypy")
     followed.tool("basedpyright", *CODE)
+    followed.succeeds("-m", "documents.structure")
     followed.succeeds("-m", "documents.generated")
 
 
@@ -159,6 +159,7 @@ def reproduced(clone: Clone) -> tuple[int, list[dict[str, Any]]]:
     return done.returncode, json.loads(done.stdout)["rows"]
 
 
+@pytest.mark.nightly
 def test_a_paper_is_reproduced_and_its_null_method_is_not(followed: Clone) -> None:
     code, rows = reproduced(followed)
     assert (code, [row["passed"] for row in rows]) == (0, [True, True])
@@ -186,7 +187,7 @@ def test_a_paper_without_its_idea_fails(followed: Clone, was: str, switched: str
     assert (code, [row["passed"] for row in rows]) == (1, passed)
 
 
-@pytest.mark.parametrize("scenario", ["law/slow_day", "sensor/radar_day", "sensor/radar_knocked"])
+@pytest.mark.parametrize("scenario", ["law/slow_day", "sensor/radar_knocked"])
 def test_a_scenario_can_choose_a_law_and_a_sensor(followed: Clone, scenario: str) -> None:
     followed.succeeds("-m", "branchline.cli", "check", str(HERE / f"{scenario}.toml"))
 

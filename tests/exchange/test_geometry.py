@@ -32,6 +32,7 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.files.toml_input import Record, parse_toml
 from network.model import Curve
+from tests.nightly import others_nightly
 
 SHARED = Path(__file__).resolve().parents[2] / "../shared/data/geometry"
 POLYLINE, STATIONS = SHARED / "polyline_11334.json", SHARED / "line_11334.json"
@@ -263,9 +264,10 @@ def winding(curves: int, seed: int = 3) -> tuple[tuple[Curve, ...], float]:
     return tuple(made), at_m + 300.0
 
 
-def test_a_long_winding_track_is_followed_to_its_end() -> None:
-    """Forty-four curves: fitted all at once the far end swings away; block by block each goes on from the last."""
-    curves, length_m = winding(44)
+@pytest.mark.parametrize("count", others_nightly([16, 44], [16]))
+def test_a_long_winding_track_is_followed_to_its_end(count: int) -> None:
+    """Many curves: fitted all at once the far end swings away; block by block each goes on from the last."""
+    curves, length_m = winding(count)
     axis = sample_axis(0.0, 0.0, curvature_table(0.0, length_m, 0.4, curves), length_m)
     at_m = np.arange(0.0, length_m, 30.0)
     points = np.column_stack([np.interp(at_m, axis.along_m, v) for v in (axis.east_m, axis.north_m)])

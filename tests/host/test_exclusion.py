@@ -56,7 +56,7 @@ from wayside.said import (
 )
 
 SEEDS: Final = 16
-SLICE: Final = 4  # of them in every run
+SLICE: Final = 2  # of them in every run
 
 units = st.sampled_from(UNITS)
 goals = st.sampled_from(["E", "E2"])

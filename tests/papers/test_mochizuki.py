@@ -63,6 +63,7 @@ def test_a_perfect_sensor_settles_as_in_the_paper_and_shows_no_more_than_the_tru
     assert seen.true_mps[settled] == pytest.approx(seen.speed_mps[settled], abs=0.05)
 
 
+@pytest.mark.nightly
 def test_what_table_3_shows_passes_where_ours_shows_as_much() -> None:
     """Cycles that are 7 % longer than they are taken for would show it; even ones do not."""
     rows, found = cases_of(4, 1, USES["as the paper"])

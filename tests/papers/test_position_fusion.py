@@ -52,11 +52,13 @@ from papers.position_fusion import (
 from papers.reproduction import CaseRow, Options
 from simulation.faults.table import FAULTS
 from simulation.settings import PositionSensor
+from tests.nightly import others_nightly
 
 SHORT = (7, 15, 18, 19, 28)  # on the test line, which takes a moment
 JOINT_SEED = 41
 JOINT_SHORT = (2, 3, 8, 11, 12, 127, 264, 288)
 ONCE_BROKEN_JOINT = (140, 716, 1166, 1402, 1544, 1687, 1992)
+JOINT_OF_EVERY_RUN = (2, 288, 1166, 1992)
 BY_A_JUMP = 1166  # of the gyro's bias on a straight, just before a curve
 ONCE_BROKEN_REVIEWED = (50, 260)  # found beside a tag in one step; a wrong time tag that came up in a gap
 REVIEWED_SEED = 20261
@@ -103,7 +105,7 @@ def test_on_the_line_as_it_stands_bounds_are_narrow_enough() -> None:
     assert median_row(base_setup("karasuyama_weekday")).passed
 
 
-@pytest.mark.parametrize("number", [*JOINT_SHORT, *ONCE_BROKEN_JOINT])
+@pytest.mark.parametrize("number", others_nightly([*JOINT_SHORT, *ONCE_BROKEN_JOINT], JOINT_OF_EVERY_RUN))
 def test_the_truth_stays_inside_while_several_sensors_fail_at_once(number: int) -> None:
     found = RuleOutcomes(JOINT, (joint_outcome(JOINT_SEED, number, JOINT),))
     assert held_row(found).passed, how_to_repeat(found.outcomes[0])

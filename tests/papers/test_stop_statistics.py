@@ -61,6 +61,7 @@ def test_a_factor_held_still_has_no_share_and_takes_its_scatter_away(usual: Stop
     assert steady.errors_m.std() < usual.errors_m.std()
 
 
+@pytest.mark.nightly
 def test_slippery_rails_outweigh_everything() -> None:
     assert stop_statistics(4000, 1, {"adhesion": SLIPPERY}).weightiest == "adhesion"
 

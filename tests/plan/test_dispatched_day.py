@@ -133,6 +133,7 @@ def test_a_solution_names_each_move_of_the_manager_once(setup: Setup, late: Disp
         moves_of(setup, legs[:-5])
 
 
+@pytest.mark.nightly
 def test_export_solve_import(tmp_path: Path) -> None:
     problem, solved, ordered = (
         str(tmp_path / name) for name in ("day.json", "solution.json", "ordered.toml")

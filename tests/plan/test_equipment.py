@@ -48,6 +48,7 @@ def test_every_choice_is_there_once_and_what_needs_another_not_alone() -> None:
     assert not any("blocks" in c.names and not {"by_section", "coverage"} <= set(c.names) for c in choices)
 
 
+@pytest.mark.nightly
 def test_the_curve_is_what_no_choice_beats() -> None:
     found = all_worked_out()
     curve = curve_of(found)

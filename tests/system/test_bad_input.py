@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from network.files.shipped import shipped_line, shipped_timetable
+from tests.nightly import others_nightly
 from vehicle.train_file import shipped_train
 
 LINE = shipped_line("rtri_test_line").read_text("utf-8")
@@ -170,9 +172,13 @@ def check_one_line(ended: Any, parts: tuple[str, ...]) -> None:  # noqa: ANN401
         assert part in ended.err
 
 
-@pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("verb", ["run", "check"])
-def test_one_line_and_nothing_written(main: Callable[..., Any], tmp_path: Path, case: str, verb: str) -> None:
+@pytest.mark.parametrize(
+    ("verb", "case"),
+    others_nightly(
+        product(["run", "check"], CASES), {("run", case) for case in CASES} | {("check", min(CASES))}
+    ),
+)
+def test_one_line_and_nothing_written(main: Callable[..., Any], tmp_path: Path, verb: str, case: str) -> None:
     given, parts = CASES[case]
     for name, text in given.items():
         (tmp_path / name).write_text(text, "utf-8")

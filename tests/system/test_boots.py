@@ -56,6 +56,7 @@ def test_a_crew_that_comes_late_loses_nothing_but_time(boots: str, boot_s: float
     assert outcome.fine, outcome.details
 
 
+@pytest.mark.nightly
 def test_a_crew_that_comes_after_half_an_hour_is_no_danger(nets: Path) -> None:
     """People speak for its train meanwhile, and nothing is broken by what they say."""
     outcome = two_trains(nets, UNIT_OFF, MANAGER, boot_s=1800.0)
@@ -95,7 +96,7 @@ def test_all_stores_are_lost_at_once(nets: Path) -> None:
     assert outcome.fine, outcome.details
 
 
-@pytest.mark.parametrize("party", ["block-manager", "K1", "B-W"])
+@pytest.mark.parametrize("party", others_nightly(["block-manager", "K1", "B-W"], ["K1"]))
 def test_without_commissioning_the_summary_says_what_everybody_waits_for(
     party: str, nets: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -90,6 +90,7 @@ def test_without_leave_to_do_so_it_waits(tmp_path: Path) -> None:
     assert came_s is not None and came_s > 37_200.0  # 10:20, when A leaves
 
 
+@pytest.mark.nightly
 def test_orders_are_the_same_on_both_links(tmp_path: Path) -> None:
     here, apart = (
         day(tmp_path, '"change_track"', link).summary["digest"]

@@ -115,6 +115,7 @@ def small(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Path]:
     subprocess.run(["umount", str(folder)], check=True)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("small", ["6m"], indirect=True)
 def test_a_disk_that_others_fill_during_the_run_costs_no_report(tmp_path: Path, small: Path) -> None:
     """They fill it to the last byte, and all of them when the run is over; what was held is enough."""

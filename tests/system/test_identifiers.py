@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from documents.files import tables_of
 from network.files import names
 from network.files.shipped import shipped_line, shipped_timetable
 from scenario.schemas import FILES
+from tests.nightly import others_nightly
 from vehicle.train_file import shipped_train
 
 LINE = shipped_line("rtri_test_line").read_text("utf-8")
@@ -46,8 +48,13 @@ def files(whose: str, text: str) -> dict[str, str]:
     return found
 
 
-@pytest.mark.parametrize("text", PATHS)
-@pytest.mark.parametrize("whose", PLACES)
+# Each place and each text in every run, all of both at night.
+PAIRS = others_nightly(
+    product(PLACES, PATHS), {(whose, PATHS[number % len(PATHS)]) for number, whose in enumerate(PLACES)}
+)
+
+
+@pytest.mark.parametrize(("whose", "text"), PAIRS)
 def test_a_path_is_no_id(main: Callable[..., Any], tmp_path: Path, whose: str, text: str) -> None:
     (tmp_path / "here").mkdir()
     given = files(whose, text)

@@ -56,7 +56,7 @@ H,13,2,,,,portal
 
 
 @pytest.mark.system
-@pytest.mark.parametrize("name", others_nightly(LISTS, ["portals", "no_loop", "far"]))
+@pytest.mark.parametrize("name", others_nightly(LISTS, ["portals"]))
 def test_real_trains_run_on_it(main: Callable[..., Any], tmp_path: Path, name: str) -> None:
     pytest.importorskip("sumo", reason="netconvert makes the net of a line that is not shipped")
     (tmp_path / "list.csv").write_text(LISTS[name], "utf-8")

@@ -127,6 +127,7 @@ def test_above_it_who_asks_first_goes(tmp_path: Path) -> None:
     assert unfinished(changed.run.result) == ()
 
 
+@pytest.mark.nightly
 def test_the_order_of_least_delay_is_the_same_on_both_links(tmp_path: Path) -> None:
     """A solver's process of its own stands beside either manager."""
     days = [

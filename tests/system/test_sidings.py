@@ -37,7 +37,8 @@ def test_the_drills_come_in_pairs() -> None:
     assert shipped == {*WITHOUT, *WITH}
 
 
-@pytest.mark.parametrize("name", others_nightly(WITHOUT, ["01_one_siding"]))
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", WITHOUT)
 def test_without_the_certificate_nobody_gets_on(name: str) -> None:
     drill = run_drill(f"sidings/{name}", PartyLink.SIMULATED)
     assert drill.passed
@@ -60,7 +61,8 @@ def test_with_it_all_arrive_and_it_is_told_why_each_waited(name: str) -> None:
     assert "not all trains could still finish" in text_of(told).en
 
 
-@pytest.mark.parametrize("name", others_nightly(WITH, [min(WITH)]))
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", WITH)
 def test_each_drill_fails_with_the_certificate_switched_off(name: str) -> None:
     scenario = certified(load_scenario(find_drill(f"sidings/{name}")), on=False)
     assert (

@@ -72,13 +72,13 @@ def _acts(run: FinishedRun) -> list[Act]:
     return [course.item for course in run.result.courses if isinstance(course.item, Act)]
 
 
-@pytest.mark.parametrize("what", others_nightly(FAILS, ["unit", "manager by hand"]))
+@pytest.mark.parametrize("what", others_nightly(FAILS, ["unit"]))
 def test_what_nobody_sees_to_stays_as_it_is(what: str, fails: Fails) -> None:
     result = fails(what, "react = false").result
     assert result.unfinished
 
 
-@pytest.mark.parametrize("what", FAILS)
+@pytest.mark.parametrize("what", others_nightly(FAILS, ["manager", "points", "a train in a portal"]))
 def test_staff_put_it_right(what: str, fails: Fails) -> None:
     run = fails(what, "react = true")
     assert not run.result.unfinished
@@ -109,6 +109,7 @@ def test_nobody_reacts_unless_it_is_said() -> None:
     assert not People().react
 
 
+@pytest.mark.nightly
 def test_a_bar_that_one_device_did_not_hear_of_is_said_again(tmp_path: Path) -> None:
     """The block manager is off when the second person unbars: only who looks at its screen sees that. Their patience is
     such that nobody unbars it before of themselves.

@@ -51,6 +51,7 @@ def objections(found: Stops) -> set[str]:
     return {name for name, holds in held.items() if not holds}
 
 
+@pytest.mark.nightly
 def test_it_is_as_stressed_as_its_file_says() -> None:
     setup = load_scenario(STRESSED).setup
     assert {setup.scatter.stock[stock_id].wheel_factor for stock_id in setup.trains} == {0.99, 1.01}

@@ -156,9 +156,10 @@ def test_a_stopped_run_leaves_what_was_run_and_no_process(
     assert list(running.temporary.iterdir()) == []
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("stop", "outcome"),
-    [(twice, Outcome.TERMINATED), pytest.param(hang_up, Outcome.HUNG_UP, marks=pytest.mark.nightly)],
+    [(twice, Outcome.TERMINATED), (hang_up, Outcome.HUNG_UP)],
 )
 def test_a_second_signal_and_a_hang_up_leave_nothing(
     running: Running, stop: Callable[[subprocess.Popen[str]], None], outcome: Outcome

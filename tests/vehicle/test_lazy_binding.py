@@ -165,6 +165,7 @@ def test_what_cannot_be_compiled_is_named(
     assert laws.ask(0, own, SPEEDS, 0.5) == 3.0
 
 
-def test_a_result_that_no_stub_returns_is_refused(load: Load) -> None:
+def test_a_result_that_no_stub_returns_is_refused(load: Load, own: CallsRow) -> None:
+    laws = load("gentle(own) -> int", "gentle(own) -> str")
     with pytest.raises(TypeError, match=r"gentle returns str; .* float, int, None"):
-        load("gentle(own) -> int", "gentle(own) -> str")
+        laws.ask(1, own, SPEEDS, 0.5)

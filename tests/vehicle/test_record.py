@@ -109,6 +109,7 @@ def test_what_no_record_can_hold_is_refused_by_name(row: type, names: str) -> No
         dtype_of(row)
 
 
+@pytest.mark.nightly
 def test_a_field_misspelt_in_a_law_is_an_error_of_the_type_checker(tmp_path: Path) -> None:
     law = tmp_path / "law.py"
     body = "def {name}(plant: PlantRow) -> float:\n    return plant.{field}\n"

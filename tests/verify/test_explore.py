@@ -48,6 +48,7 @@ def test_a_booted_unit_that_says_it_holds_nothing_leads_to_a_train_where_the_reg
     assert found.story[-1] == "manager a person accepts the picture"
 
 
+@pytest.mark.nightly
 def test_a_driver_who_tells_the_unit_later_that_the_train_has_left_can_leave_a_portal_held_for_ever() -> None:
     line = ExploredLine(budgets=Budgets(delay=1))
     with restored("driver-tells-later"):

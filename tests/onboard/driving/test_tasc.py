@@ -290,7 +290,7 @@ def test_reset_leaves_nothing_of_the_last_stop() -> None:
 @pytest.mark.parametrize("pattern_mps2", [0.3, 0.6, 0.8])
 def test_a_soft_end_costs_what_following_the_pattern_takes_longer(pattern_mps2: float) -> None:
     """Both from 20 m/s: along the pattern, summed up over distances, and evenly."""
-    before_m = np.linspace(0.0, 20.0, 200_001)[1:] ** 2
+    before_m = np.linspace(0.0, 20.0, 20_001)[1:] ** 2
     speeds_mps = np.array([pattern(design(), pattern_mps2, float(at_m))[0] for at_m in before_m])
     under = speeds_mps < 20.0
     steps_m = np.diff(before_m, prepend=0.0)

@@ -227,7 +227,7 @@ def check(before: ExploredRun, step: Step) -> None:
 def explored(request: pytest.FixtureRequest) -> Iterator[Explored[ExploredRun]]:
     with pytest.MonkeyPatch.context() as patch:
         release_by(patch, request.param)
-        yield explore(first(), events_from, phase_name, 3000)
+        yield explore(first(), events_from, phase_name, 1500)
 
 
 def release_by(patch: pytest.MonkeyPatch, rule: ReleaseRule) -> None:

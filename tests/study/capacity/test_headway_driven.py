@@ -127,7 +127,7 @@ def driven(pair: Pair, kinds: Collection[HeadwayKind] = FOLLOWS) -> Driven:
     return Driven(least_s, late_s(pair, least_s, alone_s), late_s(pair, least_s - 1, alone_s))
 
 
-@pytest.mark.parametrize("path", [0, 1])
+@pytest.mark.parametrize("path", others_nightly([0, 1], [0]))
 def test_a_least_headway_can_be_driven_and_a_second_less_is_late(path: int) -> None:
     """Down and up the busy line, from portal to portal."""
     found = driven(pair_of("busy_line", path))
@@ -228,6 +228,7 @@ def test_without_its_stand_a_last_train_would_have_passed_its_terminus(
     assert passed.arrives_s < stood.arrives_s - 15.0
 
 
+@pytest.mark.nightly
 def test_the_first_waits_for_the_second_at_a_meet(monkeypatch: pytest.MonkeyPatch) -> None:
     """At Ogane: who has turned goes on when the second has come there, and that comes back when the first is gone."""
     key = "OGN", HeadwayKind.DEPARTURE_ARRIVAL, "down, OGN.1", "up, OGN.2"
@@ -284,6 +285,7 @@ def follows_too_soon(name: str) -> tuple[int, list[str]]:
     return asked, short
 
 
+@pytest.mark.nightly
 def test_what_is_driven_otherwise_than_predicted_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     """The first comes to Karasuyama 1.5 s sooner than predicted; without that a second less is not late."""
     key = "OGN", HeadwayKind.FOLLOWING, "down, OGN.1", "down, OGN.1"
@@ -312,6 +314,7 @@ SLOWER_S: Final = 0.3  # than predicted: events fall on steps, and power builds 
 SLOWED: Final = "OTK", HeadwayKind.DEPARTURE_ARRIVAL, "up, OTK.2", "down, OTK.2"
 
 
+@pytest.mark.nightly
 def test_a_train_brakes_for_a_lower_limit_where_its_front_may_be(
     monkeypatch: pytest.MonkeyPatch, isumi: tuple[Drives, tuple[HeadwayCase, ...]]
 ) -> None:

@@ -30,6 +30,7 @@ from study.drilling.grid_report import classes_of, ranges_of, replay_of
 from study.drilling.moving import SINGLES, single_faults, what_is_moved
 from study.drilling.outcome_class import OutcomeKind
 from study.runner.run import PartyLink
+from tests.nightly import others_nightly
 
 pytestmark = pytest.mark.system
 
@@ -94,7 +95,10 @@ def test_copies_are_gone_when_the_context_ends() -> None:
 # a forked run is the drill's ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["rtri/09_manager_power", "rtri/04_unit_power_position_fixed"])
+@pytest.mark.parametrize(
+    "name",
+    others_nightly(["rtri/09_manager_power", "rtri/04_unit_power_position_fixed"], ["rtri/09_manager_power"]),
+)
 def test_a_forked_run_is_the_run_of_its_replay_to_the_byte(name: str, tmp_path: Path) -> None:
     """Faults with a duration, acts after them, events made times; instants at a stand and on the way."""
     scenario = load_scenario(find_drill(name))
@@ -157,12 +161,12 @@ def test_what_cannot_be_moved_is_refused(tmp_path: Path) -> None:
 # a unit that starts again as its train begins to move -----------------------------------------------------------------
 
 
-def test_a_restart_at_any_moment_of_a_departure_is_no_crash(two_trains: Scenario) -> None:
+@pytest.mark.parametrize("departure_s", others_nightly([TEN, TEN + 420.0], [TEN]))
+def test_a_restart_at_any_moment_of_a_departure_is_no_crash(two_trains: Scenario, departure_s: float) -> None:
     """Traction builds up for some tenths after the order; whoever moves then without driving tells the carrier."""
-    for departure_s in (TEN, TEN + 420.0):
-        swept = sweep_of(two_trains, restart("K1"), every_s=0.4, from_s=departure_s, to_s=departure_s + 2.8)
-        assert len(swept.outcomes["restart K1"]) == 8
-        assert not swept.bad
+    swept = sweep_of(two_trains, restart("K1"), every_s=0.4, from_s=departure_s, to_s=departure_s + 2.8)
+    assert len(swept.outcomes["restart K1"]) == 8
+    assert not swept.bad
 
 
 def test_without_being_told_the_carrier_disagrees(
@@ -277,6 +281,7 @@ def test_what_a_sweep_cannot_do_is_refused(
     assert named in ended.err
 
 
+@pytest.mark.nightly
 def test_what_a_drill_says_wrong_people_break_is_not_bad_where_it_is_moved(
     main: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -298,6 +303,7 @@ def test_what_a_drill_says_wrong_people_break_is_not_bad_where_it_is_moved(
         assert ("BAD" in ended.out) is not excused
 
 
+@pytest.mark.nightly
 def test_the_classes_of_a_sweep_have_the_gravest_last(two_trains: Scenario) -> None:
     swept = sweep_of(two_trains, restart("K1"), every_s=20.0, from_s=TEN - 10.0, to_s=TEN + 110.0)
     order = list(OutcomeKind)

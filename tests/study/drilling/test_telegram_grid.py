@@ -67,6 +67,7 @@ def test_links_are_cut_one_way_and_only_round_their_own_telegrams(drill: Scenari
     assert all(" -> " in name for name in names)
 
 
+@pytest.mark.nightly
 def test_what_a_drill_says_of_persons_who_are_wrong_is_its_own_beside_any_fault(drill: Scenario) -> None:
     """Where the silent train is not heard in time, the one on sight comes into the very section (drill 53b)."""
     wrong = Expectation("t", holds=Property.NO_INVARIANT_BROKEN, absent=True, rules=("one-train-a-section",))
@@ -160,6 +161,7 @@ def test_trains_that_come_later_are_left_out() -> None:
     assert {d.stock_id for d in cut.timetable.diagrams} == set(cut.trains)
 
 
+@pytest.mark.nightly
 def test_no_train_that_is_left_out_stands_in_the_way_of_one_that_is_kept() -> None:
     """325M begins before the cut and needs the track from which 326M leaves after it."""
     cut = shortened_setup(load_scenario("karasuyama_weekday").setup, 7.5 * 3600.0)

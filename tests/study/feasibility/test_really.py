@@ -58,7 +58,7 @@ def test_a_broken_plan_really_goes_wrong(name: str) -> None:
     assert unfinished(result) or latest_s(result) > GOES_WRONG_S
 
 
-@pytest.mark.parametrize("seed", others_nightly(range(200), range(2)))
+@pytest.mark.parametrize("seed", others_nightly(range(200), [1]))
 def test_a_good_plan_really_runs_to_plan(seed: int) -> None:
     result = run(good_plan(seed).setup())
     assert unfinished(result) == ()

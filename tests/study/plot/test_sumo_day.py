@@ -130,6 +130,7 @@ def test_plain_sumo_says_nothing_where_it_knows_no_home_of_its_own(tmp_path: Pat
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.nightly
 @pytest.mark.system
 def test_a_train_that_passes_does_not_stand_and_passes_on_time(turn_back: str, tmp_path: Path) -> None:
     times = Path(turn_back).with_name("turn_back_times.toml")

@@ -6,6 +6,7 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
+import pytest
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
@@ -104,6 +105,7 @@ def test_a_text_is_cut_only_if_it_must_be() -> None:
     assert LONG.startswith(shortened_name(LONG)[:-1]) and len(shortened_name(LONG)) < len(LONG)
 
 
+@pytest.mark.nightly
 def test_the_graph_has_a_strip_in_the_panels_that_the_marks_meet(weekday: ReportedRun) -> None:
     with drawing():
         plain, _ = draw_train_graph(weekday)

@@ -57,7 +57,11 @@ def check(figure: Figure, line: Line) -> int:
 
 
 @pytest.mark.parametrize(
-    ("name", "line_name"), [("karasuyama_weekday", "karasuyama"), ("busy_line", "busy_line")]
+    ("name", "line_name"),
+    [
+        ("karasuyama_weekday", "karasuyama"),
+        pytest.param("busy_line", "busy_line", marks=pytest.mark.nightly),
+    ],
 )
 @pytest.mark.parametrize("narrow", [False, True])
 def test_texts_stand_apart(name: str, line_name: str, narrow: bool) -> None:

@@ -126,7 +126,7 @@ def test_every_train_has_its_number_beside_its_line(
         assert numbers_on_lines(figure, run) == []
 
 
-@pytest.mark.parametrize("rule", ["overlaps", "covers"])
+@pytest.mark.parametrize("rule", others_nightly(["overlaps", "covers"], ["overlaps"]))
 def test_a_graph_whose_numbers_are_put_anywhere_is_found_out(
     make_day: Callable[[str, str], ReportedRun], monkeypatch: pytest.MonkeyPatch, rule: str
 ) -> None:

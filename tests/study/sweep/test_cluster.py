@@ -164,6 +164,7 @@ def run_on(scheduler: Growing, file: Path, out: Path, patch: pytest.MonkeyPatch)
     return state.run
 
 
+@pytest.mark.nightly
 def test_workers_that_join_late_have_days(
     sweep_file: Path, out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -172,6 +173,7 @@ def test_workers_that_join_late_have_days(
     assert scheduler.at_once == AHEAD * 4
 
 
+@pytest.mark.nightly
 def test_without_a_look_at_them_they_have_none(
     sweep_file: Path, out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

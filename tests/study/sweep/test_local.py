@@ -103,6 +103,7 @@ def test_processes_that_never_live_end_the_sweep(
         swept(sweep_file, out, LocalPump(2))
 
 
+@pytest.mark.nightly
 def test_order_of_days_changes_nothing(sweep_file: Path, out: Path, expected: str) -> None:
     state = swept(sweep_file, out, days=3)
     assert state.run == 6

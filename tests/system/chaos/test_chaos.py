@@ -26,7 +26,7 @@ from tests.system.chaos.run_one import Outcome
 
 pytestmark = pytest.mark.system
 
-SLICE: Final = ((Family.TEST_LINE, 0, 6), (Family.HOUR, 0, 1), (Family.LINES, 0, 2))
+SLICE: Final = ((Family.TEST_LINE, 0, 4), (Family.HOUR, 0, 1), (Family.LINES, 0, 1))
 ALL: Final = {Family.TEST_LINE: 4000, Family.HOUR: 500, Family.LINES: 500}
 CHUNK: Final = 250
 CHUNKS: Final = tuple(
@@ -46,7 +46,7 @@ WITHOUT: Final = {  # what some were mended by
 }
 AS_STATED: Final = ""
 AT_ONCE: Final = "[people]\ntimes = 0.0\n"
-EVERY_RUN: Final = REPLAYS[::5]
+EVERY_RUN: Final = REPLAYS[::12]
 
 Record = Callable[[str, object], None]
 

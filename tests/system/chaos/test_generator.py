@@ -26,7 +26,7 @@ from tests.system.chaos.run_one import Verdict, outcome_of, undisturbed
 
 pytestmark = pytest.mark.system
 
-SEEDS: Final = range(300)
+SEEDS: Final = range(150)
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from tests.system.damaged.damages import Case, case_of
 
 pytestmark = pytest.mark.system
 
-SLICE: Final = (0, 1)
+SLICE: Final = (0,)
 NUMBER: Final = 50
 LOOKED_AT: Final = 1500
 CPU_S_MAX: Final = 120.0  # of a run, a hundred times what one of this line takes
