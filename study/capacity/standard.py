@@ -186,7 +186,7 @@ class Added:
 
 def added_path(setup: Setup, path: StandardPath, number: int, moves_s: Sequence[float]) -> Added:
     """A path with each leg moved, s: from place to place, beginning with that from the portal; the n-th of the day."""
-    leg, names = 0, {train.number: f"X{number}{train.number}" for train in path.trains}
+    leg, names = 0, {train.number: f"X{number}-{at}" for at, train in enumerate(path.trains, start=1)}
     trains: list[TimetableTrain] = []
     for index, train in enumerate(path.trains):
         calls: list[Call] = []
