@@ -60,11 +60,7 @@ def _print(day: ArrangedDay, limit_s: int) -> None:
     from network.clock import clock
     from plan.arranging.arrange import lacking_text
 
-    figures = day.figures
-    rows = [
-        f"printed times moved: {figures.moved} of {figures.printed}, {figures.past_minute} out of their minute;"
-        f" {figures.total_s} s in all, {figures.mean_s:.1f} s a printed time"
-    ]
+    rows = [day.text]
     if day.beyond:
         rows.insert(0, f"no plan moves every printed time by {limit_s} s or less; the least that would do:")
         rows[1:1] = list(_named(day, day.beyond, "  "))

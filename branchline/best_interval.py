@@ -44,13 +44,14 @@ def interval(
     """Find the least interval at which a line takes a train each way, and prove that no second less does.
 
     Trains run as fast as they are driven on the tracks of the timetable, stop as short as they may and wait where sets
-    can stand. All times are whole seconds.
+    can stand; where sets go round they turn on two tracks of an end by turns if that is quicker. All times are whole
+    seconds.
     """
     from network.files.json_input import read_json, write_aside
     from scenario.scenario import load_scenario
 
     with planning_extra("interval"):
-        from plan.least_interval import AS_UNITS_ASK, SET_LATE, least_interval, recounted
+        from plan.least_interval import AS_UNITS_ASK, SET_LATE, least_of_tracks, recounted
     from plan.moving.proof import Impossibility, proof_text
 
     if out is not None:
@@ -61,7 +62,7 @@ def interval(
         wrong = recounted(setup, rules, asked := read_json(check, Impossibility))
         right = f"right: by the line's own times no interval of {_ranges(asked)} fits"
         end_with({"objections": wrong}, wrong or [right], good=not wrong, as_json=as_json)
-    found = least_interval(setup, rules)
+    found = least_of_tracks(setup, rules)
     if proof is not None:
         write_aside(proof, proof_text(found.proof))
     if out is not None:
@@ -73,6 +74,7 @@ def figures_of(found: LeastInterval) -> dict[str, Any]:
     """For JSON."""
     return {
         "interval_s": found.interval_s,
+        "trains_each_way": found.pattern.trains_each_way,
         "waits_s": found.waits_s if found.interval_s else None,
         "least_waits": found.least_waits,
         "excluded_s": [[one.from_ticks, one.to_ticks] for one in found.proof.excluded],
@@ -142,9 +144,11 @@ def _rows(found: LeastInterval) -> list[str]:
         rows = [f"none: no interval of {_ranges(found.proof)} fits"]
     else:
         surely = "least that it can be" if found.least_waits else "perhaps more than it need be"
+        trains, each_s = found.pattern.trains_each_way, found.each_s
+        of = "" if trains == 1 else f" of {trains} trains each way, on tracks that they take by turns"
         rows = [
-            f"least interval {found.interval_s} s ({found.interval_s / 60:.1f} min),"
-            f" {3600 / found.interval_s:.2f} trains an hour each way",
+            f"least interval{of} {found.interval_s} s ({found.interval_s / 60:.1f} min),"
+            f" {3600 / each_s:.2f} trains an hour each way",
             f"waits: {found.waits_s:.0f} s of all trains together, {surely}",
             f"in tenths of a second, which no timetable has: {found.in_tenths_s:.1f} s",
             f"excluded: every whole second of {_ranges(found.proof)}",

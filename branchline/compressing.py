@@ -15,9 +15,11 @@ from branchline.options import Json
 from branchline.progress import print_aside
 
 if TYPE_CHECKING:
+    from scenario.scenario import Scenario
     from study.capacity.equipment import LeverWorth, Measured
     from study.capacity.line_capacity import Period, Rate
     from study.capacity.more import AddedTrains
+    from study.record.read_back import RunRead
 
 ALL = "all"
 
@@ -56,7 +58,11 @@ def capacity(
     ] = False,
     out: Annotated[
         Path | None,
-        typer.Option("--out", help="Directory for occupation.csv and the pictures as PNG and SVG."),
+        typer.Option(
+            "--out",
+            help="Directory for occupation.csv and the pictures as PNG and SVG; or FILE.toml for a scenario with the"
+            " trains that fit.",
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -70,13 +76,18 @@ def capacity(
 
     between_s = time_of("--from", from_time), time_of("--to", to_time)
     asked = CapacityAsked(cut, between_s, traffic, stops, buffer_s, theory)
-    if out is not None:
-        check_out(out, FILES.__contains__, "capacity")
     loaded = loaded_source(source)
+    extended = None
+    if out is not None and out.suffix == ".toml":
+        extended = _extended(out, source, loaded)
+    elif out is not None:
+        check_out(out, FILES.__contains__, "capacity")
     found = capacity_of(loaded, asked, progress=True)
     by_cut, cuts, more, periods = found.by_cut, found.cuts, found.more, found.periods
     worth = worth_of(setup_of_source(loaded)) if equipment else None
-    if out is not None:
+    if out is not None and extended is not None:
+        _write_more(out, *extended, found.more)
+    elif out is not None:
         with replacing_folder(out, FILES.__contains__, "capacity") as folder:
             write_occupation(folder, by_cut, worth)
         print_aside(f"wrote {', '.join(sorted(p.name for p in out.iterdir()))} in {out}")
@@ -92,6 +103,32 @@ def capacity(
     if worth is not None:
         _print_worth(worth)
     sys.stdout.write(f"\n{found.conclusion}\n")
+
+
+def _extended(out: Path, source: str, loaded: Scenario | RunRead) -> tuple[str, Scenario]:
+    """The scenario to which trains are added, and how a file at `out` names it. InputError where it cannot be."""
+    from network.errors import COMMAND_LINE, InputError
+    from scenario.scenario import Scenario
+    from study.making.place import extended_by
+
+    if not isinstance(loaded, Scenario):
+        raise InputError(COMMAND_LINE, "SOURCE", source, "a scenario, which the one with more trains extends")
+    return extended_by(out, source, "--out"), loaded
+
+
+def _write_more(out: Path, base: str, scenario: Scenario, more: AddedTrains) -> None:
+    from network.files.json_input import write_aside
+    from network.files.toml_text import toml_of
+    from study.capacity.more import patch_with
+
+    if not more.sets:
+        print_aside(f"no more trains fit, so {out} is not written")
+        return
+    kinds = {one.stock_id: scenario.inputs.stock[path.kind_of_stock] for one, path in more.sets}
+    stock = {"trains": {"stock": kinds}} if len(set(scenario.inputs.stock.values())) > 1 else {}
+    head = {"extends": base, "id": out.stem, "name": f"{more.trains} more trains"}
+    write_aside(out, toml_of({**head, **stock, **patch_with(scenario.setup, more)}))
+    print_aside(f"wrote {out}, {base} with {more.trains} more trains")
 
 
 def _as_dict(

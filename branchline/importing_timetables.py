@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, cast
 
@@ -104,8 +104,11 @@ def write_or_count(
         raise InputError(COMMAND_LINE, "--line", None, f"the line that {wanted.train} is to run on")
     figures = {**(counts or {}), **timetable_counts(published)} if wanted.line is None else {}
     if wanted.line is not None:
-        imported = _imported(published, wanted)
-        figures = {**(counts or {}), **imported.figures()}
+        imported, line = _imported(published, wanted)
+        said = {"arranged": []}
+        if wanted.train is not None and imported.departures_alone:
+            imported, said["arranged"] = _arranged(imported, line, wanted.train)
+        figures = {**(counts or {}), **imported.figures(), **said}
         if wanted.out is not None:
             from exchange.import_timetable import write_timetable
 
@@ -134,7 +137,8 @@ def timetable_counts(published: PublishedTimetable) -> dict[str, Any]:
     }
 
 
-def _imported(published: PublishedTimetable, wanted: ImportOptions) -> ImportedTimetable:
+def _imported(published: PublishedTimetable, wanted: ImportOptions) -> tuple[ImportedTimetable, Line]:
+    """The timetable on its line, and the line."""
     from exchange import additions
     from exchange.import_timetable import ImportOrder, import_timetable
     from exchange.station_join import names_by_hand
@@ -163,7 +167,31 @@ def _imported(published: PublishedTimetable, wanted: ImportOptions) -> ImportedT
         least=least,
         least_of=least_of,
     )
-    return import_timetable(published, line, order)
+    return import_timetable(published, line, order), line
+
+
+def _arranged(
+    imported: ImportedTimetable, line: Line, train_name: str
+) -> tuple[ImportedTimetable, list[str]]:
+    """The nearest plan that works, and what it moves; as it is where no plan keeps the usual limit, and why."""
+    from branchline.extras import planning_extra
+    from network.errors import InputError
+
+    name = imported.timetable.head.id
+    how = f"branchline arrange {line.id} {name} --train {train_name}"
+    try:
+        with planning_extra("--train"):
+            from plan.arranging.arrange import LIMIT_S, arranged_day
+        from vehicle.train_file import load_train, train_named
+
+        with said_if_long(f"arranging {name}, which has departures alone"):
+            day = arranged_day(line, imported.file, name, load_train(train_named(train_name)), LIMIT_S)
+    except InputError as why:
+        return imported, [f"not, as of the source alone no plan is found: {why}"]
+    if day.beyond:
+        worst_s = max(abs(move.by_s) for move in day.beyond)
+        return imported, [f"not, as the least that would do moves a printed time by {worst_s} s: {how}"]
+    return replace(imported, file=day.file, timetable=day.timetable), [day.text]
 
 
 def _least(line: Line, train_name: str) -> tuple[Running, str]:

@@ -60,7 +60,8 @@ RunBy = Annotated[
     str | None,
     typer.Option(
         "--train",
-        help="A shipped train, or a train file (.toml): computed arrivals are no earlier than it can run.",
+        help="A shipped train, or a train file (.toml): computed arrivals are no earlier than it can run; a source with"
+        " departures alone is arranged as `branchline arrange` does it.",
     ),
 ]
 TurnMin = Annotated[int, typer.Option("--turn-min", min=0, max=86_400, help="Least time to turn back, s.")]

@@ -61,6 +61,12 @@ class ImportedTimetable:
     warnings: tuple[str, ...]
     left: tuple[str, ...]
 
+    @property
+    def departures_alone(self) -> bool:
+        """Whether the source gives an arrival at less than half of the stops on the way."""
+        inner = [call for train in self.file.trains for call in train.calls[1:-1] if call.passes is None]
+        return 2 * sum(call.inferred for call in inner) > len(inner)
+
     def figures(self) -> dict[str, Any]:
         """For reports: counts, the table of stations, and every sentence."""
         trains = self.timetable.trains.values()

@@ -44,11 +44,11 @@ def _end_offset_m(line: Line, piece: Piece, node_id: str) -> float:
     that meet (a crossover, 渡り線) meet halfway.
     """
     there = [
-        line.pieces[p]
-        for p in sorted(line.pieces)
-        if line.pieces[p].alignment_id == piece.alignment_id
-        and node_id in (line.pieces[p].low_node, line.pieces[p].high_node)
+        p
+        for p in line.pieces.values()
+        if node_id in (p.low_node, p.high_node) and p.alignment_id == piece.alignment_id
     ]
+    there.sort(key=lambda p: p.id)
     stems = {points.stem_piece for points in line.points.values() if points.node_id == node_id}
     for candidates in (
         [p for p in there if p.id in stems],

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
@@ -86,6 +86,7 @@ def _computed_profile(line: Line, path: Path) -> NDArray[np.void]:
     rows["sky"] = OPEN_SKY
     elevation_m = float(_elevation_m(_alignment(line, path.steps[0]), np.array([path.steps[0].entry_m]))[0])
     turn_rad = heading_rad = 0.0
+    turns: dict[str, _Turns] = {}
     for step in path.steps:
         alignment = _alignment(line, step)
         here = slice(math.ceil(step.start_m), count if step is path.steps[-1] else math.ceil(step.end_m))
@@ -93,7 +94,10 @@ def _computed_profile(line: Line, path: Path) -> NDArray[np.void]:
         ends_m = np.array([step.entry_m, step.kilometrage_m(step.end_m)])
         kilometrages_m = np.concatenate((ends_m, inside_m))
         height_m = _elevation_m(alignment, kilometrages_m)
-        bend_rad = np.abs(_turn_rad(alignment, kilometrages_m) - _turn_rad(alignment, ends_m[:1]))
+        if alignment.id not in turns:
+            turns[alignment.id] = _Turns(alignment.curves)
+        turned = turns[alignment.id].at(kilometrages_m)
+        bend_rad = np.abs(turned - turned[:1])
         rows["kilometrage_m"][here] = inside_m
         rows["elevation_m"][here] = elevation_m + height_m[2:] - height_m[0]
         rows["turn_rad"][here] = turn_rad + bend_rad[2:]
@@ -171,29 +175,39 @@ def _elevation_m(alignment: Alignment, kilometrage_m: NDArray[np.float64]) -> ND
     return np.asarray(np.interp(kilometrage_m, breaks_m, heights_m), dtype=np.float64)
 
 
-def _turn_rad(alignment: Alignment, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Integral of |curvature| from the alignment's beginning; to all, a curve before or after them is one number."""
-    turn_rad = np.zeros_like(kilometrage_m)
-    low_m, high_m = float(kilometrage_m.min()), float(kilometrage_m.max())
-    for curve in alignment.curves:
-        if curve.from_m < high_m:
-            at_m = kilometrage_m if low_m < curve.to_m else np.array([curve.to_m])
-            turn_rad += _turn_in_curve_rad(curve, np.clip(at_m, curve.from_m, curve.to_m))
-    return turn_rad
+class _Turns:
+    """Integral of |curvature| from an alignment's beginning: parabolas in the transitions, linear between."""
 
+    def __init__(self, curves: Sequence[Curve]) -> None:
+        self._from_m = np.array([curve.from_m for curve in curves])
+        self._to_m = np.array([curve.to_m for curve in curves])
+        self._transition_m = np.array([curve.transition_m for curve in curves])
+        self._radius_m = np.array([abs(curve.radius_m) for curve in curves])
+        whole_rad = self._in_curve_rad(np.arange(len(curves)), self._to_m)
+        self._before_rad = np.concatenate(([0.0], np.cumsum(whole_rad)))
 
-def _turn_in_curve_rad(curve: Curve, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Integral of |curvature| from the curve's beginning: parabolas in the transitions, linear between."""
-    along_m = kilometrage_m - curve.from_m
-    length_m = curve.to_m - curve.from_m
-    if curve.transition_m == 0:
-        return along_m / abs(curve.radius_m)
-    t_m = curve.transition_m
-    up_m = np.minimum(along_m, t_m) ** 2 / (2 * t_m)
-    level_m = np.clip(along_m - t_m, 0.0, max(length_m - 2 * t_m, 0.0))
-    left_m = np.minimum(length_m - along_m, t_m)
-    down_m = (t_m**2 - left_m**2) / (2 * t_m)
-    return np.asarray((up_m + level_m + down_m) / abs(curve.radius_m), dtype=np.float64)
+    def at(self, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:
+        """At kilometrages (m); curves lie one behind the other, so that each place has one that began last."""
+        if not self._from_m.size:
+            return np.zeros_like(kilometrage_m)
+        curve = np.maximum(np.searchsorted(self._from_m, kilometrage_m, side="right") - 1, 0)
+        at_m = np.clip(kilometrage_m, self._from_m[curve], self._to_m[curve])
+        return np.asarray(self._before_rad[curve] + self._in_curve_rad(curve, at_m), dtype=np.float64)
+
+    def _in_curve_rad(
+        self, curve: NDArray[np.intp], kilometrage_m: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """From the beginning of the curve of that number to a kilometrage in it."""
+        along_m = kilometrage_m - self._from_m[curve]
+        length_m = self._to_m[curve] - self._from_m[curve]
+        t_m = self._transition_m[curve]
+        some_m = np.where(t_m == 0.0, 1.0, t_m)
+        up_m = np.minimum(along_m, t_m) ** 2 / (2 * some_m)
+        level_m = np.clip(along_m - t_m, 0.0, np.maximum(length_m - 2 * t_m, 0.0))
+        left_m = np.minimum(length_m - along_m, t_m)
+        down_m = (t_m**2 - left_m**2) / (2 * some_m)
+        bent_m = np.where(t_m == 0.0, along_m, up_m + level_m + down_m)
+        return np.asarray(bent_m / self._radius_m[curve], dtype=np.float64)
 
 
 def _lower(rows: NDArray[np.void], from_m: float, to_m: float, speed_mps: float) -> None:

@@ -24,7 +24,7 @@ from simulation.setup import Setup
 from study.capacity.legs import SetLeg
 from study.capacity.more import template
 from study.capacity.rules import Rules
-from study.capacity.standard import StandardPath, round_path, standard_paths
+from study.capacity.standard import StandardPath, round_path, standard_paths, turning_tracks
 
 AS_UNITS_ASK: Final = Rules(throws=True)
 SET_LATE: Final = Rules(throws=True, late=True)
@@ -38,8 +38,8 @@ WORK: Final = 4.0  # of the solver, for the least waits
 class RepeatedPaths:
     """Trains that repeat: standard paths, and the legs of each, one path after the other.
 
-    `goes_round`: the one path is of sets that never leave the line; its last leg is its first one once more, so many
-    periods later as there are sets.
+    `goes_round`: the one path is of sets that never leave the line, there and back once or more often; its last leg is
+    its first one once more, so many periods later as there are sets.
     """
 
     paths: tuple[StandardPath, ...]
@@ -49,6 +49,8 @@ class RepeatedPaths:
     @property
     def trains_each_way(self) -> int:
         """How many there are in a period."""
+        if self.goes_round:
+            return len(self.paths[0].trains) // 2
         return max(Counter(path.name for path in self.paths).values())
 
     @property
@@ -101,6 +103,11 @@ class LeastInterval:
     in_tenths_s: float | None
     circle: tuple[Circle, int] | None
 
+    @property
+    def each_s(self) -> float:
+        """The interval by the trains in it, s; infinite where there is none."""
+        return math.inf if self.interval_s is None else self.interval_s / self.pattern.trains_each_way
+
     def circles(self) -> list[tuple[Circle, ...]]:
         """Of each range of intervals that is excluded: the circle, or those of all cases."""
         return [circles_of(one.because) for one in self.proof.excluded]
@@ -112,17 +119,36 @@ def pattern_of(setup: Setup, rules: Rules, trains: int = 1) -> RepeatedPaths:
     if named:
         legs = tuple(template(setup, path, rules, name) for path, name in named)
         return RepeatedPaths(tuple(path for path, _ in named), legs)
-    path = round_path(setup)
-    if path is None or trains > 1:
+    path = round_path(setup, trains)
+    if path is None:
         raise InputError(setup.name, "timetable", None, "trains each way that run from one end to the other")
     way = template(setup, path, rules)
     turns = next(at for at, leg in enumerate(way) if leg.number != path.trains[0].number)
     return RepeatedPaths((path,), (way[turns - 1 :],), goes_round=True)
 
 
-def least_interval(setup: Setup, rules: Rules = AS_UNITS_ASK) -> LeastInterval:
-    """The least interval of a line with ways set by rules; see `LeastInterval`."""
-    pattern = pattern_of(setup, rules)
+def least_of_tracks(setup: Setup, rules: Rules = AS_UNITS_ASK) -> LeastInterval:
+    """The least interval; of two trains where sets go round that turn on two tracks of an end, if that is less a train.
+
+    Where sets come and go by portals they stand on the tracks of the timetable.
+    """
+    one = least_interval(setup, rules)
+    if not one.pattern.goes_round or max(map(len, tracks_in_turn(setup, one.pattern))) < 2:
+        return one
+    two = least_interval(setup, rules, 2)
+    return two if two.interval_s is not None and two.each_s < one.each_s else one
+
+
+def tracks_in_turn(setup: Setup, pattern: RepeatedPaths) -> list[tuple[str, ...]]:
+    """The sections of the tracks on which sets that go round can turn, at both ends."""
+    calls = pattern.paths[0].trains[0].calls
+    stations = (setup.line.stations[calls[at].station_id] for at in (0, -1))
+    return [tuple(track.section_id for track in turning_tracks(station)) for station in stations]
+
+
+def least_interval(setup: Setup, rules: Rules = AS_UNITS_ASK, trains: int = 1) -> LeastInterval:
+    """The least interval of so many trains of a line with ways set by rules; see `LeastInterval`."""
+    pattern = pattern_of(setup, rules, trains)
     bounds = pattern.bounds()
     interval_s, found = _excluded(bounds)
     excluded = _needed(found)
@@ -147,8 +173,10 @@ def least_interval(setup: Setup, rules: Rules = AS_UNITS_ASK) -> LeastInterval:
 
 def recounted(setup: Setup, rules: Rules, proof: Impossibility) -> list[str]:
     """What is wrong with a proof that no smaller interval does, by the line's own times; nothing where it holds."""
+    one = pattern_of(setup, rules)
+    twice = one.goes_round and len(proof.legs) > len(one.all_legs)
     try:
-        pattern_of(setup, rules).recount().refuse(proof)
+        (pattern_of(setup, rules, 2) if twice else one).recount().refuse(proof)
     except ValueError as error:
         return [str(error)]
     return []

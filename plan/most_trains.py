@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from dataclasses import dataclass
 
-from network.errors import InputError
-from plan.least_interval import AS_UNITS_ASK, TERMS, LeastWaits, RepeatedPaths, least_waits, pattern_of
+from plan.least_interval import (
+    AS_UNITS_ASK,
+    TERMS,
+    LeastWaits,
+    RepeatedPaths,
+    least_waits,
+    pattern_of,
+    tracks_in_turn,
+)
+from plan.moving.bounds import counted_again
 from simulation.setup import Setup
 from study.capacity.compression import held_sections
 from study.capacity.rules import Rules
@@ -29,29 +38,41 @@ class MostTrains:
 
 
 def most_trains(setup: Setup, every_s: int, rules: Rules = AS_UNITS_ASK) -> MostTrains:
-    """The most trains each way every so many seconds. Raises InputError where sets do not come and go by portals."""
+    """The most trains each way every so many seconds. Raises InputError where none run from one end to the other.
+
+    Sets that never leave the line follow one another round and round, and turn on the tracks of each end by turns.
+    """
     one = pattern_of(setup, rules)
     if one.goes_round:
-        raise InputError(setup.name, "timetable", None, "trains that come and go by portals")
-    section_id, held_s = _longest_held(one)
+        one = pattern_of(setup, rules, math.lcm(*map(len, tracks_in_turn(setup, one))))
+    section_id, held_s = _longest_held(setup, one)
     trains = at_most = int(every_s // held_s)
     while trains > 0:
         pattern = pattern_of(setup, rules, trains)
         found = least_waits(pattern, pattern.bounds(), round(every_s / TERMS.tick_s))
         if found.moves_s:
             return MostTrains(trains, at_most, section_id, held_s, pattern, found)
-        if found.impossible and at_most == trains:
+        if found.impossible and at_most == trains and not one.goes_round:  # others may turn in another order
             at_most -= 1
         trains -= 1
     return MostTrains(0, at_most, section_id, held_s, one, None)
 
 
-def _longest_held(pattern: RepeatedPaths) -> tuple[str, float]:
-    """The section that all trains of a pattern together have longest, with the shortest stands, and for how long, s."""
+def _longest_held(setup: Setup, pattern: RepeatedPaths) -> tuple[str, float]:
+    """The section that a train each way has longest, with the shortest stands, and for how long, s.
+
+    Of the tracks of an end that sets take by turns none is longer held than the one that is held least.
+    """
     bounds = pattern.bounds()
     stands = {(b.before, b.after): b.least * TERMS.tick_s for b in bounds.always if not b.section_id}
     lengths_s: dict[str, float] = defaultdict(float)
     for one in held_sections(pattern.all_legs):
-        waits_s = stands[one.begins, one.ends] if one.begins != one.ends else 0.0
-        lengths_s[one.occupation.section_id] += one.occupation.length_s + waits_s
-    return max(lengths_s.items(), key=lambda item: (item[1], item[0]))
+        if not counted_again(one, pattern.all_legs, pattern.again):
+            waits_s = stands[one.begins, one.ends] if one.begins != one.ends else 0.0
+            lengths_s[one.occupation.section_id] += one.occupation.length_s + waits_s
+    if pattern.goes_round:
+        for names in tracks_in_turn(setup, pattern):
+            *longer, _ = sorted(names, key=lambda name: lengths_s[name])[::-1]
+            lengths_s = {name: length_s for name, length_s in lengths_s.items() if name not in longer}
+    section_id, held_s = max(lengths_s.items(), key=lambda item: (item[1], item[0]))
+    return section_id, held_s / pattern.trains_each_way

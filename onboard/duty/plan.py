@@ -7,6 +7,7 @@ last span is the end of the path. `onboard.motion` turns metres into joints and 
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from typing import Final
 
 import msgspec
@@ -152,12 +153,14 @@ def plan_of(mission: Mission, length_m: float) -> DutyPlan:
             for points_id, position, terminal_id in span.points
         )
         spans.append(Span(span.section_id, span.kind, points, piece, kilometrage_m))
+    starts_m = [span.start_m for span in mission.spans]  # one behind the other along the path
+    ends_m = [span.end_m for span in mission.spans]
     tags = tuple(
         PlanTag(
             tag.tag_id,
             tag.purpose,
-            sum(span.start_m <= tag.position_m for span in mission.spans),
-            sum(span.end_m <= tag.position_m - length_m - CLEAR_OF_TAG_M for span in mission.spans),
+            bisect_right(starts_m, tag.position_m),
+            bisect_right(ends_m, tag.position_m - length_m - CLEAR_OF_TAG_M),
         )
         for tag in mission.tags
     )
@@ -168,7 +171,7 @@ def plan_of(mission: Mission, length_m: float) -> DutyPlan:
         on_track = (
             mission.spans[at].kind is not SectionKind.BETWEEN
         )  # at a halt on open line nothing is released
-        clear = sum(span.end_m <= rear_m for span in mission.spans) if on_track else 0
+        clear = bisect_right(ends_m, rear_m) if on_track else 0
         read = zip(mission.tags, tags, strict=True)
         by_tag = max((tag.clear for laid, tag in read if laid.position_m <= target.mark_m), default=0)
         stops.append(

@@ -21,8 +21,13 @@ from plan.arranging.problem import Arranged, PrintedMove, Standing, TrainToArran
 from plan.arranging.written import MovesOfDay, arranged_file, moves_of_day
 from vehicle.train_file import TrainType, load_train, train_named
 
+LIMIT_S: Final = 300  # assumed: by how much people can bear that a printed time is moved
 WIDER_S: Final = 1200
-REACHES_S: Final = (300, WIDER_S, REACH_S)  # one after the other: the less may move, the sooner all is known
+REACHES_S: Final = (
+    LIMIT_S,
+    WIDER_S,
+    REACH_S,
+)  # one after the other: the less may move, the sooner all is known
 WORK_MAX: Final = 0.8  # of the solver's counted work for each: some ten seconds of a processor
 MORE_TRACKS_MAX: Final = 6  # that a station is thought to be given, where a day lacks them
 
@@ -60,6 +65,15 @@ class ArrangedDay:
     empty: tuple[str, ...]  # numbers of empty workings that were added
     arranged: Arranged
     lacking: MoreTracks | None  # tracks with which no printed time would be beyond the limit
+
+    @property
+    def text(self) -> str:
+        """How much of the print is moved, in a sentence."""
+        moved = self.figures
+        return (
+            f"printed times moved: {moved.moved} of {moved.printed}, {moved.past_minute} out of their minute;"
+            f" {moved.total_s} s in all, {moved.mean_s:.1f} s a printed time"
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""

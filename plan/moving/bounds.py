@@ -94,7 +94,7 @@ def bounds_of(legs: Sequence[SetLeg], terms: MoveTerms, again: int | None = None
 
     `again`: which leg is the first one once more, some periods later, where a set goes round and round.
     """
-    held = [one for one in held_sections(legs) if not _counted_again(one, legs, again)] if EXCLUSIVE else []
+    held = [one for one in held_sections(legs) if not counted_again(one, legs, again)] if EXCLUSIVE else []
     by_section: dict[str, list[HeldSection]] = defaultdict(list)
     for one in held:
         by_section[one.occupation.section_id].append(one)
@@ -118,7 +118,7 @@ def bounds_of(legs: Sequence[SetLeg], terms: MoveTerms, again: int | None = None
     return LegBounds(tuple(legs), tuple(always), tuple(either), terms)
 
 
-def _counted_again(held: HeldSection, legs: Sequence[SetLeg], again: int | None) -> bool:
+def counted_again(held: HeldSection, legs: Sequence[SetLeg], again: int | None) -> bool:
     """Of the first leg, which is the last one's repetition, the way; of the last one the stand that follows."""
     if again is None or held.begins != held.ends:
         return False

@@ -78,7 +78,7 @@ class Recount:
         pairs = [(a, b) for a, b in product(self._spans, repeat=2) if a is not b and a[0] == b[0]]
         ones = [pair for pair in pairs if self._before(*pair) == bare[0]]
         others = [pair for pair in pairs if self._before(*pair[::-1]) == bare[1]]
-        if bare == self._again:
+        if self._again and bare in (self._again, self._again[::-1]):
             return periods == turn - 1
         return periods == turn and any(way[0] == way[1] or self._alike(*way) for way in product(ones, others))
 

@@ -7,10 +7,13 @@ timetable with the new trains. Those that it names go out again, until it finds 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import count
 from typing import Any, Final
 
+from exchange.timetable_writer import file_of_timetable
 from network.clock import clock
+from network.timetable import Diagram
 from simulation.setup import Setup
 from study.capacity.legs import SetLeg, legs_of, places_of
 from study.capacity.line_capacity import Period
@@ -56,10 +59,14 @@ class MorePath:
 
 @dataclass(frozen=True, slots=True)
 class AddedTrains:
-    """What fits into a day: `paths` verified, `dropped` the sets that the judgement threw out, `names` of the kinds."""
+    """What fits into a day: `paths` verified, `dropped` the sets that the judgement threw out, `names` of the kinds.
+
+    `sets`: that of each path, and the path that it was made of.
+    """
 
     names: tuple[str, ...]
     paths: tuple[MorePath, ...]
+    sets: tuple[tuple[Added, StandardPath], ...]
     dropped: tuple[str, ...]
     search: PathSearch
 
@@ -79,7 +86,8 @@ def more_trains(setup: Setup, period: Period, search: PathSearch) -> AddedTrains
     occupied = OccupiedSpans.of_occupations(occupations(setup))
     templates = [template(setup, path) for path in paths]
     placed = fill_period(templates, (period.from_s, period.to_s), occupied, search)
-    found = [_added_path(setup, paths, templates, one, number) for number, one in enumerate(placed, start=1)]
+    numbers = (number for number in count(1) if f"X{number}" not in setup.trains)
+    found = [_added_path(setup, paths, templates, *one) for one in zip(placed, numbers, strict=False)]
     dropped: list[str] = []
     for _ in range(ROUNDS_MAX):
         named = _impossible(setup, [(one, path) for _, one, path in found])
@@ -95,8 +103,25 @@ def more_trains(setup: Setup, period: Period, search: PathSearch) -> AddedTrains
         dropped += [one.stock_id for _, one, _ in found]
         found = []
     return AddedTrains(
-        tuple(path.name for path in paths), tuple(shown for shown, _, _ in found), tuple(dropped), search
+        tuple(path.name for path in paths),
+        tuple(shown for shown, _, _ in found),
+        tuple((one, path) for _, one, path in found),
+        tuple(dropped),
+        search,
     )
+
+
+def patch_with(setup: Setup, more: AddedTrains) -> dict[str, Any]:
+    """The tables of a scenario whose timetable has the paths too, each run by a set of its own."""
+    trains = {train.number: train for one, _ in more.sets for train in one.trains}
+    diagrams = tuple(
+        Diagram(one.stock_id, tuple(train.number for train in one.trains)) for one, _ in more.sets
+    )
+    file = file_of_timetable(replace(setup.timetable, trains=trains, diagrams=diagrams))
+    add = file.model_dump(
+        by_alias=True, exclude_none=True, exclude_defaults=True, include={"trains", "diagrams"}
+    )
+    return {"patch": {"timetable": {"add": add}}}
 
 
 def template(

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from network.model import Direction
+from network.model import Direction, PlatformTrack, Station
 from network.timetable import (
     AtPortal,
     BecomesTrain,
@@ -67,20 +67,46 @@ def standard_paths(setup: Setup) -> tuple[StandardPath, ...]:
     return tuple(_timed(setup, path) for path in found)
 
 
-def round_path(setup: Setup) -> StandardPath | None:
-    """A set that goes there, back and there again, where it stands between; None where trains do not run end to end."""
+def round_path(setup: Setup, rounds: int = 1) -> StandardPath | None:
+    """A set that goes there and back so often, and there again; None where trains do not run from end to end.
+
+    Of several rounds each turns on the next track of those that an end of the line has.
+    """
     there, back = (_ends_of(setup, direction) for direction in (Direction.DOWN, Direction.UP))
     if there is None or back is None:
         return None
     down, up = (_calls(own, begins=False, ends=False) for own in (there, back))
     if [call.station_id for call in (down[0], down[-1])] != [call.station_id for call in (up[-1], up[0])]:
         return None
-    trains = (
-        TimetableTrain("+", Direction.DOWN, True, down, Stabled(), BecomesTrain("-")),
-        TimetableTrain("-", Direction.UP, True, up, FromTrain("+"), BecomesTrain("+ again")),
-        TimetableTrain("+ again", Direction.DOWN, True, down, FromTrain("-"), Stabled()),
-    )
-    return _timed(setup, StandardPath("round", trains, _usual_stock(setup)))
+    stations = (setup.line.stations[down[at].station_id] for at in (0, -1))
+    turns = [turning_tracks(station) if rounds > 1 else () for station in stations]
+    ways: list[TimetableTrain] = []
+    for at in range(2 * rounds + 1):
+        direction = Direction.UP if at % 2 else Direction.DOWN
+        calls = list(up if at % 2 else down)
+        for end, turn in (
+            (0, at),
+            (-1, at + 1),
+        ):  # the turns are counted along the way, near and far by turns
+            tracks = turns[turn % 2]
+            if tracks:
+                calls[end] = replace(calls[end], track=tracks[turn // 2 % rounds % len(tracks)].name)
+        ways.append(
+            TimetableTrain(
+                f"{'-' if at % 2 else '+'}{at}",
+                direction,
+                True,
+                tuple(calls),
+                FromTrain(ways[-1].number) if ways else Stabled(),
+                BecomesTrain(f"{'+' if at % 2 else '-'}{at + 1}") if at < 2 * rounds else Stabled(),
+            )
+        )
+    return _timed(setup, StandardPath("round", tuple(ways), _usual_stock(setup)))
+
+
+def turning_tracks(station: Station) -> tuple[PlatformTrack, ...]:
+    """Those with a platform on which a train can come in and go out again the other way."""
+    return tuple(t for t in station.tracks if len(t.marks_m) == len(Direction) and t.platform_m is not None)
 
 
 def _usual_stock(setup: Setup) -> str:
@@ -186,7 +212,7 @@ class Added:
 
 def added_path(setup: Setup, path: StandardPath, number: int, moves_s: Sequence[float]) -> Added:
     """A path with each leg moved, s: from place to place, beginning with that from the portal; the n-th of the day."""
-    leg, names = 0, {train.number: f"X{number}{train.number}" for train in path.trains}
+    leg, names = 0, {train.number: f"X{number}-{at}" for at, train in enumerate(path.trains, start=1)}
     trains: list[TimetableTrain] = []
     for index, train in enumerate(path.trains):
         calls: list[Call] = []

@@ -83,6 +83,7 @@ class Climbs:
     def __init__(self, setup: Setup) -> None:
         self._setup = setup
         self._known: dict[tuple[object, ...], Climb | None] = {}
+        self._ways: dict[tuple[object, ...], tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
 
     def on(
         self,
@@ -112,9 +113,14 @@ class Climbs:
     ) -> Climb | None:
         train = kind.row.view(np.recarray)[0]
         way = cut_way(self._setup.line, path, *ends_m, float(train.length_m))
-        profile = profile_of(way.line, way.path)
-        climbs_m = np.ascontiguousarray(climb_m(train, profile["elevation_m"], profile["turn_rad"]))
-        limit_mps = np.ascontiguousarray(limit_for_train(profile["limit_mps"], train))
+        key = kind.id, way.path.piece_ids
+        if key not in self._ways:
+            profile = profile_of(way.line, way.path)
+            self._ways[key] = (
+                np.ascontiguousarray(climb_m(train, profile["elevation_m"], profile["turn_rad"])),
+                np.ascontiguousarray(limit_for_train(profile["limit_mps"], train)),
+            )
+        climbs_m, limit_mps = self._ways[key]
         deceleration_mps2 = self._setup.driving.stop_deceleration_mps2
         row = kind.row[0]
         stall = stall_of(

@@ -59,7 +59,7 @@ def test_the_answer_is_a_scenario(main: Callable[..., Any]) -> None:
         (("loops", WEEKDAY, "--out", "day.toml"), "exists already"),
         (("trains", WEEKDAY, "--out", "day.json"), "NAME.toml"),
         (("loops", WEEKDAY, "--at", "OGN"), "a halt"),
-        (("trains", "isumi_weekday"), "portals"),
+        (("trains", "rtri_test_line"), "from one end to the other"),
         (("robust", WEEKDAY), "[late]"),
         (("roster", "isumi_weekday", "--turn", "3600"), "turn back"),
         (("equipment", WEEKDAY, "--cost", "loop"), "loop=100"),
@@ -120,7 +120,7 @@ def test_reserves_are_placed_as_a_scenario_and_a_sweep_of_fresh_days(main: Calla
 @pytest.mark.nightly
 def test_a_line_with_eight_loops_has_its_bound(main: Callable[..., Any], tmp_path: Path) -> None:
     """Ten stations 2 km apart: 12 trains an hour each way are excluded, 12 in both ways fit, and the answer runs."""
-    rows = ["id,name,km,tracks", *(f"S{i},Station {i},{2 * i},2" for i in range(10))]
+    rows = ["id,name,km,tracks", *(f"S{i},Station {i},{2 * i},{2 if 0 < i < 9 else 1}" for i in range(10))]
     (tmp_path / "eight.csv").write_text("\n".join(rows) + "\n", "utf-8")
     assert main("new", "line", "eight.csv", "eight.toml", "--scenario", "day.toml").code == 0
     found = main("best", "interval", "day.toml", "--out", "least.toml", "--proof", "why.json", "--json")
@@ -131,3 +131,31 @@ def test_a_line_with_eight_loops_has_its_bound(main: Callable[..., Any], tmp_pat
     assert to_s + 1 == found.figures()["interval_s"] <= 3600 // 6
     assert main("best", "interval", "day.toml", "--check", "why.json").code == 0
     assert main("check", "least.toml").code == 0
+
+
+def test_sets_turn_on_two_tracks_by_turns_where_that_is_quicker(
+    main: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Four kilometres of single track between two ends, the whole line one leg: turning is what takes time."""
+    interval_s: dict[int, float] = {}
+    for tracks in (1, 2):
+        (tmp_path / "hill.csv").write_text(
+            f"name,id,km,tracks\nAsa,ASA,0,{tracks}\nBato,BAT,4,{tracks}\n", "utf-8"
+        )
+        assert main("new", "line", "hill.csv", "hill.toml", "--scenario", "day.toml").code == 0
+        found = main("best", "interval", "day.toml", "--out", "least.toml", "--proof", "why.json", "--json")
+        assert found.code == 0, found.err
+        figures = found.figures()
+        assert figures["trains_each_way"] == tracks
+        interval_s[tracks] = figures["interval_s"] / tracks
+        assert main("best", "interval", "day.toml", "--check", "why.json").code == 0
+        assert main("check", "least.toml").code == 0
+        every = ("best", "trains", "day.toml", "--every", "60", "--json")
+        most = main(*every).figures()
+        assert most["trains"] <= most["at_most"] == 3600 // most["held_s"]
+        assert interval_s[tracks] * most["trains"] <= 3600 < interval_s[tracks] * (most["trains"] + 2)
+        for path in tmp_path.iterdir():
+            path.unlink()
+    # Four kilometres at 85 km/h take 169 s, and no two trains are on them; with one track at either end there is room
+    # for one set alone, and nobody runs while it turns.
+    assert 2 * 169 < interval_s[2] < interval_s[1]

@@ -10,8 +10,10 @@ from typing import Any
 
 import pytest
 
+from network.clock import clock
 from scenario.scenario import load_scenario
 from study.capacity.occupation import OccupationCost
+from study.feasibility.check import feasibility
 from study.report.headways import COLUMNS
 from study.runner.run import CarrierKind, PartyLink, execute, write_run
 
@@ -146,3 +148,35 @@ def test_a_directory_of_somebody_else_is_left_alone(main: Callable[..., Any], tm
         ended = main(command, "karasuyama_weekday", "--theory", "--out", "out")
         assert ended.code == 2
         assert "thesis.txt" in ended.err
+
+
+def test_the_trains_that_fit_are_a_scenario(main: Callable[..., Any], tmp_path: Path) -> None:
+    asked = ("karasuyama_weekday", "--theory", "--cut", "whole", "--from", "09:00", "--to", "11:00", "--json")
+    found = main("capacity", *asked, "--out", "more.toml")
+    assert found.code == 0, found.err
+    (path,) = found.figures()["room"]["paths"]
+    more, before = (load_scenario(name).setup for name in (str(tmp_path / "more.toml"), asked[0]))
+    own = path["trains"].split()
+    assert set(more.timetable.trains) - set(before.timetable.trains) == set(own)
+    assert feasibility(more).good
+    there, back = (more.timetable.trains[number].calls for number in own)
+    assert (clock(there[0].last_s), clock(back[-1].first_s)) == (path["departs"], path["arrives"])
+    again = main("capacity", str(tmp_path / "more.toml"), *asked[1:], "--out", "even_more.toml")
+    assert again.code == 0, again.err
+    assert [p["trains"] for p in again.figures()["room"]["paths"]] == []
+    assert "even_more.toml is not written" in again.err
+
+
+@pytest.mark.parametrize("source", ["run", "karasuyama_weekday"])
+def test_no_scenario_is_made_of_a_run_or_over_another_file(
+    main: Callable[..., Any], tmp_path: Path, source: str
+) -> None:
+    if source == "run":
+        write_run(
+            execute(load_scenario(str(VALLEY)), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN),
+            tmp_path / "run",
+        )
+    (tmp_path / "there.toml").touch()
+    told = main("capacity", source, "--out", "more.toml" if source == "run" else "there.toml")
+    assert told.code == 2
+    assert ("SOURCE" if source == "run" else "exists already") in told.err

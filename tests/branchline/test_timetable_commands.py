@@ -5,11 +5,15 @@ from __future__ import annotations
 import csv
 import json
 import re
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from network.files.timetable_schema import TimetableFile
+from network.timetable import seconds_of
 
 SHIPPED = Path(__file__).resolve().parents[2] / "network/timetables"
 PREFIX = "JR-East.Karasuyama."
@@ -164,6 +168,36 @@ def test_no_arrival_is_computed_before_the_train_that_is_named_can_be_there(
     assert 'arrival = "06:14:40", departure = "06:15", inferred' in texts[0]
     assert 'arrival = "06:14:40"' not in texts[1]
     assert "not before the least running time of br642 allows" in texts[1]
+
+
+@pytest.mark.parametrize(("up_leaves", "said"), [("06:02", "0 out of"), ("06:20", "arranged: not, as")])
+def test_departures_alone_are_arranged_where_a_train_is_named(
+    main: Callable[..., Any], tmp_path: Path, up_leaves: str, said: str
+) -> None:
+    """An up train that needs the track from Ogane for some 14 minutes, until the down train has to leave there."""
+    rows = json.loads(Path(departing(tmp_path)).read_text("utf-8"))
+    rows.append({"id": f"{PREFIX}2M.Weekday", "n": "2M", "d": "Inbound"})
+    rows[-1]["tt"] = [
+        {"s": PREFIX + name, key: at}
+        for name, key, at in [
+            ("Karasuyama", "d", up_leaves),
+            ("Ogane", "d", "06:38"),
+            ("Hoshakuji", "a", "06:56"),
+        ]
+    ]
+    (tmp_path / "both.json").write_text(json.dumps(rows), encoding="utf-8")
+    asked = ("import", "mini-tokyo", "both.json", "out.toml", "--line", "karasuyama")
+    assert "arranged" not in main(*asked).out
+    ended = main(*asked, "--train", "br642")
+    assert ended.code == 0, ended.err
+    assert said in ended.out
+    made = TimetableFile.model_validate(tomllib.loads((tmp_path / "out.toml").read_text("utf-8")))
+    down, up = (
+        [seconds_of("", "", text, None) for text in (c.arrival, c.departure) if text]
+        for t in made.trains
+        for c in t.calls[1:2]
+    )
+    assert (down[-1] > up[0]) == ("not" not in said)
 
 
 @pytest.mark.parametrize(
