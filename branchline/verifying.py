@@ -87,6 +87,7 @@ def explore(
 @verify.command()
 def recount(
     file: Annotated[Path, typer.Argument(help="A certificate, as 'verify explore --out' writes it.")],
+    processes: Annotated[int, typer.Option("--processes", min=1, help="Side by side.")] = 2,
     as_json: Json = False,
 ) -> None:
     """Recount a certificate by itself: every step made anew, every successor of every state, every rank."""
@@ -96,9 +97,7 @@ def recount(
 
     if not file.is_file():
         raise InputError(str(file), "", None, "a certificate")
-    found = recounted(
-        read(file), lambda count: print_aside(f"{count} states") if count % 1_000_000 == 0 else None
-    )
+    found = recounted(read(file), lambda count: print_aside(f"{count} states"), processes=processes)
     figures = {
         "refused": found.refused,
         "states": found.states,
