@@ -114,6 +114,23 @@ def recount(
     end_with(figures, lines, good=not found.refused, as_json=as_json)
 
 
+@verify.command()
+def promela(
+    out: Annotated[Path, typer.Option("--out", help="Where the model is written.")] = Path("line.pml"),
+    as_json: Json = False,
+) -> None:
+    """Write the line without troubles as a model in Promela, for SPIN: spin -a; cc -DNOREDUCE -DSAFETY; pan -E."""
+    from verify.explored_line import ExploredLine
+    from verify.promela import model, walked
+
+    composition, states = walked(ExploredLine())
+    out.write_text(model(composition), "utf-8")
+    figures = {"model": str(out), "states": len(states)}
+    end_with(
+        figures, [f"{out}: a model of {len(states)} states, by our own count"], good=True, as_json=as_json
+    )
+
+
 def _verdict(broken: str, dead: int, *, complete: bool) -> list[str]:
     if broken:
         return [f"broken: {broken}; the shortest way to it:"]
