@@ -87,6 +87,7 @@ def explore(
 @verify.command()
 def recount(
     file: Annotated[Path, typer.Argument(help="A certificate, as 'verify explore --out' writes it.")],
+    processes: Annotated[int, typer.Option("--processes", min=1, help="Side by side.")] = 2,
     as_json: Json = False,
 ) -> None:
     """Recount a certificate by itself: every step made anew, every successor of every state, every rank."""
@@ -96,9 +97,7 @@ def recount(
 
     if not file.is_file():
         raise InputError(str(file), "", None, "a certificate")
-    found = recounted(
-        read(file), lambda count: print_aside(f"{count} states") if count % 1_000_000 == 0 else None
-    )
+    found = recounted(read(file), lambda count: print_aside(f"{count} states"), processes=processes)
     figures = {
         "refused": found.refused,
         "states": found.states,
@@ -113,6 +112,23 @@ def recount(
         f" all trains can finish from each in at most {found.rank_max} steps"
     ]
     end_with(figures, lines, good=not found.refused, as_json=as_json)
+
+
+@verify.command()
+def promela(
+    out: Annotated[Path, typer.Option("--out", help="Where the model is written.")] = Path("line.pml"),
+    as_json: Json = False,
+) -> None:
+    """Write the line without troubles as a model in Promela, for SPIN: spin -a; cc -DNOREDUCE -DSAFETY; pan -E."""
+    from verify.explored_line import ExploredLine
+    from verify.promela import model, walked
+
+    composition, states = walked(ExploredLine())
+    out.write_text(model(composition), "utf-8")
+    figures = {"model": str(out), "states": len(states)}
+    end_with(
+        figures, [f"{out}: a model of {len(states)} states, by our own count"], good=True, as_json=as_json
+    )
 
 
 def _verdict(broken: str, dead: int, *, complete: bool) -> list[str]:

@@ -199,6 +199,12 @@ class Claim(Message, frozen=True, array_like=True, tag=13):
     token: int
 
 
+class LeavingClaim(Claim, frozen=True, array_like=True, tag=22):
+    """Unit to manager, in place of a Claim: I have signed off, and may still stand in this portal until I say that I do
+    not.
+    """
+
+
 class PointsCommand(Message, frozen=True, array_like=True, tag=14):
     """Unit to terminal: throw and lock these points (転換指示). `mac` is that of the capability."""
 
@@ -294,4 +300,5 @@ AnyMessage = (
     | TrackOrdered
     | RouteTakenBack
     | OrderRefused
+    | LeavingClaim
 )

@@ -12,7 +12,6 @@ from onboard.authority import sign_on
 from onboard.authority.records import QueryHeard
 from onboard.authority.tables import SignOnStanding
 from radio.messages import SignOff
-from verify import train_events
 from wayside import block_manager, leaving, reentry
 from wayside.actions import Show
 from wayside.heard import Heard
@@ -51,16 +50,20 @@ def _never(_register: Register, _unit_id: str) -> bool:
     return False
 
 
-def _told_later() -> tuple[Change, ...]:
-    """The driver tells the unit some time after the boundary that the train has left the line."""
-    return ((train_events, "TOLD_AT_ONCE", False),)
+def _claims_as_on_the_line() -> tuple[Change, ...]:
+    """A unit that has signed off and is asked in its portal counts as one on the line, which nobody asks again."""
+    return ((leaving, "claimed_standing", _reported),)
+
+
+def _reported(_register: Register, _message: object, held: tuple[str, ...]) -> UnitStanding:
+    return UnitStanding.REPORTED if held else UnitStanding.OUTSIDE
 
 
 RESTORED: Final[MappingProxyType[str, Callable[[], tuple[Change, ...]]]] = MappingProxyType(
     {
         "sign-off-frees": _sign_off_frees,
         "booted-holds-nothing": _booted_holds_nothing,
-        "driver-tells-later": _told_later,
+        "leaver-counts-as-on-the-line": _claims_as_on_the_line,
     }
 )
 

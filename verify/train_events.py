@@ -39,9 +39,6 @@ from verify.on_air import InAir
 from verify.thirds import PLACES_A_SPAN
 from verify.train import ExploredTrain, TrainPlace, TrainState
 
-TOLD_AT_ONCE = True  # the unit is told that its train has left as the contact at the boundary counts it
-
-
 TrainEvent = Happening[TrainState, InAir]
 
 
@@ -104,8 +101,7 @@ def _people(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
             yield _took(model, state, Leave())
         case TrainPlace.ON_LINE, DutyPhase.LEAVING if state.may_leave:
             gone = state._replace(place=TrainPlace.GONE, may_leave=False)
-            told = _took(model, gone, OffTheLine()) if TOLD_AT_ONCE else TrainEvent("", gone)
-            yield told._replace(name="passes the boundary", left=True)
+            yield TrainEvent("passes the boundary", gone, left=True)
         case TrainPlace.GONE, DutyPhase.LEAVING:
             yield _took(model, state, OffTheLine())
         case _:

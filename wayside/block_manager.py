@@ -34,6 +34,7 @@ from radio.messages import (
     ClaimQuery,
     HoldingConfirmed,
     HoldingReport,
+    LeavingClaim,
     OrderRefused,
     RefusalReason,
     RouteGranted,
@@ -395,7 +396,7 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     lost = not register.restoring and (bool(added) or unit.standing is not UnitStanding.REPORTED)
     if held and (lost or token == 0 or token > register.token_max):
         register, token = register.next_token()
-    standing = UnitStanding.REPORTED if held else UnitStanding.OUTSIDE
+    standing = leaving.claimed_standing(register, heard.message, held)
     # A unit that has started again numbers its requests anew, so its old request cannot be repeated.
     same_boot = heard.epoch == unit.epoch
     after = RegisteredUnit(standing, heard.epoch, token, unit.route_id, unit.correlation if same_boot else 0)
@@ -460,36 +461,42 @@ TELEGRAMS: Final[Mapping[tuple[UnitStanding, type], _Handler]] = MappingProxyTyp
         (UnitStanding.UNKNOWN, SignOn): _sign_on,
         (UnitStanding.UNKNOWN, SignOff): leaving.sign_off_not_signed_on,
         (UnitStanding.UNKNOWN, Claim): _claim,
+        (UnitStanding.UNKNOWN, LeavingClaim): _claim,
         (UnitStanding.OUTSIDE, RouteRequest): _request_not_signed_on,
         (UnitStanding.OUTSIDE, HoldingReport): challenge,
         (UnitStanding.OUTSIDE, OrderRefused): challenge,
         (UnitStanding.OUTSIDE, SignOn): _sign_on,
         (UnitStanding.OUTSIDE, SignOff): leaving.sign_off_again,
         (UnitStanding.OUTSIDE, Claim): _claim,
+        (UnitStanding.OUTSIDE, LeavingClaim): _claim,
         (UnitStanding.BY_HAND, RouteRequest): _request_not_signed_on,
         (UnitStanding.BY_HAND, HoldingReport): challenge,
         (UnitStanding.BY_HAND, OrderRefused): challenge,
         (UnitStanding.BY_HAND, SignOn): _sign_on,
         (UnitStanding.BY_HAND, SignOff): leaving.sign_off_not_signed_on,
         (UnitStanding.BY_HAND, Claim): _claim,
+        (UnitStanding.BY_HAND, LeavingClaim): _claim,
         (UnitStanding.REPORTED, RouteRequest): _request,
         (UnitStanding.REPORTED, HoldingReport): _report,
         (UnitStanding.REPORTED, OrderRefused): orders.refused,
         (UnitStanding.REPORTED, SignOn): _sign_on,
         (UnitStanding.REPORTED, SignOff): leaving.sign_off,
         (UnitStanding.REPORTED, Claim): _claim,
+        (UnitStanding.REPORTED, LeavingClaim): _claim,
         (UnitStanding.LEAVING, RouteRequest): _request_not_signed_on,
         (UnitStanding.LEAVING, HoldingReport): _report,
         (UnitStanding.LEAVING, OrderRefused): orders.refused,
         (UnitStanding.LEAVING, SignOn): _sign_on_leaving,
         (UnitStanding.LEAVING, SignOff): leaving.sign_off,
         (UnitStanding.LEAVING, Claim): _claim_leaving,
+        (UnitStanding.LEAVING, LeavingClaim): _claim_leaving,
         (UnitStanding.DISPUTED, RouteRequest): _request_undefined,
         (UnitStanding.DISPUTED, HoldingReport): challenge,
         (UnitStanding.DISPUTED, OrderRefused): challenge,
         (UnitStanding.DISPUTED, SignOn): _sign_on,
         (UnitStanding.DISPUTED, SignOff): leaving.sign_off_not_signed_on,
         (UnitStanding.DISPUTED, Claim): _claim,
+        (UnitStanding.DISPUTED, LeavingClaim): _claim,
     }
 )
 

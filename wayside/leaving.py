@@ -12,7 +12,15 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from radio.messages import Claim, RefusalReason, SignOff, SignOffAccepted, SignOffRefused
+from radio.messages import (
+    Claim,
+    LeavingClaim,
+    RefusalReason,
+    SignOff,
+    SignOffAccepted,
+    SignOffRefused,
+    SignOn,
+)
 from wayside import reentry
 from wayside.actions import Send, Show
 from wayside.heard import Heard, show_refusal
@@ -66,6 +74,14 @@ def boundary_passed(register: Register, portal: str) -> Step:
         return left_line(register, unit_id)
     why = "a train has left by this portal, and its holder may be elsewhere"
     return register, (Show(Contradicted(unit_id=unit_id, section_ids=held, why=why)),)
+
+
+def claimed_standing(register: Register, message: SignOn | Claim, held: tuple[str, ...]) -> UnitStanding:
+    """Where a unit stands whose claim is accepted: one that has signed off goes on leaving, and is asked on."""
+    if not held:
+        return UnitStanding.OUTSIDE
+    leaves = isinstance(message, LeavingClaim) and register.plan.portals.issuperset(held)
+    return UnitStanding.LEAVING if leaves else UnitStanding.REPORTED
 
 
 def may_have_crossed(register: Register, heard: Heard[Claim]) -> bool:

@@ -97,13 +97,12 @@ class Letters:
         match action:
             case sym.SendRequest(request):
                 return Letter(self._manager_id, self._request(request), self._open[request.ask])
-            case sym.SendClaim(section_ids):
+            case sym.SendClaim(section_ids, leaving):
                 query = self._heard
                 token = 0 if section_ids is None else self.token
+                claim = radio.LeavingClaim if leaving else radio.Claim
                 return Letter(
-                    self._manager_id,
-                    radio.Claim(section_ids, token),
-                    0 if query is None else query.correlation,
+                    self._manager_id, claim(section_ids, token), 0 if query is None else query.correlation
                 )
             case sym.SendRefusal(route_id, reason):
                 return Letter(self._manager_id, radio.OrderRefused(route_id, reason), 0)

@@ -341,9 +341,10 @@ class SendRequest(msgspec.Struct, frozen=True, tag=True):
 
 
 class SendClaim(msgspec.Struct, frozen=True, tag=True):
-    """Answer the query at hand; None: it does not know what it holds."""
+    """Answer the query at hand; None: it does not know what it holds. `leaving`: it has signed off."""
 
     section_ids: tuple[str, ...] | None
+    leaving: bool = False
 
 
 class SendRefusal(msgspec.Struct, frozen=True, tag=True):

@@ -133,8 +133,11 @@ def taken_off(_state: Authority, _event: TakenOff) -> Result:
 
 
 def queried(state: Authority, _event: QueryHeard) -> Result:
-    """Answers at once with all that it holds, which is nothing while it waits to enter."""
-    return state, (SendClaim(state.held), Write(notes.Claimed(section_ids=state.held, token=0)))
+    """Answers at once with all that it holds, nothing while it waits to enter; and that it leaves, if it does."""
+    return state, (
+        SendClaim(state.held, leaving=state.leaving),
+        Write(notes.Claimed(section_ids=state.held, token=0)),
+    )
 
 
 def queried_off_line(state: Authority, event: QueryHeard) -> Result:

@@ -28,6 +28,7 @@ EXAMPLES: list[m.AnyMessage] = [
     m.ClaimQuery(),
     m.Claim(None, 0),
     m.Claim(("a",), 5),
+    m.LeavingClaim(("a",), 5),
     m.PointsCommand("p", Position.REVERSE, "a", 5, bytes(16)),
     m.PointsProof("p", None, False, False, 5),
     m.PointsRefused("p", m.PointsRefusalReason.OLD_TOKEN, 5),
@@ -47,7 +48,7 @@ def test_round_trip(message: m.AnyMessage) -> None:
 
 
 def test_every_message_has_an_example_and_its_own_tag() -> None:
-    types = set(m.Message.__subclasses__())
+    types = {*m.Message.__subclasses__(), *m.Claim.__subclasses__()}
     assert types == {type(message) for message in EXAMPLES}
     assert len({kind.__struct_config__.tag for kind in types}) == len(types)
 

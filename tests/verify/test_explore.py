@@ -49,11 +49,13 @@ def test_a_booted_unit_that_says_it_holds_nothing_leads_to_a_train_where_the_reg
 
 
 @pytest.mark.nightly
-def test_a_driver_who_tells_the_unit_later_that_the_train_has_left_can_leave_a_portal_held_for_ever() -> None:
+def test_a_leaver_that_counts_as_on_the_line_can_leave_its_portal_held_for_ever() -> None:
     line = ExploredLine(budgets=Budgets(delay=1))
-    with restored("driver-tells-later"):
+    with restored("leaver-counts-as-on-the-line"):
         found = explored(line)
     assert not found.broken
     assert found.dead > 0
-    assert found.story[-1] == "block-manager hears Claim P", "made once the contact had counted the train out"
+    assert found.story[-1] == "block-manager hears LeavingClaim P", (
+        "made once the contact had counted the train out"
+    )
     assert explored(line).dead == 0

@@ -16,6 +16,7 @@ from radio.messages import (
     ClaimQuery,
     HoldingConfirmed,
     HoldingReport,
+    LeavingClaim,
     OrderRefusalReason,
     OrderRefused,
     PointsProof,
@@ -397,6 +398,7 @@ MESSAGES: tuple[AnyMessage, ...] = (
     SignOn("u1", ("B",)),
     SignOff("u1", 1),
     Claim(("B",), 1),
+    LeavingClaim(("B",), 1),
     OrderRefused("over", OrderRefusalReason.NOT_HELD),
 )
 EXPECTED = {
@@ -417,6 +419,7 @@ OTHERWISE = {
     SignOn: SignOnAccepted,
     SignOff: SignOffRefused,
     Claim: SignOnAccepted,
+    LeavingClaim: SignOnAccepted,
 }
 
 

@@ -11,6 +11,7 @@ from radio.messages import (
     ClaimQuery,
     HoldingConfirmed,
     HoldingReport,
+    LeavingClaim,
     RefusalReason,
     RouteRequest,
     SignOff,
@@ -20,6 +21,7 @@ from radio.messages import (
     SignOnRefused,
 )
 from tests.wayside.manager_desk import Desk, defined
+from verify.restored import restored
 from wayside import block_manager, leaving
 from wayside.actions import Send
 from wayside.block_manager import Heard
@@ -231,3 +233,39 @@ def test_without_asking_again_what_crossed_is_believed(monkeypatch: pytest.Monke
     ):
         with pytest.raises(AssertionError):
             check()
+
+
+def test_one_that_has_signed_off_is_asked_until_it_is_told_that_its_train_has_left() -> None:
+    """Found by `branchline verify explore` where a driver tells the unit later: the portal was held for ever."""
+    desk = signed_off()
+    desk.act(BoundaryPassed("P9"))
+    desk.hear("u1", LeavingClaim(("P9",), 1), correlation=block_manager.ASKED_AGAIN)
+    assert desk.standing("u1") is UnitStanding.LEAVING
+    assert ("u1", ClaimQuery()) in desk.ask(desk.now_s + 10.0)
+    claims(desk)
+    assert desk.register.holders == {}
+
+
+def test_a_manager_started_again_asks_one_that_leaves_until_it_has() -> None:
+    desk = Desk(epoch=2)
+    desk.hear("u1", LeavingClaim(("P9",), 0))
+    assert desk.register.held_by("u1") == ("P9",)
+    assert ("u1", ClaimQuery()) in desk.ask(desk.now_s + 10.0)
+    claims(desk)
+    assert desk.register.holders == {}
+
+
+def test_one_that_holds_more_than_its_portal_does_not_leave() -> None:
+    desk = defined(u1=("E", "P9"))
+    desk.hear("u1", LeavingClaim(("P9",), 1))
+    assert desk.standing("u1") is UnitStanding.REPORTED
+
+
+def test_counted_as_on_the_line_it_keeps_its_portal() -> None:
+    with restored("leaver-counts-as-on-the-line"):
+        for check in (
+            test_one_that_has_signed_off_is_asked_until_it_is_told_that_its_train_has_left,
+            test_a_manager_started_again_asks_one_that_leaves_until_it_has,
+        ):
+            with pytest.raises(AssertionError):
+                check()

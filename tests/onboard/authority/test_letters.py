@@ -105,6 +105,7 @@ def test_a_request_repeated_keeps_its_correlation_and_a_new_one_has_a_greater(le
 def test_a_query_is_answered_with_its_own_correlation(letters: Letters) -> None:
     assert letters.read(heard(radio.ClaimQuery(), correlation=77)) == sym.QueryHeard()
     assert letters.write(SendClaim(("3",))) == Letter(MANAGER, radio.Claim(("3",), 10), 77)
+    assert letters.write(SendClaim(("3",), leaving=True)).message == radio.LeavingClaim(("3",), 10)
     assert letters.write(SendClaim(None)) == Letter(MANAGER, radio.Claim(None, 0), 77)
 
 

@@ -237,7 +237,7 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         SIGNED_OFF,
         QueryHeard(),
         SIGNED_OFF,
-        (SendClaim(("PE",)), claimed("PE")),
+        (SendClaim(("PE",), leaving=True), claimed("PE")),
     ),
     "off the line it holds nothing": (SIGNED_OFF, TakenOff(), OFF, (holds(),)),
     "signed off it asks for nothing any more": (

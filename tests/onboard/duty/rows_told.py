@@ -352,7 +352,7 @@ TOLD: Final[dict[str, Case]] = {
         TelegramHeard(QueryHeard()),
         AT_B,
         LEAVING,
-        (SendClaim(("8",)), Write(notes.Claimed(section_ids=("8",), token=0))),
+        (SendClaim(("8",), leaving=True), Write(notes.Claimed(section_ids=("8",), token=0))),
     ),
     "proven, the stop limit moves on": (
         replace(RUNNING, authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)), wanted=(P7,)),
@@ -407,7 +407,7 @@ TOLD: Final[dict[str, Case]] = {
             STATES[at].place,
             STATES[at],
             (
-                SendClaim(STATES[at].authority.held),
+                SendClaim(STATES[at].authority.held, leaving=at is DutyPhase.LEAVING),
                 Write(notes.Claimed(section_ids=STATES[at].authority.held, token=0)),
             ),
         )
