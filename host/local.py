@@ -45,6 +45,10 @@ class LocalParties:
         """Whether the party runs."""
         return party_id in self._running
 
+    def running(self, party_id: str) -> Party | None:
+        """The party itself, to look at and not to touch; None: it is down."""
+        return self._running.get(party_id)
+
     def kill(self, party_id: str) -> None:
         """Power cut."""
         self._running.pop(party_id, None)
