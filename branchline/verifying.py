@@ -214,6 +214,31 @@ def bounds(
     end_with(told, lines, good=not found.broken, as_json=as_json)
 
 
+@verify.command()
+def intruders(
+    scenario: Annotated[str, typer.Argument(help="A scenario, or a drill in which nobody starts again.")] = (
+        "rtri_test_line"
+    ),
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the intruder.")] = 1,
+    as_json: Json = False,
+) -> None:
+    """Send an intruder's telegrams, without and with keys, among those of a run: no effect, and each counted."""
+    from verify.runs.inside_runs import load
+    from verify.runs.intruders import ATTACKS, intruded
+
+    found = intruded(load(scenario), seed, tuple(ATTACKS))
+    lines = [
+        f"{one.attack.value}: {one.sent} telegrams, "
+        + (f"the run is another: {one.differs}" if one.differs else "no effect")
+        + f"; dropped: {', '.join(f'{count} {why}' for why, count in one.dropped.most_common()) or 'none'}"
+        for one in found
+    ]
+    told = {
+        one.attack.value: {"sent": one.sent, "dropped": dict(one.dropped), "differs": one.differs} for one in found
+    }
+    end_with(told, lines, good=all(one.held for one in found), as_json=as_json)
+
+
 def _verdict(broken: str, dead: int, *, complete: bool) -> list[str]:
     if broken:
         return [f"broken: {broken}; the shortest way to it:"]

@@ -19,8 +19,8 @@ class LocalParties:
     """
 
     def __init__(self, specs: Iterable[PartySpec]) -> None:
-        self._specs = {spec.party_id: spec for spec in specs}
-        self._stores = {party_id: MemoryStore() for party_id in self._specs}
+        self.specs = {spec.party_id: spec for spec in specs}
+        self._stores = {party_id: MemoryStore() for party_id in self.specs}
         self._running: dict[str, Party] = {}
 
     def __enter__(self) -> Self:
@@ -57,7 +57,7 @@ class LocalParties:
         """Power back: a new boot epoch. PartyError if it runs, NotCommissioned if its durable state is lost."""
         if party_id in self._running:
             raise PartyError(f"party {party_id} runs already")
-        self._running[party_id] = boot(self._specs[party_id], self._stores[party_id])
+        self._running[party_id] = boot(self.specs[party_id], self._stores[party_id])
 
     def lose(self, party_id: str) -> None:
         """Its durable state is gone."""
