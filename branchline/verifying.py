@@ -1,4 +1,6 @@
-"""`branchline verify`: every state that the running code can come to on a small line, and a certificate of them."""
+"""`branchline verify`: every state that the running code can come to on a small line, a certificate of them, and what is
+held against them: runs, intruders, a search for what breaks bounds.
+"""
 
 from __future__ import annotations
 
@@ -129,6 +131,151 @@ def promela(
     end_with(
         figures, [f"{out}: a model of {len(states)} states, by our own count"], good=True, as_json=as_json
     )
+
+
+@verify.command()
+def inside(
+    names: Annotated[list[str], typer.Argument(help="Scenarios, drills, or folders of drills (rtri).")],
+    seeds: Annotated[
+        int,
+        typer.Option(
+            "--seeds", min=1, help="Each with so many seeds, from its own on: of late days, so many."
+        ),
+    ] = 1,
+    restore: Annotated[
+        list[str] | None,
+        typer.Option("--restore", help="A behaviour that the runs' machines had once, as in explore."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Run scenarios and hold each state that two units and a section are in against those of the explored line."""
+    from verify.restored import RESTORED, restored
+    from verify.runs.inside import InsideFigures
+    from verify.runs.inside_runs import (
+        by_lack,
+        explored_views,
+        first_without,
+        load,
+        runs_named,
+        view_words,
+        watched_run,
+    )
+    from verify.runs.inside_runs import LINES as EXPLORED
+
+    _known(restore or [], sorted(RESTORED))
+    views, figures = explored_views(EXPLORED, print_aside), InsideFigures()
+    for name in runs_named(names):
+        first = load(name)
+        for seed in range(first.setup.seed, first.setup.seed + seeds):
+            with restored(*(restore or [])):
+                watched_run(load(name, seed) if seeds > 1 else first, views, figures)
+        print_aside(f"{name}: {figures.states} states, {sum(figures.outside.values())} outside")
+    lacks, unknown = by_lack(figures), first_without(figures)
+    share = figures.beyond / max(1, figures.events)
+    lines = [
+        f"{figures.events} events, {figures.states} states of two units and a section, {len(figures.distinct)} distinct,"
+        f" of {len(views)} that explored states have",
+        f"outside: {sum(figures.outside.values())} states, at {figures.beyond} events ({100.0 * share:.2f} %)",
+        *(f"  {count}: {lack}" for lack, count in lacks.most_common()),
+    ]
+    if unknown is not None:
+        view, at = unknown
+        lines.append(
+            f"the first without a known lack: {at.run}, after line {at.line} of the journal, {at.who} having acted:"
+            f" {at.unit}, {at.other or 'nobody'} and {at.section}: {view_words(view)}"
+        )
+    told = {
+        "events": figures.events,
+        "states": figures.states,
+        "distinct": len(figures.distinct),
+        "views": len(views),
+        "outside": sum(figures.outside.values()),
+        "events_outside": figures.beyond,
+        "lacks": dict(lacks),
+        "first": None if unknown is None else unknown[1]._asdict(),
+    }
+    end_with(told, lines, good=unknown is None, as_json=as_json)
+
+
+@verify.command()
+def bounds(
+    runs: Annotated[int, typer.Option("--runs", min=1, help="How many runs are searched.")] = 200,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of all that is drawn.")] = 1,
+    without: Annotated[
+        bool,
+        typer.Option(
+            "--forgives",
+            help="Switch off a mend: receivers forgive what may hide in slides and gaps, as once.",
+        ),
+    ] = False,
+    anywhere: Annotated[
+        bool, typer.Option("--anywhere", help="On the long lines too, not only the test line.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Search for a run in which the truth leaves the stated bounds: places, sizes and joint faults of sensors."""
+    from papers.position_fusion import FORGIVING, JOINT
+    from verify.runs.bounds import in_words, search
+
+    found = search(
+        seed,
+        runs,
+        FORGIVING if without else JOINT,
+        anywhere=anywhere,
+        watch=lambda count, best: (
+            print_aside(f"{count} runs, nearest {best.near:+.3f}") if count % 100 == 0 else None
+        ),
+    )
+    nearest = found.nearest
+    assert nearest is not None
+    words = in_words(seed, nearest)
+    lines = [
+        f"{found.runs} searched runs, {len(found.broken)} with the truth outside its bounds",
+        f"the nearest: run {nearest.candidate.number} of seed {seed}, "
+        + (
+            f"{nearest.out_m:.1f} m outside"
+            if nearest.broken
+            else f"an error of {100.0 * (1.0 + nearest.near):.0f} % of its bound"
+        ),
+        *(f"  {word}" for word in words),
+    ]
+    told = {
+        "runs": found.runs,
+        "broken": len(found.broken),
+        "nearest": {
+            "number": nearest.candidate.number,
+            "out_m": nearest.out_m,
+            "near": nearest.near,
+            "what": words,
+        },
+    }
+    end_with(told, lines, good=not found.broken, as_json=as_json)
+
+
+@verify.command()
+def intruders(
+    scenario: Annotated[str, typer.Argument(help="A scenario, or a drill in which nobody starts again.")] = (
+        "rtri_test_line"
+    ),
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the intruder.")] = 1,
+    as_json: Json = False,
+) -> None:
+    """Send an intruder's telegrams, without and with keys, among those of a run: no effect, and each counted."""
+    from verify.runs.inside_runs import load
+    from verify.runs.intruders import ATTACKS, intruded
+
+    found = intruded(load(scenario), seed, tuple(ATTACKS))
+    lines = [
+        f"{one.attack.value}: {one.sent} telegrams, "
+        + (f"the run is another: {one.differs}" if one.differs else "no effect")
+        + f"; dropped: {', '.join(f'{count} {why}' for why, count in one.dropped.most_common()) or 'none'}"
+        for one in found
+    ]
+    told = {
+        one.attack.value: {"sent": one.sent, "dropped": dict(one.dropped), "differs": one.differs}
+        for one in found
+    }
+    end_with(told, lines, good=all(one.held for one in found), as_json=as_json)
 
 
 def _verdict(broken: str, dead: int, *, complete: bool) -> list[str]:

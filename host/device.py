@@ -25,7 +25,8 @@ from wayside import block_manager, point_terminal
 from wayside.actions import Action, Drive, Send, Show
 from wayside.barring import NO_BARS, bars_kept
 from wayside.config import DeviceConfig, ManagerConfig, TerminalConfig, decode_config
-from wayside.point_terminal import Commanded, Expired, TerminalMemory
+from wayside.point_terminal import Commanded, Expired, Terminal, TerminalMemory
+from wayside.register import Register
 from wayside.register import start as start_register
 from wayside.said import (
     BarUnit,
@@ -44,6 +45,9 @@ PARTS_KEPT = True  # off: a manager that starts again has forgotten who has a pa
 
 class _ProtocolMachine(Protocol):
     """What the host needs of a protocol machine: the actions for one event, in order."""
+
+    @property
+    def state(self) -> Register | Terminal: ...
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
         """An input, a telegram, or None: look at the timers."""
@@ -89,6 +93,10 @@ class _Manager:
             on_part,
         )
 
+    @property
+    def state(self) -> Register:
+        return self.register
+
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
         step: block_manager.Event
         match event:
@@ -127,6 +135,10 @@ class _Terminal:
         self.terminal = point_terminal.start(
             config, keys.capabilities[config.device_id], _memory(durable.vital)
         )
+
+    @property
+    def state(self) -> Terminal:
+        return self.terminal
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
         step: point_terminal.TerminalEvent
@@ -198,6 +210,11 @@ class DeviceHost:
         """Number of this boot, from 1."""
         return self._durable.epoch
 
+    @property
+    def state(self) -> Register | Terminal:
+        """The state of its protocol machine."""
+        return self._machine.state
+
     def advance(
         self, now_s: float, telegrams: Sequence[bytes], inputs: Sequence[Input] = ()
     ) -> DeviceAdvance:
@@ -261,6 +278,11 @@ class DeviceParty:
     def epoch(self) -> int:
         """Number of this boot, from 1."""
         return self._host.epoch
+
+    @property
+    def state(self) -> Register | Terminal:
+        """The state of its protocol machine."""
+        return self._host.state
 
     def advance(self, now_s: float, telegrams: Sequence[bytes], told: bytes) -> Advance:
         """Act at `now_s` on inputs, telegrams and timers."""

@@ -19,8 +19,8 @@ class LocalParties:
     """
 
     def __init__(self, specs: Iterable[PartySpec]) -> None:
-        self._specs = {spec.party_id: spec for spec in specs}
-        self._stores = {party_id: MemoryStore() for party_id in self._specs}
+        self.specs = {spec.party_id: spec for spec in specs}
+        self._stores = {party_id: MemoryStore() for party_id in self.specs}
         self._running: dict[str, Party] = {}
 
     def __enter__(self) -> Self:
@@ -45,6 +45,10 @@ class LocalParties:
         """Whether the party runs."""
         return party_id in self._running
 
+    def running(self, party_id: str) -> Party | None:
+        """The party itself, to look at and not to touch; None: it is down."""
+        return self._running.get(party_id)
+
     def kill(self, party_id: str) -> None:
         """Power cut."""
         self._running.pop(party_id, None)
@@ -53,7 +57,7 @@ class LocalParties:
         """Power back: a new boot epoch. PartyError if it runs, NotCommissioned if its durable state is lost."""
         if party_id in self._running:
             raise PartyError(f"party {party_id} runs already")
-        self._running[party_id] = boot(self._specs[party_id], self._stores[party_id])
+        self._running[party_id] = boot(self.specs[party_id], self._stores[party_id])
 
     def lose(self, party_id: str) -> None:
         """Its durable state is gone."""

@@ -17,6 +17,7 @@ from host.speech import Speech
 from host.store import PartyStore, raise_epoch
 from network.errors import InputError
 from onboard.duty.duty_step import DutyParameters
+from onboard.duty.plan import DutyPlan
 from onboard.duty.records import DrivingCommand, DutyState, Told
 from onboard.notes import Note
 from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
@@ -102,6 +103,11 @@ class HostedUnit:
         """Where the unit is in its duty."""
         return self._unit.state
 
+    @property
+    def plan(self) -> DutyPlan:
+        """The plan that its duty is on."""
+        return self._unit.plan
+
     def advance(self, now_s: float, telegrams: Sequence[bytes], report: Report) -> UnitAnswer:
         """Act at `now_s` on what happened, telegrams and timers."""
         before, self._speech.claims_besides = self._speech.claims_besides, report.claims_besides
@@ -143,6 +149,11 @@ class UnitParty:
     def epoch(self) -> int:
         """Number of this boot."""
         return self._unit.epoch
+
+    @property
+    def on_duty(self) -> tuple[DutyPlan, DutyState]:
+        """The plan that its duty is on, and where it is in it."""
+        return self._unit.plan, self._unit.state
 
     def advance(self, now_s: float, telegrams: Sequence[bytes], told: bytes) -> Advance:
         """Act at `now_s` on what happened, telegrams and timers."""

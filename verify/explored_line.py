@@ -34,6 +34,7 @@ TERMINALS: Final = ("t1", "t2")
 POINTS_OF: Final = {"t1": "PX", "t2": "PY"}
 PERSONS: Final = ("Mori", "Sato")
 _MASTER: Final = b"explored" * 4
+_DEPARTURE_S: Final = 1000.0  # when a timer runs out is left open
 _TRACK_OF: Final = {"u1": ("A", Position.NORMAL), "u2": ("B", Position.REVERSE)}
 _KINDS: Final = {"P": SectionKind.PORTAL, "X": SectionKind.POINTS}
 CAPABILITY_KEYS: Final = {terminal: capability_key(_MASTER, terminal) for terminal in TERMINALS}
@@ -66,10 +67,13 @@ class Budgets(NamedTuple):
 
 
 class ExploredLine(NamedTuple):
-    """What is explored: how many of the trains run, and the budgets."""
+    """What is explored: how many of the trains run, and the budgets. `timed`: each asks for its routes, and leaves, when
+    its timer says so, at any time; otherwise at once.
+    """
 
     trains: int = 2
     budgets: Budgets = Budgets()
+    timed: bool = False
 
     @property
     def parameters(self) -> DutyParameters:
@@ -106,14 +110,14 @@ def terminal_config(terminal_id: str) -> TerminalConfig:
     return TerminalConfig("explored", terminal_id, (PointsEntry(POINTS_OF[terminal_id], "X", 10.0),))
 
 
-def _plan(way: str, sections: tuple[str, ...], position: Position) -> DutyPlan:
+def _plan(way: str, sections: tuple[str, ...], position: Position, departure_s: float | None) -> DutyPlan:
     needed = tuple(PointsNeeded(POINTS_OF[t], position, "X", t) for t in TERMINALS)
     spans = tuple(
         Span(s, _KINDS.get(s, SectionKind.TRACK), needed if s == "X" else (), s, 0.0) for s in sections
     )
     first, last = sections[0], sections[-1]
     stops = (
-        PlanStop(first, first != PORTAL, 0, 0, None, None, passengers=False),
+        PlanStop(first, first != PORTAL, 0, 0, None, departure_s, passengers=False),
         PlanStop(last, last != PORTAL, 2, 2, None, None, passengers=False),
     )
     leg = PlanLeg(f"{way} {sections[0 if way == 'out' else -1]}", first, sections[1:])
@@ -121,10 +125,12 @@ def _plan(way: str, sections: tuple[str, ...], position: Position) -> DutyPlan:
     return DutyPlan(way, way, spans, (leg,), stops, tags, last, 0.0, enters=first == PORTAL)
 
 
-def plans_of(unit_id: str) -> tuple[DutyPlan, DutyPlan]:
-    """A train's way in, and out again."""
+def plans_of(unit_id: str, *, timed: bool) -> tuple[DutyPlan, DutyPlan]:
+    """A train's way in, and out again; `timed` as in `ExploredLine`."""
     track, position = _TRACK_OF[unit_id]
-    return _plan("in", ("P", "X", track), position), _plan("out", (track, "X", "P"), position)
+    departure_s = _DEPARTURE_S if timed else None
+    into, out = ("P", "X", track), (track, "X", "P")
+    return _plan("in", into, position, departure_s), _plan("out", out, position, departure_s)
 
 
 END: Final = 2 * PLACES_A_SPAN  # where a train of three spans stands at its last mark, whole in the last

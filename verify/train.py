@@ -100,7 +100,7 @@ class ExploredTrain:
 
     def __init__(self, line: ExploredLine, unit_id: str) -> None:
         self.unit_id: Final = unit_id
-        self.plans: Final = plans_of(unit_id)
+        self.plans: Final = plans_of(unit_id, timed=line.timed)
         self._parameters: Final = line.parameters
 
     def plan(self, state: TrainState) -> DutyPlan:

@@ -164,11 +164,12 @@ def run_to_end(
         last = setup.day >= scenario.setup.tuning.days
         state = course.folder / f"day-{setup.day}"
         state.mkdir()
-        with parties_of(course.link, setup.line.id, specs, state) as parties, collecting_rarely():
+        with parties_of(course.link, setup.line.id, specs, state) as own, collecting_rarely():
+            parties = own if course.watch is None else course.watch(own)
             simulation = Simulation(
                 setup,
                 course.make if last else course.make_before or course.make,
-                parties if course.watch is None else course.watch(parties),
+                parties,
                 course.net,
                 PartyUnits(parties) if apart else LocalUnits(on_board),
                 course.link.value,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
 from collections import Counter
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -17,6 +18,7 @@ from tests.system.chaos.families import Family
 from tests.system.chaos.planted import found_by
 from tests.system.chaos.replay import shrunk, slug, write
 from tests.system.chaos.run_one import Outcome
+from tests.system.chaos.sometimes import ALL
 from tests.system.conftest import SWITCHES
 
 
@@ -31,6 +33,7 @@ def main() -> int:
     parser.add_argument(
         "--defect", choices=sorted(SWITCHES), help="a behaviour taken away, of tests/system/conftest.py"
     )
+    parser.add_argument("--swarm", action="store_true", help="each seed leaves out half of what could fail")
     options = parser.parse_args()
     low, _, high = options.seeds.partition(":")
     seeds = range(int(low), int(high or int(low) + 1))
@@ -48,6 +51,7 @@ def main() -> int:
         sys.stdout.flush()
         return True
 
+    began_s = time.process_time()
     with TemporaryDirectory(prefix="chaos-nets-") as folder:
         nets = options.nets or Path(folder)
         nets.mkdir(parents=True, exist_ok=True)
@@ -55,8 +59,11 @@ def main() -> int:
             sought = found_by(SWITCHES[options.defect], Family(options.family), seeds, nets)
             sys.stdout.write(f"{options.defect}: {sought or f'not found in {len(seeds)} runs'}\n")
             return 0 if sought else 1
-        figures = campaign(Family(options.family), seeds, nets, keep)
+        figures = campaign(Family(options.family), seeds, nets, keep, swarm=options.swarm)
+    cpu_h = (time.process_time() - began_s) / 3600.0
     sys.stdout.write(f"{figures}\n{figures.by_kind()}")
+    sys.stdout.write(f"{figures.simulated_s / 3600.0 / cpu_h:.0f} simulated hours an hour of processor\n")
+    sys.stdout.writelines(f"{figures.came[name]:6d}  {name}\n" for name in ALL)
     return 1 if figures.failed else 0
 
 

@@ -27,6 +27,7 @@ class Figures:
     simulated_s: float = 0.0
     stopped_s: list[float] = field(default_factory=list[float])
     kinds: Counter[str] = field(default_factory=Counter[str])
+    came: Counter[str] = field(default_factory=Counter[str])  # cases that came to what of `sometimes`
     seeds: dict[str, list[int]] = field(default_factory=lambda: defaultdict(list))
 
     @property
@@ -59,11 +60,13 @@ def _few(seeds: list[int]) -> str:
     return "" if len(seeds) > 200 else f"seeds {', '.join(map(str, seeds[:12]))}"
 
 
-def campaign(family: Family, seeds: Iterable[int], nets: Path, seen: Seen | None = None) -> Figures:
+def campaign(
+    family: Family, seeds: Iterable[int], nets: Path, seen: Seen | None = None, *, swarm: bool = False
+) -> Figures:
     """Run the cases of these seeds; `seen` is called after each, and ends them by False."""
     figures = Figures()
     for seed in seeds:
-        case = case_of(family, seed, nets)
+        case = case_of(family, seed, nets, swarm=swarm)
         outcome = outcome_of(case, nets)
         figures.runs += 1
         figures.faults += len(case.faults)
@@ -71,6 +74,7 @@ def campaign(family: Family, seeds: Iterable[int], nets: Path, seen: Seen | None
         figures.simulated_s += outcome.simulated_s
         figures.kinds[outcome.kind] += 1
         figures.seeds[outcome.kind].append(seed)
+        figures.came.update(outcome.came)
         if outcome.fine:
             planned_s = undisturbed(case.ground, nets)[1].stopped_s
             figures.stopped_s.append(max(0.0, outcome.stopped_s - planned_s))

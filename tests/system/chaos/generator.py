@@ -11,6 +11,7 @@ an hour is enough for what it left to be put right.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,7 +19,7 @@ from network.model import SectionKind
 from onboard.driving.laws.table import LAW_NAMES
 from onboard.duty.duty_step import ReleaseRule
 from scenario.script_file import names_of
-from simulation.faults.fault import Names
+from simulation.faults.fault import Fault, Names
 from simulation.faults.table import KINDS
 from simulation.people import Pause
 from simulation.setup import Setup
@@ -30,8 +31,10 @@ from tests.system.chaos.fault_fields import fields_of, target_of
 from tests.system.chaos.run_one import undisturbed
 from wayside.config import OrderRule
 
+Kinds = tuple[type[Fault[Any]], ...]
 WINDOW_S: Final = 360.0
 FAULTS_MAX: Final = 12
+A_MINUTE_S: Final = 60.0
 WINDOW_MIN_S: Final = 30.0  # faults that meet show more than faults that follow one another
 DURATION_S: Final = (5.0, 240.0)
 EVENT_P: Final = 0.6
@@ -69,10 +72,12 @@ WRONG_PERSON: Final = "trackman"
 AIR: Final = {"delay_min_s": 0.1, "delay_mean_s": 0.2, "loss_good_p": 0.01}
 
 
-def case_of(family: Family, seed: int, nets: Path) -> Case:
-    """The case of a seed; `nets` keeps the nets of drawn lines."""
+def case_of(family: Family, seed: int, nets: Path, *, swarm: bool = False) -> Case:
+    """The case of a seed; `nets` keeps the nets of drawn lines. A `swarm` leaves half of what could fail out, so that
+    the others meet more often, and has a fault a minute at least.
+    """
     ground = ground_of(family, seed)
-    draw = Draw(seed, (family.value,))
+    draw = Draw(seed, (family.value, "swarm") if swarm else (family.value,))
     scenario, course = undisturbed(ground, nets)
     names = names_of(scenario.setup)
     first_s, last_s = course.moving_s[0] - BEFORE_S, course.moving_s[-1]
@@ -80,11 +85,14 @@ def case_of(family: Family, seed: int, nets: Path) -> Case:
     moves_s = draw.of("window").one_of(course.moving_s)  # lies in the window
     from_s = max(first_s, min(moves_s - BEFORE_S, last_s - length_s))
     times = _Times(from_s, min(from_s + length_s, last_s), course)
+    least = math.ceil(length_s / A_MINUTE_S) if swarm else 1
+    kinds = swarm_kinds(names, draw.of("swarm")) if swarm else KINDS
     faults = tuple(
-        _fault(times, names, draw.of("fault", str(i))) for i in range(draw.of("count").whole(1, FAULTS_MAX))
+        _fault(times, names, draw.of("fault", str(i)), kinds)
+        for i in range(draw.of("count").whole(least, FAULTS_MAX))
     )
     return Case(
-        f"{family.value}_{seed}",
+        f"{'swarm_' if swarm else ''}{family.value}_{seed}",
         ground,
         _head(family, seed, draw.of("head")),
         faults,
@@ -114,13 +122,20 @@ class _Times:
         return {"start": clock_tenths(draw.between(self.from_s, self.to_s, 1))}
 
 
-def _fault(times: _Times, names: Names, draw: Draw) -> dict[str, Any]:
+def swarm_kinds(names: Names, draw: Draw) -> Kinds:
+    """Kinds of half of what could fail."""
+    fails = sorted({kind.changes for kind in KINDS if kind.targets(names)})
+    kept = sorted(fails, key=lambda one: draw.of(one).between(0.0, 1.0, 9))[: max(1, len(fails) // 2)]
+    return tuple(kind for kind in KINDS if kind.changes in kept)
+
+
+def _fault(times: _Times, names: Names, draw: Draw, kinds: Kinds) -> dict[str, Any]:
     fails = draw.of("quantity").one_of(
         sorted(
-            {kind.changes for kind in KINDS if kind.targets(names)}
+            {kind.changes for kind in kinds if kind.targets(names)}
         )  # no charger where trains run from a wire
     )
-    kind = draw.of("kind").one_of([kind for kind in KINDS if kind.changes == fails])
+    kind = draw.of("kind").one_of([kind for kind in kinds if kind.changes == fails])
     table = {"kind": kind.kind, "target": target_of(kind, names, times.uses, draw.of("target"))}
     table |= times.drawn(draw.of("time"))
     if not kind.momentary:

@@ -31,6 +31,7 @@ from sumo_cfg.truth_map import NetMap, read_net
 from tests.system.chaos.case import Case
 from tests.system.chaos.course import Course, course_of, stopped_s
 from tests.system.chaos.ground import Ground
+from tests.system.chaos.sometimes import come_to
 
 ROOT: Final = Path(__file__).resolve().parents[3]
 # What a unit goes on saying although nothing happens.
@@ -68,6 +69,7 @@ class Outcome:
     simulated_s: float = 0.0
     stopped_s: float = 0.0
     acts: tuple[Act, ...] = ()
+    came: frozenset[str] = frozenset()  # what of `sometimes` it came to
 
     @property
     def fine(self) -> bool:
@@ -114,7 +116,8 @@ def outcome_of(case: Case, nets: Path) -> Outcome:
             return Outcome(Verdict.CRASH, _crash(error), (traceback.format_exc(),), acts=acts)
     verdict, kind, details = judged(result, scenario.setup.line)
     simulated_s = (result.end_step - result.begin_step) / STEPS_PER_S
-    return Outcome(verdict, kind, details, result.digest, simulated_s, stopped_s(result), acts)
+    came = come_to(e.event for e in result.journal.entries)
+    return Outcome(verdict, kind, details, result.digest, simulated_s, stopped_s(result), acts, came)
 
 
 def judged(result: RunResult, line: Line) -> tuple[Verdict, str, tuple[str, ...]]:

@@ -1,0 +1,188 @@
+"""The tree of docs/safety.md: hazards, claims, why they are claimed, and the commands and tests that show it."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+
+class Claim(NamedTuple):
+    """A claim about a hazard: `because` is the argument; leaves are commands of `branchline`, and tests (file::name)."""
+
+    says: str
+    because: str
+    commands: tuple[str, ...] = ()
+    tests: tuple[str, ...] = ()
+
+
+class Hazard(NamedTuple):
+    """What must not happen, and the claims that together keep it from happening."""
+
+    name: str
+    claims: tuple[Claim, ...]
+
+
+_EXPLORE: Final = "tests/verify/test_explore.py::test_every_state_is_safe_and_alive"
+HAZARDS: Final = (
+    Hazard(
+        "Two trains in one section",
+        (
+            Claim(
+                "A section has one holder, and a train is only where it holds",
+                "one register, one holder by type; every state of a small line, with losses, delays, power cuts and"
+                " wrong words, is looked at",
+                ("verify explore 1/1/0/0", "verify recount small.cert"),
+                (_EXPLORE, "tests/verify/test_recount.py::test_it_holds_whatever_way_it_came"),
+            ),
+            Claim(
+                "Runs are where the exploration has been",
+                "every state that two units and a section of a run come to is one of an explored state, or is"
+                " counted with what the model lacks",
+                ("verify inside rtri/12_terminal_power",),
+                (
+                    "tests/verify/test_inside.py::test_a_day_lies_inside",
+                    "tests/verify/test_inside.py::test_a_defect_falls_outside",
+                ),
+            ),
+            Claim(
+                "A breach would be seen",
+                "checkers see the true positions alone and share no code with what they check; each finds its breach",
+                ("drill rtri/12_terminal_power",),
+                (
+                    "tests/simulation/judge/test_checkers.py::test_each_checker_finds_its_breach_and_nothing_else",
+                    "tests/simulation/judge/test_following.py::test_checkers_share_nothing_with_what_they_check",
+                    "tests/system/test_defects.py::test_a_defect_is_caught",
+                ),
+            ),
+        ),
+    ),
+    Hazard(
+        "A train on points that are not locked, or that move under it",
+        (
+            Claim(
+                "A terminal throws only under the newest token, and locks for it",
+                "the grant is proven offline by its code; tokens and locks outlive a power cut",
+                ("verify explore 0/0/1/0",),
+                (_EXPLORE, "tests/host/test_device.py::test_a_terminal_remembers_its_tokens_over_a_power_cut"),
+            ),
+            Claim(
+                "A proof that is withdrawn too late to stop is told apart from one in time",
+                "the judge works out the braking distance by the guaranteed brake alone",
+                ("drill rtri/12b_terminal_power_after_throw",),
+                (
+                    "tests/simulation/judge/test_locking.py::test_lost_farther_away_the_train_could_have_stopped",
+                ),
+            ),
+        ),
+    ),
+    Hazard(
+        "A train beyond its stop limit",
+        (
+            Claim(
+                "No driving law passes a limit",
+                "limits, interventions and stop lie outside the laws, and the stronger brake counts",
+                ("run rtri_test_line",),
+                ("tests/onboard/driving/laws/test_laws.py::test_no_law_passes_the_limit_or_the_target",),
+            ),
+        ),
+    ),
+    Hazard(
+        "A train where its unit does not believe it to be",
+        (
+            Claim(
+                "The truth stays within the stated bounds while sensors fail within their contracts",
+                "bounds are intervals, cut only by what is surely so; a search changes places, sizes and joint faults"
+                " towards the edge",
+                ("verify bounds --runs 200", "reproduce position-fusion --quick"),
+                (
+                    "tests/verify/test_bounds.py::test_no_searched_run_leaves_its_bounds",
+                    "tests/verify/test_bounds.py"
+                    "::test_it_finds_a_reflection_in_a_slide_when_receivers_forgive_it_and_not_otherwise",
+                ),
+            ),
+        ),
+    ),
+    Hazard(
+        "A telegram that is not true is believed",
+        (
+            Claim(
+                "Whoever has not the pair's key, and whoever repeats or holds back, has no effect",
+                "each threat after EN 50159 has its defence (the table below); a run with an intruder is the same run",
+                ("verify intruders",),
+                (
+                    "tests/verify/test_intruders.py::test_an_intruder_has_no_effect",
+                    "tests/verify/test_intruders.py::test_without_codes_he_has",
+                ),
+            ),
+            Claim(
+                "A unit that lies with its own keys stops the line, and two persons bar it",
+                "what contradicts the register stops grants; a bar outlives restarts",
+                ("drill rtri/59_unit_barred", "drill rtri/59b_unit_claims_falsely"),
+                (
+                    "tests/wayside/test_barring.py::test_a_false_claim_stops_the_line_until_its_unit_is_barred_and_two_persons_say_where_it_is",
+                    "tests/wayside/test_barring.py::test_no_restart_forgets_a_bar",
+                ),
+            ),
+            Claim(
+                "Nobody else is on the planes between processes",
+                "one socket in a private folder; random keys a run; the time plane is authenticated",
+                ("run rtri_test_line --link zenoh",),
+                (
+                    "tests/host/test_over_zenoh.py::test_a_foreign_session_ends_the_run",
+                    "tests/host/test_lockstep.py::test_what_is_not_ours_takes_no_effect_and_ends_the_run",
+                ),
+            ),
+        ),
+    ),
+    Hazard(
+        "Something is freed because nothing is known",
+        (
+            Claim(
+                "After a restart nothing is known, and nothing is granted until all have spoken or are spoken for",
+                "UNKNOWN is derived, so that it cannot be forgotten; silence frees nothing",
+                ("drill rtri/09_manager_power", "drill rtri/16a_manager_store_lost"),
+                (
+                    _EXPLORE,
+                    "tests/host/test_device.py::test_a_lost_ledger_stays_lost_until_a_device_has_a_new_one",
+                    "tests/host/test_store.py::test_a_store_is_blank_until_people_commission_it",
+                    "tests/verify/test_kills.py::test_a_party_killed_at_any_point_leaves_nothing_and_the_day_ends",
+                ),
+            ),
+            Claim(
+                "One person's wrong word frees nothing that a train is in",
+                "a word counts once two persons have said it, or the unit says the same",
+                ("drill rtri/53b_two_wrong_persons", "verify explore 0/0/0/1"),
+                (_EXPLORE,),
+            ),
+        ),
+    ),
+    Hazard(
+        "Nothing moves any more, and people improvise",
+        (
+            Claim(
+                "When faults end and people act, every train arrives",
+                "from each explored state some way without troubles leads to the end; random runs with up to twelve"
+                " faults all arrive, and each situation that they are meant to come to was come to",
+                ("verify explore 1/1/0/0", "drill rtri/21_points_stuck"),
+                (
+                    _EXPLORE,
+                    "tests/system/chaos/test_chaos.py::test_a_slice",
+                    "tests/system/chaos/test_swarms.py::test_swarms_come_to_everything_that_is_meant",
+                ),
+            ),
+        ),
+    ),
+)
+NOT_SHOWN: Final = (
+    "That two trains and four sections stand for any number.",
+    "Metres: that brakes guarantee what they are said to, that tags lie where the file has them, that rear and front"
+    " are where lengths say. These are assumptions of every claim above.",
+    "More than one power cut, and persons' errors together with other troubles, in the exploration; in runs they are"
+    " sampled.",
+    "States of three units at once: a run is held against the exploration by pairs and one section at a time, without"
+    " what is on the air; trains that begin on the line, barred units and lost stores are in runs and not in the model.",
+    "An intruder who takes telegrams off the air as he likes (deletion) or has a unit's own keys: the first delays,"
+    " the second stops the line until he is barred.",
+    "Devices on other machines: there is no link but the one on this machine.",
+    "The program's own environment: interpreter, libraries, operating system, processor.",
+    "Any safety integrity level. The words *after EN 50159* name the threats looked at, not a certification.",
+)

@@ -1,0 +1,68 @@
+"""Swarms: cases that leave out half of what could fail, with a fault a minute at least, and all that they come to."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from simulation.faults.table import FAULTS
+from tests.nightly import others_nightly
+from tests.system.chaos.campaign import Figures, campaign
+from tests.system.chaos.case import Case
+from tests.system.chaos.families import Family
+from tests.system.chaos.generator import FAULTS_MAX, case_of
+from tests.system.chaos.replay import shrunk, slug, write
+from tests.system.chaos.run_one import Outcome
+from tests.system.chaos.sometimes import ALL, come_to
+
+pytestmark = pytest.mark.system
+
+SLICE: Final = ((Family.TEST_LINE, 0, 6),)
+CHUNKS: Final = (
+    *((Family.TEST_LINE, *chunk) for chunk in pairwise(range(0, 1001, 250))),
+    (Family.HOUR, 0, 60),
+    (Family.LINES, 0, 100),
+)
+
+
+def _campaign(family: Family, low: int, high: int, nets: Path, found: Path) -> Figures:
+    written: list[Path] = []
+
+    def keep(case: Case, outcome: Outcome) -> bool:
+        if not outcome.fine and len(written) < 3:
+            small, ended = shrunk(case, outcome.kind, nets)
+            written.append(write(small, ended, found / slug(outcome.kind)))
+        return True
+
+    figures = campaign(family, range(low, high), nets, keep, swarm=True)
+    assert not figures.failed, f"{figures.by_kind()}made small: {', '.join(map(str, written))}"
+    return figures
+
+
+@pytest.mark.parametrize("chunk", others_nightly((*SLICE, *CHUNKS), SLICE))
+def test_swarms_end_well(chunk: tuple[Family, int, int], nets: Path, tmp_path: Path) -> None:
+    _campaign(*chunk, nets, tmp_path)
+
+
+@pytest.mark.nightly
+def test_swarms_come_to_everything_that_is_meant(nets: Path, tmp_path: Path) -> None:
+    test_line = _campaign(Family.TEST_LINE, 0, 300, nets, tmp_path)
+    hour = _campaign(Family.HOUR, 0, 40, nets, tmp_path)
+    came = test_line.came + hour.came
+    assert [name for name in ALL if not came[name]] == []
+
+
+def test_a_case_that_nothing_happens_in_comes_to_nothing() -> None:
+    assert come_to(()) == frozenset()
+
+
+def test_a_swarm_leaves_half_out_and_has_a_fault_a_minute(nets: Path) -> None:
+    cases = [case_of(Family.TEST_LINE, seed, nets, swarm=True) for seed in range(60)]
+    kinds = [{FAULTS[str(fault["kind"])].changes for fault in case.faults} for case in cases]
+    everything = set().union(*kinds)
+    assert all(len(some) <= len(everything) // 2 + 1 for some in kinds)
+    assert all(len(case.faults) <= FAULTS_MAX for case in cases)
+    assert sum(len(case.faults) for case in cases) >= 6 * len(cases), "six minutes at most"

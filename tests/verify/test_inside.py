@@ -1,0 +1,55 @@
+"""Runs are inside what was explored, and deliberate defects are not."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.nightly import others_nightly
+from tests.system.switchboard import FOLDER, SWITCHES
+from verify.explored_line import Budgets, ExploredLine
+from verify.pair_view import Believed, PairView
+from verify.runs.inside import InsideFigures
+from verify.runs.inside_runs import LINES, OTHER, by_lack, explored_views, load, runs_named, watched_run
+
+BEYOND_SHARE_MAX = 0.05  # of the events of a day
+
+
+@pytest.fixture(scope="module")
+def calm_views() -> frozenset[PairView]:
+    """Of a line on which telegrams are lost or late."""
+    return explored_views((ExploredLine(budgets=Budgets(loss=1), timed=True),), lambda _: None)
+
+
+def _figures(views: frozenset[PairView], *names: str) -> InsideFigures:
+    figures = InsideFigures()
+    for name in names:
+        watched_run(load(name), views, figures)
+    return figures
+
+
+def test_a_day_lies_inside(calm_views: frozenset[PairView]) -> None:
+    figures = _figures(calm_views, "karasuyama_weekday")
+    assert figures.states > 10_000
+    assert figures.beyond <= BEYOND_SHARE_MAX * figures.events
+    assert by_lack(figures)[OTHER] == 0, figures.first
+
+
+def test_looking_changes_nothing(calm_views: frozenset[PairView]) -> None:
+    result = watched_run(load("karasuyama_weekday"), calm_views, InsideFigures())
+    assert result.digest.startswith("6ed97d73")
+
+
+def test_most_of_what_could_be_said_of_two_units_is_no_view(calm_views: frozenset[PairView]) -> None:
+    """The set says something: nowhere do both hold a section, or is one in what it does not hold."""
+    defined = [view for view in calm_views if view.ground.defined]
+    assert not any(view.own.holds and view.other.holds for view in defined)
+    assert not any(view.own.believed is Believed.IN and not view.own.holds for view in defined)
+    assert not any(view.own.proven and not view.ground.locked for view in defined if view.own.holds)
+
+
+@pytest.mark.nightly
+def test_every_drill_and_shipped_day(calm_views: frozenset[PairView]) -> None:
+    views = explored_views(LINES, lambda _: None) | calm_views
+    figures = _figures(views, *runs_named(("rtri", "karasuyama", "sidings")))
+    assert figures.states >= 1_000_000
+    assert by_lack(figures)[OTHER] == 0, figures.first
