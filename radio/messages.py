@@ -20,7 +20,8 @@ What a unit owes, so that no late answer gives it back what it has released:
   unit that waits for its portal holds nothing yet. One that has booted, and was or may have been on the line
   before, does not know what it holds, whether or not its crew has entered a train number yet.
 - TrackOrdered and TrainOrdered count for the request outstanding, RouteTakenBack under the token of the newest grant;
-  a unit that cannot do it says OrderRefused. Silence gives nothing away: the request is open, or the route held, as before.
+  a unit that cannot do it says OrderRefused. Silence gives nothing away: the request is open or the route held, as
+  before.
 - A unit drops a section before it reports; it repeats the sign-off until accepted, and reports when it is
   refused. Signed off, it holds its portal until its train is off the line.
 """

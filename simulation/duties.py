@@ -339,17 +339,17 @@ class Duties:
     ) -> None:
         """Writes down what does not come: of two trains what they lack as they are now, of those between all.
 
-        It counts as late as the scenario states, and no less than the first of them is now.
+        It counts as late as the scenario states; the train that is ended no less than it is now.
         """
         (old, ended), (planned, begun) = first, last
         at = len(ended.train.calls) - 1
-        stated_s = max(self._setup.dispatch.stated_late_s, step / STEPS_PER_S - old.train.calls[at].last_s)
+        stated_s, late_s = self._setup.dispatch.stated_late_s, step / STEPS_PER_S - old.train.calls[at].last_s
         self._books.ends_here(slot)
-        self._books.cancel(slot, old.train, range(at, len(old.train.calls)), stated_s)
+        self._books.cancel(slot, old.train, range(at, len(old.train.calls)), max(stated_s, late_s))
         for duty in between:
             self._books.cancel(slot, duty.train, range(len(duty.train.calls)), stated_s)
         missed = len(planned.train.calls) - len(begun.train.calls)
-        self._books.cancel(slot, planned.train, range(missed + 1 if missed else 0), stated_s)
+        self._books.cancel(slot, planned.train, range(missed + 1 if missed else 0), stated_s, begins=True)
 
     def _enter(self, slot: int, duty: Duty, step: int) -> None:
         """Through the portal, if nothing stands there."""

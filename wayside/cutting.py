@@ -9,6 +9,7 @@ leave all able to finish whether it is done or not (`wayside.unanswered`).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil, inf
 from typing import Final
 
@@ -118,7 +119,6 @@ def _best(register: Register, days: Days, stands: Stands, index: int) -> _Weighe
     without_s = delay_s(register, days, stands, ())
     if without_s is None and WEIGHED:
         return None  # nobody knows how all can finish: no time to cut trains by what that costs
-    stated_s = _stated_s(register, days, index, place)
     found: list[_Weighed] = []
     for number in days.next_trains(index, place)[:TRAINS_MAX]:
         trains = days.trains_cut(index, place, number)
@@ -128,7 +128,7 @@ def _best(register: Register, days: Days, stands: Stands, index: int) -> _Weighe
         lost_s = delay_s(after, after.days, stands, ())
         if lost_s is None:
             continue
-        lost_s += stated_s * len(trains)
+        lost_s += _stated_s(register, days, index, place, trains)
         found.append(_Weighed(number, trains, lost_s, without_s or inf))
     best = min(found, key=lambda one: one.with_it_s, default=None)
     if best is None or not WEIGHED:
@@ -138,9 +138,10 @@ def _best(register: Register, days: Days, stands: Stands, index: int) -> _Weighe
     return _solved(register, days, stands, index, best) if days.order is OrderRule.OPTIMAL else best
 
 
-def _stated_s(register: Register, days: Days, index: int, place: int) -> float:
-    """How late a train counts that is cut, s: as stated, and no less than the one that is ended is now."""
-    return max(days.cuts.late_s, register.now_s - days.hops[index][place].departs_s)
+def _stated_s(register: Register, days: Days, index: int, place: int, trains: Sequence[str]) -> float:
+    """What trains cost that are cut, s: each as stated, and the one that is ended no less than it is late now."""
+    stated_s, late_s = days.cuts.late_s, register.now_s - days.hops[index][place].departs_s
+    return max(stated_s, late_s) + stated_s * (len(trains) - 1)
 
 
 def _solved(register: Register, days: Days, stands: Stands, index: int, found: _Weighed) -> _Weighed | None:
@@ -153,8 +154,7 @@ def _solved(register: Register, days: Days, stands: Stands, index: int, found: _
     without, with_it = map(register.plan.solver, questions)
     if without.lacking or with_it.lacking:
         return found
-    stated_s = ceil(_stated_s(register, days, index, stands.at[index]))
-    with_it_s = with_it.delay_s + stated_s * len(found.trains)
+    with_it_s = with_it.delay_s + ceil(_stated_s(register, days, index, stands.at[index], found.trains))
     if with_it_s > without.bound_s - days.cuts.gain_s:  # even if there were a better order without it
         return None
     return replace(found, with_it_s=float(with_it_s), without_s=float(without.delay_s))

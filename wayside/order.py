@@ -72,7 +72,7 @@ def turn_of(
 
 
 def would_starve(register: Register, days: Days, stands: Stands, index: int) -> bool:
-    """Whether another waits for line that this train wants, and has for as long as may be, or was overtaken as often."""
+    """Whether another waits for line that this train wants, and has as long as may be, or was overtaken as often."""
     for first in _rivals(register, days, stands, index):
         other = register.trip(days.unit_ids[first.index])
         if other.asked_s is None or first.place != stands.at[first.index]:

@@ -62,15 +62,15 @@ class Books:
         )
         self.spans.append(span)
 
-    def cancel(self, slot: int, train: TimetableTrain, calls: range, stated_late_s: float) -> None:
-        """These calls of a train do not come; it may come to the first of them, and leave the last."""
+    def cancel(
+        self, slot: int, train: TimetableTrain, calls: range, stated_late_s: float, *, begins: bool = False
+    ) -> None:
+        """These calls of a train do not come; it ends at the first of them, or `begins` at the last."""
         for index in calls:
             call = train.calls[index]
-            begins, ends = (
-                index == calls[0] and index > 0,
-                index == calls[-1] and index + 1 < len(train.calls),
-            )
-            arrival_s = None if begins or index == 0 or not call.stops else call.arrival_s
+            comes = index == 0 or (index == calls[0] and not begins)
+            leaves = begins and index == calls[-1]
+            arrival_s = None if comes or not call.stops else call.arrival_s
             self.stops.append(
                 StopRecord(
                     self._trains.stock_ids[slot],
@@ -79,7 +79,7 @@ class Books:
                     call.station_id,
                     call.track or "",
                     arrival_s,
-                    None if ends else call.departure_s,
+                    None if leaves else call.departure_s,
                     kind=call.kind,
                     stated_late_s=stated_late_s,
                 )

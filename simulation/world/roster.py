@@ -132,9 +132,8 @@ def beginning_at(line: Line, duty: Duty, station_id: str, start: str, after: str
     it does not stop there, or has no way from there.
     """
     train = duty.train
-    at = next(
-        (i for i, call in enumerate(train.calls[:-1]) if call.station_id == station_id and call.stops), -1
-    )
+    goes_on = train.calls if isinstance(train.ends, AtPortal) else train.calls[:-1]
+    at = next((i for i, call in enumerate(goes_on) if call.station_id == station_id and call.stops), -1)
     if at < 0:
         raise NoWay(f"train {train.number} does not go on from {station_id}")
     begun = replace(train, calls=train.calls[at:], begins=FromTrain(after))

@@ -93,7 +93,7 @@ class _Played:
         if k in self._day.cut:
             trains, ready_s = self._day.cut.pop(k)
             self.cut += trains
-            self.cut_s += trains * max(self._cut_s, now_s - self._due_s[k])
+            self.cut_s += max(self._cut_s, now_s - self._due_s[k]) + (trains - 1) * self._cut_s
             self.waited_s += now_s - self._asked_s.pop(k)
             self._ready(k, ready_s)
             return

@@ -16,6 +16,7 @@ from radio.messages import (
     ClaimQuery,
     HoldingConfirmed,
     HoldingReport,
+    NextTrainReport,
     OrderRefusalReason,
     OrderRefused,
     PointsProof,
@@ -398,6 +399,7 @@ MESSAGES: tuple[AnyMessage, ...] = (
     SignOff("u1", 1),
     Claim(("B",), 1),
     OrderRefused("over", OrderRefusalReason.NOT_HELD),
+    NextTrainReport(("B",), 1, (), "2M"),
 )
 EXPECTED = {
     (RouteRequest, UnitStanding.UNKNOWN): ClaimQuery,
@@ -408,12 +410,15 @@ EXPECTED = {
     (RouteRequest, UnitStanding.DISPUTED): ClaimQuery,
     (HoldingReport, UnitStanding.REPORTED): HoldingConfirmed,
     (HoldingReport, UnitStanding.LEAVING): HoldingConfirmed,
+    (NextTrainReport, UnitStanding.REPORTED): HoldingConfirmed,
+    (NextTrainReport, UnitStanding.LEAVING): HoldingConfirmed,
     (SignOff, UnitStanding.OUTSIDE): SignOffAccepted,
 }
 NOTED = {(OrderRefused, UnitStanding.REPORTED), (OrderRefused, UnitStanding.LEAVING)}  # and not answered
 OTHERWISE = {
     OrderRefused: ClaimQuery,
     HoldingReport: ClaimQuery,
+    NextTrainReport: ClaimQuery,
     SignOn: SignOnAccepted,
     SignOff: SignOffRefused,
     Claim: SignOnAccepted,
