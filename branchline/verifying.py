@@ -149,8 +149,8 @@ def inside(
     as_json: Json = False,
 ) -> None:
     """Run scenarios and hold each state that two units and a section are in against those of the explored line."""
-    from verify.restored import RESTORED, restored
     from verify.runs.inside import InsideFigures
+    from verify.runs.inside_runs import LINES as EXPLORED
     from verify.runs.inside_runs import (
         by_lack,
         explored_views,
@@ -160,7 +160,8 @@ def inside(
         view_words,
         watched_run,
     )
-    from verify.runs.inside_runs import LINES as EXPLORED
+
+    from verify.restored import RESTORED, restored
 
     _known(restore or [], sorted(RESTORED))
     views, figures = explored_views(EXPLORED, print_aside), InsideFigures()
@@ -214,8 +215,9 @@ def bounds(
     as_json: Json = False,
 ) -> None:
     """Search for a run in which the truth leaves the stated bounds: places, sizes and joint faults of sensors."""
-    from papers.position_fusion import FORGIVING, JOINT
     from verify.runs.bounds import in_words, search
+
+    from papers.position_fusion import FORGIVING, JOINT
 
     found = search(
         seed,

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from documents.page import write_page
-from documents.safety_case import HAZARDS, NOT_SHOWN
 from verify.runs.inside_runs import load
 from verify.runs.intruders import ATTACKS, THREATS, Intruded, Threat, intruded
+
+from documents.page import write_page
+from documents.safety_case import HAZARDS, NOT_SHOWN
 
 FILE: Final = Path("docs/safety.md")
 SCENARIO: Final = "rtri_test_line"

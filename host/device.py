@@ -62,7 +62,8 @@ class _ProtocolMachine(Protocol):
 
 class _ManagerMemory(msgspec.Struct, frozen=True, array_like=True):
     """What a manager keeps: the units on the line, sections not swept, how many moves of its day each unit has made,
-    which of them were granted a part of the next one, and which of them end on another track.
+    which of them were granted a part of the next one, which of them end on another track, and from where units went on
+    as another train.
     """
 
     ledger: tuple[str, ...] = ()
@@ -70,6 +71,7 @@ class _ManagerMemory(msgspec.Struct, frozen=True, array_like=True):
     moves_done: dict[str, int] = {}
     on_part: tuple[str, ...] = ()
     tracks: dict[str, dict[int, str]] = {}
+    cuts: dict[str, dict[int, str]] = {}
 
 
 class _Manager:
@@ -91,6 +93,7 @@ class _Manager:
             bars,
             order_solver(),
             on_part,
+            None if kept is None else kept.cuts,
         )
 
     @property
@@ -124,6 +127,7 @@ class _Manager:
             {unit_id: trip.done for unit_id, trip in trips},
             tuple(unit_id for unit_id, trip in trips if trip.part and PARTS_KEPT),
             {unit_id: dict(ends) for unit_id, ends in sorted(self.register.tracks.items())},
+            {unit_id: dict(trains) for unit_id, trains in sorted(self.register.cuts.items())},
         )
         bars = self.register.bars
         vital = b"" if bars == NO_BARS else msgspec.msgpack.encode(bars)

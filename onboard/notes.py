@@ -310,6 +310,14 @@ class WayChanged(Noted, frozen=True, kw_only=True, tag="way_changed"):
     instead: str
 
 
+class EndedEarly(Noted, frozen=True, kw_only=True, tag="ended_early"):
+    """By the dispatcher's order the train ends at this station, and its set goes on as another train."""
+
+    train: str
+    station: str
+    next_train: str
+
+
 class OrderDenied(Noted, frozen=True, kw_only=True, tag="order_denied"):
     """The unit refused what the dispatcher ordered about this route."""
 
@@ -423,6 +431,7 @@ Note = (
     | GaveBack
     | GiveBackDenied
     | WayChanged
+    | EndedEarly
     | OrderDenied
     | RouteHeld
     | RouteDenied

@@ -19,8 +19,9 @@ What a unit owes, so that no late answer gives it back what it has released:
 - Every ClaimQuery is answered at once, with the whole of what is held and the correlation of the query. A
   unit that waits for its portal holds nothing yet. One that has booted, and was or may have been on the line
   before, does not know what it holds, whether or not its crew has entered a train number yet.
-- TrackOrdered counts for the request outstanding, RouteTakenBack under the token of the newest grant; a unit that
-  cannot do either says OrderRefused. Silence gives nothing away: the request is open, or the route held, as before.
+- TrackOrdered and TrainOrdered count for the request outstanding, RouteTakenBack under the token of the newest grant;
+  a unit that cannot do it says OrderRefused. Silence gives nothing away: the request is open or the route held, as
+  before.
 - A unit drops a section before it reports; it repeats the sign-off until accepted, and reports when it is
   refused. Signed off, it holds its portal until its train is off the line.
 """
@@ -60,6 +61,7 @@ class OrderRefusalReason(Enum):
     UNKNOWN_TRACK = 2  # its train has no such way
     NOT_HELD = 3  # it has no such route ahead, or got it anew
     MAY_HAVE_ENTERED = 4  # its front may be on the route already
+    UNKNOWN_TRAIN = 5  # its set has no such train that can begin where it stands
 
 
 class PointsRefusalReason(Enum):
@@ -278,6 +280,28 @@ class OrderRefused(Message, frozen=True, array_like=True, tag=21):
     reason: OrderRefusalReason
 
 
+class TrainOrdered(Message, frozen=True, array_like=True, tag=22):
+    """Manager to unit, in answer to a request: end this train where it stands; your set goes on from there as `train`.
+
+    Lost, the request is repeated and answered again.
+    """
+
+    route_id: str
+    train: str
+
+
+class NextTrainReport(Message, frozen=True, array_like=True, tag=23):
+    """Unit to manager: a report of all that it holds; its train has ended there as ordered, and `train` is its next.
+
+    Repeated until it is confirmed, as every report is; no train is taken up before.
+    """
+
+    section_ids: tuple[str, ...]
+    token: int
+    swept: tuple[str, ...]
+    train: str
+
+
 AnyMessage = (
     RouteRequest
     | RouteGranted
@@ -301,4 +325,6 @@ AnyMessage = (
     | RouteTakenBack
     | OrderRefused
     | LeavingClaim
+    | TrainOrdered
+    | NextTrainReport
 )

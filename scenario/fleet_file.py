@@ -68,6 +68,15 @@ def check_given(file: str, dispatch: Dispatch, stock_ids: Iterable[str]) -> None
         raise InputError(file, "dispatch.given", strangers[0], f"a set: {one_of(known, strangers[0])}")
 
 
+def check_cuts(file: str, dispatch: Dispatch, stations: Collection[str], trains: Collection[str]) -> None:
+    """Stations where trains may turn back and trains that may be left out exist, or InputError."""
+    for key, what, known in (("turn_back_at", "station", stations), ("cancel_trains", "train", trains)):
+        for index, name in enumerate(getattr(dispatch, key)):
+            if name not in known:
+                expected = f"a {what}: {one_of(sorted(known), name)}"
+                raise InputError(file, f"dispatch.{key}[{index}]", name, expected)
+
+
 def check_scatter(file: str, scatter: ScatterSettings, stock_ids: Iterable[str]) -> None:
     """Every stock named exists, or InputError."""
     known = sorted(stock_ids)

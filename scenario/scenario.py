@@ -27,6 +27,7 @@ from scenario.belief import belief_of
 from scenario.curvature_choice import curvature_map_of
 from scenario.fleet_file import (
     check_centre,
+    check_cuts,
     check_given,
     check_grip,
     check_margins,
@@ -117,6 +118,7 @@ def _loaded(path: Path, pile: ScenarioLayers, seed: int | None) -> Scenario:
     validate_train_fits(line, lengths_m, timetable, str(path))
     check_scatter(str(path), tables.scatter, trains)
     check_given(str(path), tables.dispatch, stock)
+    check_cuts(str(path), tables.dispatch, line.stations, timetable.trains)
     check_centre(str(path), tables.operation, line.stations)
     check_vision(str(path), tables.vision, line.stations)
     check_margins(str(path), tables.driving)

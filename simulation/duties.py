@@ -20,6 +20,7 @@ from onboard.duty.records import (
     NoSuchWay,
     OffTheLine,
     Told,
+    TrainEndsHere,
     WayOrdered,
 )
 from onboard.notes import MissionDone
@@ -30,7 +31,14 @@ from simulation.judge.checkers import Checkers
 from simulation.people import Pause
 from simulation.result import Waiting
 from simulation.setup import STEP_S, STEPS_PER_S
-from simulation.world.roster import Duty, by_route, from_section, stabled_at_start
+from simulation.world.roster import (
+    Duty,
+    beginning_at,
+    by_route,
+    ending_at,
+    from_section,
+    stabled_at_start,
+)
 from simulation.world.stage import World
 from simulation.world.trains import SIGN
 from wayside.config import MANAGER_ID
@@ -267,6 +275,8 @@ class Duties:
                 self._finish(slot, step)
             case WayOrdered():
                 self._go_by(slot, told, step)
+            case TrainEndsHere():
+                self._end_train(slot, told, step)
             case LeftLine() if self._stage[slot] is StockStage.ON_LINE:
                 self._begins(Pause.LEAVE, slot, step)
             case _:
@@ -293,6 +303,53 @@ class Duties:
         for following in rest[:1]:
             self._on_board.forget_plan(slot, following)
         self._cabs.tell(slot, step, self._on_board.take_up_way(slot, duty))
+
+    def _end_train(self, slot: int, ordered: TrainEndsHere, step: int) -> None:
+        """The driver ends the train where it stands; trains up to the one ordered are left out, which begins there."""
+        stock_id, line = self._trains.stock_ids[slot], self._setup.believed_line
+        at, duties = self._next[stock_id] - 1, self._duties[stock_id]
+        target, length_m = self._books.next_target(slot) - 1, self._setup.lengths_m[stock_id]
+        old = duties[at]
+        here = old.mission.targets[target]
+        to = next((k for k in range(at + 1, len(duties)) if duties[k].train.number == ordered.train), None)
+        try:
+            if to is None or here.station_id is None or not self._trains.truths[slot].active:
+                raise NoWay(f"{stock_id} has no train {ordered.train} from here")
+            ended = ending_at(line, old, target, ordered.train, length_m)
+            begun = beginning_at(
+                line, duties[to], here.station_id, here.section_id, old.train.number, length_m
+            )
+        except NoWay:
+            self._cabs.tell(slot, step, (NoSuchWay(),))
+            return
+        self._duties[stock_id] = (*duties[:at], ended, begun, *duties[to + 1 :])
+        self._cancel(slot, step, (old, ended), duties[at + 1 : to], (duties[to], begun))
+        self._trains.go_by(slot, ended)
+        self._books.follow(slot, ended, step)
+        self._on_board.forget_plan(slot, begun)
+        self._cabs.tell(slot, step, self._on_board.take_up_way(slot, ended))
+
+    def _cancel(
+        self,
+        slot: int,
+        step: int,
+        first: tuple[Duty, Duty],
+        between: tuple[Duty, ...],
+        last: tuple[Duty, Duty],
+    ) -> None:
+        """Writes down what does not come: of two trains what they lack as they are now, of those between all.
+
+        It counts as late as the scenario states; the train that is ended no less than it is now.
+        """
+        (old, ended), (planned, begun) = first, last
+        at = len(ended.train.calls) - 1
+        stated_s, late_s = self._setup.dispatch.stated_late_s, step / STEPS_PER_S - old.train.calls[at].last_s
+        self._books.ends_here(slot)
+        self._books.cancel(slot, old.train, range(at, len(old.train.calls)), max(stated_s, late_s))
+        for duty in between:
+            self._books.cancel(slot, duty.train, range(len(duty.train.calls)), stated_s)
+        missed = len(planned.train.calls) - len(begun.train.calls)
+        self._books.cancel(slot, planned.train, range(missed + 1 if missed else 0), stated_s, begins=True)
 
     def _enter(self, slot: int, duty: Duty, step: int) -> None:
         """Through the portal, if nothing stands there."""

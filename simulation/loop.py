@@ -369,7 +369,8 @@ class Simulation:
         trains = [t for t in self.setup.timetable.trains.values() if t.calls[-1].first_s <= due_s]
         planned = tuple(t.number for t in trains if t.revenue)
         empty = tuple(t.number for t in trains if not t.revenue)
-        judged = () if because.of_part else (*planned, *empty)
+        cut = {stop.number for stop in self._books.stops if stop.cancelled}
+        judged = () if because.of_part else tuple(n for n in (*planned, *empty) if n not in cut)
         self.checkers.finish(self.now_s, {number: number in arrived for number in judged})
         trace = self._trace[: self._trace_used].copy()
         self.journal.add_to_digest(trace.tobytes())

@@ -49,6 +49,7 @@ class StopRecord:
     """A call of the timetable as it really went; `error_m` is beyond the mark, by the truth.
 
     Where a train runs through, `departure_s` is when its front passes the mark, and there is no arrival.
+    `stated_late_s`: it was cancelled, and counts as so late; None: it was not.
     """
 
     stock_id: str
@@ -62,6 +63,12 @@ class StopRecord:
     departure_s: float | None = None
     error_m: float | None = None
     kind: CallKind = CallKind.STOP
+    stated_late_s: float | None = None
+
+    @property
+    def cancelled(self) -> bool:
+        """Whether the dispatcher left it out."""
+        return self.stated_late_s is not None
 
 
 class EnergyPhase(StrEnum):

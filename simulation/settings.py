@@ -353,6 +353,35 @@ class Dispatch(Record):
             "nothing",
         ),
     ] = ()
+    turn_back_at: Annotated[
+        tuple[str, ...],
+        Field(strict=False),
+        about(
+            "stations where the dispatcher may end a late train, so that its set goes on from there as a later train of"
+            " its own that stops there",
+            "none",
+        ),
+    ] = ()
+    cancel_trains: Annotated[
+        tuple[str, ...],
+        Field(strict=False),
+        about(
+            "trains that the dispatcher may leave out whole, so that their set goes on as a later train of its own",
+            "none",
+        ),
+    ] = ()
+    cancelled_min: Annotated[
+        DelayMin,
+        about(
+            "a call that is cancelled counts as so late, in every figure; and so does a train that is cut, whole or in"
+            " part, where the dispatcher weighs it",
+            "assumed: an hour",
+        ),
+    ] = 60.0
+    cut_gain_min: Annotated[
+        DelayMin,
+        about("train-minutes that cutting trains must save beyond that, at least", "assumed: 10 min"),
+    ] = 10.0
     given: Annotated[
         tuple[str, ...],
         Field(strict=False),
@@ -364,11 +393,21 @@ class Dispatch(Record):
 
     @model_validator(mode="after")
     def _only_by_proof(self) -> Self:
-        if self.may and not self.certificate:
+        if (self.may or self.cuts) and not self.certificate:
             raise ValueError(
                 "nothing without certificate = true: on another track trains may block each other"
             )
         return self
+
+    @property
+    def cuts(self) -> bool:
+        """Whether the dispatcher may end trains early or leave them out."""
+        return bool(self.turn_back_at or self.cancel_trains)
+
+    @property
+    def stated_late_s(self) -> float:
+        """How late a cancelled call counts as, s."""
+        return 60.0 * self.cancelled_min
 
 
 NO_TUNING: Final = Tuning(learn=False)  # a scenario without that table

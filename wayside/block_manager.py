@@ -32,9 +32,9 @@ from radio.messages import (
     AnyMessage,
     Claim,
     ClaimQuery,
-    HoldingConfirmed,
     HoldingReport,
     LeavingClaim,
+    NextTrainReport,
     OrderRefused,
     RefusalReason,
     RouteGranted,
@@ -47,13 +47,13 @@ from radio.messages import (
     TrackOrdered,
 )
 from radio.table import TableCell, rows
-from wayside import acts, dispatch, entering, leaving, orders, reentry
+from wayside import acts, cutting, dispatch, entering, leaving, orders, reentry, reports
 from wayside.actions import Action, Send, Show
 from wayside.dispatch import DispatchRequest
 from wayside.heard import Heard, challenge, newly_contested, show_refusal, tell_contested
 from wayside.reentry import Step
 from wayside.register import Against, Register, RegisteredUnit, UnitStanding
-from wayside.said import Accepted, BoundaryPassed, Contradicted, Freed, Granted, Outside, Refused
+from wayside.said import Accepted, BoundaryPassed, Contradicted, Granted, Outside, Refused
 
 M = TypeVar("M")
 
@@ -123,6 +123,7 @@ def _ask(register: Register, now_s: float) -> Step:
 def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
     """Granted whole if the line is defined and all of it free or its own, or a part (`wayside.parts`); else refused."""
     held = register.held_by(heard.unit_id)
+    register = cutting.followed_cut(register, heard.unit_id, heard.message.route_id)
     register, instead = orders.followed(register, heard.unit_id, heard.message.route_id)
     if instead:
         order = TrackOrdered(heard.message.route_id, instead)
@@ -139,9 +140,8 @@ def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
         asked = DispatchRequest(heard.unit_id, heard.message.route_id)
         decision = orders.decide(register, asked, against)
         register, against, more = decision.register, decision.against, decision.actions
-        if decision.instead:
-            order = TrackOrdered(heard.message.route_id, decision.instead)
-            return register, (*shown, *more, Send(heard.unit_id, order, heard.correlation))
+        if decision.order is not None:
+            return register, (*shown, *more, Send(heard.unit_id, decision.order, heard.correlation))
     answer = _grant(register, heard, wanted) if against is None else _refuse_route(register, heard, *against)
     return answer[0], (*shown, *more, *answer[1])
 
@@ -209,46 +209,6 @@ def _request_undefined(register: Register, heard: Heard[RouteRequest]) -> Step:
 def _request_not_signed_on(register: Register, heard: Heard[RouteRequest]) -> Step:
     """Refused: the unit must sign on first."""
     return _refuse_route(register, heard, RefusalReason.NOT_SIGNED_ON)
-
-
-def _report(register: Register, heard: Heard[HoldingReport]) -> Step:
-    """Frees what it no longer lists, under the current token and boot; answered with what the register has."""
-    message, unit_id = heard.message, heard.unit_id
-    unit = register.unit(unit_id)
-    held, listed = register.held_by(unit_id), frozenset(message.section_ids)
-    contested = register.contested(unit_id)
-    confirmed = Send(
-        unit_id, HoldingConfirmed(held, unit.token, contested, register.on_sight(held)), heard.correlation
-    )
-    if heard.epoch != unit.epoch:
-        return register, (show_refusal(unit_id, RefusalReason.NOT_SIGNED_ON), confirmed)
-    if message.token != unit.token:
-        return register, (show_refusal(unit_id, RefusalReason.STALE_TOKEN), confirmed)
-    if extra := tuple(section_id for section_id in message.section_ids if section_id not in held):
-        # It believes to hold more than the register says: a contradiction, so nothing of it is freed. Its train stops
-        # at this answer; what it then claims is added, or disputed.
-        holder = register.holders.get(extra[0], "")
-        against = Contradicted(unit_id=unit_id, section_ids=extra, token=unit.token, other_id=holder)
-        return register, (Show(against), confirmed, Send(unit_id, ClaimQuery()))
-    if not listed:
-        why = "an empty report; sign off to leave the line"
-        refused = Refused(unit_id=unit_id, section_ids=held, token=unit.token, why=why)
-        return register, (Show(refused), confirmed)
-    register, noted = reentry.swept(register, unit_id, message.swept)
-    freed = tuple(section_id for section_id in held if section_id not in listed)
-    if not freed:
-        return register, (*noted, confirmed)
-    kept = tuple(section_id for section_id in held if section_id in listed)
-    register = reentry.released(register.with_held(unit_id, kept), unit_id, freed)
-    return register, (
-        *noted,
-        Show(Freed(unit_id=unit_id, section_ids=freed, token=unit.token)),
-        Send(
-            unit_id,
-            HoldingConfirmed(kept, unit.token, register.contested(unit_id), register.on_sight(kept)),
-            heard.correlation,
-        ),
-    )
 
 
 def _sign_on(register: Register, heard: Heard[SignOn]) -> Step:
@@ -458,6 +418,7 @@ TELEGRAMS: Final[Mapping[tuple[UnitStanding, type], _Handler]] = MappingProxyTyp
         (UnitStanding.UNKNOWN, RouteRequest): _request_undefined,
         (UnitStanding.UNKNOWN, HoldingReport): challenge,
         (UnitStanding.UNKNOWN, OrderRefused): challenge,
+        (UnitStanding.UNKNOWN, NextTrainReport): challenge,
         (UnitStanding.UNKNOWN, SignOn): _sign_on,
         (UnitStanding.UNKNOWN, SignOff): leaving.sign_off_not_signed_on,
         (UnitStanding.UNKNOWN, Claim): _claim,
@@ -465,6 +426,7 @@ TELEGRAMS: Final[Mapping[tuple[UnitStanding, type], _Handler]] = MappingProxyTyp
         (UnitStanding.OUTSIDE, RouteRequest): _request_not_signed_on,
         (UnitStanding.OUTSIDE, HoldingReport): challenge,
         (UnitStanding.OUTSIDE, OrderRefused): challenge,
+        (UnitStanding.OUTSIDE, NextTrainReport): challenge,
         (UnitStanding.OUTSIDE, SignOn): _sign_on,
         (UnitStanding.OUTSIDE, SignOff): leaving.sign_off_again,
         (UnitStanding.OUTSIDE, Claim): _claim,
@@ -472,20 +434,23 @@ TELEGRAMS: Final[Mapping[tuple[UnitStanding, type], _Handler]] = MappingProxyTyp
         (UnitStanding.BY_HAND, RouteRequest): _request_not_signed_on,
         (UnitStanding.BY_HAND, HoldingReport): challenge,
         (UnitStanding.BY_HAND, OrderRefused): challenge,
+        (UnitStanding.BY_HAND, NextTrainReport): challenge,
         (UnitStanding.BY_HAND, SignOn): _sign_on,
         (UnitStanding.BY_HAND, SignOff): leaving.sign_off_not_signed_on,
         (UnitStanding.BY_HAND, Claim): _claim,
         (UnitStanding.BY_HAND, LeavingClaim): _claim,
         (UnitStanding.REPORTED, RouteRequest): _request,
-        (UnitStanding.REPORTED, HoldingReport): _report,
+        (UnitStanding.REPORTED, HoldingReport): reports.report,
         (UnitStanding.REPORTED, OrderRefused): orders.refused,
+        (UnitStanding.REPORTED, NextTrainReport): reports.next_train,
         (UnitStanding.REPORTED, SignOn): _sign_on,
         (UnitStanding.REPORTED, SignOff): leaving.sign_off,
         (UnitStanding.REPORTED, Claim): _claim,
         (UnitStanding.REPORTED, LeavingClaim): _claim,
         (UnitStanding.LEAVING, RouteRequest): _request_not_signed_on,
-        (UnitStanding.LEAVING, HoldingReport): _report,
+        (UnitStanding.LEAVING, HoldingReport): reports.report,
         (UnitStanding.LEAVING, OrderRefused): orders.refused,
+        (UnitStanding.LEAVING, NextTrainReport): reports.next_train,
         (UnitStanding.LEAVING, SignOn): _sign_on_leaving,
         (UnitStanding.LEAVING, SignOff): leaving.sign_off,
         (UnitStanding.LEAVING, Claim): _claim_leaving,
@@ -493,6 +458,7 @@ TELEGRAMS: Final[Mapping[tuple[UnitStanding, type], _Handler]] = MappingProxyTyp
         (UnitStanding.DISPUTED, RouteRequest): _request_undefined,
         (UnitStanding.DISPUTED, HoldingReport): challenge,
         (UnitStanding.DISPUTED, OrderRefused): challenge,
+        (UnitStanding.DISPUTED, NextTrainReport): challenge,
         (UnitStanding.DISPUTED, SignOn): _sign_on,
         (UnitStanding.DISPUTED, SignOff): leaving.sign_off_not_signed_on,
         (UnitStanding.DISPUTED, Claim): _claim,

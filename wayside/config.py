@@ -83,7 +83,8 @@ class JourneyMove(msgspec.Struct, frozen=True, array_like=True):
     """A move of a stock's day: by a route, or onto the line by a portal (then `route_id` is empty).
 
     `section_id`: where it ends; `leaves`: by that portal, off the line. Planned times s since midnight; `stays_s`: from
-    its end to the next move at least. `others`: tracks of the same station where it may end instead.
+    its end to the next move at least. `others`: tracks of the same station where it may end instead. `begins_at`: the
+    station where the train stands before it; empty where it does not.
     """
 
     train: str
@@ -94,6 +95,7 @@ class JourneyMove(msgspec.Struct, frozen=True, array_like=True):
     arrives_s: float
     stays_s: float
     others: tuple[str, ...] = ()
+    begins_at: str = ""
 
 
 class StockMoves(msgspec.Struct, frozen=True):
@@ -108,6 +110,25 @@ class DispatcherMeans(Enum):
 
     CHANGE_TRACK = "change_track"  # another track of the next station (着発線変更)
     TAKE_BACK = "take_back"  # a route granted to a train that does not leave, so that others go first
+
+
+class CutRules(msgspec.Struct, frozen=True):
+    """At which stations a train may be ended early, so that its set goes on as a later one, and which trains may be
+    left out whole. Each train that is cut counts as `late_s` late; it must save `gain_s` beyond that.
+    """
+
+    turn_back_at: tuple[str, ...] = ()
+    trains: tuple[str, ...] = ()
+    late_s: float = 3600.0
+    gain_s: float = 600.0
+
+    @property
+    def any(self) -> bool:
+        """Whether any train may be cut."""
+        return bool(self.turn_back_at or self.trains)
+
+
+NO_CUTS: Final = CutRules()
 
 
 class DispatchEntry(msgspec.Struct, frozen=True):
@@ -125,11 +146,16 @@ class DispatchEntry(msgspec.Struct, frozen=True):
     given: tuple[str, ...] = ()
     parts: bool = False  # of a way in virtual blocks, as far as it is free; with the certificate alone
     may: tuple[DispatcherMeans, ...] = ()
+    cuts: CutRules = NO_CUTS
 
     @property
     def weighs(self) -> bool:
         """Whether anything but the register decides."""
-        return self.certificate or self.order is not OrderRule.FIRST_COME or bool(self.given or self.may)
+        return (
+            self.certificate
+            or self.order is not OrderRule.FIRST_COME
+            or bool(self.given or self.may or self.cuts.any)
+        )
 
 
 NO_DISPATCH: Final = DispatchEntry()

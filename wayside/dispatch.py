@@ -31,6 +31,7 @@ from wayside.places import stands_of
 from wayside.register import Against, Register
 from wayside.said import Certified, HeldBack, NoOrderKnown, OrderChanged
 from wayside.solved_order import with_order
+from wayside.unanswered import in_doubt
 
 NEAR_STEPS: Final = 200  # assumed: tried before looking further ahead than the present trains
 SEARCHES_EVERY_S: Final = (
@@ -160,7 +161,7 @@ class _Weighing:
         """The answer."""
         against, after = self._certified() if self._days.certificate else (None, None)
         if against is None:
-            against = self._by_order()
+            against = self._in_doubt() or self._by_order()
         if against is None:
             self._granted(after)
         return self._register, against, tuple(self._shows)
@@ -325,6 +326,16 @@ class _Weighing:
         other_id = self._days.unit_ids[other]
         self._held_back(why, other_id, hop.section_id, certificate=True)
         return RefusalReason.NO_WAY_ON, hop.section_id, other_id
+
+    def _in_doubt(self) -> Against | None:
+        """Refused: not all could finish if a train did as it was ordered, and it has not answered."""
+        other = in_doubt(self._register, self._days, self._stands, self._index)
+        if other is None:
+            return None
+        other_id, section_id = self._days.unit_ids[other], self._next_section(other)
+        why = f"{self._where(self._index)} waits until {self._train(other)} has answered what it was ordered"
+        self._held_back(why, other_id, section_id, certificate=True)
+        return RefusalReason.NO_WAY_ON, section_id, other_id
 
     # the order of trains --------------------------------------------------------------------------------------
 

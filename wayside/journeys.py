@@ -15,7 +15,15 @@ import msgspec
 from msgspec.structs import asdict
 
 from wayside.certificate import CertificateAnswer
-from wayside.config import DispatcherMeans, JourneyMove, ManagerConfig, OrderRule, RouteEntry
+from wayside.config import (
+    NO_CUTS,
+    CutRules,
+    DispatcherMeans,
+    JourneyMove,
+    ManagerConfig,
+    OrderRule,
+    RouteEntry,
+)
 from wayside.moves import Move, Train
 
 LOST: Final = -1  # nobody knows how far a stock is in its day
@@ -94,6 +102,65 @@ class Days:
     ways: LineWays
     given: tuple[int, ...] = ()
     may: tuple[DispatcherMeans, ...] = ()
+    cuts: CutRules = NO_CUTS
+
+    def trains_cut(self, index: int, place: int, next_train: str) -> tuple[str, ...]:
+        """The trains of a stock that lose calls if it goes on as that one from where it is; none: it may not.
+
+        Those that lose all must be allowed to; that others lose some, at that station.
+        """
+        hops = self.hops[index]
+        at = self._goes_on_at(index, place, next_train)
+        if at is None:
+            return ()
+        station = hops[place].begins_at
+        numbers = tuple(dict.fromkeys(hop.train for hop in hops[place:at]))
+        begun = next(k for k, hop in enumerate(hops) if hop.train == hops[place].train) < place
+        whole = numbers[1:] if begun else numbers
+        in_part = begun or hops[at - 1].train == next_train
+        if in_part and station not in self.cuts.turn_back_at:
+            return ()
+        whole = tuple(number for number in whole if number != next_train)
+        return numbers if set(whole) <= set(self.cuts.trains) else ()
+
+    def _goes_on_at(self, index: int, place: int, next_train: str) -> int | None:
+        """The place of a stock's day at which a later train of it leaves the station where a move begins."""
+        hops = self.hops[index]
+        if place >= len(hops) or not hops[place].begins_at or hops[place].train == next_train:
+            return None
+        of_it = (k for k in range(place + 1, len(hops)) if hops[k].train == next_train)
+        return next((k for k in of_it if hops[k].begins_at == hops[place].begins_at), None)
+
+    def next_trains(self, index: int, place: int) -> tuple[str, ...]:
+        """As which of its later trains a stock could go on from where it is to make a move."""
+        numbers = dict.fromkeys(hop.train for hop in self.hops[index][place + 1 :])
+        return tuple(number for number in numbers if self._goes_on_at(index, place, number) is not None)
+
+    def with_cut(self, index: int, place: int, next_train: str) -> Days | None:
+        """With that stock going on as another of its trains from where it is to make a move; None: it has no way."""
+        hops = self.hops[index]
+        at = self._goes_on_at(index, place, next_train)
+        here = None if at is None else self.ways.routes.get(hops[place].route_id)
+        if at is None or here is None:
+            return None
+        first = self.ways.turned(hops[at], here.from_section, hops[at].section_id)
+        if first is None:
+            return None
+        turn_s = next(hop.stays_s for hop in reversed(hops[:at]) if hop.train != next_train)
+        before = [
+            msgspec.structs.replace(hop, stays_s=turn_s) if k == place - 1 else hop
+            for k, hop in enumerate(hops[:place])
+        ]
+        own = (*before, msgspec.structs.replace(first, others=hops[at].others), *hops[at + 1 :])
+        return self._with_hops(index, own)
+
+    def _with_hops(self, index: int, own: tuple[PlannedMove, ...]) -> Days:
+        moves = tuple(each.move for each in own)
+        return replace(
+            self,
+            hops=(*self.hops[:index], own, *self.hops[index + 1 :]),
+            moves=(*self.moves[:index], moves, *self.moves[index + 1 :]),
+        )
 
     def with_track(self, index: int, place: int, section_id: str) -> Days | None:
         """With that move of a stock ending on another track, and the one after it beginning there; None: it cannot."""
@@ -109,13 +176,7 @@ class Days:
             if following is None:
                 return None
             changed.append(following)
-        own = (*hops[:place], *changed, *hops[place + len(changed) :])
-        moves = tuple(each.move for each in own)
-        return replace(
-            self,
-            hops=(*self.hops[:index], own, *self.hops[index + 1 :]),
-            moves=(*self.moves[:index], moves, *self.moves[index + 1 :]),
-        )
+        return self._with_hops(index, (*hops[:place], *changed, *hops[place + len(changed) :]))
 
 
 class DayProgress(msgspec.Struct, frozen=True):
@@ -125,7 +186,9 @@ class DayProgress(msgspec.Struct, frozen=True):
     `overtaken`: how many were let on over its way meanwhile. `said`: what the journal said of it last.
     `part`: it was granted a part of its next move. `granted_s`: when the last one was granted. `orders`: how many it
     was given about that move or the next one; `own_way`: it has refused to go there otherwise, `keeps`: to give its
-    route back. `back_s`: until when it asks for none, if it has given its route back as it was asked to.
+    route back. `back_s`: until when it asks for none, if it has given its route back as it was asked to. `next_train`:
+    as which train it was ordered to go on from where it stands; `whole`: it has refused that, or was asked too often.
+    `cut_s`: when that was weighed last.
     """
 
     done: int = 0
@@ -141,6 +204,9 @@ class DayProgress(msgspec.Struct, frozen=True):
     own_way: bool = False
     keeps: bool = False
     back_s: float = -inf
+    next_train: str = ""
+    whole: bool = False
+    cut_s: float = -inf
 
 
 class LastCertificate(msgspec.Struct, frozen=True):
@@ -254,6 +320,7 @@ def days_of(config: ManagerConfig) -> Days | None:
         ways,
         tuple(index[unit_id] for unit_id in given.given if unit_id in index),
         given.may,
+        given.cuts,
     )
 
 

@@ -71,6 +71,18 @@ def turn_of(
     return changed
 
 
+def would_starve(register: Register, days: Days, stands: Stands, index: int) -> bool:
+    """Whether another waits for line that this train wants, and has as long as may be, or was overtaken as often."""
+    for first in _rivals(register, days, stands, index):
+        other = register.trip(days.unit_ids[first.index])
+        if other.asked_s is None or first.place != stands.at[first.index]:
+            continue
+        waited_s = register.now_s - max(other.asked_s, first.hop.departs_s)
+        if other.overtaken >= days.overtaken_max or waited_s >= days.hold_s_max:
+            return True
+    return False
+
+
 @dataclass(frozen=True, slots=True)
 class _Solved:
     """An order of all trains: what is left of it as stock and place in its day. `answer`: as solved; None: as given."""
@@ -238,8 +250,8 @@ def _least_delay(
 ) -> Turn:
     """The order with less delay for all trains, each played through as its trains would then finish."""
     train, ahead = days.hops[index][stands.at[index]].train, first.hop.train
-    going = _delay_s(register, days, stands, (index,))
-    holding = _delay_s(register, days, stands, coming)
+    going = delay_s(register, days, stands, (index,))
+    holding = delay_s(register, days, stands, coming)
     goes = going is not None and (holding is None or going <= holding - GAIN_S)
     cost = ""
     if going is not None and holding is not None:
@@ -250,7 +262,7 @@ def _least_delay(
     return Turn(first.index, False, f"{train} waits for {ahead}, {late}{cost}", first.hop.section_id)
 
 
-def _delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[int]) -> float | None:
+def delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[int]) -> float | None:
     """All delay at the ends of trains due within `AHEAD_S`, s, if these moves come first; None: not all finish so."""
     after = stands
     for mover in begins:

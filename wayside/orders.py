@@ -16,14 +16,15 @@ from typing import Final
 import msgspec
 from msgspec.structs import replace
 
-from radio.messages import OrderRefused, RefusalReason, RouteTakenBack
+from radio.messages import OrderRefused, RefusalReason, RouteTakenBack, TrackOrdered, TrainOrdered
 from wayside.actions import Action, Send, Show
 from wayside.certificate import STEPS_MAX, CertificateProof, finishing_order
 from wayside.config import DispatcherMeans
+from wayside.cutting import cut_ordered
 from wayside.dispatch import DispatchRequest, order_now, weigh_request
 from wayside.heard import Heard
 from wayside.journeys import DayProgress, Days, LastCertificate, Stands
-from wayside.order import cost_of
+from wayside.order import BOUNDED, cost_of, would_starve
 from wayside.places import stands_of
 from wayside.reentry import Step
 from wayside.register import Against, Register
@@ -37,11 +38,11 @@ BY_PROOF = True  # off: a track is changed without asking whether all can then f
 
 
 class Decision(msgspec.Struct, frozen=True):
-    """A request decided: why not now, if so, and the route that is to be asked for instead; or what to do besides."""
+    """A request decided: why not now, if so, and what is ordered instead; or what to do besides."""
 
     register: Register
     against: Against | None
-    instead: str = ""
+    order: TrackOrdered | TrainOrdered | None = None
     actions: tuple[Action, ...] = ()
 
 
@@ -86,9 +87,15 @@ def _proven(register: Register) -> Register | None:
 def decide(register: Register, asked: DispatchRequest, against: Against | None) -> Decision:
     """Whether a request is granted now, by the register (`against`), certificate and order; else what is ordered."""
     days = register.days
-    if days is None or not days.may or asked.unit_id not in days.index:
+    if days is None or not (days.may or days.cuts.any) or asked.unit_id not in days.index:
         register, against, shows = weigh_request(register, asked, against)
         return Decision(register, against, actions=shows)
+    may_go = against is None or against[0] is RefusalReason.HELD
+    if may_go and (cut := cut_ordered(register, asked)) is not None:
+        register = cut.register
+        if cut.next_train:
+            order = TrainOrdered(asked.route_id, cut.next_train)
+            return Decision(register, (RefusalReason.NOT_ITS_TURN, None, None), order, cut.shows)
     ordering = _Ordering(register, days, asked)
     if against is None and (decision := ordering.by_order_of_all()) is not None:
         return decision
@@ -129,7 +136,10 @@ def refused(register: Register, heard: Heard[OrderRefused]) -> Step:
     index = days.index[unit_id]
     place = stands_of(register, days).at[index]
     asks = place < len(days.hops[index]) and days.hops[index][place].route_id == message.route_id
-    trip = replace(trip, own_way=True) if asks else replace(trip, keeps=True, back_s=-inf)
+    if asks and trip.next_train:
+        trip = replace(trip, next_train="", whole=True)
+    else:
+        trip = replace(trip, own_way=True) if asks else replace(trip, keeps=True, back_s=-inf)
     return register.with_trip(unit_id, trip), (note,)
 
 
@@ -189,6 +199,8 @@ class _Ordering:
         why = f"{section_id} is held by {holder}"
         if reason is RefusalReason.NO_WAY_ON:
             why = f"by its own track it would wait for {holder} to come to {section_id}"
+        if BOUNDED and would_starve(self.register, self._days, self._stands, self._index):
+            return None
         hop = self._days.hops[self._index][self._place]
         return next((d for track in hop.others if (d := self._changed(track, why)) is not None), None)
 
@@ -213,7 +225,7 @@ class _Ordering:
         shows = () if note.why == self._trip.said else (Show(note),)
         register = self.register.with_trip(unit_id, replace(trip, said=note.why))
         against = (RefusalReason.HELD, hop.section_id, None)
-        return Decision(register, against, to.route_id, shows)
+        return Decision(register, against, TrackOrdered(self._asked.route_id, to.route_id), shows)
 
     def _can_go(self, register: Register, asked: DispatchRequest) -> bool:
         """Whether that would be granted then, and it is proven for as much of the day as now that all can finish."""

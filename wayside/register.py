@@ -133,8 +133,8 @@ class Register(msgspec.Struct, frozen=True):
     now says something, each with how often it was asked in vain since. `trips`: how far each unit is in its day, kept
     over power cuts, `kept` the order in which all can finish, as last proven, `sought` the last search that found none,
     `solved` the order of least delay found last, and `now_s` when the last telegram came; all where `plan.days` are.
-    `tracks`: for each unit the moves of its day, by place, that end on another track than planned, kept over power
-    cuts; `days` are the days with them.
+    `tracks`: for each unit the moves of its day, by place, that end on another track than planned; `cuts`: those from
+    where it went on as another train, and as which; both kept over power cuts. `days` are the days with them.
     """
 
     plan: RegisterPlan
@@ -159,6 +159,7 @@ class Register(msgspec.Struct, frozen=True):
     now_s: float = 0.0
     days: Days | None = None
     tracks: Mapping[str, Mapping[int, str]] = msgspec.field(default_factory=dict[str, Mapping[int, str]])
+    cuts: Mapping[str, Mapping[int, str]] = msgspec.field(default_factory=dict[str, Mapping[int, str]])
 
     @property
     def defined(self) -> bool:
@@ -199,6 +200,19 @@ class Register(msgspec.Struct, frozen=True):
             return None
         tracks = {**self.tracks, unit_id: {**self.tracks.get(unit_id, {}), place: section_id}}
         return replace(self, days=days, tracks=tracks, kept=None, sought=None)
+
+    def with_cut(self, unit_id: str, place: int, next_train: str) -> Register | None:
+        """The register with a unit that goes on as another train of its day from where it is: nothing proven is known
+        to be so any more. None: it has no such train from there.
+        """
+        index = None if self.days is None else self.days.index.get(unit_id)
+        days = None if self.days is None or index is None else self.days.with_cut(index, place, next_train)
+        if days is None:
+            return None
+        kept = {at: end for at, end in self.tracks.get(unit_id, {}).items() if at < place}
+        cuts = {**self.cuts, unit_id: {**self.cuts.get(unit_id, {}), place: next_train}}
+        tracks = {**self.tracks, unit_id: kept}
+        return replace(self, days=days, tracks=tracks, cuts=cuts, kept=None, sought=None, solved=None)
 
     def held_by(self, unit_id: str) -> tuple[str, ...]:
         """Its sections, in the order of the line."""
@@ -297,12 +311,14 @@ def start(
     bars: Bars = NO_BARS,
     solver: OrderSolver = without_solver,
     on_part: Collection[str] = (),
+    cuts: Mapping[str, Mapping[int, str]] | None = None,
 ) -> Register:
     """The register after a (re)start: nothing is known. `epoch` must be greater than that of any earlier boot.
 
     `ledger`: the units on the line when the boot before ended; None: lost, so every unit counts as on the
     line and all of it as not swept, except at the first start. `moves_done`: how far each unit was in its day,
-    `on_part`: which had a part of their next move; `tracks`: on which other tracks its moves end. `solver`: who finds
+    `on_part`: which had a part of their next move; `tracks`: on which other tracks its moves end,
+    `cuts`: from where it went on as another train. `solver`: who finds
     the order of least delay. Raises InputError if
     the ledger names a unit that is not on the fleet list.
     """
@@ -345,7 +361,12 @@ def start(
         trips_lost=trips_lost,
         days=plan.days,
     )
-    for unit_id, ends in (tracks or {}).items():
-        for place, section_id in sorted(ends.items()):
-            register = register.with_track(unit_id, place, section_id) or register
+    for unit_id in {**(tracks or {}), **(cuts or {})}:
+        ends = {} if tracks is None else tracks.get(unit_id, {})
+        trains = {} if cuts is None else cuts.get(unit_id, {})
+        for place in sorted({*ends, *trains}):  # a track that was changed before a cut lies before it
+            if place in trains:
+                register = register.with_cut(unit_id, place, trains[place]) or register
+            if place in ends:
+                register = register.with_track(unit_id, place, ends[place]) or register
     return register

@@ -280,6 +280,22 @@ class TrackChanged(Noted, frozen=True, kw_only=True, tag="track_changed"):
     why: str
 
 
+class TrainCut(Noted, frozen=True, kw_only=True, tag="train_cut"):
+    """The manager orders a unit to end its train where it stands and go on as another; `why` says it in a sentence."""
+
+    unit_id: str
+    trains: tuple[str, ...]
+    next_train: str
+    why: str
+
+
+class GoesOnAs(Noted, frozen=True, kw_only=True, tag="goes_on_as"):
+    """A unit has reported that its train has ended where it stands, and that this one is its next."""
+
+    unit_id: str
+    train: str
+
+
 class RouteAskedBack(Noted, frozen=True, kw_only=True, tag="route_asked_back"):
     """The manager wants a route back from a unit that has not left, for another; `why` says it in a sentence."""
 
@@ -375,6 +391,8 @@ ManagerNote = (
     | HeldBack
     | OrderChanged
     | TrackChanged
+    | TrainCut
+    | GoesOnAs
     | RouteAskedBack
     | NotDone
     | OrderLacking

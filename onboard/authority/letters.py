@@ -150,6 +150,9 @@ class Letters:
                 return radio.SignOff(self._unit_id, self.token)
             case RequestKind.ROUTE:
                 return radio.RouteRequest(self._unit_id, request.subject, request.section_ids or ())
+            case RequestKind.REPORT if request.subject:
+                held = request.section_ids or ()
+                return radio.NextTrainReport(held, self.token, request.swept, request.subject)
             case RequestKind.REPORT:
                 return radio.HoldingReport(request.section_ids or (), self.token, request.swept)
 
@@ -230,6 +233,9 @@ class Letters:
         answers = self._answers(RequestKind.ROUTE, heard)
         return sym.TrackChangeOrdered(message.route_id, message.instead, answers)
 
+    def _train_ordered(self, heard: Received, message: radio.TrainOrdered) -> sym.Ordered:
+        return sym.TrainEndOrdered(message.route_id, message.train, self._answers(RequestKind.ROUTE, heard))
+
     def _taken_back(self, _heard: Received, message: radio.RouteTakenBack) -> sym.Ordered:
         return sym.TakeBackOrdered(message.route_id, message.token == self.token, message.hold_s)
 
@@ -259,6 +265,7 @@ _READERS: Final[
     radio.RouteGranted: Letters._granted,
     radio.RouteRefused: Letters._route_refused,
     radio.TrackOrdered: Letters._track_ordered,
+    radio.TrainOrdered: Letters._train_ordered,
     radio.RouteTakenBack: Letters._taken_back,
     radio.PointsProof: Letters._proof,
     radio.PointsRefused: Letters._points_refused,

@@ -37,7 +37,8 @@ class OpenRequest(msgspec.Struct, frozen=True):
     """The record of an open request. Not `sent`: due as soon as the radio reaches; sent: its timer runs.
 
     `subject`: the route asked for; `section_ids`: its sections, or those of a sign-on (None: does not know).
-    `refusal`: why it was not granted the last time; `swept`: with a report, as there.
+    `refusal`: why it was not granted the last time; `swept`: with a report, as there. Of a report the subject is the
+    next train of a set whose train has ended early.
     """
 
     ask: RequestKind
@@ -166,9 +167,13 @@ class Cleared(msgspec.Struct, frozen=True, tag=True):
 
 
 class GiveBack(msgspec.Struct, frozen=True, tag=True):
-    """The train stands and surely short of these sections: it gives up the route not entered (進路取消)."""
+    """The train stands and surely short of these sections: it gives up the route not entered (進路取消).
+
+    `next_train`: it ends there, and its set goes on as that; empty: it does not.
+    """
 
     section_ids: tuple[str, ...]
+    next_train: str = ""
 
 
 class TurnedBack(msgspec.Struct, frozen=True, tag=True):
@@ -276,6 +281,14 @@ class TrackChangeOrdered(msgspec.Struct, frozen=True, tag=True):
     answers: bool
 
 
+class TrainEndOrdered(msgspec.Struct, frozen=True, tag=True):
+    """The manager wants the train to end where it stands, and its set to go on as `train`; `answers`: as above."""
+
+    route_id: str
+    train: str
+    answers: bool
+
+
 class TakeBackOrdered(msgspec.Struct, frozen=True, tag=True):
     """The manager wants a route back that was not entered; `newest`: the one granted last."""
 
@@ -284,7 +297,7 @@ class TakeBackOrdered(msgspec.Struct, frozen=True, tag=True):
     hold_s: float
 
 
-Ordered = TrackChangeOrdered | TakeBackOrdered
+Ordered = TrackChangeOrdered | TrainEndOrdered | TakeBackOrdered
 
 
 Event = (

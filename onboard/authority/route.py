@@ -94,7 +94,7 @@ def give_back(state: Authority, event: GiveBack) -> Result:
         return given, first
     # Its answer fits nothing, and the report frees what it may have given.
     given, second = closed(given, RequestKind.ROUTE)
-    given, third = report_now(given)
+    given, third = report_now(given, event.next_train)
     return given, (*first, *second, *third)
 
 

@@ -90,9 +90,11 @@ def holds(state: Authority) -> Write:
     return Write(notes.Holds(section_ids=state.held, token=0))
 
 
-def report_now(state: Authority) -> Result:
-    """Report what is held: as a new request, at once."""
-    return opened(state, OpenRequest(RequestKind.REPORT))
+def report_now(state: Authority, next_train: str = "") -> Result:
+    """Report what is held: as a new request, at once; with the next train of a set, until that is confirmed."""
+    before = state.open(RequestKind.REPORT)
+    named = next_train or ("" if before is None else before.subject)
+    return opened(state, OpenRequest(RequestKind.REPORT, named))
 
 
 def disagrees(state: Authority, why: str) -> Result:

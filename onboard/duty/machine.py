@@ -28,6 +28,7 @@ from onboard.authority.records import (
     TakenOff,
     Throw,
     TrackChangeOrdered,
+    TrainEndOrdered,
     TurnedBack,
     Withdrawn,
 )
@@ -443,11 +444,17 @@ TABLE: Final[Mapping[tuple[DutyPhase, type[Event]], Handler]] = MappingProxyType
             ((p, SetBack) for p in _ON_THE_LINE if p not in _MAY_SET_BACK), orders.set_back_refused
         ),
         (DutyPhase.STANDING, TrackChangeOrdered): orders.change_track,
+        (DutyPhase.STANDING, TrainEndOrdered): orders.end_train,
         (DutyPhase.STANDING, TakeUpWay): orders.take_up,
         (DutyPhase.STANDING, NoSuchWay): orders.no_such_way,
         (DutyPhase.STANDING, TakeBackOrdered): orders.take_back,
         **dict.fromkeys(
-            ((p, TrackChangeOrdered) for p in _ON_THE_LINE if p is not DutyPhase.STANDING),
+            (
+                (p, ordered)
+                for ordered in (TrackChangeOrdered, TrainEndOrdered)
+                for p in _ON_THE_LINE
+                if p is not DutyPhase.STANDING
+            ),
             orders.no_other_track,
         ),
         **dict.fromkeys(

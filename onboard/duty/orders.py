@@ -1,5 +1,5 @@
 """What a crew or the dispatcher wants otherwise than planned: a route set back (進路取消), another track at the next
-station (着発線変更), a route taken back so that others go first.
+station (着発線変更), a train ended where it stands (途中折返し, 運休), a route taken back so that others go first.
 
 Invariant: only a train that stands at a stop, surely short of what lies ahead, does any of it; what it holds under and
 behind it stays as it is. All of it only gives up: the way that follows is asked for and granted like any other.
@@ -8,7 +8,14 @@ behind it stays as it is. All of it only gives up: the way that follows is asked
 from __future__ import annotations
 
 from onboard import notes
-from onboard.authority.records import GiveBack, RequestKind, SendRefusal, TakeBackOrdered, TrackChangeOrdered
+from onboard.authority.records import (
+    GiveBack,
+    RequestKind,
+    SendRefusal,
+    TakeBackOrdered,
+    TrackChangeOrdered,
+    TrainEndOrdered,
+)
 from onboard.duty.duty_step import DutyStep
 from onboard.duty.plan import DutyPlan
 from onboard.duty.records import (
@@ -17,6 +24,7 @@ from onboard.duty.records import (
     NoSuchWay,
     SetBack,
     TakeUpWay,
+    TrainEndsHere,
     WayOrdered,
 )
 from radio.messages import OrderRefusalReason
@@ -64,48 +72,72 @@ def _give_back_ahead(duty: DutyStep) -> None:
 
 def change_track(duty: DutyStep, event: TrackChangeOrdered) -> None:
     """To the request outstanding: has the driver take up the way ordered; not once the front may have left."""
+    if _can_be_done(duty, event):
+        duty.set(ordered=event.instead, next_train="")
+        duty.actions.append(WayOrdered(event.route_id, event.instead))
+
+
+def end_train(duty: DutyStep, event: TrainEndOrdered) -> None:
+    """To the request outstanding: has the driver end the train here; not once the front may have left."""
+    if _can_be_done(duty, event):
+        duty.set(next_train=event.train, ordered="")
+        duty.actions.append(TrainEndsHere(event.train))
+
+
+def _can_be_done(duty: DutyStep, event: TrackChangeOrdered | TrainEndOrdered) -> bool:
+    """Whether an order answers the request outstanding, of a train surely short of its route; the other is refused."""
     request = duty.state.authority.open(RequestKind.ROUTE)
     answers = event.answers and request is not None and request.subject == event.route_id
     if ONCE and not answers:
-        return
+        return False
     if may_have_entered(duty) or not duty.state.place.known:
         refuse(duty, event.route_id, OrderRefusalReason.MAY_HAVE_ENTERED)
-        return
-    duty.set(ordered=event.instead)
-    duty.actions.append(WayOrdered(event.route_id, event.instead))
+        return False
+    return True
 
 
 def leads_on(plan: DutyPlan, state: DutyState, way: DutyPlan) -> bool:
     """Whether a way may be taken up for a plan: it is the one ordered, and the same as far as the train may be."""
     same, at = state.place.perhaps, state.at
     leg = None if at >= len(way.stops) else way.leg_beyond(way.spans[way.stops[at].span].section_id)
+    if state.next_train:
+        as_ordered = leg is None and len(way.stops) == at + 1
+    else:
+        as_ordered = bool(state.ordered) and leg is not None and leg.route_id == state.ordered
     return (
-        bool(state.ordered)
+        as_ordered
         and state.phase is DutyPhase.STANDING
         and state.authority.open(RequestKind.ROUTE) is not None
-        and leg is not None
-        and leg.route_id == state.ordered
         and (way.number, way.spans[:same], way.stops[: at + 1])
         == (plan.number, plan.spans[:same], plan.stops[: at + 1])
     )
 
 
 def take_up(duty: DutyStep, _event: TakeUpWay) -> None:
-    """Gives up its request, reports what it holds, and asks for the way ordered."""
-    request = duty.state.authority.open(RequestKind.ROUTE)
-    was = "" if request is None else request.subject
-    duty.note(notes.WayChanged(route_id=was, instead=duty.state.ordered))
-    duty.set(ordered="", wanted=())
-    duty.authority(GiveBack(()))
+    """Gives up its request, reports what it holds, and asks for the way ordered, or is at its end."""
+    state = duty.state
+    request = state.authority.open(RequestKind.ROUTE)
+    if state.next_train:
+        place = duty.stop(state.at).place
+        duty.note(notes.EndedEarly(train=duty.plan.number, station=place, next_train=state.next_train))
+    else:
+        was = "" if request is None else request.subject
+        duty.note(notes.WayChanged(route_id=was, instead=state.ordered))
+    duty.set(ordered="", next_train="", wanted=())
+    duty.authority(GiveBack((), state.next_train))
 
 
 def no_such_way(duty: DutyStep, _event: NoSuchWay) -> None:
-    """Says that it has no such way, and goes on asking for its own."""
-    request = duty.state.authority.open(RequestKind.ROUTE)
-    ordered = duty.state.ordered
-    duty.set(ordered="")
-    if ordered and request is not None:
+    """Says that it has no such way or train, and goes on asking for its own."""
+    state = duty.state
+    request = state.authority.open(RequestKind.ROUTE)
+    duty.set(ordered="", next_train="")
+    if request is None:
+        return
+    if state.ordered:
         refuse(duty, request.subject, OrderRefusalReason.UNKNOWN_TRACK)
+    elif state.next_train:
+        refuse(duty, request.subject, OrderRefusalReason.UNKNOWN_TRAIN)
 
 
 def take_back(duty: DutyStep, event: TakeBackOrdered) -> None:
@@ -122,8 +154,8 @@ def take_back(duty: DutyStep, event: TakeBackOrdered) -> None:
         _give_back_ahead(duty)
 
 
-def no_other_track(duty: DutyStep, event: TrackChangeOrdered) -> None:
-    """Refused: only a train that stands at a stop changes its way."""
+def no_other_track(duty: DutyStep, event: TrackChangeOrdered | TrainEndOrdered) -> None:
+    """Refused: only a train that stands at a stop changes its way, or ends early."""
     if event.answers:
         refuse(duty, event.route_id, OrderRefusalReason.NOT_AT_A_STOP)
 

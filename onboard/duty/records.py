@@ -86,7 +86,8 @@ class DutyState(msgspec.Struct, frozen=True):
     to be behind the train; `freed`: those of them that are to be given back, the arrival being told, or each at once.
     `halted`: braked because register and unit contradict each other; `sweeps`: runs on sight through what it holds.
     `unable`: why it may not leave its stop, as its driver was told. `ordered`: the route by which the dispatcher wants
-    it to go instead of the one that it asks for, until its driver has taken up that way.
+    it to go instead of the one that it asks for, until its driver has taken up that way; `next_train`: as which train
+    he wants its set to go on from here, until its driver has ended this one.
     """
 
     phase: DutyPhase = DutyPhase.OFF
@@ -106,6 +107,7 @@ class DutyState(msgspec.Struct, frozen=True):
     released: bool = True  # no emergency stop waits for the driver's acknowledgement
     unable: Unable | None = None
     ordered: str = ""
+    next_train: str = ""
 
 
 # events: people -------------------------------------------------------------------------------------------------
@@ -127,13 +129,15 @@ class SwitchedOn(msgspec.Struct, frozen=True, tag=True):
 
 
 class TakeUpWay(msgspec.Struct, frozen=True, tag=True):
-    """The driver has taken up the way ordered: the same train, from where it stands by another route."""
+    """The driver has taken up the way ordered: the same train, from where it stands by another route, or to no further
+    than there.
+    """
 
     plan: DutyPlan
 
 
 class NoSuchWay(msgspec.Struct, frozen=True, tag=True):
-    """The train has no way on by the route ordered."""
+    """The train has no way on by the route ordered, or its set no such train from where it stands."""
 
 
 class ChangeEnds(msgspec.Struct, frozen=True, tag=True):
@@ -320,7 +324,13 @@ class WayOrdered(msgspec.Struct, frozen=True, tag=True):
     instead: str
 
 
-Told = Finished | LeftLine | EntryAllowed | WayOrdered
+class TrainEndsHere(msgspec.Struct, frozen=True, tag=True):
+    """To the driver: the dispatcher wants the train to end where it stands, and its set to go on as another train."""
+
+    train: str
+
+
+Told = Finished | LeftLine | EntryAllowed | WayOrdered | TrainEndsHere
 
 
 class DrivingOrder(Enum):

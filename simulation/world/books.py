@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Final
 
 from network.model import SectionKind
+from network.timetable import TimetableTrain
 from onboard.duty.mission import Target
 from simulation.result import EnergyRecord, StopRecord, TraceSpan
 from simulation.setup import STEPS_PER_S
@@ -60,6 +61,36 @@ class Books:
             slot, step, duty.train.number, direction, starts_m, path.piece_ids, entries_m, load_share
         )
         self.spans.append(span)
+
+    def cancel(
+        self, slot: int, train: TimetableTrain, calls: range, stated_late_s: float, *, begins: bool = False
+    ) -> None:
+        """These calls of a train do not come; it ends at the first of them, or `begins` at the last."""
+        for index in calls:
+            call = train.calls[index]
+            comes = index == 0 or (index == calls[0] and not begins)
+            leaves = begins and index == calls[-1]
+            arrival_s = None if comes or not call.stops else call.arrival_s
+            self.stops.append(
+                StopRecord(
+                    self._trains.stock_ids[slot],
+                    train.number,
+                    train.revenue,
+                    call.station_id,
+                    call.track or "",
+                    arrival_s,
+                    None if leaves else call.departure_s,
+                    kind=call.kind,
+                    stated_late_s=stated_late_s,
+                )
+            )
+
+    def ends_here(self, slot: int) -> None:
+        """A train that stands at a stop leaves it no more."""
+        stop = self._open_stop.get(slot)
+        if stop is not None:
+            stop.planned_departure_s = None
+        self._open_stop[slot] = None
 
     def next_target(self, slot: int) -> int:
         """Index of the first target at which the train has not called yet; one too many where it has at all."""

@@ -7,7 +7,7 @@ from itertools import zip_longest
 
 from network.graph import routes_from
 from network.model import Line, SectionKind, TagPurpose
-from network.timetable import AtPortal, Stabled, Timetable, TimetableTrain
+from network.timetable import AtPortal, BecomesTrain, Call, FromTrain, Stabled, Timetable, TimetableTrain
 from onboard.duty.mission import Mission, NoWay, on_tracks, plan_mission
 from simulation.late.entry import entry_late_s
 from simulation.setup import Setup
@@ -116,6 +116,36 @@ def from_section(line: Line, duty: Duty, start: str, length_m: float) -> Duty:
     return _by_tracks(
         line, duty, on_tracks(duty.train, duty.mission.tracks | {first: track}), start, length_m
     )
+
+
+def ending_at(line: Line, duty: Duty, at: int, next_train: str, length_m: float) -> Duty:
+    """The same duty to its target of that index and no further (途中折返し). NoWay where it is no station."""
+    kept = _calls_until(duty.train, duty.mission.targets[at].station_id)
+    train = replace(duty.train, calls=kept, ends=BecomesTrain(next_train))
+    tracks = on_tracks(train, duty.mission.tracks)
+    ended = _by_tracks(line, duty, tracks, duty.mission.spans[0].section_id, length_m)
+    return replace(ended, leaves=False, becomes=next_train)
+
+
+def beginning_at(line: Line, duty: Duty, station_id: str, start: str, after: str, length_m: float) -> Duty:
+    """The same duty from a station on its way, where its set stands in section `start` since train `after`. NoWay where
+    it does not stop there, or has no way from there.
+    """
+    train = duty.train
+    goes_on = train.calls if isinstance(train.ends, AtPortal) else train.calls[:-1]
+    at = next((i for i, call in enumerate(goes_on) if call.station_id == station_id and call.stops), -1)
+    if at < 0:
+        raise NoWay(f"train {train.number} does not go on from {station_id}")
+    begun = replace(train, calls=train.calls[at:], begins=FromTrain(after))
+    own = replace(duty, train=begun, enters=False, enter_s=begun.calls[0].last_s, late_s=0.0)
+    return from_section(line, own, start, length_m)
+
+
+def _calls_until(train: TimetableTrain, station_id: str | None) -> tuple[Call, ...]:
+    at = next((i for i, call in enumerate(train.calls) if call.station_id == station_id), -1)
+    if at < 0:
+        raise NoWay(f"train {train.number} does not end at {station_id}")
+    return train.calls[: at + 1]
 
 
 def _by_tracks(line: Line, duty: Duty, train: TimetableTrain, start: str, length_m: float) -> Duty:

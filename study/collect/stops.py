@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import polars as pl
@@ -35,7 +36,10 @@ def with_passings(
     }
     records: list[StopRecord] = []
     for stop in stops:
-        records += (*ahead.pop((stop.number, stop.station_id), ()), stop)
+        passings = ahead.pop((stop.number, stop.station_id), ())
+        if stop.cancelled:
+            passings = [replace(passing, stated_late_s=stop.stated_late_s) for passing in passings]
+        records += (*passings, stop)
     ran = {stop.number for stop in stops}
     return records + [passing for kept in ahead.values() for passing in kept if passing.number in ran]
 
@@ -84,9 +88,10 @@ def _as_run(call: StopRecord) -> CallAsRun:
         _float(call.planned_departure_s),
         _float(call.arrival_s),
         _float(call.departure_s),
-        _late(call.arrival_s, call.planned_arrival_s),
-        _late(call.departure_s, call.planned_departure_s),
+        _late_of(call, call.arrival_s, call.planned_arrival_s),
+        _late_of(call, call.departure_s, call.planned_departure_s),
         call.error_m,
+        call.cancelled,
     )
 
 
@@ -94,5 +99,7 @@ def _float(value: float | None) -> float | None:
     return None if value is None else float(value)
 
 
-def _late(actual_s: float | None, planned_s: float | None) -> float | None:
+def _late_of(call: StopRecord, actual_s: float | None, planned_s: float | None) -> float | None:
+    if call.cancelled:
+        return None if planned_s is None else call.stated_late_s
     return None if actual_s is None or planned_s is None else round(actual_s - planned_s, 1)

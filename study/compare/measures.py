@@ -15,7 +15,7 @@ from study.compare.side import ComparedRun
 from study.compare.times import What
 from study.measures.driving import driving_sums
 from study.measures.missing import planned_times
-from study.measures.summary import arrived_trains, energy_summary
+from study.measures.summary import arrived_trains, cut_trains, energy_summary
 from study.record.driving import EARLY, DrivenHop
 from study.record.figure import Adds, ShownIn, rows_in, seen_in
 from study.record.figure import Figure as Said
@@ -109,6 +109,8 @@ def figures_of(side: ComparedRun) -> Iterator[RunFigure]:
         "trains", "ran their whole journey", "", 0, float(len(arrived_trains(tables.stops, timetable)))
     )
     yield RunFigure("trains", "meets as run", "", 0, float(len(meets_of(side.run))))
+    for name, cut in zip(("cancelled", "shortened"), cut_trains(tables.stops), strict=True):
+        yield RunFigure("trains", name, "", 0, float(len(cut)))
     for what in (What.ARRIVAL, What.DEPARTURE):
         yield from _punctuality(side, what)
     yield from _margins(side)

@@ -13,6 +13,7 @@ from radio.messages import (
     AnyMessage,
     Claim,
     HoldingReport,
+    NextTrainReport,
     OrderRefusalReason,
     OrderRefused,
     RouteRequest,
@@ -20,6 +21,7 @@ from radio.messages import (
     SignOff,
     SignOn,
     TrackOrdered,
+    TrainOrdered,
 )
 from scenario.scenario import load_scenario
 from study.runner.journeys import dispatch_of
@@ -51,8 +53,14 @@ class ManagerDay:
         }
         self.register: Register = start(config, 1, keys, solver=order_solver())
         self.at = [0] * len(journeys)
+        self.planned_at = [
+            list(range(len(moves))) for moves in self.moves
+        ]  # the place of each in the day as planned
         self.leaves_s: dict[int, float] = {}  # when a stock leaves that holds its route already
         self.given_back: dict[int, float] = {}  # who has given it back, and until when it asks for none
+        self.cut: dict[
+            int, tuple[int, float]
+        ] = {}  # how many trains of a stock were cut, and when it is ready again
         self._number = {journey.unit_id: k for k, journey in enumerate(journeys)}
         self._routes: dict[str, RouteEntry] = {route.route_id: route for route in config.routes}
         self._between = {(r.from_section, r.section_ids[-1]): r.route_id for r in config.routes}
@@ -86,6 +94,8 @@ class ManagerDay:
                 case TrackOrdered(_, instead):
                     self._go_by(k, instead)
                     return self.hear(k, self.request(k), now_s)
+                case TrainOrdered(_, train):
+                    self._goes_on_as(k, train, now_s)
                 case RouteTakenBack():
                     self._asked_back(self._number[send.destination], send.message, now_s)
                 case _:
@@ -98,6 +108,19 @@ class ManagerDay:
         moves[at] = replace_in(moves[at], route_id=instead, section_id=end)
         if at + 1 < len(moves):
             moves[at + 1] = replace_in(moves[at + 1], route_id=self._between[end, moves[at + 1].section_id])
+
+    def _goes_on_as(self, k: int, train: str, now_s: float) -> None:
+        """A stock ends its train where it stands, says so, and goes on from there as another."""
+        moves, at, unit_id = self.moves[k], self.at[k], self.journeys[k].unit_id
+        here = self._routes[moves[at].route_id].from_section
+        of_it = (j for j in range(at + 1, len(moves)) if moves[j].train == train)
+        to = next(j for j in of_it if moves[j].begins_at == moves[at].begins_at)
+        turn_s = next(move.stays_s for move in reversed(moves[:to]) if move.train != train)
+        self.cut[k] = (len(dict.fromkeys(move.train for move in moves[at:to])), now_s + turn_s)
+        first = replace_in(moves[to], route_id=self._between[here, moves[to].section_id])
+        self.moves[k] = [*moves[:at], first, *moves[to + 1 :]]
+        del self.planned_at[k][at:to]
+        self.hear(k, NextTrainReport((here,), self.register.unit(unit_id).token, (), train), now_s)
 
     def _asked_back(self, k: int, order: RouteTakenBack, now_s: float) -> None:
         """Who stands yet gives its route back, and asks again later; else it refuses."""
@@ -123,12 +146,24 @@ class ManagerDay:
 
 
 def config_of(
-    scenario: str, order: OrderRule | None = None, may: tuple[DispatcherMeans, ...] = ()
+    scenario: str,
+    order: OrderRule | None = None,
+    may: tuple[DispatcherMeans, ...] = (),
+    *,
+    cuts: bool = False,
 ) -> ManagerConfig:
-    """The manager of a scenario, with the certificate; `order` instead of the order of trains that it has."""
+    """The manager of a scenario, with the certificate; `order` instead of the order of trains that it has.
+
+    `cuts`: any train may be left out, or end at any station where it stops.
+    """
     setup = load_scenario(scenario).setup
     rule = setup.dispatch.order if order is None else order
-    update = {"certificate": True, "order": rule, "may": may}
+    update: dict[str, object] = {"certificate": True, "order": rule, "may": may}
+    if cuts:
+        update |= {
+            "turn_back_at": tuple(setup.line.stations),
+            "cancel_trains": tuple(setup.timetable.trains),
+        }
     entry = setup.dispatch.model_copy(update=update)
     unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
     given = dispatch_of(replace(setup, dispatch=entry))

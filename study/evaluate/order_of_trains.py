@@ -29,12 +29,14 @@ SAID: Final = 0.95
 @dataclass(frozen=True, slots=True)
 class LostDay:
     """What a day lost: by how much trains came late to their ends, together, and how long they waited at stops for each
-    other; the longest of these waits. Min.
+    other; the longest of these waits. Min. `cut`: trains left out whole or in part; each is in both sums, as late
+    as the scenario states.
     """
 
     lost_min: float
     waited_min: float
     longest_min: float
+    cut: int = 0
 
 
 class _Played:
@@ -46,6 +48,9 @@ class _Played:
         self._asked_s: dict[int, float] = {}
         self._doors_s: dict[int, float] = {}  # until when they are open
         self.lost_s = self.waited_s = self.longest_s = 0.0
+        self.cut, self.cut_s = 0, 0.0
+        self._due_s: dict[int, float] = {}
+        self._cut_s = config.dispatch.cuts.late_s
 
     def run(self) -> None:
         """To the end of the day."""
@@ -67,18 +72,32 @@ class _Played:
         for k, moves in enumerate(self._day.moves):
             last = {move.train: move for move in moves[self._day.at[k] :]}
             self.lost_s += sum(LAST_S - move.arrives_s for move in last.values())
+        self.lost_s += self.cut_s
+        self.waited_s += self.cut_s
 
     def _ready(self, k: int, ready_s: float) -> None:
         """A stock asks when its next move is due and it is ready, or its doors are shut."""
         move = self._day.move(k)
         if move is not None:
-            due_s, open_s = max(move.departs_s, ready_s), doors_s(self._seed, move, self._day.at[k])
+            self._due_s[k] = move.departs_s
+            due_s, open_s = max(move.departs_s, ready_s), self._open_s(k, move)
             self._doors_s[k] = due_s + open_s
             heapq.heappush(self._events, (due_s if self._held else due_s + open_s, k, False))
 
+    def _open_s(self, k: int, move: JourneyMove) -> float:
+        return doors_s(self._seed, move, self._day.planned_at[k][self._day.at[k]])
+
     def _asks(self, k: int, now_s: float) -> None:
         self._asked_s.setdefault(k, now_s)
-        if not self._day.hear(k, self._day.request(k), now_s):
+        granted = self._day.hear(k, self._day.request(k), now_s)
+        if k in self._day.cut:
+            trains, ready_s = self._day.cut.pop(k)
+            self.cut += trains
+            self.cut_s += max(self._cut_s, now_s - self._due_s[k]) + (trains - 1) * self._cut_s
+            self.waited_s += now_s - self._asked_s.pop(k)
+            self._ready(k, ready_s)
+            return
+        if not granted:
             heapq.heappush(self._events, (now_s + AGAIN_S, k, False))
             return
         waited_s = now_s - self._asked_s.pop(k)
@@ -99,7 +118,7 @@ def played_day(config: ManagerConfig, seed: int, *, held: bool = False) -> LostD
     """A day by its seed; who never comes is as late as if it came at `LAST_S`."""
     played = _Played(config, seed, held=held)
     played.run()
-    return LostDay(played.lost_s / 60.0, played.waited_s / 60.0, played.longest_s / 60.0)
+    return LostDay(played.lost_s / 60.0, played.waited_s / 60.0, played.longest_s / 60.0, played.cut)
 
 
 def lost_min(config: ManagerConfig, seed: int) -> float:

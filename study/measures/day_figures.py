@@ -37,7 +37,9 @@ class DayFigures(msgspec.Struct, frozen=True):
 
     `within`: share of the planned arrivals later than plan by less than each of LIMITS_S. `lost_train_minutes`: by how
     much trains came late to their last stop, together; trains that never came there, or never ran, are `missing`. What
-    never came is in all of these, as late as `simulation.setup.latest_end_s` makes it.
+    never came is in all of these, as late as `simulation.setup.latest_end_s` makes it. Trains that the dispatcher left
+    out are `cancelled`, those that he cut `shortened`; their calls are as late as the scenario states, and a train that
+    was cut counts as lost for that at least, wherever it was.
 
     `primary_s`: by how much lateness grew because of what was drawn or failed, `secondary_s` because a train waited for
     another, `other_s` for neither (driving, minutes of the plan that are too short); together all growth, which spare
@@ -71,6 +73,8 @@ class DayFigures(msgspec.Struct, frozen=True):
     drawn: tuple[tuple[str, int], ...] = ()
     deadlock: tuple[str, ...] = ()
     mean_delay_s: float | None = None
+    cancelled: tuple[str, ...] = ()
+    shortened: tuple[str, ...] = ()
 
 
 def day_figures(result: RunResult, setup: Setup) -> DayFigures:
@@ -104,22 +108,30 @@ def figures_of_stops(
     `end_s`: when the run ends whatever happens; None: as without a limit of its own.
     """
     end_s = latest_end_s(timetable) if end_s is None else end_s
+    stops = tuple(stops)
     came_s = {(stop.number, stop.station_id): stop.arrival_s for stop in stops if stop.arrival_s is not None}
+    stated_s = {(s.number, s.station_id): s.stated_late_s for s in stops if s.stated_late_s is not None}
+    cut = {stop.number: stop.stated_late_s for stop in stops if stop.stated_late_s is not None}
     trains = [train for train in timetable.trains.values() if train.revenue]
-    missing = [t.number for t in trains if (t.number, t.calls[-1].station_id) not in came_s]
+    ends = [(train.number, train.calls[-1].station_id) for train in trains]
+    missing = [number for number, station in ends if (number, station) not in came_s and number not in cut]
+    ran = {stop.number for stop in stops if not stop.cancelled}
     planned = {
         (train.number, call.station_id): float(call.arrival_s)
         for train in trains
         for call in train.calls[1:]
         if call.stops and call.arrival_s is not None
     }
-    late = {stop: min(came_s.get(stop, end_s), end_s) - planned_s for stop, planned_s in planned.items()}
+    late = {
+        stop: stated_s.get(stop, min(came_s.get(stop, end_s), end_s) - planned_s)
+        for stop, planned_s in planned.items()
+    }
     late_s = np.array(list(late.values()))
     worst = max(late, key=lambda stop: late[stop], default=None)
-    ends_s = [late.get((train.number, train.calls[-1].station_id), 0.0) for train in trains]
+    ends_s = [max(late.get(end, 0.0), cut.get(end[0], 0.0)) for end in ends]
     return DayFigures(
         planned_trains=len(trains),
-        arrived_trains=len(trains) - len(missing),
+        arrived_trains=sum(end in came_s for end in ends),
         missing=tuple(sorted(missing)),
         planned_arrivals=len(planned),
         arrivals=len(planned.keys() & came_s.keys()),
@@ -134,6 +146,8 @@ def figures_of_stops(
         worst_train="" if worst is None else worst[0],
         worst_station="" if worst is None else worst[1],
         lost_train_minutes=_rounded(math.fsum(max(s, 0.0) for s in ends_s) / 60.0),
+        cancelled=tuple(number for number, _ in ends if number in cut and number not in ran),
+        shortened=tuple(number for number, _ in ends if number in cut and number in ran),
         mean_delay_s=_rounded(float(np.maximum(late_s, 0.0).mean())) if late else None,
     )
 

@@ -11,7 +11,7 @@ its end counts as coming when the run ends whatever happens; of that, what was n
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -144,20 +144,33 @@ def delays_of(result: RunResult, setup: Setup) -> tuple[LatenessGrowth, ...]:
     seen.close(end_s)
     by_stock: dict[str, list[StopRecord]] = defaultdict(list)
     for stop in result.stops:
-        by_stock[stop.stock_id].append(stop)
+        if not stop.cancelled:
+            by_stock[stop.stock_id].append(stop)
     for diagram in setup.timetable.diagrams:
         by_stock.setdefault(diagram.stock_id, [])
-    return tuple(
-        delay for stock_id, stops in by_stock.items() for delay in _of_stock(stock_id, stops, seen, setup)
+    cut = {stop.number: stop for stop in result.stops if stop.cancelled}
+    of_stock = (
+        delay
+        for stock_id, stops in by_stock.items()
+        for delay in _of_stock(stock_id, stops, seen, setup, cut.keys())
+    )
+    return (*of_stock, *map(_stated, cut.values()))
+
+
+def _stated(stop: StopRecord) -> LatenessGrowth:
+    """A train that the dispatcher cut or left out, for others: as late as the scenario states, once."""
+    late_s, planned_s = stop.stated_late_s or 0.0, stop.planned_arrival_s or stop.planned_departure_s or 0.0
+    return LatenessGrowth(
+        stop.stock_id, stop.number, stop.station_id, planned_s + late_s, late_s, 0.0, late_s
     )
 
 
 def _of_stock(
-    stock_id: str, stops: Sequence[StopRecord], seen: _JournalFacts, setup: Setup
+    stock_id: str, stops: Sequence[StopRecord], seen: _JournalFacts, setup: Setup, cut: Collection[str]
 ) -> Iterator[LatenessGrowth]:
     """Walks through a set's day; lateness goes on from train to train, and ends where the set leaves the line."""
     late_s = since_s = 0.0
-    for moment in (*_moments(stops, seen, setup), *_never_came(stock_id, stops, seen, setup)):
+    for moment in (*_moments(stops, seen, setup), *_never_came(stock_id, stops, seen, setup, cut)):
         if moment.comes_s is not None:
             late_s, since_s = 0.0, moment.comes_s
         grown_s = moment.late_s - max(late_s, 0.0)
@@ -193,7 +206,7 @@ def _enters(number: str, seen: _JournalFacts, setup: Setup) -> tuple[float | Non
 
 
 def _never_came(
-    stock_id: str, stops: Sequence[StopRecord], seen: _JournalFacts, setup: Setup
+    stock_id: str, stops: Sequence[StopRecord], seen: _JournalFacts, setup: Setup, cut: Collection[str]
 ) -> Iterator[_Moment]:
     """Of each train of a set that did not come to its end, the first arrival from where on it never came."""
     ran = {stop.number for stop in stops}
@@ -201,7 +214,7 @@ def _never_came(
     numbers = (d.train_numbers for d in setup.timetable.diagrams if d.stock_id == stock_id)
     for number in (number for each in numbers for number in each):
         train = setup.timetable.trains[number]
-        if (number, train.calls[-1].station_id) in came:
+        if (number, train.calls[-1].station_id) in came or number in cut:
             continue
         reached = max(
             (k for k, call in enumerate(train.calls) if (number, call.station_id) in came), default=0

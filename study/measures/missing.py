@@ -1,7 +1,8 @@
 """Planned times of a day with how late they came; what never came counts as late as when the run ends whatever happens.
 
 The table of stops has a row only where a train has been, or is on its way to: a train that never ran would be in no
-share and no mean. So lateness is compared, and shown as figures, from here.
+share and no mean. What the dispatcher cancelled has rows, as late as the scenario states. So lateness is compared, and
+shown as figures, from here.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ def planned_times(
             pl.lit(what).alias("what"),
             pl.col(f"planned_{what}_s").alias("planned_s"),
             pl.col(f"late_{what}_s").alias("late_s"),
-            pl.col(f"late_{what}_s").is_not_null().alias("came"),
+            (pl.col(f"late_{what}_s").is_not_null() & ~pl.col("cancelled")).alias("came"),
         )
         for what in whats
     )
@@ -62,7 +63,9 @@ def planned_times(
     if end_s is None:
         latest_s = times.select((pl.col("planned_s") + pl.col("late_s")).max()).item()
         end_s = max(latest_end_s(timetable) if timetable.trains else 0.0, latest_s or 0.0)
-    due = times.filter(pl.col("came") | (pl.col("planned_s") <= end_s))
+    due = times.filter(
+        pl.col("came") | (pl.col("planned_s") <= end_s)
+    )  # what is cancelled has its stated lateness
     return due.with_columns(pl.col("late_s").fill_null(end_s - pl.col("planned_s")))
 
 

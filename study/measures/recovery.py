@@ -1,7 +1,8 @@
 """When a line was late, and how long until no train was any more (遅延の回復).
 
 A train is late from LATE_S after a departure that it should have made, until it leaves a stop less late than that or
-has come to its last; one that never comes there is late until the run ends whatever happens. Stretches of such
+has come to its last; one that never comes there is late until the run ends whatever happens, a call that was cancelled
+for as long as the scenario states. Stretches of such
 times, of all trains together, are cut where for a moment no train is late.
 """
 
@@ -41,7 +42,10 @@ def late_stretches(
     end_s = latest_end_s(timetable) if end_s is None else end_s
     by_train: dict[str, list[StopRecord]] = defaultdict(list)
     for stop in result.stops:
-        by_train[stop.number].append(stop)
+        if not stop.cancelled:
+            by_train[stop.number].append(stop)
+    cancelled = [stop for stop in result.stops if stop.cancelled]
+    cut = {stop.number for stop in cancelled}
     found = [
         one
         for number, stops in by_train.items()
@@ -50,8 +54,11 @@ def late_stretches(
     for number, train in timetable.trains.items():
         came = {stop.station_id for stop in by_train.get(number, ()) if stop.arrival_s is not None}
         from_s = (train.calls[-1] if number in by_train else train.calls[0]).last_s + LATE_S
-        if train.calls[-1].station_id not in came and from_s < end_s:
+        if train.calls[-1].station_id not in came and from_s < end_s and number not in cut:
             found.append(LateStretch(from_s, end_s, over=False))
+    for stop in cancelled:
+        planned_s = stop.planned_departure_s or stop.planned_arrival_s or 0.0
+        found.append(LateStretch(planned_s + LATE_S, planned_s + (stop.stated_late_s or 0.0) + LATE_S))
     return joined_stretches(found)
 
 

@@ -26,6 +26,7 @@ def summarise(tables: RunTables, timetable: Timetable, end_s: float | None = Non
 
     - trains_planned, trains_arrived: revenue trains of the timetable that should have ended by `end_s` (s; None: all),
       and those of them at their last call.
+    - trains_cancelled, trains_shortened: those of them that the dispatcher left out whole, or in part.
     - late_s_max: most seconds after plan of any arrival or departure, 0 when none was late; late_at is where. What
       never came of a train with passengers is as late as `study.measures.missing` has it; None when trains were planned
       and none arrived.
@@ -50,11 +51,14 @@ def summarise(tables: RunTables, timetable: Timetable, end_s: float | None = Non
     }
     planned = len(due)
     arrived = len(due & arrived_trains(stops, timetable))
+    cancelled, shortened = cut_trains(stops)
     late, early, passed = worst_late(stops, timetable, end_s), worst_early(stops), worst_passing(stops)
     none_came = planned > 0 and arrived == 0
     return {
         "trains_planned": planned,
         "trains_arrived": arrived,
+        "trains_cancelled": len(due & cancelled),
+        "trains_shortened": len(due & shortened),
         "late_s_max": None if none_came else 0.0 if late is None else late["late_s"],
         "late_at": None if none_came else late,
         "late_passing_s_max": None if passed is None else passed["late_s"],
@@ -136,6 +140,13 @@ def arrived_trains(stops: pl.DataFrame, timetable: Timetable) -> set[str]:
     return {number for number, station in reached if (number, station) in last_calls}
 
 
+def cut_trains(stops: pl.DataFrame) -> tuple[set[str], set[str]]:
+    """Numbers of the trains that the dispatcher left out whole, and of those of which some calls came."""
+    cut = set(stops.filter("cancelled")["train"])
+    ran = set(stops.filter(~pl.col("cancelled"))["train"])
+    return cut - ran, cut & ran
+
+
 def worst_late(
     stops: pl.DataFrame, timetable: Timetable, end_s: float | None = None
 ) -> dict[str, Any] | None:
@@ -152,7 +163,7 @@ def worst_passing(stops: pl.DataFrame) -> dict[str, Any] | None:
     """The latest passing by the plan: train, station, late_s. None: no train passed at a time planned."""
     came = pl.col("late_departure_s").is_not_null()
     late = (
-        stops.filter(came, pl.col("kind") == CallKind.PASS.value)
+        stops.filter(came, pl.col("kind") == CallKind.PASS.value, ~pl.col("cancelled"))
         .select("train", "station", pl.col("late_departure_s").alias("late_s"))
         .sort("late_s", descending=True, maintain_order=True)
     )
@@ -168,7 +179,7 @@ def worst_early(stops: pl.DataFrame) -> dict[str, Any] | None:
 
 def _lateness(stops: pl.DataFrame) -> pl.DataFrame:
     """Every arrival and departure that had a plan and came; what the table of delays shows. Passings are neither."""
-    calls = stops.filter(pl.col("kind") != CallKind.PASS.value)
+    calls = stops.filter(pl.col("kind") != CallKind.PASS.value, ~pl.col("cancelled"))
     parts = [
         calls.select("train", "station", pl.lit(what).alias("what"), pl.col(f"late_{what}_s").alias("late_s"))
         for what in ("arrival", "departure")

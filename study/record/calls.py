@@ -69,3 +69,8 @@ class CallAsRun:
         ),
         "front beyond the mark is positive",
     ]
+    cancelled: Annotated[
+        bool,
+        Figure(phrase("cancelled"), seen=ShownIn.REPORT, kind=Kind.TEXT),
+        "by the dispatcher; it counts as late as the scenario states",
+    ] = False

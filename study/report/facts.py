@@ -43,6 +43,7 @@ def headline(run: ReportedRun, facts: Mapping[str, Any], drill: DrillShown | Non
     return (
         *(() if drill is None else (Fact(phrase("Drill"), drill.verdict(), not drill.passed),)),
         Fact(phrase("Trains arrived"), arrived_said, arrived < planned),
+        *_cut(facts),
         _invariants(facts),
         *_ending(facts),
         *_lateness(run, facts),
@@ -57,6 +58,15 @@ def headline(run: ReportedRun, facts: Mapping[str, Any], drill: DrillShown | Non
             for key, name in _DIGESTS.items()
         ),
     )
+
+
+def _cut(facts: Mapping[str, Any]) -> tuple[Fact, ...]:
+    """How many trains the dispatcher left out; nothing where he left out none."""
+    whole, part = facts.get("trains_cancelled", 0), facts.get("trains_shortened", 0)
+    if not whole and not part:
+        return ()
+    said = phrase("{whole} whole, {part} in part").fill(whole=whole, part=part)
+    return (Fact(phrase("Cancelled by the dispatcher"), said, True),)
 
 
 def _lateness(run: ReportedRun, facts: Mapping[str, Any]) -> tuple[Fact, ...]:

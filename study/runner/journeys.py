@@ -16,7 +16,9 @@ from onboard.duty.mission import Target
 from simulation.setup import Setup
 from study.feasibility.planned import PlannedDay, PlannedTrain, planned_day
 from wayside.config import (
+    NO_CUTS,
     NO_DISPATCH,
+    CutRules,
     DispatchEntry,
     DispatcherMeans,
     JourneyMove,
@@ -42,6 +44,11 @@ def dispatch_of(setup: Setup) -> DispatchEntry:
         given.given,
         parts=setup.grants_parts,
         may=given.may,
+        cuts=CutRules(
+            given.turn_back_at, given.cancel_trains, given.stated_late_s, S_PER_MIN * given.cut_gain_min
+        )
+        if given.cuts
+        else NO_CUTS,
     )
 
 
@@ -69,8 +76,17 @@ def _moves(setup: Setup, train: PlannedTrain) -> Iterator[JourneyMove]:
         stays_s = setup.turn_s if last else setup.unit.dwell_min_s if stops else 0.0
         leaves = last and duty.leaves
         others = () if there.target is None else _other_tracks(setup, train, there.target)
+        station = None if here.target is None else here.target.station_id
         yield JourneyMove(
-            train.number, route.id, there.section_id, leaves, here.departs_s, there.arrives_s, stays_s, others
+            train.number,
+            route.id,
+            there.section_id,
+            leaves,
+            here.departs_s,
+            there.arrives_s,
+            stays_s,
+            others,
+            station or "",
         )
 
 

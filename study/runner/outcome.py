@@ -77,7 +77,10 @@ def missing_said(result: RunResult) -> tuple[Phrase, ...]:
     if result.ended_because.of_part:
         return ()  # how late they are by then is in the figures
     planned = (*result.trains_planned, *result.empty_planned)
-    missing = [n for n in planned if n not in (*result.trains_arrived, *result.empty_arrived)]
+    cut = {stop.number for stop in result.stops if stop.cancelled}
+    missing = [
+        n for n in planned if n not in (*result.trains_arrived, *result.empty_arrived) and n not in cut
+    ]
     sentences = [words.MISSING.fill(count=len(missing), trains=", ".join(missing))] if missing else []
     sentences += [words.NOT_HOME.fill(unit=stock_id) for stock_id in result.unfinished]
     if result.ended_because is not Ending.FINISHED:

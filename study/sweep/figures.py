@@ -56,6 +56,10 @@ _ALL: Final = (
     DayFigure(
         "arrived_trains", "trains that arrive", "", lambda day: float(day.arrived_trains), more_is_better=True
     ),
+    DayFigure(
+        "cancelled_trains", "trains left out by the dispatcher", "", lambda day: float(len(day.cancelled))
+    ),
+    DayFigure("shortened_trains", "trains cut by the dispatcher", "", lambda day: float(len(day.shortened))),
     DayFigure("missing_trains", "trains that never arrive", "", lambda day: float(len(day.missing))),
 )
 FIGURES: Final[Mapping[str, DayFigure]] = {figure.name: figure for figure in _ALL}

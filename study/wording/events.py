@@ -63,6 +63,8 @@ EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
         _OF_UNIT,
     ),
     said.TrackChanged: EventWording("order", phrase("{why}", "clause")),
+    said.TrainCut: EventWording("order", phrase("{why}", "clause")),
+    said.GoesOnAs: EventWording("order", phrase("{unit_id} goes on as {train}")),
     said.RouteAskedBack: EventWording("order", phrase("{why}", "clause")),
     said.NotDone: EventWording(
         "refusal", phrase("{unit_id} refuses an order about route {route_id}{why}"), _WHY

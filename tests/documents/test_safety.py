@@ -10,16 +10,18 @@ from pathlib import Path
 import pytest
 import typer
 from click import Group
+from verify.runs.intruders import ATTACKS, THREATS
 
 from branchline.cli import app
 from documents.safety_case import HAZARDS
 from study.drilling.drill import shipped_drills
-from verify.runs.intruders import ATTACKS, THREATS
 
 ROOT = Path(__file__).resolve().parents[2]
 CLAIMS = [claim for hazard in HAZARDS for claim in hazard.claims]
 COMMANDS = sorted({command for claim in CLAIMS for command in claim.commands})
-TESTS = sorted({test for claim in CLAIMS for test in claim.tests} | {t for threat in THREATS for t in threat.tests})
+TESTS = sorted(
+    {test for claim in CLAIMS for test in claim.tests} | {t for threat in THREATS for t in threat.tests}
+)
 
 
 @cache

@@ -37,6 +37,8 @@ EXAMPLES: list[m.AnyMessage] = [
     m.TrackOrdered("R", "S"),
     m.RouteTakenBack("R", 5, 30.0),
     m.OrderRefused("R", m.OrderRefusalReason.NOT_HELD),
+    m.TrainOrdered("R", "2M"),
+    m.NextTrainReport(("A",), 7, (), "2M"),
 ]
 
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import pytest
-
-from tests.nightly import others_nightly
-from tests.system.switchboard import FOLDER, SWITCHES
-from verify.explored_line import Budgets, ExploredLine
-from verify.pair_view import Believed, PairView
 from verify.runs.inside import InsideFigures
 from verify.runs.inside_runs import LINES, OTHER, by_lack, explored_views, load, runs_named, watched_run
+
+from verify.explored_line import Budgets, ExploredLine
+from verify.pair_view import Believed, PairView
 
 BEYOND_SHARE_MAX = 0.05  # of the events of a day
 

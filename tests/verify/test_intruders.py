@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from verify.runs.inside_runs import load
+from verify.runs.intruders import ATTACKS, THREATS, Attack, intruded
 
 from radio.envelope import DropReason
 from tests.nightly import others_nightly
 from tests.system.switchboard import SWITCHES
 from tests.system.switches_radio import lets_pass
-from verify.runs.inside_runs import load
-from verify.runs.intruders import ATTACKS, THREATS, Attack, intruded
 
 SLICE = "rtri_test_line"
 SCENARIOS = (SLICE, "rtri/06_unit_manager_link", "karasuyama_weekday")
@@ -40,5 +40,3 @@ def test_without_its_check_a_telegram_passes(
     lets_pass(monkeypatch, reason, DropReason.REPEATED)
     (found,) = intruded(load(SLICE), 1, (attack,))
     assert not found.held
-
-

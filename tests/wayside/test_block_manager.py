@@ -17,6 +17,7 @@ from radio.messages import (
     HoldingConfirmed,
     HoldingReport,
     LeavingClaim,
+    NextTrainReport,
     OrderRefusalReason,
     OrderRefused,
     PointsProof,
@@ -400,6 +401,7 @@ MESSAGES: tuple[AnyMessage, ...] = (
     Claim(("B",), 1),
     LeavingClaim(("B",), 1),
     OrderRefused("over", OrderRefusalReason.NOT_HELD),
+    NextTrainReport(("B",), 1, (), "2M"),
 )
 EXPECTED = {
     (RouteRequest, UnitStanding.UNKNOWN): ClaimQuery,
@@ -410,12 +412,15 @@ EXPECTED = {
     (RouteRequest, UnitStanding.DISPUTED): ClaimQuery,
     (HoldingReport, UnitStanding.REPORTED): HoldingConfirmed,
     (HoldingReport, UnitStanding.LEAVING): HoldingConfirmed,
+    (NextTrainReport, UnitStanding.REPORTED): HoldingConfirmed,
+    (NextTrainReport, UnitStanding.LEAVING): HoldingConfirmed,
     (SignOff, UnitStanding.OUTSIDE): SignOffAccepted,
 }
 NOTED = {(OrderRefused, UnitStanding.REPORTED), (OrderRefused, UnitStanding.LEAVING)}  # and not answered
 OTHERWISE = {
     OrderRefused: ClaimQuery,
     HoldingReport: ClaimQuery,
+    NextTrainReport: ClaimQuery,
     SignOn: SignOnAccepted,
     SignOff: SignOffRefused,
     Claim: SignOnAccepted,

@@ -22,6 +22,7 @@ from onboard.authority.records import (
     Take,
     TakeBackOrdered,
     TrackChangeOrdered,
+    TrainEndOrdered,
 )
 from onboard.duty.plan import PointsNeeded
 from radio import messages as radio
@@ -300,6 +301,20 @@ def test_an_order_to_another_track_counts_for_the_request_outstanding(letters: L
     for correlation, answers in ((2, True), (1, False)):
         read = letters.read(heard(order, correlation))
         assert read == TrackChangeOrdered("3>8", "3>9", answers)
+
+
+def test_an_order_to_end_the_train_counts_for_the_request_outstanding(letters: Letters) -> None:
+    letters.keep(Renew(RequestKind.ROUTE))
+    for correlation, answers in ((2, True), (1, False)):
+        read = letters.read(heard(radio.TrainOrdered("3>8", "2M"), correlation))
+        assert read == TrainEndOrdered("3>8", "2M", answers)
+
+
+def test_a_report_of_a_train_that_has_ended_names_the_next(holding: Letters) -> None:
+    holding.keep(Renew(RequestKind.REPORT))
+    request = sym.OpenRequest(RequestKind.REPORT, "2M", ("3",), True, "", ("5",))
+    letter = holding.write(sym.SendRequest(request))
+    assert letter.message == radio.NextTrainReport(("3",), 20, ("5",), "2M")
 
 
 def test_a_route_is_wanted_back_under_the_newest_token(holding: Letters) -> None:

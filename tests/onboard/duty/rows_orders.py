@@ -16,6 +16,7 @@ from onboard.authority.records import (
     StopTimer,
     TakeBackOrdered,
     TrackChangeOrdered,
+    TrainEndOrdered,
     Write,
 )
 from onboard.duty.records import (
@@ -23,6 +24,7 @@ from onboard.duty.records import (
     DutyPhase,
     NoSuchWay,
     TakeUpWay,
+    TrainEndsHere,
     WayOrdered,
 )
 from radio.messages import OrderRefusalReason
@@ -48,6 +50,7 @@ from tests.onboard.duty.stage import (
 )
 
 ASKS: Final = replace(STANDING, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)))
+ENDS: Final = replace(ASKS, next_train="T2")
 ORDERED: Final = replace(ASKS, ordered="3>9")
 HOLDS_ROUTE: Final = replace(
     STANDING,
@@ -107,6 +110,41 @@ ORDERS: Final[dict[str, Case]] = {
             Renew(RequestKind.ROUTE),
             *sent(ROUTE_OPEN),
         ),
+    ),
+    "to end its train here, to the request outstanding": (
+        ASKS,
+        TrainEndOrdered("3>8", "T2", answers=True),
+        AT_A,
+        ENDS,
+        (TrainEndsHere("T2"),),
+    ),
+    "to end its train, to a request that was answered before": (
+        ASKS,
+        TrainEndOrdered("3>8", "T2", answers=False),
+        AT_A,
+        ASKS,
+        (),
+    ),
+    "no train is ended that holds its route by now": (
+        HOLDS_ROUTE,
+        TrainEndOrdered("3>8", "T2", answers=True),
+        NOT_READY,
+        replace(HOLDS_ROUTE, place=NOT_READY),
+        (),
+    ),
+    "none whose front may have left": (
+        ASKS,
+        TrainEndOrdered("3>8", "T2", answers=True),
+        moved(AT_A, perhaps=2),
+        replace(ASKS, place=moved(AT_A, perhaps=2)),
+        refused(OrderRefusalReason.MAY_HAVE_ENTERED),
+    ),
+    "its set has no such train": (
+        ENDS,
+        NoSuchWay(),
+        AT_A,
+        ASKS,
+        refused(OrderRefusalReason.UNKNOWN_TRAIN),
     ),
     "the train has no such way": (
         ORDERED,
@@ -171,6 +209,17 @@ ORDERS: Final[dict[str, Case]] = {
         f"no other track: {at.value}": (
             STATES[at],
             TrackChangeOrdered("3>8", "3>9", answers=True),
+            STATES[at].place,
+            STATES[at],
+            refused(OrderRefusalReason.NOT_AT_A_STOP),
+        )
+        for at in ON_THE_LINE
+        if at is not DutyPhase.STANDING
+    },
+    **{
+        f"it is not ended: {at.value}": (
+            STATES[at],
+            TrainEndOrdered("3>8", "T2", answers=True),
             STATES[at].place,
             STATES[at],
             refused(OrderRefusalReason.NOT_AT_A_STOP),

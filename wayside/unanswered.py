@@ -1,0 +1,35 @@
+"""Orders to go on as another train that a unit has not answered: nobody knows whether it has heard of them.
+
+Invariant: while one is out, nothing is granted to others after which not all could finish either way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from wayside.certificate import STEPS_MAX, CertificateProof, finishing_order
+from wayside.journeys import Days, Stands
+from wayside.register import Register
+
+EITHER_WAY = True  # off: who was ordered to go on as another train counts as if it were not
+
+
+def in_doubt(register: Register, days: Days, stands: Stands, index: int) -> int | None:
+    """A stock that was ordered to go on as another train, if not all could finish should it do so once that one has
+    made its next move; None: all can either way.
+    """
+    for other in _ordered(register, days, index) if EITHER_WAY else ():
+        unit_id = days.unit_ids[other]
+        cut = days.with_cut(other, stands.at[other], register.trip(unit_id).next_train)
+        if cut is None:
+            continue
+        found = finishing_order(stands.after(cut, index).trains(cut), STEPS_MAX)
+        if found.proof is not CertificateProof.ORDER:
+            return other
+    return None
+
+
+def _ordered(register: Register, days: Days, index: int) -> Iterator[int]:
+    for other, unit_id in enumerate(days.unit_ids):
+        if other != index and register.trip(unit_id).next_train:
+            yield other
