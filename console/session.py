@@ -161,24 +161,28 @@ class Session:
 
     def end_fault(self, number: int) -> None:
         """A fault that somebody began is over as soon as possible. InputError for one that is not in force."""
-        deed = self.deeds[number] if 0 <= number < len(self.deeds) else None
-        key = self._fault_key(number)
-        if deed is None or key is None or not self._lasts(deed, key):
+        key = self._key_in_force(number)
+        if key is None:
             raise InputError(AT_DESK, "number", number, "the number of a fault in force that was begun here")
         step = self._free_step()
         self.simulation.end_fault(key, step)
         self._stretch_end = self.simulation.foresee()
-        self.deeds[number] = replace(deed, over_step=step)
+        self.deeds[number] = replace(self.deeds[number], over_step=step)
 
-    def _lasts(self, deed: Deed, key: int) -> bool:
-        return deed.over_step is None and self.ended is None and self.simulation.injector.in_force(key)
+    def can_end(self, number: int) -> bool:
+        """Whether a deed is a fault in force."""
+        return self._key_in_force(number) is not None
 
-    def _fault_key(self, number: int) -> int | None:
-        """What the injector calls the fault that is this deed; None where it is no fault."""
-        if not 0 <= number < len(self.deeds) or not isinstance(self.deeds[number].item, ScriptedFault):
+    def _key_in_force(self, number: int) -> int | None:
+        """What the injector calls the fault in force that is this deed; None where it is none."""
+        if self.ended is not None or not 0 <= number < len(self.deeds):
             return None
-        before = sum(isinstance(deed.item, ScriptedFault) for deed in self.deeds[:number])
-        return len(self._scenario.setup.script.faults) + before
+        deed = self.deeds[number]
+        if not isinstance(deed.item, ScriptedFault) or deed.over_step is not None:
+            return None
+        before = sum(isinstance(other.item, ScriptedFault) for other in self.deeds[:number])
+        key = len(self._scenario.setup.script.faults) + before
+        return key if self.simulation.injector.in_force(key) else None
 
     def _timed(self, table: Mapping[str, Any]) -> dict[str, Any]:
         """As if written for the present; the step at which it takes effect replaces that."""
