@@ -14,12 +14,14 @@ from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Any, Final, Self
 
+from console.line_seen import LineSeen
 from network.errors import InputError
 from network.files.toml_input import validate
 from scenario.scenario import Scenario
 from scenario.script_file import ActTable, FaultTable, act_of, names_of, scripted_fault_of
 from simulation.faults.fault import Names
 from simulation.faults.script import Act, Script, ScriptedFault, Trigger
+from simulation.foreseen import TrainMotion
 from simulation.journal import Journal
 from simulation.late_day import late_day
 from simulation.loop import Simulation
@@ -62,6 +64,7 @@ class Session:
         _check(scenario)
         self.names: Final[Names] = names_of(scenario.setup)
         self.deeds: list[Deed] = []
+        self.line = LineSeen(scenario.setup)  # anew with each run
         self.step = 0
         self.ended: Ending | None = None
         self._result: RunResult | None = None
@@ -108,6 +111,14 @@ class Session:
             self._result = self.simulation.result_of(self.ended)
         return self._result
 
+    def motion(self, slot: int) -> TrainMotion:
+        """Where a train on the line is now, on its true path."""
+        simulation = self.simulation
+        if self.ended is not None:
+            speed_mps = float(simulation.trains.plants[slot].speed_mps)
+            return TrainMotion(float(simulation.trains.truths[slot].position_m), speed_mps)
+        return simulation.motion_at(slot, self.step)
+
     # going on ---------------------------------------------------------------------------------------------------------
 
     def run_to(self, step: int) -> None:
@@ -131,6 +142,8 @@ class Session:
     def _open(self) -> None:
         setup = replace(self._scenario.setup, script=self._whole_script())
         self._simulation = self._stack.enter_context(simulation_of(setup))
+        self.line = LineSeen(setup)
+        self._simulation.journal.watch(self.line.see)
         self.ended, self._result = None, None
         self.step = self._simulation.step
         self._simulation.begin()

@@ -190,6 +190,10 @@ class Simulation:
         """Whether nothing follows for a stock."""
         return self._duties.finished(self.trains.slot_of[stock_id])
 
+    def waits_for(self, slot: int) -> str:
+        """What a train waits for by what its unit shows and its driver sees."""
+        return self._cabs.waits_for(slot)
+
     def carry_out(self, script: Script) -> None:
         """From now on a script is carried out, as if it had been that of the setup, which must have had none."""
         self.injector.take_up(script, self._step)
