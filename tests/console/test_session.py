@@ -22,7 +22,6 @@ from study.runner.run import PartyLink, simulation_of
 pytestmark = pytest.mark.system
 
 TEN: Final = 36_000 * STEPS_PER_S  # T1's departure
-TWO = 'extends = "rtri_test_line"\nid = "two"\nname = "two"\ntimetable = "rtri_two_trains"\n'
 FEW = settings(
     max_examples=6,
     deadline=None,
@@ -37,13 +36,10 @@ class Uncut:
 
 
 @pytest.fixture(scope="module")
-def two(tmp_path_factory: pytest.TempPathFactory) -> Uncut:
-    """Two trains on the test line, with staff who react, and their run without a desk."""
-    file = tmp_path_factory.mktemp("two") / "two.toml"
-    file.write_text(f"{TWO}[people]\nreact = true\n", "utf-8")
-    scenario = load_scenario(str(file))
-    with simulation_of(scenario.setup) as simulation:
-        return Uncut(scenario, simulation.run())
+def two(two_trains: Scenario) -> Uncut:
+    """Its run without a desk."""
+    with simulation_of(two_trains.setup) as simulation:
+        return Uncut(two_trains, simulation.run())
 
 
 def replayed(session: Session, folder: Path) -> RunResult:
