@@ -6,7 +6,7 @@ Invariant: what is asked and may not be is refused with a reason, and nothing ha
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from console.pacing import Pacer
 from console.protocol import (
@@ -35,6 +35,13 @@ from simulation.setup import STEPS_PER_S, step_not_before
 STEPS_AT_ONCE: Final = 600  # gone on without looking who asks for something
 
 
+class Turn(NamedTuple):
+    """Whether the run has gone on, and how long until more is due, s; None: nothing is by itself."""
+
+    moved: bool
+    wait_s: float | None
+
+
 class Desk:
     """One run and those who work it. `branch` counts the times that it went back."""
 
@@ -57,17 +64,17 @@ class Desk:
 
     # time -------------------------------------------------------------------------------------------------------------
 
-    def turn(self, now_s: float) -> float | None:
-        """Go on as far as the run should be by now, or a part of that; how long until more is due, s (None: not)."""
-        session = self._session
+    def turn(self, now_s: float) -> Turn:
+        """Go on as far as the run should be by now, or a part of that."""
+        session, before = self._session, self._session.step
         due = self._pacer.due(now_s)
-        if session.ended is None and due > session.step:
-            session.run_to(min(due, session.step + STEPS_AT_ONCE))
+        if session.ended is None and due > before:
+            session.run_to(min(due, before + STEPS_AT_ONCE))
         if session.ended is not None:
-            self._pacer = Pacer(0.0, session.step, now_s)
-            return None
-        self._pacer = self._pacer.at(session.step, now_s)
-        return self._pacer.wait_s(session.step, now_s)
+            self._stand(now_s)
+        else:
+            self._pacer = self._pacer.at(session.step, now_s)
+        return Turn(session.step != before, self._pacer.wait_s(session.step, now_s))
 
     # what is asked ----------------------------------------------------------------------------------------------------
 

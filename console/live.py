@@ -95,8 +95,8 @@ class LiveDesk:
         shown_s = -UPDATES_EVERY_S
         stale = True
         while True:
-            wait_s = desk.turn(time.monotonic())
-            stale = stale or wait_s is not None
+            moved, wait_s = desk.turn(time.monotonic())
+            stale = stale or moved
             now_s = time.monotonic()
             if stale and now_s - shown_s >= UPDATES_EVERY_S:
                 self._moment, shown_s = desk.moment, now_s

@@ -11,6 +11,7 @@ import pytest
 from console.live import WAITING_MAX, LiveDesk
 from console.protocol import Answer, DoAct, Fail, Pace, Request, RunTo, SaveDrill
 from console.seats import Seat
+from network.errors import InputError
 from scenario.scenario import Scenario, load_scenario
 from simulation.setup import STEPS_PER_S
 from study.drilling.drill import run_drill
@@ -78,7 +79,7 @@ def test_who_asks_too_much_at_once_is_told_so_and_the_run_does_not_wait(two_trai
 
 def test_what_keeps_it_from_beginning_is_raised_where_it_was_begun() -> None:
     live = LiveDesk(load_scenario("karasuyama_bad_days"), lambda: None)
-    with pytest.raises(ValueError, match="no failures"):
+    with pytest.raises(InputError, match="no failures"):
         live.start()
 
 
