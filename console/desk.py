@@ -27,8 +27,8 @@ from console.seats import RIGHTS, Seat
 from console.session import AT_DESK, Session
 from console.shown import Moment, moment_of, welcome_of
 from network.errors import InputError
-from network.files.toml_input import one_of
 from network.files.names import IDENTIFIER_HELP, is_identifier
+from network.files.toml_input import one_of
 from simulation.faults.script import ActKind
 from simulation.setup import STEPS_PER_S, step_not_before
 
@@ -58,9 +58,7 @@ class Desk:
     def moment(self) -> Moment:
         """The present."""
         running = self._pacer.factor > 0.0 or self._pacer.goal is not None
-        return moment_of(
-            self._session, self._session.line, self._pacer.factor, self._branch, running=running
-        )
+        return moment_of(self._session, self._session.line, self._pacer.factor, self._branch, running=running)
 
     # time -------------------------------------------------------------------------------------------------------------
 

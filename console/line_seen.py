@@ -137,8 +137,9 @@ class LineSeen:
                 self.defined = stage == ReentryStage.DEFINED.value
             case said.Granted(unit_id=unit, section_ids=sections):
                 self._held[unit] = tuple(dict.fromkeys((*self._held.get(unit, ()), *sections)))
-            case said.Accepted(unit_id=unit, section_ids=sections) | said.ConfirmedByHand(
-                unit_id=unit, section_ids=sections
+            case (
+                said.Accepted(unit_id=unit, section_ids=sections)
+                | said.ConfirmedByHand(unit_id=unit, section_ids=sections)
             ):
                 self._held[unit] = sections
             case said.Freed(unit_id=unit, section_ids=sections):

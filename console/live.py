@@ -102,7 +102,9 @@ class LiveDesk:
                 self._moment, shown_s = desk.moment, now_s
                 stale = False
                 self._changed()
-            until_s = [w for w in (wait_s, shown_s + UPDATES_EVERY_S - now_s if stale else None) if w is not None]
+            until_s = [
+                w for w in (wait_s, shown_s + UPDATES_EVERY_S - now_s if stale else None) if w is not None
+            ]
             try:
                 asked = self._queue.get(timeout=max(min(until_s), 0.0)) if until_s else self._queue.get()
             except Empty:

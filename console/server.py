@@ -17,23 +17,39 @@ from typing import Final, Protocol
 import msgspec
 from starlette.applications import Starlette
 from starlette.requests import Request as PageRequest
-from starlette.responses import PlainTextResponse, Response
+from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from console.access import REFUSED_MAX, SOCKETS_MAX, AccessRules, Allowance, Refusal
-from console.protocol import MESSAGE_BYTES_MAX, VERSION, Answer, Request, Welcome, encoded, hello_of, request_of
+from console.protocol import (
+    MESSAGE_BYTES_MAX,
+    VERSION,
+    Answer,
+    Request,
+    Welcome,
+    encoded,
+    hello_of,
+    request_of,
+)
 from console.seats import Seat
 from console.shown import Moment, Shown, is_behind, state_for
+from study.wording.catalogue import phrases_of
 
 SOCKET_PATH: Final = "/desk"
+WORDS_IN: Final = ("desk", "act")  # contexts of the catalogue
 REFUSED_CODE, FULL_CODE = 1008, 1013
 HEADERS: Final = {
-    "Content-Security-Policy": "default-src 'self'; frame-ancestors 'none'",
+    "Content-Security-Policy": "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'",
     "X-Content-Type-Options": "nosniff",
     "Cache-Control": "no-store",
 }
-TYPES: Final = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json"}
+TYPES: Final = {
+    ".html": "text/html",
+    ".js": "text/javascript",
+    ".css": "text/css",
+    ".json": "application/json",
+}
 
 
 class DeskDoor(Protocol):
@@ -67,6 +83,7 @@ class DeskServer:
         self.app = Starlette(
             routes=[
                 WebSocketRoute(SOCKET_PATH, self._socket),
+                Route("/words.json", self._words),
                 Route("/{name:path}", self._page),
             ]
         )
@@ -85,6 +102,15 @@ class DeskServer:
 
     def _refuse(self, why: Refusal) -> None:
         self.refused[why] += 1
+
+    async def _words(self, _request: PageRequest) -> Response:
+        """The Japanese of what the pages say, by English and context as gettext joins them."""
+        words = {
+            f"{context}\u0004{english}": said.ja
+            for context in WORDS_IN
+            for english, said in phrases_of(context).items()
+        }
+        return JSONResponse(words, headers=HEADERS)
 
     async def _page(self, request: PageRequest) -> Response:
         if (why := self._rules.refused(request.headers.get("host", ""), None)) is not None:

@@ -21,7 +21,7 @@ class TrainMotion(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class ForeseenStretch:
-    """`before` and `first_row`: the stocks and the use of the trace as it began, so that it can be run anew, shorter."""
+    """`before` and `first_row`: the stocks and the use of the trace as it began, so that it can be run anew."""
 
     done: int  # steps
     movers: int

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from queue import Queue
 from threading import Event
-from typing import Any, Final
+from typing import Final
 
 import pytest
 
@@ -43,12 +44,14 @@ class Visitor:
             self._changed.clear()
 
 
-def test_what_seats_do_is_saved_as_a_drill_of_the_same_events(two_trains: Scenario, tmp_path: Any) -> None:
+def test_what_seats_do_is_saved_as_a_drill_of_the_same_events(two_trains: Scenario, tmp_path: Path) -> None:
     visitor = Visitor(two_trains)
     visitor.live.start()
     try:
         visitor.run_to(36_010.0)
-        assert visitor.ask(Fail(fault={"kind": "power_off", "target": "block-manager", "duration_s": 60.0})).good
+        assert visitor.ask(
+            Fail(fault={"kind": "power_off", "target": "block-manager", "duration_s": 60.0})
+        ).good
         visitor.run_to(36_020.0)
         assert not visitor.live.moment.known.manager_on
         assert {section.state.value for section in visitor.live.moment.known.sections} == {"undefined"}

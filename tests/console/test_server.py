@@ -76,11 +76,11 @@ class Visit:
         return closed.value.code
 
 
-def say(socket: WebSocketTestSession, **message: Any) -> None:
+def say(socket: WebSocketTestSession, **message: object) -> None:
     socket.send_text(json.dumps(message))
 
 
-def sit(socket: WebSocketTestSession, seat: str, **more: Any) -> dict[str, Any]:
+def sit(socket: WebSocketTestSession, seat: str, **more: object) -> dict[str, Any]:
     say(socket, say="hello", seat=seat, **more)
     return dict(socket.receive_json())
 

@@ -139,7 +139,7 @@ def test_two_deeds_of_one_moment_take_two_steps(two: Uncut) -> None:
 
 
 def test_going_back_undoes_what_came_after(two: Uncut) -> None:
-    """What-if: with the fault, then back before it and on without: the run as it was. A fault ended later lasts again."""
+    """What-if: with the fault, then back before it and on without: as it was. A fault ended later lasts again."""
     with Session(two.scenario) as session:
         session.run_to(TEN)
         fault = session.fail({"kind": "power_off", "target": "block-manager"})
@@ -160,9 +160,9 @@ def test_going_back_undoes_what_came_after(two: Uncut) -> None:
 def test_what_is_refused_says_why_and_changes_nothing(two: Uncut) -> None:
     with Session(two.scenario) as session:
         session.run_to(TEN)
-        with pytest.raises(InputError, match="desk: fault.target is 'K9'; expected a device"):
+        with pytest.raises(InputError, match=r"desk: fault.target is 'K9'; expected a device"):
             session.fail({"kind": "power_off", "target": "K9"})
-        with pytest.raises(InputError, match="desk: act.kind is 'sing'"):
+        with pytest.raises(InputError, match=r"desk: act.kind is 'sing'"):
             session.act({"kind": "sing"})
         with pytest.raises(InputError, match="a fault in force"):
             session.end_fault(0)
