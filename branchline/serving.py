@@ -51,7 +51,7 @@ def serve(
     if (listen is None) is not (tokens is None):
         raise InputError(COMMAND_LINE, "--tokens", tokens, "a new file with --listen, and only then")
     scenario = load_scenario(find_drill(name) if name in shipped_drills() else name, seed)
-    with _bound(listen or LOOPBACK, port) as bound:
+    with bound_socket(listen or LOOPBACK, port) as bound:
         host, at = bound.getsockname()[:2]
         rules = on_loopback(at) if tokens is None else with_tokens()
         if tokens is not None:
@@ -72,7 +72,7 @@ def serve(
             live.stop()
 
 
-def _bound(host: str, port: int) -> socket.socket:
+def bound_socket(host: str, port: int) -> socket.socket:
     """A socket on an address. InputError where that cannot be had."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     bound = socket.socket(family)

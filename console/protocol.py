@@ -253,7 +253,7 @@ class RuleShown(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class State(Said, frozen=True, kw_only=True, tag="state"):
-    """The present. `events` and `graph` go on from the last state that this connection had; a new `branch` begins anew.
+    """The present. `digest` is that of the run that has ended, as a drill of it has. `events` and `graph` go on from the last state that this connection had; a new `branch` begins anew.
 
     `deeds`, `rules`, `points` and `silent` (devices and units without power) are for seats that see the truth.
     """
@@ -262,6 +262,7 @@ class State(Said, frozen=True, kw_only=True, tag="state"):
     factor: float
     running: bool
     ended: str
+    digest: str
     branch: int
     defined: bool
     manager_on: bool
@@ -276,7 +277,7 @@ class State(Said, frozen=True, kw_only=True, tag="state"):
 
 
 Heard = Welcome | State | Answer
-_REQUESTS: Final = msgspec.json.Decoder(Request)
+_REQUESTS: Final[msgspec.json.Decoder[Request]] = msgspec.json.Decoder(Request)
 _HELLO: Final = msgspec.json.Decoder(Hello)
 _ENCODER: Final = msgspec.json.Encoder()
 

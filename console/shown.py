@@ -76,11 +76,13 @@ def is_behind(moment: Moment, had: Shown) -> bool:
 
 def moment_of(session: Session, line: LineSeen, factor: float, branch: int, *, running: bool) -> Moment:
     """The present of a session."""
+    digest = "" if session.ended is None else session.result.digest
     known = State(
         time_s=session.now_s,
         factor=factor,
         running=running and session.ended is None,
         ended="" if session.ended is None else session.ended.value,
+        digest=digest,
         branch=branch,
         defined=line.defined,
         manager_on=line.manager_on,

@@ -54,11 +54,18 @@ function build(known) {
     button(say("save as a drill"), () => tell("save", { id: `desk_${welcome.run}`, title: welcome.name })),
     make("span", { class: "grow" }), make("a", { href: address({ lang: lang === "ja" ? "en" : "ja" }), lang: lang === "ja" ? "en" : "ja" }, lang === "ja" ? "English" : "日本語"));
   const side = make("section", { class: "side", "aria-label": say("what can be done") }, make("p", { class: "answer", role: "status", "aria-live": "polite" }),
-    make("div", { id: "fault" }, lead ? say("Click a section, points, train or device to break it.") : ""),
-    ...(welcome.acts.length ? [actForm(welcome, words, tell, lead)] : []), make("div", { id: "deeds" }), make("div", { id: "lamps" }));
+    ...(lead ? [make("label", { for: "hit" }, say("Click a section, points, train or device to break it, or choose:")), anyTarget(welcome)] : []), make("div", { id: "fault" }),
+    ...(welcome.acts.length ? [actForm(welcome, words, tell, lead)] : []), make("div", { id: "deeds" }));
   document.querySelector("main").replaceChildren(
     make("section", { class: "schematic", "aria-label": say("the line") }), make("section", { class: "graph", "aria-label": say("train graph, planned and so far") }),
-    make("section", { class: "trains", "aria-label": say("trains"), tabindex: 0 }), side, make("section", { class: "log", "aria-label": say("events"), tabindex: 0 }));
+    make("section", { class: "trains", "aria-label": say("trains"), tabindex: 0 }), side, make("section", { class: "log", "aria-label": say("events"), tabindex: 0 }),
+    make("section", { class: "rules", id: "lamps", "aria-label": say("checkers"), tabindex: 0 }));
+}
+
+/** Everything that a fault may hit, whether it stands on the schematic or not. */
+function anyTarget(welcome) {
+  const all = [...new Set(welcome.faults.flatMap((kind) => kind.targets))];
+  return make("select", { id: "hit", onchange: ({ target }) => target.value && pick("", target.value) }, ...["", ...all].map((value) => make("option", { value }, value)));
 }
 
 function pick(kind, id) {
@@ -74,9 +81,9 @@ const late = (train) => train.late_s === null ? "–" : `${train.late_s < -0.5 ?
 function trainTable({ state }) {
   const truth = state.rules.length > 0;
   const heads = ["train", "unit", "late", "last at", "heard", "holds", ...(truth ? ["km/h", "waits for"] : [])];
-  const rows = state.trains.filter((train) => train.train).map((train) => [train.train, train.unit, late(train), train.station, clock(train.heard_s, true), train.sections.join(" "),
+  const rows = state.trains.filter((train) => train.train).map((train) => [train.train, train.unit, late(train), train.station, clock(train.heard_s, true), [...new Set([train.sections[0], train.sections.at(-1)])].join(" … "),
     ...(truth ? [train.speed_mps === null ? "–" : (train.speed_mps * 3.6).toFixed(0), train.waits_for] : [])]);
-  return make("table", {}, make("caption", { class: "unseen" }), make("thead", {}, make("tr", {}, ...heads.map((head) => make("th", { scope: "col" }, say(head))))),
+  return make("table", {}, make("caption", { class: "unseen" }, say("trains")), make("thead", {}, make("tr", {}, ...heads.map((head) => make("th", { scope: "col" }, say(head))))),
     make("tbody", {}, ...rows.map((row) => make("tr", {}, ...row.map((cell) => make("td", {}, cell))))));
 }
 
@@ -117,6 +124,7 @@ function show(known, reason) {
   if (last.state && last.state.branch !== known.state.branch) alarmed = 0;
   last = known;
   const { state } = known, at = (name) => document.querySelector(name);
+  at("main").dataset.digest = state.digest;
   at("#clock").textContent = clock(Math.floor(state.time_s), true);
   at("#running").textContent = state.ended ? `${say("ended")}: ${state.ended}` : say(state.running ? "runs" : "stands");
   for (const one of document.querySelectorAll("[data-pace]")) one.setAttribute("aria-pressed", String(Number(one.dataset.pace) === state.factor));

@@ -1,7 +1,7 @@
 // The line as a schematic: sections in order and not to scale, as the block manager has them, with the trains on them.
 
 const WIDTHS = { track: 150, points: 64, between: 220, portal: 84 };
-const TALL = 22, LANE = 34, GAP = 6;
+const TALL = 22, LANE = 42, GAP = 6;
 const NS = "http://www.w3.org/2000/svg";
 
 /** An element of a picture. */
@@ -30,7 +30,7 @@ export function laidOut(sections) {
     const lanes = [...all].sort((a, b) => a.lane - b.lane);
     lanes.forEach((section, i) => {
       const lane = i - (lanes.length - 1) / 2;
-      boxes.set(section.id, { x, y: 78 + lane * LANE - TALL / 2, width: WIDTHS[kind], height: TALL, from_m: section.from_m, to_m: section.to_m });
+      boxes.set(section.id, { x, y: 97 + lane * LANE - TALL / 2, width: WIDTHS[kind], height: TALL, from_m: section.from_m, to_m: section.to_m });
     });
     x += WIDTHS[kind] + GAP;
   }
@@ -43,7 +43,7 @@ const share = (box, at_m) => Math.min(Math.max((at_m - box.from_m) / (box.to_m -
 export function schematic(known, words, pick) {
   const { welcome, state } = known;
   const { boxes, width } = laidOut(welcome.sections);
-  const svg = drawn("svg", { viewBox: `0 0 ${width} 160`, role: "group", "aria-label": words.say("the line", {}, "desk") },
+  const svg = drawn("svg", { viewBox: `0 0 ${width} 180`, role: "group", "aria-label": words.say("the line", {}, "desk") },
     drawn("defs", {}, drawn("pattern", { id: "hatch", width: 6, height: 6, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
       drawn("rect", { width: 6, height: 6, fill: "#fff" }), drawn("rect", { width: 2, height: 6, fill: "#a8a8a8" }))));
   const chosen = (kind, id) => ({ tabindex: 0, role: "button", onclick: () => pick(kind, id),
@@ -54,7 +54,7 @@ export function schematic(known, words, pick) {
     svg.append(drawn("g", { class: `section ${section.state}`, ...chosen("section", section.id), "aria-label": `${section.id}: ${said} ${section.unit}` },
       drawn("title", {}, `${section.id}: ${said} ${section.unit}`), drawn("rect", box),
       label(box.x + box.width / 2, box.y - 3, section.id, "middle")));
-    const here = state.trains.filter((train) => train.section ? train.section === section.id : !train.at_m && train.sections.at(-1) === section.id);
+    const here = state.trains.filter((train) => train.section ? train.section === section.id : train.at_m === null && train.sections[0] === section.id);
     here.forEach((train, i) => svg.append(trainMark(box, train, i, chosen)));
     if (!here.length && section.unit) svg.append(label(box.x + box.width / 2, box.y + 15, section.unit, "middle", "unit"));
   }
@@ -65,17 +65,21 @@ export function schematic(known, words, pick) {
     group.append(label(box.x + box.width / 2, box.y + TALL + 14, points.id + sign, "middle", lies && !lies.position ? "bad" : ""));
     svg.append(group);
   }
-  for (const station of welcome.stations) {
+  const ends = [-Infinity, -Infinity, -Infinity]; // of the names on each line, from the lowest
+  for (const station of [...welcome.stations].sort((a, b) => a.at_m - b.at_m)) {
     const box = [...boxes.values()].find((one) => one.from_m <= station.at_m && station.at_m <= one.to_m);
     if (!box) continue;
     const x = box.x + share(box, station.at_m) * box.width;
-    svg.append(drawn("line", { x1: x, x2: x, y1: 18, y2: 24, stroke: "#1c1c1c" }), label(x, 14, words.lang === "ja" ? station.name_ja : station.name, "middle"));
+    const name = words.lang === "ja" ? station.name_ja : station.name, half = name.length * (words.lang === "ja" ? 6.5 : 3.8);
+    const row = Math.max(ends.findIndex((end) => end < x - half - 6), 0);
+    ends[row] = x + half;
+    svg.append(drawn("line", { x1: x, x2: x, y1: 41 - row * 14, y2: 46, stroke: "#1c1c1c" }), label(x, 39 - row * 14, name, "middle"));
   }
   const silent = (id) => state.silent.includes(id) ? ` ✕ ${words.say("no power", {}, "desk")}` : "";
   const devices = ["block-manager", ...new Set(welcome.points.map((points) => points.terminal))];
   devices.forEach((id, i) => {
     const group = drawn("g", { ...chosen("device", id), "aria-label": id + silent(id) });
-    group.append(label(8 + i * 190, 152, `▣ ${id}${silent(id)}`, "start", silent(id) ? "bad" : ""));
+    group.append(label(8 + i * 190, 174, `▣ ${id}${silent(id)}`, "start", silent(id) ? "bad" : ""));
     svg.append(group);
   });
   return svg;
@@ -95,7 +99,7 @@ function label(x, y, text, anchor, kind = "") {
 /** The train graph: what was planned, and what has been, for two hours about now. */
 export function trainGraph(known, words) {
   const { welcome, state, graph } = known;
-  const width = 560, height = 330, left = 74, low = 18;
+  const width = 560, height = 400, left = 146, low = 10;
   const from = state.time_s - 3600, to = state.time_s + 3600;
   const places = welcome.stations.map((station) => station.at_m), first = Math.min(...places), last = Math.max(...places);
   const x = (t) => left + ((t - from) / (to - from)) * (width - left - 6);

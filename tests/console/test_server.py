@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -255,3 +256,70 @@ def test_pages_come_from_two_folders_and_from_nowhere_else(door: Door) -> None:
     for name in ("session.py", "..%2fsession.py", "%2e%2e/session.py", "a/b.js"):
         assert client.get(f"/{name}").status_code == 404
     assert "default-src 'self'" in client.get("/graphpaper.js").headers["content-security-policy"]
+
+
+def test_a_connection_that_takes_nothing_holds_up_itself_alone(door: Door) -> None:
+    """Its first send never ends; the other is sent every moment, and the desk answers."""
+
+    async def both() -> tuple[int, list[str]]:
+        server = DeskServer(on_loopback(8580), lambda: 0.0)
+        server.desk = door
+        stalled, lively = _Wire(stalls=True), _Wire(stalls=False)
+        tasks = [
+            asyncio.create_task(server.app(wire.scope, wire.receive, wire.send)) for wire in (stalled, lively)
+        ]
+        for wire in (stalled, lively):
+            wire.say({"say": "hello", "seat": "instructor"})
+        for number in range(5):
+            lively.say({"say": "one_step", "number": number})
+            await lively.heard("answer")
+            server.changed()
+            await lively.heard("state")
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        return len(stalled.sent), lively.sent
+
+    before = door.session.step
+    held, sent = asyncio.run(both())
+    assert held == 0
+    assert sent.count("answer") == 5
+    assert sent.count("state") >= 5
+    assert door.session.step == before + 5
+
+
+class _Wire:
+    """What a server has of a connection; one that stalls takes nothing that is sent on it."""
+
+    def __init__(self, *, stalls: bool) -> None:
+        self.scope: dict[str, Any] = {
+            "type": "websocket",
+            "path": SOCKET_PATH,
+            "headers": [(b"host", HOST.encode()), (b"origin", ORIGIN["origin"].encode())],
+            "query_string": b"",
+            "subprotocols": [],
+        }
+        self.sent: list[str] = []
+        self._stalls = stalls
+        self._coming: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
+        self._going: asyncio.Queue[str] = asyncio.Queue()
+        self._coming.put_nowait({"type": "websocket.connect"})
+
+    def say(self, message: dict[str, Any]) -> None:
+        self._coming.put_nowait({"type": "websocket.receive", "text": json.dumps(message)})
+
+    async def receive(self) -> dict[str, Any]:
+        return await self._coming.get()
+
+    async def send(self, message: Any) -> None:  # noqa: ANN401
+        if message["type"] != "websocket.send":
+            return
+        if self._stalls:
+            await asyncio.Event().wait()
+        word = json.loads(message["text"])["say"]
+        self.sent.append(word)
+        self._going.put_nowait(word)
+
+    async def heard(self, word: str) -> None:
+        while await self._going.get() != word:
+            pass
