@@ -10,22 +10,22 @@ from typing import Any, Final, NamedTuple
 
 from console.pacing import Pacer
 from console.protocol import (
-    Answer,
+    DeskAnswer,
     DoAct,
     EndFault,
     Fail,
     GoBack,
     NextEvent,
     OneStep,
-    Pace,
     Request,
     RunTo,
     SaveDrill,
+    SetPace,
     Welcome,
 )
 from console.seats import RIGHTS, Seat
 from console.session import AT_DESK, Session
-from console.shown import Moment, moment_of, welcome_of
+from console.shown import DeskMoment, moment_of, welcome_of
 from network.errors import InputError
 from network.files.names import IDENTIFIER_HELP, is_identifier
 from network.files.toml_input import one_of
@@ -35,7 +35,7 @@ from simulation.setup import STEPS_PER_S, step_not_before
 STEPS_AT_ONCE: Final = 600  # gone on without looking who asks for something
 
 
-class Turn(NamedTuple):
+class DeskTurn(NamedTuple):
     """Whether the run has gone on, and how long until more is due, s; None: nothing is by itself."""
 
     moved: bool
@@ -55,14 +55,14 @@ class Desk:
         return welcome_of(self._session, seat)
 
     @property
-    def moment(self) -> Moment:
+    def moment(self) -> DeskMoment:
         """The present."""
         running = self._pacer.factor > 0.0 or self._pacer.goal is not None
         return moment_of(self._session, self._session.line, self._pacer.factor, self._branch, running=running)
 
     # time -------------------------------------------------------------------------------------------------------------
 
-    def turn(self, now_s: float) -> Turn:
+    def turn(self, now_s: float) -> DeskTurn:
         """Go on as far as the run should be by now, or a part of that."""
         session, before = self._session, self._session.step
         due = self._pacer.due(now_s)
@@ -72,47 +72,47 @@ class Desk:
             self._stand(now_s)
         else:
             self._pacer = self._pacer.at(session.step, now_s)
-        return Turn(session.step != before, self._pacer.wait_s(session.step, now_s))
+        return DeskTurn(session.step != before, self._pacer.wait_s(session.step, now_s))
 
     # what is asked ----------------------------------------------------------------------------------------------------
 
-    def ask(self, seat: Seat, request: Request, now_s: float) -> Answer:
+    def ask(self, seat: Seat, request: Request, now_s: float) -> DeskAnswer:
         """Do what a seat asks for, or say why not."""
         try:
             return self._done(seat, request, now_s)
         except InputError as error:
-            return Answer(number=request.number, good=False, why=str(error))
+            return DeskAnswer(number=request.number, good=False, why=str(error))
 
-    def _done(self, seat: Seat, request: Request, now_s: float) -> Answer:
+    def _done(self, seat: Seat, request: Request, now_s: float) -> DeskAnswer:
         number = request.number
         match request:
             case DoAct(act=table):
-                return Answer(number=number, good=True, deed=self._session.act(_act_of(seat, table)))
+                return DeskAnswer(number=number, good=True, deed=self._session.act(_act_of(seat, table)))
             case SaveDrill(id=own_id, title=title):
                 if not is_identifier(own_id):
                     raise InputError(AT_DESK, "id", own_id, IDENTIFIER_HELP)
-                return Answer(
+                return DeskAnswer(
                     number=number, good=True, text=self._session.drill_text(own_id, title or own_id)
                 )
             case _ if not RIGHTS[seat].leads:
                 raise InputError(AT_DESK, "seat", seat.value, f"{Seat.INSTRUCTOR.value}, who leads the run")
             case Fail(fault=table):
-                return Answer(number=number, good=True, deed=self._session.fail(table))
+                return DeskAnswer(number=number, good=True, deed=self._session.fail(table))
             case EndFault(deed=deed):
                 self._session.end_fault(deed)
-                return Answer(number=number, good=True, deed=deed)
+                return DeskAnswer(number=number, good=True, deed=deed)
             case GoBack(time_s=time_s):
                 self._session.go_back(step_not_before(time_s))
                 self._branch += 1
                 self._stand(now_s)
             case _:
                 self._move(request, now_s)
-        return Answer(number=number, good=True)
+        return DeskAnswer(number=number, good=True)
 
-    def _move(self, request: Pace | OneStep | NextEvent | RunTo, now_s: float) -> None:
+    def _move(self, request: SetPace | OneStep | NextEvent | RunTo, now_s: float) -> None:
         session = self._session
         match request:
-            case Pace(factor=factor):
+            case SetPace(factor=factor):
                 self._pacer = Pacer(factor, session.step, now_s)
             case OneStep():
                 session.run_to(session.step + 1)

@@ -14,20 +14,21 @@ from threading import Event, Thread
 from typing import Final
 
 from console.desk import Desk
-from console.protocol import Answer, Request, Welcome
+from console.protocol import DeskAnswer, Request, Welcome
 from console.seats import Seat
 from console.session import Session
-from console.shown import Moment
+from console.shown import DeskMoment
 from scenario.scenario import Scenario
+from study.runner.collector import collecting_rarely
 
 UPDATES_EVERY_S: Final = 0.1
 WAITING_MAX: Final = 256  # requests
 
-Take = Callable[[Answer], None]
+Take = Callable[[DeskAnswer], None]
 
 
 @dataclass(frozen=True, slots=True)
-class _Asked:
+class _QueuedRequest:
     seat: Seat
     request: Request
     take: Take
@@ -39,11 +40,11 @@ class LiveDesk:
     def __init__(self, scenario: Scenario, changed: Callable[[], None]) -> None:
         self._scenario: Final = scenario
         self._changed: Final = changed
-        self._queue: Queue[_Asked | None] = Queue(WAITING_MAX)
+        self._queue: Queue[_QueuedRequest | None] = Queue(WAITING_MAX)
         self._thread = Thread(target=self._run, name="desk")
         self._ready = Event()
         self._welcomes: dict[Seat, Welcome] = {}
-        self._moment: Moment | None = None
+        self._moment: DeskMoment | None = None
         self.error: BaseException | None = None
 
     def start(self) -> None:
@@ -60,7 +61,7 @@ class LiveDesk:
             self._thread.join()
 
     @property
-    def moment(self) -> Moment:
+    def moment(self) -> DeskMoment:
         """The present. RuntimeError before it has begun."""
         if self._moment is None:
             raise RuntimeError("the desk has not begun")
@@ -73,13 +74,13 @@ class LiveDesk:
     def ask(self, seat: Seat, request: Request, take: Take) -> None:
         """Ask for something; `take` is called with the answer, from the desk's thread or, where it is busy, at once."""
         try:
-            self._queue.put_nowait(_Asked(seat, request, take))
+            self._queue.put_nowait(_QueuedRequest(seat, request, take))
         except Full:
-            take(Answer(number=request.number, good=False, why="the desk is busy: ask again"))
+            take(DeskAnswer(number=request.number, good=False, why="the desk is busy: ask again"))
 
     def _run(self) -> None:
         try:
-            with Session(self._scenario) as session:
+            with collecting_rarely(), Session(self._scenario) as session:
                 desk = Desk(session)
                 self._welcomes = {seat: desk.welcome(seat) for seat in Seat}
                 self._moment = desk.moment

@@ -33,70 +33,70 @@ class Hello(Said, frozen=True, kw_only=True, tag="hello"):
     version: int = VERSION
 
 
-class Asked(Said, frozen=True, kw_only=True):
+class NumberedRequest(Said, frozen=True, kw_only=True):
     """What has an answer."""
 
     number: int = 0
 
 
-class Pace(Asked, frozen=True, kw_only=True, tag="pace"):
+class SetPace(NumberedRequest, frozen=True, kw_only=True, tag="pace"):
     """Run so many times as fast as real time; 0: stand."""
 
     factor: Annotated[float, msgspec.Meta(ge=0.0, le=FASTEST)]
 
 
-class OneStep(Asked, frozen=True, kw_only=True, tag="one_step"):
+class OneStep(NumberedRequest, frozen=True, kw_only=True, tag="one_step"):
     """Go on by one step, 0.1 s, and stand."""
 
 
-class NextEvent(Asked, frozen=True, kw_only=True, tag="next_event"):
+class NextEvent(NumberedRequest, frozen=True, kw_only=True, tag="next_event"):
     """Go on to where the next thing happens or is due, and stand."""
 
 
-class RunTo(Asked, frozen=True, kw_only=True, tag="run_to"):
+class RunTo(NumberedRequest, frozen=True, kw_only=True, tag="run_to"):
     """Run to a time as fast as possible, and stand."""
 
     time_s: Annotated[float, msgspec.Meta(ge=0.0, le=200_000.0)]
 
 
-class GoBack(Asked, frozen=True, kw_only=True, tag="go_back"):
+class GoBack(NumberedRequest, frozen=True, kw_only=True, tag="go_back"):
     """Be where the run was at a time; what was done after it is undone."""
 
     time_s: Annotated[float, msgspec.Meta(ge=0.0, le=200_000.0)]
 
 
-class Fail(Asked, frozen=True, kw_only=True, tag="fail"):
+class Fail(NumberedRequest, frozen=True, kw_only=True, tag="fail"):
     """A fault begins: a `[[fault]]` of docs/faults.md without its `start`."""
 
     fault: dict[str, Any]
 
 
-class EndFault(Asked, frozen=True, kw_only=True, tag="end_fault"):
+class EndFault(NumberedRequest, frozen=True, kw_only=True, tag="end_fault"):
     """A fault that was begun here is over; `deed` is its number."""
 
     deed: int
 
 
-class DoAct(Asked, frozen=True, kw_only=True, tag="act"):
+class DoAct(NumberedRequest, frozen=True, kw_only=True, tag="act"):
     """A person acts: an `[[act]]` of docs/files/scenario.md without its `start`."""
 
     act: dict[str, Any]
 
 
-class SaveDrill(Asked, frozen=True, kw_only=True, tag="save"):
+class SaveDrill(NumberedRequest, frozen=True, kw_only=True, tag="save"):
     """The answer has all that was done as a drill file."""
 
     id: Annotated[str, msgspec.Meta(max_length=64)]
     title: Annotated[str, msgspec.Meta(max_length=200)] = ""
 
 
-Request = Pace | OneStep | NextEvent | RunTo | GoBack | Fail | EndFault | DoAct | SaveDrill
+Request = SetPace | OneStep | NextEvent | RunTo | GoBack | Fail | EndFault | DoAct | SaveDrill
 
 
 # to a page ------------------------------------------------------------------------------------------------------------
 
 
-class Answer(Said, frozen=True, kw_only=True, tag="answer"):
+class DeskAnswer(Said, frozen=True, kw_only=True, tag="answer"):
     """What came of the message with this number; `why` it was refused, `text` of a drill, `deed` that was done."""
 
     number: int
@@ -143,7 +143,7 @@ class PointsDrawn(msgspec.Struct, frozen=True, kw_only=True):
     at_m: float
 
 
-class PlannedTrain(msgspec.Struct, frozen=True, kw_only=True):
+class TrainOnPlan(msgspec.Struct, frozen=True, kw_only=True):
     """A train of the timetable: unit, and times (s) and kilometrages (m) of its calls."""
 
     train: str
@@ -177,7 +177,7 @@ class Welcome(Said, frozen=True, kw_only=True, tag="welcome"):
     sections: tuple[SectionDrawn, ...]
     points: tuple[PointsDrawn, ...]
     units: tuple[str, ...]
-    plan: tuple[PlannedTrain, ...]
+    plan: tuple[TrainOnPlan, ...]
     acts: tuple[str, ...]
     faults: tuple[FaultKind, ...]
 
@@ -253,9 +253,10 @@ class RuleShown(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class State(Said, frozen=True, kw_only=True, tag="state"):
-    """The present. `digest` is that of the run that has ended, as a drill of it has. `events` and `graph` go on from the last state that this connection had; a new `branch` begins anew.
+    """The present; `digest` of a run that has ended, as its drill has it.
 
-    `deeds`, `rules`, `points` and `silent` (devices and units without power) are for seats that see the truth.
+    `events` and `graph` go on from the last state that this connection had; a new `branch` begins anew. `deeds`,
+    `rules`, `points` and `silent` (devices and units without power) are for seats that see the truth.
     """
 
     time_s: float
@@ -276,7 +277,7 @@ class State(Said, frozen=True, kw_only=True, tag="state"):
     rules: tuple[RuleShown, ...] = ()
 
 
-Heard = Welcome | State | Answer
+Heard = Welcome | State | DeskAnswer
 _REQUESTS: Final[msgspec.json.Decoder[Request]] = msgspec.json.Decoder(Request)
 _HELLO: Final = msgspec.json.Decoder(Hello)
 _ENCODER: Final = msgspec.json.Encoder()

@@ -25,7 +25,7 @@ from console.access import REFUSED_MAX, SOCKETS_MAX, AccessRules, Allowance, Ref
 from console.protocol import (
     MESSAGE_BYTES_MAX,
     VERSION,
-    Answer,
+    DeskAnswer,
     Request,
     Welcome,
     encoded,
@@ -33,7 +33,7 @@ from console.protocol import (
     request_of,
 )
 from console.seats import Seat
-from console.shown import Moment, Shown, is_behind, state_for
+from console.shown import DeskMoment, SentSoFar, is_behind, state_for
 from study.wording.catalogue import phrases_of
 
 SOCKET_PATH: Final = "/desk"
@@ -56,7 +56,7 @@ class DeskDoor(Protocol):
     """What the server needs of a desk."""
 
     @property
-    def moment(self) -> Moment:
+    def moment(self) -> DeskMoment:
         """The present."""
         ...
 
@@ -64,7 +64,7 @@ class DeskDoor(Protocol):
         """What a seat is told once."""
         ...
 
-    def ask(self, seat: Seat, request: Request, take: Callable[[Answer], None]) -> None:
+    def ask(self, seat: Seat, request: Request, take: Callable[[DeskAnswer], None]) -> None:
         """Ask for something; `take` may be called from another thread."""
         ...
 
@@ -201,7 +201,7 @@ class _Connection:
 
     async def send_moments(self, desk: DeskDoor, seat: Seat) -> None:
         """Send the present whenever there is a new one and the last was taken."""
-        had = Shown()
+        had = SentSoFar()
         with suppress(WebSocketDisconnect, RuntimeError):  # it is gone, which `hear` sees too
             while True:
                 self._news.clear()
@@ -214,9 +214,9 @@ class _Connection:
     async def hear(self, desk: DeskDoor, seat: Seat) -> None:
         """Take messages until the connection ends, or too many were refused."""
         loop = asyncio.get_running_loop()
-        answers = asyncio.Queue[Answer](1)
+        answers = asyncio.Queue[DeskAnswer](1)
 
-        def take(answer: Answer) -> None:
+        def take(answer: DeskAnswer) -> None:
             loop.call_soon_threadsafe(answers.put_nowait, answer)
 
         while self._refused < REFUSED_MAX:
@@ -232,7 +232,7 @@ class _Connection:
                 request = request_of(text)
             except msgspec.DecodeError as error:
                 self._count(Refusal.FORM)
-                await self.send(encoded(Answer(number=0, good=False, why=str(error))))
+                await self.send(encoded(DeskAnswer(number=0, good=False, why=str(error))))
                 continue
             desk.ask(seat, request, take)
             await self.send(encoded(await answers.get()))

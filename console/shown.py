@@ -13,13 +13,13 @@ from console.protocol import (
     DeedShown,
     FaultKind,
     GraphPoint,
-    PlannedTrain,
     PointsDrawn,
     PointsShown,
     RuleShown,
     SectionDrawn,
     State,
     StationDrawn,
+    TrainOnPlan,
     TrainShown,
     Welcome,
 )
@@ -36,7 +36,7 @@ EVENTS_AT_ONCE: Final = 60  # in one message; the rest follows
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
+class DeskMoment:
     """The present of a session, made once for everybody: `truth` for seats that see it, `known` for the others.
 
     The events and the graph of `line` grow on; a moment has the first so many of them.
@@ -49,7 +49,7 @@ class Moment:
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class SentSoFar:
     """How much of the events and of the graph a connection has had, of which branch."""
 
     branch: int = -1
@@ -57,11 +57,11 @@ class Shown:
     graph: int = 0
 
 
-def state_for(moment: Moment, seat: Seat, had: Shown) -> tuple[State, Shown]:
+def state_for(moment: DeskMoment, seat: Seat, had: SentSoFar) -> tuple[State, SentSoFar]:
     """What a connection is sent that has had so much, and what it has had then."""
     leads = RIGHTS[seat].leads
     state = moment.truth if leads else moment.known
-    had = had if had.branch == state.branch else Shown(state.branch)
+    had = had if had.branch == state.branch else SentSoFar(state.branch)
     (events, count), (graph, points) = moment.events, moment.graph
     upto = min(count, had.events + EVENTS_AT_ONCE)
     new = tuple(e.shown for e in events[had.events : upto] if leads or not e.truth)
@@ -69,12 +69,12 @@ def state_for(moment: Moment, seat: Seat, had: Shown) -> tuple[State, Shown]:
     return state, replace(had, events=upto, graph=points)
 
 
-def is_behind(moment: Moment, had: Shown) -> bool:
+def is_behind(moment: DeskMoment, had: SentSoFar) -> bool:
     """Whether there is more than one message could hold."""
     return had.branch == moment.known.branch and had.events < moment.events[1]
 
 
-def moment_of(session: Session, line: LineSeen, factor: float, branch: int, *, running: bool) -> Moment:
+def moment_of(session: Session, line: LineSeen, factor: float, branch: int, *, running: bool) -> DeskMoment:
     """The present of a session."""
     digest = "" if session.ended is None else session.result.digest
     known = State(
@@ -97,7 +97,7 @@ def moment_of(session: Session, line: LineSeen, factor: float, branch: int, *, r
         deeds=_deeds(session),
         rules=_rules(session),
     )
-    return Moment(truth, known, (line.events, len(line.events)), (line.graph, len(line.graph)))
+    return DeskMoment(truth, known, (line.events, len(line.events)), (line.graph, len(line.graph)))
 
 
 def _true_train(session: Session, train: TrainShown) -> TrainShown:
@@ -208,9 +208,9 @@ def _drawn(line: Line, section: Section) -> SectionDrawn:
     )
 
 
-def _plan(setup: Setup) -> tuple[PlannedTrain, ...]:
+def _plan(setup: Setup) -> tuple[TrainOnPlan, ...]:
     stations, timetable = setup.line.stations, setup.timetable
-    planned: list[PlannedTrain] = []
+    planned: list[TrainOnPlan] = []
     for diagram in timetable.diagrams:
         for number in diagram.train_numbers:
             points = [
@@ -220,7 +220,7 @@ def _plan(setup: Setup) -> tuple[PlannedTrain, ...]:
                 if time_s is not None
             ]
             planned.append(
-                PlannedTrain(
+                TrainOnPlan(
                     train=number,
                     unit=diagram.stock_id,
                     times_s=tuple(t for t, _ in points),

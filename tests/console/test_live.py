@@ -10,7 +10,7 @@ from typing import Final
 import pytest
 
 from console.live import WAITING_MAX, LiveDesk
-from console.protocol import Answer, DoAct, Fail, Pace, Request, RunTo, SaveDrill
+from console.protocol import DeskAnswer, DoAct, Fail, Request, RunTo, SaveDrill, SetPace
 from console.seats import Seat
 from network.errors import InputError
 from scenario.scenario import Scenario, load_scenario
@@ -30,8 +30,8 @@ class Visitor:
         self._changed = Event()
         self.live = LiveDesk(scenario, self._changed.set)
 
-    def ask(self, request: Request, seat: Seat = Seat.INSTRUCTOR) -> Answer:
-        answers: Queue[Answer] = Queue()
+    def ask(self, request: Request, seat: Seat = Seat.INSTRUCTOR) -> DeskAnswer:
+        answers: Queue[DeskAnswer] = Queue()
         self.live.ask(seat, request, answers.put)
         return answers.get(timeout=LONG_S)
 
@@ -73,9 +73,9 @@ def test_what_seats_do_is_saved_as_a_drill_of_the_same_events(two_trains: Scenar
 def test_who_asks_too_much_at_once_is_told_so_and_the_run_does_not_wait(two_trains: Scenario) -> None:
     """Nobody takes anything from the queue before the desk has begun."""
     live = LiveDesk(two_trains, lambda: None)
-    said: list[Answer] = []
+    said: list[DeskAnswer] = []
     for number in range(WAITING_MAX + 3):
-        live.ask(Seat.GUEST, Pace(number=number, factor=1.0), said.append)
+        live.ask(Seat.GUEST, SetPace(number=number, factor=1.0), said.append)
     assert [answer.number for answer in said] == [WAITING_MAX, WAITING_MAX + 1, WAITING_MAX + 2]
     assert all("busy" in answer.why for answer in said)
 

@@ -19,11 +19,11 @@ from starlette.websockets import WebSocketDisconnect
 
 from console.access import SOCKETS_MAX, AccessRules, Refusal, on_loopback, with_tokens, write_tokens
 from console.desk import Desk
-from console.protocol import MESSAGE_BYTES_MAX, Answer, Request, Welcome
+from console.protocol import MESSAGE_BYTES_MAX, DeskAnswer, Request, Welcome
 from console.seats import Seat
 from console.server import FULL_CODE, REFUSED_CODE, SOCKET_PATH, DeskServer
 from console.session import Session
-from console.shown import Moment
+from console.shown import DeskMoment
 from network.errors import InputError
 from scenario.scenario import Scenario
 
@@ -42,13 +42,13 @@ class Door:
         self.asked = 0
 
     @property
-    def moment(self) -> Moment:
+    def moment(self) -> DeskMoment:
         return self.desk.moment
 
     def welcome(self, seat: Seat) -> Welcome:
         return self.desk.welcome(seat)
 
-    def ask(self, seat: Seat, request: Request, take: Callable[[Answer], None]) -> None:
+    def ask(self, seat: Seat, request: Request, take: Callable[[DeskAnswer], None]) -> None:
         self.asked += 1
         take(self.desk.ask(seat, request, 0.0))
 
