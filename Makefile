@@ -58,6 +58,7 @@ bench: install
 
 docs: install
 	$(BIN)/python -m documents.busy_line
+	$(BIN)/python -m documents.desk_protocol
 	$(BIN)/python -m documents.files
 	$(BIN)/python -m documents.interlocking
 	$(BIN)/python -m documents.journal

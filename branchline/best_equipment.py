@@ -10,7 +10,7 @@ import typer
 
 from branchline.best_interval import ScenarioOut, new_day, write_answer
 from branchline.ending import end_with
-from branchline.extras import planning_extra
+from branchline.extras import needing_extra
 from branchline.options import Json, ScenarioName
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def equipment(
     from network.files.json_input import read_json, write_aside
     from scenario.scenario import load_scenario
 
-    with planning_extra("equipment"):
+    with needing_extra("plan", "equipment"):
         from plan.equipping.cheapest import (
             CheapestProof,
             EquipmentAsked,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from branchline.ending import end_with
-from branchline.extras import planning_extra
+from branchline.extras import needing_extra
 from branchline.options import Json, ScenarioName
 from branchline.progress import print_aside
 
@@ -50,7 +50,7 @@ def interval(
     from network.files.json_input import read_json, write_aside
     from scenario.scenario import load_scenario
 
-    with planning_extra("interval"):
+    with needing_extra("plan", "interval"):
         from plan.least_interval import AS_UNITS_ASK, SET_LATE, least_of_tracks, recounted
     from plan.moving.proof import Impossibility, proof_text
 

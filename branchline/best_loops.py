@@ -9,7 +9,7 @@ import typer
 
 from branchline.best_interval import ScenarioOut, SetLate, figures_of, new_day, write_answer
 from branchline.ending import end_with
-from branchline.extras import planning_extra
+from branchline.extras import needing_extra
 from branchline.options import Json, ScenarioName
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def loops(
     from network.files.toml_input import one_of
     from scenario.scenario import load_scenario
 
-    with planning_extra("loops"):
+    with needing_extra("plan", "loops"):
         from plan.least_interval import AS_UNITS_ASK, SET_LATE
         from plan.where_to_meet import halts_of, laying, loop_choices
 

@@ -8,7 +8,7 @@ import typer
 
 from branchline.best_interval import ScenarioOut, SetLate, new_day, write_day_of
 from branchline.ending import end_with
-from branchline.extras import planning_extra
+from branchline.extras import needing_extra
 from branchline.options import Json, ScenarioName
 
 
@@ -24,7 +24,7 @@ def trains(
     """Find the most trains each way in a pattern that repeats, evenly spaced or not, and what no pattern exceeds."""
     from scenario.scenario import load_scenario
 
-    with planning_extra("trains"):
+    with needing_extra("plan", "trains"):
         from plan.least_interval import AS_UNITS_ASK, SET_LATE
         from plan.most_trains import most_trains
 

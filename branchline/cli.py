@@ -34,6 +34,7 @@ from branchline.progress import CompilingShown
 from branchline.reporting import report
 from branchline.reproducing import reproduce
 from branchline.running import run
+from branchline.serving import serve
 from branchline.sweeping_days import sweep
 from branchline.timing import running_times
 from branchline.verifying import verify
@@ -54,6 +55,7 @@ COMMANDS: Final[tuple[tuple[str, Callable[..., None]], ...]] = (
     (RUN, run),
     (RUN, drill),
     (RUN, sweep),
+    (RUN, serve),
     (READ, report),
     (READ, compare),
     (READ, plot),

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Final
 import typer
 
 from branchline.ending import end_with
-from branchline.extras import planning_extra
+from branchline.extras import needing_extra
 from branchline.options import Json
 from branchline.progress import print_aside
 
@@ -49,7 +49,7 @@ def displib(
             as_json=as_json,
         )
         return
-    with planning_extra("displib"):
+    with needing_extra("plan", "displib"):
         from plan.dispatching.solver import solve
 
     print_aside(f"{len(asked.trains)} trains, {sum(map(len, asked.trains))} operations: solving")

@@ -9,9 +9,10 @@ from network.errors import COMMAND_LINE, InputError
 
 
 @contextmanager
-def planning_extra(command: str) -> Generator[None]:
-    """As a context for imports: InputError where OR-Tools are not there."""
+def needing_extra(extra: str, command: str) -> Generator[None]:
+    """As a context for imports: InputError where what the extra brings is not there."""
     try:
         yield
     except ModuleNotFoundError as error:
-        raise InputError(COMMAND_LINE, command, None, "the extra: pip install 'branchline[plan]'") from error
+        expected = f"the extra: pip install 'branchline[{extra}]'"
+        raise InputError(COMMAND_LINE, command, None, expected) from error

@@ -14,6 +14,7 @@ from typing import Final
 
 from documents import (
     busy_line,
+    desk_protocol,
     faults,
     files,
     interlocking,
@@ -37,6 +38,7 @@ def _interlocking() -> str:
 
 PAGES: Final[tuple[tuple[Path, Callable[[], str]], ...]] = (
     (interlocking.FILE, _interlocking),
+    (desk_protocol.FILE, desk_protocol.document),
     (faults.FILE, faults.document),
     (journal.FILE, journal.document),
     (losses.FILE, losses.document),

@@ -113,13 +113,14 @@ def script_of(
     )
     judged = {expectation.holds for expectation in own}
     return Script(
-        tuple(_fault(file, f"fault[{i}]", table, names) for i, table in enumerate(faults)),
-        tuple(_act(file, f"act[{i}]", table, names) for i, table in enumerate(acts)),
+        tuple(scripted_fault_of(file, f"fault[{i}]", table, names) for i, table in enumerate(faults)),
+        tuple(act_of(file, f"act[{i}]", table, names) for i, table in enumerate(acts)),
         (*own, *(default for default in DEFAULTS if default.holds not in judged)),
     )
 
 
-def _fault(file: str, key: str, table: FaultTable, names: Names) -> ScriptedFault:
+def scripted_fault_of(file: str, key: str, table: FaultTable, names: Names) -> ScriptedFault:
+    """The fault that a table is. InputError for anything that cannot be carried out."""
     kind = FAULTS.get(table.kind)
     if kind is None:
         raise InputError(file, f"{key}.kind", table.kind, one_of(FAULTS, table.kind))
@@ -167,7 +168,8 @@ ACT_KEYS: Final[Mapping[ActKind, frozenset[str]]] = {
 }
 
 
-def _act(file: str, key: str, table: ActTable, names: Names) -> Act:
+def act_of(file: str, key: str, table: ActTable, names: Names) -> Act:
+    """The act that a table is. InputError for anything that cannot be carried out."""
     kinds = [kind.value for kind in ActKind]
     if table.kind not in kinds:
         raise InputError(file, f"{key}.kind", table.kind, one_of(kinds, table.kind))

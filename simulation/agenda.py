@@ -60,6 +60,15 @@ class Agenda:
         """Who has an item of a kind."""
         return frozenset(item.subject for item in self._heap if item.kind is kind)
 
+    def is_due(self, step: int, kind: AgendaKind) -> bool:
+        """Whether an item of a kind is due at just this step."""
+        return any(item.step == step and item.kind is kind for item in self._heap)
+
+    def withdraw(self, kind: AgendaKind, subject: str) -> None:
+        """Take out what is due for a subject."""
+        self._heap = [item for item in self._heap if item.kind is not kind or item.subject != subject]
+        heapq.heapify(self._heap)
+
     def pop_due(self, step: int) -> Item | None:
         """The earliest item if it is due at `step`; None otherwise."""
         if self._heap and self._heap[0].step <= step:

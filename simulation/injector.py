@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 from network.model import Position
@@ -88,6 +89,24 @@ class Injector:
         for key, trigger in triggers.items():
             at_step = max(step_not_before((trigger.at_s or 0.0) + trigger.after_s), step)
             self._agenda.put_first(at_step, AgendaKind.SCRIPT, f"begin {key}")
+
+    def insert(self, item: ScriptedFault | Act, step: int) -> int:
+        """Somebody has an item begin at a step to come, as if the script had ended with it; returns its number."""
+        timed = replace(item, trigger=Trigger(at_s=step / STEPS_PER_S))
+        if isinstance(timed, ScriptedFault):
+            self.take_up(Script(faults=(timed,)), self._step)
+            return len(self._faults) - 1
+        self.take_up(Script(acts=(timed,)), self._step)
+        return ACTS + len(self._acts) - 1
+
+    def end_at(self, number: int, step: int) -> None:
+        """A fault is over at a step to come, as if that had been its duration from when it began."""
+        self._agenda.withdraw(AgendaKind.SCRIPT, f"end {number}")
+        self._agenda.put_first(step, AgendaKind.SCRIPT, f"end {number}")
+
+    def in_force(self, number: int) -> bool:
+        """Whether a fault has begun and is not over."""
+        return number in self._in_force
 
     def add(self, act: Act, at_s: float) -> None:
         """Somebody has made up their mind during the run; whatever its trigger, the act is due at `at_s`."""

@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from host.parties import Parties
 from host.units import Units
@@ -24,7 +25,8 @@ from simulation.carriers.carrier import Carrier, Truth
 from simulation.duties import Duties, WrongEnd
 from simulation.events import WORLD, Collision, Danger, TagPassed, Unsafe
 from simulation.facts import checkers_of
-from simulation.faults.script import Script
+from simulation.faults.script import Act, Script, ScriptedFault
+from simulation.foreseen import ForeseenStretch, TrainMotion
 from simulation.injector import Injector
 from simulation.journal import Journal
 from simulation.late_day import late_day
@@ -93,6 +95,7 @@ class Simulation:
         self._trace = np.zeros(TRACE_ROWS_FIRST, dtype=TRACE)
         self._trace_used = 0
         self._sheet = new_sheet(len(self.trains.stock_ids))
+        self._ahead: ForeseenStretch | None = None
         self._moved_step = self._begin_step
         self._broken: Ending | None = None
         self._vigil = Vigil(world, self._cabs, self._duties, self.checkers, self._begin_step)
@@ -106,6 +109,11 @@ class Simulation:
     def step(self) -> int:
         """The present step."""
         return self._step
+
+    @property
+    def begin_step(self) -> int:
+        """The step at which the run began."""
+        return self._begin_step
 
     @property
     def now_s(self) -> float:
@@ -142,10 +150,18 @@ class Simulation:
             if stop is not None and stop():
                 because = Ending.STOPPED
                 break
-            self.advance()
-            self._vigil.look(self._step)
+            self.go_on()
             if progress is not None:
                 progress(self.now_s, end_s, len(self._books.arrived))
+        return self.result_of(because)
+
+    def go_on(self) -> None:
+        """Run one stretch, and look whether anybody waits for nothing."""
+        self.advance()
+        self._vigil.look(self._step)
+
+    def result_of(self, because: Ending) -> RunResult:
+        """What the run leaves behind that has ended, and why; the carrier is released."""
         self.close()
         return self._result(because, self._collisions)
 
@@ -173,6 +189,10 @@ class Simulation:
     def has_finished(self, stock_id: str) -> bool:
         """Whether nothing follows for a stock."""
         return self._duties.finished(self.trains.slot_of[stock_id])
+
+    def waits_for(self, slot: int) -> str:
+        """What a train waits for by what its unit shows and its driver sees."""
+        return self._cabs.waits_for(slot)
 
     def carry_out(self, script: Script) -> None:
         """From now on a script is carried out, as if it had been that of the setup, which must have had none."""
@@ -216,18 +236,61 @@ class Simulation:
             self._unsafe(slot, Danger.CANNOT_TURN)
             self._broken = Ending.CANNOT_TURN
 
+    def foresee(self) -> int:
+        """Let the kernel run the stretch that begins now; the step where it ends, as things are due at present.
+
+        The carrier has not moved and nobody has looked: that is for `advance`. What is `insert`ed before that step cuts
+        the stretch there, as if it had been due when the stretch began; nothing else of a run depends on who foresees.
+        """
+        if self._ahead is None:
+            self._ahead = self._run_kernel(self._stretch_end(), self.trains.stock.copy())
+        return self._step + self._ahead.done
+
+    def insert(self, item: ScriptedFault | Act, step: int) -> int:
+        """A fault or act begins at a step to come, as if the script of the setup had ended with it; its number.
+
+        ValueError for a step that is not to come, or at which something else of the script is due: see `is_free`.
+        """
+        self._check_free(step)
+        number = self.injector.insert(item, step)
+        self._cut(step)
+        return number
+
+    def end_fault(self, number: int, step: int) -> None:
+        """An inserted fault is over at a step to come, as if that had been its duration. ValueError as for `insert`."""
+        self._check_free(step)
+        self.injector.end_at(number, step)
+        self._cut(step)
+
+    def is_free(self, step: int) -> bool:
+        """Whether a step is to come and nothing of a script is due at it: whoever acts then acts alone."""
+        return step > self._step and not self._agenda.is_due(step, AgendaKind.SCRIPT)
+
+    def motion_at(self, slot: int, step: int) -> TrainMotion:
+        """A train at a step of the stretch that was foreseen. ValueError where none was."""
+        if self._ahead is None:
+            raise ValueError("nobody foresees this stretch")
+        return self._ahead.motion_of(slot, step - self._step, self._sheet)
+
+    def _check_free(self, step: int) -> None:
+        if not self.is_free(step):
+            raise ValueError(f"step {step} is not free")
+
+    def _cut(self, step: int) -> None:
+        """The stretch that was foreseen ends at `step` if it would end later: it is run anew from where it began."""
+        ahead = self._ahead
+        if ahead is None or ahead.before is None or step >= self._step + ahead.done:
+            return  # with nothing foreseen, what is due counts when the stretch begins
+        self.trains.stock[:] = ahead.before
+        self._trace_used = ahead.first_row
+        self._ahead = self._run_kernel(step, ahead.before)
+
     def advance(self) -> None:
         """Let the kernel run to the next event, the carrier after it, then look at what happened."""
         trains, sheet = self.trains, self._sheet
-        horizon = self.horizon_step
-        if self._cabs.watch_out():
-            horizon = min(horizon, self._step + WATCHING_STEPS)
-        steps = horizon - self._step
-        if self._trace_used + steps * len(trains.stock_ids) > self._trace.size:
-            self._trace = np.concatenate([self._trace, np.zeros(self._trace.size, dtype=TRACE)])
-        done, self._trace_used, count = advance(
-            trains.stock, trains.pool.track, sheet, self._trace, self._trace_used, self._step, steps
-        )
+        ahead = self._ahead or self._run_kernel(self._stretch_end(), None)
+        self._ahead = None
+        done, count = ahead.done, ahead.movers
         moving: list[int] = sheet.movers[:count].tolist()
         both = zip(sheet.passed.tolist(), sheet.events.tolist(), strict=True)
         bits = [(slot, passed, events) for slot, (passed, events) in enumerate(both) if passed or events]
@@ -255,6 +318,20 @@ class Simulation:
             self._report(slot, passed, events)
         if self._charging is not None:
             self._look_at_pantographs(self._charging)
+
+    def _stretch_end(self) -> int:
+        """Where the stretch that begins now ends at the latest."""
+        horizon = self.horizon_step
+        return min(horizon, self._step + WATCHING_STEPS) if self._cabs.watch_out() else horizon
+
+    def _run_kernel(self, end_step: int, before: NDArray[np.void] | None) -> ForeseenStretch:
+        trains, steps, first_row = self.trains, end_step - self._step, self._trace_used
+        if first_row + steps * len(trains.stock_ids) > self._trace.size:
+            self._trace = np.concatenate([self._trace, np.zeros(self._trace.size, dtype=TRACE)])
+        done, self._trace_used, movers = advance(
+            trains.stock, trains.pool.track, self._sheet, self._trace, first_row, self._step, steps
+        )
+        return ForeseenStretch(done, movers, first_row, before)
 
     def _look_at_pantographs(self, charging: Charging) -> None:
         """Who moved with it up; who is on sight at a stop and held until it is down has no timer to look again."""

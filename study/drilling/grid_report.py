@@ -9,14 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from network.clock import clock
-from network.files.names import title_of
-from network.files.toml_text import value_text
 from scenario.scenario import Scenario
-from simulation.faults.script import Act, Script, ScriptedFault
 from simulation.setup import STEPS_PER_S
 from study.drilling.every_instant import SweepOutcomes, Variation
 from study.drilling.outcome_class import OutcomeKind, SweptRun
+from study.drilling.replay_file import clock_of, replay_of
 from study.drilling.swept_rows import CSV_FILE, MadeOf, SweptRow, SweptRows, write_rows
 
 JSON_FILE: Final = "sweep.json"
@@ -93,7 +90,7 @@ def ranges_of(steps: Sequence[int], every: int) -> list[str]:
             ranges[-1][1:] = [step]
         else:
             ranges.append([step])
-    return [" to ".join(_clock(step) for step in bounds) for bounds in ranges]
+    return [" to ".join(clock_of(step) for step in bounds) for bounds in ranges]
 
 
 def text_of(found: OutcomeClass) -> str:
@@ -150,67 +147,6 @@ def write_sweep(
     for found in classes_of(swept):
         if found.bad:
             script = by_name[found.variation].at(found.steps[0])
-            title = f"{found.variation} at {_clock(found.steps[0])}: {found.label}"
+            title = f"{found.variation} at {clock_of(found.steps[0])}: {found.label}"
             text = replay_of(scenario, script, found.replay.removesuffix(".toml"), title, beside=beside)
             (folder / found.replay).write_text(text, "utf-8")
-
-
-def replay_of(scenario: Scenario, script: Script, own_id: str, title: str, *, beside: bool = False) -> str:
-    """The drill that has this script in a scenario: a file that `branchline drill` runs to the same journal.
-
-    `beside`: behind the scenario's own faults and acts, not in their place.
-    """
-    nothing: list[str] = []
-    head: dict[str, object] = {
-        "extends": str(Path(scenario.file).resolve()),
-        "id": own_id,
-        "name": title_of(title),
-        "seed": scenario.setup.seed,
-        **({"people.react": True} if scenario.setup.people.react else {}),
-        # Without these lists, those of the file that it extends would hold.
-        **{
-            key: nothing
-            for key, items in (("fault", script.faults), ("act", script.acts))
-            if not items and not beside
-        },
-        "expect": nothing,
-    }
-    tables = [("fault", _fault(failure)) for failure in script.faults]
-    tables += [("act", _act(act)) for act in script.acts]
-    lines = [f"{key} = {value_text(value)}" for key, value in head.items()]
-    for key, table in tables:
-        heading = f"patch.{key}.add" if beside else key
-        lines += ["", f"[[{heading}]]", *(f"{name} = {value_text(value)}" for name, value in table.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _fault(failure: ScriptedFault) -> dict[str, object]:
-    fault = failure.fault
-    table: dict[str, object] = {
-        "kind": fault.kind,
-        "target": str(fault.target),
-        "start": _start(failure),
-        **fault.parameters(),
-    }
-    return table | ({} if failure.duration_s is None else {"duration_s": failure.duration_s})
-
-
-def _act(act: Act) -> dict[str, object]:
-    table: dict[str, object] = {"kind": act.kind.value, "start": _start(act), "person": act.person}
-    own = {
-        "target": act.target,
-        "sections": list(act.sections),
-        "position": act.position,
-    }
-    table |= {key: value for key, value in own.items() if value}
-    table |= {} if act.pace_s is None else {"pace_s": act.pace_s}
-    return table | {"hold_s": act.hold_s}
-
-
-def _start(item: ScriptedFault | Act) -> str:
-    return _clock(round((item.trigger.at_s or 0.0) * STEPS_PER_S))
-
-
-def _clock(step: int) -> str:
-    tenth = step % STEPS_PER_S
-    return clock(step // STEPS_PER_S) + (f".{tenth}" if tenth else "")

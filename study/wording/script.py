@@ -33,7 +33,7 @@ def fault_text(kind: str, target: object, parameters: Mapping[str, Any]) -> Phra
         )
         for name, value in parameters.items()
     ]
-    head = Phrase(f"{kind} {target}", f"{_kind_of_fault(kind).in_('ja')}（{_target(target)}）")
+    head = Phrase(f"{kind} {target}", f"{fault_name(kind).in_('ja')}（{_target(target)}）")
     return joined_phrases((head, *figures))
 
 
@@ -130,7 +130,8 @@ def _target(target: object) -> str:
     return party(text).in_("ja")
 
 
-def _kind_of_fault(value: object) -> Phrase:
+def fault_name(value: object) -> Phrase:
+    """What people call a kind of fault."""
     return phrase_or_name(str(value), "fault")
 
 
@@ -167,7 +168,7 @@ def _party(value: object) -> Phrase:
 
 
 _BY_FIELD: Final = {
-    "kind": _kind_of_fault,
+    "kind": fault_name,
     "act": _act,
     "position": _position,
     "lies": _position,

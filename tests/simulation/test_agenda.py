@@ -56,3 +56,17 @@ def test_what_is_put_in_first_comes_before_all_of_its_kind_in_its_own_order() ->
     while (item := agenda.pop_due(3)) is not None:
         came.append(item.subject)
     assert came == ["begin 2", "K1", "begin 0", "begin 1", "crew K1"]
+
+
+def test_what_is_due_just_then_and_what_is_withdrawn() -> None:
+    agenda = Agenda()
+    agenda.put(3, AgendaKind.SCRIPT, "end 1")
+    agenda.put(3, AgendaKind.UNIT_TIMER, "K1")
+    agenda.put(5, AgendaKind.SCRIPT, "end 2")
+    assert [agenda.is_due(step, AgendaKind.SCRIPT) for step in (2, 3, 4, 5)] == [False, True, False, True]
+    agenda.withdraw(AgendaKind.SCRIPT, "end 1")
+    assert not agenda.is_due(3, AgendaKind.SCRIPT)
+    came = []
+    while (item := agenda.pop_due(9)) is not None:
+        came.append(item.subject)
+    assert came == ["K1", "end 2"]

@@ -26,9 +26,10 @@ from simulation.world import kernel
 from study.drilling.drill import find_drill, run_drill
 from study.drilling.every_instant import InstantWindow, SweepOutcomes, Variation, sweep
 from study.drilling.forks import CopyDied, Forks, result_of_copy
-from study.drilling.grid_report import classes_of, ranges_of, replay_of
+from study.drilling.grid_report import classes_of, ranges_of
 from study.drilling.moving import SINGLES, single_faults, what_is_moved
 from study.drilling.outcome_class import OutcomeKind
+from study.drilling.replay_file import replay_of
 from study.runner.run import PartyLink
 from tests.nightly import others_nightly
 

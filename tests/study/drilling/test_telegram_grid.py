@@ -18,9 +18,10 @@ from simulation.faults.script import Expectation, Property, ScriptedFault
 from simulation.setup import STEPS_PER_S
 from study.drilling.drill import drills_in, find_drill, run_drill
 from study.drilling.every_instant import InstantWindow, Progress, SweepOutcomes, sweep
-from study.drilling.grid_report import replay_of, table_of
+from study.drilling.grid_report import table_of
 from study.drilling.moving import staffed
 from study.drilling.outcome_class import OutcomeKind, SweptRun
+from study.drilling.replay_file import replay_of
 from study.drilling.swept_rows import MadeOf, SweptRows, growing_rows
 from study.drilling.telegram_grid import AFTER_S, BEFORE_S, FaultChoice, grid_of, shortened_setup
 from study.runner.run import PartyLink, simulation_of

@@ -1,0 +1,1 @@
+"""The desk: a running line, and the seats of those who work it."""

@@ -1,0 +1,141 @@
+"""The desk without its clock, thread and sockets: a session, how fast it runs, and what each seat asks of it.
+
+Invariant: what is asked and may not be is refused with a reason, and nothing has changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final, NamedTuple
+
+from console.pacing import Pacer
+from console.protocol import (
+    DeskAnswer,
+    DoAct,
+    EndFault,
+    Fail,
+    GoBack,
+    NextEvent,
+    OneStep,
+    Request,
+    RunTo,
+    SaveDrill,
+    SetPace,
+    Welcome,
+)
+from console.seats import RIGHTS, Seat
+from console.session import AT_DESK, Session
+from console.shown import DeskMoment, moment_of, welcome_of
+from network.errors import InputError
+from network.files.names import IDENTIFIER_HELP, is_identifier
+from network.files.toml_input import one_of
+from simulation.faults.script import ActKind
+from simulation.setup import STEPS_PER_S, step_not_before
+
+STEPS_AT_ONCE: Final = 600  # gone on without looking who asks for something
+
+
+class DeskTurn(NamedTuple):
+    """Whether the run has gone on, and how long until more is due, s; None: nothing is by itself."""
+
+    moved: bool
+    wait_s: float | None
+
+
+class Desk:
+    """One run and those who work it. `branch` counts the times that it went back."""
+
+    def __init__(self, session: Session) -> None:
+        self._session: Final = session
+        self._pacer = Pacer(step=session.step)
+        self._branch = 0
+
+    def welcome(self, seat: Seat) -> Welcome:
+        """What a seat is told once."""
+        return welcome_of(self._session, seat)
+
+    @property
+    def moment(self) -> DeskMoment:
+        """The present."""
+        running = self._pacer.factor > 0.0 or self._pacer.goal is not None
+        return moment_of(self._session, self._session.line, self._pacer.factor, self._branch, running=running)
+
+    # time -------------------------------------------------------------------------------------------------------------
+
+    def turn(self, now_s: float) -> DeskTurn:
+        """Go on as far as the run should be by now, or a part of that."""
+        session, before = self._session, self._session.step
+        due = self._pacer.due(now_s)
+        if session.ended is None and due > before:
+            session.run_to(min(due, before + STEPS_AT_ONCE))
+        if session.ended is not None:
+            self._stand(now_s)
+        else:
+            self._pacer = self._pacer.at(session.step, now_s)
+        return DeskTurn(session.step != before, self._pacer.wait_s(session.step, now_s))
+
+    # what is asked ----------------------------------------------------------------------------------------------------
+
+    def ask(self, seat: Seat, request: Request, now_s: float) -> DeskAnswer:
+        """Do what a seat asks for, or say why not."""
+        try:
+            return self._done(seat, request, now_s)
+        except InputError as error:
+            return DeskAnswer(number=request.number, good=False, why=str(error))
+
+    def _done(self, seat: Seat, request: Request, now_s: float) -> DeskAnswer:
+        number = request.number
+        match request:
+            case DoAct(act=table):
+                return DeskAnswer(number=number, good=True, deed=self._session.act(_act_of(seat, table)))
+            case SaveDrill(id=own_id, title=title):
+                if not is_identifier(own_id):
+                    raise InputError(AT_DESK, "id", own_id, IDENTIFIER_HELP)
+                return DeskAnswer(
+                    number=number, good=True, text=self._session.drill_text(own_id, title or own_id)
+                )
+            case _ if not RIGHTS[seat].leads:
+                raise InputError(AT_DESK, "seat", seat.value, f"{Seat.INSTRUCTOR.value}, who leads the run")
+            case Fail(fault=table):
+                return DeskAnswer(number=number, good=True, deed=self._session.fail(table))
+            case EndFault(deed=deed):
+                self._session.end_fault(deed)
+                return DeskAnswer(number=number, good=True, deed=deed)
+            case GoBack(time_s=time_s):
+                self._session.go_back(step_not_before(time_s))
+                self._branch += 1
+                self._stand(now_s)
+            case _:
+                self._move(request, now_s)
+        return DeskAnswer(number=number, good=True)
+
+    def _move(self, request: SetPace | OneStep | NextEvent | RunTo, now_s: float) -> None:
+        session = self._session
+        match request:
+            case SetPace(factor=factor):
+                self._pacer = Pacer(factor, session.step, now_s)
+            case OneStep():
+                session.run_to(session.step + 1)
+                self._stand(now_s)
+            case NextEvent():
+                session.next_event()
+                self._stand(now_s)
+            case RunTo(time_s=time_s):
+                if time_s * STEPS_PER_S < session.step:
+                    raise InputError(AT_DESK, "time_s", time_s, "a time to come")
+                self._pacer = Pacer(0.0, session.step, now_s, step_not_before(time_s))
+
+    def _stand(self, now_s: float) -> None:
+        self._pacer = Pacer(0.0, self._session.step, now_s)
+
+
+def _act_of(seat: Seat, table: Mapping[str, Any]) -> dict[str, Any]:
+    """An act as that of whoever has the seat. InputError for one that is another's."""
+    rights, kind = RIGHTS[seat], table.get("kind")
+    own = sorted(act.value for act in rights.acts)
+    if kind not in own and kind in [act.value for act in ActKind]:
+        raise InputError(AT_DESK, "act.kind", kind, f"what the seat {seat.value} may do: {one_of(own)}")
+    person = table.get("person", rights.person)
+    if person != rights.person and not rights.leads:
+        raise InputError(AT_DESK, "act.person", person, f"{rights.person}, whose seat this is")
+    return dict(table) | {"person": person}

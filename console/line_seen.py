@@ -1,0 +1,179 @@
+"""What can be known of the line without seeing it: the register as the block manager shows it, where trains were last
+heard of, and what people should hear of. It is made from the journal alone, entry by entry.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from console.protocol import EventShown, GraphPoint, SectionShown, SectionState, TrainShown
+from network.timetable import Call
+from onboard import notes
+from radio.noted import TelegramDropped, TookEffect
+from simulation.events import (
+    MANAGER,
+    WORLD,
+    Acted,
+    Collision,
+    JournalEntry,
+    PowerOff,
+    PowerOn,
+    Unsafe,
+)
+from simulation.setup import Setup
+from study.wording.events import EVENT_WORDINGS, event_text
+from study.wording.phrase import names_of
+from wayside import said
+from wayside.register import ReentryStage
+
+ALARMS: Final = (
+    Unsafe,
+    Collision,
+    said.Contradicted,
+    said.NoOrderKnown,
+    said.PointsUnproven,
+    notes.Mismatch,
+    notes.UnitRestarted,
+    notes.VehicleUnfit,
+)
+
+
+@dataclass(slots=True)
+class _Heard:
+    """A unit as it was last heard of."""
+
+    train: str = ""
+    station: str = ""
+    heard_s: float | None = None
+    late_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SeenEvent:
+    """An event in words; `truth`: only who sees the line itself knows of it."""
+
+    shown: EventShown
+    truth: bool
+
+
+class LineSeen:
+    """The line as its own words tell it; `events` and `graph` only grow."""
+
+    def __init__(self, setup: Setup) -> None:
+        self.events: list[SeenEvent] = []
+        self.graph: list[GraphPoint] = []
+        self.defined = False
+        self.manager_on = True
+        self._names: Final = names_of(setup.line)
+        self._line, self._timetable = setup.line, setup.timetable
+        self._held: dict[str, tuple[str, ...]] = {}  # by unit
+        self._units = {diagram.stock_id: _Heard() for diagram in setup.timetable.diagrams}
+
+    @property
+    def sections(self) -> tuple[SectionShown, ...]:
+        """Every section as the manager shows it, in the order of the line."""
+        holders = {section: unit for unit, sections in self._held.items() for section in sections}
+        known = self.manager_on
+        rest = SectionState.FREE if known and self.defined else SectionState.UNDEFINED
+        return tuple(
+            SectionShown(id=section, state=SectionState.HELD, unit=holders[section])
+            if known and section in holders
+            else SectionShown(id=section, state=rest)
+            for section in self._line.sections
+        )
+
+    @property
+    def trains(self) -> tuple[TrainShown, ...]:
+        """Every unit as it was last heard of."""
+        return tuple(
+            TrainShown(
+                unit=unit,
+                train=heard.train,
+                station=heard.station,
+                heard_s=heard.heard_s,
+                late_s=heard.late_s,
+                sections=self._held.get(unit, ()),
+            )
+            for unit, heard in self._units.items()
+        )
+
+    def see(self, entry: JournalEntry) -> None:
+        """An entry was written."""
+        if isinstance(entry.event, TookEffect) and entry.event.receiver == MANAGER:
+            if (heard := self._units.get(entry.event.source)) is not None:
+                heard.heard_s = entry.t_s
+            return
+        if entry.who == MANAGER:
+            self._of_manager(entry)
+        elif entry.who in self._units:
+            self._of_unit(entry.t_s, self._units[entry.who], entry.event)
+        match entry.event:
+            case PowerOff(device_id=device) if device == MANAGER:
+                self.manager_on, self.defined = False, False
+                self._held.clear()
+            case PowerOn(device_id=device) if device == MANAGER:
+                self.manager_on = True
+            case _:
+                pass
+        if type(entry.event) in EVENT_WORDINGS and not isinstance(entry.event, TelegramDropped):
+            words = event_text(entry.event, self._names)
+            shown = EventShown(
+                time_s=entry.t_s,
+                who=entry.who,
+                text=words.en,
+                text_ja=words.in_("ja"),
+                alarm=isinstance(entry.event, ALARMS),
+            )
+            self.events.append(SeenEvent(shown, entry.who == WORLD and not isinstance(entry.event, Acted)))
+
+    def _of_manager(self, entry: JournalEntry) -> None:
+        match entry.event:
+            case said.Started(epoch=epoch):
+                self._held.clear()
+                self.defined = epoch == 1
+                self.manager_on = True
+            case said.PictureChanged(stage=stage):
+                self.defined = stage == ReentryStage.DEFINED.value
+            case said.Granted(unit_id=unit, section_ids=sections):
+                self._held[unit] = tuple(dict.fromkeys((*self._held.get(unit, ()), *sections)))
+            case (
+                said.Accepted(unit_id=unit, section_ids=sections)
+                | said.ConfirmedByHand(unit_id=unit, section_ids=sections)
+            ):
+                self._held[unit] = sections
+            case said.Freed(unit_id=unit, section_ids=sections):
+                self._held[unit] = tuple(s for s in self._held.get(unit, ()) if s not in sections)
+            case said.Outside(unit_id=unit):
+                self._held.pop(unit, None)
+            case _:
+                pass
+
+    def _of_unit(self, t_s: float, heard: _Heard, event: object) -> None:
+        match event:
+            case notes.MissionBegun(train=train):
+                heard.train = train
+            case notes.Arrived(station=station):
+                self._called(t_s, heard, station, leaves=False)
+            case notes.Departs(station=station):
+                self._called(t_s, heard, station, leaves=True)
+            case _:
+                pass
+
+    def _called(self, t_s: float, heard: _Heard, station: str, *, leaves: bool) -> None:
+        """A train has arrived or leaves: how late that is, and a point of the graph."""
+        heard.station = station
+        train = self._timetable.trains.get(heard.train)
+        if train is None or station not in self._line.stations:
+            return
+        call = next((call for call in train.calls if call.station_id == station), None)
+        planned_s = None if call is None else _planned_s(call, leaves=leaves)
+        if planned_s is not None:
+            heard.late_s = t_s - planned_s
+        at_m = self._line.stations[station].position_m
+        self.graph.append(GraphPoint(train=heard.train, time_s=t_s, at_m=at_m))
+
+
+def _planned_s(call: Call, *, leaves: bool) -> float | None:
+    times = (call.departure_s, call.arrival_s) if leaves else (call.arrival_s, call.departure_s)
+    return next((float(time) for time in times if time is not None), None)

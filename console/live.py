@@ -1,0 +1,116 @@
+"""The desk in a thread of its own, by the clock on the wall: whoever asks waits for nothing but an answer.
+
+The simulation never waits for a page. It leaves the present where pages take it from, and what they ask for comes by a
+queue that has an end. SUMO and the compiled code live in this thread alone.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from queue import Empty, Full, Queue
+from threading import Event, Thread
+from typing import Final
+
+from console.desk import Desk
+from console.protocol import DeskAnswer, Request, Welcome
+from console.seats import Seat
+from console.session import Session
+from console.shown import DeskMoment
+from scenario.scenario import Scenario
+from study.runner.collector import collecting_rarely
+
+UPDATES_EVERY_S: Final = 0.1
+WAITING_MAX: Final = 256  # requests
+
+Take = Callable[[DeskAnswer], None]
+
+
+@dataclass(frozen=True, slots=True)
+class _QueuedRequest:
+    seat: Seat
+    request: Request
+    take: Take
+
+
+class LiveDesk:
+    """A desk that runs. `changed` is called from its thread when there is a new `moment`."""
+
+    def __init__(self, scenario: Scenario, changed: Callable[[], None]) -> None:
+        self._scenario: Final = scenario
+        self._changed: Final = changed
+        self._queue: Queue[_QueuedRequest | None] = Queue(WAITING_MAX)
+        self._thread = Thread(target=self._run, name="desk")
+        self._ready = Event()
+        self._welcomes: dict[Seat, Welcome] = {}
+        self._moment: DeskMoment | None = None
+        self.error: BaseException | None = None
+
+    def start(self) -> None:
+        """Begin, and come back when there is a line to look at. Raises what keeps it from beginning."""
+        self._thread.start()
+        self._ready.wait()
+        if self.error is not None:
+            raise self.error
+
+    def stop(self) -> None:
+        """End the run where it is."""
+        if self._thread.is_alive():
+            self._queue.put(None)
+            self._thread.join()
+
+    @property
+    def moment(self) -> DeskMoment:
+        """The present. RuntimeError before it has begun."""
+        if self._moment is None:
+            raise RuntimeError("the desk has not begun")
+        return self._moment
+
+    def welcome(self, seat: Seat) -> Welcome:
+        """What a seat is told once."""
+        return self._welcomes[seat]
+
+    def ask(self, seat: Seat, request: Request, take: Take) -> None:
+        """Ask for something; `take` is called with the answer, from the desk's thread or, where it is busy, at once."""
+        try:
+            self._queue.put_nowait(_QueuedRequest(seat, request, take))
+        except Full:
+            take(DeskAnswer(number=request.number, good=False, why="the desk is busy: ask again"))
+
+    def _run(self) -> None:
+        try:
+            with collecting_rarely(), Session(self._scenario) as session:
+                desk = Desk(session)
+                self._welcomes = {seat: desk.welcome(seat) for seat in Seat}
+                self._moment = desk.moment
+                self._ready.set()
+                self._turn_by_turn(desk)
+        except BaseException as error:
+            self.error = error
+        finally:
+            self._ready.set()
+            self._changed()
+
+    def _turn_by_turn(self, desk: Desk) -> None:
+        shown_s = -UPDATES_EVERY_S
+        stale = True
+        while True:
+            moved, wait_s = desk.turn(time.monotonic())
+            stale = stale or moved
+            now_s = time.monotonic()
+            if stale and now_s - shown_s >= UPDATES_EVERY_S:
+                self._moment, shown_s = desk.moment, now_s
+                stale = False
+                self._changed()
+            until_s = [
+                w for w in (wait_s, shown_s + UPDATES_EVERY_S - now_s if stale else None) if w is not None
+            ]
+            try:
+                asked = self._queue.get(timeout=max(min(until_s), 0.0)) if until_s else self._queue.get()
+            except Empty:
+                continue
+            if asked is None:
+                return
+            asked.take(desk.ask(asked.seat, asked.request, time.monotonic()))
+            stale = True

@@ -1,0 +1,311 @@
+"""What pages and panels say to the desk and hear from it: one type a message, JSON on a WebSocket, a version.
+
+The first message of a connection is `hello`; each further one has a number of the sender's own, which its answer
+bears. Times are s since midnight, kilometrages m. `python -m documents.desk_protocol` writes the JSON Schema.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Annotated, Any, Final
+
+import msgspec
+
+from console.pacing import FASTEST
+from console.seats import Seat
+
+VERSION: Final = 1
+MESSAGE_BYTES_MAX: Final = 16_384
+
+
+class Said(msgspec.Struct, frozen=True, kw_only=True, tag_field="say", forbid_unknown_fields=True):
+    """What every message has: its word, `say`."""
+
+
+# from a page ----------------------------------------------------------------------------------------------------------
+
+
+class Hello(Said, frozen=True, kw_only=True, tag="hello"):
+    """Somebody takes a seat; `token` where the desk listens to other machines."""
+
+    seat: Seat
+    token: str = ""
+    version: int = VERSION
+
+
+class NumberedRequest(Said, frozen=True, kw_only=True):
+    """What has an answer."""
+
+    number: int = 0
+
+
+class SetPace(NumberedRequest, frozen=True, kw_only=True, tag="pace"):
+    """Run so many times as fast as real time; 0: stand."""
+
+    factor: Annotated[float, msgspec.Meta(ge=0.0, le=FASTEST)]
+
+
+class OneStep(NumberedRequest, frozen=True, kw_only=True, tag="one_step"):
+    """Go on by one step, 0.1 s, and stand."""
+
+
+class NextEvent(NumberedRequest, frozen=True, kw_only=True, tag="next_event"):
+    """Go on to where the next thing happens or is due, and stand."""
+
+
+class RunTo(NumberedRequest, frozen=True, kw_only=True, tag="run_to"):
+    """Run to a time as fast as possible, and stand."""
+
+    time_s: Annotated[float, msgspec.Meta(ge=0.0, le=200_000.0)]
+
+
+class GoBack(NumberedRequest, frozen=True, kw_only=True, tag="go_back"):
+    """Be where the run was at a time; what was done after it is undone."""
+
+    time_s: Annotated[float, msgspec.Meta(ge=0.0, le=200_000.0)]
+
+
+class Fail(NumberedRequest, frozen=True, kw_only=True, tag="fail"):
+    """A fault begins: a `[[fault]]` of docs/faults.md without its `start`."""
+
+    fault: dict[str, Any]
+
+
+class EndFault(NumberedRequest, frozen=True, kw_only=True, tag="end_fault"):
+    """A fault that was begun here is over; `deed` is its number."""
+
+    deed: int
+
+
+class DoAct(NumberedRequest, frozen=True, kw_only=True, tag="act"):
+    """A person acts: an `[[act]]` of docs/files/scenario.md without its `start`."""
+
+    act: dict[str, Any]
+
+
+class SaveDrill(NumberedRequest, frozen=True, kw_only=True, tag="save"):
+    """The answer has all that was done as a drill file."""
+
+    id: Annotated[str, msgspec.Meta(max_length=64)]
+    title: Annotated[str, msgspec.Meta(max_length=200)] = ""
+
+
+Request = SetPace | OneStep | NextEvent | RunTo | GoBack | Fail | EndFault | DoAct | SaveDrill
+
+
+# to a page ------------------------------------------------------------------------------------------------------------
+
+
+class DeskAnswer(Said, frozen=True, kw_only=True, tag="answer"):
+    """What came of the message with this number; `why` it was refused, `text` of a drill, `deed` that was done."""
+
+    number: int
+    good: bool
+    why: str = ""
+    text: str = ""
+    deed: int | None = None
+
+
+class SectionState(Enum):
+    """A section as the block manager has it."""
+
+    FREE = "free"
+    HELD = "held"
+    UNDEFINED = "undefined"
+
+
+class SectionDrawn(msgspec.Struct, frozen=True, kw_only=True):
+    """A section of the schematic: kilometrages of its ends, and which track of how many it is there."""
+
+    id: str
+    kind: str
+    from_m: float
+    to_m: float
+    lane: float
+    station: str = ""
+
+
+class StationDrawn(msgspec.Struct, frozen=True, kw_only=True):
+    """A station of the line, with its kilometrage."""
+
+    id: str
+    name: str
+    name_ja: str
+    at_m: float
+
+
+class PointsDrawn(msgspec.Struct, frozen=True, kw_only=True):
+    """Points of the line, with the terminal that works them."""
+
+    id: str
+    section: str
+    terminal: str
+    at_m: float
+
+
+class TrainOnPlan(msgspec.Struct, frozen=True, kw_only=True):
+    """A train of the timetable: unit, and times (s) and kilometrages (m) of its calls."""
+
+    train: str
+    unit: str
+    times_s: tuple[float, ...]
+    at_m: tuple[float, ...]
+
+
+class FaultKind(msgspec.Struct, frozen=True, kw_only=True):
+    """A kind of fault that can be begun: what it may aim at, and the JSON Schema of its keys."""
+
+    kind: str
+    name: str
+    name_ja: str
+    aims_at: str
+    targets: tuple[str, ...]
+    schema: dict[str, Any]
+    momentary: bool
+
+
+class Welcome(Said, frozen=True, kw_only=True, tag="welcome"):
+    """The seat is taken: what does not change while the run goes on. `acts` and `faults` are what this seat may do."""
+
+    version: int
+    seat: Seat
+    run: str
+    name: str
+    line: str
+    line_ja: str
+    stations: tuple[StationDrawn, ...]
+    sections: tuple[SectionDrawn, ...]
+    points: tuple[PointsDrawn, ...]
+    units: tuple[str, ...]
+    plan: tuple[TrainOnPlan, ...]
+    acts: tuple[str, ...]
+    faults: tuple[FaultKind, ...]
+
+
+class SectionShown(msgspec.Struct, frozen=True, kw_only=True):
+    """A section as the manager shows it, and whose it is."""
+
+    id: str
+    state: SectionState
+    unit: str = ""
+
+
+class TrainShown(msgspec.Struct, frozen=True, kw_only=True):
+    """A train as it was last heard of: where it last stood or left, when, how late, and what the manager has as its.
+
+    For a seat that sees the truth also where it is, how fast, and what it waits for.
+    """
+
+    unit: str
+    train: str = ""
+    station: str = ""
+    heard_s: float | None = None
+    late_s: float | None = None
+    sections: tuple[str, ...] = ()
+    at_m: float | None = None
+    section: str = ""
+    speed_mps: float | None = None
+    waits_for: str = ""
+
+
+class PointsShown(msgspec.Struct, frozen=True, kw_only=True):
+    """Points as they truly lie; `position` empty: in neither."""
+
+    id: str
+    position: str
+    state: str
+
+
+class EventShown(msgspec.Struct, frozen=True, kw_only=True):
+    """Something that a person should hear of, in both languages."""
+
+    time_s: float
+    who: str
+    text: str
+    text_ja: str
+    alarm: bool
+
+
+class GraphPoint(msgspec.Struct, frozen=True, kw_only=True):
+    """A train has stood, or left, at a kilometrage."""
+
+    train: str
+    time_s: float
+    at_m: float
+
+
+class DeedShown(msgspec.Struct, frozen=True, kw_only=True):
+    """What was done here; `ends`: a fault in force that can be ended."""
+
+    deed: int
+    time_s: float
+    text: str
+    text_ja: str
+    ends: bool
+
+
+class RuleShown(msgspec.Struct, frozen=True, kw_only=True):
+    """A checker: how often its rule was broken, and how first."""
+
+    rule: str
+    broken: int
+    first: str = ""
+
+
+class State(Said, frozen=True, kw_only=True, tag="state"):
+    """The present; `digest` of a run that has ended, as its drill has it.
+
+    `events` and `graph` go on from the last state that this connection had; a new `branch` begins anew. `deeds`,
+    `rules`, `points` and `silent` (devices and units without power) are for seats that see the truth.
+    """
+
+    time_s: float
+    factor: float
+    running: bool
+    ended: str
+    digest: str
+    branch: int
+    defined: bool
+    manager_on: bool
+    sections: tuple[SectionShown, ...]
+    trains: tuple[TrainShown, ...]
+    events: tuple[EventShown, ...] = ()
+    graph: tuple[GraphPoint, ...] = ()
+    points: tuple[PointsShown, ...] = ()
+    silent: tuple[str, ...] = ()
+    deeds: tuple[DeedShown, ...] = ()
+    rules: tuple[RuleShown, ...] = ()
+
+
+Heard = Welcome | State | DeskAnswer
+_REQUESTS: Final[msgspec.json.Decoder[Request]] = msgspec.json.Decoder(Request)
+_HELLO: Final = msgspec.json.Decoder(Hello)
+_ENCODER: Final = msgspec.json.Encoder()
+
+
+def hello_of(data: str | bytes) -> Hello:
+    """The first message of a connection. Raises msgspec.DecodeError for anything else."""
+    return _HELLO.decode(data)
+
+
+def request_of(data: str | bytes) -> Request:
+    """A further message. Raises msgspec.DecodeError for anything else."""
+    return _REQUESTS.decode(data)
+
+
+def encoded(message: Heard) -> str:
+    """A message as it is sent."""
+    return _ENCODER.encode(message).decode()
+
+
+def schema() -> dict[str, Any]:
+    """The JSON Schema of all messages."""
+    kinds = (Hello, Request, Heard)
+    (hello, asked, heard), parts = msgspec.json.schema_components(kinds, ref_template="#/$defs/{name}")
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "branchline desk protocol",
+        "version": VERSION,
+        "anyOf": [hello, asked, heard],
+        "$defs": parts,
+    }

@@ -1,0 +1,54 @@
+"""Who may do what: each seat, whose name its acts bear, which acts it may do, and whether it sees the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final
+
+from simulation.faults.script import ActKind
+
+
+class Seat(Enum):
+    """A place at the desk."""
+
+    INSTRUCTOR = "instructor"
+    DISPATCHER = "dispatcher"  # 指令
+    STAFF = "staff"  # 駅係員
+    GUEST = "guest"  # looks on, as a departure board does
+
+
+@dataclass(frozen=True, slots=True)
+class SeatRights:
+    """What a seat may do. `person`: who its acts are by in the journal, or of whoever `leads`, unless another is named;
+    `leads`: time, faults, and the truth.
+    """
+
+    person: str = ""
+    acts: frozenset[ActKind] = frozenset()
+    leads: bool = False
+
+
+_BY_TELEPHONE: Final = frozenset(
+    {
+        ActKind.CONFIRM_OUTSIDE,
+        ActKind.CONFIRM_HOLDING,
+        ActKind.TAKE_BACK,
+        ActKind.ENTER_SECTION,
+        ActKind.BAR_UNIT,
+        ActKind.UNBAR_UNIT,
+    }
+)
+_OF_DISPATCHER: Final = frozenset(
+    {ActKind.ACCEPT_PICTURE, ActKind.REENTER_ASSISTED, ActKind.REENTER_BY_HAND, ActKind.GIVE_BACK}
+)
+_ON_THE_SPOT: Final = frozenset(
+    {ActKind.POWER_ON, ActKind.COMMISSION, ActKind.REPAIR_POINTS, ActKind.HAUL_AWAY}
+)
+RIGHTS: Final[Mapping[Seat, SeatRights]] = {
+    Seat.INSTRUCTOR: SeatRights("controller", frozenset(ActKind), leads=True),
+    Seat.DISPATCHER: SeatRights("controller", _OF_DISPATCHER | _BY_TELEPHONE),
+    Seat.STAFF: SeatRights("staff", _ON_THE_SPOT | _BY_TELEPHONE),
+    Seat.GUEST: SeatRights(),
+}

@@ -1,0 +1,247 @@
+"""The desk's pages and its WebSocket: who connects takes a seat, asks, and is sent the present.
+
+A connection that does not take what it is sent holds up itself alone: it is sent the present when it has taken what
+came before, and what lay between is not kept for it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections import Counter
+from collections.abc import Callable
+from contextlib import suppress
+from importlib.resources import files
+from typing import Final, Protocol
+
+import msgspec
+from starlette.applications import Starlette
+from starlette.requests import Request as PageRequest
+from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from console.access import REFUSED_MAX, SOCKETS_MAX, AccessRules, Allowance, Refusal
+from console.protocol import (
+    MESSAGE_BYTES_MAX,
+    VERSION,
+    DeskAnswer,
+    Request,
+    Welcome,
+    encoded,
+    hello_of,
+    request_of,
+)
+from console.seats import Seat
+from console.shown import DeskMoment, SentSoFar, is_behind, state_for
+from study.wording.catalogue import phrases_of
+
+SOCKET_PATH: Final = "/desk"
+WORDS_IN: Final = ("desk", "act")  # contexts of the catalogue
+REFUSED_CODE, FULL_CODE = 1008, 1013
+HEADERS: Final = {
+    "Content-Security-Policy": "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Cache-Control": "no-store",
+}
+TYPES: Final = {
+    ".html": "text/html",
+    ".js": "text/javascript",
+    ".css": "text/css",
+    ".json": "application/json",
+}
+
+
+class DeskDoor(Protocol):
+    """What the server needs of a desk."""
+
+    @property
+    def moment(self) -> DeskMoment:
+        """The present."""
+        ...
+
+    def welcome(self, seat: Seat) -> Welcome:
+        """What a seat is told once."""
+        ...
+
+    def ask(self, seat: Seat, request: Request, take: Callable[[DeskAnswer], None]) -> None:
+        """Ask for something; `take` may be called from another thread."""
+        ...
+
+
+class DeskServer:
+    """All connections of one desk. `refused` counts what was, by reason."""
+
+    def __init__(self, rules: AccessRules, clock: Callable[[], float] = time.monotonic) -> None:
+        self.refused: Counter[Refusal] = Counter()
+        self.desk: DeskDoor | None = None
+        self._rules: Final = rules
+        self._clock: Final = clock
+        self._connections: set[_Connection] = set()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._told = False  # that there is something new, and nobody has looked yet
+        self.app = Starlette(
+            routes=[
+                WebSocketRoute(SOCKET_PATH, self._socket),
+                Route("/words.json", self._words),
+                Route("/{name:path}", self._page),
+            ]
+        )
+
+    def changed(self) -> None:
+        """There is something new to send; called from any thread, as often as it likes."""
+        loop = self._loop
+        if loop is not None and not self._told and not loop.is_closed():
+            self._told = True
+            loop.call_soon_threadsafe(self._wake)
+
+    def _wake(self) -> None:
+        self._told = False
+        for connection in self._connections:
+            connection.wake()
+
+    def _refuse(self, why: Refusal) -> None:
+        self.refused[why] += 1
+
+    async def _words(self, _request: PageRequest) -> Response:
+        """The Japanese of what the pages say, by English and context as gettext joins them."""
+        words = {
+            f"{context}\u0004{english}": said.ja
+            for context in WORDS_IN
+            for english, said in phrases_of(context).items()
+        }
+        return JSONResponse(words, headers=HEADERS)
+
+    async def _page(self, request: PageRequest) -> Response:
+        if (why := self._rules.refused(request.headers.get("host", ""), None)) is not None:
+            self._refuse(why)
+            return PlainTextResponse(why.value, 403)
+        name = request.path_params["name"] or "index.html"
+        for folder in (files("console") / "web", files("study") / "report" / "web"):
+            file = folder / name
+            if "/" not in name and file.is_file():
+                kind = TYPES.get(f".{name.rpartition('.')[2]}", "application/octet-stream")
+                return Response(file.read_bytes(), media_type=kind, headers=HEADERS)
+        return PlainTextResponse("there is no such page", 404)
+
+    async def _socket(self, socket: WebSocket) -> None:
+        host, origin = socket.headers.get("host", ""), socket.headers.get("origin")
+        why = self._rules.refused(host, origin)
+        why = why or (Refusal.SOCKETS if len(self._connections) >= SOCKETS_MAX else None)
+        if why is not None:
+            self._refuse(why)
+            await socket.close(FULL_CODE if why is Refusal.SOCKETS else REFUSED_CODE, why.value)
+            return
+        self._loop = asyncio.get_running_loop()
+        connection = _Connection(socket, self._clock, self._refuse)
+        self._connections.add(connection)
+        try:
+            await socket.accept()
+            await self._serve(connection)
+        except WebSocketDisconnect:
+            pass
+        finally:
+            self._connections.discard(connection)
+
+    async def _serve(self, connection: _Connection) -> None:
+        desk = self.desk
+        if desk is None:
+            raise WebSocketDisconnect
+        seat = await connection.seat_taken(self._rules)
+        await connection.send(encoded(desk.welcome(seat)))
+        sending = asyncio.create_task(connection.send_moments(desk, seat))
+        try:
+            await connection.hear(desk, seat)
+        finally:
+            sending.cancel()
+
+
+class _Connection:
+    """One page or panel."""
+
+    def __init__(
+        self, socket: WebSocket, clock: Callable[[], float], refuse: Callable[[Refusal], None]
+    ) -> None:
+        self._socket, self._clock, self._refuse = socket, clock, refuse
+        self._news = asyncio.Event()
+        self._allowance = Allowance(at_s=clock())
+        self._refused = 0
+
+    def wake(self) -> None:
+        """There is something new."""
+        self._news.set()
+
+    async def send(self, text: str) -> None:
+        """Send a message whole."""
+        await self._socket.send_text(text)
+
+    async def _text(self) -> str:
+        """The next message; empty, and so none of the protocol, where it is bytes."""
+        message = await self._socket.receive()
+        if message["type"] == "websocket.disconnect":
+            raise WebSocketDisconnect(message.get("code", REFUSED_CODE))
+        return message.get("text") or ""
+
+    async def seat_taken(self, rules: AccessRules) -> Seat:
+        """The seat that the first message takes; the connection is closed where it takes none."""
+        why, text = Refusal.FORM, await self._text()
+        if len(text.encode()) <= MESSAGE_BYTES_MAX:
+            try:
+                hello = hello_of(text)
+            except msgspec.DecodeError:
+                pass
+            else:
+                if hello.version == VERSION and rules.opens(hello.seat, hello.token):
+                    return hello.seat
+                why = Refusal.TOKEN if hello.version == VERSION else why
+        else:
+            why = Refusal.SIZE
+        await self._close(why)
+        raise WebSocketDisconnect(REFUSED_CODE)
+
+    async def send_moments(self, desk: DeskDoor, seat: Seat) -> None:
+        """Send the present whenever there is a new one and the last was taken."""
+        had = SentSoFar()
+        with suppress(WebSocketDisconnect, RuntimeError):  # it is gone, which `hear` sees too
+            while True:
+                self._news.clear()
+                moment = desk.moment
+                state, had = state_for(moment, seat, had)
+                await self.send(encoded(state))
+                if not is_behind(moment, had):
+                    await self._news.wait()
+
+    async def hear(self, desk: DeskDoor, seat: Seat) -> None:
+        """Take messages until the connection ends, or too many were refused."""
+        loop = asyncio.get_running_loop()
+        answers = asyncio.Queue[DeskAnswer](1)
+
+        def take(answer: DeskAnswer) -> None:
+            loop.call_soon_threadsafe(answers.put_nowait, answer)
+
+        while self._refused < REFUSED_MAX:
+            text = await self._text()
+            may, self._allowance = self._allowance.after(self._clock())
+            if not may:
+                self._count(Refusal.RATE)
+                continue
+            if len(text.encode()) > MESSAGE_BYTES_MAX:
+                self._count(Refusal.SIZE)
+                break
+            try:
+                request = request_of(text)
+            except msgspec.DecodeError as error:
+                self._count(Refusal.FORM)
+                await self.send(encoded(DeskAnswer(number=0, good=False, why=str(error))))
+                continue
+            desk.ask(seat, request, take)
+            await self.send(encoded(await answers.get()))
+        await self._close(Refusal.RATE)
+
+    def _count(self, why: Refusal) -> None:
+        self._refused += 1
+        self._refuse(why)
+
+    async def _close(self, why: Refusal) -> None:
+        self._refuse(why)
+        await self._socket.close(REFUSED_CODE, why.value)

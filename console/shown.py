@@ -1,0 +1,246 @@
+"""What each seat is shown of a session: the line once, and the present as often as it is asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import msgspec
+
+from console.line_seen import LineSeen, SeenEvent
+from console.protocol import (
+    VERSION,
+    DeedShown,
+    FaultKind,
+    GraphPoint,
+    PointsDrawn,
+    PointsShown,
+    RuleShown,
+    SectionDrawn,
+    State,
+    StationDrawn,
+    TrainOnPlan,
+    TrainShown,
+    Welcome,
+)
+from console.seats import RIGHTS, Seat
+from console.session import Session
+from network.model import Line, Section
+from simulation.faults.fault import Names
+from simulation.faults.table import KINDS
+from simulation.judge.checkers import Checker
+from simulation.setup import STEPS_PER_S, Setup
+from study.wording.script import fault_name, item_text
+
+EVENTS_AT_ONCE: Final = 60  # in one message; the rest follows
+
+
+@dataclass(frozen=True, slots=True)
+class DeskMoment:
+    """The present of a session, made once for everybody: `truth` for seats that see it, `known` for the others.
+
+    The events and the graph of `line` grow on; a moment has the first so many of them.
+    """
+
+    truth: State
+    known: State
+    events: tuple[list[SeenEvent], int]
+    graph: tuple[list[GraphPoint], int]
+
+
+@dataclass(frozen=True, slots=True)
+class SentSoFar:
+    """How much of the events and of the graph a connection has had, of which branch."""
+
+    branch: int = -1
+    events: int = 0
+    graph: int = 0
+
+
+def state_for(moment: DeskMoment, seat: Seat, had: SentSoFar) -> tuple[State, SentSoFar]:
+    """What a connection is sent that has had so much, and what it has had then."""
+    leads = RIGHTS[seat].leads
+    state = moment.truth if leads else moment.known
+    had = had if had.branch == state.branch else SentSoFar(state.branch)
+    (events, count), (graph, points) = moment.events, moment.graph
+    upto = min(count, had.events + EVENTS_AT_ONCE)
+    new = tuple(e.shown for e in events[had.events : upto] if leads or not e.truth)
+    state = msgspec.structs.replace(state, events=new, graph=tuple(graph[had.graph : points]))
+    return state, replace(had, events=upto, graph=points)
+
+
+def is_behind(moment: DeskMoment, had: SentSoFar) -> bool:
+    """Whether there is more than one message could hold."""
+    return had.branch == moment.known.branch and had.events < moment.events[1]
+
+
+def moment_of(session: Session, line: LineSeen, factor: float, branch: int, *, running: bool) -> DeskMoment:
+    """The present of a session."""
+    digest = "" if session.ended is None else session.result.digest
+    known = State(
+        time_s=session.now_s,
+        factor=factor,
+        running=running and session.ended is None,
+        ended="" if session.ended is None else session.ended.value,
+        digest=digest,
+        branch=branch,
+        defined=line.defined,
+        manager_on=line.manager_on,
+        sections=line.sections,
+        trains=line.trains,
+    )
+    truth = msgspec.structs.replace(
+        known,
+        trains=tuple(_true_train(session, train) for train in known.trains),
+        points=_points(session),
+        silent=_silent(session),
+        deeds=_deeds(session),
+        rules=_rules(session),
+    )
+    return DeskMoment(truth, known, (line.events, len(line.events)), (line.graph, len(line.graph)))
+
+
+def _true_train(session: Session, train: TrainShown) -> TrainShown:
+    trains = session.simulation.trains
+    slot = trains.slot_of[train.unit]
+    if slot not in trains.active():
+        return train
+    motion = session.motion(slot)
+    path = trains.true_path(slot)
+    piece = session.scenario.setup.line.pieces[path.step_at(motion.position_m).piece_id]
+    return msgspec.structs.replace(
+        train,
+        at_m=path.kilometrage_m(motion.position_m),
+        section=piece.section_id,
+        speed_mps=motion.speed_mps,
+        waits_for=session.simulation.waits_for(slot) if motion.speed_mps == 0.0 else "",
+    )
+
+
+def _points(session: Session) -> tuple[PointsShown, ...]:
+    machines = session.simulation.wayside.machines.items()
+    return tuple(
+        PointsShown(
+            id=points_id,
+            position="" if machine.position is None else machine.position.value,
+            state=machine.state.name.lower(),
+        )
+        for points_id, machine in machines
+    )
+
+
+def _silent(session: Session) -> tuple[str, ...]:
+    simulation = session.simulation
+    units = (simulation.trains.stock_ids[slot] for slot in simulation.on_board.unpowered)
+    return tuple(sorted((*units, *simulation.wayside.down)))
+
+
+def _deeds(session: Session) -> tuple[DeedShown, ...]:
+    shown: list[DeedShown] = []
+    for number, deed in enumerate(session.deeds):
+        words = item_text(deed.item)
+        ends = session.can_end(number)
+        shown.append(
+            DeedShown(
+                deed=number,
+                time_s=deed.step / STEPS_PER_S,
+                text=words.en,
+                text_ja=words.in_("ja"),
+                ends=ends,
+            )
+        )
+    return tuple(shown)
+
+
+def _rules(session: Session) -> tuple[RuleShown, ...]:
+    counts = session.simulation.checkers.counts
+    first = {found.checker: found.text for found in reversed(session.simulation.checkers.violations)}
+    return tuple(
+        RuleShown(rule=rule.value, broken=counts.get(rule.value, 0), first=first.get(rule.value, ""))
+        for rule in Checker
+    )
+
+
+# the line -------------------------------------------------------------------------------------------------------------
+
+
+def welcome_of(session: Session, seat: Seat) -> Welcome:
+    """What does not change while the run goes on, for a seat."""
+    setup, rights = session.scenario.setup, RIGHTS[seat]
+    line = setup.line
+    return Welcome(
+        version=VERSION,
+        seat=seat,
+        run=session.scenario.id,
+        name=session.scenario.name,
+        line=line.name,
+        line_ja=line.name_ja,
+        stations=tuple(
+            StationDrawn(id=s.id, name=s.name, name_ja=s.name_ja, at_m=s.position_m)
+            for s in line.stations.values()
+        ),
+        sections=tuple(_drawn(line, section) for section in line.sections.values()),
+        points=tuple(
+            PointsDrawn(
+                id=points.id,
+                section=points.section_id,
+                terminal=points.terminal_id,
+                at_m=line.pieces[points.stem_piece].from_m,
+            )
+            for points in line.points.values()
+        ),
+        units=session.names.units,
+        plan=_plan(setup),
+        acts=tuple(sorted(kind.value for kind in rights.acts)),
+        faults=_faults(session.names) if rights.leads else (),
+    )
+
+
+def _drawn(line: Line, section: Section) -> SectionDrawn:
+    pieces = [line.pieces[piece] for piece in section.piece_ids]
+    return SectionDrawn(
+        id=section.id,
+        kind=section.kind.value,
+        from_m=min(piece.from_m for piece in pieces),
+        to_m=max(piece.to_m for piece in pieces),
+        lane=sum(piece.offset_m for piece in pieces) / len(pieces),
+        station=section.station_id or "",
+    )
+
+
+def _plan(setup: Setup) -> tuple[TrainOnPlan, ...]:
+    stations, timetable = setup.line.stations, setup.timetable
+    planned: list[TrainOnPlan] = []
+    for diagram in timetable.diagrams:
+        for number in diagram.train_numbers:
+            points = [
+                (float(time_s), stations[call.station_id].position_m)
+                for call in timetable.trains[number].calls
+                for time_s in (call.arrival_s, call.departure_s)
+                if time_s is not None
+            ]
+            planned.append(
+                TrainOnPlan(
+                    train=number,
+                    unit=diagram.stock_id,
+                    times_s=tuple(t for t, _ in points),
+                    at_m=tuple(m for _, m in points),
+                )
+            )
+    return tuple(planned)
+
+
+def _faults(names: Names) -> tuple[FaultKind, ...]:
+    return tuple(
+        FaultKind(
+            kind=kind.kind,
+            name=fault_name(kind.kind).en,
+            name_ja=fault_name(kind.kind).in_("ja"),
+            aims_at=kind.aims_at,
+            targets=tuple(map(str, kind.targets(names))),
+            schema=kind.model_json_schema(),
+            momentary=kind.momentary,
+        )
+        for kind in KINDS
+        if kind.targets(names)
+    )

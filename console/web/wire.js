@@ -1,0 +1,43 @@
+// The line to the desk: a seat is taken, what is said is answered by its number, and a line that breaks is made again.
+
+export const VERSION = 1;
+const AGAIN_MS = 500;
+
+/** What a page knows after one more state; what only grows is kept as long as the run is on the same branch. */
+export function taken(known, state) {
+  const same = known.state && known.state.branch === state.branch;
+  return {
+    ...known,
+    state,
+    events: [...(same ? known.events : []), ...state.events],
+    graph: [...(same ? known.graph : []), ...state.graph],
+  };
+}
+
+/** Connects, and goes on to; `show` is given what is known whenever there is more of it, null while there is no line. */
+export function connect(url, seat, token, show) {
+  const waiting = new Map();
+  let socket = null, number = 0, known = { events: [], graph: [] };
+  const open = () => {
+    socket = new WebSocket(url);
+    known = { events: [], graph: [] };
+    socket.onopen = () => socket.send(JSON.stringify({ say: "hello", seat, token, version: VERSION }));
+    socket.onmessage = ({ data }) => {
+      const message = JSON.parse(data);
+      if (message.say === "welcome") known = { ...known, welcome: message };
+      else if (message.say === "state") show((known = taken(known, message)));
+      else waiting.get(message.number)?.(message);
+    };
+    socket.onclose = ({ reason }) => {
+      show(null, reason);
+      setTimeout(open, AGAIN_MS);
+    };
+  };
+  open();
+  return (say, fields = {}) => new Promise((resolve) => {
+    number += 1;
+    const own = number;
+    waiting.set(own, (answer) => { waiting.delete(own); resolve(answer); });
+    socket.send(JSON.stringify({ say, number: own, ...fields }));
+  });
+}

@@ -1,0 +1,17 @@
+"""A short line to work, and a desk without a thread."""
+
+from __future__ import annotations
+
+import pytest
+
+from scenario.scenario import Scenario, load_scenario
+
+TWO = 'extends = "rtri_test_line"\nid = "two"\nname = "two"\ntimetable = "rtri_two_trains"\n'
+
+
+@pytest.fixture(scope="session")
+def two_trains(tmp_path_factory: pytest.TempPathFactory) -> Scenario:
+    """Two trains on the test line, with staff who react."""
+    file = tmp_path_factory.mktemp("two") / "two.toml"
+    file.write_text(f"{TWO}[people]\nreact = true\n", "utf-8")
+    return load_scenario(str(file))
