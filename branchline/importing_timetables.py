@@ -174,13 +174,13 @@ def _arranged(
     imported: ImportedTimetable, line: Line, train_name: str
 ) -> tuple[ImportedTimetable, list[str]]:
     """The nearest plan that works, and what it moves; as it is where no plan keeps the usual limit, and why."""
-    from branchline.extras import planning_extra
+    from branchline.extras import needing_extra
     from network.errors import InputError
 
     name = imported.timetable.head.id
     how = f"branchline arrange {line.id} {name} --train {train_name}"
     try:
-        with planning_extra("--train"):
+        with needing_extra("plan", "--train"):
             from plan.arranging.arrange import LIMIT_S, arranged_day
         from vehicle.train_file import load_train, train_named
 
