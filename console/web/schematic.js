@@ -79,7 +79,7 @@ export function schematic(known, words, pick) {
   const devices = ["block-manager", ...new Set(welcome.points.map((points) => points.terminal))];
   devices.forEach((id, i) => {
     const group = drawn("g", { ...chosen("device", id), "aria-label": id + silent(id) });
-    group.append(label(8 + i * 190, 174, `▣ ${id}${silent(id)}`, "start", silent(id) ? "bad" : ""));
+    group.append(label(8 + i * Math.min(240, width / devices.length), 174, `▣ ${id}${silent(id)}`, "start", silent(id) ? "bad" : ""));
     svg.append(group);
   });
   return svg;
@@ -99,7 +99,7 @@ function label(x, y, text, anchor, kind = "") {
 /** The train graph: what was planned, and what has been, for two hours about now. */
 export function trainGraph(known, words) {
   const { welcome, state, graph } = known;
-  const width = 560, height = 400, left = 146, low = 10;
+  const width = 450, height = 400, left = 140, low = 10;
   const from = state.time_s - 3600, to = state.time_s + 3600;
   const places = welcome.stations.map((station) => station.at_m), first = Math.min(...places), last = Math.max(...places);
   const x = (t) => left + ((t - from) / (to - from)) * (width - left - 6);

@@ -126,9 +126,6 @@ def test_the_script_for_a_shell_asks_by_the_name_that_is_answered(
         (("run", "no_such_scenario"), Outcome.BAD_INPUT),
         (("run", "--bogus"), Outcome.BAD_INPUT),
         (("drill", "no_such_drill"), Outcome.BAD_INPUT),
-        (("serve", "no_such_scenario"), Outcome.BAD_INPUT),
-        (("serve", "karasuyama_weekday", "--listen", "0.0.0.0"), Outcome.BAD_INPUT),  # without --tokens
-        (("serve", "karasuyama_weekday", "--tokens", "tokens.json"), Outcome.BAD_INPUT),  # without --listen
         (("drill", "--bogus"), Outcome.BAD_INPUT),
         (("reproduce", "no_such_paper"), Outcome.BAD_INPUT),
         (("bench", "no_such_scenario"), Outcome.BAD_INPUT),
