@@ -38,7 +38,9 @@ def with_a_column(monkeypatch: pytest.MonkeyPatch, table: str, **default: None) 
 
 @pytest.mark.parametrize(
     ("command", "added"),
-    others_nightly(product(COMMANDS, [False, True]), {(c, n % 2 > 0) for n, c in enumerate(COMMANDS)}),
+    others_nightly(
+        product(COMMANDS, [False, True]), {(c, n % 2 > 0) for n, c in enumerate(COMMANDS)}, columns=True
+    ),
 )
 def test_a_directory_kept_opens(
     main: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, command: tuple[str, ...], added: bool

@@ -115,7 +115,8 @@ SHOWN = re.findall(
 
 
 @pytest.mark.parametrize(
-    ("name", "asked_s", "tenths_s", "late_s", "circle_s", "circles"), others_nightly(SHOWN, SHOWN[:2])
+    ("name", "asked_s", "tenths_s", "late_s", "circle_s", "circles"),
+    others_nightly(SHOWN, SHOWN[:2], columns=True),
 )
 def test_the_page_shows_what_is_found(
     name: str, asked_s: str, tenths_s: str, late_s: str, circle_s: str, circles: str

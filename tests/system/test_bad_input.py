@@ -175,7 +175,9 @@ def check_one_line(ended: Any, parts: tuple[str, ...]) -> None:  # noqa: ANN401
 @pytest.mark.parametrize(
     ("verb", "case"),
     others_nightly(
-        product(["run", "check"], CASES), {("run", case) for case in CASES} | {("check", min(CASES))}
+        product(["run", "check"], CASES),
+        {("run", case) for case in CASES} | {("check", min(CASES))},
+        columns=True,
     ),
 )
 def test_one_line_and_nothing_written(main: Callable[..., Any], tmp_path: Path, verb: str, case: str) -> None:

@@ -50,7 +50,9 @@ def files(whose: str, text: str) -> dict[str, str]:
 
 # Each place and each text in every run, all of both at night.
 PAIRS = others_nightly(
-    product(PLACES, PATHS), {(whose, PATHS[number % len(PATHS)]) for number, whose in enumerate(PLACES)}
+    product(PLACES, PATHS),
+    {(whose, PATHS[number % len(PATHS)]) for number, whose in enumerate(PLACES)},
+    columns=True,
 )
 
 
