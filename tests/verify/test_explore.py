@@ -36,6 +36,8 @@ def test_a_sign_off_that_frees_leads_to_a_collision_by_one_lost_telegram() -> No
     assert "block-manager hears SignOff" in found.story
     assert not any("SignOffAccepted" in line for line in found.story), "u1 has not heard that it may leave"
     assert found.story[-1] == "u2 enters"
+    assert found.chart.startswith("sequenceDiagram")
+    assert "    u1->>block-manager: SignOff\n" in found.chart
     assert not explored(line, collisions_alone=True).broken
 
 
