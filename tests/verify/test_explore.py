@@ -14,7 +14,6 @@ from verify.restored import restored
 IN_EVERY_RUN = (Budgets(), Budgets(loss=1, delay=1), Budgets(loss=2))
 AT_NIGHT = (
     Budgets(power=1),
-    Budgets(word=1),
     Budgets(points=1),
     Budgets(sensor=1),
     Budgets(loss=1, power=1),
@@ -26,6 +25,14 @@ AT_NIGHT = (
 def test_every_state_is_safe_and_alive(budgets: Budgets) -> None:
     found = explored(ExploredLine(budgets=budgets))
     assert found.holds, found.story
+
+
+@pytest.mark.nightly
+def test_one_wrong_word_is_safe_and_not_yet_live() -> None:
+    """Open (decision 154): said of a train that has just left, and another let into its portal meanwhile."""
+    found = explored(ExploredLine(budgets=Budgets(word=1)))
+    assert not found.broken
+    assert found.dead > 0
 
 
 def test_a_sign_off_that_frees_leads_to_a_collision_by_one_lost_telegram() -> None:
