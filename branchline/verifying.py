@@ -44,6 +44,9 @@ def explore(
         int, typer.Option("--states", min=1, help="Look at no more states than about so many.")
     ] = (200_000_000),
     out: Annotated[Path | None, typer.Option("--out", help="Where the certificate is written.")] = None,
+    chart: Annotated[
+        Path | None, typer.Option("--chart", help="Where the story is drawn, as a sequence chart in Mermaid.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Explore a line of two trains, a manager and two terminals whole: is it safe, and can all always still finish?"""
@@ -78,6 +81,9 @@ def explore(
         *_verdict(found.broken, found.dead, complete=space.complete),
         *(f"  {index}. {line}" for index, line in enumerate(found.story, start=1)),
     ]
+    if chart is not None and found.chart:
+        chart.write_text(f"```mermaid\n{found.chart}```\n", "utf-8")
+        lines.append(f"chart: {chart}")
     if out is not None and found.holds and not names:
         digest = write(out, certificate_of(found))
         figures |= {"certificate": str(out), "digest": digest}

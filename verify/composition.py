@@ -41,13 +41,14 @@ class StateOfLine(NamedTuple):
 
 
 class Following(NamedTuple):
-    """What may follow: who did what, with which telegram (-1: none). What has a trouble need not happen."""
+    """What may follow: who did what, with which telegram (-1: none) from or to whom. What has a trouble need not be."""
 
     who: str
     what: str
     trouble: UnwishedFor
     state: StateOfLine
     telegram: int = -1
+    other: str = ""
 
 
 class TrainView(NamedTuple):
@@ -98,9 +99,11 @@ class Composition:
                 ends = self.parties.units[unit], PEERS[way // 2]
                 sender, hearer = reversed(ends) if way % 2 else ends
                 heard = self._heard(rest, unit, way, queue[0])
-                yield Following(hearer, HEARS, UnwishedFor.NONE, heard, queue[0])
+                yield Following(hearer, HEARS, UnwishedFor.NONE, heard, queue[0], sender)
                 if (left := _spend(state.left, UnwishedFor.LOSS)) is not None:
-                    yield Following(sender, LOSES, UnwishedFor.LOSS, rest._replace(left=left), queue[0])
+                    yield Following(
+                        sender, LOSES, UnwishedFor.LOSS, rest._replace(left=left), queue[0], hearer
+                    )
 
     def _heard(self, state: StateOfLine, unit: int, way: int, telegram: int) -> StateOfLine:
         peer, to_unit = divmod(way, 2)

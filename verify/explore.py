@@ -32,6 +32,7 @@ class ExploredSpace(NamedTuple):
     broken: str = ""
     dead: int = 0
     story: tuple[str, ...] = ()
+    chart: str = ""  # the story as a sequence chart, in Mermaid
 
     @property
     def holds(self) -> bool:
@@ -57,16 +58,20 @@ def explored(
     if len(space.broken):
         key = int(space.broken[0])
         rule = teller.composition.broken(teller.line_state(key))
-        return ExploredSpace(line, parties, expansion, space, None, rule, 0, teller.story(space.levels, key))
+        told = teller.events(space.levels, key)
+        return ExploredSpace(
+            line, parties, expansion, space, None, rule, 0, teller.story(told), teller.chart(told)
+        )
     if not space.complete:
         return ExploredSpace(line, parties, expansion, space, None)
     rank = ranks(expansion, space.states)
     dead = space.states[rank < 0]
-    story: tuple[str, ...] = ()
+    story, chart = tuple[str, ...](), ""
     if len(dead):
         first = next(found for level in space.levels if len(found := np.intersect1d(level, dead)))
-        story = teller.story(space.levels, int(first[0]))
-    return ExploredSpace(line, parties, expansion, space, rank, "", len(dead), story)
+        told = teller.events(space.levels, int(first[0]))
+        story, chart = teller.story(told), teller.chart(told)
+    return ExploredSpace(line, parties, expansion, space, rank, "", len(dead), story, chart)
 
 
 def certificate_of(found: ExploredSpace) -> Certificate:

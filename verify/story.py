@@ -11,10 +11,12 @@ from typing import Final, cast
 import numpy as np
 
 from radio.messages import AnyMessage
-from verify.composition import Composition, Following, StateOfLine, TrainCell
+from verify.composition import HEARS, Composition, Following, StateOfLine, TrainCell
 from verify.expansion import Expansion, Keys
+from verify.explored_line import TERMINALS, UNITS
 from verify.parties import ExploredParties
 from verify.search import parts
+from wayside.config import MANAGER_ID
 
 _UNSAID: Final = ("token", "capabilities", "mac", "unit_id", "terminal_id")
 WORDS: Final = MappingProxyType(
@@ -72,14 +74,38 @@ class StoryTeller:
                 return int(part[source[found[0]]])
         raise LookupError(f"nothing leads to {key}")
 
-    def story(self, levels: Sequence[Keys], key: int) -> tuple[str, ...]:
-        """What happens on a shortest way to a state, a line for each event, or for the same ones after each other."""
+    def events(self, levels: Sequence[Keys], key: int) -> tuple[Following, ...]:
+        """What happens on a shortest way to a state."""
         way = [self.line_state(k) for k in self.way_to(levels, key)]
-        lines: list[str] = []
-        for before, after in pairwise(way):
-            found = next(f for f in self.composition.following(before) if f.state == after)
-            lines.append(self._words(found))
-        return tuple(f"{line} ({count} times)" if count > 1 else line for line, count in _runs(lines))
+        return tuple(
+            next(f for f in self.composition.following(before) if f.state == after)
+            for before, after in pairwise(way)
+        )
+
+    def story(self, events: Iterable[Following]) -> tuple[str, ...]:
+        """Events in words, a line for each, or for the same ones after each other."""
+        return tuple(
+            f"{line} ({count} times)" if count > 1 else line
+            for line, count in _runs(map(self._words, events))
+        )
+
+    def chart(self, events: Iterable[Following]) -> str:
+        """The same as a sequence chart, in Mermaid: an arrow for what is heard, a crossed one for what is lost."""
+        lines = [
+            "sequenceDiagram",
+            *(f"    participant {party}" for party in (*UNITS, MANAGER_ID, *TERMINALS)),
+        ]
+        for words, same in groupby(events, self._arrow):
+            count = len(list(same))
+            lines.append(f"    {words} ({count} times)" if count > 1 else f"    {words}")
+        return "\n".join(lines) + "\n"
+
+    def _arrow(self, found: Following) -> str:
+        who = MANAGER_ID if found.who == "manager" else found.who
+        if found.telegram < 0:
+            return f"Note over {who}: {WORDS.get(found.what, found.what)}"
+        said = telegram_words(self.composition.parties.telegrams.things[found.telegram].message)
+        return f"{found.other}->>{who}: {said}" if found.what == HEARS else f"{who}-x{found.other}: {said}"
 
     def _words(self, found: Following) -> str:
         if found.telegram < 0:

@@ -77,10 +77,13 @@ def boundary_passed(register: Register, portal: str) -> Step:
 
 
 def claimed_standing(register: Register, message: SignOn | Claim, held: tuple[str, ...]) -> UnitStanding:
-    """Where a unit stands whose claim is accepted: one that has signed off goes on leaving, and is asked on."""
+    """Where a unit stands whose claim is accepted: one that has signed off goes on leaving, and is asked on.
+
+    Whatever persons have entered for it besides: it would report never again, and its last word is to free that too.
+    """
     if not held:
         return UnitStanding.OUTSIDE
-    leaves = isinstance(message, LeavingClaim) and register.plan.portals.issuperset(held)
+    leaves = isinstance(message, LeavingClaim) and register.plan.portals.issuperset(message.section_ids or ())
     return UnitStanding.LEAVING if leaves else UnitStanding.REPORTED
 
 

@@ -255,10 +255,21 @@ def test_a_manager_started_again_asks_one_that_leaves_until_it_has() -> None:
     assert desk.register.holders == {}
 
 
-def test_one_that_holds_more_than_its_portal_does_not_leave() -> None:
+def test_one_that_claims_more_than_its_portal_does_not_leave() -> None:
     desk = defined(u1=("E", "P9"))
-    desk.hear("u1", LeavingClaim(("P9",), 1))
+    desk.hear("u1", LeavingClaim(("E", "P9"), 1))
     assert desk.standing("u1") is UnitStanding.REPORTED
+
+
+def test_what_a_person_said_wrongly_of_one_that_leaves_is_free_when_it_has_left() -> None:
+    """Found by `branchline verify explore 0/0/0/1`: the unit never reports again, so nothing else would free it."""
+    desk = signed_off()
+    desk.act(BoundaryPassed("P9"))
+    desk.act(ConfirmHolding("u1", ("E", "P9"), "Mori"))
+    desk.hear("u1", LeavingClaim(("P9",), 1), correlation=block_manager.ASKED_AGAIN)
+    assert desk.register.held_by("u1") == ("E", "P9")
+    claims(desk)
+    assert desk.register.holders == {}
 
 
 def test_counted_as_on_the_line_it_keeps_its_portal() -> None:
@@ -266,6 +277,7 @@ def test_counted_as_on_the_line_it_keeps_its_portal() -> None:
         for check in (
             test_one_that_has_signed_off_is_asked_until_it_is_told_that_its_train_has_left,
             test_a_manager_started_again_asks_one_that_leaves_until_it_has,
+            test_what_a_person_said_wrongly_of_one_that_leaves_is_free_when_it_has_left,
         ):
             with pytest.raises(AssertionError):
                 check()
