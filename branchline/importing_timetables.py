@@ -105,7 +105,7 @@ def write_or_count(
     figures = {**(counts or {}), **timetable_counts(published)} if wanted.line is None else {}
     if wanted.line is not None:
         imported, line = _imported(published, wanted)
-        said = {"arranged": []}
+        said: dict[str, list[str]] = {"arranged": []}
         if wanted.train is not None and imported.departures_alone:
             imported, said["arranged"] = _arranged(imported, line, wanted.train)
         figures = {**(counts or {}), **imported.figures(), **said}

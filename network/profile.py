@@ -86,7 +86,7 @@ def _computed_profile(line: Line, path: Path) -> NDArray[np.void]:
     rows["sky"] = OPEN_SKY
     elevation_m = float(_elevation_m(_alignment(line, path.steps[0]), np.array([path.steps[0].entry_m]))[0])
     turn_rad = heading_rad = 0.0
-    turns: dict[str, _Turns] = {}
+    turns: dict[str, _CurveTurns] = {}
     for step in path.steps:
         alignment = _alignment(line, step)
         here = slice(math.ceil(step.start_m), count if step is path.steps[-1] else math.ceil(step.end_m))
@@ -95,7 +95,7 @@ def _computed_profile(line: Line, path: Path) -> NDArray[np.void]:
         kilometrages_m = np.concatenate((ends_m, inside_m))
         height_m = _elevation_m(alignment, kilometrages_m)
         if alignment.id not in turns:
-            turns[alignment.id] = _Turns(alignment.curves)
+            turns[alignment.id] = _CurveTurns(alignment.curves)
         turned = turns[alignment.id].at(kilometrages_m)
         bend_rad = np.abs(turned - turned[:1])
         rows["kilometrage_m"][here] = inside_m
@@ -175,7 +175,7 @@ def _elevation_m(alignment: Alignment, kilometrage_m: NDArray[np.float64]) -> ND
     return np.asarray(np.interp(kilometrage_m, breaks_m, heights_m), dtype=np.float64)
 
 
-class _Turns:
+class _CurveTurns:
     """Integral of |curvature| from an alignment's beginning: parabolas in the transitions, linear between."""
 
     def __init__(self, curves: Sequence[Curve]) -> None:

@@ -12,7 +12,7 @@ from typing import Final
 from network.errors import InputError
 from network.files.timetable_schema import CallTable, TimetableFile
 from network.model import Line, SectionKind, Station
-from network.timetable import Call, CallKind, FromTrain, Timetable, TimetableTrain, platform_of
+from network.timetable import AtPortal, Call, CallKind, FromTrain, Timetable, TimetableTrain, platform_of
 from plan.arranging.line_times import LineTimes
 from plan.arranging.problem import Standing, TrainToArrange, Visit
 
@@ -70,8 +70,14 @@ def trains_to_arrange(
             raise InputError(timetable.head.id, "trains", number, expected)
         window_s = (train.calls[0].last_s - WITHIN_S, train.calls[-1].last_s + WITHIN_S)
         free = all(v.arrival_s is None and v.departure_s is None for v in visits)
+        enters, leaves = (
+            way.section_id if isinstance(way, AtPortal) else None for way in (train.begins, train.ends)
+        )
+        window_s = window_s if free else (0, 0)
         found.append(
-            TrainToArrange(number, visits, follows, turn_s + leads_s[0], *(window_s if free else ()))
+            TrainToArrange(
+                number, visits, follows, turn_s + leads_s[0], *window_s, enters=enters, leaves=leaves
+            )
         )
     return found
 

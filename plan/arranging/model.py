@@ -39,6 +39,7 @@ SLOWER_SHARE: Final = (
     0.25  # how much longer a run may take that ends in running through, so that it need not stop
 )
 DAY_BEGINS_S: Final = -3600
+PORTAL_S: Final = 180  # assumed: from a portal to leaving the station behind it, with the stop there, or back
 EXCLUSIVE = True  # off: a section is anybody's at any time
 
 IntVar = cp_model.IntVar
@@ -177,7 +178,12 @@ class ArrangeModel:
         for at, here in enumerate(places):
             if at == 0 and train.follows is not None:
                 continue  # its set stands there since the train before
-            begin = DAY_BEGINS_S if at == 0 else self._from(own, places[at - 1], here)
+            begin: Bound = DAY_BEGINS_S
+            if at:
+                begin = self._from(own, places[at - 1], here)
+            elif train.enters is not None:
+                begin = own[here].departs - PORTAL_S
+                self._pass(train.number, train.enters, begin, own[here].departs)
             stays: list[_VisitVars] = [own[here]]
             if at + 1 < len(places):
                 end = self._to(own, places[at + 1])
@@ -186,9 +192,16 @@ class ArrangeModel:
                 their_places = [i for i, one in enumerate(theirs) if one.visit.tracks]
                 stays.append(theirs[their_places[0]])
                 end = self._to(theirs, their_places[1])
+            elif train.leaves is not None:
+                end = own[here].arrives + PORTAL_S
+                self._pass(train.number, train.leaves, own[here].arrives, end)
             else:
                 end = self._ends_s
             self._stand(f"{train.number} {here} track", begin, end, stays)
+
+    def _pass(self, number: str, portal: str, begin: Bound, end: Bound) -> None:
+        """A portal is one train's at a time, that comes or goes."""
+        self._held[portal].append((number, self._interval(f"{number} {portal}", begin, end)))
 
     def _come_in(self, name: str, one: _VisitVars, leg: Leg) -> None:
         """What a train has alone as it comes in, where opposing ones may not do so at once."""

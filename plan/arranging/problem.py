@@ -87,7 +87,8 @@ class Visit:
 class TrainToArrange:
     """A train. `follows`: what its set ran before, and `turn_s` the least time between; None: it stood there (留置).
 
-    A train of which nothing is printed runs between `from_s` and `until_s`.
+    `enters` and `leaves`: the section of the portal by which it comes and goes, instead of standing there. A train of
+    which nothing is printed runs between `from_s` and `until_s`.
     """
 
     number: str
@@ -96,6 +97,8 @@ class TrainToArrange:
     turn_s: int = 0
     from_s: int = 0
     until_s: int = 0
+    enters: str | None = None
+    leaves: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

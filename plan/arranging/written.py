@@ -106,7 +106,10 @@ def soonest(
             if (one, other) == (before.stands, here.stands)
         )
         arrives_s = here.arrival_s
-        if here.stands:
+        goes_on = (
+            train.leaves is not None and visit is train.visits[-1]
+        )  # by a portal that others need till then
+        if here.stands and not goes_on:
             free_s = after_s.get((train.number, here.station_id), 0)
             arrives_s = min(arrives_s, max(found[-1].departure_s + run_s, visit.arrival_s or 0, free_s))
         found.append(ArrangedVisit(here.station_id, arrives_s, here.departure_s, here.stands, here.track))

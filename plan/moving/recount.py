@@ -35,7 +35,7 @@ class Recount:
                 if again is None or at or to:
                     self._take(one, leg, at, to)
         later = 0 if again is None else round((legs[again].departs_s - legs[0].departs_s) / tick_s)
-        self._again = again and (MoveBound(again, 0, later), MoveBound(0, again, -later))
+        self._again = () if not again else (MoveBound(again, 0, later), MoveBound(0, again, -later))
 
     def _take(self, one: Occupation, leg: SetLeg, at: int, to: int) -> None:
         stand, begin_s = stand_of(one), max(one.begin_s, min(other.begin_s for other in leg.occupations))
@@ -78,7 +78,7 @@ class Recount:
         pairs = [(a, b) for a, b in product(self._spans, repeat=2) if a is not b and a[0] == b[0]]
         ones = [pair for pair in pairs if self._before(*pair) == bare[0]]
         others = [pair for pair in pairs if self._before(*pair[::-1]) == bare[1]]
-        if self._again and bare in (self._again, self._again[::-1]):
+        if bare in (self._again, self._again[::-1]):
             return periods == turn - 1
         return periods == turn and any(way[0] == way[1] or self._alike(*way) for way in product(ones, others))
 

@@ -250,3 +250,28 @@ def test_tracks_that_would_do_are_named(main: Callable[..., Any], tmp_path: Path
     assert "Kido had 1 more track" in found.err
     assert "Asa had 1 more track" in found.err
     assert "no printed time would be moved" in found.err
+
+
+def test_trains_that_come_and_go_by_portals_stand_nowhere(main: Callable[..., Any], tmp_path: Path) -> None:
+    """Three trains each way by two tracks at each end: no set stands there, neither before its train nor after it."""
+    stations = (
+        STATIONS.replace("kind", "kind,end")
+        .replace("2,\n", "2,,portal\n")
+        .replace("signal station", "signal station,")
+    )
+    (tmp_path / "pass.csv").write_text(stations, "utf-8")
+    assert main("new", "line", "pass.csv", "pass.toml").code == 0
+    ends = {"down": ("ASA", "BAT"), "up": ("BAT", "ASA")}
+    day = ['[timetable]\nid = "day"\nline = "pass"\ndwell_min_s = 20\n']
+    for at, (way, (first, last)) in enumerate((*ends.items(),) * 3):
+        hour = 10 + at // 2
+        calls = f'[{{ station = "{first}", departure = "{hour}:00" }}, {{ station = "{last}", arrival = "{hour}:20" }}]'
+        day.append(
+            f'[[trains]]\nnumber = "{at}"\ndirection = "{way}"\nbegins = "portal:{first}.P"\nends = "portal:{last}.P"\n'
+            f'calls = {calls}\n\n[[diagrams]]\nstock = "V{at}"\ntrains = ["{at}"]\n'
+        )
+    (tmp_path / "day.toml").write_text("\n".join(day), "utf-8")
+    found = main("arrange", "pass.toml", "day.toml", "made.toml", "--scenario", "run.toml")
+    assert found.code == 0, found
+    assert "printed times moved: 0 of 12" in found.out
+    assert main("check", "run.toml").code == 0
