@@ -63,7 +63,7 @@ def stops() -> pl.DataFrame:
     return make_table(
         "stops",
         {name: [row.get(name, True) for row in rows] for name in schema_of(ROWS["stops"])}
-        | {"stop_error_m": [None] * len(rows)},
+        | {"stop_error_m": [None] * len(rows), "cancelled": [False] * len(rows)},
     )
 
 
