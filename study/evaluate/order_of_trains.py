@@ -2,8 +2,9 @@
 
 The manager alone is asked, as its host does it, by trains that run each move in the time planned for it: no driving, no
 radio, no failures. At some departures doors stay open for minutes, drawn by seed, train and place, so that every rule
-has the same days. `python -m study.evaluate.order_of_trains SCENARIO FIRST DAYS [change_track] [take_back]` says what
-each rule loses, with and without that allowed, and by how much more than with who asks first.
+has the same days. `python -m study.evaluate.order_of_trains SCENARIO FIRST DAYS [change_track] [take_back] [cuts]` says
+what each rule loses, with and without that allowed, and by how much more than with who asks first; `share=0.02`: at so
+many departures doors stay open.
 """
 
 from __future__ import annotations
@@ -42,7 +43,8 @@ class LostDay:
 class _Played:
     """A day of a manager, played through. `held`: doors stay open after a train was let on, else before it asks."""
 
-    def __init__(self, config: ManagerConfig, seed: int, *, held: bool) -> None:
+    def __init__(self, config: ManagerConfig, seed: int, *, held: bool, share: float | None) -> None:
+        self._share = share
         self._day, self._seed, self._held = ManagerDay(config, config.dispatch.journeys), seed, held
         self._events: list[tuple[float, int, bool]] = []  # asks, or (True) has come to the end of its move
         self._asked_s: dict[int, float] = {}
@@ -85,7 +87,7 @@ class _Played:
             heapq.heappush(self._events, (due_s if self._held else due_s + open_s, k, False))
 
     def _open_s(self, k: int, move: JourneyMove) -> float:
-        return doors_s(self._seed, move, self._day.planned_at[k][self._day.at[k]])
+        return doors_s(self._seed, move, self._day.planned_at[k][self._day.at[k]], self._share)
 
     def _asks(self, k: int, now_s: float) -> None:
         self._asked_s.setdefault(k, now_s)
@@ -114,9 +116,11 @@ class _Played:
         self._ready(k, now_s + move.stays_s)
 
 
-def played_day(config: ManagerConfig, seed: int, *, held: bool = False) -> LostDay:
+def played_day(
+    config: ManagerConfig, seed: int, *, held: bool = False, share: float | None = None
+) -> LostDay:
     """A day by its seed; who never comes is as late as if it came at `LAST_S`."""
-    played = _Played(config, seed, held=held)
+    played = _Played(config, seed, held=held, share=share)
     played.run()
     return LostDay(played.lost_s / 60.0, played.waited_s / 60.0, played.longest_s / 60.0, played.cut)
 
@@ -126,10 +130,14 @@ def lost_min(config: ManagerConfig, seed: int) -> float:
     return played_day(config, seed).lost_min
 
 
-def doors_s(seed: int, move: JourneyMove, place: int) -> float:
+def doors_s(seed: int, move: JourneyMove, place: int, share: float | None = None) -> float:
     """For how long doors stay open before a move of a day, by its place there, s."""
     chance = random.Random(f"{seed} {move.train} {place}")
-    return min(chance.expovariate(1.0 / MEAN_S), LID_S) if chance.random() < SHARE else 0.0
+    return (
+        min(chance.expovariate(1.0 / MEAN_S), LID_S)
+        if chance.random() < (SHARE if share is None else share)
+        else 0.0
+    )
 
 
 def days_lost_min(scenario: str, order: OrderRule, seeds: Sequence[int]) -> list[float]:
@@ -138,22 +146,32 @@ def days_lost_min(scenario: str, order: OrderRule, seeds: Sequence[int]) -> list
     return [lost_min(config, seed) for seed in seeds]
 
 
-def rows(scenario: str, seeds: Sequence[int], may: tuple[DispatcherMeans, ...] = ()) -> list[str]:
+def rows(
+    scenario: str,
+    seeds: Sequence[int],
+    may: tuple[DispatcherMeans, ...] = (),
+    *,
+    cuts: bool = False,
+    share: float | None = None,
+) -> list[str]:
     """For each rule, and with what the dispatcher may do besides, the train-minutes lost a day and waited at stops, and
     how much more than with who asks first, paired by day.
     """
     first: list[LostDay] = []
     found: list[str] = []
-    for means in dict.fromkeys(((), may)):
+    for means, cut in dict.fromkeys((((), False), (may, cuts))):
         for order in OrderRule:
-            config = config_of(scenario, order, means)
-            days = [played_day(config, seed) for seed in seeds]
+            config = config_of(scenario, order, means, cuts=cut)
+            days = [played_day(config, seed, share=share) for seed in seeds]
             first = first or days
-            name = " and ".join([order.value, *(each.value for each in means)])
+            name = " and ".join([order.value, *(each.value for each in means), *(["cuts"] if cut else [])])
             lost = _text([day.lost_min for day in first], [day.lost_min for day in days])
             waited = _text([day.waited_min for day in first], [day.waited_min for day in days])
             longest = max(day.longest_min for day in days)
-            found.append(f"{name}: lost {lost}; waited {waited}; at most {longest:.0f} min")
+            number = sum(day.cut for day in days)
+            found.append(
+                f"{name}: lost {lost}; waited {waited}; at most {longest:.0f} min; {number} trains cut"
+            )
     return found
 
 
@@ -166,4 +184,7 @@ def _text(first: Sequence[float], lost: Sequence[float]) -> str:
 if __name__ == "__main__":
     scenario, first_seed, days, *named = sys.argv[1:]
     seeds = range(int(first_seed), int(first_seed) + int(days))
-    sys.stdout.write("\n".join(rows(scenario, seeds, tuple(map(DispatcherMeans, named)))) + "\n")
+    shares = [float(word.removeprefix("share=")) for word in named if word.startswith("share=")]
+    allowed = tuple(DispatcherMeans(word) for word in named if word != "cuts" and "=" not in word)
+    said = rows(scenario, seeds, allowed, cuts="cuts" in named, share=(*shares, None)[0])
+    sys.stdout.write("\n".join(said) + "\n")

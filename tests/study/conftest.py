@@ -132,6 +132,7 @@ def _run_train(
             None if None in (arrival_s, planned_arrival_s) else arrival_s - planned_arrival_s,
             None if None in (departure_s, call.departure_s) else departure_s - call.departure_s,
             draw.gauss(0.02, 0.12) if i else None,
+            False,
         )  # fmt: skip
     for i, j, sections in spans:
         for k, section in enumerate(sections):

@@ -63,7 +63,7 @@ def stops() -> pl.DataFrame:
     return make_table(
         "stops",
         {name: [row.get(name, True) for row in rows] for name in schema_of(ROWS["stops"])}
-        | {"stop_error_m": [None] * len(rows)},
+        | {"stop_error_m": [None] * len(rows), "cancelled": [False] * len(rows)},
     )
 
 
@@ -225,6 +225,7 @@ def test_the_ninety_fifth_percentile_is_the_nearest_rank(late_s: list[int]) -> N
         "kind": ["stop"] * count,
         "planned_arrival_s": [36000.0] * count,
         "late_arrival_s": [float(s) for s in late_s],
+        "cancelled": [False] * count,
     }
     row = punctuality(planned_times(make_table("stops", columns), NO_TRAINS), line).to_dicts()[0]
     at_most = sum(s <= row["p95_s"] for s in late_s)
