@@ -121,17 +121,29 @@ def recount(
 def inside(
     names: Annotated[list[str], typer.Argument(help="Scenarios, drills, or folders of drills (rtri).")],
     seeds: Annotated[
-        int, typer.Option("--seeds", min=1, help="Each with so many seeds, from its own on: of late days, so many.")
+        int,
+        typer.Option(
+            "--seeds", min=1, help="Each with so many seeds, from its own on: of late days, so many."
+        ),
     ] = 1,
     restore: Annotated[
-        list[str] | None, typer.Option("--restore", help="A behaviour that the runs' machines had once, as in explore.")
+        list[str] | None,
+        typer.Option("--restore", help="A behaviour that the runs' machines had once, as in explore."),
     ] = None,
     as_json: Json = False,
 ) -> None:
     """Run scenarios and hold each state that two units and a section are in against those of the explored line."""
     from verify.restored import RESTORED, restored
     from verify.runs.inside import InsideFigures
-    from verify.runs.inside_runs import by_lack, explored_views, first_without, load, runs_named, view_words, watched_run
+    from verify.runs.inside_runs import (
+        by_lack,
+        explored_views,
+        first_without,
+        load,
+        runs_named,
+        view_words,
+        watched_run,
+    )
     from verify.runs.inside_runs import LINES as EXPLORED
 
     _known(restore or [], sorted(RESTORED))
@@ -176,10 +188,13 @@ def bounds(
     without: Annotated[
         bool,
         typer.Option(
-            "--forgives", help="Switch off a mend: receivers forgive what may hide in slides and gaps, as once."
+            "--forgives",
+            help="Switch off a mend: receivers forgive what may hide in slides and gaps, as once.",
         ),
     ] = False,
-    anywhere: Annotated[bool, typer.Option("--anywhere", help="On the long lines too, not only the test line.")] = False,
+    anywhere: Annotated[
+        bool, typer.Option("--anywhere", help="On the long lines too, not only the test line.")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Search for a run in which the truth leaves the stated bounds: places, sizes and joint faults of sensors."""
@@ -191,7 +206,9 @@ def bounds(
         runs,
         FORGIVING if without else JOINT,
         anywhere=anywhere,
-        watch=lambda count, best: print_aside(f"{count} runs, nearest {best.near:+.3f}") if count % 100 == 0 else None,
+        watch=lambda count, best: (
+            print_aside(f"{count} runs, nearest {best.near:+.3f}") if count % 100 == 0 else None
+        ),
     )
     nearest = found.nearest
     assert nearest is not None
@@ -209,7 +226,12 @@ def bounds(
     told = {
         "runs": found.runs,
         "broken": len(found.broken),
-        "nearest": {"number": nearest.candidate.number, "out_m": nearest.out_m, "near": nearest.near, "what": words},
+        "nearest": {
+            "number": nearest.candidate.number,
+            "out_m": nearest.out_m,
+            "near": nearest.near,
+            "what": words,
+        },
     }
     end_with(told, lines, good=not found.broken, as_json=as_json)
 
@@ -234,7 +256,8 @@ def intruders(
         for one in found
     ]
     told = {
-        one.attack.value: {"sent": one.sent, "dropped": dict(one.dropped), "differs": one.differs} for one in found
+        one.attack.value: {"sent": one.sent, "dropped": dict(one.dropped), "differs": one.differs}
+        for one in found
     }
     end_with(told, lines, good=all(one.held for one in found), as_json=as_json)
 

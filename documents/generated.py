@@ -20,6 +20,7 @@ from documents import (
     journal,
     losses,
     reproductions,
+    safety,
     second_loop,
     sensors,
     tables,
@@ -41,6 +42,7 @@ PAGES: Final[tuple[tuple[Path, Callable[[], str]], ...]] = (
     (journal.FILE, journal.document),
     (losses.FILE, losses.document),
     (reproductions.FILE, reproductions.document),
+    (safety.FILE, safety.document),
     (sensors.FILE, sensors.document),
     (tables.FILE, tables.document),
 )

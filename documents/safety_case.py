@@ -62,7 +62,10 @@ HAZARDS: Final = (
                 "A terminal throws only under the newest token, and locks for it",
                 "the grant is proven offline by its code; tokens and locks outlive a power cut",
                 ("verify explore 0/0/1/0",),
-                (_EXPLORE, "tests/host/test_device.py::test_a_terminal_remembers_its_tokens_over_a_power_cut"),
+                (
+                    _EXPLORE,
+                    "tests/host/test_device.py::test_a_terminal_remembers_its_tokens_over_a_power_cut",
+                ),
             ),
             Claim(
                 "A proof that is withdrawn too late to stop is told apart from one in time",

@@ -32,7 +32,9 @@ def test_no_searched_run_leaves_its_bounds(runs: int) -> None:
 
 def test_only_faults_within_the_contract_of_a_carried_sensor_are_tried() -> None:
     seen: list[str] = []
-    found = search(3, 30, JOINT, watch=lambda _count, best: seen.extend(t.kind for t in best.candidate.troubles))
+    found = search(
+        3, 30, JOINT, watch=lambda _count, best: seen.extend(t.kind for t in best.candidate.troubles)
+    )
     assert found.nearest is not None
     carried = carried_in(found.nearest.candidate.number)
     known = {kind for sensor in carried for kind in FAILS.get(sensor, {})} | {"no_output", "gnss_frozen"}

@@ -6,6 +6,7 @@ import pytest
 
 from radio.envelope import DropReason
 from tests.nightly import others_nightly
+from tests.system import switches_radio  # noqa: F401 - they enter themselves
 from tests.system.switchboard import SWITCHES
 from tests.system.switches_radio import lets_pass
 from verify.runs.inside_runs import load
@@ -40,5 +41,3 @@ def test_without_its_check_a_telegram_passes(
     lets_pass(monkeypatch, reason, DropReason.REPEATED)
     (found,) = intruded(load(SLICE), 1, (attack,))
     assert not found.held
-
-
