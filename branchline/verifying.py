@@ -1,5 +1,5 @@
-"""`branchline verify`: every state that the running code can come to on a small line, a certificate of them, and what is
-held against them: runs, intruders, a search for what breaks bounds.
+"""`branchline verify`: every state that the running code can come to on a small line, a certificate of them, and
+what is held against them: runs, intruders, a search for what breaks bounds.
 """
 
 from __future__ import annotations
@@ -135,6 +135,7 @@ def inside(
     """Run scenarios and hold each state that two units and a section are in against those of the explored line."""
     from verify.restored import RESTORED, restored
     from verify.runs.inside import InsideFigures
+    from verify.runs.inside_runs import LINES as EXPLORED
     from verify.runs.inside_runs import (
         by_lack,
         explored_views,
@@ -144,7 +145,6 @@ def inside(
         view_words,
         watched_run,
     )
-    from verify.runs.inside_runs import LINES as EXPLORED
 
     _known(restore or [], sorted(RESTORED))
     views, figures = explored_views(EXPLORED, print_aside), InsideFigures()

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 
 class Claim(NamedTuple):
-    """A claim about a hazard: `because` is the argument; leaves are commands of `branchline`, and tests (file::name)."""
+    """A claim about a hazard: `because` is the argument; commands of `branchline` and tests show it."""
 
     says: str
     because: str

@@ -10,18 +10,18 @@ import numpy as np
 
 from network.model import SectionKind
 from onboard.duty.records import DutyState
-from verify.explore import ExploredSpace
 from verify.expansion import TERMINAL_BITS
+from verify.explore import ExploredSpace
 from verify.explored_line import SECTIONS, TERMINALS
 from verify.pair_view import (
     GroundState,
     OwnView,
     PairView,
     Powered,
-    pair_view,
     kind_of,
     needed_in,
     own_view,
+    pair_view,
     without_points,
 )
 from verify.parties import ExploredParties, Numbered
