@@ -157,7 +157,7 @@ def inside(
     lacks, unknown = by_lack(figures), first_without(figures)
     share = figures.beyond / max(1, figures.events)
     lines = [
-        f"{figures.events} events, {figures.states} states of two units and a section, {len(figures.distinct)} distinct,"
+        f"{figures.events} events, {figures.states} states of pairs and a section, {len(figures.distinct)} distinct,"
         f" of {len(views)} that explored states have",
         f"outside: {sum(figures.outside.values())} states, at {figures.beyond} events ({100.0 * share:.2f} %)",
         *(f"  {count}: {lack}" for lack, count in lacks.most_common()),

@@ -182,7 +182,7 @@ NOT_SHOWN: Final = (
     "More than one power cut, and persons' errors together with other troubles, in the exploration; in runs they are"
     " sampled.",
     "States of three units at once: a run is held against the exploration by pairs and one section at a time, without"
-    " what is on the air; trains that begin on the line, barred units and lost stores are in runs and not in the model.",
+    " what is on the air; trains that begin on the line, barred units and lost stores are in runs, not in the model.",
     "An intruder who takes telegrams off the air as he likes (deletion) or has a unit's own keys: the first delays,"
     " the second stops the line until he is barred.",
     "Devices on other machines: there is no link but the one on this machine.",
