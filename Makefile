@@ -65,6 +65,7 @@ docs: install
 	$(BIN)/python -m documents.faults
 	$(BIN)/python -m documents.losses
 	$(BIN)/python -m documents.reproductions
+	$(BIN)/python -m documents.safety
 	$(BIN)/python -m documents.sensors
 	$(BIN)/python -m documents.tables
 	$(BIN)/python -m documents.second_loop

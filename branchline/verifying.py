@@ -1,5 +1,5 @@
-"""`branchline verify`: every state that the running code can come to on a small line, a certificate of them, and what is
-held against them: runs, intruders, a search for what breaks bounds.
+"""`branchline verify`: every state that the running code can come to on a small line, a certificate of them, and
+what is held against them: runs, intruders, a search for what breaks bounds.
 """
 
 from __future__ import annotations
@@ -167,8 +167,6 @@ def inside(
         watched_run,
     )
 
-    from verify.restored import RESTORED, restored
-
     _known(restore or [], sorted(RESTORED))
     views, figures = explored_views(EXPLORED, print_aside), InsideFigures()
     for name in runs_named(names):
@@ -180,7 +178,7 @@ def inside(
     lacks, unknown = by_lack(figures), first_without(figures)
     share = figures.beyond / max(1, figures.events)
     lines = [
-        f"{figures.events} events, {figures.states} states of two units and a section, {len(figures.distinct)} distinct,"
+        f"{figures.events} events, {figures.states} states of pairs and a section, {len(figures.distinct)} distinct,"
         f" of {len(views)} that explored states have",
         f"outside: {sum(figures.outside.values())} states, at {figures.beyond} events ({100.0 * share:.2f} %)",
         *(f"  {count}: {lack}" for lack, count in lacks.most_common()),

@@ -21,6 +21,7 @@ from documents import (
     journal,
     losses,
     reproductions,
+    safety,
     second_loop,
     sensors,
     tables,
@@ -43,6 +44,7 @@ PAGES: Final[tuple[tuple[Path, Callable[[], str]], ...]] = (
     (journal.FILE, journal.document),
     (losses.FILE, losses.document),
     (reproductions.FILE, reproductions.document),
+    (safety.FILE, safety.document),
     (sensors.FILE, sensors.document),
     (tables.FILE, tables.document),
 )

@@ -27,8 +27,8 @@ The goal: with the faults, persons and bounds of this program, no train endanger
 THREAT_HEAD: Final = f"""\
 ## Threats to telegrams, after EN 50159
 
-Counts are of `branchline verify intruders {SCENARIO} --seed {SEED}`, run as this page is made: telegrams that an intruder
-sent, all without effect, and why receivers dropped them.
+Counts are of `branchline verify intruders {SCENARIO} --seed {SEED}`, run as this page is made: telegrams that an
+intruder sent, all without effect, and why receivers dropped them.
 
 | threat | defence | dropped as | intruder's telegrams, all without effect | shown by |
 |---|---|---|---|---|"""

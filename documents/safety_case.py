@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 
-class Claim(NamedTuple):
-    """A claim about a hazard: `because` is the argument; leaves are commands of `branchline`, and tests (file::name)."""
+class SafetyClaim(NamedTuple):
+    """A claim about a hazard: `because` is the argument; commands of `branchline` and tests show it."""
 
     says: str
     because: str
@@ -14,26 +14,26 @@ class Claim(NamedTuple):
     tests: tuple[str, ...] = ()
 
 
-class Hazard(NamedTuple):
+class SafetyHazard(NamedTuple):
     """What must not happen, and the claims that together keep it from happening."""
 
     name: str
-    claims: tuple[Claim, ...]
+    claims: tuple[SafetyClaim, ...]
 
 
 _EXPLORE: Final = "tests/verify/test_explore.py::test_every_state_is_safe_and_alive"
 HAZARDS: Final = (
-    Hazard(
+    SafetyHazard(
         "Two trains in one section",
         (
-            Claim(
+            SafetyClaim(
                 "A section has one holder, and a train is only where it holds",
                 "one register, one holder by type; every state of a small line, with losses, delays, power cuts and"
                 " wrong words, is looked at",
                 ("verify explore 1/1/0/0", "verify recount small.cert"),
                 (_EXPLORE, "tests/verify/test_recount.py::test_it_holds_whatever_way_it_came"),
             ),
-            Claim(
+            SafetyClaim(
                 "Runs are where the exploration has been",
                 "every state that two units and a section of a run come to is one of an explored state, or is"
                 " counted with what the model lacks",
@@ -43,7 +43,7 @@ HAZARDS: Final = (
                     "tests/verify/test_inside.py::test_a_defect_falls_outside",
                 ),
             ),
-            Claim(
+            SafetyClaim(
                 "A breach would be seen",
                 "checkers see the true positions alone and share no code with what they check; each finds its breach",
                 ("drill rtri/12_terminal_power",),
@@ -55,10 +55,10 @@ HAZARDS: Final = (
             ),
         ),
     ),
-    Hazard(
+    SafetyHazard(
         "A train on points that are not locked, or that move under it",
         (
-            Claim(
+            SafetyClaim(
                 "A terminal throws only under the newest token, and locks for it",
                 "the grant is proven offline by its code; tokens and locks outlive a power cut",
                 ("verify explore 0/0/1/0",),
@@ -67,7 +67,7 @@ HAZARDS: Final = (
                     "tests/host/test_device.py::test_a_terminal_remembers_its_tokens_over_a_power_cut",
                 ),
             ),
-            Claim(
+            SafetyClaim(
                 "A proof that is withdrawn too late to stop is told apart from one in time",
                 "the judge works out the braking distance by the guaranteed brake alone",
                 ("drill rtri/12b_terminal_power_after_throw",),
@@ -77,10 +77,10 @@ HAZARDS: Final = (
             ),
         ),
     ),
-    Hazard(
+    SafetyHazard(
         "A train beyond its stop limit",
         (
-            Claim(
+            SafetyClaim(
                 "No driving law passes a limit",
                 "limits, interventions and stop lie outside the laws, and the stronger brake counts",
                 ("run rtri_test_line",),
@@ -88,10 +88,10 @@ HAZARDS: Final = (
             ),
         ),
     ),
-    Hazard(
+    SafetyHazard(
         "A train where its unit does not believe it to be",
         (
-            Claim(
+            SafetyClaim(
                 "The truth stays within the stated bounds while sensors fail within their contracts",
                 "bounds are intervals, cut only by what is surely so; a search changes places, sizes and joint faults"
                 " towards the edge",
@@ -104,10 +104,10 @@ HAZARDS: Final = (
             ),
         ),
     ),
-    Hazard(
+    SafetyHazard(
         "A telegram that is not true is believed",
         (
-            Claim(
+            SafetyClaim(
                 "Whoever has not the pair's key, and whoever repeats or holds back, has no effect",
                 "each threat after EN 50159 has its defence (the table below); a run with an intruder is the same run",
                 ("verify intruders",),
@@ -116,7 +116,7 @@ HAZARDS: Final = (
                     "tests/verify/test_intruders.py::test_without_codes_he_has",
                 ),
             ),
-            Claim(
+            SafetyClaim(
                 "A unit that lies with its own keys stops the line, and two persons bar it",
                 "what contradicts the register stops grants; a bar outlives restarts",
                 ("drill rtri/59_unit_barred", "drill rtri/59b_unit_claims_falsely"),
@@ -125,7 +125,7 @@ HAZARDS: Final = (
                     "tests/wayside/test_barring.py::test_no_restart_forgets_a_bar",
                 ),
             ),
-            Claim(
+            SafetyClaim(
                 "Nobody else is on the planes between processes",
                 "one socket in a private folder; random keys a run; the time plane is authenticated",
                 ("run rtri_test_line --link zenoh",),
@@ -136,10 +136,10 @@ HAZARDS: Final = (
             ),
         ),
     ),
-    Hazard(
+    SafetyHazard(
         "Something is freed because nothing is known",
         (
-            Claim(
+            SafetyClaim(
                 "After a restart nothing is known, and nothing is granted until all have spoken or are spoken for",
                 "UNKNOWN is derived, so that it cannot be forgotten; silence frees nothing",
                 ("drill rtri/09_manager_power", "drill rtri/16a_manager_store_lost"),
@@ -150,7 +150,7 @@ HAZARDS: Final = (
                     "tests/verify/test_kills.py::test_a_party_killed_at_any_point_leaves_nothing_and_the_day_ends",
                 ),
             ),
-            Claim(
+            SafetyClaim(
                 "One person's wrong word frees nothing that a train is in",
                 "a word counts once two persons have said it, or the unit says the same",
                 ("drill rtri/53b_two_wrong_persons", "verify explore 0/0/0/1"),
@@ -158,10 +158,10 @@ HAZARDS: Final = (
             ),
         ),
     ),
-    Hazard(
+    SafetyHazard(
         "Nothing moves any more, and people improvise",
         (
-            Claim(
+            SafetyClaim(
                 "When faults end and people act, every train arrives",
                 "from each explored state some way without troubles leads to the end; random runs with up to twelve"
                 " faults all arrive, and each situation that they are meant to come to was come to",
@@ -182,7 +182,7 @@ NOT_SHOWN: Final = (
     "More than one power cut, and persons' errors together with other troubles, in the exploration; in runs they are"
     " sampled.",
     "States of three units at once: a run is held against the exploration by pairs and one section at a time, without"
-    " what is on the air; trains that begin on the line, barred units and lost stores are in runs and not in the model.",
+    " what is on the air; trains that begin on the line, barred units and lost stores are in runs, not in the model.",
     "An intruder who takes telegrams off the air as he likes (deletion) or has a unit's own keys: the first delays,"
     " the second stops the line until he is barred.",
     "Devices on other machines: there is no link but the one on this machine.",

@@ -67,8 +67,8 @@ class Budgets(NamedTuple):
 
 
 class ExploredLine(NamedTuple):
-    """What is explored: how many of the trains run, and the budgets. `timed`: each asks for its routes, and leaves, when
-    its timer says so, at any time; otherwise at once.
+    """What is explored: how many of the trains run, and the budgets. `timed`: each asks for its routes, and leaves,
+    when its timer says so, at any time; otherwise at once.
     """
 
     trains: int = 2

@@ -1,9 +1,9 @@
 """What two units and one section are to each other: the projection by which a run is compared with what was explored.
 
 A view of (section, unit, other unit) has of the unit its phase, where it believes itself to be with respect to the
-section, whether it holds it, asks for it, and has its points proven; of the other unit whether it holds it and may be in
-it; of the register both standings and the holder; of the terminals for whom its points are locked. It is made by the
-same functions of the states of the machines that run, whether they ran in a scenario or were explored.
+section, whether it holds it, asks for it, and has its points proven; of the other unit whether it holds it and may be
+in it; of the register both standings and the holder; of the terminals whether they lock what is proven. It is made by
+the same functions of the states of the machines that run, whether they ran in a scenario or were explored.
 
 Left out: metres, times, tokens, telegrams on the air, and all other sections and units. A stop within a plan is as one
 at its end. What a third unit holds is looked at with that unit.
@@ -163,7 +163,7 @@ def pair_view(
     views: tuple[OwnView, OwnView],
     needed: tuple[PointsNeeded, ...],
 ) -> PairView | None:
-    """The view of a section by a unit and another; None: a third holds it. `needed`: its points as the unit needs them."""
+    """A section by a unit and another; None: a third holds it. `needed`: its points as the unit needs them."""
     (unit, other), (own, others) = units, views
     theirs, register = others_view(others), ground.register
     locked = own.proven and all(_shows(ground.terminals.get(n.terminal_id), unit, n) for n in needed)

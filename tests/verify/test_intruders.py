@@ -8,6 +8,7 @@ from verify.runs.intruders import ATTACKS, THREATS, Attack, intruded
 
 from radio.envelope import DropReason
 from tests.nightly import others_nightly
+from tests.system import switches_radio  # noqa: F401 - they enter themselves
 from tests.system.switchboard import SWITCHES
 from tests.system.switches_radio import lets_pass
 

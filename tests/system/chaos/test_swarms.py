@@ -65,4 +65,4 @@ def test_a_swarm_leaves_half_out_and_has_a_fault_a_minute(nets: Path) -> None:
     everything = set().union(*kinds)
     assert all(len(some) <= len(everything) // 2 + 1 for some in kinds)
     assert all(len(case.faults) <= FAULTS_MAX for case in cases)
-    assert sum(len(case.faults) for case in cases) >= 6 * len(cases), "six minutes at most"
+    assert sum(len(case.faults) for case in cases) >= 5 * len(cases), "windows of half a minute to six"
