@@ -167,6 +167,8 @@ def inside(
         watched_run,
     )
 
+    from verify.restored import RESTORED, restored
+
     _known(restore or [], sorted(RESTORED))
     views, figures = explored_views(EXPLORED, print_aside), InsideFigures()
     for name in runs_named(names):

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from verify.runs.inside import InsideFigures
+from verify.runs.inside_runs import LINES, OTHER, by_lack, explored_views, load, runs_named, watched_run
 
 from tests.system import switches_on_board, switches_radio, switches_wayside  # noqa: F401 - they enter themselves
 from tests.system.switchboard import FOLDER, SWITCHES
 from verify.explored_line import Budgets, ExploredLine
 from verify.pair_view import Believed, PairView
-from verify.runs.inside import InsideFigures
-from verify.runs.inside_runs import LINES, OTHER, by_lack, explored_views, load, runs_named, watched_run
 
 BEYOND_SHARE_MAX = 0.05  # of the events of a day
 OTHER_SHARE_MAX = 0.002  # of the states of all drills: release by section and after power cuts in portals
