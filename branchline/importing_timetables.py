@@ -206,7 +206,7 @@ def _least(line: Line, train_name: str) -> tuple[Running, str]:
 
 def print_figures(figures: dict[str, Any]) -> None:
     """Counts as `key: value`, lists a line each, the table of stations with what joined each."""
-    from network.files.raw import is_list
+    from network.raw import is_list
 
     for key, value in figures.items():
         if not is_list(value):

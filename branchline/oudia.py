@@ -179,7 +179,7 @@ def _counted(route: OudiaRoute, dias: Iterable[OudiaDia] | None = None) -> dict[
 
 def _say(figures: dict[str, Any], *, as_json: bool) -> None:
     """Figures as `key: value`, a Dia a line."""
-    from network.files.raw import is_list, is_table
+    from network.raw import is_list, is_table
 
     if as_json:
         print_json(figures, Outcome.GOOD)

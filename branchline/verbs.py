@@ -13,9 +13,9 @@ from branchline.sources import loaded_source
 from branchline.whole_run import RunAsked, run_whole
 from branchline.whole_sweep import SweepAsked, run_sweep
 from network.errors import InputError
-from network.files.patch import load_patched_line
 from network.files.shipped import shipped_line
 from network.model import Line
+from network.patching.patch import load_patched_line
 from papers.reproduction import Options, Reproduction
 from papers.specification import reproduction
 from scenario.layers import KEYWORDS

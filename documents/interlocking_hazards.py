@@ -117,7 +117,7 @@ HAZARDS: Final = (
         (
             "onboard.duty.arrival",
             "onboard.localisation.places",
-            "onboard.authority.stop_limit",
+            "onboard.duty.stop_limit",
             "onboard.authority.machine",
         ),
         (Checker.RELEASE_BEHIND_REAR, Checker.INSIDE_HOLDING),
@@ -237,7 +237,7 @@ HAZARDS: Final = (
         "A train runs onto points that lie wrong or loose",
         "no throw, a machine that sticks, a terminal that is off or out of reach",
         "the stop limit stays before points until position and lock are proven under the own token",
-        ("onboard.authority.stop_limit", "wayside.point_terminal"),
+        ("onboard.duty.stop_limit", "wayside.point_terminal"),
         (Checker.PROVEN_BEFORE_ENTRY, Checker.POINTS_UNDER_TRAIN),
         (
             "rtri/07_unit_terminal_link",
@@ -265,7 +265,7 @@ HAZARDS: Final = (
         "the driver or the automatic driving does not brake",
         "supervision brakes by what the brakes are guaranteed to give, down to a declared design adhesion, from the"
         " front that may be furthest ahead; what less adhesion leads to is told apart",
-        ("onboard.driving.supervision", "onboard.authority.stop_limit"),
+        ("onboard.driving.supervision", "onboard.duty.stop_limit"),
         (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY, Checker.SUMO_COLLISION),
         (),
         ("supervision leaves no room to brake", "a train runs beyond what it holds"),

@@ -26,10 +26,10 @@ from exchange.timetable_writer import file_of_trains, timetable_toml
 from exchange.workings import SetRules, workings_of
 from network.errors import InputError
 from network.files.line_file import load_line
-from network.files.patch import load_patched_line
 from network.files.shipped import shipped_line
 from network.files.timetable_schema import HeadTable
 from network.model import Direction, Line
+from network.patching.patch import load_patched_line
 from network.timetable import Call, CallKind, no_trains, parse_timetable
 from simulation.setup import Setup
 from study.feasibility.check import feasibility

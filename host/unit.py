@@ -16,10 +16,10 @@ from host.party import Advance, Codec, PartySpec, Role
 from host.speech import Speech
 from host.store import PartyStore, raise_epoch
 from network.errors import InputError
-from onboard.duty.duty_step import DutyParameters
-from onboard.duty.plan import DutyPlan
 from onboard.duty.records import DrivingCommand, DutyState, Told
+from onboard.duty_parameters import DutyParameters
 from onboard.notes import Note
+from onboard.plan import DutyPlan
 from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
 from radio.envelope import AGE_MAX_S, Endpoint
 from radio.keys import KeyRing

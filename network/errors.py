@@ -8,7 +8,7 @@ import errno
 from pathlib import PurePath
 from typing import Final
 
-from network.files.raw import is_row
+from network.raw import is_row
 
 COMMAND_LINE: Final = "command line"  # the file of what is wrong there
 SHOWN_MAX: Final = 80  # characters of a value, or of a key, that a message shows

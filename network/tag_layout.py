@@ -22,6 +22,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
+from network.files.line_file import load_line
 from network.graph import next_pieces
 from network.model import Direction, Line, Piece, PlatformTrack, Section, SectionKind, Tag, TagPurpose
 
@@ -215,8 +216,6 @@ def _back(
 
 def main(arguments: Sequence[str]) -> int:
     """Print the tags of a line file by the rule, as its `tags` table."""
-    from network.files.line_file import load_line
-
     line = load_line(Path(arguments[0]))
     sys.stdout.write(tags_toml(line, lay_tags(line)))
     return 0

@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from onboard.duty.mission import Mission, Target
 from onboard.duty.unable import TooSteep, Unable
+from onboard.mission import Mission, Target
 from onboard.records import BehaviourRow
 from onboard.vehicle import VehicleInputs
 from vehicle.adhesion import DRY

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 from network.model import Line
-from onboard.duty.mission import Mission
 from onboard.duty.unable import NoCharge
+from onboard.mission import Mission
 from onboard.reach import Reach, SetWays, charger_at, to_next_charge
 
 

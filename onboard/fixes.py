@@ -14,8 +14,6 @@ from network.model import SectionKind
 from onboard import notes
 from onboard.driving.stopping import LIMIT_MARGIN_M
 from onboard.driving.supervision import RESERVE_M
-from onboard.duty.mission import Mission, PathTag, Target
-from onboard.duty.plan import ARRIVED_ON_SIGHT_WITHIN_M
 from onboard.duty.records import AtMark, DrivingCommand, FoundByOtherSensor, Sensed, TagBelieved, TagReached
 from onboard.localisation.fix import (
     FOREIGN,
@@ -31,6 +29,8 @@ from onboard.localisation.places import Places
 from onboard.localisation.sighting import begin_slack, sign
 from onboard.localisation.table import READER_NAMES
 from onboard.localisation.tags import TagDoubt
+from onboard.mission import Mission, PathTag, Target
+from onboard.plan import ARRIVED_ON_SIGHT_WITHIN_M
 from onboard.records import EVENT_FOUND, EVENT_PLACE, EVENT_POSITION, UnitRow
 from onboard.unit_records import UnitParameters
 

@@ -26,7 +26,6 @@ from onboard.driving.planner.wish import PLAIN, Planning
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.driving.stopping import aim_within, limit_is_short
 from onboard.driving.tasc import WEAK_TOLERANCE_M, StopVerdict, judge
-from onboard.duty.mission import Mission, PathTag, Target
 from onboard.duty.records import (
     AtMark,
     DrivingCommand,
@@ -47,6 +46,7 @@ from onboard.fixes import ROOM_M, Fixes
 from onboard.localisation.table import READERS_ROW, ReadersRow
 from onboard.localisation.tags import TagDoubt, TagOutcome, Wheels
 from onboard.localisation.wheel_scale import FrontAtCount
+from onboard.mission import Mission, PathTag, Target
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_CONTRADICTED,

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.model import Line
-from onboard.duty.mission import Mission, Target
 from onboard.duty.timekeeping import PREDICTION_STEP_S, cruise_for
+from onboard.mission import Mission, Target
 from onboard.records import BehaviourRow
 from vehicle.records import TrainRow
 from vehicle.running_time import predicted_run

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from onboard.board import BoardRow, SensedRow
 from onboard.driving.ahead import own_deceleration_mps2
-from onboard.driving.notches import drive
 from onboard.driving.stopping import ride_over_slide, stop_anew, take_up_command
 from onboard.driving.supervision import supervise
 from onboard.localisation.axles import NO_AXLE_MPS
 from onboard.localisation.table import read_all
 from onboard.localisation.tachometer import locate
+from onboard.notches import drive
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_FOUND,

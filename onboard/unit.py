@@ -16,10 +16,9 @@ import msgspec
 from onboard import notes
 from onboard.authority import records as auth
 from onboard.authority.letters import Letters
-from onboard.duty.duty_step import NEVER_S, Action, DutyParameters
+from onboard.duty.duty_step import NEVER_S, Action
 from onboard.duty.machine import step
 from onboard.duty.orders import leads_on
-from onboard.duty.plan import NO_PLAN, DutyPlan
 from onboard.duty.records import (
     Begin,
     DrivingCommand,
@@ -38,6 +37,8 @@ from onboard.duty.records import (
     Told,
 )
 from onboard.duty.shown import command_of
+from onboard.duty_parameters import DutyParameters
+from onboard.plan import NO_PLAN, DutyPlan
 from radio.elapsed import Elapsed
 from radio.envelope import Dropped, Endpoint
 

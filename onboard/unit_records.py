@@ -15,7 +15,7 @@ from network.files.quantities import (
     WheelError,
 )
 from network.files.toml_input import Record
-from onboard.duty.duty_step import DutyParameters
+from onboard.duty_parameters import DutyParameters
 
 
 class UnitParameters(Record):

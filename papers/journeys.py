@@ -22,7 +22,7 @@ from network.model import Direction
 from network.units import J_PER_KWH
 from onboard.driving.planner.windows import journey_stops
 from onboard.driving.planner.wish import Style
-from onboard.duty.mission import Mission
+from onboard.mission import Mission
 from papers.charts import ChartPage, Panel
 from papers.parameter_sets import NotDriven
 from papers.reference_data import reference_folder

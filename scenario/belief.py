@@ -17,10 +17,10 @@ from pydantic import Field
 from network.errors import InputError
 from network.files.edits import PatchInFile
 from network.files.kinds import about
-from network.files.patch import LinePatch, patched_line
 from network.files.text_input import existing_file
 from network.files.toml_input import Record, one_of
 from network.model import Line
+from network.patching.patch import LinePatch, patched_line
 from simulation.setup import Belief
 from vehicle.train_file import TrainType, load_train, shipped_train
 

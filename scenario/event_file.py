@@ -14,8 +14,8 @@ from typing import Any, Final, get_args, get_origin
 import msgspec
 
 from network.errors import InputError
-from network.files.raw import is_list
 from network.files.toml_input import one_of
+from network.raw import is_list
 from onboard import notes
 from onboard.driving.tasc import StopVerdict
 from onboard.fixes import EYE

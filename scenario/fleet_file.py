@@ -11,9 +11,9 @@ from typing import Any, Final
 
 from network.errors import InputError
 from network.files.json_input import read_json
-from network.files.raw import is_table
 from network.files.toml_input import one_of
 from network.model import Line
+from network.raw import is_table
 from network.timetable import Timetable
 from onboard.driving.tuning import Learned, learned_from
 from onboard.driving_settings import Driving

@@ -12,8 +12,8 @@ from typing import Any, Final
 from network.errors import InputError
 from network.files.edits import Change
 from network.files.json_input import read_json
-from network.files.raw import is_table
 from network.files.toml_input import Record, one_of, validate
+from network.raw import is_table
 
 FORMAT: Final = 1  # of the file; another number is of another version of the program
 

@@ -12,8 +12,8 @@ from copy import deepcopy
 from importlib.resources import files
 from typing import Any, Final
 
-from network.files.raw import is_row, is_table
 from network.files.schema_walk import resolved_node
+from network.raw import is_row, is_table
 
 FOLDER: Final = "examples"
 

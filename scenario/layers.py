@@ -17,9 +17,9 @@ from pydantic import BaseModel, ValidationError
 
 from network.errors import InputError
 from network.files.edits import Change, Data, Patched, PatchInFile, differences
-from network.files.raw import is_table
 from network.files.text_input import existing_file
 from network.files.toml_input import key_path, parse_table, read_text, validate
+from network.raw import is_table
 from scenario.scenario_file import ListPatch, PatchTable, ScenarioFile, SettingsPatch
 
 KEYWORDS: Final = Path("keywords")  # of tables given to `load_scenario`: their file, in errors and as a place

@@ -14,14 +14,14 @@ from typing import Any, Final
 
 from network.errors import InputError
 from network.files.edits import Change, Data
-from network.files.line_file import validate_train_fits
-from network.files.patch import patched_line
 from network.files.quantities import SEED
 from network.files.shipped import find_file, shipped_line, shipped_timetable
 from network.files.text_input import existing_file
-from network.files.timetable_patch import patched_timetable
 from network.files.toml_input import one_of
+from network.patching.patch import patched_line
+from network.patching.timetable_patch import patched_timetable
 from network.timetable import Timetable
+from network.train_fit import validate_train_fits
 from scenario.battery_choice import check_battery, heated_trains
 from scenario.belief import belief_of
 from scenario.curvature_choice import curvature_map_of

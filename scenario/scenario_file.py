@@ -11,10 +11,10 @@ from pydantic import Field, create_model
 from network.files.edits import FilePatch
 from network.files.kinds import TABLES_MAX, TEXTS_MAX, about
 from network.files.names import Identifier, Prose, Title
-from network.files.patch import LinePatch
 from network.files.quantities import Seed
-from network.files.timetable_patch import TimetablePatch
 from network.files.toml_input import Record
+from network.patching.patch import LinePatch
+from network.patching.timetable_patch import TimetablePatch
 from scenario.belief import BeliefTable
 from scenario.script_file import ActTable, ExpectTable, FaultTable
 from simulation.settings import Load, Tables

@@ -11,10 +11,10 @@ from pydantic import BaseModel
 
 from network.errors import InputError
 from network.files.line_schema import LineFile
-from network.files.raw import is_row
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import one_of
 from network.making.station_list import StationListFile
+from network.raw import is_row
 from scenario.key_examples import filled_example, with_examples, written_example
 from scenario.scenario_file import ScenarioFile
 from scenario.sweep_file import SweepFile

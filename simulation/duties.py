@@ -11,7 +11,6 @@ from enum import Enum
 from typing import Final
 
 from network.model import SectionKind
-from onboard.duty.mission import NoWay
 from onboard.duty.records import (
     EntryAllowed,
     Finished,
@@ -23,6 +22,7 @@ from onboard.duty.records import (
     TrainEndsHere,
     WayOrdered,
 )
+from onboard.mission import NoWay
 from onboard.notes import MissionDone
 from simulation.agenda import AgendaKind
 from simulation.cabs import Cabs

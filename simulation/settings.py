@@ -35,7 +35,7 @@ from network.files.toml_input import Record
 from onboard.driving.laws.settings import LawTables
 from onboard.driving.planner.wish import Planning
 from onboard.driving_settings import Driving
-from onboard.duty.duty_step import ReleaseRule
+from onboard.duty_parameters import ReleaseRule
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings

@@ -16,7 +16,7 @@ from network.model import Line
 from network.timetable import Timetable
 from onboard.driving.tuning import Learned
 from onboard.driving_settings import Driving
-from onboard.duty.duty_step import ReleaseRule
+from onboard.duty_parameters import ReleaseRule
 from onboard.localisation.curvature_map import CurvatureMap
 from onboard.records import BEHAVIOUR
 from radio import air as radio_air

@@ -50,9 +50,9 @@ from network.files.quantities import (
     WheelDiameterM,
 )
 from network.files.quantity import OUT_OF_RANGE, Quantity
-from network.files.raw import is_list, is_table
 from network.files.text_input import existing_file
 from network.files.toml_input import Record, parse_table, read_text
+from network.raw import is_list, is_table
 from vehicle.battery import battery_row
 from vehicle.battery_file import BatteryTable
 from vehicle.loss_file import Losses, set_losses

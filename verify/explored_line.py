@@ -13,8 +13,8 @@ from typing import Final, NamedTuple
 import msgspec
 
 from network.model import Position, SectionKind, TagPurpose
-from onboard.duty.duty_step import DutyParameters
-from onboard.duty.plan import DutyPlan, PlanLeg, PlanStop, PlanTag, PointsNeeded, Span
+from onboard.duty_parameters import DutyParameters
+from onboard.plan import DutyPlan, PlanLeg, PlanStop, PlanTag, PointsNeeded, Span
 from radio.keys import capability_key
 from verify.thirds import PLACES_A_SPAN
 from wayside.config import (

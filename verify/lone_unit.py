@@ -27,9 +27,8 @@ from onboard.authority.records import (
     SignOnHeard,
 )
 from onboard.authority.records import Event as AuthorityEvent
-from onboard.duty.duty_step import Action, DutyParameters
+from onboard.duty.duty_step import Action
 from onboard.duty.machine import step
-from onboard.duty.plan import DutyPlan, PlanLeg, PlanStop, PlanTag, PointsNeeded, Span
 from onboard.duty.records import (
     ABLE,
     ASK,
@@ -64,6 +63,8 @@ from onboard.duty.records import (
 )
 from onboard.duty.shown import command_of
 from onboard.duty.unable import TooSteep
+from onboard.duty_parameters import DutyParameters
+from onboard.plan import DutyPlan, PlanLeg, PlanStop, PlanTag, PointsNeeded, Span
 from verify.thirds import PLACES_A_SPAN, place_in_joints
 
 X: Final = PointsNeeded("PX", Position.NORMAL, "X", "terminal")

@@ -17,8 +17,8 @@ from typing import Final, NamedTuple
 
 from network.model import SectionKind
 from onboard.authority.records import RequestKind
-from onboard.duty.plan import DutyPlan, PointsNeeded
 from onboard.duty.records import DutyPhase, DutyState
+from onboard.plan import DutyPlan, PointsNeeded
 from wayside.point_terminal import PointsState, Terminal
 from wayside.register import Register, UnitStanding
 

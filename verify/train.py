@@ -31,7 +31,6 @@ from onboard.authority.records import (
 )
 from onboard.duty.duty_step import Action
 from onboard.duty.machine import step
-from onboard.duty.plan import DutyPlan
 from onboard.duty.records import (
     Begin,
     DrivingOrder,
@@ -44,6 +43,7 @@ from onboard.duty.records import (
     SwitchedOn,
     TelegramHeard,
 )
+from onboard.plan import DutyPlan
 from radio.envelope import DropReason, Received
 from radio.messages import PointsCommand
 from verify.explored_line import END, TERMINALS, ExploredLine, mask_of, plans_of

@@ -23,8 +23,8 @@ from pydantic import Field
 
 from network.errors import InputError
 from network.files.kinds import about
-from network.files.raw import is_list, is_table
 from network.files.toml_input import Record, key_path, one_of, validate
+from network.raw import is_list, is_table
 
 EXAMPLE: Final = '"points.OGN.11.throw_time_s" = 12.0'
 _CALLED_BY: Final = ("id", "name", "number", "station", "stock")

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from network.files.raw import is_table
+from network.raw import is_table
 
 Schema = Mapping[str, Any]
 

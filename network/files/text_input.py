@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from network.errors import InputError
-from network.files.raw import is_list, is_table
+from network.raw import is_list, is_table
 
 TOML_BYTES_MAX: Final = 1 << 20  # fifty times the largest shipped file; read in about a second
 JSON_BYTES_MAX: Final = 16 << 20  # a hundred times the largest public timetable of a line

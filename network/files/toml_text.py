@@ -9,7 +9,7 @@ from copy import deepcopy
 from typing import Any, Final
 
 from network.errors import InputError
-from network.files.raw import is_row, is_table
+from network.raw import is_row, is_table
 
 _BARE: Final = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-")
 

@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from onboard import notes
 from onboard.authority import records as sym
 from onboard.authority.records import RequestKind
-from onboard.duty.plan import PointsNeeded
+from onboard.plan import PointsNeeded
 from radio import messages as radio
 from radio.envelope import Received
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import msgspec
 
 from onboard import notes
-from onboard.duty.plan import PointsNeeded
+from onboard.plan import PointsNeeded
 from radio.messages import OrderRefusalReason
 
 

@@ -17,8 +17,8 @@ from onboard.driving.laws.table import LAWS, LawsRow
 from onboard.driving.planner.arrivals import ArrivalAims, TrainOnMap, arrivals_s
 from onboard.driving.planner.plan import PlanOnPath, PlanRequest, plan_in_time
 from onboard.driving.planner.wish import PLAIN, Planning
-from onboard.duty.mission import Mission, Passing, Target
 from onboard.duty.timekeeping import cruise_for
+from onboard.mission import Mission, Passing, Target
 from onboard.records import BehaviourRow, UnitRow
 from onboard.unit_records import UnitParameters
 from vehicle.optimum.journey import WindowMissed

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.errors import InputError
-from network.files.raw import is_list
+from network.raw import is_list
 from vehicle.compiled import compiled
 
 Wave = NDArray[np.float64]

@@ -8,9 +8,10 @@ odometer is a second condition to the tag, and never one by itself. Ahead, only 
 from __future__ import annotations
 
 from onboard.authority.records import GiveBack, RequestKind
-from onboard.duty.duty_step import DutyStep, ReleaseRule
+from onboard.duty.duty_step import DutyStep
 from onboard.duty.entering import kept_until_stand
 from onboard.duty.records import AT_A_MARK, AtMark, DutyPhase, TagBelieved
+from onboard.duty_parameters import ReleaseRule
 
 
 def clear_behind(duty: DutyStep) -> None:

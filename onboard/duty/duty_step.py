@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from enum import Enum
 from typing import Final
 
-import msgspec
 from msgspec.structs import replace
 
 from onboard import notes
@@ -15,26 +13,10 @@ from onboard.authority import machine as authority
 from onboard.authority.records import Action as AuthorityAction
 from onboard.authority.records import AskRoute, Cleared, RequestKind, SetTimer, Write
 from onboard.authority.records import Event as AuthorityEvent
-from onboard.authority.stop_limit import cleared_sections
-from onboard.duty.plan import DutyPlan, PlanLeg, PlanStop, PointsNeeded
 from onboard.duty.records import ABLE, ASK, LEAVE, RELEASE, DrivingOrder, DutyState, SetTimerAt, Told
-
-
-class ReleaseRule(Enum):
-    """When a unit gives back what lies behind it."""
-
-    ROUTE = "route"  # all of a route at once, at the arrival tag
-    SECTION = "section"  # each section by itself, at the first tag that proves it to be behind
-
-
-class DutyParameters(msgspec.Struct, frozen=True):
-    """Times of the duty, s, and its rule of release."""
-
-    dwell_min_s: float
-    request_lead_s: float
-    emergency_release_s: float
-    release: ReleaseRule = ReleaseRule.ROUTE
-
+from onboard.duty.stop_limit import cleared_sections
+from onboard.duty_parameters import DutyParameters, ReleaseRule
+from onboard.plan import DutyPlan, PlanLeg, PlanStop, PointsNeeded
 
 Action = AuthorityAction | SetTimerAt | Told | DrivingOrder
 NEVER_S: Final = -math.inf

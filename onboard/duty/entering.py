@@ -10,8 +10,8 @@ from collections.abc import Iterable
 
 from onboard.authority.records import AskRoute, RequestKind
 from onboard.duty.duty_step import DutyStep
-from onboard.duty.plan import DutyPlan, PlanLeg, PointsNeeded, Span
 from onboard.duty.records import AT_A_MARK, DutyPhase, DutyState
+from onboard.plan import DutyPlan, PlanLeg, PointsNeeded, Span
 
 KEEPS = True  # off: arrival points are given back as soon as a tag proves that they are behind
 

@@ -32,18 +32,11 @@ from onboard.authority.records import (
     TurnedBack,
     Withdrawn,
 )
-from onboard.authority.stop_limit import (
-    NOT_PROVEN,
-    entered_on_proof,
-    points_perhaps_under,
-    stop_limit,
-)
 from onboard.duty import fitness, on_sight, orders
 from onboard.duty.arrival import clear_behind, confirm, releases_at_each
-from onboard.duty.duty_step import Action, DutyParameters, DutyStep
+from onboard.duty.duty_step import Action, DutyStep
 from onboard.duty.entering import ask_beyond, ask_leave
 from onboard.duty.fitness import way_is_free
-from onboard.duty.plan import DutyPlan, PlanTag
 from onboard.duty.records import (
     ABLE,
     ASK,
@@ -84,6 +77,14 @@ from onboard.duty.records import (
     WheelsTurning,
 )
 from onboard.duty.shown import to_confirm
+from onboard.duty.stop_limit import (
+    NOT_PROVEN,
+    entered_on_proof,
+    points_perhaps_under,
+    stop_limit,
+)
+from onboard.duty_parameters import DutyParameters
+from onboard.plan import DutyPlan, PlanTag
 from radio.table import TableCell, rows
 
 Handler = Callable[[DutyStep, Any], None]

@@ -17,7 +17,6 @@ from onboard.authority.records import (
     TrainEndOrdered,
 )
 from onboard.duty.duty_step import DutyStep
-from onboard.duty.plan import DutyPlan
 from onboard.duty.records import (
     DutyPhase,
     DutyState,
@@ -27,6 +26,7 @@ from onboard.duty.records import (
     TrainEndsHere,
     WayOrdered,
 )
+from onboard.plan import DutyPlan
 from radio.messages import OrderRefusalReason
 
 ONCE = True  # off: an order that answers no open request, as an old or doubled one, is done all the same

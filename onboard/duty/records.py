@@ -14,8 +14,8 @@ import msgspec
 
 from onboard.authority.records import Authority, Ordered, Timer
 from onboard.authority.records import Event as AuthorityEvent
-from onboard.duty.plan import DutyPlan, PointsNeeded
 from onboard.duty.unable import Unable
+from onboard.plan import DutyPlan, PointsNeeded
 
 
 class DutyPhase(Enum):

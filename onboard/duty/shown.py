@@ -7,10 +7,10 @@ from types import MappingProxyType
 from typing import Final
 
 from onboard.authority.records import RequestKind
-from onboard.authority.stop_limit import cleared_sections, next_rear_span
 from onboard.duty.entering import kept_until_stand
-from onboard.duty.plan import DutyPlan
 from onboard.duty.records import AT_A_MARK, DrivingCommand, DutyPhase, DutyState
+from onboard.duty.stop_limit import cleared_sections, next_rear_span
+from onboard.plan import DutyPlan
 
 _IDLE: Final[Mapping[DutyPhase, str]] = MappingProxyType(
     {

@@ -16,7 +16,6 @@ from collections.abc import Iterator
 from typing import Final
 
 from network.model import TagPurpose
-from onboard.duty.mission import PathTag
 from onboard.localisation.wheel_scale import (
     FrontAtCount,
     WheelScale,
@@ -24,6 +23,7 @@ from onboard.localisation.wheel_scale import (
     front_interval,
     narrowest,
 )
+from onboard.mission import PathTag
 from onboard.records import UnitRow
 from onboard.unit_records import UnitParameters
 

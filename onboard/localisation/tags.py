@@ -24,7 +24,6 @@ from collections.abc import Sequence
 from enum import Enum
 from typing import Final
 
-from onboard.duty.mission import PathTag
 from onboard.localisation.axles import forget_axles
 from onboard.localisation.fix import Fix, FixSource, TakenFix, bring_within, missed_by_m, take_interval
 from onboard.localisation.tachometer import calibrated_scale
@@ -39,6 +38,7 @@ from onboard.localisation.wheel_scale import (
     narrowest,
     way_between,
 )
+from onboard.mission import PathTag
 from onboard.records import UnitRow
 from onboard.unit_records import UnitParameters
 from vehicle.compiled import compiled

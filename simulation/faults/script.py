@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, Final
 
-from network.files.raw import is_row
+from network.raw import is_row
 from onboard.notes import Arrived, Departs, Holds, MissionBegun, UnitRestarted
 from simulation.events import (
     Entered,

@@ -9,7 +9,7 @@ from typing import Final
 
 from network.model import SectionKind
 from network.timetable import TimetableTrain
-from onboard.duty.mission import Target
+from onboard.mission import Target
 from simulation.result import EnergyRecord, StopRecord, TraceSpan
 from simulation.setup import STEPS_PER_S
 from simulation.subscribers import Subscribers

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from typing import Final
 
 from network.model import SectionKind
-from onboard.duty.mission import Mission
-from onboard.duty.plan import ARRIVED_ON_SIGHT_WITHIN_M, DutyPlan, PointsNeeded
 from onboard.duty.records import AtMark, DrivingCommand, EndOfHeld, NotAtMark, Person, PointsSeen, PointsWrong
+from onboard.mission import Mission
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
+from onboard.plan import ARRIVED_ON_SIGHT_WITHIN_M, DutyPlan, PointsNeeded
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S
 from simulation.tolerance import CALLS_BEYOND_M, CALLS_SHORT_M

@@ -18,8 +18,6 @@ from onboard.charge import ChargeWatch
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.driving.tuning import Learned
 from onboard.driving.tuning import StopDecelerations as StopWaves
-from onboard.duty.mission import Mission
-from onboard.duty.plan import DutyPlan, plan_of
 from onboard.duty.records import (
     AtMark,
     Begin,
@@ -30,8 +28,10 @@ from onboard.duty.records import (
     SwitchedOn,
     TakeUpWay,
 )
+from onboard.mission import Mission
 from onboard.motion import UnitMotion
 from onboard.notes import Note
+from onboard.plan import DutyPlan, plan_of
 from onboard.records import PathData
 from onboard.unit import Report, UnitAnswer
 from simulation.clock import Clock

@@ -8,7 +8,7 @@ from itertools import zip_longest
 from network.graph import routes_from
 from network.model import Line, SectionKind, TagPurpose
 from network.timetable import AtPortal, BecomesTrain, Call, FromTrain, Stabled, Timetable, TimetableTrain
-from onboard.duty.mission import Mission, NoWay, on_tracks, plan_mission
+from onboard.mission import Mission, NoWay, on_tracks, plan_mission
 from simulation.late.entry import entry_late_s
 from simulation.setup import Setup
 
@@ -52,7 +52,7 @@ def drawn_up(setup: Setup, line: Line) -> dict[str, tuple[Duty, ...]]:
 def draw_up(
     line: Line, timetable: Timetable, train_lengths_m: dict[str, float], portal_lead_s: float
 ) -> dict[str, tuple[Duty, ...]]:
-    """Duties of each stock id in order. Raises `onboard.duty.mission.NoWay` where the line has no route for a train."""
+    """Duties of each stock id in order. Raises `onboard.mission.NoWay` where the line has no route for a train."""
     duties: dict[str, tuple[Duty, ...]] = {}
     for diagram in timetable.diagrams:
         drawn: list[Duty] = []

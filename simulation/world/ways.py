@@ -12,7 +12,7 @@ from network.model import Line
 from network.path import Path
 from network.profile import profile_of
 from onboard.driving.pattern import pattern_of
-from onboard.duty.mission import Mission
+from onboard.mission import Mission
 from onboard.reach import BatteryHop, Ground, OffLine, SetWays, hops_of, run_of
 from onboard.records import BehaviourRow
 from simulation.setup import Setup, behaviour_row

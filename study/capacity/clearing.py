@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.model import SectionKind, TagPurpose
-from onboard.duty.duty_step import ReleaseRule
-from onboard.duty.mission import Mission
+from onboard.duty_parameters import ReleaseRule
+from onboard.mission import Mission
 from onboard.unit_records import UnitParameters
 from simulation.world.crew import LOOKS_AGAIN_S
 from study.capacity.journey import TrainJourney

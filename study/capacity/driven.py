@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from onboard.driving.ahead import kept_along_mps
 from onboard.driving.room import Room
 from onboard.driving.stop_keeper import soft_end_s
-from onboard.duty.mission import Mission, Passing, Target
-from onboard.duty.plan import plan_of
 from onboard.duty.timekeeping import cruise_for
+from onboard.mission import Mission, Passing, Target
+from onboard.plan import plan_of
 from onboard.records import BehaviourRow
 from onboard.unit_records import UnitParameters
 from simulation.people import Pause

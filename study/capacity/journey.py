@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.model import Direction
-from onboard.duty.mission import Mission
-from onboard.duty.plan import DutyPlan
+from onboard.mission import Mission
+from onboard.plan import DutyPlan
 
 
 @dataclass(frozen=True, slots=True)

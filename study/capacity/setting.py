@@ -16,7 +16,7 @@ import numpy as np
 
 from network.model import Points, SectionKind, TagPurpose
 from onboard.driving.room import Room
-from onboard.duty.plan import DutyPlan, PlanLeg, PlanTag
+from onboard.plan import DutyPlan, PlanLeg, PlanTag
 from study.capacity.clearing import Clearing
 from study.capacity.journey import TrainJourney
 from study.capacity.links import Links

@@ -10,7 +10,7 @@ import polars as pl
 from numpy.typing import NDArray
 
 from network.timetable import CallKind
-from onboard.duty.mission import Passing
+from onboard.mission import Passing
 from simulation.result import StopRecord, TraceSpan
 from simulation.setup import STEPS_PER_S
 from simulation.world.roster import Duty

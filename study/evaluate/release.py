@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from onboard.duty.plan import plan_of
+from onboard.plan import plan_of
 from simulation.setup import Setup
 from simulation.world.roster import drawn_up
 

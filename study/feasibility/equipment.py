@@ -18,9 +18,9 @@ from network.model import Line, SectionKind, TagPurpose
 from network.tag_layout import OPEN_LINE_MAX_M
 from onboard.authority.coverage import covered_at
 from onboard.driving.stopping import LIMIT_MARGIN_M
-from onboard.duty.mission import Mission, SectionSpan, Target
-from onboard.duty.plan import DutyPlan, plan_of
+from onboard.mission import Mission, SectionSpan, Target
 from onboard.motion import ARRIVED_WITHIN_M
+from onboard.plan import DutyPlan, plan_of
 from simulation.settings import PositionSensor
 from simulation.setup import Setup
 from simulation.tolerance import CALLS_SHORT_M, OFF_MARK_M

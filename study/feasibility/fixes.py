@@ -15,8 +15,8 @@ import numpy as np
 
 from network.path import Path
 from network.profile import OPEN_SKY, profile_of
-from onboard.duty.mission import Mission
 from onboard.fixes import EYE_WITHIN_M
+from onboard.mission import Mission
 from onboard.unit_records import UnitParameters
 from simulation.settings import PositionSensor
 from simulation.setup import Setup

@@ -14,7 +14,7 @@ from typing import Final
 
 from network.model import Direction, Line, Route
 from network.timetable import Diagram
-from onboard.duty.mission import Mission, NoWay, Target
+from onboard.mission import Mission, NoWay, Target
 from simulation.setup import Setup
 from simulation.world.roster import Duty, drawn_up
 from study.feasibility.run_times import RunTimes

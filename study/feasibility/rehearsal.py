@@ -20,8 +20,8 @@ from typing import Final
 from network.graph import overlaps_coming_in, overlaps_going_out
 from network.model import Line, SectionKind
 from onboard.authority.tables import REFUSED_REPEAT_S
-from onboard.duty.duty_step import ReleaseRule
 from onboard.duty.timekeeping import CRUISE_MIN_KMH
+from onboard.duty_parameters import ReleaseRule
 from simulation.setup import Setup
 from study.feasibility.entries import Entries
 from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedTrain

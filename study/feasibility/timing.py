@@ -13,7 +13,7 @@ from itertools import pairwise
 
 from network.clock import clock
 from network.model import Line
-from onboard.duty.mission import Mission
+from onboard.mission import Mission
 from simulation.setup import Setup
 from study.feasibility.finding import Finding, FindingKind, length_of_time, minute, severity_of
 from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedStop, PlannedTrain, due_s

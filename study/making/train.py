@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from network.errors import COMMAND_LINE, InputError
-from network.files.raw import is_table
 from network.files.schema_walk import resolved_node
 from network.files.text_input import existing_file
 from network.files.toml_input import read_text
+from network.raw import is_table
 from scenario.schemas import schema_of
 from study.making.place import checked_new, write_new
 from vehicle.train_file import TrainType, load_train, shipped_train

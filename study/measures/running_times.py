@@ -14,7 +14,7 @@ from network.model import Line
 from network.path import Path
 from network.profile import profile_of
 from onboard.driving.pattern import limit_for_train, lowered_by
-from onboard.duty.mission import Mission, Target
+from onboard.mission import Mission, Target
 from simulation.setup import Setup
 from simulation.world.roster import drawn_up
 from vehicle.resistance import climb_m

@@ -16,7 +16,7 @@ from typing import Any, Final
 from exchange.running import Running, StationRun
 from network.model import Direction, Line
 from network.timetable import Call, CallKind, Stabled, TimetableTrain, no_trains
-from onboard.duty.mission import Mission, NoWay, plan_mission
+from onboard.mission import Mission, NoWay, plan_mission
 from simulation.setup import Setup
 from simulation.world.roster import first_section
 from study.measures.running_times import RunWay, TrainHop, least_times_s, planned_hops

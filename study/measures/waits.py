@@ -18,7 +18,7 @@ from typing import Final
 
 import numpy as np
 
-from onboard.authority.stop_limit import NOT_PROVEN
+from onboard.duty.stop_limit import NOT_PROVEN
 from onboard.vehicle import VehicleInputs
 from simulation.events import MANAGER, JournalEntry
 from simulation.result import EnergyPhase, RunResult

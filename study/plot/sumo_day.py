@@ -16,7 +16,7 @@ from host.scratch import scratch
 from network.errors import COMMAND_LINE, InputError
 from network.model import Direction, Line
 from network.timetable import Diagram
-from onboard.duty.mission import NoWay, Target
+from onboard.mission import NoWay, Target
 from simulation.setup import Setup
 from simulation.world.roster import Duty, drawn_up
 from study.record.as_run import trains_as_run

@@ -14,11 +14,11 @@ from network.errors import InputError
 from network.files.json_input import read_json
 from network.files.line_file import line_of
 from network.files.line_schema import LineFile
-from network.files.raw import is_table
 from network.files.text_input import existing_file
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import validate
 from network.model import Line
+from network.raw import is_table
 from network.timetable import Timetable, timetable_of
 from onboard.driving.tuning import Learned
 from scenario.fleet_file import read_learned

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import polars as pl
 
-from network.files.raw import is_table
+from network.raw import is_table
 from simulation.tolerance import OFF_MARK_M
 from study.record.energy import PARTS, TrainEnergy
 from study.record.figure import figures_of

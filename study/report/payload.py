@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from network.files.raw import is_table
+from network.raw import is_table
 from onboard.driving.tuning import OFFSET_STEP_MPS2, OFFSET_ZERO, STEP_S
 from study.measures.wait_text import text_of
 from study.record.figure import rows_in

@@ -10,9 +10,9 @@ from collections.abc import Iterator
 
 import msgspec
 
-from network.files.line_file import usable_length_m
 from network.model import SectionKind
-from onboard.duty.mission import Target
+from network.train_fit import usable_length_m
+from onboard.mission import Target
 from simulation.setup import Setup
 from study.feasibility.planned import PlannedDay, PlannedTrain, planned_day
 from wayside.config import (

@@ -16,7 +16,7 @@ from typing import Final, cast
 import numpy as np
 from pydantic import BaseModel
 
-from network.files.raw import is_row
+from network.raw import is_row
 from simulation.setup import Setup
 from study.sweep.records import HASH_BYTES
 

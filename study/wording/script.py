@@ -7,7 +7,7 @@ from enum import Enum
 from typing import Any, Final
 
 from network.clock import clock
-from network.files.raw import is_row
+from network.raw import is_row
 from simulation.events import WORLD
 from simulation.faults.links import BOTH_WAYS, FaultyLink
 from simulation.faults.script import Act, Expectation, Matcher, ScriptedFault

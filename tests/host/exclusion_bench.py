@@ -17,7 +17,6 @@ import msgspec
 from host.device import DeviceHost
 from host.store import MemoryStore
 from onboard.authority.records import RequestKind
-from onboard.duty.duty_step import ReleaseRule
 from onboard.duty.records import (
     AtMark,
     Begin,
@@ -40,6 +39,7 @@ from onboard.duty.records import (
     SwitchedOn,
     TagBelieved,
 )
+from onboard.duty_parameters import ReleaseRule
 from onboard.unit import Report
 from radio.envelope import AGE_MAX_S
 from radio.keys import key_ring

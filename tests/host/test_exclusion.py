@@ -20,12 +20,12 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 
 from onboard.authority.letters import _READERS, Letters
 from onboard.authority.records import Authority, Event
-from onboard.authority.stop_limit import cleared_sections
 from onboard.duty import duty_step
-from onboard.duty.duty_step import ReleaseRule
-from onboard.duty.plan import DutyPlan
+from onboard.duty.stop_limit import cleared_sections
+from onboard.duty_parameters import ReleaseRule
 from onboard.notes import Agreed, GaveBack, Mismatch, Resumed, RouteHeld, UnitRestarted
 from onboard.notes import SignedOff as UnitSignedOff
+from onboard.plan import DutyPlan
 from radio.envelope import Received
 from radio.messages import SignOnAccepted
 from radio.noted import Noted, TelegramDropped

@@ -9,8 +9,8 @@ import pytest
 from host.store import MemoryStore, commission
 from host.unit import HostedUnit, UnitConfig
 from onboard.authority.records import Authority, OpenRequest, RequestKind
-from onboard.duty.duty_step import DutyParameters
 from onboard.duty.records import DutyState, PlaceInJoints
+from onboard.duty_parameters import DutyParameters
 from onboard.unit import Report
 from radio.envelope import Endpoint, Received
 from radio.keys import key_ring

@@ -11,8 +11,8 @@ from host.unit import HostedUnit, UnitConfig
 from onboard.authority import machine, sign_on
 from onboard.authority.records import Authority, OpenRequest, QueryHeard, RequestKind
 from onboard.authority.tables import SignOnStanding
-from onboard.duty.duty_step import DutyParameters
 from onboard.duty.records import DutyState, PlaceInJoints
+from onboard.duty_parameters import DutyParameters
 from onboard.unit import Report
 from radio.envelope import Endpoint, Received
 from radio.keys import key_ring

@@ -15,12 +15,13 @@ from exchange.geometry import (
     equilibrium_cant_mm,
 )
 from network.alignment import positions
-from network.files.line_file import load_line, validate_train_fits
+from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.graph import find_route
 from network.model import Direction, Line, Position, SectionKind, TagPurpose
 from network.tag_layout import TagRule, lay_tags, tags_toml
 from network.timetable import Timetable, TimetableTrain, load_timetable
+from network.train_fit import validate_train_fits
 
 DAYS = ["karasuyama_weekday", "karasuyama_holiday"]
 OGANE_REVERSE = {Direction.DOWN: "OGN.21", Direction.UP: "OGN.11"}

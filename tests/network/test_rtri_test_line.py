@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from network.files.line_file import load_line, validate_train_fits
+from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.graph import find_route, routes_from
 from network.model import Direction, Position, SectionKind, Tag, TagPurpose
 from network.path import path_of
 from network.profile import profile_of
 from network.timetable import Stabled, load_timetable, platform_of
+from network.train_fit import validate_train_fits
 
 LINE = load_line(shipped_line("rtri_test_line"))
 TRAIN_LENGTH_M = 40.0

@@ -20,8 +20,8 @@ from onboard.driving.stopping import WAVE
 from onboard.driving.tasc import DESIGN, TASC
 from onboard.driving.tuning import Learned
 from onboard.driving_settings import Driving
-from onboard.duty.mission import Mission, plan_mission
 from onboard.duty.records import DutyPhase
+from onboard.mission import Mission, plan_mission
 from onboard.motion import UnitMotion
 from onboard.records import BEHAVIOUR, EVENT_MOVING, MODE_DRIVE, UNIT, BehaviourRow, PathData, UnitRow
 from onboard.unit_records import UnitParameters

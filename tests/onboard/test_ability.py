@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from onboard import ability
 from onboard.ability import Ability, Means, WayAhead, too_steep, why_not
 from onboard.charge import ChargeWatch
-from onboard.duty.mission import Mission
 from onboard.duty.records import DrivingCommand, Looked, VehicleChecked
 from onboard.duty.unable import TooSteep
+from onboard.mission import Mission
 from onboard.records import MODE_DRIVE, MODE_HOLD, BehaviourRow
 from onboard.vehicle import IN_ORDER
 from tests.onboard.unit_bench import Bench

@@ -11,8 +11,8 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.timetable import load_timetable
 from onboard.charge import ChargeRules, ChargeWatch
-from onboard.duty.mission import Mission
 from onboard.duty.unable import NoCharge
+from onboard.mission import Mission
 from onboard.reach import BatteryHop, Reach, SetWays, charger_at, to_next_charge
 from simulation.world.roster import draw_up
 

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from network.model import TagPurpose
 from onboard import notes
-from onboard.duty.mission import Mission
 from onboard.duty.records import (
     AtMark,
     DrivingCommand,
@@ -28,6 +27,7 @@ from onboard.duty.records import (
 )
 from onboard.fixes import EYE_WITHIN_M
 from onboard.localisation.fix import MISSED_MAX, REFUSED, TAKEN, fix_by_rule, virtual_tag_bits
+from onboard.mission import Mission
 from onboard.motion import NO_ROOM, UnitMotion
 from onboard.records import (
     EVENT_CONTRADICTED,

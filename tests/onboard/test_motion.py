@@ -13,8 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from onboard.duty import mission as mission_module
-from onboard.duty.mission import Mission
+from onboard import mission as mission_module
 from onboard.duty.records import (
     AtMark,
     DrivingCommand,
@@ -27,6 +26,7 @@ from onboard.duty.records import (
     TagBelieved,
     WheelsTurning,
 )
+from onboard.mission import Mission
 from onboard.motion import ARRIVED_WITHIN_M, UnitMotion
 from onboard.records import (
     EMERGENCY_INTERVENTION,

@@ -12,12 +12,12 @@ from dataclasses import replace
 import pytest
 
 from onboard.authority.records import Cleared
-from onboard.authority.stop_limit import cleared_sections
 from onboard.duty import machine
 from onboard.duty.duty_step import DutyStep
-from onboard.duty.mission import Mission
-from onboard.duty.plan import plan_of
 from onboard.duty.records import AtMark, DutyPhase, Finished, NotAtMark
+from onboard.duty.stop_limit import cleared_sections
+from onboard.mission import Mission
+from onboard.plan import plan_of
 from onboard.records import EMERGENCY_INTERVENTION, EVENT_SAFE_REAR
 from onboard.unit_records import UnitParameters
 from radio.messages import HoldingConfirmed, HoldingReport

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from network.model import Line, Position
 from onboard.driving.stop_keeper import StopKeeper
-from onboard.duty.mission import Mission
-from onboard.duty.plan import plan_of
 from onboard.duty.records import (
     Begin,
     DutyPhase,
@@ -19,7 +17,9 @@ from onboard.duty.records import (
     Sensed,
     Told,
 )
+from onboard.mission import Mission
 from onboard.motion import UnitMotion
+from onboard.plan import plan_of
 from onboard.records import (
     EVENT_STOPPED,
     BehaviourRow,

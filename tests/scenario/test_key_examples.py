@@ -11,9 +11,9 @@ import pytest
 
 from documents.files import tables_of
 from network.errors import InputError
-from network.files.raw import is_row, is_table
 from network.files.schema_walk import resolved_node
 from network.files.toml_input import CHOICES_CHARACTERS_MAX, one_of, validate
+from network.raw import is_row, is_table
 from scenario.key_examples import child_of, filled_example, with_examples
 from scenario.schemas import FILES, KINDS, LINE, FileKind, schema_of
 

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from network.files.patch import load_patched_line
 from network.files.shipped import shipped_line
 from network.graph import find_route
 from network.model import Direction, Line
+from network.patching.patch import load_patched_line
 from sumo_cfg import build
 from sumo_cfg.options import LANE_CHANGE_MODE, SPEED_MODE, STEP_S, add_train_type, sumo_command
 from sumo_cfg.writer import edge_id

@@ -15,13 +15,10 @@ from network.model import Position
 from onboard.authority import agreement, points, report
 from onboard.authority import records as sym
 from onboard.authority.records import Authority
-from onboard.authority.stop_limit import stop_limit
 from onboard.authority.tables import Handler, Result
 from onboard.duty import arrival, on_sight, shown
 from onboard.duty import machine as duty_machine
 from onboard.duty.duty_step import DutyStep
-from onboard.duty.mission import Mission
-from onboard.duty.plan import DutyPlan, PointsNeeded
 from onboard.duty.records import (
     DrivingCommand,
     Person,
@@ -30,11 +27,14 @@ from onboard.duty.records import (
     PointsWrong,
     StopLimit,
 )
+from onboard.duty.stop_limit import stop_limit
 from onboard.localisation import tags
 from onboard.localisation.fix import Fix, RefusedFix, TakenFix, take_interval
 from onboard.localisation.wheel_scale import WheelScale
+from onboard.mission import Mission
 from onboard.motion import UnitMotion
 from onboard.notes import Claimed
+from onboard.plan import DutyPlan, PointsNeeded
 from onboard.records import EMERGENCY_INTERVENTION, PathData, UnitRow
 from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
 from radio.messages import (

@@ -21,12 +21,12 @@ from onboard.authority.tables import Result, SignOnStanding
 from onboard.duty import entering as duty_entering
 from onboard.duty import fitness
 from onboard.duty import machine as duty_machine
-from onboard.duty.mission import Mission
 from onboard.duty.records import DrivingCommand, Sensed
 from onboard.fixes import Fixes
 from onboard.localisation.fix import Fix, RefusedFix, TakenFix, take_interval
 from onboard.localisation.places import Places
 from onboard.localisation.tags import TagDoubt
+from onboard.mission import Mission
 from onboard.motion import UnitMotion
 from onboard.records import PathData, UnitRow
 from onboard.unit import OnboardUnit, Report, UnitAnswer

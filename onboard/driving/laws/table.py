@@ -2,7 +2,7 @@
 
 A law is a compiled function of its own row, the tick's CUE, the unit, the train as believed, its behaviour, the path
 database and the plans; it returns the notch it asks for (> 0 power, < 0 brake) and sets `cue.ceiling_mps`. What keeps
-the train safe or brings it to the mark lies outside (`onboard.driving.notches`): the stronger brake counts.
+the train safe or brings it to the mark lies outside (`onboard.notches`): the stronger brake counts.
 """
 
 from __future__ import annotations

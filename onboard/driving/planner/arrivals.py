@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from onboard.driving.planner.allocation import allocated, hop_curve
 from onboard.driving.planner.windows import journey_stops
 from onboard.driving.planner.wish import Margin, Planning
-from onboard.duty.mission import Mission
+from onboard.mission import Mission
 from vehicle.optimum import Course, least_time
 from vehicle.optimum.journey import ANY_TIME, JourneyStop
 from vehicle.optimum.pareto import HopCurve, proportional_curve

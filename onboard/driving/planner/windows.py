@@ -19,7 +19,7 @@ from vehicle.optimum.journey import JourneyStop, TimeWindow
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from onboard.duty.mission import Mission, Target
+    from onboard.mission import Mission, Target
 
 
 def journey_stops(

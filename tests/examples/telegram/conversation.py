@@ -13,10 +13,10 @@ from host.unit import UnitConfig, unit_of
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.timetable import load_timetable
-from onboard.duty.duty_step import DutyParameters
-from onboard.duty.mission import plan_mission
-from onboard.duty.plan import plan_of
 from onboard.duty.records import Begin, PlaceInJoints
+from onboard.duty_parameters import DutyParameters
+from onboard.mission import plan_mission
+from onboard.plan import plan_of
 from onboard.unit import Report
 from radio.envelope import Endpoint, Received
 from radio.keys import key_ring

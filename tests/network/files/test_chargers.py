@@ -9,8 +9,8 @@ from network.files.line_file import line_of, parse_line
 from network.files.line_schema import LineFile
 from network.files.shipped import shipped_line
 from network.files.toml_input import parse_toml
-from network.files.track_removal import without_track
 from network.model import Line
+from network.patching.track_removal import without_track
 
 TEXT = shipped_line("karasuyama").read_text("utf-8")
 

@@ -5,9 +5,10 @@ from pathlib import Path
 import pytest
 
 from network.errors import InputError
-from network.files.line_file import load_line, parse_line, usable_length_m, validate_train_fits
+from network.files.line_file import load_line, parse_line
 from network.model import Direction, PointsLeg, Position, SectionKind, TagPurpose
 from network.timetable import parse_timetable
+from network.train_fit import usable_length_m, validate_train_fits
 
 SAMPLE = Path(__file__).parent.with_name("sample_line.toml").read_text(encoding="utf-8")
 

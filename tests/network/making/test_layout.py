@@ -12,13 +12,14 @@ from hypothesis import strategies as st
 
 from exchange.new_line import NewLine, NewLineOptions, make_line
 from network.errors import InputError
-from network.files.line_file import parse_line, usable_length_m
+from network.files.line_file import parse_line
 from network.graph import all_routes
 from network.making import layout
 from network.making.layout import LayoutRule
 from network.making.station_list import TRACKS_MAX
 from network.model import Direction, Line, SectionKind, TagPurpose
 from network.tag_layout import lay_tags
+from network.train_fit import usable_length_m
 from sumo_cfg.build import build_net
 from sumo_cfg.truth_map import read_net
 

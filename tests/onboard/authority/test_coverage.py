@@ -7,7 +7,7 @@ import pytest
 
 from network.model import Coverage, Line
 from onboard.authority.coverage import WELL_INSIDE_M, covered_at, next_coverage_m
-from onboard.duty.mission import Mission
+from onboard.mission import Mission
 
 
 @pytest.fixture

@@ -24,7 +24,7 @@ from onboard.authority.records import (
     TrackChangeOrdered,
     TrainEndOrdered,
 )
-from onboard.duty.plan import PointsNeeded
+from onboard.plan import PointsNeeded
 from radio import messages as radio
 from radio.envelope import Received
 

@@ -48,7 +48,7 @@ from onboard.authority.records import (
     Withdrawn,
 )
 from onboard.authority.tables import REPEAT_S, SignOnStanding, standing
-from onboard.duty.plan import PointsNeeded
+from onboard.plan import PointsNeeded
 
 P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
 P7: Final = PointsNeeded("P7", Position.NORMAL, "7", "B-W")

@@ -30,7 +30,7 @@ from onboard.authority.records import (
     Write,
 )
 from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, SignOnStanding, standing
-from onboard.duty.plan import PointsNeeded
+from onboard.plan import PointsNeeded
 
 P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
 SECTIONS: Final = ("5", "6", "7", "8")

@@ -15,7 +15,7 @@ from onboard.driving.planner.allocation import allocated
 from onboard.driving.planner.arrivals import ArrivalAims, TrainOnMap, arrivals_s, up_to_fixed
 from onboard.driving.planner.windows import journey_stops, made_possible
 from onboard.driving.planner.wish import Margin, Planning
-from onboard.duty.mission import Mission, Target
+from onboard.mission import Mission, Target
 from scenario.scenario import load_scenario
 from simulation.world.roster import drawn_up
 from vehicle.optimum import least_time

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from onboard.driving.laws.cue import PLAN_NONE
 from onboard.driving.laws.settings import fit_law
 from onboard.driving.laws.table import LAWS_ROW
-from onboard.duty.mission import Mission
 from onboard.duty.records import DrivingCommand, DrivingOrder, Looked, StopLimit
+from onboard.mission import Mission
 from onboard.motion import UnitMotion
 from onboard.records import EVENT_OFF_PLAN, EVENT_TAG_OVERDUE, MODE_DRIVE
 from onboard.unit_records import UnitParameters

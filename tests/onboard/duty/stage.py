@@ -22,9 +22,6 @@ from onboard.authority.records import (
     Timer,
     Write,
 )
-from onboard.duty.duty_step import DutyParameters
-from onboard.duty.mission import plan_mission
-from onboard.duty.plan import DutyPlan, PointsNeeded, plan_of
 from onboard.duty.records import (
     ASK,
     LEAVE,
@@ -37,6 +34,9 @@ from onboard.duty.records import (
     StopLimit,
 )
 from onboard.duty.unable import Unable
+from onboard.duty_parameters import DutyParameters
+from onboard.mission import plan_mission
+from onboard.plan import DutyPlan, PointsNeeded, plan_of
 
 
 def papers_plan() -> DutyPlan:

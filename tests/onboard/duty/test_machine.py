@@ -19,7 +19,6 @@ from onboard.authority.records import (
     SendRequest,
     SignOnHeard,
 )
-from onboard.duty.duty_step import ReleaseRule
 from onboard.duty.machine import TABLE, step
 from onboard.duty.records import (
     LEAVE,
@@ -36,6 +35,7 @@ from onboard.duty.records import (
     TimerDue,
 )
 from onboard.duty.shown import command_of, waits_for
+from onboard.duty_parameters import ReleaseRule
 from tests.onboard.duty.rows_fixes import FIXES
 from tests.onboard.duty.rows_orders import ORDERS
 from tests.onboard.duty.rows_people import PEOPLE

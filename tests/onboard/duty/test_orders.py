@@ -10,10 +10,10 @@ from network.files.shipped import shipped_line, shipped_timetable
 from network.timetable import load_timetable
 from onboard.duty import orders
 from onboard.duty.machine import step
-from onboard.duty.mission import on_tracks, plan_mission
 from onboard.duty.orders import leads_on
-from onboard.duty.plan import DutyPlan, plan_of
 from onboard.duty.records import DutyPhase
+from onboard.mission import on_tracks, plan_mission
+from onboard.plan import DutyPlan, plan_of
 from tests.onboard.duty.rows_orders import ORDERED, ORDERS
 from tests.onboard.duty.stage import HOLDS_3, NOW_S, PLAN, TIMES, moved
 

@@ -32,11 +32,9 @@ from onboard.authority.records import (
     Timer,
     Withdrawn,
 )
-from onboard.authority.stop_limit import cleared_sections
 from onboard.authority.tables import Result, SignOnStanding
 from onboard.duty import duty_step, fitness, machine, on_sight
-from onboard.duty.duty_step import DutyStep, ReleaseRule
-from onboard.duty.plan import DutyPlan
+from onboard.duty.duty_step import DutyStep
 from onboard.duty.records import (
     ABLE,
     ASK,
@@ -56,6 +54,9 @@ from onboard.duty.records import (
     TimerDue,
 )
 from onboard.duty.shown import command_of
+from onboard.duty.stop_limit import cleared_sections
+from onboard.duty_parameters import ReleaseRule
+from onboard.plan import DutyPlan
 from verify import lone_unit
 from verify.breadth import Explored, explore
 from verify.lone_unit import (

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from network.model import TagPurpose
-from onboard.duty.mission import PathTag
 from onboard.localisation.tags import TagDoubt
+from onboard.mission import PathTag
 from onboard.unit_records import UnitParameters
 
 PARAMETERS = UnitParameters()

@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import TagPurpose
-from onboard.duty.mission import PathTag
 from onboard.localisation.tags import TagDoubt, TagOutcome, Wheels
 from onboard.localisation.wheel_scale import LEARNED_OVER_M, WheelScale, front_interval
+from onboard.mission import PathTag
 from onboard.records import UNIT
 from onboard.unit_records import UnitParameters
 

@@ -8,7 +8,7 @@ import pytest
 
 from network.model import Direction
 from network.timetable import Call, Stabled, TimetableTrain
-from onboard.duty.mission import plan_mission
+from onboard.mission import plan_mission
 from simulation.carriers.plain_track import PlainTrack
 from simulation.result import EnergyPhase
 from simulation.setup import STEP_S, Setup

@@ -14,10 +14,10 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Position
 from network.timetable import load_timetable
-from onboard.duty.mission import Mission, plan_mission
-from onboard.duty.plan import plan_of
 from onboard.duty.records import AtMark, DrivingCommand, EndOfHeld, PointsSeen, PointsWrong
+from onboard.mission import Mission, plan_mission
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
+from onboard.plan import plan_of
 from simulation.journal import Journal
 from simulation.world.crew import SEES_M, Crew
 from simulation.world.point_machine import KeyBack, LockedByHand, PointMachine, step

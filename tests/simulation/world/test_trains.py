@@ -7,7 +7,7 @@ import pytest
 
 from network.model import Direction
 from network.timetable import Call, Diagram, Stabled, TimetableTrain
-from onboard.duty.mission import plan_mission
+from onboard.mission import plan_mission
 from simulation.carriers.plain_track import PlainTrack
 from simulation.scatter import ScatterSettings, Weather
 from simulation.sensors.tag_reader import latch

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from onboard.duty.duty_step import ReleaseRule
+from onboard.duty_parameters import ReleaseRule
 from radio.air import AirParameters, DelayShape
 from scenario.scenario import load_scenario
 from simulation.people import Pause, People

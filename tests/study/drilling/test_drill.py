@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from network.errors import InputError
-from onboard.duty.duty_step import ReleaseRule
+from onboard.duty_parameters import ReleaseRule
 from scenario.scenario import load_scenario
 from simulation.cabs import Cabs
 from simulation.duties import Duties

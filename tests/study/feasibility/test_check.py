@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import Direction, TagPurpose
-from onboard.duty.duty_step import ReleaseRule
+from onboard.duty_parameters import ReleaseRule
 from scenario.scenario import load_scenario, shipped_scenarios
 from simulation.settings import Operation
 from simulation.tolerance import CALLS_SHORT_M, OFF_MARK_M

@@ -17,7 +17,7 @@ from typing import Any, Final
 
 from network.model import SectionKind
 from onboard.driving.laws.table import LAW_NAMES
-from onboard.duty.duty_step import ReleaseRule
+from onboard.duty_parameters import ReleaseRule
 from scenario.script_file import names_of
 from simulation.faults.fault import Fault, Names
 from simulation.faults.table import KINDS

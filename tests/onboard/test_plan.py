@@ -13,8 +13,8 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.model import Direction, SectionKind, TagPurpose
 from network.timetable import Call, Stabled, TimetableTrain
-from onboard.duty.mission import Mission, plan_mission
-from onboard.duty.plan import DutyPlan, plan_of
+from onboard.mission import Mission, plan_mission
+from onboard.plan import DutyPlan, plan_of
 
 LENGTH_M = 40.0
 lengths_m = st.floats(15.0, 120.0)

@@ -13,9 +13,9 @@ from network.files.line_file import line_of, load_line
 from network.files.line_schema import LineFile
 from network.files.shipped import shipped_line, shipped_names
 from network.files.toml_input import parse_toml
-from network.files.track_removal import without_track
 from network.graph import find_route, next_pieces, routes_from
 from network.model import Direction, Line, SectionKind
+from network.patching.track_removal import without_track
 
 SAMPLE = Path(__file__).parent.with_name("sample_line.toml").read_text(encoding="utf-8")
 

@@ -6,10 +6,10 @@ import pytest
 
 from network.errors import InputError
 from network.files.line_file import load_line
-from network.files.patch import load_patched_line
 from network.files.shipped import shipped_line
 from network.graph import find_route, routes_from
 from network.model import Direction, Line
+from network.patching.patch import load_patched_line
 from network.tag_layout import lay_tags
 
 HALTS = ("SHN", "NIT", "KNY", "KBN", "TAK")

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from network.errors import InputError
 from network.files.line_file import load_line
-from network.files.patch import load_patched_line, patch_line_data
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Coverage, Direction, Line, SpeedLimit
+from network.patching.patch import load_patched_line, patch_line_data
 from network.timetable import load_timetable, parse_timetable
 
 SAMPLE = Path(__file__).parent.with_name("sample_line.toml")

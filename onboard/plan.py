@@ -13,7 +13,7 @@ from typing import Final
 import msgspec
 
 from network.model import Position, SectionKind, TagPurpose
-from onboard.duty.mission import Mission
+from onboard.mission import Mission
 
 ARRIVED_ON_SIGHT_WITHIN_M: Final = 6.0  # a mark reached by the crew's eye
 CLEAR_OF_TAG_M: Final = 0.5  # assumed: beyond what a reader's field leaves open, with the rear past a joint

@@ -10,8 +10,8 @@ from collections.abc import Collection
 from typing import Final
 
 from onboard.authority.records import Authority
-from onboard.duty.plan import DutyPlan
 from onboard.duty.records import StopLimit
+from onboard.plan import DutyPlan
 
 NOT_PROVEN: Final = "points not proven"
 

@@ -6,7 +6,7 @@ import pytest
 
 from network.model import Direction, Line, Position, SectionKind, TagPurpose
 from network.timetable import Call, Stabled, TimetableTrain
-from onboard.duty.mission import LEAVING_MARK_M, Mission, NoWay, plan_mission
+from onboard.mission import LEAVING_MARK_M, Mission, NoWay, plan_mission
 
 
 def test_the_papers_run_from_section_3_to_section_8(mission: Mission) -> None:

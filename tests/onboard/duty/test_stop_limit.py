@@ -11,15 +11,15 @@ from msgspec.structs import replace
 
 from network.model import Position
 from onboard.authority.records import Authority, OpenCommand
-from onboard.authority.stop_limit import (
+from onboard.duty.stop_limit import (
     cleared_sections,
     entered_on_proof,
     next_rear_span,
     points_perhaps_under,
     stop_limit,
 )
-from onboard.duty.mission import Mission
-from onboard.duty.plan import DutyPlan, PointsNeeded, plan_of
+from onboard.mission import Mission
+from onboard.plan import DutyPlan, PointsNeeded, plan_of
 
 P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
 P7: Final = PointsNeeded("P7", Position.NORMAL, "7", "B-W")

@@ -2,8 +2,8 @@
 
 Besides the words of `network.files.edits` it knows, before them:
 
-- `remove_tracks = ["OGN.2"]`, `remove_loops = ["OGN"]`: see `network.files.track_removal`;
-- `add_loops = ["NIT"]`: see `network.files.loop_addition`;
+- `remove_tracks = ["OGN.2"]`, `remove_loops = ["OGN"]`: see `network.patching.track_removal`;
+- `add_loops = ["NIT"]`: see `network.patching.loop_addition`;
 - `remove_tags = { purpose = "position", near_marks_m = 200.0 }`: tags of that purpose on sections, as near as that
   to a stopping mark of the same alignment;
 
@@ -26,11 +26,11 @@ from network.files.edits import Change, Data, FilePatch, Patched, PatchInFile, d
 from network.files.kinds import about
 from network.files.line_file import line_of
 from network.files.line_schema import LineFile
-from network.files.loop_addition import with_loop
 from network.files.quantities import PositionBound
 from network.files.toml_input import Record, one_of, parse_table, read_text, validate
-from network.files.track_removal import without_loop, without_track
 from network.model import Line
+from network.patching.loop_addition import with_loop
+from network.patching.track_removal import without_loop, without_track
 
 KEY: Final = "patch.line"
 _TABLES: Final = ("sections", "points", "joints", "stations", "tags", "beacons", "markers")
