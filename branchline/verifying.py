@@ -155,9 +155,9 @@ def inside(
     as_json: Json = False,
 ) -> None:
     """Run scenarios and hold each state that two units and a section are in against those of the explored line."""
-    from verify.runs.inside import InsideFigures
-    from verify.runs.inside_runs import LINES as EXPLORED
-    from verify.runs.inside_runs import (
+    from verify.evidence.inside import InsideFigures
+    from verify.evidence.inside_runs import LINES as EXPLORED
+    from verify.evidence.inside_runs import (
         by_lack,
         explored_views,
         first_without,
@@ -166,7 +166,6 @@ def inside(
         view_words,
         watched_run,
     )
-
     from verify.restored import RESTORED, restored
 
     _known(restore or [], sorted(RESTORED))
@@ -221,9 +220,8 @@ def bounds(
     as_json: Json = False,
 ) -> None:
     """Search for a run in which the truth leaves the stated bounds: places, sizes and joint faults of sensors."""
-    from verify.runs.bounds import in_words, search
-
     from papers.position_fusion import FORGIVING, JOINT
+    from verify.evidence.bounds import in_words, search
 
     found = search(
         seed,
@@ -269,8 +267,8 @@ def intruders(
     as_json: Json = False,
 ) -> None:
     """Send an intruder's telegrams, without and with keys, among those of a run: no effect, and each counted."""
-    from verify.runs.inside_runs import load
-    from verify.runs.intruders import ATTACKS, intruded
+    from verify.evidence.inside_runs import load
+    from verify.evidence.intruders import ATTACKS, intruded
 
     found = intruded(load(scenario), seed, tuple(ATTACKS))
     lines = [

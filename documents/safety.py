@@ -6,11 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from verify.runs.inside_runs import load
-from verify.runs.intruders import ATTACKS, THREATS, Intruded, Threat, intruded
-
 from documents.page import write_page
 from documents.safety_case import HAZARDS, NOT_SHOWN
+from verify.evidence.inside_runs import load
+from verify.evidence.intruders import ATTACKS, THREATS, Intruded, Threat, intruded
 
 FILE: Final = Path("docs/safety.md")
 SCENARIO: Final = "rtri_test_line"
@@ -18,8 +17,8 @@ SEED: Final = 1
 HEAD: Final = """\
 # Safety
 
-Made by `make docs` from `documents/safety_case.py` and `verify/runs/intruders.py`; do not edit. For each hazard what is
-claimed, why, and the commands and tests that show it; a test checks that each of them exists. It claims no safety
+Made by `make docs` from `documents/safety_case.py` and `verify/evidence/intruders.py`; do not edit. For each hazard
+what is claimed, why, and the commands and tests that show it; a test checks that each of them exists. It claims no safety
 integrity level.
 
 The goal: with the faults, persons and bounds of this program, no train endangers another, and every train arrives.

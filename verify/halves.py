@@ -208,9 +208,7 @@ class Halves:
         some = np.flatnonzero(effects)
         if len(some):
             cells = cells.copy()
-            cells[some] = each(
-                lambda cell, effect: self._with(unit, cell, effect), cells[some], effects[some]
-            )
+            cells[some] = each(partial(self._with, unit), cells[some], effects[some])
         return cells
 
     def _half(self, unit: int, number: int, cell: int) -> Iterator[tuple[int, ...]]:

@@ -59,7 +59,7 @@ class _Views:
 
     def _of(self, section_id: str, own: int, other: int) -> set[PairView]:
         """Of each state: what is viewed of both trains, and of the ground; put together once for each three of them."""
-        seen = tuple(Numbered[tuple[OwnView, int]]() for _ in (own, other))
+        seen: tuple[Numbered[tuple[OwnView, int]], ...] = tuple(Numbered() for _ in (own, other))
         trains = tuple(
             _by_number(self._trains[unit], partial(self._train, seen[i], unit, section_id))
             for i, unit in enumerate((own, other))
@@ -70,11 +70,11 @@ class _Views:
         codes = np.unique((ground * len(seen[1].things) + trains[1]) * len(seen[0].things) + trains[0])
         kind = kind_of(_KINDS.get(section_id, SectionKind.TRACK), points=section_id == "X")
         units = self._parties.units[own], self._parties.units[other]
-        views = set[PairView]()
-        for code in codes.tolist():
-            rest, mine = divmod(code, len(seen[0].things))
-            at, theirs = divmod(rest, len(seen[1].things))
-            (own_, way), (other_, _) = seen[0].things[mine], seen[1].things[theirs]
+        views, of_own, of_other = set[PairView](), seen[0].things, seen[1].things
+        for code in map(int, codes):
+            rest, mine = divmod(code, len(of_own))
+            at, theirs = divmod(rest, len(of_other))
+            (own_, way), (other_, _) = of_own[mine], of_other[theirs]
             needed = needed_in(self._on_plan(own, way), section_id)
             view = pair_view(kind, self._ground(int(known[at])), section_id, units, (own_, other_), needed)
             assert view is not None, "no third unit is explored"

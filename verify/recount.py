@@ -150,7 +150,7 @@ class _Recount:
         for rule, breaks in self._broken(ground, cells):
             if breaks.any():
                 return self._refused(keys, breaks, f"is not safe: {rule}")
-        finished = np.logical_and.reduce(
+        finished: NDArray[np.bool_] = np.logical_and.reduce(
             [f.column("finished")[c] != 0 for f, c in zip(self._halves.of_cells, cells, strict=True)]
         )
         best, count = np.full(len(keys), _RANK_MAX), 0
@@ -163,7 +163,7 @@ class _Recount:
             good = trouble == UnwishedFor.NONE
             np.minimum.at(best, source[good], self._ranks[at[good]])
             count += len(source)
-        lowered = np.where(rank == 0, finished, (best < rank) & ~finished)
+        lowered = (rank == 0) & finished | (rank > 0) & (best < rank) & ~finished
         if not lowered.all():
             return self._refused(
                 keys, ~lowered, f"has no event that leads to a rank below {rank[~lowered][0]}"

@@ -361,9 +361,10 @@ def start(
         trips_lost=trips_lost,
         days=plan.days,
     )
+    none: Mapping[int, str] = {}
     for unit_id in {**(tracks or {}), **(cuts or {})}:
-        ends = {} if tracks is None else tracks.get(unit_id, {})
-        trains = {} if cuts is None else cuts.get(unit_id, {})
+        ends = none if tracks is None else tracks.get(unit_id, none)
+        trains = none if cuts is None else cuts.get(unit_id, none)
         for place in sorted({*ends, *trains}):  # a track that was changed before a cut lies before it
             if place in trains:
                 register = register.with_cut(unit_id, place, trains[place]) or register

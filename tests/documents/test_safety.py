@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 import typer
-from verify.runs.intruders import ATTACKS, THREATS
 
 from branchline.cli import app
 from documents.safety_case import HAZARDS
 from study.drilling.drill import shipped_drills
+from verify.evidence.intruders import ATTACKS, THREATS
 
 ROOT = Path(__file__).resolve().parents[2]
 CLAIMS = [claim for hazard in HAZARDS for claim in hazard.claims]

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from verify.runs.bounds import in_words, search, try_out
 
 from papers.joint_faults import FAILS, carried_in
 from papers.position_fusion import FORGIVING, JOINT
+from verify.evidence.bounds import in_words, search, try_out
 
 SEED = 1
 

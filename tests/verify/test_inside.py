@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from verify.runs.inside import InsideFigures
-from verify.runs.inside_runs import LINES, OTHER, by_lack, explored_views, load, runs_named, watched_run
 
 from tests.system import switches_on_board, switches_radio, switches_wayside  # noqa: F401 - they enter themselves
 from tests.system.switchboard import FOLDER, SWITCHES
+from verify.evidence.inside import InsideFigures
+from verify.evidence.inside_runs import LINES, OTHER, by_lack, explored_views, load, runs_named, watched_run
 from verify.explored_line import Budgets, ExploredLine
 from verify.pair_view import Believed, PairView
 

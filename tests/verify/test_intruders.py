@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import pytest
-from verify.runs.inside_runs import load
-from verify.runs.intruders import ATTACKS, THREATS, Attack, intruded
 
 from radio.envelope import DropReason
 from tests.nightly import others_nightly
 from tests.system import switches_radio  # noqa: F401 - they enter themselves
 from tests.system.switchboard import SWITCHES
 from tests.system.switches_radio import lets_pass
+from verify.evidence.inside_runs import load
+from verify.evidence.intruders import ATTACKS, THREATS, Attack, intruded
 
 SLICE = "rtri_test_line"
 SCENARIOS = (SLICE, "rtri/06_unit_manager_link", "karasuyama_weekday")
