@@ -18,8 +18,8 @@ HEAD: Final = """\
 # Safety
 
 Made by `make docs` from `documents/safety_case.py` and `verify/evidence/intruders.py`; do not edit. For each hazard
-what is claimed, why, and the commands and tests that show it; a test checks that each of them exists. It claims no safety
-integrity level.
+what is claimed, why, and the commands and tests that show it; a test checks that each of them exists. It claims no
+safety integrity level.
 
 The goal: with the faults, persons and bounds of this program, no train endangers another, and every train arrives.
 """

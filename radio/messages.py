@@ -201,7 +201,7 @@ class Claim(Message, frozen=True, array_like=True, tag=13):
     token: int
 
 
-class LeavingClaim(Claim, frozen=True, array_like=True, tag=22):
+class LeavingClaim(Claim, frozen=True, array_like=True, tag=24):
     """Unit to manager, in place of a Claim: I have signed off, and may still stand in this portal until I say that I do
     not.
     """
