@@ -10,7 +10,7 @@ from typing import Final
 
 PACKAGES: Final = (
     "network", "exchange", "sumo_cfg", "vehicle", "radio", "onboard", "wayside", "host", "simulation", "scenario",
-    "study", "plan", "papers", "verify",
+    "study", "plan", "papers", "verify", "console",
 )  # fmt: skip
 HOME: Final = Path(__file__).resolve().parent.parent
 

@@ -178,6 +178,10 @@ HAZARDS: Final = (
             "rtri/91b_route_back_lost",
             "rtri/91c_route_back_doubled",
             "rtri/91d_route_back_too_late",
+            "rtri/92_ends_early",
+            "rtri/92b_ends_early_lost",
+            "rtri/92c_ends_early_doubled",
+            "rtri/92d_ends_early_report_lost",
         ),
     ),
     Hazard(

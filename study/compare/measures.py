@@ -109,8 +109,9 @@ def figures_of(side: ComparedRun) -> Iterator[RunFigure]:
         "trains", "ran their whole journey", "", 0, float(len(arrived_trains(tables.stops, timetable)))
     )
     yield RunFigure("trains", "meets as run", "", 0, float(len(meets_of(side.run))))
-    for name, cut in zip(("cancelled", "shortened"), cut_trains(tables.stops), strict=True):
-        yield RunFigure("trains", name, "", 0, float(len(cut)))
+    cancelled, shortened = cut_trains(tables.stops)
+    yield RunFigure("trains", "cancelled", "", 0, float(len(cancelled)))
+    yield RunFigure("trains", "shortened", "", 0, float(len(shortened)))
     for what in (What.ARRIVAL, What.DEPARTURE):
         yield from _punctuality(side, what)
     yield from _margins(side)

@@ -15,7 +15,7 @@ ASKED_FROM_S = 10 * 3600.0 - 45.0  # a route is asked for 45 s before the depart
 RELEASED_S = 10 * 3600.0 + 300.0
 MESSAGE = '''
 
-class HoldAtStation(Message, frozen=True, array_like=True, tag=22):
+class HoldAtStation(Message, frozen=True, array_like=True, tag=25):
     """Manager to unit: at your next stop stay, and ask for no route; or no more (発車抑止). It restricts alone."""
 
     hold: bool

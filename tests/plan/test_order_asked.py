@@ -83,7 +83,7 @@ def config(rule: OrderRule, **dispatch: object) -> ManagerConfig:
 def test_a_day_on_which_the_order_of_all_is_better(
     rule: OrderRule, lost_s: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def doors_s(_: int, move: JourneyMove, place: int) -> float:
+    def doors_s(_: int, move: JourneyMove, place: int, _share: float) -> float:
         return 0.0 if place else ASKS_S - move.departs_s
 
     monkeypatch.setattr(order_of_trains, "doors_s", doors_s)

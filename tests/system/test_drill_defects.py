@@ -362,6 +362,10 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "91b_route_back_lost": (orders_nothing, "asked again it gives it back"),
         "91c_route_back_doubled": (orders_nothing, "T2 comes to A while T1 stands there"),
         "91d_route_back_too_late": (orders_nothing, "T1 is asked for its route"),
+        "92_ends_early": (orders_nothing, "T1 is ordered to end at A"),
+        "92b_ends_early_lost": (orders_nothing, "the order is given, and not heard"),
+        "92c_ends_early_doubled": (orders_nothing, "T1 ends at A"),
+        "92d_ends_early_report_lost": (orders_nothing, "T1 ends at A"),
     }
 )
 

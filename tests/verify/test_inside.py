@@ -10,6 +10,7 @@ from verify.evidence.inside import InsideFigures
 from verify.evidence.inside_runs import LINES, OTHER, by_lack, explored_views, load, runs_named, watched_run
 from verify.explored_line import Budgets, ExploredLine
 from verify.pair_view import Believed, PairView
+from wayside.register import UnitStanding
 
 BEYOND_SHARE_MAX = 0.05  # of the events of a day
 OTHER_SHARE_MAX = 0.002  # of the states of all drills: release by section and after power cuts in portals
@@ -67,9 +68,13 @@ def test_a_defect_falls_outside(
 
 
 def test_most_of_what_could_be_said_of_two_units_is_no_view(calm_views: frozenset[PairView]) -> None:
-    """The set says something: nowhere do both hold a section, or is one in what it does not hold."""
+    """The set says something: nowhere do both hold a section, but where one has left and is still to be told so by its
+    driver; and none is in what it does not hold.
+    """
     defined = [view for view in calm_views if view.ground.defined]
-    assert not any(view.own.holds and view.other.holds for view in defined)
+    both = [view.ground for view in defined if view.own.holds and view.other.holds]
+    gone = {UnitStanding.OUTSIDE, UnitStanding.LEAVING}
+    assert all(gone & {ground.standing, ground.others_standing} for ground in both)
     assert not any(view.own.believed is Believed.IN and not view.own.holds for view in defined)
 
 

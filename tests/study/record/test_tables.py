@@ -64,6 +64,7 @@ def small_stops() -> pl.DataFrame:
             "late_arrival_s": [None if None in (row[5], row[3]) else row[5] - row[3] for row in rows],
             "late_departure_s": [None if None in (row[6], row[4]) else row[6] - row[4] for row in rows],
             "stop_error_m": [row[7] for row in rows],
+            "cancelled": [False] * len(rows),
         },
     )
 
