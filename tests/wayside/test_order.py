@@ -9,7 +9,9 @@ from radio.messages import RefusalReason, RouteGranted, RouteRefused
 from tests.wayside.loop_line import Play, config_of
 from wayside.config import OrderRule
 from wayside.journeys import DayProgress
+from wayside.order import is_disturbed
 from wayside.order_question import LastOrder, OrderAnswer
+from wayside.places import stands_of
 from wayside.said import HeldBack, OrderChanged
 
 # The first is planned first over the line between the two stations, from the west; the other comes from the east.
@@ -150,6 +152,15 @@ def test_nobody_waits_by_an_order_for_who_is_astray() -> None:
     play.now_s = FIRST_DUE_S
     play.register = play.register.with_trip("u1", DayProgress(astray=True))
     assert isinstance(play.asks(0), RouteGranted)
+
+
+@pytest.mark.parametrize("astray", [False, True])
+def test_who_is_astray_disturbs_nobody(astray: bool) -> None:
+    play = play_of(OrderRule.LEAST_DELAY)
+    register = replace(play.register, now_s=FIRST_DUE_S + 600.0).with_trip("u1", DayProgress(astray=astray))
+    days = register.days
+    assert days is not None
+    assert is_disturbed(register, days, stands_of(register, days), 0) is not astray
 
 
 def test_what_is_left_of_an_order() -> None:
