@@ -13,8 +13,8 @@ from onboard.notes import EndedEarly
 from scenario.scenario import load_scenario
 from study.measures.day_figures import DayFigures, day_figures
 from study.runner.outcome import unfinished
-from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
-from tests.system.test_order_of_trains import TRAINS
+from study.runner.run import FinishedRun, PartyLink
+from tests.system.test_dispatcher_orders import ordered_day
 from wayside.said import GoesOnAs, TrainCut
 
 pytestmark = pytest.mark.system
@@ -65,15 +65,7 @@ CUTS: Final = 'turn_back_at = ["IZU"]\n'
 
 
 def day(folder: Path, keys: str, faults: str, link: PartyLink = PartyLink.SIMULATED) -> FinishedRun:
-    (folder / "meet.toml").write_text(TRAINS + DAY, encoding="utf-8")
-    file = folder / "day.toml"
-    head = 'extends = "busy_line"\nid = "day"\nname = "A short turn"\ntimetable = "meet.toml"\n'
-    gains = "cancelled_min = 3.0\ncut_gain_min = 1.0\n"
-    file.write_text(
-        f"{head}[limits]\nstall_limit_s = 3600.0\n[dispatch]\ncertificate = true\n{gains}{keys}{faults}",
-        encoding="utf-8",
-    )
-    return execute(load_scenario(str(file)), link, carrier=CarrierKind.PLAIN)
+    return ordered_day(folder, DAY, f"cancelled_min = 3.0\ncut_gain_min = 1.0\n{keys}{faults}", link)
 
 
 def called(run: FinishedRun, number: str) -> list[str]:

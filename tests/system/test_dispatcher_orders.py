@@ -56,15 +56,19 @@ trains = ["B", "C"]
 """
 
 
-def day(folder: Path, may: str, link: PartyLink = PartyLink.SIMULATED) -> FinishedRun:
-    (folder / "meet.toml").write_text(TRAINS + STANDS, encoding="utf-8")
+def ordered_day(folder: Path, trains: str, keys: str, link: PartyLink = PartyLink.SIMULATED) -> FinishedRun:
+    """Those of `TRAINS` and more on the busy line, with more keys of `[dispatch]`, and what follows them."""
+    (folder / "meet.toml").write_text(TRAINS + trains, encoding="utf-8")
     file = folder / "day.toml"
-    head = 'extends = "busy_line"\nid = "day"\nname = "A turn"\ntimetable = "meet.toml"\n'
+    head = 'extends = "busy_line"\nid = "day"\nname = "A day with orders"\ntimetable = "meet.toml"\n'
     file.write_text(
-        f"{head}[limits]\nstall_limit_s = 3600.0\n[dispatch]\ncertificate = true\nmay = [{may}]\n",
-        encoding="utf-8",
+        f"{head}[limits]\nstall_limit_s = 3600.0\n[dispatch]\ncertificate = true\n{keys}", encoding="utf-8"
     )
     return execute(load_scenario(str(file)), link, carrier=CarrierKind.PLAIN)
+
+
+def day(folder: Path, may: str, link: PartyLink = PartyLink.SIMULATED) -> FinishedRun:
+    return ordered_day(folder, STANDS, f"may = [{may}]\n", link)
 
 
 def stops(run: FinishedRun, number: str) -> list[tuple[str, str]]:
