@@ -22,6 +22,7 @@ from simulation.setup import STEPS_PER_S, Setup
 from study.drilling import every_instant, telegram_grid
 from study.drilling.drill import find_drill
 from study.drilling.every_instant import InstantWindow, Variation, sweep
+from study.drilling.moving import staffed
 from study.drilling.outcome_class import OutcomeKind, SweptRun
 from study.drilling.seen_telegrams import SeenTelegram, TelegramWatch
 from study.drilling.telegram_grid import FaultChoice, grid_of
@@ -79,9 +80,12 @@ def by_all_of_both_ends(fault: Fault[Any], _setup: Setup) -> Callable[[SeenTeleg
 
 
 def noted(result: RunResult, script: Script) -> SweptRun:
-    """What happened, but for notes of the fault itself and of telegrams on their way; when its links were used."""
+    """What happened, but for notes of the fault itself and of telegrams on their way; when its links were used.
+
+    Not the trace: it has a row where a stretch ends, and a fault that begins ends one.
+    """
     own = (FaultBegan, FaultOver, Sent, Lost)
-    digest = blake2b(result.trace.tobytes())
+    digest = blake2b(repr((result.stops, result.end_step, result.violations)).encode())
     for each in result.journal.entries:
         if not isinstance(each.event, own):
             digest.update(repr(each).encode())
@@ -114,8 +118,8 @@ def variations(scenario: Scenario, of: Callable[[Variation], bool]) -> list[Vari
 
 PAIRS_OF = [
     ("rtri/12_terminal_power", 12),
-    ("rtri/14c_manager_and_units_one_each", 150),
-    ("rtri/02_turn_back", 150),
+    ("rtri/14c_manager_and_units_one_each", 40),
+    ("rtri/02_turn_back", 200),
 ]
 
 
@@ -123,7 +127,7 @@ PAIRS_OF = [
 def test_a_fault_of_links_is_that_of_the_kept_instant_from_which_it_meets_the_same_telegrams(
     name: str, pairs: int, monkeypatch: pytest.MonkeyPatch, record_property: Callable[[str, object], None]
 ) -> None:
-    scenario = load_scenario(find_drill(name))  # staff look when stretches end, and faults end stretches
+    scenario = staffed(load_scenario(find_drill(name)))
     kept = {
         v.name: v for v in variations(scenario, lambda v: v.faults[0][1].fault.kind in ("cut", DeadZone.kind))
     }
@@ -153,6 +157,8 @@ def test_a_fault_of_links_is_that_of_the_kept_instant_from_which_it_meets_the_sa
     runs = sweep(scenario.setup, moved, InstantWindow(), 1, None, scenario.setup.script).outcomes
     same = differ = apart = 0
     for n, step, other in claimed:
+        if not runs[n].keys() >= {step, other}:
+            continue  # after the last train
         lasts = round((kept[n].faults[0][1].duration_s or 0.0) * STEPS_PER_S)
         ends = sorted((step + lasts, other + lasts))
         used = chain(*(map(int, runs[n][each].label.split()) for each in (step, other)))
