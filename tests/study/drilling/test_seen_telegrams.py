@@ -15,7 +15,7 @@ from radio.noted import Lost, LostWhere, Sent, TookEffect
 from scenario.scenario import Scenario, load_scenario
 from simulation.events import FaultBegan, FaultOver, JournalEntry
 from simulation.faults.fault import Fault
-from simulation.faults.links import DeadZone, LinkFault
+from simulation.faults.links import DeadZone, FaultyLink, LinkFault
 from simulation.faults.script import Script
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S, Setup
@@ -95,10 +95,7 @@ def noted(result: RunResult, script: Script) -> SweptRun:
         round(each.t_s * STEPS_PER_S)
         for each in sent
         if isinstance(each.event, Sent)
-        and (
-            not isinstance(target, telegram_grid.FaultyLink)
-            or target.joins(each.event.source, each.event.receiver)
-        )
+        and (not isinstance(target, FaultyLink) or target.joins(each.event.source, each.event.receiver))
     )
     return SweptRun(OutcomeKind.LATE, " ".join(map(str, steps)), digest=digest.hexdigest())
 
