@@ -33,7 +33,9 @@ LINES: Final = 20
 DAYS: Final = 2  # timetables of each drawn line
 TEST_LINE_STOPS: Final = (Stop("A", portal="PW"), Stop("B", run_s=120, portal="PE"))
 HOUR_S: Final = 3600.0
-SWEPT_S: Final = 14_400.0  # after the last planned time: trains that sweep the whole line on sight, one after the other
+SWEPT_S: Final = (
+    14_400.0  # after the last planned time: trains that sweep the whole line on sight, one after the other
+)
 _TRIES: Final = 50
 
 
