@@ -32,9 +32,9 @@ AT_TELEGRAMS: Final = """\
 
 What a party knows changes with telegrams only. The critical moment between a request and its answer may be shorter
 than a second, so `branchline drill FILE --at telegrams` adds single faults one step before and one step after each
-telegram that they may concern is sent or takes effect. Staff react. A run is bad if a rule is broken, a train never
-arrives, or a train waits for nothing. FILE may be a folder of shipped drills; printed is one line for each class of
-outcome, and `--out` has a drill for each bad one:
+telegram that they may concern: a party's own, a link's as they are sent, those of the terminal of points (decision
+167). Staff react. A run is bad if a rule is broken, a train never arrives, or a train waits for nothing. FILE may be a
+folder of shipped drills; printed is one line for each class of outcome, and `--out` has a drill for each bad one:
 
     branchline drill rtri --at telegrams --faults power --sample 100 --out grid
     branchline drill karasuyama --at telegrams --faults links --sample 100 --from 06:30 --to 07:30

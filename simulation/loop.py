@@ -415,6 +415,7 @@ class Simulation:
                 sensed = self.on_board.tag_read(slot, read_id, odometer_m)
                 cabs.tell(slot, step, sensed)
                 if any(isinstance(what, TagBelieved) for what in sensed):
+                    trains.premises.believed_tag(slot, lies=read_id != tag_id)
                     trains.position_fixed(slot)
         if events:
             sensed = self.on_board.tick_events(slot, events)

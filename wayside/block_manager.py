@@ -269,11 +269,16 @@ def _weigh_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claime
 
 def _does_not_know(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
     """Nobody knows what it holds: refused. One that counts as outside signs on so only where that is wrong; what one in
-    dispute has claimed, it does not know any more.
+    dispute has claimed, it does not know any more. Of one that persons speak for, its claim says that it has heard of
+    nothing since, and their word stands: what it sends from now on is no word from before theirs.
     """
-    standing = register.unit(heard.unit_id).standing
+    unit = register.unit(heard.unit_id)
+    standing = unit.standing
     if isinstance(heard.message, Claim) and standing not in (UnitStanding.UNKNOWN, UnitStanding.DISPUTED):
-        return register, ()
+        answered = unit.claim_needed and unit.epoch == heard.epoch
+        return (
+            register.with_unit(heard.unit_id, replace(unit, claim_needed=False)) if answered else register
+        ), ()
     if standing is UnitStanding.DISPUTED:
         register = reentry.unheard(register, heard.unit_id)
     register, shown = reentry.on_line_after_all(register, heard.unit_id, heard.epoch)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from simulation.faults.fault import SensorFault, UnitFault
+from simulation.settings import PositionSensor
 
 
 class DeafReceiver(SensorFault[bool]):
@@ -12,6 +13,7 @@ class DeafReceiver(SensorFault[bool]):
 
     kind = "no_beacon"
     changes = "beacon receiver"
+    of_sensor = PositionSensor.BEACONS
     sensor, field = "beacon_receiver", "deaf"
 
     def base(self) -> bool:
@@ -26,6 +28,7 @@ class FalseBeacon(UnitFault[bool]):
 
     kind = "false_beacon"
     changes = "false beacon"
+    of_sensor = PositionSensor.BEACONS
     momentary: ClassVar[bool] = True
 
     def base(self) -> bool:

@@ -17,6 +17,7 @@ from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 import numpy as np
 
 from network.files.toml_input import Record, one_of
+from simulation.settings import PositionSensor
 
 VehiclePart = Literal["doors_closed", "brake_good", "motors_share"]  # as in `onboard.vehicle.Vehicle`
 
@@ -58,6 +59,7 @@ class Fault(Record, Generic[V]):
     aims_at: ClassVar[str]  # kind of target, in words
     changes: ClassVar[str]  # the quantity; faults on the same quantity of the same target are folded
     momentary: ClassVar[bool] = False  # begins and ends at once
+    of_sensor: ClassVar[PositionSensor | None] = None  # a unit that does not carry it never notices
 
     target: Any
 

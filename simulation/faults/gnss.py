@@ -8,6 +8,7 @@ from pydantic import Field
 
 from network.files.quantities import CorrelationWay, ReceiverBias, ReceiverLatency
 from simulation.faults.fault import UnitFault
+from simulation.settings import PositionSensor
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +26,7 @@ class GnssFault(UnitFault[Reception]):
     """What the receiver of a train shows; nothing where it has none."""
 
     changes = "gnss"
+    of_sensor = PositionSensor.GNSS
 
     def base(self) -> Reception:
         return Reception()

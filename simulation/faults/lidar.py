@@ -8,12 +8,14 @@ from pydantic import Field
 
 from network.files.quantities import VisibilityM
 from simulation.faults.fault import Fault, Names, UnitFault
+from simulation.settings import PositionSensor
 
 
 class LidarFault(UnitFault[float]):
     """What a train's LiDAR sees through besides the air of the day: visibility in m."""
 
     changes = "lidar"
+    of_sensor = PositionSensor.LIDAR
 
     def base(self) -> float:
         return math.inf

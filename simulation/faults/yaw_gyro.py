@@ -9,6 +9,7 @@ from pydantic import Field
 
 from network.files.quantities import NoiseFactor, YawRateDegps
 from simulation.faults.fault import UnitFault
+from simulation.settings import PositionSensor
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +26,7 @@ class GyroFault(UnitFault[Gyro]):
     """What the yaw gyro of a train shows; a train without one does not mind."""
 
     changes = "gyro"
+    of_sensor = PositionSensor.CURVATURE
 
     def base(self) -> Gyro:
         return Gyro()

@@ -26,9 +26,14 @@ class DeadZonesInForce:
 
     def hides(self, path: Path, position_m: float) -> bool:
         """Whether a front at a path coordinate, m, stands in one."""
-        if not any(self._by_section.values()):
-            return False
+        return any(self._by_section.values()) and self.hides_place(*self.place_of(path, position_m))
+
+    def place_of(self, path: Path, position_m: float) -> tuple[str, float]:
+        """The alignment and the kilometrage, m, of a path coordinate, m."""
         step = path.step_at(position_m)
-        at_m, alignment_id = step.kilometrage_m(position_m), self._line.pieces[step.piece_id].alignment_id
+        return self._line.pieces[step.piece_id].alignment_id, step.kilometrage_m(position_m)
+
+    def hides_place(self, alignment_id: str, at_m: float) -> bool:
+        """Whether an alignment's kilometrage, m, lies in one."""
         every = (zone for zones in self._by_section.values() for zone in zones)
         return any(on == alignment_id and from_m <= at_m <= to_m for on, from_m, to_m in every)

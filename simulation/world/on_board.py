@@ -229,6 +229,7 @@ class OnBoard:
             self.uncommissioned.add(slot)
             return False
         self.unpowered.discard(slot)
+        self._trains.premises.booted(slot)
         self.await_number(slot)
         self._motions[slot] = self._new_motion(slot, before=self._motions[slot])
         return True

@@ -1,6 +1,7 @@
-"""What a unit's bounds rest on: a tachometer that errs by no more than the bounds grow (decision 004).
+"""What a unit's bounds rest on: a tachometer that errs by no more than the bounds grow (decision 004), and a first tag
+after a boot that does not lie, as there is nothing to compare it with (decision 035).
 
-Invariant: bounds are judged unless a faulty tachometer has made the position false and nothing has told it anew since.
+Invariant: bounds are judged unless one of these has made the position false and nothing has told it anew since.
 A fault that errs by no more than `bound_growth` is what bounds are for. What is false stays so when the fault is
 over, until a fix or the crew tells the position anew; the unit that lost its position has none to be false.
 """
@@ -35,6 +36,7 @@ class FalsePositions:
         self._tachometers = tachometers
         self._units = units
         self._lies: dict[int, _Lie] = {}
+        self._booted: set[int] = set()  # whose unit has been told no position since its boot
 
     def fault(self, slot: int, *, in_force: bool) -> None:
         """The tachometer has become faulty in another way, or is in order again; its row says how it shows."""
@@ -61,8 +63,18 @@ class FalsePositions:
             del self._lies[slot]
         return lie.false
 
+    def booted(self, slot: int) -> None:
+        """A unit knows nothing of its position."""
+        self._booted.add(slot)
+
+    def believed_tag(self, slot: int, *, lies: bool) -> None:
+        """A tag has told the position, which read as another (`lies`) or as itself; `note_fix` follows."""
+        if lies and slot in self._booted:
+            self._lies.setdefault(slot, _Lie(in_force=False)).false = True
+
     def note_fix(self, slot: int, *, holds: bool) -> None:
         """A fix has told the position anew; whether the bounds that it left hold the true front."""
+        self._booted.discard(slot)
         lie = self._lies.get(slot)
         if lie is not None:
             lie.fixes += 1
@@ -70,6 +82,7 @@ class FalsePositions:
 
     def position_told(self, slot: int) -> None:
         """The crew has told where the train stands, as it is put on the line."""
+        self._booted.discard(slot)
         if slot in self._lies:
             self._lies[slot].false = False
 

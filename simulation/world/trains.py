@@ -189,6 +189,13 @@ class Trains:
         path, front_m = self.true_path(slot), float(self.truths[slot].position_m)
         return covered_at(self.setup.line, path, front_m) and not self.dead_zones.hides(path, front_m)
 
+    def radio_place(self, stock_id: str) -> tuple[str, float] | None:
+        """Where the front of a train is as dead zones see it: alignment, kilometrage, m; None outside."""
+        slot = self.slot_of.get(stock_id)
+        if slot is None or not self.truths[slot].active:
+            return None
+        return self.dead_zones.place_of(self.true_path(slot), float(self.truths[slot].position_m))
+
     def compare(self, slots: Sequence[int], seen: Sequence[Truth]) -> None:
         """Take the carrier's positions as the truth; CarrierDisagrees when a train is not where its speeds lead."""
         for slot, truth in zip(slots, seen, strict=True):

@@ -2,34 +2,41 @@
 
 What a party knows changes with telegrams and with nothing else, so between two of them it does not matter to it when
 something fails. On a grid of seconds a window of a few tenths between a word and its answer is found by luck; on this
-one it cannot be missed. Instants are those of the run as it is written, with its own faults and acts; a fault of a
-party counts at telegrams in which that party takes part, one of a link at those that go over it, any other at all.
+one it cannot be missed. Instants are those of the run as it is written, with its own faults and acts. A fault of a
+party counts when that party says or hears something, one of points when their terminal does, one of links or the radio
+when a telegram is sent that it would stop and that is not lost as it is; any other at each telegram. What is said again
+in vain, once more unheard, tells nobody anything and is no instant. What nobody can notice has one instant.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
 from itertools import pairwise
-from typing import Final
+from typing import Any, Final
 
 import msgspec
 
 from network.timetable import BecomesTrain, Diagram, Stabled, TimetableTrain
 from radio.chance import generator
-from radio.noted import Sent, TookEffect
 from scenario.script_file import names_of
+from simulation.faults.cable import CableFault
 from simulation.faults.devices import PowerCut
-from simulation.faults.links import ONE_WAY, Cut, FaultyLink, LinkFault
+from simulation.faults.fault import Fault
+from simulation.faults.links import ONE_WAY, Cut, DeadZone, FaultyLink, LinkFault
+from simulation.faults.points import PointsFault
 from simulation.faults.script import ScriptedFault
 from simulation.faults.table import FAULTS
+from simulation.settings import Interlocking
 from simulation.setup import STEPS_PER_S, Setup, latest_end_s
+from simulation.world.dead_zones import DeadZonesInForce
 from study.drilling.every_instant import InstantWindow, Variation
 from study.drilling.forks import result_of_copy
 from study.drilling.moving import NO_TIME, SINGLES, single_faults
 from study.drilling.outcome_class import SweptRun, expected_breaks, swept_run_of
+from study.drilling.seen_telegrams import SeenTelegram, TelegramWatch
 from study.runner.run import simulation_of
 
 BEFORE_S: Final = 60.0  # of when something in the script begins or is over, and
@@ -54,7 +61,7 @@ class FaultChoice(StrEnum):
 class _WrittenRun(msgspec.Struct, frozen=True):
     """The run as it is written: who told whom something, at which step; when all of its script began and was over."""
 
-    telegrams: list[tuple[int, str, str]]
+    telegrams: list[SeenTelegram]
     script_s: list[float]
     own: SweptRun
 
@@ -104,19 +111,19 @@ def grid_of(setup: Setup, chosen: FaultChoice, window: InstantWindow) -> Telegra
     if (known_s := _last_known_s(setup, window)) is not None:
         setup = shortened_setup(setup, known_s + FOLLOWS_S)
     course = result_of_copy(_WrittenRun, partial(_course, setup))
-    steps = [step for step, _, _ in course.telegrams] or [0]
+    steps = [seen.step for seen in course.telegrams] or [0]
     spans = _spans(course.script_s, min(steps) / STEPS_PER_S - 1.0, window)
     own = _own(setup, course)
     setup = shortened_setup(setup, spans[-1][1] + FOLLOWS_S)
     names = names_of(setup)
     parties = frozenset((*names.units, *names.devices))
     within = [
-        (step, source, receiver)
-        for step, source, receiver in course.telegrams
-        if _is_in(step, spans) and {source, receiver} <= parties
+        seen
+        for seen in course.telegrams
+        if _is_in(seen.step, spans) and {seen.source, seen.receiver} <= parties
     ]
     variations = (
-        replace(v, instants=_instants(v, within, parties))
+        replace(v, instants=_instants(v, within, setup))
         if v.instants is None
         else replace(v, instants=tuple(step for step in v.instants if _is_in(step, spans)))
         for v in _faults(setup, chosen, within)
@@ -141,16 +148,13 @@ def _is_in(step: int, spans: Iterable[tuple[float, float]]) -> bool:
 
 def _course(setup: Setup) -> _WrittenRun:
     with simulation_of(setup) as simulation:
+        watch = TelegramWatch(simulation.trains.radio_place)
+        simulation.journal.watch(watch.see)
         result = simulation.run()
     own = (*setup.script.faults, *setup.script.acts)  # and nothing that staff did of themselves
-    telegrams = [
-        (round(entry.t_s * STEPS_PER_S), entry.event.source, entry.event.receiver)
-        for entry in result.journal.entries
-        if isinstance(entry.event, Sent | TookEffect)
-    ]
     courses = [course for course in result.courses if course.item in own]
     script_s = [t for course in courses for t in (course.begun_s, course.over_s) if t is not None]
-    return _WrittenRun(telegrams, script_s, swept_run_of(result, setup.script))
+    return _WrittenRun(watch.telegrams(), script_s, swept_run_of(result, setup.script))
 
 
 def _last_known_s(setup: Setup, window: InstantWindow) -> float | None:
@@ -176,13 +180,13 @@ def _own(setup: Setup, course: _WrittenRun) -> tuple[SweptRun, ...]:
     )
 
 
-def _faults(setup: Setup, chosen: FaultChoice, telegrams: list[tuple[int, str, str]]) -> Iterator[Variation]:
+def _faults(setup: Setup, chosen: FaultChoice, telegrams: list[SeenTelegram]) -> Iterator[Variation]:
     if chosen is FaultChoice.POWER:
         yield from single_faults(setup, [PowerCut.kind])
     if chosen is FaultChoice.ALL:
         yield from single_faults(setup, [name for name in FAULTS if name != Cut.kind])
     if chosen is not FaultChoice.POWER:
-        for link in sorted({(source, receiver) for _, source, receiver in telegrams}):
+        for link in sorted({(seen.source, seen.receiver) for seen in telegrams}):
             yield _cut(setup, *link)
 
 
@@ -192,21 +196,45 @@ def _cut(setup: Setup, source: str, receiver: str) -> Variation:
     return Variation(f"{Cut.kind} {source}{ONE_WAY}{receiver}", ((0, failure),), (), stocks)
 
 
-def _instants(
-    variation: Variation, telegrams: list[tuple[int, str, str]], parties: frozenset[str]
-) -> tuple[int, ...]:
+def _instants(variation: Variation, telegrams: list[SeenTelegram], setup: Setup) -> tuple[int, ...]:
     """Before and after each telegram that this fault may have to do with: in a step, faults come after telegrams."""
     ((_, failure),) = variation.faults
-    steps: set[int] = set()
-    for step, source, receiver in telegrams:
-        if isinstance(failure.fault, LinkFault):
-            concerns = failure.fault.target.joins(source, receiver)
-        else:
-            target = str(failure.fault.target)
-            concerns = target in (source, receiver) or target not in parties
-        if concerns:
-            steps |= {step - 1, step}
-    return tuple(sorted(steps))
+    concerns = _concerns(failure.fault, setup)
+    steps = {step for seen in telegrams if concerns(seen) for step in (seen.step - 1, seen.step)}
+    return tuple(sorted(steps))[: None if _may_be_noticed(failure.fault, setup) else 1]
+
+
+def _concerns(fault: Fault[Any], setup: Setup) -> Callable[[SeenTelegram], bool]:
+    """Which telegrams a fault may have to do with."""
+    names = names_of(setup)
+    match fault:
+        case LinkFault():  # asked as a telegram is sent, and so are the radio and the cable
+            return lambda seen: _goes_out(seen) and fault.target.joins(seen.source, seen.receiver)
+        case DeadZone():
+            zones = DeadZonesInForce(setup.line)
+            zones.put_stretches(fault.target, fault.applied_to(()))
+            return lambda seen: _goes_out(seen) and seen.place is not None and zones.hides_place(*seen.place)
+        case CableFault():
+            return _goes_out
+        case PointsFault():
+            terminal_id = setup.line.points[fault.target].terminal_id
+            return lambda seen: seen.party == terminal_id and not seen.is_repeat
+        case _ if fault.target in (*names.units, *names.devices):
+            return lambda seen: seen.party == fault.target and not seen.is_repeat
+        case _:
+            return lambda seen: not seen.is_repeat
+
+
+def _goes_out(seen: SeenTelegram) -> bool:
+    """Whether it is sent now, and would be missed."""
+    return seen.is_sent and not seen.is_lost
+
+
+def _may_be_noticed(fault: Fault[Any], setup: Setup) -> bool:
+    """Whether there is what fails: the sensor aboard, the cable between a central interlocking and its points."""
+    if isinstance(fault, CableFault):
+        return setup.operation.interlocking is not Interlocking.ONBOARD
+    return fault.of_sensor is None or fault.of_sensor in setup.sensors.carried_by(fault.target)
 
 
 def _goes_on(diagram: Diagram, kept: Mapping[str, TimetableTrain]) -> Iterator[str]:

@@ -20,7 +20,16 @@ from tests.wayside import manager_desk
 from tests.wayside.reentry_desk import HELD, Desk
 from wayside import reentry
 from wayside.register import Register, UnitStanding
-from wayside.said import ConfirmOutside, Contradicted, Freed, TakeBack, ToBeSwept
+from wayside.said import (
+    BarUnit,
+    ConfirmHolding,
+    ConfirmOutside,
+    Contradicted,
+    Freed,
+    TakeBack,
+    ToBeSwept,
+    UnbarUnit,
+)
 
 BACK = RouteRequest("u2", "back", ("D", "C", "B"))
 NEEDED = SignOnRefused(RefusalReason.CLAIM_NEEDED)
@@ -100,6 +109,31 @@ def test_two_persons_speak_for_one_that_does_not_know() -> None:
     assert Freed in desk.act(ConfirmOutside("u1", "Sato", "P0"))
     assert desk.standing("u1") is UnitStanding.OUTSIDE
     assert desk.register.unswept == {"B", "C"}
+
+
+@pytest.mark.parametrize("answers", [True, False])
+def test_one_that_was_not_told_what_it_holds_and_was_spoken_for_is_told_what_persons_said(
+    *, answers: bool
+) -> None:
+    """Its sign-on was taken and the answer lost; before it has answered a question, a word of it may be an old one."""
+    desk = manager_desk.defined(u1=("B", "C"))
+    signs_on = SignOn("u1", None)
+    assert isinstance(desk.hear("u1", signs_on, epoch=2), SignOnAccepted)  # it does not hear this
+    for person in ("Sato", "Mori"):
+        desk.act(BarUnit("u1", person))
+        desk.act(ConfirmHolding("u1", ("B", "C"), person))
+    for person in ("Sato", "Mori"):
+        desk.act(UnbarUnit("u1", person))
+    assert desk.standing("u1") is UnitStanding.BY_HAND
+    assert desk.hear("u1", signs_on, epoch=2) == ClaimQuery()
+    if answers:
+        event = manager_desk.Heard("u1", 2, True, 0, Claim(None, 0))
+        desk.register, _ = manager_desk.step(desk.register, event, desk.now_s)
+        accepted = desk.hear("u1", signs_on, epoch=2)
+        assert isinstance(accepted, SignOnAccepted)
+        assert accepted.section_ids == ("B", "C")
+    else:
+        assert desk.hear("u1", signs_on, epoch=2) == ClaimQuery()
 
 
 def test_an_empty_claim_frees_nothing_of_a_unit_that_is_on_the_line() -> None:

@@ -1,4 +1,4 @@
-"""When the bounds of a position are judged: always, but while a faulty tachometer has made it false."""
+"""When the bounds of a position are judged: always, but while a faulty tachometer or a first tag has made it false."""
 
 from __future__ import annotations
 
@@ -102,3 +102,21 @@ def test_what_the_unit_learned_of_a_faulty_tachometer_is_of_the_fault_too() -> N
     assert cab.fix().judged
     cab.unit.odometer_scale = 0.97  # nothing false is left behind: from now on this is the unit's own
     assert cab.judged
+
+
+@pytest.mark.parametrize("lies", [True, False])
+def test_the_first_tag_after_a_boot_makes_the_position_false_if_it_lies_until_the_next(*, lies: bool) -> None:
+    cab = Cab()
+    cab.premises.booted(0)
+    cab.premises.believed_tag(0, lies=lies)
+    assert cab.fix(holds=not lies).judged is not lies
+    cab.premises.believed_tag(0, lies=False)
+    assert cab.fix().judged
+
+
+def test_a_later_tag_that_lies_is_what_bounds_are_for() -> None:
+    cab = Cab()
+    cab.premises.booted(0)
+    cab.fix()
+    cab.premises.believed_tag(0, lies=True)
+    assert cab.fix(holds=False).judged

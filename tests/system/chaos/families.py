@@ -33,6 +33,9 @@ LINES: Final = 20
 DAYS: Final = 2  # timetables of each drawn line
 TEST_LINE_STOPS: Final = (Stop("A", portal="PW"), Stop("B", run_s=120, portal="PE"))
 HOUR_S: Final = 3600.0
+SWEPT_S: Final = (
+    14_400.0  # after the last planned time: trains that sweep the whole line on sight, one after the other
+)
 _TRIES: Final = 50
 
 
@@ -97,7 +100,8 @@ def _busiest_hour() -> Ground:
             if (mine := [number for number in diagram.train_numbers if number in kept])
         ],
     }
-    head = {"extends": "karasuyama_weekday", "timetable": f"{name}.toml"}
+    limits = {"time_limit_s": SWEPT_S}
+    head = {"extends": "karasuyama_weekday", "timetable": f"{name}.toml", "limits": limits}
     return Ground("karasuyama_hour", head, {f"{name}.toml": toml_of(table)})
 
 
