@@ -46,13 +46,18 @@ def _booted_holds_nothing() -> tuple[Change, ...]:
     )
 
 
-def _never(_register: Register, _unit_id: str) -> bool:
+def _never(_register: Register, _what: object) -> bool:
     return False
 
 
 def _claims_as_on_the_line() -> tuple[Change, ...]:
     """A unit that has signed off and is asked in its portal counts as one on the line, which nobody asks again."""
     return ((leaving, "claimed_standing", _reported),)
+
+
+def _disputed_leaver_stays() -> tuple[Change, ...]:
+    """A unit in dispute that had signed off, and has left since, goes on holding what persons have said of it."""
+    return ((leaving, "has_left", _never),)
 
 
 def _reported(_register: Register, _message: object, held: tuple[str, ...]) -> UnitStanding:
@@ -64,6 +69,7 @@ RESTORED: Final[MappingProxyType[str, Callable[[], tuple[Change, ...]]]] = Mappi
         "sign-off-frees": _sign_off_frees,
         "booted-holds-nothing": _booted_holds_nothing,
         "leaver-counts-as-on-the-line": _claims_as_on_the_line,
+        "disputed-leaver-stays": _disputed_leaver_stays,
     }
 )
 

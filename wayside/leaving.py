@@ -87,6 +87,14 @@ def claimed_standing(register: Register, message: SignOn | Claim, held: tuple[st
     return UnitStanding.LEAVING if leaves else UnitStanding.REPORTED
 
 
+def has_left(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> bool:
+    """Whether a unit that claimed its portal against another, as one that has signed off, says in that boot that it
+    holds nothing: whatever persons have entered for it besides, its train has left.
+    """
+    unit = register.unit(heard.unit_id)
+    return unit.standing is UnitStanding.DISPUTED and unit.leaves and heard.epoch == unit.epoch
+
+
 def may_have_crossed(register: Register, heard: Heard[Claim]) -> bool:
     """Whether a claim of a portal may have been made by the train that has left it since, whoever's that was."""
     return heard.correlation == 0 and not register.left_through.isdisjoint(heard.message.section_ids or ())

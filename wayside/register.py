@@ -42,7 +42,7 @@ class RegisteredUnit(msgspec.Struct, frozen=True):
     """A unit that has been heard or entered.
 
     `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request;
-    `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `claim_needed`:
+    `claim`: what it says it holds, while that is disputed, `leaves`: as one that has signed off. `by`: who said so, where persons did; `claim_needed`:
     of this boot only a fresh claim counts, since it spoke for itself before persons did; `silent`: it may be on the
     line, so it is asked all the same; `taken_back`: persons were wrong about it, or it was. `unproven`: by its own word
     it is outside, and it was on the line as far as was known when the block state was lost. `leave`: sections
@@ -56,6 +56,7 @@ class RegisteredUnit(msgspec.Struct, frozen=True):
     route_id: str | None = None
     correlation: int = 0
     claim: tuple[str, ...] | None = None
+    leaves: bool = False
     by: str = ""
     claim_needed: bool = False
     silent: bool = False

@@ -272,6 +272,35 @@ def test_what_a_person_said_wrongly_of_one_that_leaves_is_free_when_it_has_left(
     assert desk.register.holders == {}
 
 
+def test_what_a_person_said_wrongly_of_one_that_leaves_is_free_though_another_came_into_its_portal() -> None:
+    """Found by `branchline verify explore 0/0/0/1`: it disputes the portal, and once told that it has left nobody asks."""
+    desk = signed_off()
+    desk.act(BoundaryPassed("P9"))
+    desk.act(ConfirmHolding("u1", ("E",), "Mori"))
+    assert isinstance(desk.hear("u2", SignOn("u2", ("P9",))), SignOnAccepted)
+    desk.hear("u1", LeavingClaim(("P9",), 1), correlation=block_manager.ASKED_AGAIN)
+    assert desk.standing("u1") is UnitStanding.DISPUTED
+    claims(desk)
+    assert desk.register.holders == {"P9": "u2"}
+    assert desk.standing("u1") is UnitStanding.OUTSIDE
+
+
+@pytest.mark.parametrize(("claim", "epoch"), [(Claim(("P9",), 1), 1), (LeavingClaim(("P9",), 1), 2)])
+def test_who_has_not_said_that_it_leaves_in_that_boot_frees_nothing_in_dispute(
+    claim: Claim, epoch: int
+) -> None:
+    desk = defined(u1=("E",), u2=("P9",))
+    desk.hear("u1", claim)
+    assert desk.standing("u1") is UnitStanding.DISPUTED
+    claims(desk, epoch=epoch)
+    assert desk.register.held_by("u1") == ("E",)
+
+
+def test_a_leaver_in_dispute_that_counts_as_on_the_line_holds_what_was_said_of_it() -> None:
+    with restored("disputed-leaver-stays"), pytest.raises(AssertionError):
+        test_what_a_person_said_wrongly_of_one_that_leaves_is_free_though_another_came_into_its_portal()
+
+
 def test_counted_as_on_the_line_it_keeps_its_portal() -> None:
     with restored("leaver-counts-as-on-the-line"):
         for check in (
