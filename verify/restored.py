@@ -11,6 +11,7 @@ from onboard.authority import machine as authority
 from onboard.authority import sign_on
 from onboard.authority.records import QueryHeard
 from onboard.authority.tables import SignOnStanding
+from onboard.duty import on_sight
 from radio.messages import SignOff
 from wayside import block_manager, leaving, reentry
 from wayside.actions import Show
@@ -60,6 +61,11 @@ def _disputed_leaver_stays() -> tuple[Change, ...]:
     return ((leaving, "has_left", _never),)
 
 
+def _booted_at_its_mark_keeps_all() -> tuple[Change, ...]:
+    """A unit that has booted at its mark goes on holding what lies behind its train, though its crew says where it is."""
+    return ((on_sight, "behind_by_eye", lambda _duty, _stop: 0),)
+
+
 def _reported(_register: Register, _message: object, held: tuple[str, ...]) -> UnitStanding:
     return UnitStanding.REPORTED if held else UnitStanding.OUTSIDE
 
@@ -70,6 +76,7 @@ RESTORED: Final[MappingProxyType[str, Callable[[], tuple[Change, ...]]]] = Mappi
         "booted-holds-nothing": _booted_holds_nothing,
         "leaver-counts-as-on-the-line": _claims_as_on_the_line,
         "disputed-leaver-stays": _disputed_leaver_stays,
+        "booted-at-its-mark-keeps-all": _booted_at_its_mark_keeps_all,
     }
 )
 

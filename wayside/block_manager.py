@@ -57,7 +57,6 @@ from wayside.said import Accepted, BoundaryPassed, Contradicted, Granted, Outsid
 
 M = TypeVar("M")
 
-ASKED_AGAIN: Final = 1  # correlation of a query whose answer is known to be one to it
 __all__ = ["TELEGRAMS", "AskUnits", "Event", "Heard", "step", "table_rows", "wake_at_s"]
 
 
@@ -228,7 +227,8 @@ def _claim(register: Register, heard: Heard[Claim]) -> Step:
     if not heard.fresh:
         return challenge(register, heard)
     if leaving.may_have_crossed(register, heard):
-        return register, (Send(heard.unit_id, ClaimQuery(), ASKED_AGAIN),)
+        left = leaving.left_before(register, heard.message.section_ids or ())
+        return register, (Send(heard.unit_id, ClaimQuery(), left),)
     return _take_claim(register, heard)
 
 

@@ -130,7 +130,7 @@ class Register(msgspec.Struct, frozen=True):
     has been accepted and completed yet. `ledger`: units that are on the line as far as is known, kept over power cuts;
     it blocks and never frees. `bars`: units that persons have barred, kept over power cuts. `unswept`: sections that a
     silent unit may be in although persons say that it is elsewhere, kept over power cuts: to be passed on sight.
-    `left_through`: portals by which a train has left in this boot. `doubted`: units that reported and of which a person
+    `left_through`: how many trains have left by each portal in this boot. `doubted`: units that reported and of which a person
     now says something, each with how often it was asked in vain since. `trips`: how far each unit is in its day, kept
     over power cuts, `kept` the order in which all can finish, as last proven, `sought` the last search that found none,
     `solved` the order of least delay found last, and `now_s` when the last telegram came; all where `plan.days` are.
@@ -149,7 +149,7 @@ class Register(msgspec.Struct, frozen=True):
     ledger: frozenset[str] = frozenset()
     bars: Bars = NO_BARS
     unswept: frozenset[str] = frozenset()
-    left_through: frozenset[str] = frozenset()
+    left_through: Mapping[str, int] = msgspec.field(default_factory=dict[str, int])
     doubted: Mapping[str, int] = msgspec.field(default_factory=dict[str, int])
     reentry: Reentry = msgspec.field(default_factory=Reentry)
     trips: Mapping[str, DayProgress] = msgspec.field(default_factory=dict[str, DayProgress])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from onboard.duty_parameters import ReleaseRule
 from tests.nightly import others_nightly
 from verify.composition import TWO_TRAINS
 from verify.explore import explored
@@ -71,3 +72,26 @@ def test_a_leaver_in_dispute_that_counts_as_on_the_line_can_hold_a_section_for_e
     assert not found.broken
     assert found.dead > 0
     assert any(line.startswith("manager") and "says that u1 is in" in line for line in found.story)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("rule", ReleaseRule)
+def test_with_a_tag_between_it_is_safe_and_alive(rule: ReleaseRule) -> None:
+    found = explored(ExploredLine(budgets=Budgets(power=1), tag_between=rule))
+    assert found.holds, found.story
+
+
+@pytest.mark.nightly
+def test_a_unit_that_has_booted_at_its_mark_and_keeps_what_is_behind_can_lock_both_in() -> None:
+    """Released by section: another is in the portal by then, and each holds what the other needs."""
+    line = ExploredLine(budgets=Budgets(power=1), tag_between=ReleaseRule.SECTION)
+    with restored("booted-at-its-mark-keeps-all"):
+        found = explored(line)
+    assert not found.broken
+    assert found.dead > 0
+
+
+@pytest.mark.nightly
+def test_a_unit_that_is_barred_without_cause_is_safe_and_alive() -> None:
+    found = explored(ExploredLine(budgets=Budgets(word=1), bars=True))
+    assert found.holds, found.story
