@@ -121,8 +121,8 @@ class _Model:
         )
         yield f"inline take(i) {{ x = (q[i] & {_ALL}) - 1; q[i] = q[i] >> {_BITS} }}"
         yield (
-            f"inline rank(y) {{ r = {FIXED_MAX}; k = {FIXED_MAX + 1}; do :: k <= y -> if :: used & (1 << k) -> r++ :: else fi;"
-            " k++ :: else -> break od }"
+            f"inline rank(y) {{ r = {FIXED_MAX}; k = {FIXED_MAX + 1}; do :: k <= y ->"
+            " if :: used & (1 << k) -> r++ :: else fi; k++ :: else -> break od }"
         )
 
     def _renamed(self) -> Iterator[str]:

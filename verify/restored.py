@@ -62,7 +62,7 @@ def _disputed_leaver_stays() -> tuple[Change, ...]:
 
 
 def _booted_at_its_mark_keeps_all() -> tuple[Change, ...]:
-    """A unit that has booted at its mark goes on holding what lies behind its train, though its crew says where it is."""
+    """A unit that has booted at its mark goes on holding what lies behind, though its crew says where it is."""
     return ((on_sight, "behind_by_eye", lambda _duty, _stop: 0),)
 
 

@@ -306,7 +306,7 @@ def test_what_a_person_said_wrongly_of_one_that_leaves_is_free_when_it_has_left(
 
 
 def test_what_a_person_said_wrongly_of_one_that_leaves_is_free_though_another_came_into_its_portal() -> None:
-    """Found by `branchline verify explore 0/0/0/1`: it disputes the portal, and once told that it has left nobody asks."""
+    """Found by `branchline verify explore 0/0/0/1`: it disputes the portal, and nobody asks it once it has left."""
     desk = signed_off()
     desk.act(BoundaryPassed("P9"))
     desk.act(ConfirmHolding("u1", ("E",), "Mori"))
