@@ -92,6 +92,8 @@ def test_a_unit_that_has_booted_at_its_mark_and_keeps_what_is_behind_can_lock_bo
 
 
 @pytest.mark.nightly
-def test_a_unit_that_is_barred_without_cause_is_safe_and_alive() -> None:
+def test_a_unit_that_is_barred_as_it_may_enter_is_not_yet_safe() -> None:
+    """Open (decision 158): it waits before the portal, people say so truly, and its train comes in all the same."""
     found = explored(ExploredLine(budgets=Budgets(word=1), bars=True))
-    assert found.holds, found.story
+    assert found.broken == "free in a defined register, and a train stands in it"
+    assert found.story[-1] == "u1 enters"

@@ -30,7 +30,7 @@ LINES: Final = (
     ExploredLine(budgets=Budgets(loss=1, delay=1), timed=True),
     ExploredLine(budgets=Budgets(power=1)),
     ExploredLine(budgets=Budgets(points=1, sensor=1)),
-    ExploredLine(budgets=Budgets(word=1), bars=True),
+    ExploredLine(budgets=Budgets(word=1)),
     ExploredLine(budgets=Budgets(power=1), tag_between=ReleaseRule.ROUTE),
     ExploredLine(budgets=Budgets(power=1), tag_between=ReleaseRule.SECTION),
     ExploredLine(budgets=Budgets(loss=1), timed=True, tag_between=ReleaseRule.SECTION),
