@@ -1,8 +1,8 @@
 """What becomes of the explored set where a behaviour of the machines is taken away: a table for documents.
 
-python -m tests.verify.switched_off [--first N] [NAMES ...]: each defect is a switch of `tests.system.switchboard`, what the
-machines once did, or a mistake of `tests/planted` in a copy of the tree; the line is explored with it, at the smallest
-budgets first, until the set is another one.
+python -m tests.verify.switched_off [--first N] [NAMES ...]: each defect is a switch of `tests.system.switchboard`,
+what the machines once did, or a mistake of `tests/planted` in a copy of the tree; the line is explored with it, at
+the smallest budgets first, until the set is another one.
 """
 
 from __future__ import annotations
