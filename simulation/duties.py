@@ -6,7 +6,7 @@ there; only then is it on the line. Everything here follows from the roster, the
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from enum import Enum
 from typing import Final
 
@@ -65,6 +65,11 @@ class WrongEnd(RuntimeError):  # noqa: N818 - names what happened
     """A train overran its track, so that it cannot turn back: the run is over."""
 
 
+def is_behind(slot: int, queue: Sequence[int]) -> bool:
+    """Whether another stock has come to the portal sooner, and stands between it and this one."""
+    return queue[0] != slot
+
+
 class Duties:
     """The duties of all stocks."""
 
@@ -77,6 +82,7 @@ class Duties:
         self._next = dict.fromkeys(world.trains.stock_ids, 0)
         self._stage = [StockStage.OUTSIDE] * len(world.trains.stock_ids)
         self._becoming: list[Duty] = []
+        self._outside: dict[str, list[int]] = {}  # who stands behind another before a portal, in order
         sections = world.setup.line.sections.values()
         self._portals: Final = {section.id for section in sections if section.kind is SectionKind.PORTAL}
         self._due: dict[tuple[Pause, int], int] = {}  # the step at which a crew does something, by slot
@@ -175,7 +181,7 @@ class Duties:
         turns = on_line and duty.mission.direction is not self._trains.direction(slot)
         if turns and not self._trains.can_turn(slot, duty):
             raise WrongEnd
-        if not on_line and duty.enters and self._queues(duty):
+        if not on_line and duty.enters and self._queues(slot, duty):
             self._agenda.put(step + round(PORTAL_RETRY_S / STEP_S), AgendaKind.DUTY, stock_id)
             return
         self._next[stock_id] += 1
@@ -204,15 +210,21 @@ class Duties:
             happened = self._on_board.enter_number(slot, duty, comes_on_line=not on_line, turned=turns)
             self._cabs.tell(slot, step, happened)
 
-    def _queues(self, duty: Duty) -> bool:
+    def _queues(self, slot: int, duty: Duty) -> bool:
         """Whether another stock waits before the same portal: on the track outside one stands behind the other."""
         portal = duty.mission.spans[0].section_id
+        queue = self._outside.setdefault(portal, [])
+        if slot not in queue:
+            queue.append(slot)
         waiting = [
             self._duties[stock_id][self._next[stock_id] - 1]
-            for slot, stock_id in enumerate(self._trains.stock_ids)
-            if self._stage[slot] is StockStage.WAITING
+            for other, stock_id in enumerate(self._trains.stock_ids)
+            if self._stage[other] is StockStage.WAITING
         ]
-        return any(other.mission.spans[0].section_id == portal for other in waiting)
+        if is_behind(slot, queue) or any(other.mission.spans[0].section_id == portal for other in waiting):
+            return True
+        queue.remove(slot)
+        return False
 
     def power_on(self, slot: int, step: int) -> None:
         """A unit is switched on."""

@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 import msgspec
 
 from network.model import Position, SectionKind, TagPurpose
-from onboard.duty_parameters import DutyParameters
+from onboard.duty_parameters import DutyParameters, ReleaseRule
 from onboard.plan import DutyPlan, PlanLeg, PlanStop, PlanTag, PointsNeeded, Span
 from radio.keys import capability_key
 from verify.thirds import PLACES_A_SPAN
@@ -68,17 +68,21 @@ class Budgets(NamedTuple):
 
 class ExploredLine(NamedTuple):
     """What is explored: how many of the trains run, and the budgets. `timed`: each asks for its routes, and leaves,
-    when its timer says so, at any time; otherwise at once.
+    when its timer says so, at any time; otherwise at once. `tag_between`: there is a tag where a train is whole in X,
+    besides that of the arrival, and what tags prove is given back by this rule. `bars`: two persons may bar a unit at
+    the manager, which counts as a wrong word, and unbar it.
     """
 
     trains: int = 2
     budgets: Budgets = Budgets()
     timed: bool = False
+    tag_between: ReleaseRule | None = None
+    bars: bool = False
 
     @property
     def parameters(self) -> DutyParameters:
         """Times of the duty: no state knows them but by the timers that they start."""
-        return DutyParameters(20.0, 45.0, 30.0)
+        return DutyParameters(20.0, 45.0, 30.0, self.tag_between or ReleaseRule.ROUTE)
 
 
 MANAGER: Final = ManagerConfig(
@@ -110,27 +114,28 @@ def terminal_config(terminal_id: str) -> TerminalConfig:
     return TerminalConfig("explored", terminal_id, (PointsEntry(POINTS_OF[terminal_id], "X", 10.0),))
 
 
-def _plan(way: str, sections: tuple[str, ...], position: Position, departure_s: float | None) -> DutyPlan:
+def _plan(line: ExploredLine, way: str, sections: tuple[str, ...], position: Position) -> DutyPlan:
     needed = tuple(PointsNeeded(POINTS_OF[t], position, "X", t) for t in TERMINALS)
     spans = tuple(
         Span(s, _KINDS.get(s, SectionKind.TRACK), needed if s == "X" else (), s, 0.0) for s in sections
     )
     first, last = sections[0], sections[-1]
+    departure_s = _DEPARTURE_S if line.timed else None
     stops = (
         PlanStop(first, first != PORTAL, 0, 0, None, departure_s, passengers=False),
         PlanStop(last, last != PORTAL, 2, 2, None, None, passengers=False),
     )
     leg = PlanLeg(f"{way} {sections[0 if way == 'out' else -1]}", first, sections[1:])
-    tags = (PlanTag(1, TagPurpose.ARRIVAL, 3, 2),)
+    between = () if line.tag_between is None else (PlanTag(2, TagPurpose.POSITION, 2, 1),)
+    tags = (*between, PlanTag(1, TagPurpose.ARRIVAL, 3, 2))
     return DutyPlan(way, way, spans, (leg,), stops, tags, last, 0.0, enters=first == PORTAL)
 
 
-def plans_of(unit_id: str, *, timed: bool) -> tuple[DutyPlan, DutyPlan]:
-    """A train's way in, and out again; `timed` as in `ExploredLine`."""
+def plans_of(line: ExploredLine, unit_id: str) -> tuple[DutyPlan, DutyPlan]:
+    """A train's way in, and out again."""
     track, position = _TRACK_OF[unit_id]
-    departure_s = _DEPARTURE_S if timed else None
     into, out = ("P", "X", track), (track, "X", "P")
-    return _plan("in", into, position, departure_s), _plan("out", out, position, departure_s)
+    return _plan(line, "in", into, position), _plan(line, "out", out, position)
 
 
 END: Final = 2 * PLACES_A_SPAN  # where a train of three spans stands at its last mark, whole in the last

@@ -34,7 +34,15 @@ from wayside.actions import Action, Send
 from wayside.barring import person_key
 from wayside.block_manager import AskUnits, Event, Heard, step, wake_at_s
 from wayside.register import Register, start
-from wayside.said import AcceptPicture, BoundaryPassed, ConfirmHolding, ConfirmOutside, TakeBack
+from wayside.said import (
+    AcceptPicture,
+    BarUnit,
+    BoundaryPassed,
+    ConfirmHolding,
+    ConfirmOutside,
+    TakeBack,
+    UnbarUnit,
+)
 
 LATE_S: Final = 1000.0  # later than whatever a rule of the manager waits for
 GRANTED_IN_DOUBT: Final = "granted while the line was not defined"
@@ -134,6 +142,7 @@ class ManagerModel:
 
     def __init__(self, line: ExploredLine) -> None:
         self._config: Final = manager_config(line)
+        self._may_bar: Final = line.bars
         self.units: Final = UNITS[: line.trains]
 
     def start(self) -> ManagerState:
@@ -176,7 +185,7 @@ class ManagerModel:
         """All that can happen besides telegrams; what changes nothing and says nothing is left out."""
         if not state.power:
             return (ManagerEvent("power is back", self._booted(state)),)
-        found = (*self._asks(state), *self._words(state), self._fails(state))
+        found = (*self._asks(state), *self._words(state), *self._bars(state), self._fails(state))
         return tuple(e for e in found if e.state != state or e.sends)
 
     def holders(self, state: ManagerState) -> tuple[int, ...]:
@@ -224,6 +233,18 @@ class ManagerModel:
         for person in reentry.words_for(state.kept.register, unit_id):
             after, sends, _ = self._took(state, TakeBack(unit_id, person))
             yield ManagerEvent(f"{person} takes back what was said of {unit_id}", after, sends, word=True)
+
+    def _bars(self, state: ManagerState) -> Iterator[ManagerEvent]:
+        """Two persons bar a unit that nothing is wrong with, or unbar one."""
+        for unit_id in self.units if self._may_bar else ():
+            barred = unit_id in state.kept.register.bars.barred
+            after, sends = state, tuple[tuple[int, InAir], ...]()
+            for person in PERSONS:
+                word = UnbarUnit(unit_id, person) if barred else BarUnit(unit_id, person)
+                after, more, _ = self._took(after, word)
+                sends = (*sends, *more)
+            name = f"{' and '.join(PERSONS)} {'unbar' if barred else 'bar'} {unit_id}"
+            yield ManagerEvent(name, after, sends, UnwishedFor.NONE if barred else UnwishedFor.WORD)
 
     def errs(self, state: ManagerState) -> tuple[ManagerEvent, ...]:
         """Words of persons that are not true, or about a unit that speaks for itself."""

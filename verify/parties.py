@@ -4,8 +4,8 @@ What was made is kept as a list of small tuples, so that whoever makes the same 
 same numbers: a certificate names states by them, and its checker makes every step anew.
 
 Of a correlation only matters which telegrams and open requests carry the same one, and that a new request carries none
-that is in use. So the numbers in use between one unit and the ground are counted anew (`renaming`); 0 and 1 stay, which
-the manager uses for questions of its own.
+that is in use. So the numbers in use between one unit and the ground are counted anew (`renaming`); 0, 1 and
+2 stay, which the manager uses for questions of its own (how many trains have left).
 """
 
 from __future__ import annotations
@@ -230,14 +230,16 @@ class ExploredParties:
         return tuple((to, self.telegrams.number(telegram)) for to, telegram in sends)
 
 
-FIXED_MAX: Final = 1  # correlations that stay as they are: none, and the manager's own
+FIXED_MAX: Final = (
+    2  # correlations that stay as they are: none, and the manager's own, one for each train that left
+)
 
 
 def renaming(in_use: Iterable[int], counted: int) -> tuple[Renamed, int]:
     """How the correlations in use are counted anew, in their order, and the count itself, the greatest of them."""
     greater = sorted({number for number in in_use if number > FIXED_MAX})
     renamed = tuple((number, index + FIXED_MAX + 1) for index, number in enumerate(greater))
-    return renamed, FIXED_MAX + len(greater) if counted else 0
+    return renamed, min(counted, FIXED_MAX + len(greater))
 
 
 def in_one_order(thing: Any) -> str:  # noqa: ANN401 - whatever a local state is made of

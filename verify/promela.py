@@ -121,8 +121,8 @@ class _Model:
         )
         yield f"inline take(i) {{ x = (q[i] & {_ALL}) - 1; q[i] = q[i] >> {_BITS} }}"
         yield (
-            "inline rank(y) { r = 1; k = 2; do :: k <= y -> if :: used & (1 << k) -> r++ :: else fi;"
-            " k++ :: else -> break od }"
+            f"inline rank(y) {{ r = {FIXED_MAX}; k = {FIXED_MAX + 1}; do :: k <= y ->"
+            " if :: used & (1 << k) -> r++ :: else fi; k++ :: else -> break od }"
         )
 
     def _renamed(self) -> Iterator[str]:
@@ -144,12 +144,12 @@ class _Model:
             change = _each_telegram(
                 first,
                 first + _WAYS,
-                "corr_of(x); if :: c > 1 -> rank(c); if :: r != c -> telegram_renamed();"
+                f"corr_of(x); if :: c > {FIXED_MAX} -> rank(c); if :: r != c -> telegram_renamed();"
                 " q[w] = q[w] + ((later - x) << n) :: else fi :: else fi",
             )
             yield f"inline renamed{unit}() {{ open_of_u{unit}(tr[{unit}]); used = uses | (1 << gr[{unit}]); {gather};"
             yield f"used = used & {~((1 << FIXED_MAX + 1) - 1) & (1 << 30) - 1};"
-            yield f"{change}; if :: gr[{unit}] > 1 -> rank(gr[{unit}]); gr[{unit}] = r :: else fi;"
+            yield f"{change}; if :: gr[{unit}] > {FIXED_MAX} -> rank(gr[{unit}]); gr[{unit}] = r :: else fi;"
             yield "if " + " ".join(rows) + " :: else fi }"
 
     def _anew(self) -> Iterator[str]:

@@ -11,6 +11,7 @@ from onboard.authority import machine as authority
 from onboard.authority import sign_on
 from onboard.authority.records import QueryHeard
 from onboard.authority.tables import SignOnStanding
+from onboard.duty import on_sight
 from radio.messages import SignOff
 from wayside import block_manager, leaving, reentry
 from wayside.actions import Show
@@ -46,13 +47,23 @@ def _booted_holds_nothing() -> tuple[Change, ...]:
     )
 
 
-def _never(_register: Register, _unit_id: str) -> bool:
+def _never(_register: Register, _what: object) -> bool:
     return False
 
 
 def _claims_as_on_the_line() -> tuple[Change, ...]:
     """A unit that has signed off and is asked in its portal counts as one on the line, which nobody asks again."""
     return ((leaving, "claimed_standing", _reported),)
+
+
+def _disputed_leaver_stays() -> tuple[Change, ...]:
+    """A unit in dispute that had signed off, and has left since, goes on holding what persons have said of it."""
+    return ((leaving, "has_left", _never),)
+
+
+def _booted_at_its_mark_keeps_all() -> tuple[Change, ...]:
+    """A unit that has booted at its mark goes on holding what lies behind, though its crew says where it is."""
+    return ((on_sight, "behind_by_eye", lambda _duty, _stop: 0),)
 
 
 def _reported(_register: Register, _message: object, held: tuple[str, ...]) -> UnitStanding:
@@ -64,6 +75,8 @@ RESTORED: Final[MappingProxyType[str, Callable[[], tuple[Change, ...]]]] = Mappi
         "sign-off-frees": _sign_off_frees,
         "booted-holds-nothing": _booted_holds_nothing,
         "leaver-counts-as-on-the-line": _claims_as_on_the_line,
+        "disputed-leaver-stays": _disputed_leaver_stays,
+        "booted-at-its-mark-keeps-all": _booted_at_its_mark_keeps_all,
     }
 )
 

@@ -53,7 +53,10 @@ from wayside.config import MANAGER_ID
 
 PEERS: Final = (MANAGER_ID, *TERMINALS)
 REFUSED: Final = "refused"
-TAG_AT: Final = END  # the arrival tag, which the front reads at the mark
+TAGS_AT: Final = (
+    PLACES_A_SPAN,
+    END,
+)  # where the front reads a tag: whole in the second span, and at the mark
 
 
 class TrainPlace(Enum):
@@ -82,7 +85,7 @@ class TrainState(NamedTuple):
     moves: bool = False
     known: bool = True
     emergency: bool = False
-    tag_read: bool = False  # that of the arrival, at the mark
+    tags_read: int = 0  # of its plan, in order
     may_enter: bool = False
     may_leave: bool = False
     keys: frozenset[int] = frozenset()
@@ -100,7 +103,7 @@ class ExploredTrain:
 
     def __init__(self, line: ExploredLine, unit_id: str) -> None:
         self.unit_id: Final = unit_id
-        self.plans: Final = plans_of(unit_id, timed=line.timed)
+        self.plans: Final = plans_of(line, unit_id)
         self._parameters: Final = line.parameters
 
     def plan(self, state: TrainState) -> DutyPlan:
@@ -182,6 +185,11 @@ class ExploredTrain:
         return place_in_joints(
             state.spot, END, known=state.known, moves=state.moves, emergency=state.emergency
         )
+
+    def meets_tag(self, state: TrainState) -> bool:
+        """Whether the front is at the next tag, which it has not read."""
+        ahead = TAGS_AT[-len(self.plan(state).tags) :][state.tags_read :]
+        return state.spot in ahead[:1]
 
     def occupied(self, state: TrainState) -> int:
         """Sections that the train truly stands in, as bits."""

@@ -75,7 +75,7 @@ def _booted(state: TrainState) -> TrainState:
         spot=state.spot,
         known=state.place is TrainPlace.WAITING,
         emergency=state.place is TrainPlace.ON_LINE,
-        tag_read=state.tag_read,
+        tags_read=state.tags_read,
         keys=state.keys,
     )
 
@@ -94,7 +94,7 @@ def _people(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
             yield _took(model, state, SwitchedOn(plan, stands_at))
         case TrainPlace.ON_LINE, DutyPhase.FINISHED if state.plan == 0 and state.spot == END:
             turned, sends = model.take(state, ChangeEnds())
-            back = turned._replace(plan=1, spot=0, moves=False, tag_read=False)
+            back = turned._replace(plan=1, spot=0, moves=False, tags_read=0)
             begun = _took(model, back, Begin(model.plans[1], signs_on=False), "ChangeEnds")
             yield begun._replace(sends=(*sends, *begun.sends))
         case TrainPlace.ON_LINE, DutyPhase.FINISHED if state.plan == 1 and state.spot == END:
@@ -150,7 +150,7 @@ def _may_go_on(model: ExploredTrain, state: TrainState) -> bool:
 def _movement(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
     if state.place is not TrainPlace.ON_LINE:
         return
-    command, unread = _command(model, state), state.spot == END and not state.tag_read
+    command, unread = _command(model, state), model.meets_tag(state)
     if not state.moves:
         short_of_mark = state.spot == END and state.duty.phase is DutyPhase.RUNNING
         if command.drive and not state.emergency and (_may_go_on(model, state) or short_of_mark or unread):
@@ -160,7 +160,8 @@ def _movement(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
         stood = state._replace(moves=False)
         yield _took(model, stood, Stopped(MarkRelation.AT if state.spot == END else MarkRelation.SHORT, -1.0))
     elif unread:
-        yield _took(model, state._replace(known=True, tag_read=True), TagBelieved(0, found=not state.known))
+        read = TagBelieved(state.tags_read, found=not state.known)
+        yield _took(model, state._replace(known=True, tags_read=state.tags_read + 1), read)
     else:
         yield from _runs(model, state, on_sight=command.on_sight or command.sweeps)
 

@@ -57,7 +57,6 @@ from wayside.said import Accepted, BoundaryPassed, Contradicted, Granted, Outsid
 
 M = TypeVar("M")
 
-ASKED_AGAIN: Final = 1  # correlation of a query whose answer is known to be one to it
 __all__ = ["TELEGRAMS", "AskUnits", "Event", "Heard", "step", "table_rows", "wake_at_s"]
 
 
@@ -228,7 +227,8 @@ def _claim(register: Register, heard: Heard[Claim]) -> Step:
     if not heard.fresh:
         return challenge(register, heard)
     if leaving.may_have_crossed(register, heard):
-        return register, (Send(heard.unit_id, ClaimQuery(), ASKED_AGAIN),)
+        left = leaving.left_before(register, heard.message.section_ids or ())
+        return register, (Send(heard.unit_id, ClaimQuery(), left),)
     return _take_claim(register, heard)
 
 
@@ -239,6 +239,8 @@ def _take_claim(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step
     unit = register.unit(unit_id)
     if claimed is None and (isinstance(heard.message, Claim) or not reentry.known(register, unit_id)):
         return _does_not_know(register, heard)
+    if claimed == () and leaving.has_left(register, heard):
+        return leaving.left_line(register, unit_id)
     if claimed == () and unit.standing is UnitStanding.BY_HAND:
         return _deny_entry(register, heard)
     if unknown := [section_id for section_id in claimed or () if section_id not in register.plan.order]:
@@ -258,7 +260,13 @@ def _weigh_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claime
     if conflict is not None:
         free = [section_id for section_id in claimed if register.holders.get(section_id, unit_id) == unit_id]
         register = register.with_held(unit_id, (*register.held_by(unit_id), *free))
-        disputed = replace(unit, standing=UnitStanding.DISPUTED, epoch=heard.epoch, claim=claimed)
+        disputed = replace(
+            unit,
+            standing=UnitStanding.DISPUTED,
+            epoch=heard.epoch,
+            claim=claimed,
+            leaves=isinstance(heard.message, LeavingClaim),
+        )
         register = register.with_unit(unit_id, disputed)
         section_id, other_id = conflict
         shown = Contradicted(unit_id=unit_id, section_ids=(section_id,), token=unit.token, other_id=other_id)

@@ -65,7 +65,8 @@ def left_line(register: Register, unit_id: str) -> Step:
 
 def boundary_passed(register: Register, portal: str) -> Step:
     """The train of the portal's holder has left, whatever its unit says; shown if that holds more than the portal."""
-    register = replace(register, left_through=register.left_through | {portal})
+    counted = register.left_through.get(portal, 0) + 1
+    register = replace(register, left_through={**register.left_through, portal: counted})
     unit_id = register.holders.get(portal)
     if unit_id is None:
         return register, ()
@@ -87,9 +88,25 @@ def claimed_standing(register: Register, message: SignOn | Claim, held: tuple[st
     return UnitStanding.LEAVING if leaves else UnitStanding.REPORTED
 
 
+def has_left(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> bool:
+    """Whether a unit that claimed its portal against another, as one that has signed off, says in that boot that it
+    holds nothing: whatever persons have entered for it besides, its train has left.
+    """
+    unit = register.unit(heard.unit_id)
+    return unit.standing is UnitStanding.DISPUTED and unit.leaves and heard.epoch == unit.epoch
+
+
+def left_before(register: Register, section_ids: tuple[str, ...]) -> int:
+    """How many trains have left by these portals: the correlation of a query that is asked since the last of them."""
+    return sum(register.left_through.get(section_id, 0) for section_id in section_ids)
+
+
 def may_have_crossed(register: Register, heard: Heard[Claim]) -> bool:
-    """Whether a claim of a portal may have been made by the train that has left it since, whoever's that was."""
-    return heard.correlation == 0 and not register.left_through.isdisjoint(heard.message.section_ids or ())
+    """Whether a claim of a portal may have been made by the train that has left it since, whoever's that was: unless it
+    answers a query that was asked after the last one had.
+    """
+    left = left_before(register, heard.message.section_ids or ())
+    return left > 0 and heard.correlation != left
 
 
 def sign_off_again(register: Register, heard: Heard[SignOff]) -> Step:

@@ -41,12 +41,12 @@ class UnitStanding(Enum):
 class RegisteredUnit(msgspec.Struct, frozen=True):
     """A unit that has been heard or entered.
 
-    `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request;
-    `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `claim_needed`:
-    of this boot only a fresh claim counts, since it spoke for itself before persons did; `silent`: it may be on the
-    line, so it is asked all the same; `taken_back`: persons were wrong about it, or it was. `unproven`: by its own word
-    it is outside, and it was on the line as far as was known when the block state was lost. `leave`: sections
-    that it may run over, `without_leave`: and may not, as this boot has told it; of others it has not
+    `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request; `claim`:
+    what it says it holds, while that is disputed, `leaves`: as one that has signed off. `by`: who said so, where
+    persons did; `claim_needed`: of this boot only a fresh claim counts, since it spoke for itself before persons did;
+    `silent`: it may be on the line, so it is asked all the same; `taken_back`: persons were wrong about it, or it was.
+    `unproven`: by its own word it is outside, and it was on the line as far as was known when the block state was lost.
+    `leave`: sections that it may run over, `without_leave`: and may not, as this boot has told it; of others it has not
     (`wayside.entering`).
     """
 
@@ -56,6 +56,7 @@ class RegisteredUnit(msgspec.Struct, frozen=True):
     route_id: str | None = None
     correlation: int = 0
     claim: tuple[str, ...] | None = None
+    leaves: bool = False
     by: str = ""
     claim_needed: bool = False
     silent: bool = False
@@ -129,12 +130,12 @@ class Register(msgspec.Struct, frozen=True):
     has been accepted and completed yet. `ledger`: units that are on the line as far as is known, kept over power cuts;
     it blocks and never frees. `bars`: units that persons have barred, kept over power cuts. `unswept`: sections that a
     silent unit may be in although persons say that it is elsewhere, kept over power cuts: to be passed on sight.
-    `left_through`: portals by which a train has left in this boot. `doubted`: units that reported and of which a person
-    now says something, each with how often it was asked in vain since. `trips`: how far each unit is in its day, kept
-    over power cuts, `kept` the order in which all can finish, as last proven, `sought` the last search that found none,
-    `solved` the order of least delay found last, and `now_s` when the last telegram came; all where `plan.days` are.
-    `tracks`: for each unit the moves of its day, by place, that end on another track than planned; `cuts`: those from
-    where it went on as another train, and as which; both kept over power cuts. `days` are the days with them.
+    `left_through`: how many trains have left by each portal in this boot. `doubted`: units that reported and of which a
+    person now says something, each with how often it was asked in vain since. `trips`: how far each unit is in its day,
+    kept over power cuts, `kept` the order in which all can finish, as last proven, `sought` the last search that found
+    none, `solved` the order of least delay found last, and `now_s` when the last telegram came; all where `plan.days`
+    are. `tracks`: for each unit the moves of its day, by place, that end on another track than planned; `cuts`: those
+    from where it went on as another train, and as which; both kept over power cuts. `days` are the days with them.
     """
 
     plan: RegisterPlan
@@ -148,7 +149,7 @@ class Register(msgspec.Struct, frozen=True):
     ledger: frozenset[str] = frozenset()
     bars: Bars = NO_BARS
     unswept: frozenset[str] = frozenset()
-    left_through: frozenset[str] = frozenset()
+    left_through: Mapping[str, int] = msgspec.field(default_factory=dict[str, int])
     doubted: Mapping[str, int] = msgspec.field(default_factory=dict[str, int])
     reentry: Reentry = msgspec.field(default_factory=Reentry)
     trips: Mapping[str, DayProgress] = msgspec.field(default_factory=dict[str, DayProgress])

@@ -48,6 +48,7 @@ def switched_on(duty: DutyStep, event: SwitchedOn) -> None:
         duty.set(may_ask=True, may_leave=True)
     else:
         duty.schedule(duty.now_s, event.stands_at)
+        duty.set(freed=behind_by_eye(duty, event.stands_at))
     if duty.state.place.stands:
         duty.await_release()
     # That it stands in a portal the crew can see; anywhere else only the manager knows what it holds.
@@ -139,6 +140,8 @@ def recovered(duty: DutyStep) -> bool:
         resume(duty)
         return True
     claim_place(duty)
+    if state.stands_at is not None and on_line:
+        duty.give_back_behind(min(state.freed, duty.stop(state.stands_at).clear))
     if state.stands_at is not None and state.stands_at == len(duty.plan.stops) - 1:
         if on_line:
             duty.set(phase=DutyPhase.FINISHED)
@@ -147,6 +150,11 @@ def recovered(duty: DutyStep) -> bool:
     if state.stands_at is not None and on_line:
         duty.ask(duty.plan.leg_at(duty.stop(state.stands_at).span))
     return False
+
+
+def behind_by_eye(duty: DutyStep, stop: int) -> int:
+    """Spans that are surely behind a train of which its crew says, as it switches its unit on, that it stands there."""
+    return duty.stop(stop).clear
 
 
 def contradicts_register(duty: DutyStep) -> bool:

@@ -10,6 +10,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Generator
+from contextlib import contextmanager
 from pathlib import Path
 
 from tests.planted.defects import ROOT, Planted, planted
@@ -17,17 +19,26 @@ from tests.planted.defects import ROOT, Planted, planted
 NOTICED = 1  # pytest's exit code where a test has failed; others say that none was run
 
 
-def _copied(to: Path) -> Path:
+def copied(to: Path) -> Path:
     """The tree without what is made in it."""
     made = shutil.ignore_patterns(".git", ".venv", "__pycache__", "runs", ".*_cache")
     return Path(shutil.copytree(ROOT, to / "tree", ignore=made))
 
 
-def noticed_by(defect: Planted, tree: Path) -> str:
-    """The first test that fails with it; empty where none does."""
+@contextmanager
+def with_planted(defect: Planted, tree: Path) -> Generator[None]:
+    """The tree with it."""
     file = tree / defect.file
     sound = file.read_text("utf-8")
     file.write_text(defect.planted_in(sound), "utf-8")
+    try:
+        yield
+    finally:
+        file.write_text(sound, "utf-8")
+
+
+def noticed_by(defect: Planted, tree: Path) -> str:
+    """The first test that fails with it; empty where none does."""
     environment = os.environ | ({"NUMBA_DISABLE_JIT": "1"} if defect.interpreted else {})
     command = [
         sys.executable,
@@ -41,12 +52,10 @@ def noticed_by(defect: Planted, tree: Path) -> str:
         "--tb=no",
         *defect.tests,
     ]
-    try:
+    with with_planted(defect, tree):
         ended = subprocess.run(
             command, cwd=tree, env=environment, capture_output=True, text=True, check=False
         )
-    finally:
-        file.write_text(sound, "utf-8")
     if ended.returncode != NOTICED:
         return ""
     told = (
@@ -60,7 +69,7 @@ def main(words: list[str]) -> int:
     chosen = [defect for defect in planted() if all(word in defect.what for word in words)]
     unnoticed = 0
     with tempfile.TemporaryDirectory() as folder:
-        tree = _copied(Path(folder))
+        tree = copied(Path(folder))
         for defect in chosen:
             by = noticed_by(defect, tree)
             unnoticed += not by

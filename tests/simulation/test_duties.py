@@ -32,24 +32,25 @@ AT_ONCE = People(times=0.0)
 AT = round((ENTER_S - LEAD_S) * STEPS_PER_S)
 
 
-def two_trains(setup: Setup, people: People) -> Setup:
-    """K1 and K2 come in by the western portal; K2 has the same times, so it finds K1 there."""
+def same_times(setup: Setup, people: People, count: int) -> Setup:
+    """K1, K2 ... come in by the western portal at the same time, so that each finds the one before it there."""
     calls = (Call("A", "1", None, round(ENTER_S)), Call("B", "1", round(ENTER_S) + 120, None))
     trains = {
         number: TimetableTrain(number, Direction.DOWN, True, calls, AtPortal("PW"), Stabled())
-        for number in ("T1", "T2")
+        for number in (f"T{i}" for i in range(1, count + 1))
     }
-    diagrams = (Diagram("K1", ("T1",)), Diagram("K2", ("T2",)))
+    diagrams = tuple(Diagram(f"K{i}", (f"T{i}",)) for i in range(1, count + 1))
     timetable = Timetable(setup.timetable.head, trains, diagrams)
     kind = setup.trains["K1"]
-    return Setup("two", setup.line, timetable, {"K1": kind, "K2": kind}, people=people)
+    kinds = {diagram.stock_id: kind for diagram in diagrams}
+    return Setup("two", setup.line, timetable, kinds, people=people)
 
 
 class Yard:
-    """Two trains outside the western portal; the wayside hears them and says nothing."""
+    """Trains outside the western portal; the wayside hears them and says nothing."""
 
-    def __init__(self, setup: Setup, people: People = AT_ONCE) -> None:
-        setup = two_trains(setup, people)
+    def __init__(self, setup: Setup, people: People = AT_ONCE, count: int = 2) -> None:
+        setup = same_times(setup, people, count)
         lengths_m = {p.id: round(p.length_m, 6) for p in setup.line.pieces.values()}
         self.agenda, self.journal = Agenda(), Journal()
         self.trains = Trains(setup, PlainTrack(lengths_m, STEP_S))
@@ -159,6 +160,20 @@ def test_stock_queues_before_its_portal(yard: Yard) -> None:
     assert len(yard.sent) == sent
     yard.accept(0, AT + 2)
     yard.duties.take_up(1, AT + 3)
+    assert yard.stage(1) is StockStage.WAITING
+
+
+def test_who_comes_to_a_portal_later_stays_behind(rtri_setup: Setup) -> None:
+    """Found by swarm 93: whoever looked first once the portal was free came in, and trains of one track were in the
+    wrong order on the line.
+    """
+    yard = Yard(rtri_setup, count=3)
+    for slot in range(3):
+        yard.duties.take_up(slot, AT + slot)
+    yard.accept(0, AT + 3)
+    yard.duties.take_up(2, AT + 4)
+    assert yard.stage(2) is StockStage.OUTSIDE
+    yard.duties.take_up(1, AT + 5)
     assert yard.stage(1) is StockStage.WAITING
 
 

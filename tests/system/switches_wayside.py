@@ -23,7 +23,7 @@ from radio.messages import (
     SignOff,
 )
 from radio.noted import TookEffect
-from simulation import staff
+from simulation import duties, staff
 from tests.system.switchboard import K1_ON_P7_S, K2_ON_P7_S, switch
 from wayside import acts, barring, block_manager, entering, leaving, point_terminal, reentry, register
 from wayside.actions import Action, Send, Show
@@ -268,3 +268,9 @@ def believes_an_empty_claim(patch: pytest.MonkeyPatch) -> None:
 def staff_say_no_more_than_what_is_so(patch: pytest.MonkeyPatch) -> None:
     """People do not say of a silent train that it holds what their word cannot free."""
     patch.setattr(staff, "IN_STATION", "said by nobody")
+
+
+@switch
+def overtakes_before_a_portal(patch: pytest.MonkeyPatch) -> None:
+    """Of those that stand behind each other outside, whoever looks first comes in."""
+    patch.setattr(duties, "is_behind", lambda _slot, _queue: False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from onboard.duty_parameters import ReleaseRule
 from tests.nightly import others_nightly
 from verify.composition import TWO_TRAINS
 from verify.explore import explored
@@ -15,6 +16,7 @@ IN_EVERY_RUN = (Budgets(), Budgets(loss=2))
 AT_NIGHT = (
     Budgets(loss=1, delay=1),  # every run explores it with times, for what runs are inside of
     Budgets(power=1),
+    Budgets(word=1),
     Budgets(points=1),
     Budgets(sensor=1),
     Budgets(loss=1, power=1),
@@ -26,14 +28,6 @@ AT_NIGHT = (
 def test_every_state_is_safe_and_alive(budgets: Budgets) -> None:
     found = explored(ExploredLine(budgets=budgets))
     assert found.holds, found.story
-
-
-@pytest.mark.nightly
-def test_one_wrong_word_is_safe_and_not_yet_live() -> None:
-    """Open (decision 154): said of a train that has just left, and another let into its portal meanwhile."""
-    found = explored(ExploredLine(budgets=Budgets(word=1)))
-    assert not found.broken
-    assert found.dead > 0
 
 
 def test_a_sign_off_that_frees_leads_to_a_collision_by_one_lost_telegram() -> None:
@@ -69,3 +63,38 @@ def test_a_leaver_that_counts_as_on_the_line_can_leave_its_portal_held_for_ever(
         "made once the contact had counted the train out"
     )
     assert explored(line).dead == 0
+
+
+@pytest.mark.nightly
+def test_a_leaver_in_dispute_that_counts_as_on_the_line_can_hold_a_section_for_ever() -> None:
+    """By one wrong word of a person: said of a train that has just left, and another let into its portal meanwhile."""
+    with restored("disputed-leaver-stays"):
+        found = explored(ExploredLine(budgets=Budgets(word=1)))
+    assert not found.broken
+    assert found.dead > 0
+    assert any(line.startswith("manager") and "says that u1 is in" in line for line in found.story)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("rule", ReleaseRule)
+def test_with_a_tag_between_it_is_safe_and_alive(rule: ReleaseRule) -> None:
+    found = explored(ExploredLine(budgets=Budgets(power=1), tag_between=rule))
+    assert found.holds, found.story
+
+
+@pytest.mark.nightly
+def test_a_unit_that_has_booted_at_its_mark_and_keeps_what_is_behind_can_lock_both_in() -> None:
+    """Released by section: another is in the portal by then, and each holds what the other needs."""
+    line = ExploredLine(budgets=Budgets(power=1), tag_between=ReleaseRule.SECTION)
+    with restored("booted-at-its-mark-keeps-all"):
+        found = explored(line)
+    assert not found.broken
+    assert found.dead > 0
+
+
+@pytest.mark.nightly
+def test_a_unit_that_is_barred_as_it_may_enter_is_not_yet_safe() -> None:
+    """Open (decision 158): it waits before the portal, people say so truly, and its train comes in all the same."""
+    found = explored(ExploredLine(budgets=Budgets(word=1), bars=True))
+    assert found.broken == "free in a defined register, and a train stands in it"
+    assert found.story[-1] == "u1 enters"

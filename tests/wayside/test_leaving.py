@@ -40,6 +40,8 @@ from wayside.said import (
     Refused,
 )
 
+ASKED_SINCE = 1  # correlation of the answer to a query that was asked after one train had left
+
 
 def signed_off() -> Desk:
     """u1 has signed off in the portal P9, whether or not it has heard that."""
@@ -207,9 +209,9 @@ def test_a_claim_that_crosses_the_contact_at_the_boundary_is_asked_again() -> No
     assert [a.message for a in actions if isinstance(a, Send)] == [ClaimQuery()]
     assert desk.register.holders == {}, "nobody would ever have asked it again"
     assert isinstance(desk.hear("u2", SignOn("u2", ("P9",))), SignOnAccepted)
-    desk.hear("u1", Claim((), 1), correlation=block_manager.ASKED_AGAIN)
+    desk.hear("u1", Claim((), 1), correlation=ASKED_SINCE)
     assert desk.register.defined
-    desk.hear("u1", Claim(("P9",), 1), correlation=block_manager.ASKED_AGAIN)
+    desk.hear("u1", Claim(("P9",), 1), correlation=ASKED_SINCE)
     assert desk.standing("u1") is UnitStanding.DISPUTED, "asked after the contact, it does stand there"
 
 
@@ -221,8 +223,39 @@ def test_a_claim_that_crosses_the_contact_while_its_manager_starts_again_is_aske
     desk.register, actions = block_manager.step(desk.register, crossed, 30.0)
     assert [a.message for a in actions if isinstance(a, Send)] == [ClaimQuery()]
     assert desk.register.holders == {}
-    desk.hear("u1", Claim((), 1), correlation=block_manager.ASKED_AGAIN)
+    desk.hear("u1", Claim((), 1), correlation=ASKED_SINCE)
     assert desk.standing("u1") is UnitStanding.OUTSIDE
+
+
+def test_a_claim_that_was_asked_again_before_the_contact_is_asked_again_after_it() -> None:
+    """Found by swarm 411: another train had left by this portal before, so the first claim was asked again; the answer
+    to that crossed the contact, and the portal was held for ever.
+    """
+    desk = defined(u1=(), u2=("P9",))
+    desk.hear("u2", SignOff("u2", desk.register.unit("u2").token))
+    desk.act(BoundaryPassed("P9"))
+    desk.hear("u1", SignOn("u1", ("P9",)))
+    claim: Heard[Claim] = Heard("u1", 1, True, 0, Claim(("P9",), 1))
+    _, actions = block_manager.step(desk.register, claim, 30.0)
+    assert [(a.message, a.correlation) for a in actions if isinstance(a, Send)] == [
+        (ClaimQuery(), ASKED_SINCE)
+    ]
+    desk.hear("u1", SignOff("u1", desk.register.unit("u1").token))
+    desk.act(BoundaryPassed("P9"))
+    crossed: Heard[Claim] = Heard("u1", 1, True, ASKED_SINCE, Claim(("P9",), 1))
+    desk.register, actions = block_manager.step(desk.register, crossed, 31.0)
+    assert [(a.message, a.correlation) for a in actions if isinstance(a, Send)] == [(ClaimQuery(), 2)]
+    assert desk.register.holders == {}
+
+
+def test_with_one_number_for_all_that_left_an_older_answer_is_believed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(
+        leaving, "left_before", lambda register, _sections: min(1, len(register.left_through))
+    )
+    with pytest.raises(AssertionError):
+        test_a_claim_that_was_asked_again_before_the_contact_is_asked_again_after_it()
 
 
 def test_without_asking_again_what_crossed_is_believed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -239,7 +272,7 @@ def test_one_that_has_signed_off_is_asked_until_it_is_told_that_its_train_has_le
     """Found by `branchline verify explore` where a driver tells the unit later: the portal was held for ever."""
     desk = signed_off()
     desk.act(BoundaryPassed("P9"))
-    desk.hear("u1", LeavingClaim(("P9",), 1), correlation=block_manager.ASKED_AGAIN)
+    desk.hear("u1", LeavingClaim(("P9",), 1), correlation=ASKED_SINCE)
     assert desk.standing("u1") is UnitStanding.LEAVING
     assert ("u1", ClaimQuery()) in desk.ask(desk.now_s + 10.0)
     claims(desk)
@@ -266,10 +299,39 @@ def test_what_a_person_said_wrongly_of_one_that_leaves_is_free_when_it_has_left(
     desk = signed_off()
     desk.act(BoundaryPassed("P9"))
     desk.act(ConfirmHolding("u1", ("E", "P9"), "Mori"))
-    desk.hear("u1", LeavingClaim(("P9",), 1), correlation=block_manager.ASKED_AGAIN)
+    desk.hear("u1", LeavingClaim(("P9",), 1), correlation=ASKED_SINCE)
     assert desk.register.held_by("u1") == ("E", "P9")
     claims(desk)
     assert desk.register.holders == {}
+
+
+def test_what_a_person_said_wrongly_of_one_that_leaves_is_free_though_another_came_into_its_portal() -> None:
+    """Found by `branchline verify explore 0/0/0/1`: it disputes the portal, and nobody asks it once it has left."""
+    desk = signed_off()
+    desk.act(BoundaryPassed("P9"))
+    desk.act(ConfirmHolding("u1", ("E",), "Mori"))
+    assert isinstance(desk.hear("u2", SignOn("u2", ("P9",))), SignOnAccepted)
+    desk.hear("u1", LeavingClaim(("P9",), 1), correlation=ASKED_SINCE)
+    assert desk.standing("u1") is UnitStanding.DISPUTED
+    claims(desk)
+    assert desk.register.holders == {"P9": "u2"}
+    assert desk.standing("u1") is UnitStanding.OUTSIDE
+
+
+@pytest.mark.parametrize(("claim", "epoch"), [(Claim(("P9",), 1), 1), (LeavingClaim(("P9",), 1), 2)])
+def test_who_has_not_said_that_it_leaves_in_that_boot_frees_nothing_in_dispute(
+    claim: Claim, epoch: int
+) -> None:
+    desk = defined(u1=("E",), u2=("P9",))
+    desk.hear("u1", claim)
+    assert desk.standing("u1") is UnitStanding.DISPUTED
+    claims(desk, epoch=epoch)
+    assert desk.register.held_by("u1") == ("E",)
+
+
+def test_a_leaver_in_dispute_that_counts_as_on_the_line_holds_what_was_said_of_it() -> None:
+    with restored("disputed-leaver-stays"), pytest.raises(AssertionError):
+        test_what_a_person_said_wrongly_of_one_that_leaves_is_free_though_another_came_into_its_portal()
 
 
 def test_counted_as_on_the_line_it_keeps_its_portal() -> None:

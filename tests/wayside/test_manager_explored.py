@@ -94,7 +94,7 @@ class Seen:
             said,
             doubted,
             register.unswept,
-            register.left_through,
+            frozenset(register.left_through),
             register.ledger,
             register.restoring,
             register.bars,

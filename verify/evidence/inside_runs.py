@@ -8,6 +8,7 @@ from typing import Final
 
 from host.scratch import scratch
 from onboard.duty.records import DutyPhase
+from onboard.duty_parameters import ReleaseRule
 from scenario.scenario import Scenario, load_scenario
 from simulation.events import JournalEntry
 from simulation.journal import Journal
@@ -30,6 +31,9 @@ LINES: Final = (
     ExploredLine(budgets=Budgets(power=1)),
     ExploredLine(budgets=Budgets(points=1, sensor=1)),
     ExploredLine(budgets=Budgets(word=1)),
+    ExploredLine(budgets=Budgets(power=1), tag_between=ReleaseRule.ROUTE),
+    ExploredLine(budgets=Budgets(power=1), tag_between=ReleaseRule.SECTION),
+    ExploredLine(budgets=Budgets(loss=1), timed=True, tag_between=ReleaseRule.SECTION),
 )
 BEGINS: Final = "a train signs on where it stands (explored trains come in by a portal)"
 PASSES: Final = (

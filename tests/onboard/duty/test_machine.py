@@ -30,6 +30,7 @@ from onboard.duty.records import (
     Event,
     Looked,
     PlaceInJoints,
+    SwitchedOn,
     TagBelieved,
     TelegramHeard,
     TimerDue,
@@ -71,6 +72,7 @@ from tests.onboard.duty.stage import (
     reported,
     sent,
 )
+from verify.restored import restored
 
 CASES: Final = PEOPLE | SENSED | FIXES | TOLD | VEHICLE | ORDERS
 
@@ -372,3 +374,23 @@ def test_standing_it_gives_back_what_it_holds_of_a_route_that_it_does_not_hold_w
 def test_as_it_changes_ends_what_it_stands_in_is_not_ahead_of_its_place_on_the_way_back() -> None:
     after, _ = step(PLAN, TIMES, FINISHED, ChangeEnds(), AT_A, NOW_S)
     assert after.authority.held == HOLDS_8.held
+
+
+def booted_at(stop: int) -> Authority:
+    """What a unit goes on holding that is switched on at a stop and told that it holds its whole route."""
+    state, _ = step(PLAN, TIMES, DutyState(), SwitchedOn(PLAN, stop, epoch=2), PlaceInJoints(), NOW_S)
+    told = TelegramHeard(SignOnHeard(("3", *SECTIONS), ("5", "7"), answers=True, newer=True))
+    return step(PLAN, TIMES, state, told, PlaceInJoints(), NOW_S)[0].authority
+
+
+def test_switched_on_at_its_mark_it_gives_back_what_is_behind_by_the_word_of_its_crew() -> None:
+    """Found by `branchline verify`, released by section: its driver changed ends, and another that had come in since
+    and this one held each what the other needed.
+    """
+    assert booted_at(1).held == ("8",)
+    assert booted_at(0).held == ("3", *SECTIONS)
+
+
+def test_without_the_word_of_its_crew_it_keeps_all() -> None:
+    with restored("booted-at-its-mark-keeps-all"), pytest.raises(AssertionError):
+        test_switched_on_at_its_mark_it_gives_back_what_is_behind_by_the_word_of_its_crew()
