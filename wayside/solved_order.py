@@ -18,12 +18,13 @@ from wayside.actions import Show
 from wayside.config import DispatcherMeans
 from wayside.journeys import Days, PlannedMove, Stands
 from wayside.moves import Move
+from wayside.order import STANDS_AGAIN, STANDS_ON, ready_s
 from wayside.order_question import LastOrder, OrderAnswer, OrderMove, OrderQuestion, OrderTrain, OrderWay
 from wayside.register import Register
 from wayside.said import OrderLacking
 
 AHEAD_S: Final = 2 * 3600.0  # assumed: how far ahead delays are compared
-WORK_MAX: Final = 0.04  # assumed: of the solver's counted work, some 0.3 s of a processor
+WORK_MAX: Final = 0.02  # assumed: of the solver's counted work, some 0.3 s of a processor
 CHOICE_AHEAD_S: Final = 2400.0  # assumed: further ahead tracks are as planned, or as they were changed
 ORDERS_MAX: Final = 6  # assumed: lost orders are given again; trains are not sent to and fro
 ASKED_EVERY_S: Final = 60.0  # assumed: who asks for a route asks again every few seconds
@@ -70,12 +71,10 @@ def _train(register: Register, days: Days, stands: Stands, index: int, held: int
     keeps = _sections(days, stands.holds[index])
     if trip.astray:
         return OrderTrain((), 0, (), 0, ())
-    comes_s = ready_s = 0
+    comes_s = 0
     if at and trip.asked_s is None:
-        before = hops[at - 1]
-        comes_s = max(0, math.ceil(before.arrives_s + trip.late_s - now_s))
-        ready_s = max(0, math.ceil(before.arrives_s + trip.late_s + before.stays_s - now_s) - comes_s)
-    ready_s = max(ready_s, math.ceil(trip.back_s - now_s) - comes_s) if trip.back_s > now_s else ready_s
+        comes_s = max(0, math.ceil(_comes_s(register, hops[at - 1], trip.late_s, held) - now_s))
+    stands_s = max(0, math.ceil(ready_s(register, days, stands, index) - now_s) - comes_s)
     ahead = [hop for hop in hops[at:] if hop.departs_s < now_s + AHEAD_S]
     moves = tuple(
         _move(
@@ -89,7 +88,14 @@ def _train(register: Register, days: Days, stands: Stands, index: int, held: int
     )
     if DispatcherMeans.CHANGE_TRACK in days.may:
         moves = _with_others(register, days, index, at, moves)
-    return OrderTrain(_sections(days, held), comes_s, keeps, ready_s, moves)
+    return OrderTrain(_sections(days, held), comes_s, keeps, stands_s, moves)
+
+
+def _comes_s(register: Register, made: PlannedMove, late_s: float, held: int) -> float:
+    """When a train has come to the end of its move; one that is overdue on its way needs as long again."""
+    comes_s = made.arrives_s + late_s
+    overdue_s = max(0.0, register.now_s - comes_s) if STANDS_ON and held & ~made.move.keeps else 0.0
+    return comes_s + overdue_s * (1.0 + STANDS_AGAIN)
 
 
 def _with_others(

@@ -25,6 +25,7 @@ from plan.dispatching.instance import (
     Train,
     TrainOperation,
 )
+from plan.dispatching.nearby import improved
 from plan.dispatching.solver import Answer, solve
 from wayside.certificate import CertificateProof, finishing_order, follows
 from wayside.moves import Move
@@ -35,7 +36,7 @@ MOVES_MAX: Final = (
     180  # assumed: making the model of more takes longer than solving it may; then a search extends it
 )
 CHOICES_MAX: Final = 24  # assumed: ways besides the planned ones, of moves that come first
-STAGES: Final = 3  # assumed: forty minutes of two hours are mostly proven in a tenth of a second
+STAGES: Final = (1 / 3, 1.0)  # assumed: forty minutes of two hours are mostly proven in a tenth of a second
 
 ANYWHERE: Final = -1  # a move of which is not said from where: it has one way
 OFF_LINE: Final = -1
@@ -46,8 +47,8 @@ Order = tuple[tuple[int, int], ...]  # trains, and where the move of each ends
 def answer_to(question: OrderQuestion) -> OrderAnswer:
     """The best order found by the work allowed.
 
-    A third of the time ahead is solved first, then two thirds, then all: what is near is certain and decides, and each
-    begins with what the one before has found, or with the order found last. All moves planned before a time can be made
+    A third of the time ahead is solved first, then all: what is near is certain and decides, and all begins with what
+    the third has found, or with the order found last. All moves planned before a time can be made
     before all others. Tracks are chosen in the first third alone.
     """
     asked = [
@@ -59,18 +60,18 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
     last = tuple((asked.index(index), end) for index, end in told if index in asked)
     order: Order = ()
     found = Answer(None, 0, impossible=False, work=0.0)
-    for stage in range(1, STAGES + 1):
-        part = [_before(train, question.ahead_s * stage // STAGES) for train in trains]
-        if stage == 1:
+    for share in STAGES:
+        part = [_before(train, int(question.ahead_s * share)) for train in trains]
+        if share == STAGES[0]:
             part = _near_choices(part)
         known = _known(part, (order, _of_these(part, last)))
         if known is None:
             return OrderAnswer(lacking="no order was found in which all trains can run")
         found = Answer(known, 0, impossible=False, work=0.0)
         if sum(len(move_ways(move)) for train in part for move in train.moves) <= MOVES_MAX:
-            found = solve(_instance(part, known.objective_value), question.work_max / STAGES, known)
+            found = solve(_instance(part, known.objective_value), question.work_max / len(STAGES), known, quick=True)
         order = _order(part, found.solution or known)
-        if stage == 1:
+        if share == STAGES[0]:
             trains = [
                 _fixed(train, [end for each, end in order if each == index])
                 for index, train in enumerate(trains)
@@ -160,10 +161,10 @@ def _of_these(trains: Sequence[OrderTrain], order: Order) -> Order:
 
 def _known(trains: Sequence[OrderTrain], begins: Iterable[Order]) -> Solution | None:
     """An order in which all can run, which begins in one of these ways; then by the times of the plan, or by when
-    trains can be ready, whichever delays least. Tracks are as in what it begins with, then as planned.
+    trains can be ready, whichever delays least, with changes of it that delay less. Tracks are as in what it begins with, then as planned.
     """
     instance = _instance(trains, None)
-    solutions: list[Solution] = []
+    solutions: list[tuple[int, Solution, list[list[OrderWay]], tuple[int, ...]]] = []
     for late in (False, True):
         for begun in dict.fromkeys(begins):
             ends = [[end for each, end in begun if each == index] for index in range(len(trains))]
@@ -178,8 +179,14 @@ def _known(trains: Sequence[OrderTrain], begins: Iterable[Order]) -> Solution | 
             ]
             found = finishing_order(rest)
             if found.proof is CertificateProof.ORDER:
-                solutions.append(_played(instance, trains, ways, (*first, *found.order)))
-    return min(solutions, key=lambda solution: solution.objective_value, default=None)
+                whole = (*first, *found.order)
+                solution = _played(instance, trains, ways, whole)
+                solutions.append((solution.objective_value, solution, ways, whole))
+    if not solutions:
+        return None
+    _, known, ways, order = min(solutions, key=lambda found: found[0])
+    near = improved(trains, ways, [_searched(t, w, late=False) for t, w in zip(trains, ways, strict=True)], order)
+    return known if near == order else _played(instance, trains, ways, near)
 
 
 def _ways(train: OrderTrain, ends: Sequence[int]) -> list[OrderWay]:
