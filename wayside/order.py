@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from math import inf
 from typing import Final
 
+from msgspec.structs import replace
+
 from wayside.certificate import CertificateProof, finishing_order
 from wayside.config import OrderRule
 from wayside.journeys import Days, PlannedMove, Stands
@@ -56,6 +58,7 @@ def turn_of(
     register: Register, days: Days, stands: Stands, index: int, solved: LastOrder | None = None
 ) -> Turn | None:
     """Whether the train goes now that asks for its next move; None where no other is first, by plan or as solved."""
+    register = asking(register, days, index)
     ahead = _planned_first(register, days, stands, index)
     overtaken = _too_often(register, days, stands, index)
     order: _Solved | None = None
@@ -291,6 +294,17 @@ def delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[int
         if hop.arrives_s < until_s and (at[mover] == len(hops) or hops[at[mover]].train != hop.train):
             delay_s += max(0.0, comes_s - hop.arrives_s)
     return delay_s
+
+
+def asking(register: Register, days: Days, index: int) -> Register:
+    """With a train counted as one that is ready, as it asks now."""
+    unit_id = days.unit_ids[index]
+    trip = register.trip(unit_id)
+    return (
+        register
+        if trip.asked_s is not None
+        else register.with_trip(unit_id, replace(trip, asked_s=register.now_s))
+    )
 
 
 def ready_s(register: Register, days: Days, stands: Stands, index: int) -> float:

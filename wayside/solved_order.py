@@ -18,7 +18,7 @@ from wayside.actions import Show
 from wayside.config import DispatcherMeans
 from wayside.journeys import Days, PlannedMove, Stands
 from wayside.moves import Move
-from wayside.order import STANDS_AGAIN, STANDS_ON, ready_s
+from wayside.order import STANDS_AGAIN, STANDS_ON, asking, ready_s
 from wayside.order_question import LastOrder, OrderAnswer, OrderMove, OrderQuestion, OrderTrain, OrderWay
 from wayside.register import Register
 from wayside.said import OrderLacking
@@ -30,12 +30,17 @@ ORDERS_MAX: Final = 6  # assumed: lost orders are given again; trains are not se
 ASKED_EVERY_S: Final = 60.0  # assumed: who asks for a route asks again every few seconds
 
 
-def with_order(register: Register, days: Days, stands: Stands) -> tuple[Register, tuple[Show, ...]]:
-    """The register with an order that is no older than a minute, and what the journal is told where there is none."""
+def with_order(
+    register: Register, days: Days, stands: Stands, index: int
+) -> tuple[Register, tuple[Show, ...]]:
+    """The register with an order that is no older than a minute, and what the journal is told where there is none.
+
+    `index`: the train that asks, so it is ready.
+    """
     last = register.solved
     if last is not None and register.now_s < last.made_s + ASKED_EVERY_S:
         return register, ()
-    question = question_of(register, days, stands)
+    question = question_of(asking(register, days, index), days, stands)
     answer = register.plan.solver(question)
     if not _of_these(question, answer):
         answer = OrderAnswer(lacking="the solver's order is not of the moves asked for")

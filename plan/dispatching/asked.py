@@ -69,7 +69,9 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
             return OrderAnswer(lacking="no order was found in which all trains can run")
         found = Answer(known, 0, impossible=False, work=0.0)
         if sum(len(move_ways(move)) for train in part for move in train.moves) <= MOVES_MAX:
-            found = solve(_instance(part, known.objective_value), question.work_max / len(STAGES), known, quick=True)
+            found = solve(
+                _instance(part, known.objective_value), question.work_max / len(STAGES), known, quick=True
+            )
         order = _order(part, found.solution or known)
         if share == STAGES[0]:
             trains = [
@@ -185,7 +187,9 @@ def _known(trains: Sequence[OrderTrain], begins: Iterable[Order]) -> Solution | 
     if not solutions:
         return None
     _, known, ways, order = min(solutions, key=lambda found: found[0])
-    near = improved(trains, ways, [_searched(t, w, late=False) for t, w in zip(trains, ways, strict=True)], order)
+    near = improved(
+        trains, ways, [_searched(t, w, late=False) for t, w in zip(trains, ways, strict=True)], order
+    )
     return known if near == order else _played(instance, trains, ways, near)
 
 

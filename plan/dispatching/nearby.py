@@ -79,7 +79,9 @@ def improved(
     return tuple(order) if found is None else found.order
 
 
-def _put_before(searched: Sequence[Train], order: Sequence[int], at: int, after: int) -> tuple[int, ...] | None:
+def _put_before(
+    searched: Sequence[Train], order: Sequence[int], at: int, after: int
+) -> tuple[int, ...] | None:
     """The order with a train's moves up to one made before that of another; the rest as near as it can be. None: no
     order was found that begins so.
     """
