@@ -296,6 +296,13 @@ def delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[int
     return delay_s
 
 
+def comes_s_of(register: Register, made: PlannedMove, late_s: float, held: int) -> float:
+    """When a train has come to the end of its move; one that is overdue on its way needs as long again."""
+    comes_s = made.arrives_s + late_s
+    overdue_s = max(0.0, register.now_s - comes_s) if STANDS_ON and held & ~made.move.keeps else 0.0
+    return comes_s + overdue_s * (1.0 + STANDS_AGAIN)
+
+
 def asking(register: Register, days: Days, index: int) -> Register:
     """With a train counted as one that is ready, as it asks now."""
     unit_id = days.unit_ids[index]

@@ -18,7 +18,7 @@ from wayside.actions import Show
 from wayside.config import DispatcherMeans
 from wayside.journeys import Days, PlannedMove, Stands
 from wayside.moves import Move
-from wayside.order import STANDS_AGAIN, STANDS_ON, asking, ready_s
+from wayside.order import asking, comes_s_of, ready_s
 from wayside.order_question import LastOrder, OrderAnswer, OrderMove, OrderQuestion, OrderTrain, OrderWay
 from wayside.register import Register
 from wayside.said import OrderLacking
@@ -78,7 +78,7 @@ def _train(register: Register, days: Days, stands: Stands, index: int, held: int
         return OrderTrain((), 0, (), 0, ())
     comes_s = 0
     if at and trip.asked_s is None:
-        comes_s = max(0, math.ceil(_comes_s(register, hops[at - 1], trip.late_s, held) - now_s))
+        comes_s = max(0, math.ceil(comes_s_of(register, hops[at - 1], trip.late_s, held) - now_s))
     stands_s = max(0, math.ceil(ready_s(register, days, stands, index) - now_s) - comes_s)
     ahead = [hop for hop in hops[at:] if hop.departs_s < now_s + AHEAD_S]
     moves = tuple(
@@ -94,13 +94,6 @@ def _train(register: Register, days: Days, stands: Stands, index: int, held: int
     if DispatcherMeans.CHANGE_TRACK in days.may:
         moves = _with_others(register, days, index, at, moves)
     return OrderTrain(_sections(days, held), comes_s, keeps, stands_s, moves)
-
-
-def _comes_s(register: Register, made: PlannedMove, late_s: float, held: int) -> float:
-    """When a train has come to the end of its move; one that is overdue on its way needs as long again."""
-    comes_s = made.arrives_s + late_s
-    overdue_s = max(0.0, register.now_s - comes_s) if STANDS_ON and held & ~made.move.keeps else 0.0
-    return comes_s + overdue_s * (1.0 + STANDS_AGAIN)
 
 
 def _with_others(

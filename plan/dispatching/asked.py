@@ -38,6 +38,7 @@ MOVES_MAX: Final = (
 CHOICES_MAX: Final = 24  # assumed: ways besides the planned ones, of moves that come first
 STAGES: Final = (1 / 3, 1.0)  # assumed: forty minutes of two hours are mostly proven in a tenth of a second
 
+NEAR_TRIED = True  # off: nothing but the solver looks for a better order than the one known
 ANYWHERE: Final = -1  # a move of which is not said from where: it has one way
 OFF_LINE: Final = -1
 PLANNED: Final = -2
@@ -163,7 +164,8 @@ def _of_these(trains: Sequence[OrderTrain], order: Order) -> Order:
 
 def _known(trains: Sequence[OrderTrain], begins: Iterable[Order]) -> Solution | None:
     """An order in which all can run, which begins in one of these ways; then by the times of the plan, or by when
-    trains can be ready, whichever delays least, with changes of it that delay less. Tracks are as in what it begins with, then as planned.
+    trains can be ready, whichever delays least, with changes of it that delay less (`NEAR_TRIED`; off: without). Tracks
+    are as in what it begins with, then as planned.
     """
     instance = _instance(trains, None)
     solutions: list[tuple[int, Solution, list[list[OrderWay]], tuple[int, ...]]] = []
@@ -187,6 +189,8 @@ def _known(trains: Sequence[OrderTrain], begins: Iterable[Order]) -> Solution | 
     if not solutions:
         return None
     _, known, ways, order = min(solutions, key=lambda found: found[0])
+    if not NEAR_TRIED:
+        return known
     near = improved(
         trains, ways, [_searched(t, w, late=False) for t, w in zip(trains, ways, strict=True)], order
     )

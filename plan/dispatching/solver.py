@@ -43,7 +43,7 @@ def solve(
     """The least cost that `work_max` of the solver's counted work leads to; 1 is about eight seconds of a processor.
 
     Two searches take half of it each: one that finds orders soon, and one from below, which proves. `known`: a solution
-    to begin with. `quick`: for work of seconds' hundredths, most of which looking for what is fixed beforehand would be.
+    to begin with. `quick`: for so little work that simplifying the question first would take most of it.
     """
     dispatch = DispatchModel(instance)
     best = Answer(known, 0, impossible=False, work=0.0)
