@@ -18,7 +18,7 @@ from wayside.actions import Show
 from wayside.config import DispatcherMeans
 from wayside.journeys import Days, PlannedMove, Stands
 from wayside.moves import Move
-from wayside.order import asking, comes_s_of, ready_s
+from wayside.order import GAIN_S, asking, comes_s_of, ready_s
 from wayside.order_question import LastOrder, OrderAnswer, OrderMove, OrderQuestion, OrderTrain, OrderWay
 from wayside.register import Register
 from wayside.said import OrderLacking
@@ -67,7 +67,7 @@ def question_of(register: Register, days: Days, stands: Stands) -> OrderQuestion
     last = register.solved
     order = () if last is None else tuple(index for index, _ in last.left(stands.at))
     ends = () if last is None or not days.may else last.ends_left(stands.at)
-    return OrderQuestion(tuple(trains), order, math.ceil(AHEAD_S), WORK_MAX, ends)
+    return OrderQuestion(tuple(trains), order, math.ceil(AHEAD_S), WORK_MAX, ends, math.ceil(GAIN_S))
 
 
 def _train(register: Register, days: Days, stands: Stands, index: int, held: int) -> OrderTrain:

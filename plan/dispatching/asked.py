@@ -49,7 +49,8 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
     """The best order found by the work allowed.
 
     A third of the time ahead is solved first, then all: what is near is certain and decides, and all begins with what
-    the third has found, or with the order found last. All moves planned before a time can be made
+    the third has found, or with the order found last. That, or the planned one, is kept where all gain too little by
+    another. All moves planned before a time can be made
     before all others. Tracks are chosen in the first third alone.
     """
     asked = [
@@ -59,6 +60,8 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
     ends = question.ends or (PLANNED,) * len(question.order)
     told = zip(question.order, ends, strict=True)
     last = tuple((asked.index(index), end) for index, end in told if index in asked)
+    kept = _known(trains, (last,), changed=False) if question.gain_s else None
+    kept_order = () if kept is None else _order(trains, kept)
     order: Order = ()
     found = Answer(None, 0, impossible=False, work=0.0)
     for share in STAGES:
@@ -79,6 +82,10 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
                 _fixed(train, [end for each, end in order if each == index])
                 for index, train in enumerate(trains)
             ]
+    if kept is not None and (
+        found.solution is None or kept.objective_value < found.solution.objective_value + question.gain_s
+    ):
+        found, order = Answer(kept, found.bound, impossible=False, work=0.0), kept_order
     lost_s = sum(max(0, -move.due_s) for train in trains for move in train.moves if move.counts)
     delay_s = 0 if found.solution is None else found.solution.objective_value
     return OrderAnswer(
@@ -162,14 +169,14 @@ def _of_these(trains: Sequence[OrderTrain], order: Order) -> Order:
     return tuple(found)
 
 
-def _known(trains: Sequence[OrderTrain], begins: Iterable[Order]) -> Solution | None:
+def _known(trains: Sequence[OrderTrain], begins: Iterable[Order], *, changed: bool = True) -> Solution | None:
     """An order in which all can run, which begins in one of these ways; then by the times of the plan, or by when
     trains can be ready, whichever delays least, with changes of it that delay less (`NEAR_TRIED`; off: without). Tracks
-    are as in what it begins with, then as planned.
+    are as in what it begins with, then as planned. Not `changed`: by the times of the plan alone.
     """
     instance = _instance(trains, None)
     solutions: list[tuple[int, Solution, list[list[OrderWay]], tuple[int, ...]]] = []
-    for late in (False, True):
+    for late in (False, True) if changed else (False,):
         for begun in dict.fromkeys(begins):
             ends = [[end for each, end in begun if each == index] for index in range(len(trains))]
             ways = [_ways(train, own) for train, own in zip(trains, ends, strict=True)]
@@ -189,7 +196,7 @@ def _known(trains: Sequence[OrderTrain], begins: Iterable[Order]) -> Solution | 
     if not solutions:
         return None
     _, known, ways, order = min(solutions, key=lambda found: found[0])
-    if not NEAR_TRIED:
+    if not (NEAR_TRIED and changed):
         return known
     near = improved(
         trains, ways, [_searched(t, w, late=False) for t, w in zip(trains, ways, strict=True)], order

@@ -386,6 +386,14 @@ def test_a_change_of_an_order_finds_what_delays_less() -> None:
     assert answer_to(LATE_FIRST).delay_s == 540 + 0 + 59 + 118
 
 
+@pytest.mark.parametrize(("gain_s", "first"), [(0, 1), (118, 1), (119, 0)])
+def test_the_planned_order_is_kept_where_too_little_is_gained(gain_s: int, first: int) -> None:
+    """Planned first is a train that is ready in 60 s: then both are 60 + 119 s late in all, else 61 + 0 s."""
+    trains = (replace(LATE_FIRST.trains[0], ready_s=60), LATE_FIRST.trains[1])
+    question = OrderQuestion(trains, (), 7200, 0.1, gain_s=gain_s)
+    assert answer_to(question).order[0] == first
+
+
 def test_the_process_answers_as_the_function() -> None:
     assert order_solver.order_solver()(ONE) == answer_to(ONE)
     assert answer_to(ONE).delay_s == 30
