@@ -50,9 +50,9 @@ def solve(
     if known is not None:
         dispatch.begin_with(known)
     if quick:
-        return _search(instance, dispatch, best, work_max, _Search(quick=True))
+        return _search(instance, dispatch, best, work_max, _SearchManner(quick=True))
     for by_cores in (False, True):
-        best = _search(instance, dispatch, best, work_max, _Search(by_cores=by_cores))
+        best = _search(instance, dispatch, best, work_max, _SearchManner(by_cores=by_cores))
         if best.proven or best.impossible:
             break
         if best.solution is not None:
@@ -61,7 +61,7 @@ def solve(
 
 
 @dataclass(frozen=True, slots=True)
-class _Search:
+class _SearchManner:
     """How is searched: from below, by cores; or quickly, and with all the work."""
 
     by_cores: bool = False
@@ -69,7 +69,7 @@ class _Search:
 
 
 def _search(
-    instance: Instance, dispatch: DispatchModel, best: Answer, work_max: float, how: _Search
+    instance: Instance, dispatch: DispatchModel, best: Answer, work_max: float, how: _SearchManner
 ) -> Answer:
     """What one search adds to the best answer so far, within the rest of the work or half of the whole."""
     solver = cp_model.CpSolver()
@@ -81,7 +81,7 @@ def _search(
     if how.quick:
         solver.parameters.cp_model_probing_level = 0
         solver.parameters.symmetry_level = 0
-    until, work = work_max if how != _Search() else work_max / 2.0, best.work
+    until, work = work_max if how != _SearchManner() else work_max / 2.0, best.work
     while True:
         solver.parameters.max_deterministic_time = max(until - work, 0.0)
         status = solver.solve(dispatch.model)
