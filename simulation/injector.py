@@ -30,8 +30,11 @@ from wayside.said import (
     BarUnit,
     ConfirmHolding,
     ConfirmOutside,
+    EndTrain,
     EnterSection,
     Input,
+    LetGo,
+    LetWait,
     PictureChanged,
     Started,
     TakeBack,
@@ -192,7 +195,7 @@ class Injector:
     # people -------------------------------------------------------------------------------------------------
 
     def _act(self, act: Act) -> None:
-        acted = Acted(act=act.kind.value, target=act.target, section_ids=act.sections)
+        acted = Acted(act=act.kind.value, target=act.target, section_ids=act.sections, notch=act.notch)
         self._journal.write(self._step / STEPS_PER_S, act.person, acted)
         match act.kind:
             case ActKind.CONFIRM_OUTSIDE | ActKind.CONFIRM_HOLDING | ActKind.TAKE_BACK:
@@ -211,6 +214,12 @@ class Injector:
                 self._duties.haul_away(self._trains.slot_of[act.target], self._step)
             case ActKind.GIVE_BACK:
                 self._cabs.set_back(self._trains.slot_of[act.target], self._step, act.hold_s)
+            case ActKind.HOLD_TRAIN | ActKind.LET_GO | ActKind.END_TRAIN:
+                self._wayside.input(self._step, MANAGER_ID, _bid(act))
+            case ActKind.DRIVE:
+                self._trains.drive_by_hand(self._trains.slot_of[act.target], act.notch)
+            case ActKind.DRIVE_BY_ATO:
+                self._trains.drive_by_law(self._trains.slot_of[act.target])
             case ActKind.ACCEPT_PICTURE:
                 self._enter(act, [AcceptPicture(act.person)])
             case ActKind.REENTER_ASSISTED:
@@ -263,6 +272,17 @@ class Injector:
             )
             self._words.append(word)
             self._agenda.put(step, AgendaKind.SCRIPT, f"word {len(self._words) - 1}")
+
+
+def _bid(act: Act) -> Input:
+    """What a controller has a train do."""
+    match act.kind:
+        case ActKind.HOLD_TRAIN:
+            return LetWait(act.target, act.person, act.hold_s, act.behind, act.place)
+        case ActKind.LET_GO:
+            return LetGo(act.target, act.person)
+        case _:
+            return EndTrain(act.target, act.person, act.train)
 
 
 def _word_on_unit(act: Act) -> Input:
