@@ -32,6 +32,7 @@ class _QueuedRequest:
     seat: Seat
     request: Request
     take: Take
+    unit: str
 
 
 class LiveDesk:
@@ -45,6 +46,7 @@ class LiveDesk:
         self._ready = Event()
         self._welcomes: dict[Seat, Welcome] = {}
         self._moment: DeskMoment | None = None
+        self._cabs: frozenset[str] = frozenset()
         self.error: BaseException | None = None
 
     def start(self) -> None:
@@ -71,10 +73,14 @@ class LiveDesk:
         """What a seat is told once."""
         return self._welcomes[seat]
 
-    def ask(self, seat: Seat, request: Request, take: Take) -> None:
+    def look_from(self, units: frozenset[str]) -> None:
+        """From now on these units' cabs are looked at."""
+        self._cabs = units
+
+    def ask(self, seat: Seat, request: Request, take: Take, unit: str = "") -> None:
         """Ask for something; `take` is called with the answer, from the desk's thread or, where it is busy, at once."""
         try:
-            self._queue.put_nowait(_QueuedRequest(seat, request, take))
+            self._queue.put_nowait(_QueuedRequest(seat, request, take, unit))
         except Full:
             take(DeskAnswer(number=request.number, good=False, why="the desk is busy: ask again"))
 
@@ -100,6 +106,7 @@ class LiveDesk:
             stale = stale or moved
             now_s = time.monotonic()
             if stale and now_s - shown_s >= UPDATES_EVERY_S:
+                desk.cabs = self._cabs
                 self._moment, shown_s = desk.moment, now_s
                 stale = False
                 self._changed()
@@ -112,5 +119,5 @@ class LiveDesk:
                 continue
             if asked is None:
                 return
-            asked.take(desk.ask(asked.seat, asked.request, time.monotonic()))
+            asked.take(desk.ask(asked.seat, asked.request, time.monotonic(), asked.unit))
             stale = True

@@ -64,7 +64,11 @@ class DeskDoor(Protocol):
         """What a seat is told once."""
         ...
 
-    def ask(self, seat: Seat, request: Request, take: Callable[[DeskAnswer], None]) -> None:
+    def look_from(self, units: frozenset[str]) -> None:
+        """From now on these units' cabs are looked at."""
+        ...
+
+    def ask(self, seat: Seat, request: Request, take: Callable[[DeskAnswer], None], unit: str = "") -> None:
         """Ask for something; `take` may be called from another thread."""
         ...
 
@@ -147,13 +151,23 @@ class DeskServer:
         desk = self.desk
         if desk is None:
             raise WebSocketDisconnect
-        seat = await connection.seat_taken(self._rules)
-        await connection.send(encoded(desk.welcome(seat)))
+        seat, connection.unit = await connection.seat_taken(self._rules)
+        welcome = desk.welcome(seat)
+        if connection.unit not in (("", *welcome.units) if seat is not Seat.DRIVER else welcome.units):
+            await connection.close(Refusal.FORM)
+            return
+        self._look(desk)
+        await connection.send(encoded(welcome))
         sending = asyncio.create_task(connection.send_moments(desk, seat))
         try:
             await connection.hear(desk, seat)
         finally:
             sending.cancel()
+            connection.unit = ""
+            self._look(desk)
+
+    def _look(self, desk: DeskDoor) -> None:
+        desk.look_from(frozenset(c.unit for c in self._connections if c.unit))
 
 
 class _Connection:
@@ -166,6 +180,7 @@ class _Connection:
         self._news = asyncio.Event()
         self._allowance = Allowance(at_s=clock())
         self._refused = 0
+        self.unit = ""
 
     def wake(self) -> None:
         """There is something new."""
@@ -182,8 +197,8 @@ class _Connection:
             raise WebSocketDisconnect(message.get("code", REFUSED_CODE))
         return message.get("text") or ""
 
-    async def seat_taken(self, rules: AccessRules) -> Seat:
-        """The seat that the first message takes; the connection is closed where it takes none."""
+    async def seat_taken(self, rules: AccessRules) -> tuple[Seat, str]:
+        """The seat, and the unit of a driver's, that the first message takes; the connection is closed where it takes none."""
         why, text = Refusal.FORM, await self._text()
         if len(text.encode()) <= MESSAGE_BYTES_MAX:
             try:
@@ -192,11 +207,11 @@ class _Connection:
                 pass
             else:
                 if hello.version == VERSION and rules.opens(hello.seat, hello.token):
-                    return hello.seat
+                    return hello.seat, hello.unit if hello.seat is Seat.DRIVER else ""
                 why = Refusal.TOKEN if hello.version == VERSION else why
         else:
             why = Refusal.SIZE
-        await self._close(why)
+        await self.close(why)
         raise WebSocketDisconnect(REFUSED_CODE)
 
     async def send_moments(self, desk: DeskDoor, seat: Seat) -> None:
@@ -206,7 +221,7 @@ class _Connection:
             while True:
                 self._news.clear()
                 moment = desk.moment
-                state, had = state_for(moment, seat, had)
+                state, had = state_for(moment, seat, had, self.unit)
                 await self.send(encoded(state))
                 if not is_behind(moment, had):
                     await self._news.wait()
@@ -234,14 +249,15 @@ class _Connection:
                 self._count(Refusal.FORM)
                 await self.send(encoded(DeskAnswer(number=0, good=False, why=str(error))))
                 continue
-            desk.ask(seat, request, take)
+            desk.ask(seat, request, take, self.unit)
             await self.send(encoded(await answers.get()))
-        await self._close(Refusal.RATE)
+        await self.close(Refusal.RATE)
 
     def _count(self, why: Refusal) -> None:
         self._refused += 1
         self._refuse(why)
 
-    async def _close(self, why: Refusal) -> None:
+    async def close(self, why: Refusal) -> None:
+        """End the connection, and say why."""
         self._refuse(why)
         await self._socket.close(REFUSED_CODE, why.value)

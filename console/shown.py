@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import msgspec
 
+from console.cab import cab_of
 from console.line_seen import LineSeen, SeenEvent
 from console.protocol import (
     VERSION,
+    CabShown,
     DeedShown,
     FaultKind,
     GraphPoint,
     PointsDrawn,
     PointsShown,
     RuleShown,
+    SeatMessage,
     SectionDrawn,
     State,
     StationDrawn,
+    TrainForecast,
     TrainOnPlan,
     TrainShown,
     Welcome,
@@ -30,6 +35,7 @@ from simulation.faults.fault import Names
 from simulation.faults.table import KINDS
 from simulation.judge.checkers import Checker
 from simulation.setup import STEPS_PER_S, Setup
+from study.wording.reasons import reason
 from study.wording.script import fault_name, item_text
 
 EVENTS_AT_ONCE: Final = 60  # in one message; the rest follows
@@ -46,6 +52,9 @@ class DeskMoment:
     known: State
     events: tuple[list[SeenEvent], int]
     graph: tuple[list[GraphPoint], int]
+    forecast: tuple[TrainForecast, ...] = ()
+    cabs: Mapping[str, CabShown] = field(default_factory=dict[str, CabShown])
+    messages: tuple[SeatMessage, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +66,9 @@ class SentSoFar:
     graph: int = 0
 
 
-def state_for(moment: DeskMoment, seat: Seat, had: SentSoFar) -> tuple[State, SentSoFar]:
+def state_for(
+    moment: DeskMoment, seat: Seat, had: SentSoFar, unit: str = ""
+) -> tuple[State, SentSoFar]:
     """What a connection is sent that has had so much, and what it has had then."""
     leads = RIGHTS[seat].leads
     state = moment.truth if leads else moment.known
@@ -65,7 +76,14 @@ def state_for(moment: DeskMoment, seat: Seat, had: SentSoFar) -> tuple[State, Se
     (events, count), (graph, points) = moment.events, moment.graph
     upto = min(count, had.events + EVENTS_AT_ONCE)
     new = tuple(e.shown for e in events[had.events : upto] if leads or not e.truth)
-    state = msgspec.structs.replace(state, events=new, graph=tuple(graph[had.graph : points]))
+    state = msgspec.structs.replace(
+        state,
+        events=new,
+        graph=tuple(graph[had.graph : points]),
+        forecast=moment.forecast if RIGHTS[seat].sees_forecast else (),
+        cab=moment.cabs.get(unit) if seat is Seat.DRIVER else None,
+        messages=tuple(m for m in moment.messages if leads or m.seat in ("", seat.value)),
+    )
     return state, replace(had, events=upto, graph=points)
 
 
@@ -74,8 +92,17 @@ def is_behind(moment: DeskMoment, had: SentSoFar) -> bool:
     return had.branch == moment.known.branch and had.events < moment.events[1]
 
 
-def moment_of(session: Session, line: LineSeen, factor: float, branch: int, *, running: bool) -> DeskMoment:
-    """The present of a session."""
+def moment_of(
+    session: Session,
+    line: LineSeen,
+    factor: float,
+    branch: int,
+    *,
+    running: bool,
+    messages: tuple[SeatMessage, ...] = (),
+    units: Collection[str] = (),
+) -> DeskMoment:
+    """The present of a session; with the cab of each of these units."""
     digest = "" if session.ended is None else session.result.digest
     known = State(
         time_s=session.now_s,
@@ -88,6 +115,7 @@ def moment_of(session: Session, line: LineSeen, factor: float, branch: int, *, r
         manager_on=line.manager_on,
         sections=line.sections,
         trains=line.trains,
+        bids=line.bids(session.now_s),
     )
     truth = msgspec.structs.replace(
         known,
@@ -97,7 +125,15 @@ def moment_of(session: Session, line: LineSeen, factor: float, branch: int, *, r
         deeds=_deeds(session),
         rules=_rules(session),
     )
-    return DeskMoment(truth, known, (line.events, len(line.events)), (line.graph, len(line.graph)))
+    return DeskMoment(
+        truth,
+        known,
+        (line.events, len(line.events)),
+        (line.graph, len(line.graph)),
+        line.forecast(session.now_s),
+        {unit: cab_of(session, unit) for unit in units},
+        messages,
+    )
 
 
 def _true_train(session: Session, train: TrainShown) -> TrainShown:
@@ -108,12 +144,14 @@ def _true_train(session: Session, train: TrainShown) -> TrainShown:
     motion = session.motion(slot)
     path = trains.true_path(slot)
     piece = session.scenario.setup.line.pieces[path.step_at(motion.position_m).piece_id]
+    waits_for = session.simulation.waits_for(slot) if motion.speed_mps == 0.0 else ""
     return msgspec.structs.replace(
         train,
         at_m=path.kilometrage_m(motion.position_m),
         section=piece.section_id,
         speed_mps=motion.speed_mps,
-        waits_for=session.simulation.waits_for(slot) if motion.speed_mps == 0.0 else "",
+        waits_for=waits_for,
+        waits_for_ja=reason(waits_for).in_("ja") if waits_for else "",
     )
 
 
