@@ -150,7 +150,7 @@ class LineSeen:
                 who=entry.who,
                 text=words.en,
                 text_ja=words.in_("ja"),
-                alarm=isinstance(entry.event, ALARMS),
+                alarm=isinstance(entry.event, ALARMS) or _refuses_person(entry),
             )
             self.events.append(SeenEvent(shown, entry.who == WORLD and not isinstance(entry.event, Acted)))
 
@@ -217,6 +217,12 @@ class LineSeen:
         self.graph.append(point)
         if planned_s is not None and t_s - planned_s >= LATE_S:
             self.late.append(point)
+
+
+def _refuses_person(entry: JournalEntry) -> bool:
+    """Whether the manager has refused what somebody entered."""
+    event = entry.event
+    return entry.who == MANAGER and isinstance(event, said.Refused) and ": " in event.why
 
 
 def _planned_s(call: Call, *, leaves: bool) -> float | None:

@@ -205,7 +205,10 @@ class FaultKind(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Welcome(Said, frozen=True, kw_only=True, tag="welcome"):
-    """The seat is taken: what does not change while the run goes on. `acts` and `faults` are what this seat may do."""
+    """The seat is taken: what does not change while the run goes on. `acts` and `faults` are what this seat may do.
+
+    `leads`: it may say how fast time goes; `replay`: of a run that has ended, between those two times.
+    """
 
     version: int
     seat: Seat
@@ -220,6 +223,10 @@ class Welcome(Said, frozen=True, kw_only=True, tag="welcome"):
     plan: tuple[TrainOnPlan, ...]
     acts: tuple[str, ...]
     faults: tuple[FaultKind, ...]
+    leads: bool = False
+    replay: bool = False
+    begin_s: float = 0.0
+    end_s: float = 0.0
 
 
 class SectionShown(msgspec.Struct, frozen=True, kw_only=True):

@@ -22,6 +22,7 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from console.access import REFUSED_MAX, SOCKETS_MAX, AccessRules, Allowance, Refusal
+from console.library import OpenRequest, library
 from console.protocol import (
     MESSAGE_BYTES_MAX,
     VERSION,
@@ -34,11 +35,12 @@ from console.protocol import (
 )
 from console.seats import Seat
 from console.shown import DeskMoment, SentSoFar, is_behind, state_for
+from network.errors import InputError
 from study.wording.catalogue import phrases_of
 
 SOCKET_PATH: Final = "/desk"
 WORDS_IN: Final = ("desk", "act")  # contexts of the catalogue
-REFUSED_CODE, FULL_CODE = 1008, 1013
+REFUSED_CODE, FULL_CODE, GONE_CODE = 1008, 1013, 1012
 HEADERS: Final = {
     "Content-Security-Policy": "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'",
     "X-Content-Type-Options": "nosniff",
@@ -79,6 +81,7 @@ class DeskServer:
     def __init__(self, rules: AccessRules, clock: Callable[[], float] = time.monotonic) -> None:
         self.refused: Counter[Refusal] = Counter()
         self.desk: DeskDoor | None = None
+        self.opens: Callable[[OpenRequest], DeskDoor] | None = None  # of the library; None: there is one run alone
         self._rules: Final = rules
         self._clock: Final = clock
         self._connections: set[_Connection] = set()
@@ -88,6 +91,8 @@ class DeskServer:
             routes=[
                 WebSocketRoute(SOCKET_PATH, self._socket),
                 Route("/words.json", self._words),
+                Route("/library.json", self._library),
+                Route("/open", self._open, methods=["POST"]),
                 Route("/{name:path}", self._page),
             ]
         )
@@ -115,6 +120,36 @@ class DeskServer:
             for english, said in phrases_of(context).items()
         }
         return JSONResponse(words, headers=HEADERS)
+
+    async def _library(self, request: PageRequest) -> Response:
+        """What can be opened, and whether something is."""
+        if (why := self._rules.refused(request.headers.get("host", ""), None)) is not None:
+            self._refuse(why)
+            return PlainTextResponse(why.value, 403)
+        entries = () if self.opens is None else library()
+        body = msgspec.json.encode({"running": self.desk is not None, "entries": entries})
+        return Response(body, media_type="application/json", headers=HEADERS)
+
+    async def _open(self, request: PageRequest) -> Response:
+        """Something else is opened; all who are connected come back to that."""
+        why = self._rules.refused(request.headers.get("host", ""), request.headers.get("origin"))
+        body = b"" if why is not None else (await request.body())[: MESSAGE_BYTES_MAX + 1]
+        try:
+            asked = msgspec.json.decode(body, type=OpenRequest) if why is None else None
+        except msgspec.DecodeError:
+            asked, why = None, Refusal.FORM
+        if asked is not None and not self._rules.opens(Seat.INSTRUCTOR, asked.token):
+            why = Refusal.TOKEN
+        if why is not None or asked is None or self.opens is None:
+            self._refuse(why or Refusal.FORM)
+            return PlainTextResponse((why or Refusal.FORM).value, 403)
+        try:
+            self.desk = await asyncio.to_thread(self.opens, asked)
+        except InputError as error:
+            return PlainTextResponse(str(error), 400)
+        for connection in tuple(self._connections):
+            await connection.send_away()
+        return JSONResponse({}, headers=HEADERS)
 
     async def _page(self, request: PageRequest) -> Response:
         if (why := self._rules.refused(request.headers.get("host", ""), None)) is not None:
@@ -256,6 +291,11 @@ class _Connection:
     def _count(self, why: Refusal) -> None:
         self._refused += 1
         self._refuse(why)
+
+    async def send_away(self) -> None:
+        """There is another run: whoever is here is to come again."""
+        with suppress(RuntimeError, WebSocketDisconnect):
+            await self._socket.close(GONE_CODE)
 
     async def close(self, why: Refusal) -> None:
         """End the connection, and say why."""

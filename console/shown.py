@@ -38,6 +38,7 @@ from simulation.setup import STEPS_PER_S, Setup
 from study.wording.reasons import reason
 from study.wording.script import fault_name, item_text
 
+CREW_SEEN: Final = "crew"  # whose acts drivers know of
 EVENTS_AT_ONCE: Final = 60  # in one message; the rest follows
 
 
@@ -45,7 +46,8 @@ EVENTS_AT_ONCE: Final = 60  # in one message; the rest follows
 class DeskMoment:
     """The present of a session, made once for everybody: `truth` for seats that see it, `known` for the others.
 
-    The events and the graph of `line` grow on; a moment has the first so many of them.
+    The events and the graph of `line` grow on; a moment has the first so many of them. `sees_all`: of a run that is only
+    looked at, every seat sees the truth.
     """
 
     truth: State
@@ -55,6 +57,7 @@ class DeskMoment:
     forecast: tuple[TrainForecast, ...] = ()
     cabs: Mapping[str, CabShown] = field(default_factory=dict[str, CabShown])
     messages: tuple[SeatMessage, ...] = ()
+    sees_all: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,21 +73,36 @@ def state_for(
     moment: DeskMoment, seat: Seat, had: SentSoFar, unit: str = ""
 ) -> tuple[State, SentSoFar]:
     """What a connection is sent that has had so much, and what it has had then."""
-    leads = RIGHTS[seat].leads
-    state = moment.truth if leads else moment.known
+    leads = RIGHTS[seat].leads or moment.sees_all
+    seat = Seat.INSTRUCTOR if moment.sees_all else seat
+    state = _of_cab(moment.known, unit) if seat is Seat.DRIVER else moment.truth if leads else moment.known
     had = had if had.branch == state.branch else SentSoFar(state.branch)
     (events, count), (graph, points) = moment.events, moment.graph
     upto = min(count, had.events + EVENTS_AT_ONCE)
-    new = tuple(e.shown for e in events[had.events : upto] if leads or not e.truth)
+    new = tuple(
+        e.shown
+        for e in events[had.events : upto]
+        if (leads or not e.truth) and (seat is not Seat.DRIVER or e.shown.who in (unit, CREW_SEEN))
+    )
     state = msgspec.structs.replace(
         state,
         events=new,
-        graph=tuple(graph[had.graph : points]),
+        graph=() if seat is Seat.DRIVER else tuple(graph[had.graph : points]),
         forecast=moment.forecast if RIGHTS[seat].sees_forecast else (),
         cab=moment.cabs.get(unit) if seat is Seat.DRIVER else None,
         messages=tuple(m for m in moment.messages if leads or m.seat in ("", seat.value)),
     )
     return state, replace(had, events=upto, graph=points)
+
+
+def _of_cab(known: State, unit: str) -> State:
+    """What the driver of a unit knows of it: the unit's own part."""
+    return msgspec.structs.replace(
+        known,
+        sections=tuple(section for section in known.sections if section.unit == unit),
+        trains=tuple(train for train in known.trains if train.unit == unit),
+        bids=(),
+    )
 
 
 def is_behind(moment: DeskMoment, had: SentSoFar) -> bool:
@@ -204,13 +222,24 @@ def _rules(session: Session) -> tuple[RuleShown, ...]:
 
 def welcome_of(session: Session, seat: Seat) -> Welcome:
     """What does not change while the run goes on, for a seat."""
-    setup, rights = session.scenario.setup, RIGHTS[seat]
+    scenario, rights = session.scenario, RIGHTS[seat]
+    drawn = drawn_line(scenario.setup, seat, scenario.id, scenario.name, session.names.units)
+    return msgspec.structs.replace(
+        drawn,
+        acts=tuple(sorted(kind.value for kind in rights.acts)),
+        faults=_faults(session.names) if rights.leads else (),
+        leads=rights.leads,
+    )
+
+
+def drawn_line(setup: Setup, seat: Seat, run: str, name: str, units: tuple[str, ...]) -> Welcome:
+    """The line and its plan, for somebody who only looks on."""
     line = setup.line
     return Welcome(
         version=VERSION,
         seat=seat,
-        run=session.scenario.id,
-        name=session.scenario.name,
+        run=run,
+        name=name,
         line=line.name,
         line_ja=line.name_ja,
         stations=tuple(
@@ -227,10 +256,10 @@ def welcome_of(session: Session, seat: Seat) -> Welcome:
             )
             for points in line.points.values()
         ),
-        units=session.names.units,
+        units=units,
         plan=_plan(setup),
-        acts=tuple(sorted(kind.value for kind in rights.acts)),
-        faults=_faults(session.names) if rights.leads else (),
+        acts=(),
+        faults=(),
     )
 
 

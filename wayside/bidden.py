@@ -57,7 +57,7 @@ def _senseless(register: Register, unit_id: str, behind: str, section_id: str) -
         return "there is no such section"
     other = register.bidden.get(behind)
     if other is not None and other.behind == unit_id:
-        return f"{behind} waits for it already: neither would go"
+        return "the two would wait for each other"
     return ""
 
 
