@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 import sys
 import webbrowser
 from pathlib import Path
@@ -52,12 +51,12 @@ def serve(
         from console.library import OpenRequest, opened, taken_from_library
         from console.live import LiveDesk
         from console.protocol import MESSAGE_BYTES_MAX
-        from console.server import DeskServer
+        from console.server import DeskServer, listening_on
 
     if (listen is None) is not (tokens is None):
         raise InputError(COMMAND_LINE, "--tokens", tokens, "a new file with --listen, and only then")
     first = None if name is None else opened(name, seed)
-    with bound_socket(listen or LOOPBACK, port) as bound:
+    with listening_on(listen or LOOPBACK, port) as bound:
         host, at = bound.getsockname()[:2]
         rules = on_loopback(at) if tokens is None else with_tokens()
         if tokens is not None:
@@ -91,20 +90,6 @@ def serve(
         finally:
             while desks:
                 desks.pop().stop()
-
-
-def bound_socket(host: str, port: int) -> socket.socket:
-    """A socket on an address. InputError where that cannot be had."""
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    bound = socket.socket(family)
-    try:
-        bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        bound.bind((host, port))
-    except OSError as error:
-        bound.close()
-        expected = f"an address and port of this machine that are free: {error.strerror}"
-        raise InputError(COMMAND_LINE, "--port", f"{host}:{port}", expected) from error
-    return bound
 
 
 def _tell(address: str, rules: AccessRules, tokens: Path | None) -> None:

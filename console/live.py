@@ -67,6 +67,11 @@ class LiveDesk:
         if self.error is not None:
             raise self.error
 
+    @property
+    def thread_id(self) -> int | None:
+        """Of the thread in which the run is, as the system counts it."""
+        return self._thread.native_id
+
     def stop(self) -> None:
         """End the run where it is."""
         if self._thread.is_alive():

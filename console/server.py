@@ -7,6 +7,7 @@ came before, and what lay between is not kept for it.
 from __future__ import annotations
 
 import asyncio
+import socket
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -35,7 +36,7 @@ from console.protocol import (
 )
 from console.seats import Seat
 from console.shown import DeskMoment, SentSoFar, is_behind, state_for
-from network.errors import InputError
+from network.errors import COMMAND_LINE, InputError
 from study.wording.catalogue import phrases_of
 
 SOCKET_PATH: Final = "/desk"
@@ -301,3 +302,17 @@ class _Connection:
         """End the connection, and say why."""
         self._refuse(why)
         await self._socket.close(REFUSED_CODE, why.value)
+
+
+def listening_on(host: str, port: int) -> socket.socket:
+    """A socket on an address. InputError where that cannot be had."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    bound = socket.socket(family)
+    try:
+        bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        bound.bind((host, port))
+    except OSError as error:
+        bound.close()
+        expected = f"an address and port of this machine that are free: {error.strerror}"
+        raise InputError(COMMAND_LINE, "--port", f"{host}:{port}", expected) from error
+    return bound
