@@ -361,7 +361,7 @@ class State(Said, frozen=True, kw_only=True, tag="state"):
 
     `events` and `graph` go on from the last state that this connection had; a new `branch` begins anew. `deeds`,
     `rules`, `points` and `silent` (devices and units without power) are for seats that see the truth, `forecast` for
-    those and the dispatcher's, `cab` for a driver's.
+    those and the dispatcher's, `cab` for a driver's; a `forecast` that is null is as it was.
     """
 
     time_s: float
@@ -378,7 +378,7 @@ class State(Said, frozen=True, kw_only=True, tag="state"):
     graph: tuple[GraphPoint, ...] = ()
     points: tuple[PointsShown, ...] = ()
     silent: tuple[str, ...] = ()
-    forecast: tuple[TrainForecast, ...] = ()
+    forecast: tuple[TrainForecast, ...] | None = None
     bids: tuple[BidShown, ...] = ()
     cab: CabShown | None = None
     messages: tuple[SeatMessage, ...] = ()

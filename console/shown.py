@@ -62,11 +62,12 @@ class DeskMoment:
 
 @dataclass(frozen=True, slots=True)
 class SentSoFar:
-    """How much of the events and of the graph a connection has had, of which branch."""
+    """How much of the events and of the graph a connection has had, of which branch, and which forecast."""
 
     branch: int = -1
     events: int = 0
     graph: int = 0
+    forecast: tuple[TrainForecast, ...] | None = None
 
 
 def state_for(
@@ -88,11 +89,11 @@ def state_for(
         state,
         events=new,
         graph=() if seat is Seat.DRIVER else tuple(graph[had.graph : points]),
-        forecast=moment.forecast if RIGHTS[seat].sees_forecast else (),
+        forecast=None if moment.forecast is had.forecast or not RIGHTS[seat].sees_forecast else moment.forecast,
         cab=moment.cabs.get(unit) if seat is Seat.DRIVER else None,
         messages=tuple(m for m in moment.messages if leads or m.seat in ("", seat.value)),
     )
-    return state, replace(had, events=upto, graph=points)
+    return state, replace(had, events=upto, graph=points, forecast=moment.forecast)
 
 
 def _of_cab(known: State, unit: str) -> State:

@@ -100,9 +100,9 @@ function label(x, y, text, anchor, kind = "") {
 
 /** The train graph: what was planned, what has been, and how the day will go on, for three hours about now. */
 export function trainGraph(known, words) {
-  const { welcome, state, graph } = known;
+  const { welcome, state, graph, forecast } = known;
   const width = 450, height = 400, left = 140, low = 10;
-  const from = state.time_s - 3600, to = state.time_s + (state.forecast.length ? 7200 : 3600);
+  const from = state.time_s - 3600, to = state.time_s + (forecast.length ? 7200 : 3600);
   const places = welcome.stations.map((station) => station.at_m), first = Math.min(...places), last = Math.max(...places);
   const x = (t) => left + ((t - from) / (to - from)) * (width - left - 6);
   const y = (m) => low + ((m - first) / (last - first || 1)) * (height - low - 24);
@@ -126,11 +126,11 @@ export function trainGraph(known, words) {
   }
   const went = Map.groupBy ? Map.groupBy(graph, (point) => point.train) : grouped(graph);
   for (const points of went.values()) line(points.map((point) => [point.time_s, point.at_m]), "went");
-  for (const { train, times_s, at_m } of state.forecast) {
+  for (const { train, times_s, at_m } of forecast) {
     const been = went.get(train)?.at(-1), here = been ? [[been.time_s, been.at_m]] : [];
     if (times_s[0] <= to) line([...here, ...times_s.map((t, i) => [t, at_m[i]])], "forecast");
   }
-  if (state.forecast.length) paper.append(drawn("rect", { class: "soon", x: x(state.time_s), y: low, width: x(state.time_s + 1800) - x(state.time_s), height: height - low - 24 }));
+  if (forecast.length) paper.append(drawn("rect", { class: "soon", x: x(state.time_s), y: low, width: x(state.time_s + 1800) - x(state.time_s), height: height - low - 24 }));
   paper.append(drawn("line", { class: "now", x1: x(state.time_s), x2: x(state.time_s), y1: low, y2: height - 24 }));
   svg.append(paper);
   return svg;

@@ -11,6 +11,7 @@ export function taken(known, state) {
     state,
     events: [...(same ? known.events : []), ...state.events],
     graph: [...(same ? known.graph : []), ...state.graph],
+    forecast: state.forecast ?? (same ? known.forecast : null) ?? [],
   };
 }
 

@@ -99,7 +99,7 @@ def test_a_driver_sees_and_moves_no_other_train(two_trains: Scenario) -> None:
         state, _ = state_for(desk.moment, Seat.DRIVER, SentSoFar(), "K1")
         assert state.cab is not None and state.cab.unit == "K1"
         assert {train.unit for train in state.trains} == {"K1"}
-        assert (state.forecast, state.graph, state.points, state.rules) == ((), (), (), ())
+        assert (state.forecast, state.graph, state.points, state.rules) == (None, (), (), ())
         assert desk.moment.known.time_s == session.now_s
 
 
@@ -194,3 +194,13 @@ def test_what_was_armed_before_is_kept_when_one_goes_back_and_what_came_later_is
         assert ask(desk, RunTo(time_s=TEN + 25.0)).good
         session.run_to((TEN + 25) * STEPS_PER_S)
         assert not desk.moment.known.manager_on
+
+
+def test_a_forecast_is_sent_when_it_is_another(two_trains: Scenario) -> None:
+    with Session(two_trains) as session:
+        desk = Desk(session)
+        first, had = state_for(desk.moment, Seat.DISPATCHER, SentSoFar())
+        again, had = state_for(desk.moment, Seat.DISPATCHER, had)
+        session.run_to(session.step + 60 * STEPS_PER_S)
+        later, _ = state_for(desk.moment, Seat.DISPATCHER, had)
+    assert first.forecast and again.forecast is None and later.forecast
