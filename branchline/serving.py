@@ -25,8 +25,8 @@ def serve(
     name: Annotated[
         str | None,
         typer.Argument(
-            help="A scenario or a drill: shipped, or a file (.toml); or the directory of a finished run, to look at again."
-            " Left out: the page has all that are shipped, and the runs in `runs`, to choose from."
+            help="A scenario or a drill: shipped, or a file (.toml); or the directory of a finished run, to look"
+            " at again. Left out: the page has all that are shipped, and the runs in `runs`, to choose from."
         ),
     ] = None,
     seed: Seed = None,
@@ -48,7 +48,7 @@ def serve(
         import uvicorn
 
         from console.access import LOOPBACK, on_loopback, with_tokens, write_tokens
-        from console.library import OpenRequest, opened, taken_from_library
+        from console.library import LibraryRequest, opened, taken_from_library
         from console.live import LiveDesk
         from console.protocol import MESSAGE_BYTES_MAX
         from console.server import DeskServer, listening_on
@@ -72,7 +72,7 @@ def serve(
             desks.append(desk)
             return desk
 
-        def open_from_library(asked: OpenRequest) -> LiveDesk:
+        def open_from_library(asked: LibraryRequest) -> LiveDesk:
             return begin(taken_from_library(asked))
 
         if first is None:

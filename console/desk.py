@@ -103,41 +103,43 @@ class Desk:
             return DeskAnswer(number=request.number, good=False, why=str(error))
 
     def _done(self, seat: Seat, request: Request, now_s: float, unit: str) -> DeskAnswer:
-        number = request.number
+        text, deed = "", None
         match request:
             case DoAct(act=table):
-                return DeskAnswer(number=number, good=True, deed=self._session.act(_act_of(seat, table, unit)))
+                deed = self._session.act(_act_of(seat, table, unit))
             case SaveDrill(id=own_id, title=title):
                 if not is_identifier(own_id):
                     raise InputError(AT_DESK, "id", own_id, IDENTIFIER_HELP)
-                return DeskAnswer(
-                    number=number, good=True, text=self._session.drill_text(own_id, title or own_id)
-                )
+                text = self._session.drill_text(own_id, title or own_id)
             case AskProtocol():
-                score = score_of(self._session, tuple(self._refused), tuple(self._messages))
-                return DeskAnswer(number=number, good=True, text=score_json(score))
+                text = score_json(score_of(self._session, tuple(self._refused), tuple(self._messages)))
             case _ if not RIGHTS[seat].leads:
                 raise InputError(AT_DESK, "seat", seat.value, f"{Seat.INSTRUCTOR.value}, who leads the run")
-            case Fail(fault=table):
-                return DeskAnswer(number=number, good=True, deed=self._session.fail(table))
-            case EndFault(deed=deed):
-                self._session.end_fault(deed)
-                return DeskAnswer(number=number, good=True, deed=deed)
-            case ChangeFault(deed=deed, keys=keys):
-                return DeskAnswer(number=number, good=True, deed=self._session.change_fault(deed, keys))
-            case ArmScript(faults=faults, acts=acts):
-                numbers = self._session.arm(faults, acts)
-                return DeskAnswer(number=number, good=True, deed=numbers[0] if numbers else None)
-            case SayToSeat(text=text, seat=to):
+            case Fail() | EndFault() | ChangeFault() | ArmScript():
+                deed = self._break(request)
+            case SayToSeat(text=said, seat=to):
                 to_seat = "" if to is None else to.value
-                self._messages.append(SeatMessage(time_s=self._session.now_s, text=text, seat=to_seat))
+                self._messages.append(SeatMessage(time_s=self._session.now_s, text=said, seat=to_seat))
             case GoBack(time_s=time_s):
                 self._session.go_back(step_not_before(time_s))
                 self._branch += 1
                 self._stand(now_s)
             case _:
                 self._move(request, now_s)
-        return DeskAnswer(number=number, good=True)
+        return DeskAnswer(number=request.number, good=True, text=text, deed=deed)
+
+    def _break(self, request: Fail | EndFault | ChangeFault | ArmScript) -> int | None:
+        session = self._session
+        match request:
+            case Fail(fault=table):
+                return session.fail(table)
+            case EndFault(deed=deed):
+                session.end_fault(deed)
+                return deed
+            case ChangeFault(deed=deed, keys=keys):
+                return session.change_fault(deed, keys)
+            case ArmScript(faults=faults, acts=acts):
+                return next(iter(session.arm(faults, acts)), None)
 
     def _move(self, request: SetPace | OneStep | NextEvent | RunTo, now_s: float) -> None:
         session = self._session

@@ -63,7 +63,13 @@ class DayForecast:
                 self._keep(unit, -inf)
             case Departs(station=station):
                 self._left(days, entry.who, station, entry.t_s)
-            case said.Freed() | said.Outside() | said.Started() | said.ConfirmedByHand() | said.PictureChanged():
+            case (
+                said.Freed()
+                | said.Outside()
+                | said.Started()
+                | said.ConfirmedByHand()
+                | said.PictureChanged()
+            ):
                 pass
             case _:
                 return
@@ -91,7 +97,9 @@ class DayForecast:
             before = days.hops[index][at - 1] if at else None
             late_s = register.trip(days.unit_ids[index]).late_s
             if before is not None and before.arrives_s + late_s > now_s:
-                points.setdefault(before.train, []).append((before.arrives_s + late_s, self._m(before.section_id)))
+                points.setdefault(before.train, []).append(
+                    (before.arrives_s + late_s, self._m(before.section_id))
+                )
         for move in moves:
             hop = days.hops[move.index][move.place]
             if not hop.route_id:
@@ -100,7 +108,9 @@ class DayForecast:
             own.append((move.leaves_s, self._m(_start_of(days, hop))))
             own.append((move.comes_s, self._m(hop.section_id)))
         return tuple(
-            TrainForecast(train=train, times_s=tuple(round(t) for t, _ in own), at_m=tuple(round(m) for _, m in own))
+            TrainForecast(
+                train=train, times_s=tuple(round(t) for t, _ in own), at_m=tuple(round(m) for _, m in own)
+            )
             for train, own in points.items()
         )
 

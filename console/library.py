@@ -33,7 +33,7 @@ class LibraryEntry(msgspec.Struct, frozen=True):
     title: str = ""
 
 
-class OpenRequest(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class LibraryRequest(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Something of the library is to be opened, by whoever has the instructor's token."""
 
     kind: Opens
@@ -46,13 +46,20 @@ def library(runs: Path = RUNS) -> tuple[LibraryEntry, ...]:
     return (
         *(LibraryEntry(Opens.SCENARIO, name) for name in shipped_scenarios()),
         *(LibraryEntry(Opens.DRILL, name, sentence_of(name)) for name in shipped_drills()),
-        *(LibraryEntry(Opens.RUN, folder.name) for folder in sorted(runs.iterdir() if runs.is_dir() else ()) if is_run(folder)),
+        *(
+            LibraryEntry(Opens.RUN, folder.name)
+            for folder in sorted(runs.iterdir() if runs.is_dir() else ())
+            if is_run(folder)
+        ),
     )
 
 
 def is_run(folder: Path) -> bool:
     """Whether a folder looks like that of a finished run."""
-    return all((folder / name).is_file() for name in (SUMMARY_FILE, INPUTS_FILE)) and not (folder / INCOMPLETE_FILE).exists()
+    return (
+        all((folder / name).is_file() for name in (SUMMARY_FILE, INPUTS_FILE))
+        and not (folder / INCOMPLETE_FILE).exists()
+    )
 
 
 def opened(name: str, seed: int | None = None) -> Scenario | RunRead:
@@ -62,7 +69,7 @@ def opened(name: str, seed: int | None = None) -> Scenario | RunRead:
     return load_scenario(find_drill(name) if name in shipped_drills() else name, seed)
 
 
-def taken_from_library(asked: OpenRequest, runs: Path = RUNS) -> Scenario | RunRead:
+def taken_from_library(asked: LibraryRequest, runs: Path = RUNS) -> Scenario | RunRead:
     """What a page asks for: of the library, and nothing else of this machine. InputError for anything else."""
     if not any((entry.kind, entry.name) == (asked.kind, asked.name) for entry in library(runs)):
         raise InputError("desk", "name", asked.name, "something of the library")

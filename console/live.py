@@ -16,8 +16,8 @@ from typing import Final
 
 from console.desk import Desk
 from console.protocol import DeskAnswer, Request, Welcome
-from console.seats import Seat
 from console.replay import Replay
+from console.seats import Seat
 from console.session import Session
 from console.shown import DeskMoment
 from scenario.scenario import Scenario
@@ -47,7 +47,10 @@ _LOOKED: Final = _Looked()
 
 
 class LiveDesk:
-    """A desk that runs, of a scenario, or of a run that is looked at again. `changed` is called from its thread when there is a new `moment`."""
+    """A desk that runs, of a scenario, or of a run that is looked at again.
+
+    `changed` is called from its thread when there is a new `moment`.
+    """
 
     def __init__(self, what: Scenario | RunRead, changed: Callable[[], None]) -> None:
         self._what: Final = what

@@ -104,7 +104,9 @@ class Replay:
             bids=line.bids(now_s),
             rules=self._rules(now_s),
         )
-        return DeskMoment(known, known, (line.events, len(line.events)), (line.graph, len(line.graph)), sees_all=True)
+        return DeskMoment(
+            known, known, (line.events, len(line.events)), (line.graph, len(line.graph)), sees_all=True
+        )
 
     def turn(self, now_s: float) -> DeskTurn:
         """Go on as far as should be seen by now."""
@@ -112,10 +114,12 @@ class Replay:
         due = min(self._pacer.due(now_s), self._last)
         if due > before:
             self._to(due)
-        self._pacer = Pacer(0.0, self._step, now_s) if self._step >= self._last else self._pacer.at(self._step, now_s)
+        self._pacer = (
+            Pacer(0.0, self._step, now_s) if self._step >= self._last else self._pacer.at(self._step, now_s)
+        )
         return DeskTurn(self._step != before, self._pacer.wait_s(self._step, now_s))
 
-    def ask(self, seat: Seat, request: Request, now_s: float, unit: str = "") -> DeskAnswer:
+    def ask(self, _seat: Seat, request: Request, now_s: float, _unit: str = "") -> DeskAnswer:
         """Look at another time, or faster; all else is refused."""
         number = request.number
         match request:
@@ -126,11 +130,17 @@ class Replay:
                 to = self._step + 1
             case NextEvent():
                 following = bisect_right(self._times, self._step / STEPS_PER_S)
-                to = self._last if following == len(self._times) else int(self._times[following] * STEPS_PER_S) + 1
+                to = (
+                    self._last
+                    if following == len(self._times)
+                    else int(self._times[following] * STEPS_PER_S) + 1
+                )
             case RunTo(time_s=time_s) | GoBack(time_s=time_s):
                 to = round(time_s * STEPS_PER_S)
             case AskProtocol():
-                return DeskAnswer(number=number, good=True, text=msgspec.json.encode(dict(self._read.summary)).decode())
+                return DeskAnswer(
+                    number=number, good=True, text=msgspec.json.encode(dict(self._read.summary)).decode()
+                )
             case _:
                 return DeskAnswer(number=number, good=False, why=str(InputError("desk", "", None, LOOKED_AT)))
         self._to(max(self._first, min(to, self._last)))

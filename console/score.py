@@ -1,8 +1,8 @@
-"""What came of a session for those who worked it: how soon faults were acted on and over, what was lost, what was wrong.
+"""What came of a session for those who worked it: how soon faults were acted on and over, what was lost, what wrong.
 
-Times of a fault: *shown*, when the first alarm after it stood on the dispatcher's page; *acted*, when somebody at a seat
-did the first thing after that, refused or not; *recovered*, when the register was whole again and, if any train had come
-late by then, all ran within `LATE_S` again. What never came is None, and a run that goes on is judged as it stands.
+Times of a fault: *shown*, when the first alarm after it stood on the dispatcher's page; *acted*, when somebody at a
+seat did the first thing after that, refused or not; *recovered*, when the register was whole again and the last train
+that was late by `LATE_S` since had called. What never came is None, and a run that goes on is judged as it stands.
 """
 
 from __future__ import annotations
@@ -80,7 +80,9 @@ class DeskScore(msgspec.Struct, frozen=True, kw_only=True):
     messages: tuple[SeatMessage, ...]
 
 
-def score_of(session: Session, refused: tuple[RefusedAct, ...], messages: tuple[SeatMessage, ...]) -> DeskScore:
+def score_of(
+    session: Session, refused: tuple[RefusedAct, ...], messages: tuple[SeatMessage, ...]
+) -> DeskScore:
     """The protocol until now."""
     ended, line, setup = session.ended, session.line, session.scenario.setup
     acts = [deed for deed in session.deeds if isinstance(deed.item, Act) and deed.step <= session.step]
@@ -106,7 +108,11 @@ def score_of(session: Session, refused: tuple[RefusedAct, ...], messages: tuple[
         refused_acts=refused,
         refused_words=_refused_words(session, {act.item.person for act in acts if isinstance(act.item, Act)}),
         irregular=dict(
-            Counter(act.item.kind.value for act in acts if isinstance(act.item, Act) and act.item.kind in IRREGULAR)
+            Counter(
+                act.item.kind.value
+                for act in acts
+                if isinstance(act.item, Act) and act.item.kind in IRREGULAR
+            )
         ),
         rules=tuple(RuleShown(rule=rule.value, broken=counts.get(rule.value, 0)) for rule in Checker),
         messages=messages,
@@ -139,7 +145,9 @@ def _fault(session: Session, number: int, deed: Deed, refused: tuple[RefusedAct,
     alarms = (e.shown.time_s for e in line.events if e.shown.alarm and not e.truth)
     shown_s = min((t for t in (*alarms, *_undefined(session)) if t >= began_s), default=None)
     since_s = began_s if shown_s is None else shown_s
-    done = [d.step / STEPS_PER_S for d in session.deeds if isinstance(d.item, Act)] + [r.time_s for r in refused]
+    done = [d.step / STEPS_PER_S for d in session.deeds if isinstance(d.item, Act)] + [
+        r.time_s for r in refused
+    ]
     acted_s = min((t for t in done if since_s <= t <= session.now_s), default=None)
     words = item_text(deed.item)
     recovered_s = _recovered(session, began_s)
@@ -164,7 +172,9 @@ def _recovered(session: Session, began_s: float) -> float | None:
     line = session.line
     if not (line.defined and line.manager_on):
         return None
-    whole_s = max((on_s for off_s, on_s in line.outages if off_s >= began_s and on_s is not None), default=began_s)
+    whole_s = max(
+        (on_s for off_s, on_s in line.outages if off_s >= began_s and on_s is not None), default=began_s
+    )
     late = [p.time_s for p in line.late if p.time_s >= began_s]
     if any((t.late_s or 0.0) >= LATE_S for t in line.trains if t.train) and session.ended is None:
         return None

@@ -1,6 +1,6 @@
 """What the desk costs: updates a second and bytes to each browser, and the server's share of a core, at ten times real
-time when most trains are on the line, with a browser that takes nothing and one that closes. Then the day runs to its end
-and has the digest that it has without a desk.
+time when most trains are on the line, with a browser that takes nothing and one that closes. Then the day runs to its
+end and has the digest that it has without a desk.
 
 Wall time and the share of a core are of this machine; browsers are clients in a process of their own.
 """
@@ -75,7 +75,9 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
         for _ in range(rounds):
             began_s, server_s, desk_s = time.monotonic(), _cpu_s(thread.native_id), _cpu_s(live.thread_id)
             done = subprocess.run(
-                [sys.executable, "-c", CLIENT, address, str(MEASURED_S), str(VERSION)], capture_output=True, check=True
+                [sys.executable, "-c", CLIENT, address, str(MEASURED_S), str(VERSION)],
+                capture_output=True,
+                check=True,
             )
             wall_s = time.monotonic() - began_s
             seen.append(
@@ -115,13 +117,19 @@ def _figures(
     budgets = [
         {"what": f"server, share of a core ({trains} trains)", "limit": OF_A_CORE_MAX, "found": of_core},
         {"what": "kB a second to a browser", "limit": KB_A_S_MAX, "found": most},
-        {"what": "seconds between updates", "limit": round(1.0 / UPDATES_A_S_MIN, 3), "found": round(1.0 / least, 3)},
+        {
+            "what": "seconds between updates",
+            "limit": round(1.0 / UPDATES_A_S_MIN, 3),
+            "found": round(1.0 / least, 3),
+        },
     ]
     return {
         "scenario": scenario,
         "rounds": rounds,
         "rows": rows,
-        "budgets": [each | {"kept": float(str(each["found"])) <= float(str(each["limit"]))} for each in budgets],
+        "budgets": [
+            each | {"kept": float(str(each["found"])) <= float(str(each["limit"]))} for each in budgets
+        ],
         "desk_of_a_core": round(statistics.median(desk for _, desk, _ in seen), 3),
         "trains": trains,
         "same_digest": same_digest,

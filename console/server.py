@@ -23,7 +23,7 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from console.access import REFUSED_MAX, SOCKETS_MAX, AccessRules, Allowance, Refusal
-from console.library import OpenRequest, library
+from console.library import LibraryRequest, library
 from console.protocol import (
     MESSAGE_BYTES_MAX,
     VERSION,
@@ -82,7 +82,9 @@ class DeskServer:
     def __init__(self, rules: AccessRules, clock: Callable[[], float] = time.monotonic) -> None:
         self.refused: Counter[Refusal] = Counter()
         self.desk: DeskDoor | None = None
-        self.opens: Callable[[OpenRequest], DeskDoor] | None = None  # of the library; None: there is one run alone
+        self.opens: Callable[[LibraryRequest], DeskDoor] | None = (
+            None  # of the library; None: there is one run alone
+        )
         self._rules: Final = rules
         self._clock: Final = clock
         self._connections: set[_Connection] = set()
@@ -136,7 +138,7 @@ class DeskServer:
         why = self._rules.refused(request.headers.get("host", ""), request.headers.get("origin"))
         body = b"" if why is not None else (await request.body())[: MESSAGE_BYTES_MAX + 1]
         try:
-            asked = msgspec.json.decode(body, type=OpenRequest) if why is None else None
+            asked = msgspec.json.decode(body, type=LibraryRequest) if why is None else None
         except msgspec.DecodeError:
             asked, why = None, Refusal.FORM
         if asked is not None and not self._rules.opens(Seat.INSTRUCTOR, asked.token):
@@ -234,7 +236,7 @@ class _Connection:
         return message.get("text") or ""
 
     async def seat_taken(self, rules: AccessRules) -> tuple[Seat, str]:
-        """The seat, and the unit of a driver's, that the first message takes; the connection is closed where it takes none."""
+        """The seat that the first message takes, a driver's of which unit; closed where it takes none."""
         why, text = Refusal.FORM, await self._text()
         if len(text.encode()) <= MESSAGE_BYTES_MAX:
             try:

@@ -181,7 +181,7 @@ class Session:
         return self._insert(act_of(AT_DESK, "act", timed, self.names))
 
     def arm(self, faults: Sequence[Mapping[str, Any]], acts: Sequence[Mapping[str, Any]]) -> list[int]:
-        """Faults and acts at times to come, written as a drill has them; their numbers. InputError, and none is armed."""
+        """Faults and acts at times to come, written as a drill has them; their numbers. InputError: none is armed."""
         items: list[ScriptedFault | Act] = []
         for k, table in enumerate(faults):
             items.append(
@@ -196,7 +196,9 @@ class Session:
         at_s = item.trigger.at_s
         step = -1 if at_s is None else step_not_before(at_s + item.trigger.after_s)
         if step <= self.step:
-            raise InputError(AT_DESK, "start", "" if at_s is None else clock_of(step), "a time to come, not an event")
+            raise InputError(
+                AT_DESK, "start", "" if at_s is None else clock_of(step), "a time to come, not an event"
+            )
         return step
 
     def change_fault(self, number: int, keys: Mapping[str, Any]) -> int:
@@ -209,7 +211,12 @@ class Session:
         fault = self.deeds[number].item
         if not isinstance(fault, ScriptedFault):
             raise InputError(AT_DESK, "number", number, _IN_FORCE)
-        table = {"kind": fault.fault.kind, "target": str(fault.fault.target), **fault.fault.parameters(), **keys}
+        table = {
+            "kind": fault.fault.kind,
+            "target": str(fault.fault.target),
+            **fault.fault.parameters(),
+            **keys,
+        }
         changed = self.fail(table)
         self.end_fault(number)
         return changed
@@ -253,8 +260,8 @@ class Session:
         return len(self.deeds) - 1
 
     def _free_step(self, due_step: int | None = None) -> int:
-        """The next step, or the first from when it is due, at which nothing of a script is due: a drill file has no order
-        between faults and acts.
+        """The next step, or the first from when it is due, at which nothing of a script is due: a drill file has no
+        order between faults and acts.
         """
         step = self.step + 1 if due_step is None else due_step
         while not self.simulation.is_free(step):

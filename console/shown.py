@@ -46,8 +46,8 @@ EVENTS_AT_ONCE: Final = 60  # in one message; the rest follows
 class DeskMoment:
     """The present of a session, made once for everybody: `truth` for seats that see it, `known` for the others.
 
-    The events and the graph of `line` grow on; a moment has the first so many of them. `sees_all`: of a run that is only
-    looked at, every seat sees the truth.
+    The events and the graph of `line` grow on; a moment has the first so many of them. `sees_all`: of a run that is
+    only looked at, every seat sees the truth.
     """
 
     truth: State
@@ -70,9 +70,7 @@ class SentSoFar:
     forecast: tuple[TrainForecast, ...] | None = None
 
 
-def state_for(
-    moment: DeskMoment, seat: Seat, had: SentSoFar, unit: str = ""
-) -> tuple[State, SentSoFar]:
+def state_for(moment: DeskMoment, seat: Seat, had: SentSoFar, unit: str = "") -> tuple[State, SentSoFar]:
     """What a connection is sent that has had so much, and what it has had then."""
     leads = RIGHTS[seat].leads or moment.sees_all
     seat = Seat.INSTRUCTOR if moment.sees_all else seat
@@ -89,7 +87,9 @@ def state_for(
         state,
         events=new,
         graph=() if seat is Seat.DRIVER else tuple(graph[had.graph : points]),
-        forecast=None if moment.forecast is had.forecast or not RIGHTS[seat].sees_forecast else moment.forecast,
+        forecast=None
+        if moment.forecast is had.forecast or not RIGHTS[seat].sees_forecast
+        else moment.forecast,
         cab=moment.cabs.get(unit) if seat is Seat.DRIVER else None,
         messages=tuple(m for m in moment.messages if leads or m.seat in ("", seat.value)),
     )

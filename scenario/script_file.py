@@ -63,11 +63,15 @@ class ActTable(Record):
     person: Annotated[Title, about("who does it; some acts need two different persons")] = "controller"
     sections: Annotated[list[str], about("sections that are entered")] = Field(default_factory=list)
     position: Annotated[str, about("position into which points are set: normal or reverse")] = ""
-    place: Annotated[str, about("portal by which the unit left the line; section that another is to have first")] = ""
+    place: Annotated[
+        str, about("portal by which the unit left the line; section that another is to have first")
+    ] = ""
     behind: Annotated[str, about("unit that is to have that section first")] = ""
     train: Annotated[str, about("later train of the set, as which it goes on")] = ""
     notch: Annotated[int, about("above 0 power, below 0 brake; beyond the train's strongest, that")] = 0
-    hold_s: Annotated[DrillTime, about("how long the unit then asks for no route, or is kept back at most")] = 300.0
+    hold_s: Annotated[
+        DrillTime, about("how long the unit then asks for no route, or is kept back at most")
+    ] = 300.0
     pace_s: Annotated[
         Pace | None, about("time for each word of a re-entry; left out: drawn from [people]")
     ] = None
@@ -215,7 +219,9 @@ def act_of(file: str, key: str, table: ActTable, names: Names) -> Act:
     if table.behind and table.behind not in names.units:
         raise InputError(file, f"{key}.behind", table.behind, one_of(names.units, table.behind))
     if bool(table.behind) is not bool(table.place) and kind is ActKind.HOLD_TRAIN:
-        raise InputError(file, f"{key}.place", table.place, "the unit that goes first (behind) and over which section")
+        raise InputError(
+            file, f"{key}.place", table.place, "the unit that goes first (behind) and over which section"
+        )
     if kind is ActKind.END_TRAIN and not table.train:
         raise InputError(file, f"{key}.train", table.train, "the later train of the set, as which it goes on")
     if kind is ActKind.REPAIR_POINTS and table.position not in ("normal", "reverse"):

@@ -1,5 +1,5 @@
-"""What a dispatcher has a train do: wait, until a time or until another has a section (交換順序), or end where it stands
-and go on as a later train of its set (途中折返し, 運休).
+"""What a dispatcher has a train do: wait, until a time or until another has a section (交換順序), or end where it
+stands and go on as a later train of its set (途中折返し, 運休).
 
 Invariant: it only keeps a route back. Nothing is granted by it that would not be granted without; a wait ends by its
 time, whoever forgets it, and all of it is forgotten with the power of the manager.
@@ -23,26 +23,37 @@ WAITS = True  # off: nobody is kept back by what a dispatcher says
 
 def bid(register: Register, event: Bid, now_s: float) -> tuple[Register, tuple[Action, ...]]:
     """The register after what a dispatcher has said of a train; it counts at once, since it only keeps back."""
-    unit_id, section_id = event.unit_id, getattr(event, "section_id", "")
+    why = _why_not(register, event)
+    return (register, (_refused(event, why),)) if why else _taken(register, event, now_s)
+
+
+def _taken(register: Register, event: Bid, now_s: float) -> tuple[Register, tuple[Action, ...]]:
+    unit_id, by = event.unit_id, event.person
     match event:
         case LetGo():
-            if unit_id not in register.bidden:
-                return register, (_refused(event, "it is not kept back"),)
-            return _without(register, unit_id), (Show(WaitOver(unit_id=unit_id, by=event.person)),)
-        case EndTrain(next_train=next_train):
-            if len(register.held_by(unit_id)) != 1:
-                return register, (_refused(event, "it does not stand in one track with nothing ahead granted"),)
-            note = TrainEndBidden(unit_id=unit_id, train=next_train, by=event.person)
-            return _with(register, unit_id, BiddenUnit(next_train=next_train)), (Show(note),)
-        case LetWait(hold_s=hold_s, behind=behind):
-            wrong = _senseless(register, unit_id, behind, section_id)
-            if wrong:
-                return register, (_refused(event, wrong),)
-            until_s = now_s + hold_s
-            note = WaitBidden(
-                unit_id=unit_id, hold_s=hold_s, other_id=behind, section_id=section_id, by=event.person
-            )
-            return _with(register, unit_id, BiddenUnit(until_s, behind, section_id)), (Show(note),)
+            return _without(register, unit_id), (Show(WaitOver(unit_id=unit_id, by=by)),)
+        case EndTrain(next_train=train):
+            note = TrainEndBidden(unit_id=unit_id, train=train, by=by)
+            return _with(register, unit_id, BiddenUnit(next_train=train)), (Show(note),)
+        case LetWait(hold_s=hold_s, behind=behind, section_id=section_id):
+            bidden = BiddenUnit(now_s + hold_s, behind, section_id)
+            shown = WaitBidden(unit_id=unit_id, hold_s=hold_s, other_id=behind, section_id=section_id, by=by)
+            return _with(register, unit_id, bidden), (Show(shown),)
+
+
+def _why_not(register: Register, event: Bid) -> str:
+    """Why that cannot be; empty: it can."""
+    unit_id = event.unit_id
+    if unit_id not in register.plan.unit_ids or not event.person:
+        return "not on the fleet list"
+    match event:
+        case LetGo():
+            return "" if unit_id in register.bidden else "it is not kept back"
+        case EndTrain():
+            stands = len(register.held_by(unit_id)) == 1
+            return "" if stands else "it does not stand in one track with nothing ahead granted"
+        case LetWait(behind=behind, section_id=section_id):
+            return _senseless(register, unit_id, behind, section_id)
 
 
 def _senseless(register: Register, unit_id: str, behind: str, section_id: str) -> str:
@@ -61,7 +72,9 @@ def _senseless(register: Register, unit_id: str, behind: str, section_id: str) -
     return ""
 
 
-def heard(register: Register, unit_id: str, route_id: str, now_s: float) -> tuple[Register, Against | TrainOrdered | None]:
+def heard(
+    register: Register, unit_id: str, route_id: str, now_s: float
+) -> tuple[Register, Against | TrainOrdered | None]:
     """The register as a unit asks for a route: why not now, or what it is told instead; None: nothing keeps it back."""
     mine = register.bidden.get(unit_id)
     if mine is None or not WAITS:
@@ -80,7 +93,9 @@ def settled(before: Register, register: Register) -> tuple[Register, tuple[Actio
     """The register without waits for a unit that has the section now, and what the journal is told."""
     if not register.bidden or register.holders == before.holders:
         return register, ()
-    over = [u for u, b in register.bidden.items() if b.behind and register.holders.get(b.section_id) == b.behind]
+    over = [
+        u for u, b in register.bidden.items() if b.behind and register.holders.get(b.section_id) == b.behind
+    ]
     for unit_id in over:
         register = _without(register, unit_id)
     return register, tuple(Show(WaitOver(unit_id=unit_id)) for unit_id in over)

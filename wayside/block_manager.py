@@ -90,7 +90,7 @@ def step(register: Register, event: Event, now_s: float) -> Step:
         case Heard():
             register, actions = _heard(register, event, now_s)
         case LetWait() | LetGo() | EndTrain():
-            register, actions = _bid(register, event, now_s)
+            register, actions = bidden.bid(register, event, now_s)
         case BoundaryPassed(section_id):
             register, actions = leaving.boundary_passed(register, section_id)
         case _:
@@ -99,12 +99,6 @@ def step(register: Register, event: Event, now_s: float) -> Step:
     register, following = reentry.settle(register, now_s)
     register, over = bidden.settled(before, register)
     return register, (*actions, *following, *over, *newly_contested(before, register))
-
-
-def _bid(register: Register, event: bidden.Bid, now_s: float) -> Step:
-    if event.unit_id not in register.plan.unit_ids or not event.person:
-        return register, (Show(Refused(unit_id=event.unit_id, why="not on the fleet list")),)
-    return bidden.bid(register, event, now_s)
 
 
 def wake_at_s(register: Register) -> float | None:

@@ -123,8 +123,8 @@ class Reentry(msgspec.Struct, frozen=True):
 
 
 class BiddenUnit(msgspec.Struct, frozen=True):
-    """What a unit is to do: no route before `until_s`, or until `behind` has had `section_id`; to go on as `next_train`,
-    as it has been told so often.
+    """What a unit is to do: no route before `until_s`, or until `behind` has had `section_id`; to go on as
+    `next_train`, as it has been told so often.
     """
 
     until_s: float = 0.0
@@ -146,7 +146,8 @@ class Register(msgspec.Struct, frozen=True):
     over power cuts, `kept` the order in which all can finish, as last proven, `sought` the last search that found none,
     `solved` the order of least delay found last, and `now_s` when the last telegram came; all where `plan.days` are.
     `tracks`: for each unit the moves of its day, by place, that end on another track than planned; `cuts`: those from
-    where it went on as another train, and as which; both kept over power cuts. `days` are the days with them. `bidden`: what a dispatcher has units do in this boot.
+    where it went on as another train, and as which; both kept over power cuts. `days` are the days with them.
+    `bidden`: what a dispatcher has units do in this boot.
     """
 
     plan: RegisterPlan

@@ -82,7 +82,7 @@ class UnbarUnit(msgspec.Struct, frozen=True, array_like=True, tag=9):
 
 
 class LetWait(msgspec.Struct, frozen=True, array_like=True, tag=10):
-    """Dispatcher to manager: the unit gets no route for `hold_s`, or until `behind` has the section, whichever is first."""
+    """Dispatcher to manager: the unit gets no route for `hold_s`, or until `behind` has the section before that."""
 
     unit_id: str
     person: str
@@ -335,7 +335,7 @@ class WaitBidden(Noted, frozen=True, kw_only=True, tag="wait_bidden"):
 
 
 class WaitOver(Noted, frozen=True, kw_only=True, tag="wait_over"):
-    """A unit that a dispatcher kept back may have its route again: the other has the section, or somebody has said so."""
+    """A unit that a dispatcher kept back may have its route: the other has the section, or somebody has said so."""
 
     unit_id: str
     by: str = ""

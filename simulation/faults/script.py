@@ -70,7 +70,7 @@ ACT_MEANINGS: Final[Mapping[ActKind, str]] = {
     ActKind.GIVE_BACK: "crew: return the route ahead, not yet entered, and ask for none for a while",
     ActKind.HOLD_TRAIN: "controller: no route for this unit for a while, or until another one has a section",
     ActKind.LET_GO: "controller: what this unit was kept back for does not count any more",
-    ActKind.END_TRAIN: "controller: this unit's train ends where it stands, and its set goes on as a later train of its own",
+    ActKind.END_TRAIN: "controller: this unit's train ends where it stands, its set goes on as a later one",
     ActKind.DRIVE: "crew: drive by hand, with this notch",
     ActKind.DRIVE_BY_ATO: "crew: leave the driving to the law that the scenario has for the stock",
 }

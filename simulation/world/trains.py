@@ -153,14 +153,12 @@ class Trains:
     def _law(self, stock_id: str) -> str:
         return self.setup.laws.get(stock_id, LAW_NAMES[0])
 
-    def drive_by_hand(self, slot: int, notch: float) -> None:
-        """A driver has the handle, and has set this notch."""
-        self.laws[slot].by_hand.notch = notch
-        choose_law(self.laws[slot], by_hand.__name__)
-
-    def drive_by_law(self, slot: int) -> None:
-        """The law that the scenario has for the stock drives again."""
-        choose_law(self.laws[slot], self._law(self.stock_ids[slot]))
+    def drive(self, slot: int, notch: float | None) -> None:
+        """A driver has the handle, and has set this notch; None: the law that the scenario has for the stock drives."""
+        laws = self.laws[slot]
+        if notch is not None:
+            laws.by_hand.notch = notch  # type: ignore[attr-defined]
+        choose_law(laws, self._law(self.stock_ids[slot]) if notch is None else by_hand.__name__)
 
     def position_fixed(self, slot: int) -> None:
         """A fix has told the unit's position anew."""

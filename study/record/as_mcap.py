@@ -1,4 +1,4 @@
-"""A run as an MCAP file, for viewers of recorded data: its journal, a channel each event, and where trains were, a channel
+"""A run as an MCAP file, for viewers of recorded data: its journal, a channel each event, and where trains were, one
 each unit. Messages are JSON, their schemas those of the types that wrote them; times are since midnight.
 """
 
@@ -83,7 +83,9 @@ class _Channels:
         self._writer.finish()
 
     def _schema(self, name: str, schema: dict[str, Any]) -> int:
-        return self._writer.register_schema(name=f"branchline.{name}", encoding=SCHEMA, data=json.dumps(schema).encode())
+        return self._writer.register_schema(
+            name=f"branchline.{name}", encoding=SCHEMA, data=json.dumps(schema).encode()
+        )
 
     def _channel(self, topic: str, schema: int) -> int:
         return self._writer.register_channel(topic=topic, message_encoding=JSON, schema_id=schema)

@@ -44,7 +44,12 @@ def act_text(
     handle = f"notch {notch:+d}" if notch else ""
     english = [f"{person}:" if person else "", act, target, " ".join(sections), position, handle]
     name = phrase_or_name(act, "act").in_("ja")
-    of = [_target(target) if target else "", "・".join(sections), _position(position).in_("ja"), f"ノッチ {notch:+d}" if notch else ""]
+    of = [
+        _target(target) if target else "",
+        "・".join(sections),
+        _position(position).in_("ja"),
+        f"ノッチ {notch:+d}" if notch else "",
+    ]
     by = f"{party(person).in_('ja')}：" if person else ""
     about = "、".join(filter(None, of))
     return Phrase(" ".join(filter(None, english)), f"{by}{name}" + (f"（{about}）" if about else ""))

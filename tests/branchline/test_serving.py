@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from console.server import listening_on
 from console.access import LOOPBACK
+from console.server import listening_on
 from network.errors import InputError
 
 

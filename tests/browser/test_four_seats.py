@@ -1,5 +1,5 @@
-"""The desk in Chromium, four browsers at four seats: the manager loses its power, a train is driven by hand meanwhile, and
-the script of all four is a drill with the same digest. Then axe on each page, where the package that has it is installed.
+"""The desk in Chromium, four browsers at four seats: the manager loses its power, a train is driven by hand meanwhile,
+and the script of all four is a drill with the same digest. Then axe on each page, where the package that has it is.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from typing import Any, Final
 
 import pytest
 
-from console.session import Session
 from scenario.scenario import load_scenario
 from study.drilling.drill import run_drill
 from study.runner.run import PartyLink
@@ -146,9 +145,11 @@ def test_no_text_of_the_line_is_cut_or_overlaps(
     assert body[0] <= size["width"] and body[1] <= size["height"]
     overlaps = page.evaluate(
         """() => {
-          const texts = [...document.querySelectorAll('.schematic text')].map((t) => [t.textContent, t.getBoundingClientRect()]);
+          const texts = [...document.querySelectorAll('.schematic text')]
+            .map((text) => [text.textContent, text.getBoundingClientRect()]);
           return texts.flatMap(([one, a], i) => texts.slice(i + 1).filter(([, b]) =>
-            Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3)
+            Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1
+            && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3)
             .map(([other]) => `${one} | ${other}`));
         }"""
     )
@@ -165,7 +166,9 @@ def test_a_run_is_looked_at_again_with_a_slider(browser: Any, tmp_path: Path) ->
         fill_run(execute(load_scenario("rtri_test_line"), PartyLink.SIMULATED, journal=place.journal), place)
     with served(read_run(tmp_path / "run")) as address:
         page = Seated(browser, address, "instructor", "en")
-        page.page.locator("#slider").evaluate("(one) => { one.value = 36030; one.dispatchEvent(new Event('change')); }")
+        page.page.locator("#slider").evaluate(
+            "(one) => { one.value = 36030; one.dispatchEvent(new Event('change')); }"
+        )
         page.shows("#clock", "10:00:30")
         page.shows(".trains", "T1")
         page.page.get_by_role("button", name="event before").click()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Final
 
 import msgspec
@@ -10,7 +9,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from console.access import on_loopback, with_tokens
-from console.library import LibraryEntry, OpenRequest, Opens, library, opened, taken_from_library
+from console.library import LibraryEntry, LibraryRequest, Opens, library, opened, taken_from_library
 from console.protocol import DoAct, GoBack, NextEvent, RunTo, SetPace, State
 from console.replay import Replay
 from console.seats import Seat
@@ -88,21 +87,20 @@ def test_the_library_has_what_is_shipped_and_the_finished_runs_of_its_folder(run
     assert LibraryEntry(Opens.SCENARIO, "karasuyama_weekday") in entries
     assert any(entry.kind is Opens.DRILL and entry.name == "rtri/09_manager_power" for entry in entries)
     assert [entry.name for entry in entries if entry.kind is Opens.RUN] == ["two"]
-    assert isinstance(taken_from_library(OpenRequest(Opens.RUN, "two"), run.directory.parent), RunRead)
+    assert isinstance(taken_from_library(LibraryRequest(Opens.RUN, "two"), run.directory.parent), RunRead)
     assert isinstance(opened(str(run.directory)), RunRead)
 
 
 @pytest.mark.parametrize("name", ["../two", "/etc", "three", "karasuyama_weekday"])
 def test_nothing_but_the_library_can_be_opened_by_a_page(run: RunRead, name: str) -> None:
     with pytest.raises(InputError, match="something of the library"):
-        taken_from_library(OpenRequest(Opens.RUN, name), run.directory.parent)
-
+        taken_from_library(LibraryRequest(Opens.RUN, name), run.directory.parent)
 
 
 def test_only_the_instructor_and_only_a_page_of_the_desk_opens_something() -> None:
-    found: list[OpenRequest] = []
+    found: list[LibraryRequest] = []
 
-    def opens(asked: OpenRequest) -> None:
+    def opens(asked: LibraryRequest) -> None:
         found.append(asked)
 
     for rules, origin, token, code in (

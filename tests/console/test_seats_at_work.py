@@ -50,7 +50,9 @@ def ask(desk: Desk, request: Request, seat: Seat = Seat.INSTRUCTOR, unit: str = 
     return desk.ask(seat, request, 0.0, unit)
 
 
-def test_a_train_driven_by_hand_keeps_to_its_authority_and_replays(two_trains: Scenario, tmp_path: Path) -> None:
+def test_a_train_driven_by_hand_keeps_to_its_authority_and_replays(
+    two_trains: Scenario, tmp_path: Path
+) -> None:
     """Full power from the departure on, and nobody brakes: the unit does, and nothing is passed."""
     with Session(two_trains) as session:
         desk = Desk(session)
@@ -180,7 +182,9 @@ def test_a_fault_goes_on_with_other_figures(two_trains: Scenario, tmp_path: Path
     assert replayed(session, tmp_path).digest == result.digest
 
 
-def test_what_was_armed_before_is_kept_when_one_goes_back_and_what_came_later_is_not(two_trains: Scenario) -> None:
+def test_what_was_armed_before_is_kept_when_one_goes_back_and_what_came_later_is_not(
+    two_trains: Scenario,
+) -> None:
     with Session(two_trains) as session:
         desk = Desk(session)
         session.run_to((TEN - 200) * STEPS_PER_S)

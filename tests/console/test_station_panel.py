@@ -24,7 +24,10 @@ def test_it_holds_a_train_and_records_what_it_hears(two_trains: Scenario, tmp_pa
     uvicorn = pytest.importorskip("uvicorn", reason="the extra [console] is not installed")
     from console.server import DeskServer, listening_on
 
-    said = [f"VERSION = {VERSION}\n" in PANEL.read_text("utf-8"), len(PANEL.read_text("utf-8").splitlines()) < 100]
+    said = [
+        f"VERSION = {VERSION}\n" in PANEL.read_text("utf-8"),
+        len(PANEL.read_text("utf-8").splitlines()) < 100,
+    ]
     assert said == [True, True]
     with listening_on(LOOPBACK, 0) as bound:
         address = f"ws://{LOOPBACK}:{bound.getsockname()[1]}/desk"
@@ -67,7 +70,14 @@ def test_its_board_has_the_next_departures_with_how_late_they_are() -> None:
             {"train": "T3", "times_s": [38_000.0, 38_090.0], "at_m": [0.0, 900.0]},
         ],
     }
-    state = {"time_s": 36_100.0, "trains": [{"train": "T1", "late_s": 130.0}, {"train": "T2", "late_s": 30.0}]}
+    state = {
+        "time_s": 36_100.0,
+        "trains": [{"train": "T1", "late_s": 130.0}, {"train": "T2", "late_s": 30.0}],
+    }
     board = scope["board"]
     assert callable(board)
-    assert [row.rstrip() for row in board(welcome, state, "A")] == ["10:00 T1     2 min late", "10:18 T2", "10:33 T3"]
+    assert [row.rstrip() for row in board(welcome, state, "A")] == [
+        "10:00 T1     2 min late",
+        "10:18 T2",
+        "10:33 T3",
+    ]

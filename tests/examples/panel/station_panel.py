@@ -1,4 +1,4 @@
-"""A station's panel at the desk: the next departures, and a telephone to the dispatcher's desk by which a train is held.
+"""A station's panel at the desk: the next departures, and a telephone to the dispatcher by which a train is held.
 
     python station_panel.py ws://127.0.0.1:8580/desk OGN
     python station_panel.py ws://127.0.0.1:8580/desk OGN --hold V3 300
@@ -13,6 +13,7 @@ import argparse
 import json
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from websockets.sync.client import ClientConnection, connect
@@ -48,7 +49,7 @@ def messages(desk: ClientConnection, seat: str, record: str | None) -> Iterator[
     desk.send(json.dumps({"say": "hello", "seat": seat, "version": VERSION}))
     for text in desk:
         if record is not None:
-            with open(record, "a", encoding="utf-8") as file:
+            with Path(record).open("a", encoding="utf-8") as file:
                 file.write(f"{text}\n")
         yield json.loads(text)
 

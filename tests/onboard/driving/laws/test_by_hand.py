@@ -1,4 +1,4 @@
-"""A handle at full power, or anywhere: what lies outside the law brakes for limits, and nothing passes the stop limit."""
+"""A handle at full power, or anywhere: what lies outside brakes for limits, and nothing passes the stop limit."""
 
 from __future__ import annotations
 
