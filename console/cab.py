@@ -31,20 +31,19 @@ def cab_of(session: Session, unit: str) -> CabShown:
     stands = target if command.stands_at is None or duty is None else duty.mission.targets[command.stands_at]
     handed = LAWS[int(laws.number)].name == by_hand.__name__
     waits = simulation.waits_for(slot)
-    moves = sample is not None
     return CabShown(
         unit=unit,
         train="" if duty is None else duty.train.number,
         powered=slot not in simulation.on_board.unpowered,
         speed_mps=0.0 if motion is None else motion.speed_mps,
-        permitted_mps=_finite(float(sample["permitted_mps"])) if moves else None,
-        target_mps=_finite(float(sample["target_mps"])) or 0.0 if moves else 0.0,
-        notch=float(sample["notch"]) if moves else -float(kind.brake_notches),
+        permitted_mps=None if sample is None else _finite(float(sample["permitted_mps"])),
+        target_mps=0.0 if sample is None else _finite(float(sample["target_mps"])) or 0.0,
+        notch=-float(kind.brake_notches) if sample is None else float(sample["notch"]),
         by_hand=handed,
         handle=float(laws.by_hand.notch) if handed else 0.0,  # type: ignore[attr-defined]
         power_notches=int(kind.power_notches),
         brake_notches=int(kind.brake_notches),
-        intervention=int(sample["intervention"]) if moves else 0,
+        intervention=0 if sample is None else int(sample["intervention"]),
         may_drive=command.drive,
         on_sight=command.on_sight or command.sweeps,
         authority_m=None if at_m is None else _finite(float(row.stop_limit_m) - at_m),

@@ -101,7 +101,7 @@ class DayForecast:
                     (before.arrives_s + late_s, self._m(before.section_id))
                 )
         for move in moves:
-            hop = days.hops[move.index][move.place]
+            hop = days.hops[move.stock][move.place]
             if not hop.route_id:
                 continue
             own = points.setdefault(hop.train, [])

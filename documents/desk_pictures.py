@@ -61,7 +61,12 @@ def _desk() -> Generator[str]:
     with listening_on(LOOPBACK, 0) as bound:
         port = bound.getsockname()[1]
         server = DeskServer(on_loopback(port))
-        live = LiveDesk(load_scenario("karasuyama_weekday"), lambda: (changed.set(), server.changed())[1])
+
+        def note() -> None:
+            changed.set()
+            server.changed()
+
+        live = LiveDesk(load_scenario("karasuyama_weekday"), note)
         live.start()
         server.desk = live
         _ask(live, RunTo(time_s=AT_S))

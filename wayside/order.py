@@ -270,7 +270,7 @@ def delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[int
     until_s = register.now_s + AHEAD_S
     delay_s = 0.0
     for move in moves:
-        hops = days.hops[move.index]
+        hops = days.hops[move.stock]
         hop, following = hops[move.place], move.place + 1
         if hop.arrives_s < until_s and (following == len(hops) or hops[following].train != hop.train):
             delay_s += max(0.0, move.comes_s - hop.arrives_s)
@@ -280,7 +280,7 @@ def delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[int
 class PlayedMove(NamedTuple):
     """A move of a stock, by its place in its day, and when it then leaves and comes, s since midnight."""
 
-    index: int
+    stock: int
     place: int
     leaves_s: float
     comes_s: float

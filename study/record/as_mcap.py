@@ -8,14 +8,14 @@ import json
 from collections.abc import Iterator
 from heapq import merge
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import IO, Any, Final, NamedTuple
 
 import msgspec
 from mcap.writer import Writer
 
 from network.files.text_input import existing_file
-from simulation.events import EVENTS, EventType, word_of
-from simulation.journal import JournalEntry, encode_entry, read_journal
+from simulation.events import EVENTS, EventType, JournalEntry, word_of
+from simulation.journal import encode_entry, read_journal
 from study.record.calls import TracePoint
 from study.record.directory import JOURNAL_FILE
 from study.record.read_back import RunRead
@@ -53,8 +53,8 @@ def write_mcap(read: RunRead, file: Path) -> McapCounts:
 class _Channels:
     """The file, with its channels as they come to be needed."""
 
-    def __init__(self, stream: object) -> None:
-        self._writer = Writer(stream)  # type: ignore[arg-type]
+    def __init__(self, stream: IO[bytes]) -> None:
+        self._writer = Writer(stream)
         self._writer.start(profile="", library="branchline")
         self._channels: dict[str, int] = {}
         self._sampled: int | None = None
@@ -83,12 +83,14 @@ class _Channels:
         self._writer.finish()
 
     def _schema(self, name: str, schema: dict[str, Any]) -> int:
-        return self._writer.register_schema(
-            name=f"branchline.{name}", encoding=SCHEMA, data=json.dumps(schema).encode()
+        return int(
+            self._writer.register_schema(
+                name=f"branchline.{name}", encoding=SCHEMA, data=json.dumps(schema).encode()
+            )
         )
 
     def _channel(self, topic: str, schema: int) -> int:
-        return self._writer.register_channel(topic=topic, message_encoding=JSON, schema_id=schema)
+        return int(self._writer.register_channel(topic=topic, message_encoding=JSON, schema_id=schema))
 
 
 def event_schema(kind: EventType) -> dict[str, Any]:

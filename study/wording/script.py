@@ -41,14 +41,14 @@ def act_text(
     act: str, person: str, target: str, sections: tuple[str, ...] = (), position: str = "", notch: int = 0
 ) -> Phrase:
     """What a person does."""
-    handle = f"notch {notch:+d}" if notch else ""
-    english = [f"{person}:" if person else "", act, target, " ".join(sections), position, handle]
+    handle = phrase("notch {notch}").fill(notch=f"{notch:+d}") if notch else NOTHING
+    english = [f"{person}:" if person else "", act, target, " ".join(sections), position, handle.en]
     name = phrase_or_name(act, "act").in_("ja")
     of = [
         _target(target) if target else "",
         "・".join(sections),
         _position(position).in_("ja"),
-        f"ノッチ {notch:+d}" if notch else "",
+        handle.in_("ja"),
     ]
     by = f"{party(person).in_('ja')}：" if person else ""
     about = "、".join(filter(None, of))

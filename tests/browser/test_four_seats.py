@@ -15,7 +15,7 @@ import pytest
 from scenario.scenario import load_scenario
 from study.drilling.drill import run_drill
 from study.runner.run import PartyLink
-from tests.browser.test_desk import WAIT_MS, Seated, served
+from tests.browser.test_desk import Seated, served
 
 pytestmark = [pytest.mark.browser, pytest.mark.system]
 
@@ -115,7 +115,7 @@ def test_axe_finds_nothing_serious(
     context = browser.new_context(viewport=SIZES[0], bypass_csp=True)
     page = context.new_page()
     page.goto(f"{address}?lang={language}" + (f"&seat={seat}" if seat else ""))
-    page.wait_for_selector(".section" if seat else ".seats a", timeout=WAIT_MS)
+    page.wait_for_selector("#clock" if seat else ".seats a")
     page.evaluate(axe)
     found = page.evaluate("() => axe.run()")
     context.close()
@@ -139,8 +139,8 @@ def test_no_text_of_the_line_is_cut_or_overlaps(
 ) -> None:
     page = browser.new_page(viewport=size)
     page.goto(f"{address}?lang={language}&seat={seat}")
-    page.wait_for_selector("#clock", timeout=WAIT_MS)
-    page.wait_for_selector(".section, .cab", timeout=WAIT_MS)
+    page.wait_for_selector("#clock")
+    page.wait_for_selector("#deeds", state="attached")
     body = page.evaluate("() => [document.body.scrollWidth, document.body.scrollHeight]")
     assert body[0] <= size["width"] and body[1] <= size["height"]
     overlaps = page.evaluate(
