@@ -10,6 +10,7 @@ from onboard.driving.laws.by_hand import by_hand
 from onboard.driving.laws.table import LAWS
 from onboard.duty.records import DrivingCommand
 from onboard.mission import Target
+from study.wording.catalogue import phrases_of
 from study.wording.reasons import reason
 
 
@@ -55,8 +56,14 @@ def cab_of(session: Session, unit: str) -> CabShown:
         departs_s=None if stands is None else stands.departure_s,
         held=command.held,
         waits_for=waits,
-        waits_for_ja=reason(waits).in_("ja") if waits else "",
+        waits_for_ja=wait_ja(waits),
     )
+
+
+def wait_ja(waits_for: str) -> str:
+    """What a train waits for, in Japanese."""
+    known = phrases_of("cause").get(waits_for)
+    return reason(waits_for).in_("ja") if known is None else known.ja
 
 
 def _next_stop(command: DrivingCommand, targets: tuple[Target, ...]) -> Target | None:

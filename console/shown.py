@@ -8,7 +8,7 @@ from typing import Final
 
 import msgspec
 
-from console.cab import cab_of
+from console.cab import cab_of, wait_ja
 from console.line_seen import LineSeen, SeenEvent
 from console.protocol import (
     VERSION,
@@ -35,7 +35,6 @@ from simulation.faults.fault import Names
 from simulation.faults.table import KINDS
 from simulation.judge.checkers import Checker
 from simulation.setup import STEPS_PER_S, Setup
-from study.wording.reasons import reason
 from study.wording.script import fault_name, item_text
 
 CREW_SEEN: Final = "crew"  # whose acts drivers know of
@@ -170,7 +169,7 @@ def _true_train(session: Session, train: TrainShown) -> TrainShown:
         section=piece.section_id,
         speed_mps=motion.speed_mps,
         waits_for=waits_for,
-        waits_for_ja=reason(waits_for).in_("ja") if waits_for else "",
+        waits_for_ja=wait_ja(waits_for),
     )
 
 

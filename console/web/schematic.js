@@ -59,7 +59,8 @@ export function schematic(known, words, pick) {
     here.forEach((train, i) => marks.append(trainMark(box, train, i, chosen)));
     if (!here.length && section.unit) svg.append(label(box.x + box.width / 2, box.y + 15, section.unit, "middle", "unit"));
   }
-  for (const points of welcome.points) {
+  const there = new Set(state.sections.map((section) => section.id)); // a driver's page has what the train holds
+  for (const points of welcome.points.filter((one) => there.has(one.section))) {
     const box = boxes.get(points.section), lies = state.points.find((one) => one.id === points.id);
     const sign = !lies ? "" : lies.position === "normal" ? " N" : lies.position === "reverse" ? " R" : " ?";
     const group = drawn("g", { ...chosen("points", points.id), class: "points", "aria-label": points.id + sign });
@@ -88,7 +89,8 @@ export function schematic(known, words, pick) {
 }
 
 function trainMark(box, train, i, chosen) {
-  const x = box.x + (train.at_m === null ? 0.5 : share(box, train.at_m)) * box.width, y = box.y + 15 + i * 12;
+  const half = 26, there = box.x + (train.at_m === null ? 0.5 : share(box, train.at_m)) * box.width;
+  const x = Math.max(box.x + half, Math.min(box.x + box.width - half, there)), y = box.y + 15 + i * 12;
   const group = drawn("g", { class: "train", ...chosen("unit", train.unit), "aria-label": `${train.train} ${train.unit}` });
   group.append(drawn("title", {}, `${train.train} ${train.unit} ${train.waits_for}`), label(x, y, `◆ ${train.train || train.unit}`, "middle", "number"));
   return group;
