@@ -86,6 +86,7 @@ sightings: install
 
 pictures: install
 	$(BIN)/python -m documents.pictures
+	$(BIN)/python -m documents.desk_pictures $(or $(DESK_PICTURES),runs/desk-pictures)
 
 # The figures and pictures of docs/studies, from eleven days, which are run where RUNS does not have them: minutes.
 RUNS ?= runs

@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 from branchline.displib import export_displib
+from branchline.exporting_mcap import export_mcap
 from branchline.exporting_sumo import export_sumo_command
 from branchline.gtfs import export_gtfs
 from branchline.oudia import export_oudia
@@ -21,3 +22,4 @@ def _of_all_exports() -> None:
 exporters.command("oudia")(export_oudia)
 exporters.command("gtfs")(export_gtfs)
 exporters.command("displib")(export_displib)
+exporters.command("mcap")(export_mcap)

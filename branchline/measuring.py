@@ -21,7 +21,7 @@ def bench(
         list[str] | None,
         typer.Option(
             "--part",
-            help="Of links, laws, collation, certificate, sweep and start; may be repeated. Default: links.",
+            help="Of links, laws, collation, certificate, sweep, start and serve; may be repeated. Default: links.",
         ),
     ] = None,
     as_json: Json = False,

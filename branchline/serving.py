@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 import sys
 import webbrowser
 from pathlib import Path
@@ -16,12 +15,20 @@ from network.errors import COMMAND_LINE, InputError
 
 if TYPE_CHECKING:
     from console.access import AccessRules
+    from scenario.scenario import Scenario
+    from study.record.read_back import RunRead
 
 PORT: Final = 8580
 
 
 def serve(
-    name: Annotated[str, typer.Argument(help="A scenario or a drill: shipped, or a file (.toml).")],
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            help="A scenario or a drill: shipped, or a file (.toml); or the directory of a finished run, to look"
+            " at again. Left out: the page has all that are shipped, and the runs in `runs`, to choose from."
+        ),
+    ] = None,
     seed: Seed = None,
     port: Annotated[int, typer.Option("--port", min=0, max=65_535, help="0: any that is free.")] = PORT,
     listen: Annotated[
@@ -36,54 +43,53 @@ def serve(
     ] = None,
     open_page: Annotated[bool, typer.Option("--open", help="Open the instructor's page.")] = False,
 ) -> None:
-    """Run a line by the clock, with an instructor who breaks it and a dispatcher who works it, until interrupted."""
+    """Run a line by the clock, with seats in the browser to break and to work it, or look at a run again."""
     with needing_extra("console", "serve"):
         import uvicorn
 
         from console.access import LOOPBACK, on_loopback, with_tokens, write_tokens
+        from console.library import LibraryRequest, opened, taken_from_library
         from console.live import LiveDesk
         from console.protocol import MESSAGE_BYTES_MAX
-        from console.server import DeskServer
-
-    from scenario.scenario import load_scenario
-    from study.drilling.drill import find_drill, shipped_drills
+        from console.server import DeskServer, listening_on
 
     if (listen is None) is not (tokens is None):
         raise InputError(COMMAND_LINE, "--tokens", tokens, "a new file with --listen, and only then")
-    scenario = load_scenario(find_drill(name) if name in shipped_drills() else name, seed)
-    with bound_socket(listen or LOOPBACK, port) as bound:
+    first = None if name is None else opened(name, seed)
+    with listening_on(listen or LOOPBACK, port) as bound:
         host, at = bound.getsockname()[:2]
         rules = on_loopback(at) if tokens is None else with_tokens()
         if tokens is not None:
             write_tokens(rules, tokens)
         server = DeskServer(rules)
-        live = LiveDesk(scenario, server.changed)
-        live.start()
-        server.desk = live
+        desks: list[LiveDesk] = []
+
+        def begin(what: Scenario | RunRead) -> LiveDesk:
+            while desks:
+                desks.pop().stop()
+            desk = LiveDesk(what, server.changed)
+            desk.start()
+            desks.append(desk)
+            return desk
+
+        def open_from_library(asked: LibraryRequest) -> LiveDesk:
+            return begin(taken_from_library(asked))
+
+        if first is None:
+            server.opens = open_from_library
+        else:
+            server.desk = begin(first)
         _tell(f"http://{host}:{at}/", rules, tokens)
         if open_page:
-            webbrowser.open(f"http://{host}:{at}/?seat=instructor")
+            webbrowser.open(f"http://{host}:{at}/" + ("" if first is None else "?seat=instructor"))
         config = uvicorn.Config(
             server.app, log_level="warning", ws="websockets-sansio", ws_max_size=MESSAGE_BYTES_MAX
         )
         try:
             uvicorn.Server(config).run(sockets=[bound])
         finally:
-            live.stop()
-
-
-def bound_socket(host: str, port: int) -> socket.socket:
-    """A socket on an address. InputError where that cannot be had."""
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    bound = socket.socket(family)
-    try:
-        bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        bound.bind((host, port))
-    except OSError as error:
-        bound.close()
-        expected = f"an address and port of this machine that are free: {error.strerror}"
-        raise InputError(COMMAND_LINE, "--port", f"{host}:{port}", expected) from error
-    return bound
+            while desks:
+                desks.pop().stop()
 
 
 def _tell(address: str, rules: AccessRules, tokens: Path | None) -> None:

@@ -10,6 +10,9 @@ from typing import Any, Final, NamedTuple
 
 from console.pacing import Pacer
 from console.protocol import (
+    ArmScript,
+    AskProtocol,
+    ChangeFault,
     DeskAnswer,
     DoAct,
     EndFault,
@@ -20,10 +23,13 @@ from console.protocol import (
     Request,
     RunTo,
     SaveDrill,
+    SayToSeat,
+    SeatMessage,
     SetPace,
     Welcome,
 )
-from console.seats import RIGHTS, Seat
+from console.score import RefusedAct, score_json, score_of
+from console.seats import OF_OWN_UNIT, RIGHTS, Seat
 from console.session import AT_DESK, Session
 from console.shown import DeskMoment, moment_of, welcome_of
 from network.errors import InputError
@@ -49,6 +55,9 @@ class Desk:
         self._session: Final = session
         self._pacer = Pacer(step=session.step)
         self._branch = 0
+        self._messages: list[SeatMessage] = []
+        self._refused: list[RefusedAct] = []
+        self.cabs: frozenset[str] = frozenset()  # units whose drivers look on
 
     def welcome(self, seat: Seat) -> Welcome:
         """What a seat is told once."""
@@ -58,7 +67,15 @@ class Desk:
     def moment(self) -> DeskMoment:
         """The present."""
         running = self._pacer.factor > 0.0 or self._pacer.goal is not None
-        return moment_of(self._session, self._session.line, self._pacer.factor, self._branch, running=running)
+        return moment_of(
+            self._session,
+            self._session.line,
+            self._pacer.factor,
+            self._branch,
+            running=running,
+            messages=tuple(self._messages),
+            units=self.cabs,
+        )
 
     # time -------------------------------------------------------------------------------------------------------------
 
@@ -76,38 +93,53 @@ class Desk:
 
     # what is asked ----------------------------------------------------------------------------------------------------
 
-    def ask(self, seat: Seat, request: Request, now_s: float) -> DeskAnswer:
-        """Do what a seat asks for, or say why not."""
+    def ask(self, seat: Seat, request: Request, now_s: float, unit: str = "") -> DeskAnswer:
+        """Do what a seat asks for, a driver's that of this unit, or say why not."""
         try:
-            return self._done(seat, request, now_s)
+            return self._done(seat, request, now_s, unit)
         except InputError as error:
+            if isinstance(request, DoAct):
+                self._refused.append(RefusedAct(self._session.now_s, seat.value, str(error)))
             return DeskAnswer(number=request.number, good=False, why=str(error))
 
-    def _done(self, seat: Seat, request: Request, now_s: float) -> DeskAnswer:
-        number = request.number
+    def _done(self, seat: Seat, request: Request, now_s: float, unit: str) -> DeskAnswer:
+        text, deed = "", None
         match request:
             case DoAct(act=table):
-                return DeskAnswer(number=number, good=True, deed=self._session.act(_act_of(seat, table)))
+                deed = self._session.act(_act_of(seat, table, unit))
             case SaveDrill(id=own_id, title=title):
                 if not is_identifier(own_id):
                     raise InputError(AT_DESK, "id", own_id, IDENTIFIER_HELP)
-                return DeskAnswer(
-                    number=number, good=True, text=self._session.drill_text(own_id, title or own_id)
-                )
+                text = self._session.drill_text(own_id, title or own_id)
+            case AskProtocol():
+                text = score_json(score_of(self._session, tuple(self._refused), tuple(self._messages)))
             case _ if not RIGHTS[seat].leads:
                 raise InputError(AT_DESK, "seat", seat.value, f"{Seat.INSTRUCTOR.value}, who leads the run")
-            case Fail(fault=table):
-                return DeskAnswer(number=number, good=True, deed=self._session.fail(table))
-            case EndFault(deed=deed):
-                self._session.end_fault(deed)
-                return DeskAnswer(number=number, good=True, deed=deed)
+            case Fail() | EndFault() | ChangeFault() | ArmScript():
+                deed = self._break(request)
+            case SayToSeat(text=said, seat=to):
+                to_seat = "" if to is None else to.value
+                self._messages.append(SeatMessage(time_s=self._session.now_s, text=said, seat=to_seat))
             case GoBack(time_s=time_s):
                 self._session.go_back(step_not_before(time_s))
                 self._branch += 1
                 self._stand(now_s)
             case _:
                 self._move(request, now_s)
-        return DeskAnswer(number=number, good=True)
+        return DeskAnswer(number=request.number, good=True, text=text, deed=deed)
+
+    def _break(self, request: Fail | EndFault | ChangeFault | ArmScript) -> int | None:
+        session = self._session
+        match request:
+            case Fail(fault=table):
+                return session.fail(table)
+            case EndFault(deed=deed):
+                session.end_fault(deed)
+                return deed
+            case ChangeFault(deed=deed, keys=keys):
+                return session.change_fault(deed, keys)
+            case ArmScript(faults=faults, acts=acts):
+                return next(iter(session.arm(faults, acts)), None)
 
     def _move(self, request: SetPace | OneStep | NextEvent | RunTo, now_s: float) -> None:
         session = self._session
@@ -129,12 +161,14 @@ class Desk:
         self._pacer = Pacer(0.0, self._session.step, now_s)
 
 
-def _act_of(seat: Seat, table: Mapping[str, Any]) -> dict[str, Any]:
+def _act_of(seat: Seat, table: Mapping[str, Any], unit: str) -> dict[str, Any]:
     """An act as that of whoever has the seat. InputError for one that is another's."""
     rights, kind = RIGHTS[seat], table.get("kind")
     own = sorted(act.value for act in rights.acts)
     if kind not in own and kind in [act.value for act in ActKind]:
         raise InputError(AT_DESK, "act.kind", kind, f"what the seat {seat.value} may do: {one_of(own)}")
+    if seat is Seat.DRIVER and ActKind(str(kind)) in OF_OWN_UNIT and table.get("target") != unit:
+        raise InputError(AT_DESK, "act.target", table.get("target"), f"{unit}, whose cab this is")
     person = table.get("person", rights.person)
     if person != rights.person and not rights.leads:
         raise InputError(AT_DESK, "act.person", person, f"{rights.person}, whose seat this is")

@@ -7,7 +7,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from console.protocol import EventShown, GraphPoint, SectionShown, SectionState, TrainShown
+from console.forecast import DayForecast
+from console.protocol import (
+    BidShown,
+    EventShown,
+    GraphPoint,
+    SectionShown,
+    SectionState,
+    TrainForecast,
+    TrainShown,
+)
 from network.timetable import Call
 from onboard import notes
 from radio.noted import TelegramDropped, TookEffect
@@ -22,6 +31,7 @@ from simulation.events import (
     Unsafe,
 )
 from simulation.setup import Setup
+from study.measures.recovery import LATE_S
 from study.wording.events import EVENT_WORDINGS, event_text
 from study.wording.phrase import names_of
 from wayside import said
@@ -33,6 +43,7 @@ ALARMS: Final = (
     said.Contradicted,
     said.NoOrderKnown,
     said.PointsUnproven,
+    said.NotDone,
     notes.Mismatch,
     notes.UnitRestarted,
     notes.VehicleUnfit,
@@ -60,15 +71,28 @@ class SeenEvent:
 class LineSeen:
     """The line as its own words tell it; `events` and `graph` only grow."""
 
-    def __init__(self, setup: Setup) -> None:
+    def __init__(self, setup: Setup, forecast: DayForecast | None = None) -> None:
+        self._forecast: Final = forecast
+        self._bids: dict[str, BidShown] = {}
         self.events: list[SeenEvent] = []
         self.graph: list[GraphPoint] = []
         self.defined = False
         self.manager_on = True
+        self.outages: list[tuple[float, float | None]] = []  # from when until when nothing was defined
+        self.late: list[GraphPoint] = []  # where trains were late
+        self._begun = False  # the line has been defined once
         self._names: Final = names_of(setup.line)
         self._line, self._timetable = setup.line, setup.timetable
         self._held: dict[str, tuple[str, ...]] = {}  # by unit
         self._units = {diagram.stock_id: _Heard() for diagram in setup.timetable.diagrams}
+
+    def forecast(self, now_s: float) -> tuple[TrainForecast, ...]:
+        """What follows for each train; none where it is not known."""
+        return () if self._forecast is None or not self.manager_on else self._forecast.trains(now_s)
+
+    def bids(self, now_s: float) -> tuple[BidShown, ...]:
+        """Trains that a dispatcher keeps back."""
+        return tuple(bid for bid in self._bids.values() if bid.until_s > now_s)
 
     @property
     def sections(self) -> tuple[SectionShown, ...]:
@@ -116,6 +140,9 @@ class LineSeen:
                 self.manager_on = True
             case _:
                 pass
+        self._note_outage(entry.t_s)
+        if self._forecast is not None:
+            self._forecast.see(entry, self._held)
         if type(entry.event) in EVENT_WORDINGS and not isinstance(entry.event, TelegramDropped):
             words = event_text(entry.event, self._names)
             shown = EventShown(
@@ -123,14 +150,25 @@ class LineSeen:
                 who=entry.who,
                 text=words.en,
                 text_ja=words.in_("ja"),
-                alarm=isinstance(entry.event, ALARMS),
+                alarm=isinstance(entry.event, ALARMS) or _refuses_person(entry),
             )
             self.events.append(SeenEvent(shown, entry.who == WORLD and not isinstance(entry.event, Acted)))
 
+    def _note_outage(self, t_s: float) -> None:
+        whole = self.defined and self.manager_on
+        lasts = bool(self.outages) and self.outages[-1][1] is None
+        if self._begun and not whole and not lasts:
+            self.outages.append((t_s, None))
+        elif whole and lasts:
+            self.outages[-1] = (self.outages[-1][0], t_s)
+        self._begun = self._begun or whole
+
     def _of_manager(self, entry: JournalEntry) -> None:
+        t_s = entry.t_s
         match entry.event:
             case said.Started(epoch=epoch):
                 self._held.clear()
+                self._bids.clear()
                 self.defined = epoch == 1
                 self.manager_on = True
             case said.PictureChanged(stage=stage):
@@ -144,6 +182,10 @@ class LineSeen:
                 self._held[unit] = sections
             case said.Freed(unit_id=unit, section_ids=sections):
                 self._held[unit] = tuple(s for s in self._held.get(unit, ()) if s not in sections)
+            case said.WaitBidden(unit_id=unit, hold_s=hold_s, other_id=other, section_id=section):
+                self._bids[unit] = BidShown(unit=unit, until_s=t_s + hold_s, behind=other, section=section)
+            case said.WaitOver(unit_id=unit):
+                self._bids.pop(unit, None)
             case said.Outside(unit_id=unit):
                 self._held.pop(unit, None)
             case _:
@@ -171,7 +213,16 @@ class LineSeen:
         if planned_s is not None:
             heard.late_s = t_s - planned_s
         at_m = self._line.stations[station].position_m
-        self.graph.append(GraphPoint(train=heard.train, time_s=t_s, at_m=at_m))
+        point = GraphPoint(train=heard.train, time_s=t_s, at_m=at_m)
+        self.graph.append(point)
+        if planned_s is not None and t_s - planned_s >= LATE_S:
+            self.late.append(point)
+
+
+def _refuses_person(entry: JournalEntry) -> bool:
+    """Whether the manager has refused what somebody entered."""
+    event = entry.event
+    return entry.who == MANAGER and isinstance(event, said.Refused) and ": " in event.why
 
 
 def _planned_s(call: Call, *, leaves: bool) -> float | None:

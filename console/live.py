@@ -7,7 +7,8 @@ queue that has an end. SUMO and the compiled code live in this thread alone.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from queue import Empty, Full, Queue
 from threading import Event, Thread
@@ -15,10 +16,12 @@ from typing import Final
 
 from console.desk import Desk
 from console.protocol import DeskAnswer, Request, Welcome
+from console.replay import Replay
 from console.seats import Seat
 from console.session import Session
 from console.shown import DeskMoment
 from scenario.scenario import Scenario
+from study.record.read_back import RunRead
 from study.runner.collector import collecting_rarely
 
 UPDATES_EVERY_S: Final = 0.1
@@ -32,19 +35,32 @@ class _QueuedRequest:
     seat: Seat
     request: Request
     take: Take
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Looked:
+    """Somebody looks from another cab."""
+
+
+_LOOKED: Final = _Looked()
 
 
 class LiveDesk:
-    """A desk that runs. `changed` is called from its thread when there is a new `moment`."""
+    """A desk that runs, of a scenario, or of a run that is looked at again.
 
-    def __init__(self, scenario: Scenario, changed: Callable[[], None]) -> None:
-        self._scenario: Final = scenario
+    `changed` is called from its thread when there is a new `moment`.
+    """
+
+    def __init__(self, what: Scenario | RunRead, changed: Callable[[], None]) -> None:
+        self._what: Final = what
         self._changed: Final = changed
-        self._queue: Queue[_QueuedRequest | None] = Queue(WAITING_MAX)
+        self._queue: Queue[_QueuedRequest | _Looked | None] = Queue(WAITING_MAX)
         self._thread = Thread(target=self._run, name="desk")
         self._ready = Event()
         self._welcomes: dict[Seat, Welcome] = {}
         self._moment: DeskMoment | None = None
+        self._cabs: frozenset[str] = frozenset()
         self.error: BaseException | None = None
 
     def start(self) -> None:
@@ -53,6 +69,11 @@ class LiveDesk:
         self._ready.wait()
         if self.error is not None:
             raise self.error
+
+    @property
+    def thread_id(self) -> int | None:
+        """Of the thread in which the run is, as the system counts it."""
+        return self._thread.native_id
 
     def stop(self) -> None:
         """End the run where it is."""
@@ -71,17 +92,23 @@ class LiveDesk:
         """What a seat is told once."""
         return self._welcomes[seat]
 
-    def ask(self, seat: Seat, request: Request, take: Take) -> None:
+    def look_from(self, units: frozenset[str]) -> None:
+        """From now on these units' cabs are looked at."""
+        if units != self._cabs:
+            self._cabs = units
+            with suppress(Full):  # whoever is asked for something shows the cabs too
+                self._queue.put_nowait(_LOOKED)
+
+    def ask(self, seat: Seat, request: Request, take: Take, unit: str = "") -> None:
         """Ask for something; `take` is called with the answer, from the desk's thread or, where it is busy, at once."""
         try:
-            self._queue.put_nowait(_QueuedRequest(seat, request, take))
+            self._queue.put_nowait(_QueuedRequest(seat, request, take, unit))
         except Full:
             take(DeskAnswer(number=request.number, good=False, why="the desk is busy: ask again"))
 
     def _run(self) -> None:
         try:
-            with collecting_rarely(), Session(self._scenario) as session:
-                desk = Desk(session)
+            with collecting_rarely(), _desk_of(self._what) as desk:
                 self._welcomes = {seat: desk.welcome(seat) for seat in Seat}
                 self._moment = desk.moment
                 self._ready.set()
@@ -92,7 +119,7 @@ class LiveDesk:
             self._ready.set()
             self._changed()
 
-    def _turn_by_turn(self, desk: Desk) -> None:
+    def _turn_by_turn(self, desk: Desk | Replay) -> None:
         shown_s = -UPDATES_EVERY_S
         stale = True
         while True:
@@ -100,6 +127,7 @@ class LiveDesk:
             stale = stale or moved
             now_s = time.monotonic()
             if stale and now_s - shown_s >= UPDATES_EVERY_S:
+                desk.cabs = self._cabs
                 self._moment, shown_s = desk.moment, now_s
                 stale = False
                 self._changed()
@@ -112,5 +140,17 @@ class LiveDesk:
                 continue
             if asked is None:
                 return
-            asked.take(desk.ask(asked.seat, asked.request, time.monotonic()))
             stale = True
+            if isinstance(asked, _Looked):
+                continue
+            asked.take(desk.ask(asked.seat, asked.request, time.monotonic(), asked.unit))
+
+
+@contextmanager
+def _desk_of(what: Scenario | RunRead) -> Generator[Desk | Replay]:
+    """The desk of a run that begins, or of one that has ended."""
+    if isinstance(what, RunRead):
+        yield Replay(what)
+        return
+    with Session(what) as session:
+        yield Desk(session)

@@ -14,7 +14,7 @@ import msgspec
 from console.pacing import FASTEST
 from console.seats import Seat
 
-VERSION: Final = 1
+VERSION: Final = 2
 MESSAGE_BYTES_MAX: Final = 16_384
 
 
@@ -26,9 +26,10 @@ class Said(msgspec.Struct, frozen=True, kw_only=True, tag_field="say", forbid_un
 
 
 class Hello(Said, frozen=True, kw_only=True, tag="hello"):
-    """Somebody takes a seat; `token` where the desk listens to other machines."""
+    """Somebody takes a seat; `token` where the desk listens to other machines, `unit`: of which train, for a driver."""
 
     seat: Seat
+    unit: str = ""
     token: str = ""
     version: int = VERSION
 
@@ -83,6 +84,31 @@ class DoAct(NumberedRequest, frozen=True, kw_only=True, tag="act"):
     act: dict[str, Any]
 
 
+class ChangeFault(NumberedRequest, frozen=True, kw_only=True, tag="change_fault"):
+    """A fault in force that was begun here goes on with other figures: the keys of its kind that change."""
+
+    deed: int
+    keys: dict[str, Any]
+
+
+class ArmScript(NumberedRequest, frozen=True, kw_only=True, tag="arm"):
+    """Faults and acts for later: each a `[[fault]]` or `[[act]]` with its `start`, a time to come."""
+
+    faults: tuple[dict[str, Any], ...] = ()
+    acts: tuple[dict[str, Any], ...] = ()
+
+
+class SayToSeat(NumberedRequest, frozen=True, kw_only=True, tag="tell"):
+    """The instructor has a message for a seat; None: for all."""
+
+    text: Annotated[str, msgspec.Meta(min_length=1, max_length=400)]
+    seat: Seat | None = None
+
+
+class AskProtocol(NumberedRequest, frozen=True, kw_only=True, tag="protocol"):
+    """The answer has the protocol of what was done until now, as JSON (`console.score.DeskScore`)."""
+
+
 class SaveDrill(NumberedRequest, frozen=True, kw_only=True, tag="save"):
     """The answer has all that was done as a drill file."""
 
@@ -90,7 +116,21 @@ class SaveDrill(NumberedRequest, frozen=True, kw_only=True, tag="save"):
     title: Annotated[str, msgspec.Meta(max_length=200)] = ""
 
 
-Request = SetPace | OneStep | NextEvent | RunTo | GoBack | Fail | EndFault | DoAct | SaveDrill
+Request = (
+    SetPace
+    | OneStep
+    | NextEvent
+    | RunTo
+    | GoBack
+    | Fail
+    | EndFault
+    | ChangeFault
+    | ArmScript
+    | DoAct
+    | SayToSeat
+    | AskProtocol
+    | SaveDrill
+)
 
 
 # to a page ------------------------------------------------------------------------------------------------------------
@@ -165,7 +205,10 @@ class FaultKind(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Welcome(Said, frozen=True, kw_only=True, tag="welcome"):
-    """The seat is taken: what does not change while the run goes on. `acts` and `faults` are what this seat may do."""
+    """The seat is taken: what does not change while the run goes on. `acts` and `faults` are what this seat may do.
+
+    `leads`: it may say how fast time goes; `replay`: of a run that has ended, between those two times.
+    """
 
     version: int
     seat: Seat
@@ -180,6 +223,10 @@ class Welcome(Said, frozen=True, kw_only=True, tag="welcome"):
     plan: tuple[TrainOnPlan, ...]
     acts: tuple[str, ...]
     faults: tuple[FaultKind, ...]
+    leads: bool = False
+    replay: bool = False
+    begin_s: float = 0.0
+    end_s: float = 0.0
 
 
 class SectionShown(msgspec.Struct, frozen=True, kw_only=True):
@@ -206,6 +253,7 @@ class TrainShown(msgspec.Struct, frozen=True, kw_only=True):
     section: str = ""
     speed_mps: float | None = None
     waits_for: str = ""
+    waits_for_ja: str = ""
 
 
 class PointsShown(msgspec.Struct, frozen=True, kw_only=True):
@@ -224,6 +272,62 @@ class EventShown(msgspec.Struct, frozen=True, kw_only=True):
     text: str
     text_ja: str
     alarm: bool
+
+
+class TrainForecast(msgspec.Struct, frozen=True, kw_only=True):
+    """How a train will go on, as the dispatcher's rules have it: times (s) and kilometrages (m)."""
+
+    train: str
+    times_s: tuple[int, ...]
+    at_m: tuple[int, ...]
+
+
+class BidShown(msgspec.Struct, frozen=True, kw_only=True):
+    """A train that a dispatcher keeps back: until when, and behind which other over which section."""
+
+    unit: str
+    until_s: float
+    behind: str = ""
+    section: str = ""
+
+
+class CabShown(msgspec.Struct, frozen=True, kw_only=True):
+    """What the unit shows its driver. Distances from the front, m, None: it does not know; speeds m/s, notches above 0
+    power. `target_mps`: what automatic driving would stay under; `why`: why its authority ends there.
+    """
+
+    unit: str
+    train: str
+    powered: bool
+    speed_mps: float
+    permitted_mps: float | None
+    target_mps: float
+    notch: float
+    by_hand: bool
+    handle: float
+    power_notches: int
+    brake_notches: int
+    intervention: int
+    may_drive: bool
+    on_sight: bool
+    authority_m: float | None
+    why: str
+    why_ja: str
+    next_stop: str
+    next_stop_m: float | None
+    arrives_s: float | None
+    departs_s: float | None
+    held: tuple[str, ...]
+    waits_for: str
+    waits_for_ja: str
+
+
+class SeatMessage(msgspec.Struct, frozen=True, kw_only=True):
+    """What the instructor has said to a seat, or to all (`seat` is empty)."""
+
+    time_s: float
+    text: str
+    seat: str = ""
 
 
 class GraphPoint(msgspec.Struct, frozen=True, kw_only=True):
@@ -256,7 +360,8 @@ class State(Said, frozen=True, kw_only=True, tag="state"):
     """The present; `digest` of a run that has ended, as its drill has it.
 
     `events` and `graph` go on from the last state that this connection had; a new `branch` begins anew. `deeds`,
-    `rules`, `points` and `silent` (devices and units without power) are for seats that see the truth.
+    `rules`, `points` and `silent` (devices and units without power) are for seats that see the truth, `forecast` for
+    those and the dispatcher's, `cab` for a driver's; a `forecast` that is null is as it was.
     """
 
     time_s: float
@@ -273,6 +378,10 @@ class State(Said, frozen=True, kw_only=True, tag="state"):
     graph: tuple[GraphPoint, ...] = ()
     points: tuple[PointsShown, ...] = ()
     silent: tuple[str, ...] = ()
+    forecast: tuple[TrainForecast, ...] | None = None
+    bids: tuple[BidShown, ...] = ()
+    cab: CabShown | None = None
+    messages: tuple[SeatMessage, ...] = ()
     deeds: tuple[DeedShown, ...] = ()
     rules: tuple[RuleShown, ...] = ()
 

@@ -16,18 +16,20 @@ class Seat(Enum):
     INSTRUCTOR = "instructor"
     DISPATCHER = "dispatcher"  # 指令
     STAFF = "staff"  # 駅係員
+    DRIVER = "driver"  # 運転士, of one train
     GUEST = "guest"  # looks on, as a departure board does
 
 
 @dataclass(frozen=True, slots=True)
 class SeatRights:
     """What a seat may do. `person`: who its acts are by in the journal, or of whoever `leads`, unless another is named;
-    `leads`: time, faults, and the truth.
+    `leads`: time, faults, and the truth; `sees_forecast`: how the day will go on.
     """
 
     person: str = ""
     acts: frozenset[ActKind] = frozenset()
     leads: bool = False
+    sees_forecast: bool = False
 
 
 _BY_TELEPHONE: Final = frozenset(
@@ -41,14 +43,24 @@ _BY_TELEPHONE: Final = frozenset(
     }
 )
 _OF_DISPATCHER: Final = frozenset(
-    {ActKind.ACCEPT_PICTURE, ActKind.REENTER_ASSISTED, ActKind.REENTER_BY_HAND, ActKind.GIVE_BACK}
+    {
+        ActKind.ACCEPT_PICTURE,
+        ActKind.REENTER_ASSISTED,
+        ActKind.REENTER_BY_HAND,
+        ActKind.GIVE_BACK,
+        ActKind.HOLD_TRAIN,
+        ActKind.LET_GO,
+        ActKind.END_TRAIN,
+    }
 )
+OF_OWN_UNIT: Final = frozenset({ActKind.DRIVE, ActKind.DRIVE_BY_ATO, ActKind.GIVE_BACK, ActKind.POWER_ON})
 _ON_THE_SPOT: Final = frozenset(
     {ActKind.POWER_ON, ActKind.COMMISSION, ActKind.REPAIR_POINTS, ActKind.HAUL_AWAY}
 )
 RIGHTS: Final[Mapping[Seat, SeatRights]] = {
-    Seat.INSTRUCTOR: SeatRights("controller", frozenset(ActKind), leads=True),
-    Seat.DISPATCHER: SeatRights("controller", _OF_DISPATCHER | _BY_TELEPHONE),
+    Seat.INSTRUCTOR: SeatRights("controller", frozenset(ActKind), leads=True, sees_forecast=True),
+    Seat.DISPATCHER: SeatRights("controller", _OF_DISPATCHER | _BY_TELEPHONE, sees_forecast=True),
     Seat.STAFF: SeatRights("staff", _ON_THE_SPOT | _BY_TELEPHONE),
+    Seat.DRIVER: SeatRights("crew", OF_OWN_UNIT | {ActKind.REPAIR_POINTS}),
     Seat.GUEST: SeatRights(),
 }

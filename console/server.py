@@ -7,6 +7,7 @@ came before, and what lay between is not kept for it.
 from __future__ import annotations
 
 import asyncio
+import socket
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -22,6 +23,7 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from console.access import REFUSED_MAX, SOCKETS_MAX, AccessRules, Allowance, Refusal
+from console.library import LibraryRequest, library
 from console.protocol import (
     MESSAGE_BYTES_MAX,
     VERSION,
@@ -34,11 +36,12 @@ from console.protocol import (
 )
 from console.seats import Seat
 from console.shown import DeskMoment, SentSoFar, is_behind, state_for
+from network.errors import COMMAND_LINE, InputError
 from study.wording.catalogue import phrases_of
 
 SOCKET_PATH: Final = "/desk"
 WORDS_IN: Final = ("desk", "act")  # contexts of the catalogue
-REFUSED_CODE, FULL_CODE = 1008, 1013
+REFUSED_CODE, FULL_CODE, GONE_CODE = 1008, 1013, 1012
 HEADERS: Final = {
     "Content-Security-Policy": "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'",
     "X-Content-Type-Options": "nosniff",
@@ -64,7 +67,11 @@ class DeskDoor(Protocol):
         """What a seat is told once."""
         ...
 
-    def ask(self, seat: Seat, request: Request, take: Callable[[DeskAnswer], None]) -> None:
+    def look_from(self, units: frozenset[str]) -> None:
+        """From now on these units' cabs are looked at."""
+        ...
+
+    def ask(self, seat: Seat, request: Request, take: Callable[[DeskAnswer], None], unit: str = "") -> None:
         """Ask for something; `take` may be called from another thread."""
         ...
 
@@ -75,6 +82,9 @@ class DeskServer:
     def __init__(self, rules: AccessRules, clock: Callable[[], float] = time.monotonic) -> None:
         self.refused: Counter[Refusal] = Counter()
         self.desk: DeskDoor | None = None
+        self.opens: Callable[[LibraryRequest], DeskDoor] | None = (
+            None  # of the library; None: there is one run alone
+        )
         self._rules: Final = rules
         self._clock: Final = clock
         self._connections: set[_Connection] = set()
@@ -84,6 +94,8 @@ class DeskServer:
             routes=[
                 WebSocketRoute(SOCKET_PATH, self._socket),
                 Route("/words.json", self._words),
+                Route("/library.json", self._library),
+                Route("/open", self._open, methods=["POST"]),
                 Route("/{name:path}", self._page),
             ]
         )
@@ -111,6 +123,36 @@ class DeskServer:
             for english, said in phrases_of(context).items()
         }
         return JSONResponse(words, headers=HEADERS)
+
+    async def _library(self, request: PageRequest) -> Response:
+        """What can be opened, and whether something is."""
+        if (why := self._rules.refused(request.headers.get("host", ""), None)) is not None:
+            self._refuse(why)
+            return PlainTextResponse(why.value, 403)
+        entries = () if self.opens is None else library()
+        body = msgspec.json.encode({"running": self.desk is not None, "entries": entries})
+        return Response(body, media_type="application/json", headers=HEADERS)
+
+    async def _open(self, request: PageRequest) -> Response:
+        """Something else is opened; all who are connected come back to that."""
+        why = self._rules.refused(request.headers.get("host", ""), request.headers.get("origin"))
+        body = b"" if why is not None else (await request.body())[: MESSAGE_BYTES_MAX + 1]
+        try:
+            asked = msgspec.json.decode(body, type=LibraryRequest) if why is None else None
+        except msgspec.DecodeError:
+            asked, why = None, Refusal.FORM
+        if asked is not None and not self._rules.opens(Seat.INSTRUCTOR, asked.token):
+            why = Refusal.TOKEN
+        if why is not None or asked is None or self.opens is None:
+            self._refuse(why or Refusal.FORM)
+            return PlainTextResponse((why or Refusal.FORM).value, 403)
+        try:
+            self.desk = await asyncio.to_thread(self.opens, asked)
+        except InputError as error:
+            return PlainTextResponse(str(error), 400)
+        for connection in tuple(self._connections):
+            await connection.send_away()
+        return JSONResponse({}, headers=HEADERS)
 
     async def _page(self, request: PageRequest) -> Response:
         if (why := self._rules.refused(request.headers.get("host", ""), None)) is not None:
@@ -147,13 +189,23 @@ class DeskServer:
         desk = self.desk
         if desk is None:
             raise WebSocketDisconnect
-        seat = await connection.seat_taken(self._rules)
-        await connection.send(encoded(desk.welcome(seat)))
+        seat, connection.unit = await connection.seat_taken(self._rules)
+        welcome = desk.welcome(seat)
+        if connection.unit not in (("", *welcome.units) if seat is not Seat.DRIVER else welcome.units):
+            await connection.close(Refusal.FORM)
+            return
+        self._look(desk)
+        await connection.send(encoded(welcome))
         sending = asyncio.create_task(connection.send_moments(desk, seat))
         try:
             await connection.hear(desk, seat)
         finally:
             sending.cancel()
+            connection.unit = ""
+            self._look(desk)
+
+    def _look(self, desk: DeskDoor) -> None:
+        desk.look_from(frozenset(c.unit for c in self._connections if c.unit))
 
 
 class _Connection:
@@ -166,6 +218,7 @@ class _Connection:
         self._news = asyncio.Event()
         self._allowance = Allowance(at_s=clock())
         self._refused = 0
+        self.unit = ""
 
     def wake(self) -> None:
         """There is something new."""
@@ -182,8 +235,8 @@ class _Connection:
             raise WebSocketDisconnect(message.get("code", REFUSED_CODE))
         return message.get("text") or ""
 
-    async def seat_taken(self, rules: AccessRules) -> Seat:
-        """The seat that the first message takes; the connection is closed where it takes none."""
+    async def seat_taken(self, rules: AccessRules) -> tuple[Seat, str]:
+        """The seat that the first message takes, a driver's of which unit; closed where it takes none."""
         why, text = Refusal.FORM, await self._text()
         if len(text.encode()) <= MESSAGE_BYTES_MAX:
             try:
@@ -192,11 +245,11 @@ class _Connection:
                 pass
             else:
                 if hello.version == VERSION and rules.opens(hello.seat, hello.token):
-                    return hello.seat
+                    return hello.seat, hello.unit if hello.seat is Seat.DRIVER else ""
                 why = Refusal.TOKEN if hello.version == VERSION else why
         else:
             why = Refusal.SIZE
-        await self._close(why)
+        await self.close(why)
         raise WebSocketDisconnect(REFUSED_CODE)
 
     async def send_moments(self, desk: DeskDoor, seat: Seat) -> None:
@@ -206,7 +259,7 @@ class _Connection:
             while True:
                 self._news.clear()
                 moment = desk.moment
-                state, had = state_for(moment, seat, had)
+                state, had = state_for(moment, seat, had, self.unit)
                 await self.send(encoded(state))
                 if not is_behind(moment, had):
                     await self._news.wait()
@@ -234,14 +287,34 @@ class _Connection:
                 self._count(Refusal.FORM)
                 await self.send(encoded(DeskAnswer(number=0, good=False, why=str(error))))
                 continue
-            desk.ask(seat, request, take)
+            desk.ask(seat, request, take, self.unit)
             await self.send(encoded(await answers.get()))
-        await self._close(Refusal.RATE)
+        await self.close(Refusal.RATE)
 
     def _count(self, why: Refusal) -> None:
         self._refused += 1
         self._refuse(why)
 
-    async def _close(self, why: Refusal) -> None:
+    async def send_away(self) -> None:
+        """There is another run: whoever is here is to come again."""
+        with suppress(RuntimeError, WebSocketDisconnect):
+            await self._socket.close(GONE_CODE)
+
+    async def close(self, why: Refusal) -> None:
+        """End the connection, and say why."""
         self._refuse(why)
         await self._socket.close(REFUSED_CODE, why.value)
+
+
+def listening_on(host: str, port: int) -> socket.socket:
+    """A socket on an address. InputError where that cannot be had."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    bound = socket.socket(family)
+    try:
+        bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        bound.bind((host, port))
+    except OSError as error:
+        bound.close()
+        expected = f"an address and port of this machine that are free: {error.strerror}"
+        raise InputError(COMMAND_LINE, "--port", f"{host}:{port}", expected) from error
+    return bound

@@ -8,12 +8,13 @@ Points to go back to are the run of the script up to them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Any, Final, Self
 
+from console.forecast import DayForecast
 from console.line_seen import LineSeen
 from network.errors import InputError
 from network.files.toml_input import validate
@@ -26,23 +27,30 @@ from simulation.journal import Journal
 from simulation.late_day import late_day
 from simulation.loop import Simulation
 from simulation.result import Ending, RunResult
-from simulation.setup import STEPS_PER_S
+from simulation.setup import STEPS_PER_S, step_not_before
 from study.drilling.replay_file import clock_of, replay_of
 from study.runner.run import simulation_of
 
 AT_DESK: Final = "desk"  # where a message says that what is wrong was entered
+_IN_FORCE: Final = "the number of a fault in force that was begun here"
 
 
 @dataclass(frozen=True, slots=True)
 class Deed:
     """What somebody did: the item as it is in the script, and the step at which it takes effect.
 
-    `over_step`: a person has ended the fault there.
+    `over_step`: a person has ended the fault there. `said_step`: when it was done, of what was armed for later.
     """
 
     step: int
     item: ScriptedFault | Act
     over_step: int | None = None
+    said_step: int | None = None
+
+    @property
+    def known_step(self) -> int:
+        """From when on it belongs to the run."""
+        return self.step if self.said_step is None else self.said_step
 
     def scripted(self) -> ScriptedFault | Act:
         """The item with its time, and with the duration that it came to have."""
@@ -142,7 +150,7 @@ class Session:
     def _open(self) -> None:
         setup = replace(self._scenario.setup, script=self._whole_script())
         self._simulation = self._stack.enter_context(simulation_of(setup))
-        self.line = LineSeen(setup)
+        self.line = LineSeen(setup, DayForecast(setup))
         self._simulation.journal.watch(self.line.see)
         self.ended, self._result = None, None
         self.step = self._simulation.step
@@ -172,11 +180,52 @@ class Session:
         timed = validate(self._timed(table), AT_DESK, ActTable)
         return self._insert(act_of(AT_DESK, "act", timed, self.names))
 
+    def arm(self, faults: Sequence[Mapping[str, Any]], acts: Sequence[Mapping[str, Any]]) -> list[int]:
+        """Faults and acts at times to come, written as a drill has them; their numbers. InputError: none is armed."""
+        items: list[ScriptedFault | Act] = []
+        for k, table in enumerate(faults):
+            items.append(
+                scripted_fault_of(AT_DESK, f"fault[{k}]", validate(table, AT_DESK, FaultTable), self.names)
+            )
+        for k, table in enumerate(acts):
+            items.append(act_of(AT_DESK, f"act[{k}]", validate(table, AT_DESK, ActTable), self.names))
+        due = [self._due_step(item) for item in items]
+        return [self._insert(item, step) for item, step in zip(items, due, strict=True)]
+
+    def _due_step(self, item: ScriptedFault | Act) -> int:
+        at_s = item.trigger.at_s
+        step = -1 if at_s is None else step_not_before(at_s + item.trigger.after_s)
+        if step <= self.step:
+            raise InputError(
+                AT_DESK, "start", "" if at_s is None else clock_of(step), "a time to come, not an event"
+            )
+        return step
+
+    def change_fault(self, number: int, keys: Mapping[str, Any]) -> int:
+        """A fault in force goes on with other figures: one with them begins, then it is over; the new number.
+
+        InputError for one that is not in force, and for keys that its kind has not.
+        """
+        if not self.can_end(number):
+            raise InputError(AT_DESK, "number", number, _IN_FORCE)
+        fault = self.deeds[number].item
+        if not isinstance(fault, ScriptedFault):
+            raise InputError(AT_DESK, "number", number, _IN_FORCE)
+        table = {
+            "kind": fault.fault.kind,
+            "target": str(fault.fault.target),
+            **fault.fault.parameters(),
+            **keys,
+        }
+        changed = self.fail(table)
+        self.end_fault(number)
+        return changed
+
     def end_fault(self, number: int) -> None:
         """A fault that somebody began is over as soon as possible. InputError for one that is not in force."""
         key = self._key_in_force(number)
         if key is None:
-            raise InputError(AT_DESK, "number", number, "the number of a fault in force that was begun here")
+            raise InputError(AT_DESK, "number", number, _IN_FORCE)
         step = self._free_step()
         self.simulation.end_fault(key, step)
         self._stretch_end = self.simulation.foresee()
@@ -201,18 +250,20 @@ class Session:
         """As if written for the present; the step at which it takes effect replaces that."""
         return dict(table) | {"start": clock_of(self.step), "after_s": 0.0}
 
-    def _insert(self, item: ScriptedFault | Act) -> int:
+    def _insert(self, item: ScriptedFault | Act, due_step: int | None = None) -> int:
         if self.ended is not None:
             raise InputError(AT_DESK, "", None, "a run that has not ended")
-        step = self._free_step()
+        step = self._free_step(due_step)
         self.simulation.insert(item, step)
         self._stretch_end = self.simulation.foresee()
-        self.deeds.append(Deed(step, item))
+        self.deeds.append(Deed(step, item, said_step=None if due_step is None else self.step))
         return len(self.deeds) - 1
 
-    def _free_step(self) -> int:
-        """The next step at which nothing of a script is due: a drill file has no order between faults and acts."""
-        step = self.step + 1
+    def _free_step(self, due_step: int | None = None) -> int:
+        """The next step, or the first from when it is due, at which nothing of a script is due: a drill file has no
+        order between faults and acts.
+        """
+        step = self.step + 1 if due_step is None else due_step
         while not self.simulation.is_free(step):
             step += 1
         return step
@@ -244,7 +295,7 @@ class Session:
         if not first <= step <= last:
             expected = f"a time from {clock_of(first)} to {clock_of(last)}"
             raise InputError(AT_DESK, "time", clock_of(step), expected)
-        self.deeds = [deed.as_of(step) for deed in self.deeds if deed.step <= step]
+        self.deeds = [deed.as_of(step) for deed in self.deeds if deed.known_step <= step]
         self._stack.close()
         self._open()
         self.run_to(step)

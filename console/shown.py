@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import msgspec
 
+from console.cab import cab_of, wait_ja
 from console.line_seen import LineSeen, SeenEvent
 from console.protocol import (
     VERSION,
+    CabShown,
     DeedShown,
     FaultKind,
     GraphPoint,
     PointsDrawn,
     PointsShown,
     RuleShown,
+    SeatMessage,
     SectionDrawn,
     State,
     StationDrawn,
+    TrainForecast,
     TrainOnPlan,
     TrainShown,
     Welcome,
@@ -32,6 +37,7 @@ from simulation.judge.checkers import Checker
 from simulation.setup import STEPS_PER_S, Setup
 from study.wording.script import fault_name, item_text
 
+CREW_SEEN: Final = "crew"  # whose acts drivers know of
 EVENTS_AT_ONCE: Final = 60  # in one message; the rest follows
 
 
@@ -39,34 +45,64 @@ EVENTS_AT_ONCE: Final = 60  # in one message; the rest follows
 class DeskMoment:
     """The present of a session, made once for everybody: `truth` for seats that see it, `known` for the others.
 
-    The events and the graph of `line` grow on; a moment has the first so many of them.
+    The events and the graph of `line` grow on; a moment has the first so many of them. `sees_all`: of a run that is
+    only looked at, every seat sees the truth.
     """
 
     truth: State
     known: State
     events: tuple[list[SeenEvent], int]
     graph: tuple[list[GraphPoint], int]
+    forecast: tuple[TrainForecast, ...] = ()
+    cabs: Mapping[str, CabShown] = field(default_factory=dict[str, CabShown])
+    messages: tuple[SeatMessage, ...] = ()
+    sees_all: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class SentSoFar:
-    """How much of the events and of the graph a connection has had, of which branch."""
+    """How much of the events and of the graph a connection has had, of which branch, and which forecast."""
 
     branch: int = -1
     events: int = 0
     graph: int = 0
+    forecast: tuple[TrainForecast, ...] | None = None
 
 
-def state_for(moment: DeskMoment, seat: Seat, had: SentSoFar) -> tuple[State, SentSoFar]:
+def state_for(moment: DeskMoment, seat: Seat, had: SentSoFar, unit: str = "") -> tuple[State, SentSoFar]:
     """What a connection is sent that has had so much, and what it has had then."""
-    leads = RIGHTS[seat].leads
-    state = moment.truth if leads else moment.known
+    leads = RIGHTS[seat].leads or moment.sees_all
+    seat = Seat.INSTRUCTOR if moment.sees_all else seat
+    state = _of_cab(moment.known, unit) if seat is Seat.DRIVER else moment.truth if leads else moment.known
     had = had if had.branch == state.branch else SentSoFar(state.branch)
     (events, count), (graph, points) = moment.events, moment.graph
     upto = min(count, had.events + EVENTS_AT_ONCE)
-    new = tuple(e.shown for e in events[had.events : upto] if leads or not e.truth)
-    state = msgspec.structs.replace(state, events=new, graph=tuple(graph[had.graph : points]))
-    return state, replace(had, events=upto, graph=points)
+    new = tuple(
+        e.shown
+        for e in events[had.events : upto]
+        if (leads or not e.truth) and (seat is not Seat.DRIVER or e.shown.who in (unit, CREW_SEEN))
+    )
+    state = msgspec.structs.replace(
+        state,
+        events=new,
+        graph=() if seat is Seat.DRIVER else tuple(graph[had.graph : points]),
+        forecast=None
+        if moment.forecast is had.forecast or not RIGHTS[seat].sees_forecast
+        else moment.forecast,
+        cab=moment.cabs.get(unit) if seat is Seat.DRIVER else None,
+        messages=tuple(m for m in moment.messages if leads or m.seat in ("", seat.value)),
+    )
+    return state, replace(had, events=upto, graph=points, forecast=moment.forecast)
+
+
+def _of_cab(known: State, unit: str) -> State:
+    """What the driver of a unit knows of it: the unit's own part."""
+    return msgspec.structs.replace(
+        known,
+        sections=tuple(section for section in known.sections if section.unit == unit),
+        trains=tuple(train for train in known.trains if train.unit == unit),
+        bids=(),
+    )
 
 
 def is_behind(moment: DeskMoment, had: SentSoFar) -> bool:
@@ -74,8 +110,17 @@ def is_behind(moment: DeskMoment, had: SentSoFar) -> bool:
     return had.branch == moment.known.branch and had.events < moment.events[1]
 
 
-def moment_of(session: Session, line: LineSeen, factor: float, branch: int, *, running: bool) -> DeskMoment:
-    """The present of a session."""
+def moment_of(
+    session: Session,
+    line: LineSeen,
+    factor: float,
+    branch: int,
+    *,
+    running: bool,
+    messages: tuple[SeatMessage, ...] = (),
+    units: Collection[str] = (),
+) -> DeskMoment:
+    """The present of a session; with the cab of each of these units."""
     digest = "" if session.ended is None else session.result.digest
     known = State(
         time_s=session.now_s,
@@ -88,6 +133,7 @@ def moment_of(session: Session, line: LineSeen, factor: float, branch: int, *, r
         manager_on=line.manager_on,
         sections=line.sections,
         trains=line.trains,
+        bids=line.bids(session.now_s),
     )
     truth = msgspec.structs.replace(
         known,
@@ -97,7 +143,15 @@ def moment_of(session: Session, line: LineSeen, factor: float, branch: int, *, r
         deeds=_deeds(session),
         rules=_rules(session),
     )
-    return DeskMoment(truth, known, (line.events, len(line.events)), (line.graph, len(line.graph)))
+    return DeskMoment(
+        truth,
+        known,
+        (line.events, len(line.events)),
+        (line.graph, len(line.graph)),
+        line.forecast(session.now_s),
+        {unit: cab_of(session, unit) for unit in units},
+        messages,
+    )
 
 
 def _true_train(session: Session, train: TrainShown) -> TrainShown:
@@ -108,12 +162,14 @@ def _true_train(session: Session, train: TrainShown) -> TrainShown:
     motion = session.motion(slot)
     path = trains.true_path(slot)
     piece = session.scenario.setup.line.pieces[path.step_at(motion.position_m).piece_id]
+    waits_for = session.simulation.waits_for(slot) if motion.speed_mps == 0.0 else ""
     return msgspec.structs.replace(
         train,
         at_m=path.kilometrage_m(motion.position_m),
         section=piece.section_id,
         speed_mps=motion.speed_mps,
-        waits_for=session.simulation.waits_for(slot) if motion.speed_mps == 0.0 else "",
+        waits_for=waits_for,
+        waits_for_ja=wait_ja(waits_for),
     )
 
 
@@ -166,13 +222,24 @@ def _rules(session: Session) -> tuple[RuleShown, ...]:
 
 def welcome_of(session: Session, seat: Seat) -> Welcome:
     """What does not change while the run goes on, for a seat."""
-    setup, rights = session.scenario.setup, RIGHTS[seat]
+    scenario, rights = session.scenario, RIGHTS[seat]
+    drawn = drawn_line(scenario.setup, seat, scenario.id, scenario.name, session.names.units)
+    return msgspec.structs.replace(
+        drawn,
+        acts=tuple(sorted(kind.value for kind in rights.acts)),
+        faults=_faults(session.names) if rights.leads else (),
+        leads=rights.leads,
+    )
+
+
+def drawn_line(setup: Setup, seat: Seat, run: str, name: str, units: tuple[str, ...]) -> Welcome:
+    """The line and its plan, for somebody who only looks on."""
     line = setup.line
     return Welcome(
         version=VERSION,
         seat=seat,
-        run=session.scenario.id,
-        name=session.scenario.name,
+        run=run,
+        name=name,
         line=line.name,
         line_ja=line.name_ja,
         stations=tuple(
@@ -189,10 +256,10 @@ def welcome_of(session: Session, seat: Seat) -> Welcome:
             )
             for points in line.points.values()
         ),
-        units=session.names.units,
+        units=units,
         plan=_plan(setup),
-        acts=tuple(sorted(kind.value for kind in rights.acts)),
-        faults=_faults(session.names) if rights.leads else (),
+        acts=(),
+        faults=(),
     )
 
 

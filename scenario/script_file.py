@@ -63,8 +63,15 @@ class ActTable(Record):
     person: Annotated[Title, about("who does it; some acts need two different persons")] = "controller"
     sections: Annotated[list[str], about("sections that are entered")] = Field(default_factory=list)
     position: Annotated[str, about("position into which points are set: normal or reverse")] = ""
-    place: Annotated[str, about("portal by which the unit left the line")] = ""
-    hold_s: Annotated[DrillTime, about("how long the unit then asks for no route")] = 300.0
+    place: Annotated[
+        str, about("portal by which the unit left the line; section that another is to have first")
+    ] = ""
+    behind: Annotated[str, about("unit that is to have that section first")] = ""
+    train: Annotated[str, about("later train of the set, as which it goes on")] = ""
+    notch: Annotated[int, about("above 0 power, below 0 brake; beyond the train's strongest, that")] = 0
+    hold_s: Annotated[
+        DrillTime, about("how long the unit then asks for no route, or is kept back at most")
+    ] = 300.0
     pace_s: Annotated[
         Pace | None, about("time for each word of a re-entry; left out: drawn from [people]")
     ] = None
@@ -165,6 +172,11 @@ ACT_KEYS: Final[Mapping[ActKind, frozenset[str]]] = {
     ActKind.REENTER_ASSISTED: frozenset({"pace_s"}),
     ActKind.HAUL_AWAY: frozenset({"target"}),
     ActKind.GIVE_BACK: frozenset({"target", "hold_s"}),
+    ActKind.HOLD_TRAIN: frozenset({"target", "hold_s", "behind", "place"}),
+    ActKind.LET_GO: frozenset({"target"}),
+    ActKind.END_TRAIN: frozenset({"target", "train"}),
+    ActKind.DRIVE: frozenset({"target", "notch"}),
+    ActKind.DRIVE_BY_ATO: frozenset({"target"}),
 }
 
 
@@ -186,6 +198,11 @@ def act_of(file: str, key: str, table: ActTable, names: Names) -> Act:
         ActKind.ENTER_SECTION: ("", *names.units),
         ActKind.HAUL_AWAY: names.units,
         ActKind.GIVE_BACK: names.units,
+        ActKind.HOLD_TRAIN: names.units,
+        ActKind.LET_GO: names.units,
+        ActKind.END_TRAIN: names.units,
+        ActKind.DRIVE: names.units,
+        ActKind.DRIVE_BY_ATO: names.units,
     }
     _check_keys(file, key, table, _ACT | ACT_KEYS[kind], kind.value)
     known = targets.get(kind)
@@ -199,6 +216,14 @@ def act_of(file: str, key: str, table: ActTable, names: Names) -> Act:
     if table.place and table.place not in names.sections:
         expected = f"a section: {one_of(names.sections, table.place)}"
         raise InputError(file, f"{key}.place", table.place, expected)
+    if table.behind and table.behind not in names.units:
+        raise InputError(file, f"{key}.behind", table.behind, one_of(names.units, table.behind))
+    if bool(table.behind) is not bool(table.place) and kind is ActKind.HOLD_TRAIN:
+        raise InputError(
+            file, f"{key}.place", table.place, "the unit that goes first (behind) and over which section"
+        )
+    if kind is ActKind.END_TRAIN and not table.train:
+        raise InputError(file, f"{key}.train", table.train, "the later train of the set, as which it goes on")
     if kind is ActKind.REPAIR_POINTS and table.position not in ("normal", "reverse"):
         raise InputError(file, f"{key}.position", table.position, "normal or reverse")
     if kind in (ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION) and not table.sections:
@@ -215,6 +240,9 @@ def act_of(file: str, key: str, table: ActTable, names: Names) -> Act:
         table.hold_s,
         table.place,
         table.pace_s,
+        table.behind,
+        table.train,
+        table.notch,
     )
 
 

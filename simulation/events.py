@@ -161,6 +161,7 @@ class Acted(Noted, frozen=True, kw_only=True, tag="act"):
     act: str
     target: str
     section_ids: tuple[str, ...] = ()
+    notch: int = 0
 
 
 class Danger(Enum):

@@ -30,8 +30,11 @@ from wayside.said import (
     BarUnit,
     ConfirmHolding,
     ConfirmOutside,
+    EndTrain,
     EnterSection,
     Input,
+    LetGo,
+    LetWait,
     PictureChanged,
     Started,
     TakeBack,
@@ -192,11 +195,9 @@ class Injector:
     # people -------------------------------------------------------------------------------------------------
 
     def _act(self, act: Act) -> None:
-        acted = Acted(act=act.kind.value, target=act.target, section_ids=act.sections)
+        acted = Acted(act=act.kind.value, target=act.target, section_ids=act.sections, notch=act.notch)
         self._journal.write(self._step / STEPS_PER_S, act.person, acted)
         match act.kind:
-            case ActKind.CONFIRM_OUTSIDE | ActKind.CONFIRM_HOLDING | ActKind.TAKE_BACK:
-                self._wayside.input(self._step, MANAGER_ID, _word_on_unit(act))
             case ActKind.BAR_UNIT | ActKind.UNBAR_UNIT:
                 said = BarUnit if act.kind is ActKind.BAR_UNIT else UnbarUnit
                 self._wayside.input_all(self._step, said(act.target, act.person))
@@ -211,6 +212,9 @@ class Injector:
                 self._duties.haul_away(self._trains.slot_of[act.target], self._step)
             case ActKind.GIVE_BACK:
                 self._cabs.set_back(self._trains.slot_of[act.target], self._step, act.hold_s)
+            case ActKind.DRIVE | ActKind.DRIVE_BY_ATO:
+                notch = act.notch if act.kind is ActKind.DRIVE else None
+                self._trains.drive(self._trains.slot_of[act.target], notch)
             case ActKind.ACCEPT_PICTURE:
                 self._enter(act, [AcceptPicture(act.person)])
             case ActKind.REENTER_ASSISTED:
@@ -222,6 +226,8 @@ class Injector:
                 self._enter(act, words[1:])
             case ActKind.REENTER_BY_HAND:
                 self._reenter(act)
+            case _:
+                self._wayside.input(self._step, MANAGER_ID, _word_on_unit(act))
 
     def _see(self, entry: JournalEntry) -> None:
         """What the block manager shows its controller of a re-entry."""
@@ -272,6 +278,12 @@ def _word_on_unit(act: Act) -> Input:
             return ConfirmOutside(act.target, act.person, act.place)
         case ActKind.CONFIRM_HOLDING:
             return ConfirmHolding(act.target, act.sections, act.person)
+        case ActKind.HOLD_TRAIN:
+            return LetWait(act.target, act.person, act.hold_s, act.behind, act.place)
+        case ActKind.LET_GO:
+            return LetGo(act.target, act.person)
+        case ActKind.END_TRAIN:
+            return EndTrain(act.target, act.person, act.train)
         case _:
             return TakeBack(act.target, act.person)
 

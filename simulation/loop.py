@@ -51,6 +51,7 @@ from simulation.world.trains import SIGN
 from sumo_cfg.truth_map import NetMap
 
 TRACE_ROWS_FIRST: Final = 200_000
+SAMPLES_BACK: Final = 6000  # looked at for the last one of a train
 WATCHING_STEPS: Final = 5  # while drivers on sight look out for another train
 OPENING_S: Final = 600.0  # the run begins this long before the first thing planned
 
@@ -189,6 +190,18 @@ class Simulation:
     def has_finished(self, stock_id: str) -> bool:
         """Whether nothing follows for a stock."""
         return self._duties.finished(self.trains.slot_of[stock_id])
+
+    def sample_at(self, slot: int, step: int) -> np.void | None:
+        """The last sample of a train's run until a step; None: it has not run for long, or not yet."""
+        first = max(0, self._trace_used - SAMPLES_BACK)
+        own = self._trace[first : self._trace_used]
+        own = own[(own["slot"] == slot) & (own["step"] <= step)]
+        return own[-1] if own.size else None
+
+    @property
+    def arrived(self) -> tuple[str, ...]:
+        """Numbers of the trains that have come to their last stop."""
+        return tuple(self._books.arrived)
 
     def waits_for(self, slot: int) -> str:
         """What a train waits for by what its unit shows and its driver sees."""

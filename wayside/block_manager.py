@@ -45,15 +45,26 @@ from radio.messages import (
     SignOnAccepted,
     SignOnRefused,
     TrackOrdered,
+    TrainOrdered,
 )
 from radio.table import TableCell, rows
-from wayside import acts, cutting, dispatch, entering, leaving, orders, reentry, reports
+from wayside import acts, bidden, cutting, dispatch, entering, leaving, orders, reentry, reports
 from wayside.actions import Action, Send, Show
 from wayside.dispatch import DispatchRequest
 from wayside.heard import Heard, challenge, newly_contested, show_refusal, tell_contested
 from wayside.reentry import Step
 from wayside.register import Against, Register, RegisteredUnit, UnitStanding
-from wayside.said import Accepted, BoundaryPassed, Contradicted, Granted, Outside, Refused
+from wayside.said import (
+    Accepted,
+    BoundaryPassed,
+    Contradicted,
+    EndTrain,
+    Granted,
+    LetGo,
+    LetWait,
+    Outside,
+    Refused,
+)
 
 M = TypeVar("M")
 
@@ -65,7 +76,7 @@ class AskUnits:
     """Look whether it is time to ask the units that block the line what they hold."""
 
 
-Event = Heard[AnyMessage] | acts.Act | BoundaryPassed | AskUnits
+Event = Heard[AnyMessage] | acts.Act | bidden.Bid | BoundaryPassed | AskUnits
 
 
 def step(register: Register, event: Event, now_s: float) -> Step:
@@ -77,13 +88,16 @@ def step(register: Register, event: Event, now_s: float) -> Step:
     match event:
         case Heard():
             register, actions = _heard(register, event, now_s)
+        case LetWait() | LetGo() | EndTrain():
+            register, actions = bidden.bid(register, event, now_s)
         case BoundaryPassed(section_id):
             register, actions = leaving.boundary_passed(register, section_id)
         case _:
             register, actions = acts.act(register, event, now_s)
     register = leaving.asked_later(before, register, now_s)
     register, following = reentry.settle(register, now_s)
-    return register, (*actions, *following, *newly_contested(before, register))
+    register, over = bidden.settled(before, register)
+    return register, (*actions, *following, *over, *newly_contested(before, register))
 
 
 def wake_at_s(register: Register) -> float | None:
@@ -100,13 +114,15 @@ def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
         heard_s = {**register.reentry.heard_s, heard.unit_id: now_s}
         register = replace(register, reentry=replace(register.reentry, heard_s=heard_s))
     register, taken_back = acts.spoke(register, heard.unit_id, heard.message)
-    if register.days is not None:
+    if register.days is not None or register.bidden:
         register = replace(register, now_s=now_s)
     unit = register.unit(heard.unit_id)
     if unit.claim_needed and heard.epoch <= unit.epoch and not isinstance(heard.message, Claim):
         return register, (*taken_back, Send(heard.unit_id, ClaimQuery(), heard.correlation))
     handler = TELEGRAMS.get((unit.standing, type(heard.message)), _not_for_manager)
     register, actions = handler(register, heard)
+    if isinstance(heard.message, NextTrainReport | OrderRefused):
+        register = bidden.answered(register, heard.unit_id)
     return register, (*taken_back, *actions)
 
 
@@ -128,6 +144,11 @@ def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
         order = TrackOrdered(heard.message.route_id, instead)
         return register, (Send(heard.unit_id, order, heard.correlation),)
     against = _against(register, heard, frozenset(held))
+    if against is None and not set(heard.message.section_ids) <= set(held):
+        register, instead_of = bidden.heard(register, heard.unit_id, heard.message.route_id, register.now_s)
+        if isinstance(instead_of, TrainOrdered):
+            return register, (Send(heard.unit_id, instead_of, heard.correlation),)
+        against = instead_of
     register, against, leave = entering.weighed(register, heard.unit_id, heard.message, against)
     wanted, part = heard.message.section_ids, tuple[str, ...]()
     shown, more = tuple[Action, ...](), tuple[Action, ...]()
@@ -347,6 +368,9 @@ def _enter(
         against = (RefusalReason.UNDEFINED, None, (*register.undefined_because_of(), None)[0])
     elif conflict is not None:
         against = (RefusalReason.HELD, *conflict)
+    else:
+        register, waits = bidden.heard(register, unit_id, "", register.now_s)
+        against = None if isinstance(waits, TrainOrdered) else waits
     asked = DispatchRequest(unit_id, portal=next(iter(portals), ""))
     register, against, shown = dispatch.weigh_request(register, asked, against)
     if against is None:

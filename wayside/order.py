@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Final
+from typing import Final, NamedTuple
 
 from msgspec.structs import replace
 
@@ -270,18 +270,43 @@ def _least_delay(
 
 def delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[int]) -> float | None:
     """All delay at the ends of trains due within `AHEAD_S`, s, if these moves come first; None: not all finish so."""
+    moves = played_through(register, days, stands, begins)
+    if moves is None:
+        return None
+    until_s = register.now_s + AHEAD_S
+    delay_s = 0.0
+    for move in moves:
+        hops = days.hops[move.stock]
+        hop, following = hops[move.place], move.place + 1
+        if hop.arrives_s < until_s and (following == len(hops) or hops[following].train != hop.train):
+            delay_s += max(0.0, move.comes_s - hop.arrives_s)
+    return delay_s
+
+
+class PlayedMove(NamedTuple):
+    """A move of a stock, by its place in its day, and when it then leaves and comes, s since midnight."""
+
+    stock: int
+    place: int
+    leaves_s: float
+    comes_s: float
+
+
+def played_through(
+    register: Register, days: Days, stands: Stands, begins: Sequence[int] = ()
+) -> list[PlayedMove] | None:
+    """All moves still to be made, in blocks and minutes, if these come first; None: not all finish so."""
     after = stands
     for mover in begins:
         after = after.after(days, mover)
     found = finishing_order(after.trains(days), ORDER_STEPS)
     if found.proof is not CertificateProof.ORDER:
         return None
-    until_s = register.now_s + AHEAD_S
     at = list(stands.at)
     ready = [ready_s(register, days, stands, index) for index in range(len(at))]
     holds = list(stands.holds)
     free_s: dict[int, float] = {}
-    delay_s = 0.0
+    moves: list[PlayedMove] = []
     for mover in (*begins, *found.order):
         hop = days.hops[mover][at[mover]]
         leaves_s = max(ready[mover], hop.departs_s, *(free_s.get(b, 0.0) for b in bits_of(hop.move.needs)))
@@ -289,11 +314,9 @@ def delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[int
         free_s.update(dict.fromkeys(bits_of(hop.move.needs | holds[mover]), comes_s))
         holds[mover] = hop.move.keeps
         ready[mover] = comes_s + hop.stays_s
+        moves.append(PlayedMove(mover, at[mover], leaves_s, comes_s))
         at[mover] += 1
-        hops = days.hops[mover]
-        if hop.arrives_s < until_s and (at[mover] == len(hops) or hops[at[mover]].train != hop.train):
-            delay_s += max(0.0, comes_s - hop.arrives_s)
-    return delay_s
+    return moves
 
 
 def comes_s_of(register: Register, made: PlannedMove, late_s: float, held: int) -> float:

@@ -123,6 +123,18 @@ class Reentry(msgspec.Struct, frozen=True):
     defined_s: float | None = None
 
 
+class BiddenUnit(msgspec.Struct, frozen=True):
+    """What a unit is to do: no route before `until_s`, or until `behind` has had `section_id`; to go on as
+    `next_train`, as it has been told so often.
+    """
+
+    until_s: float = 0.0
+    behind: str = ""
+    section_id: str = ""
+    next_train: str = ""
+    told: int = 0
+
+
 class Register(msgspec.Struct, frozen=True):
     """State of the block manager. `epoch` is its boot, `counter` counts the tokens given in it.
 
@@ -136,6 +148,7 @@ class Register(msgspec.Struct, frozen=True):
     none, `solved` the order of least delay found last, and `now_s` when the last telegram came; all where `plan.days`
     are. `tracks`: for each unit the moves of its day, by place, that end on another track than planned; `cuts`: those
     from where it went on as another train, and as which; both kept over power cuts. `days` are the days with them.
+    `bidden`: what a dispatcher has units do in this boot.
     """
 
     plan: RegisterPlan
@@ -161,6 +174,7 @@ class Register(msgspec.Struct, frozen=True):
     days: Days | None = None
     tracks: Mapping[str, Mapping[int, str]] = msgspec.field(default_factory=dict[str, Mapping[int, str]])
     cuts: Mapping[str, Mapping[int, str]] = msgspec.field(default_factory=dict[str, Mapping[int, str]])
+    bidden: Mapping[str, BiddenUnit] = msgspec.field(default_factory=dict[str, BiddenUnit])
 
     @property
     def defined(self) -> bool:

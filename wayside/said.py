@@ -81,6 +81,31 @@ class UnbarUnit(msgspec.Struct, frozen=True, array_like=True, tag=9):
     person: str
 
 
+class LetWait(msgspec.Struct, frozen=True, array_like=True, tag=10):
+    """Dispatcher to manager: the unit gets no route for `hold_s`, or until `behind` has the section before that."""
+
+    unit_id: str
+    person: str
+    hold_s: float
+    behind: str = ""
+    section_id: str = ""
+
+
+class LetGo(msgspec.Struct, frozen=True, array_like=True, tag=11):
+    """Dispatcher to manager: what the unit was told to wait for does not count any more."""
+
+    unit_id: str
+    person: str
+
+
+class EndTrain(msgspec.Struct, frozen=True, array_like=True, tag=12):
+    """Dispatcher to manager: the unit's train is to end where it stands, and its set goes on as `next_train`."""
+
+    unit_id: str
+    person: str
+    next_train: str
+
+
 Input = (
     ConfirmOutside
     | ConfirmHolding
@@ -91,6 +116,9 @@ Input = (
     | BoundaryPassed
     | BarUnit
     | UnbarUnit
+    | LetWait
+    | LetGo
+    | EndTrain
 )
 
 
@@ -296,6 +324,31 @@ class GoesOnAs(Noted, frozen=True, kw_only=True, tag="goes_on_as"):
     train: str
 
 
+class WaitBidden(Noted, frozen=True, kw_only=True, tag="wait_bidden"):
+    """A dispatcher keeps a unit back for so long, or until the other has the section."""
+
+    unit_id: str
+    hold_s: float
+    other_id: str = ""
+    section_id: str = ""
+    by: str
+
+
+class WaitOver(Noted, frozen=True, kw_only=True, tag="wait_over"):
+    """A unit that a dispatcher kept back may have its route: the other has the section, or somebody has said so."""
+
+    unit_id: str
+    by: str = ""
+
+
+class TrainEndBidden(Noted, frozen=True, kw_only=True, tag="train_end_bidden"):
+    """A dispatcher has a unit's train end where it stands, and its set go on as this one."""
+
+    unit_id: str
+    train: str
+    by: str
+
+
 class RouteAskedBack(Noted, frozen=True, kw_only=True, tag="route_asked_back"):
     """The manager wants a route back from a unit that has not left, for another; `why` says it in a sentence."""
 
@@ -393,6 +446,9 @@ ManagerNote = (
     | TrackChanged
     | TrainCut
     | GoesOnAs
+    | WaitBidden
+    | WaitOver
+    | TrainEndBidden
     | RouteAskedBack
     | NotDone
     | OrderLacking

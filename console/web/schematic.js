@@ -48,6 +48,7 @@ export function schematic(known, words, pick) {
       drawn("rect", { width: 6, height: 6, fill: "#fff" }), drawn("rect", { width: 2, height: 6, fill: "#a8a8a8" }))));
   const chosen = (kind, id) => ({ tabindex: 0, role: "button", onclick: () => pick(kind, id),
     onkeydown: (event) => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); pick(kind, id); } } });
+  const marks = drawn("g");
   for (const section of state.sections) {
     const box = boxes.get(section.id);
     const said = words.say(section.state, {}, "desk");
@@ -55,10 +56,11 @@ export function schematic(known, words, pick) {
       drawn("title", {}, `${section.id}: ${said} ${section.unit}`), drawn("rect", box),
       label(box.x + box.width / 2, box.y - 3, section.id, "middle")));
     const here = state.trains.filter((train) => train.section ? train.section === section.id : train.at_m === null && train.sections[0] === section.id);
-    here.forEach((train, i) => svg.append(trainMark(box, train, i, chosen)));
+    here.forEach((train, i) => marks.append(trainMark(box, train, i, chosen)));
     if (!here.length && section.unit) svg.append(label(box.x + box.width / 2, box.y + 15, section.unit, "middle", "unit"));
   }
-  for (const points of welcome.points) {
+  const there = new Set(state.sections.map((section) => section.id)); // a driver's page has what the train holds
+  for (const points of welcome.points.filter((one) => there.has(one.section))) {
     const box = boxes.get(points.section), lies = state.points.find((one) => one.id === points.id);
     const sign = !lies ? "" : lies.position === "normal" ? " N" : lies.position === "reverse" ? " R" : " ?";
     const group = drawn("g", { ...chosen("points", points.id), class: "points", "aria-label": points.id + sign });
@@ -75,6 +77,7 @@ export function schematic(known, words, pick) {
     ends[row] = x + half;
     svg.append(drawn("line", { x1: x, x2: x, y1: 41 - row * 14, y2: 46, stroke: "#1c1c1c" }), label(x, 39 - row * 14, name, "middle"));
   }
+  svg.append(marks); // above the sections, as a mark may stand over two of them
   const silent = (id) => state.silent.includes(id) ? ` ✕ ${words.say("no power", {}, "desk")}` : "";
   const devices = ["block-manager", ...new Set(welcome.points.map((points) => points.terminal))];
   devices.forEach((id, i) => {
@@ -86,7 +89,8 @@ export function schematic(known, words, pick) {
 }
 
 function trainMark(box, train, i, chosen) {
-  const x = box.x + (train.at_m === null ? 0.5 : share(box, train.at_m)) * box.width, y = box.y + 15 + i * 12;
+  const half = 26, there = box.x + (train.at_m === null ? 0.5 : share(box, train.at_m)) * box.width;
+  const x = Math.max(box.x + half, Math.min(box.x + box.width - half, there)), y = box.y + 15 + i * 12;
   const group = drawn("g", { class: "train", ...chosen("unit", train.unit), "aria-label": `${train.train} ${train.unit}` });
   group.append(drawn("title", {}, `${train.train} ${train.unit} ${train.waits_for}`), label(x, y, `◆ ${train.train || train.unit}`, "middle", "number"));
   return group;
@@ -96,16 +100,16 @@ function label(x, y, text, anchor, kind = "") {
   return drawn("text", { x, y, "text-anchor": anchor, class: kind || undefined }, text);
 }
 
-/** The train graph: what was planned, and what has been, for two hours about now. */
+/** The train graph: what was planned, what has been, and how the day will go on, for three hours about now. */
 export function trainGraph(known, words) {
-  const { welcome, state, graph } = known;
+  const { welcome, state, graph, forecast } = known;
   const width = 450, height = 400, left = 140, low = 10;
-  const from = state.time_s - 3600, to = state.time_s + 3600;
+  const from = state.time_s - 3600, to = state.time_s + (forecast.length ? 7200 : 3600);
   const places = welcome.stations.map((station) => station.at_m), first = Math.min(...places), last = Math.max(...places);
   const x = (t) => left + ((t - from) / (to - from)) * (width - left - 6);
   const y = (m) => low + ((m - first) / (last - first || 1)) * (height - low - 24);
   const svg = drawn("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": words.say("train graph, planned and so far", {}, "desk") },
-    drawn("clipPath", { id: "paper" }, drawn("rect", { x: left, y: 0, width: width - left - 6, height })));
+    drawn("clipPath", { id: "paper" }, drawn("rect", { x: left, y: low - 8, width: width - left - 6, height: height - low - 16 })));
   for (let t = Math.ceil(from / 1800) * 1800; t <= to; t += 1800) {
     svg.append(drawn("line", { class: "grid", x1: x(t), x2: x(t), y1: low, y2: height - 24 }),
       label(x(t), height - 8, `${Math.floor(t / 3600)}:${String(Math.floor(t / 60) % 60).padStart(2, "0")}`, "middle"));
@@ -124,6 +128,11 @@ export function trainGraph(known, words) {
   }
   const went = Map.groupBy ? Map.groupBy(graph, (point) => point.train) : grouped(graph);
   for (const points of went.values()) line(points.map((point) => [point.time_s, point.at_m]), "went");
+  for (const { train, times_s, at_m } of forecast) {
+    const been = went.get(train)?.at(-1), here = been ? [[been.time_s, been.at_m]] : [];
+    if (times_s[0] <= to) line([...here, ...times_s.map((t, i) => [t, at_m[i]])], "forecast");
+  }
+  if (forecast.length) paper.append(drawn("rect", { class: "soon", x: x(state.time_s), y: low, width: x(state.time_s + 1800) - x(state.time_s), height: height - low - 24 }));
   paper.append(drawn("line", { class: "now", x1: x(state.time_s), x2: x(state.time_s), y1: low, y2: height - 24 }));
   svg.append(paper);
   return svg;

@@ -1,6 +1,6 @@
 // The line to the desk: a seat is taken, what is said is answered by its number, and a line that breaks is made again.
 
-export const VERSION = 1;
+export const VERSION = 2;
 const AGAIN_MS = 500;
 
 /** What a page knows after one more state; what only grows is kept as long as the run is on the same branch. */
@@ -11,17 +11,18 @@ export function taken(known, state) {
     state,
     events: [...(same ? known.events : []), ...state.events],
     graph: [...(same ? known.graph : []), ...state.graph],
+    forecast: state.forecast ?? (same ? known.forecast : null) ?? [],
   };
 }
 
 /** Connects, and goes on to; `show` is given what is known whenever there is more of it, null while there is no line. */
-export function connect(url, seat, token, show) {
+export function connect(url, seat, token, show, unit = "") {
   const waiting = new Map();
   let socket = null, number = 0, known = { events: [], graph: [] };
   const open = () => {
     socket = new WebSocket(url);
     known = { events: [], graph: [] };
-    socket.onopen = () => socket.send(JSON.stringify({ say: "hello", seat, token, version: VERSION }));
+    socket.onopen = () => socket.send(JSON.stringify({ say: "hello", seat, unit, token, version: VERSION }));
     socket.onmessage = ({ data }) => {
       const message = JSON.parse(data);
       if (message.say === "welcome") known = { ...known, welcome: message };

@@ -46,6 +46,11 @@ class ActKind(Enum):
     UNBAR_UNIT = "unbar_unit"
     HAUL_AWAY = "haul_away"
     GIVE_BACK = "give_back"
+    HOLD_TRAIN = "hold_train"
+    LET_GO = "let_go"
+    END_TRAIN = "end_train"
+    DRIVE = "drive"
+    DRIVE_BY_ATO = "drive_by_ato"
 
 
 ACT_MEANINGS: Final[Mapping[ActKind, str]] = {
@@ -63,6 +68,11 @@ ACT_MEANINGS: Final[Mapping[ActKind, str]] = {
     ActKind.UNBAR_UNIT: "controller or staff: what this unit says is to count again",
     ActKind.HAUL_AWAY: "staff: haul a train without power off the line, out of the portal where it stands",
     ActKind.GIVE_BACK: "crew: return the route ahead, not yet entered, and ask for none for a while",
+    ActKind.HOLD_TRAIN: "controller: no route for this unit for a while, or until another one has a section",
+    ActKind.LET_GO: "controller: what this unit was kept back for does not count any more",
+    ActKind.END_TRAIN: "controller: this unit's train ends where it stands, its set goes on as a later one",
+    ActKind.DRIVE: "crew: drive by hand, with this notch",
+    ActKind.DRIVE_BY_ATO: "crew: leave the driving to the law that the scenario has for the stock",
 }
 
 
@@ -133,6 +143,9 @@ class Act:
     hold_s: float = 300.0
     place: str = ""
     pace_s: float | None = None  # time for each word of a re-entry; None: drawn from `[people]`
+    behind: str = ""
+    train: str = ""
+    notch: int = 0
 
 
 class Property(Enum):

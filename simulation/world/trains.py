@@ -13,7 +13,8 @@ from network.graph import next_pieces
 from network.model import Direction
 from network.path import Path, path_of
 from onboard.authority.coverage import covered_at
-from onboard.driving.laws.settings import fit_law
+from onboard.driving.laws.by_hand import by_hand
+from onboard.driving.laws.settings import choose_law, fit_law
 from onboard.driving.laws.table import LAW_NAMES, LawsRow
 from onboard.driving.stopping import WaveRow
 from onboard.driving.tasc import DesignRow, TascRow
@@ -133,7 +134,7 @@ class Trains:
         """Fill one stock's row, and give it its unit."""
         setup, stock_id, row = self.setup, self.stock_ids[slot], self.stock[slot]
         row["board"]["kind"] = setup.believed_train(stock_id).row[0]
-        law = setup.laws.get(stock_id, LAW_NAMES[0])
+        law = self._law(stock_id)
         chance = generator(setup.seed, "driver", stock_id)
         fit_law(self.laws[slot], law, setup.law, lambda _law, _field: float(chance.normal()))
         body, self._brake_factors[slot] = setup.scatter.body(setup.seed, stock_id, setup.trains[stock_id].row)
@@ -148,6 +149,16 @@ class Trains:
         truth.carries_more = int(bool(setup.sensors.carried_by(stock_id) - {PositionSensor.TAGS}))
         truth.wheels_vary = int(setup.sensors.wheels_vary)
         truth.lead_bogie_m, truth.bogie_base_m = LEAD_BOGIE_M, BOGIE_BASE_M
+
+    def _law(self, stock_id: str) -> str:
+        return self.setup.laws.get(stock_id, LAW_NAMES[0])
+
+    def drive(self, slot: int, notch: float | None) -> None:
+        """A driver has the handle, and has set this notch; None: the law that the scenario has for the stock drives."""
+        laws = self.laws[slot]
+        if notch is not None:
+            laws.by_hand.notch = notch  # type: ignore[attr-defined]
+        choose_law(laws, self._law(self.stock_ids[slot]) if notch is None else by_hand.__name__)
 
     def position_fixed(self, slot: int) -> None:
         """A fix has told the unit's position anew."""

@@ -65,6 +65,9 @@ def _act(act: Act) -> dict[str, object]:
         "sections": list(act.sections),
         "position": act.position,
         "place": act.place,
+        "behind": act.behind,
+        "train": act.train,
+        "notch": act.notch,
     }
     table |= {key: value for key, value in own.items() if value}
     table |= {} if act.pace_s is None else {"pace_s": act.pace_s}

@@ -18,6 +18,7 @@ PARTS: Final[Mapping[str, str]] = {
     "sweep": "study.evaluate.sweep_bench",
     "certificate": "study.evaluate.certificate",
     "start": "study.evaluate.start_bench",
+    "serve": "console.serve_bench",
 }
 DEFAULT: Final = "links"  # of minutes; the others are asked for by name
 

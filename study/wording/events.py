@@ -65,6 +65,18 @@ EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
     said.TrackChanged: EventWording("order", phrase("{why}", "clause")),
     said.TrainCut: EventWording("order", phrase("{why}", "clause")),
     said.GoesOnAs: EventWording("order", phrase("{unit_id} goes on as {train}")),
+    said.WaitBidden: EventWording(
+        "order",
+        phrase("{by}: {unit_id} is kept back for {hold_s:.0f} s{other_id}{section_id}"),
+        {
+            "other_id": phrase(" at most, behind {}", "kept back"),
+            "section_id": phrase(" over {}", "kept back"),
+        },
+    ),
+    said.WaitOver: EventWording("order", phrase("{unit_id} is not kept back any more")),
+    said.TrainEndBidden: EventWording(
+        "order", phrase("{by}: the train of {unit_id} ends where it stands, and its set goes on as {train}")
+    ),
     said.RouteAskedBack: EventWording("order", phrase("{why}", "clause")),
     said.NotDone: EventWording(
         "refusal", phrase("{unit_id} refuses an order about route {route_id}{why}"), _WHY
@@ -171,7 +183,7 @@ def _values(event: Noted, names: Names) -> dict[str, object]:
         case events.FaultBegan() | events.FaultOver():
             return {"fault": fault_text(event.kind, event.target, event.parameters)}
         case events.Acted():
-            return {"acted": act_text(event.act, "", event.target, event.section_ids)}
+            return {"acted": act_text(event.act, "", event.target, event.section_ids, notch=event.notch)}
         case events.DoorsHeld():
             fields["until"] = clock(int(event.until_s))
         case events.Unsafe():

@@ -38,12 +38,18 @@ def fault_text(kind: str, target: object, parameters: Mapping[str, Any]) -> Phra
 
 
 def act_text(
-    act: str, person: str, target: str, sections: tuple[str, ...] = (), position: str = ""
+    act: str, person: str, target: str, sections: tuple[str, ...] = (), position: str = "", notch: int = 0
 ) -> Phrase:
     """What a person does."""
-    english = [f"{person}:" if person else "", act, target, " ".join(sections), position]
+    handle = phrase("notch {notch}").fill(notch=f"{notch:+d}") if notch else NOTHING
+    english = [f"{person}:" if person else "", act, target, " ".join(sections), position, handle.en]
     name = phrase_or_name(act, "act").in_("ja")
-    of = [_target(target) if target else "", "・".join(sections), _position(position).in_("ja")]
+    of = [
+        _target(target) if target else "",
+        "・".join(sections),
+        _position(position).in_("ja"),
+        handle.in_("ja"),
+    ]
     by = f"{party(person).in_('ja')}：" if person else ""
     about = "、".join(filter(None, of))
     return Phrase(" ".join(filter(None, english)), f"{by}{name}" + (f"（{about}）" if about else ""))
@@ -52,7 +58,7 @@ def act_text(
 def item_text(item: ScriptedFault | Act) -> Phrase:
     """A fault or an act of a script."""
     if isinstance(item, Act):
-        return act_text(item.kind.value, item.person, item.target, item.sections, item.position)
+        return act_text(item.kind.value, item.person, item.target, item.sections, item.position, item.notch)
     return fault_text(item.fault.kind, item.fault.target, item.fault.parameters())
 
 

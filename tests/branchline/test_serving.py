@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from branchline.serving import bound_socket
 from console.access import LOOPBACK
+from console.server import listening_on
 from network.errors import InputError
 
 
@@ -32,8 +32,8 @@ def test_what_cannot_be_served_is_refused(
 
 
 def test_a_port_that_is_taken_is_named() -> None:
-    with bound_socket(LOOPBACK, 0) as taken:
+    with listening_on(LOOPBACK, 0) as taken:
         taken.listen()
         port = taken.getsockname()[1]
         with pytest.raises(InputError, match=f"'{LOOPBACK}:{port}'; expected an address and port"):
-            bound_socket(LOOPBACK, port)
+            listening_on(LOOPBACK, port)

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from threading import Thread
 from typing import Any, Final
 
 import pytest
 
-from branchline.serving import bound_socket
 from console.access import LOOPBACK, on_loopback
 from console.live import LiveDesk
-from scenario.scenario import load_scenario
+from scenario.scenario import Scenario, load_scenario
 from study.drilling.drill import run_drill
+from study.record.read_back import RunRead
 from study.runner.run import PartyLink
 
 pytestmark = [pytest.mark.browser, pytest.mark.system]
@@ -22,26 +23,35 @@ WAIT_MS: Final = 500_000
 SIZE: Final = {"width": 1280, "height": 800}
 
 
-@pytest.fixture(scope="module")
-def address() -> Iterator[str]:
-    """A desk of the Karasuyama weekday, served."""
+@contextmanager
+def served(what: Scenario | RunRead) -> Generator[str]:
+    """A desk, served: its address."""
     uvicorn = pytest.importorskip("uvicorn", reason="the extra [console] is not installed")
-    from console.server import DeskServer
+    from console.server import DeskServer, listening_on
 
-    with bound_socket(LOOPBACK, 0) as bound:
+    with listening_on(LOOPBACK, 0) as bound:
         port = bound.getsockname()[1]
         server = DeskServer(on_loopback(port))
-        live = LiveDesk(load_scenario("karasuyama_weekday"), server.changed)
+        live = LiveDesk(what, server.changed)
         live.start()
         server.desk = live
         web = uvicorn.Server(uvicorn.Config(server.app, log_level="error", ws="websockets-sansio"))
         thread = Thread(target=web.run, kwargs={"sockets": [bound]})
         thread.start()
-        yield f"http://{LOOPBACK}:{port}/"
-        web.should_exit = True
-        thread.join()
-        live.stop()
+        try:
+            yield f"http://{LOOPBACK}:{port}/"
+        finally:
+            web.should_exit = True
+            thread.join()
+            live.stop()
         assert live.error is None
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    """A desk of the Karasuyama weekday, served."""
+    with served(load_scenario("karasuyama_weekday")) as address:
+        yield address
 
 
 class Seated:
@@ -53,7 +63,8 @@ class Seated:
         self.page.on("console", lambda message: self.said.append(message.text))
         self.page.on("pageerror", lambda error: self.said.append(str(error)))
         self.page.goto(f"{address}?seat={seat}&lang={language}")
-        self.page.wait_for_selector(".section")
+        self.page.wait_for_selector("#clock")
+        self.page.wait_for_selector(".section, .cab")
 
     def shows(self, where: str, text: str) -> None:
         from playwright.sync_api import expect

@@ -15,6 +15,7 @@ BY_VALUE = {
     *(state.value for state in SectionState),
     *(seat.value for seat in Seat if seat is not Seat.GUEST),
     *("unit", "party", "points", "position", "place", "sections", "hold", "pace", "person"),
+    *("behind", "over", "track", "train", "notch", "confirm_stabled"),
 }
 
 

@@ -48,9 +48,12 @@ class Door:
     def welcome(self, seat: Seat) -> Welcome:
         return self.desk.welcome(seat)
 
-    def ask(self, seat: Seat, request: Request, take: Callable[[DeskAnswer], None]) -> None:
+    def look_from(self, units: frozenset[str]) -> None:
+        self.desk.cabs = units
+
+    def ask(self, seat: Seat, request: Request, take: Callable[[DeskAnswer], None], unit: str = "") -> None:
         self.asked += 1
-        take(self.desk.ask(seat, request, 0.0))
+        take(self.desk.ask(seat, request, 0.0, unit))
 
 
 @pytest.fixture(scope="module")

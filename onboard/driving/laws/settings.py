@@ -9,7 +9,7 @@ from pydantic import Field, create_model
 
 from network.files.kinds import about
 from network.files.toml_input import Record
-from onboard.driving.laws.table import LAW_NAMES, LAWS, LawsRow
+from onboard.driving.laws.table import LAWS, LawsRow
 from vehicle.record import put_settings
 
 WITH_SETTINGS: Final[Mapping[str, type[Record]]] = {
@@ -54,11 +54,16 @@ def fit_law(
     that there is not.
     """
     given = LawTables() if tables is None else tables
-    laws.number = LAW_NAMES.index(name)
-    laws.stops = int(LAWS[laws.number].stops)
+    choose_law(laws, name)
     for law in LAWS:
         own = getattr(laws, law.name)
         if law.settings is not None:
             put_settings(own.settings, getattr(given, law.name))
         for field in law.drawn:
             setattr(own, field, drawn(law.name, field))
+
+
+def choose_law(laws: LawsRow, name: str) -> None:
+    """From now on this law drives. ValueError for one that there is not."""
+    laws.number = [law.name for law in LAWS].index(name)
+    laws.stops = int(LAWS[laws.number].stops)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.files.toml_input import Record
+from onboard.driving.laws.by_hand import ByHandRow, by_hand
 from onboard.driving.laws.cue import CueRow
 from onboard.driving.laws.driver import DRAWN, Driver, DriverRow, driver
 from onboard.driving.laws.follow_plan import FollowPlan, FollowPlanRow, follow_plan
@@ -39,7 +40,8 @@ class Law:
     row that are drawn for each stock, standard normal. `plans`: it follows a plan, which the unit makes at each
     departure, and anew when the train is off it by more than the setting `replan_after_s`; the setting
     `regeneration_share` counts in it. `stops`: it brings the train to the mark by itself, without TASC. `told`: what it
-    has to tell the journal of the run that has just ended.
+    has to tell the journal of the run that has just ended. `by_person`: a person sets its notch during the run, so that
+    no scenario chooses it.
     """
 
     function: Callable[..., float]
@@ -49,6 +51,7 @@ class Law:
     plans: bool = False
     stops: bool = False
     told: Callable[[Any], Note | None] | None = None
+    by_person: bool = False
 
     @property
     def name(self) -> str:
@@ -63,8 +66,9 @@ LAWS: Final = (
     Law(pid, PidRow, Pid, stops=True),
     Law(driver, DriverRow, Driver, drawn=DRAWN),
     Law(predictive_fuzzy, PredictiveFuzzyRow, PredictiveFuzzy, stops=True, told=fuzzy_run_note),
+    Law(by_hand, ByHandRow, stops=True, by_person=True),
 )
-LAW_NAMES: Final = tuple(law.name for law in LAWS)
+LAW_NAMES: Final = tuple(law.name for law in LAWS if not law.by_person)  # of those that a scenario may choose
 
 
 class LawsRow(Protocol):
@@ -91,7 +95,7 @@ def _ask() -> Ask:
     """A chain of ifs over the table."""
     given = "cue, unit, train, behaviour, path, plan"
     lines = [f"def ask(laws, {given}):"]
-    for number, name in enumerate(LAW_NAMES):
+    for number, name in enumerate(law.name for law in LAWS):
         lines += [f"    if laws.number == {number}:", f"        return {name}(laws.{name}, {given})"]
     lines += ["    return -train.brake_notches"]
     return cast("Ask", compiled_lines(lines, {law.name: law.function for law in LAWS}, __name__))

@@ -80,7 +80,7 @@ def plan_of(speed_mps: float, mode: int = PLAN_HOLD, time_left_s: float = 0.0) -
 
 
 def test_every_law_of_the_table_has_its_own_row_and_name() -> None:
-    assert len(set(LAW_NAMES)) == len(LAWS)
+    assert len({law.name for law in LAWS}) == len(LAWS)
     for law in LAWS:
         assert BOARD["laws"][law.name].names == tuple(law.row.__annotations__)
 

@@ -1,0 +1,75 @@
+"""What a driver sees in the cab: what the unit shows, and where the handle is."""
+
+from __future__ import annotations
+
+import math
+
+from console.protocol import CabShown
+from console.session import Session
+from onboard.driving.laws.by_hand import by_hand
+from onboard.driving.laws.table import LAWS
+from onboard.duty.records import DrivingCommand
+from onboard.mission import Target
+from study.wording.catalogue import phrases_of
+from study.wording.reasons import reason
+
+
+def cab_of(session: Session, unit: str) -> CabShown:
+    """The cab of a unit at present; its speed is exact, what its unit has worked out up to 1 s old."""
+    simulation = session.simulation
+    trains = simulation.trains
+    slot = trains.slot_of[unit]
+    duty, kind, laws = trains.duties[slot], trains.kinds[slot], trains.laws[slot]
+    command = simulation.on_board.shown_to_driver(slot)
+    on_line = slot in trains.active()
+    motion = session.motion(slot) if on_line else None
+    sample = simulation.sample_at(slot, session.step) if on_line else None
+    row = trains.units[slot]
+    known = motion is not None and bool(row.position_known) and not command.on_sight
+    off_m = 0.0 if sample is None else float(sample["estimate_error_m"])
+    at_m = motion.position_m + off_m if motion is not None and known else None
+    target = None if duty is None else _next_stop(command, duty.mission.targets)
+    stands = target if command.stands_at is None or duty is None else duty.mission.targets[command.stands_at]
+    handed = LAWS[int(laws.number)].name == by_hand.__name__
+    waits = simulation.waits_for(slot)
+    return CabShown(
+        unit=unit,
+        train="" if duty is None else duty.train.number,
+        powered=slot not in simulation.on_board.unpowered,
+        speed_mps=0.0 if motion is None else motion.speed_mps,
+        permitted_mps=None if sample is None else _finite(float(sample["permitted_mps"])),
+        target_mps=0.0 if sample is None else _finite(float(sample["target_mps"])) or 0.0,
+        notch=-float(kind.brake_notches) if sample is None else float(sample["notch"]),
+        by_hand=handed,
+        handle=float(laws.by_hand.notch) if handed else 0.0,  # type: ignore[attr-defined]
+        power_notches=int(kind.power_notches),
+        brake_notches=int(kind.brake_notches),
+        intervention=0 if sample is None else int(sample["intervention"]),
+        may_drive=command.drive,
+        on_sight=command.on_sight or command.sweeps,
+        authority_m=None if at_m is None else _finite(float(row.stop_limit_m) - at_m),
+        why=command.limit.why,
+        why_ja=reason(command.limit.why).in_("ja") if command.limit.why else "",
+        next_stop="" if target is None else target.place_id,
+        next_stop_m=None if at_m is None or target is None else target.mark_m - at_m,
+        arrives_s=None if target is None else target.arrival_s,
+        departs_s=None if stands is None else stands.departure_s,
+        held=command.held,
+        waits_for=waits,
+        waits_for_ja=wait_ja(waits),
+    )
+
+
+def wait_ja(waits_for: str) -> str:
+    """What a train waits for, in Japanese."""
+    known = phrases_of("cause").get(waits_for)
+    return reason(waits_for).in_("ja") if known is None else known.ja
+
+
+def _next_stop(command: DrivingCommand, targets: tuple[Target, ...]) -> Target | None:
+    following = command.at + 1 if command.target is None else command.target
+    return targets[following] if following < len(targets) else None
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

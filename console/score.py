@@ -1,0 +1,181 @@
+"""What came of a session for those who worked it: how soon faults were acted on and over, what was lost, what wrong.
+
+Times of a fault: *shown*, when the first alarm after it stood on the dispatcher's page; *acted*, when somebody at a
+seat did the first thing after that, refused or not; *recovered*, when the register was whole again and the last train
+that was late by `LATE_S` since had called. What never came is None, and a run that goes on is judged as it stands.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Final
+
+import msgspec
+
+from console.protocol import DeedShown, RuleShown, SeatMessage
+from console.session import Deed, Session
+from simulation.faults.script import Act, ActKind, ScriptedFault
+from simulation.judge.checkers import Checker
+from simulation.setup import STEPS_PER_S
+from study.drilling.replay_file import clock_of
+from study.measures.day_figures import day_figures
+from study.measures.recovery import LATE_S
+from study.wording.script import item_text
+from wayside.said import Refused
+
+IRREGULAR: Final = frozenset(
+    {
+        ActKind.BAR_UNIT,
+        ActKind.CONFIRM_OUTSIDE,
+        ActKind.CONFIRM_HOLDING,
+        ActKind.ENTER_SECTION,
+        ActKind.REENTER_BY_HAND,
+        ActKind.HAUL_AWAY,
+        ActKind.REPAIR_POINTS,
+        ActKind.TAKE_BACK,
+        ActKind.DRIVE,
+    }
+)
+
+
+class RefusedAct(msgspec.Struct, frozen=True):
+    """An act that somebody at a seat wanted and that could not be: nobody, or nothing, had it."""
+
+    time_s: float
+    seat: str
+    why: str
+
+
+class FaultScore(msgspec.Struct, frozen=True, kw_only=True):
+    """A fault, and how long after its beginning it was shown, acted on and recovered from, s."""
+
+    deed: int
+    began_s: float
+    text: str
+    text_ja: str
+    shown_s: float | None
+    acted_s: float | None
+    recovered_s: float | None
+
+
+class DeskScore(msgspec.Struct, frozen=True, kw_only=True):
+    """The protocol of a session. `refused_words`: entries that the block manager refused; `irregular`: acts outside the
+    running by the timetable, by kind. `lost_train_minutes` of a run that goes on are those of the trains under way.
+    """
+
+    run: str
+    seed: int
+    time_s: float
+    ended: str
+    digest: str
+    trains_planned: int
+    trains_arrived: int
+    lost_train_minutes: float
+    faults: tuple[FaultScore, ...]
+    deeds: tuple[DeedShown, ...]
+    refused_acts: tuple[RefusedAct, ...]
+    refused_words: tuple[RefusedAct, ...]
+    irregular: dict[str, int]
+    rules: tuple[RuleShown, ...]
+    messages: tuple[SeatMessage, ...]
+
+
+def score_of(
+    session: Session, refused: tuple[RefusedAct, ...], messages: tuple[SeatMessage, ...]
+) -> DeskScore:
+    """The protocol until now."""
+    ended, line, setup = session.ended, session.line, session.scenario.setup
+    acts = [deed for deed in session.deeds if isinstance(deed.item, Act) and deed.step <= session.step]
+    counts = session.simulation.checkers.counts
+    lost = sum(max(0.0, t.late_s or 0.0) for t in line.trains) / 60.0
+    if ended is not None:
+        lost = day_figures(session.result, setup).lost_train_minutes
+    return DeskScore(
+        run=session.scenario.id,
+        seed=setup.seed,
+        time_s=session.now_s,
+        ended="" if ended is None else ended.value,
+        digest="" if ended is None else session.result.digest,
+        trains_planned=sum(train.revenue for train in setup.timetable.trains.values()),
+        trains_arrived=sum(setup.timetable.trains[number].revenue for number in session.simulation.arrived),
+        lost_train_minutes=round(lost, 2),
+        faults=tuple(
+            _fault(session, number, deed, refused)
+            for number, deed in enumerate(session.deeds)
+            if isinstance(deed.item, ScriptedFault) and deed.step <= session.step
+        ),
+        deeds=tuple(_deed(number, deed) for number, deed in enumerate(session.deeds)),
+        refused_acts=refused,
+        refused_words=_refused_words(session, {act.item.person for act in acts if isinstance(act.item, Act)}),
+        irregular=dict(
+            Counter(
+                act.item.kind.value
+                for act in acts
+                if isinstance(act.item, Act) and act.item.kind in IRREGULAR
+            )
+        ),
+        rules=tuple(RuleShown(rule=rule.value, broken=counts.get(rule.value, 0)) for rule in Checker),
+        messages=messages,
+    )
+
+
+def score_json(score: DeskScore) -> str:
+    """As a file has it."""
+    return msgspec.json.format(msgspec.json.encode(score), indent=1).decode() + "\n"
+
+
+def _deed(number: int, deed: Deed) -> DeedShown:
+    words = item_text(deed.item)
+    time_s = deed.step / STEPS_PER_S
+    return DeedShown(deed=number, time_s=time_s, text=words.en, text_ja=words.in_("ja"), ends=False)
+
+
+def _refused_words(session: Session, persons: set[str]) -> tuple[RefusedAct, ...]:
+    entries = session.journal.entries
+    return tuple(
+        RefusedAct(e.t_s, e.event.why.partition(":")[0], e.event.why)
+        for e in entries
+        if isinstance(e.event, Refused) and e.event.why.partition(":")[0] in persons
+    )
+
+
+def _fault(session: Session, number: int, deed: Deed, refused: tuple[RefusedAct, ...]) -> FaultScore:
+    began_s = deed.step / STEPS_PER_S
+    line = session.line
+    alarms = (e.shown.time_s for e in line.events if e.shown.alarm and not e.truth)
+    shown_s = min((t for t in (*alarms, *_undefined(session)) if t >= began_s), default=None)
+    since_s = began_s if shown_s is None else shown_s
+    done = [d.step / STEPS_PER_S for d in session.deeds if isinstance(d.item, Act)] + [
+        r.time_s for r in refused
+    ]
+    acted_s = min((t for t in done if since_s <= t <= session.now_s), default=None)
+    words = item_text(deed.item)
+    recovered_s = _recovered(session, began_s)
+    return FaultScore(
+        deed=number,
+        began_s=began_s,
+        text=f"{clock_of(deed.step)} {words.en}",
+        text_ja=f"{clock_of(deed.step)} {words.in_('ja')}",
+        shown_s=None if shown_s is None else round(shown_s - began_s, 1),
+        acted_s=None if acted_s is None else round(acted_s - began_s, 1),
+        recovered_s=None if recovered_s is None else round(recovered_s - began_s, 1),
+    )
+
+
+def _undefined(session: Session) -> list[float]:
+    """When the picture was lost: the manager was switched off, or began again."""
+    return [off_s for off_s, _ in session.line.outages]
+
+
+def _recovered(session: Session, began_s: float) -> float | None:
+    """When the register was whole and no train late any more; None: it is not so yet."""
+    line = session.line
+    if not (line.defined and line.manager_on):
+        return None
+    whole_s = max(
+        (on_s for off_s, on_s in line.outages if off_s >= began_s and on_s is not None), default=began_s
+    )
+    late = [p.time_s for p in line.late if p.time_s >= began_s]
+    if any((t.late_s or 0.0) >= LATE_S for t in line.trains if t.train) and session.ended is None:
+        return None
+    return max(whole_s, max(late, default=began_s))

@@ -1,0 +1,182 @@
+"""What the desk costs: updates a second and bytes to each browser, and the server's share of a core, at ten times real
+time when most trains are on the line, with a browser that takes nothing and one that closes. Then the day runs to its
+end and has the digest that it has without a desk.
+
+Wall time and the share of a core are of this machine; browsers are clients in a process of their own.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from threading import Event, Thread
+from typing import Any, Final
+
+import psutil
+import uvicorn
+
+from console.access import LOOPBACK, on_loopback
+from console.live import LiveDesk
+from console.protocol import DeskAnswer, RunTo, SetPace
+from console.seats import Seat
+from console.server import DeskServer, listening_on
+from scenario.scenario import Scenario, load_scenario
+from study.runner.run import simulation_of
+
+FACTOR: Final = 10.0
+MEASURED_S: Final = 10.0
+UPDATES_A_S_MIN: Final = 8.0  # ten are wanted; a machine that does other work misses some
+OF_A_CORE_MAX: Final = 0.30
+KB_A_S_MAX: Final = 200.0
+LONG_S: Final = 3600.0
+# Each reads for some seconds and says how much came; the last but one reads nothing, the last has closed at once.
+CLIENT: Final = """
+import json, sys, time
+from threading import Thread
+from websockets.sync.client import connect
+url, seconds = sys.argv[1], float(sys.argv[2])
+found = []
+def hello(desk, seat): desk.send(json.dumps({"say": "hello", "seat": seat, "version": int(sys.argv[3])}))
+def read(seat):
+    with connect(url, compression=None, max_size=None) as desk:
+        hello(desk, seat); desk.recv(); desk.recv()
+        count = size = 0; end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            try: text = desk.recv(timeout=left)
+            except TimeoutError: break
+            count += 1; size += len(text)
+        found.append((seat, count / seconds, size / seconds / 1000))
+slow = connect(url, compression=None, max_queue=1); hello(slow, "instructor")
+closed = connect(url); hello(closed, "dispatcher"); closed.close()
+readers = [Thread(target=read, args=(seat,)) for seat in ("instructor", "dispatcher", "staff", "guest")]
+for one in readers: one.start()
+for one in readers: one.join()
+print(json.dumps(sorted(found)))
+"""
+
+
+def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, Any]:
+    """Medians over rounds of some seconds, and whether the day has its digest. `tell` is told what goes on."""
+    from console.protocol import VERSION
+
+    loaded = load_scenario(scenario)
+    busy_s, trains = busiest_s(loaded)
+    tell(f"{scenario}: {trains} trains under way at {int(busy_s // 3600)}:{int(busy_s // 60) % 60:02}")
+    changed = Event()
+    with _served(loaded, changed) as (live, thread, address):
+        _ask_until(live, RunTo(time_s=busy_s), lambda: live.moment.known.time_s >= busy_s, changed)
+        live.ask(Seat.INSTRUCTOR, SetPace(factor=FACTOR), _nothing)
+        seen: list[tuple[float, float, list[tuple[str, float, float]]]] = []
+        for _ in range(rounds):
+            began_s, server_s, desk_s = time.monotonic(), _cpu_s(thread.native_id), _cpu_s(live.thread_id)
+            done = subprocess.run(
+                [sys.executable, "-c", CLIENT, address, str(MEASURED_S), str(VERSION)],
+                capture_output=True,
+                check=True,
+            )
+            wall_s = time.monotonic() - began_s
+            seen.append(
+                (
+                    (_cpu_s(thread.native_id) - server_s) / wall_s,
+                    (_cpu_s(live.thread_id) - desk_s) / wall_s,
+                    json.loads(done.stdout),
+                )
+            )
+        _ask_until(live, RunTo(time_s=200_000.0), lambda: bool(live.moment.known.ended), changed)
+        digest = live.moment.known.digest
+    with simulation_of(loaded.setup) as simulation:
+        same = simulation.run().digest == digest
+    return _figures(scenario, rounds, trains, seen, same_digest=same)
+
+
+def _figures(
+    scenario: str,
+    rounds: int,
+    trains: int,
+    seen: list[tuple[float, float, list[tuple[str, float, float]]]],
+    *,
+    same_digest: bool,
+) -> dict[str, Any]:
+    seats = [seat for seat, _, _ in seen[0][2]]
+    rows = [
+        {
+            "browser": seat,
+            "updates_a_s": round(statistics.median(clients[k][1] for _, _, clients in seen), 2),
+            "kB_a_s": round(statistics.median(clients[k][2] for _, _, clients in seen), 1),
+        }
+        for k, seat in enumerate(seats)
+    ]
+    of_core = round(statistics.median(server for server, _, _ in seen), 3)
+    least = min(float(str(row["updates_a_s"])) for row in rows)
+    most = max(float(str(row["kB_a_s"])) for row in rows)
+    budgets = [
+        {"what": f"server, share of a core ({trains} trains)", "limit": OF_A_CORE_MAX, "found": of_core},
+        {"what": "kB a second to a browser", "limit": KB_A_S_MAX, "found": most},
+        {
+            "what": "seconds between updates",
+            "limit": round(1.0 / UPDATES_A_S_MIN, 3),
+            "found": round(1.0 / least, 3),
+        },
+    ]
+    return {
+        "scenario": scenario,
+        "rounds": rounds,
+        "rows": rows,
+        "budgets": [
+            each | {"kept": float(str(each["found"])) <= float(str(each["limit"]))} for each in budgets
+        ],
+        "desk_of_a_core": round(statistics.median(desk for _, desk, _ in seen), 3),
+        "trains": trains,
+        "same_digest": same_digest,
+    }
+
+
+def busiest_s(scenario: Scenario) -> tuple[float, int]:
+    """When most trains are planned to be under way, s, and how many."""
+    spans = [(t.calls[0].first_s, t.calls[-1].first_s) for t in scenario.setup.timetable.trains.values()]
+    return max(((begin, sum(a <= begin < b for a, b in spans)) for begin, _ in spans), key=lambda one: one[1])
+
+
+@contextmanager
+def _served(scenario: Scenario, changed: Event) -> Generator[tuple[LiveDesk, Thread, str]]:
+    with listening_on(LOOPBACK, 0) as bound:
+        port = bound.getsockname()[1]
+        server = DeskServer(on_loopback(port))
+
+        def note() -> None:
+            server.changed()
+            changed.set()
+
+        live = LiveDesk(scenario, note)
+        live.start()
+        server.desk = live
+        web = uvicorn.Server(uvicorn.Config(server.app, log_level="error", ws="websockets-sansio"))
+        thread = Thread(target=web.run, kwargs={"sockets": [bound]})
+        thread.start()
+        try:
+            yield live, thread, f"ws://{LOOPBACK}:{port}/desk"
+        finally:
+            web.should_exit = True
+            thread.join()
+            live.stop()
+
+
+def _ask_until(live: LiveDesk, request: RunTo, is_so: Callable[[], bool], changed: Event) -> None:
+    live.ask(Seat.INSTRUCTOR, request, _nothing)
+    while not is_so():
+        changed.clear()
+        if not is_so():
+            changed.wait(LONG_S)
+
+
+def _cpu_s(thread_id: int | None) -> float:
+    return sum(t.user_time + t.system_time for t in psutil.Process().threads() if t.id == thread_id)
+
+
+def _nothing(_: DeskAnswer) -> None:
+    pass

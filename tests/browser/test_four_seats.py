@@ -1,0 +1,177 @@
+"""The desk in Chromium, four browsers at four seats: the manager loses its power, a train is driven by hand meanwhile,
+and the script of all four is a drill with the same digest. Then axe on each page, where the package that has it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from importlib.resources import files
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Final
+
+import pytest
+
+from scenario.scenario import load_scenario
+from study.drilling.drill import run_drill
+from study.runner.run import PartyLink
+from tests.browser.test_desk import Seated, served
+
+pytestmark = [pytest.mark.browser, pytest.mark.system]
+
+SIZES: Final = ({"width": 1280, "height": 800}, {"width": 1920, "height": 1080})
+SERIOUS: Final = ("serious", "critical")
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    with served(load_scenario("karasuyama_weekday")) as address:
+        yield address
+
+
+def test_four_browsers_at_four_seats_and_their_script_replays(
+    browser: Any,  # noqa: ANN401
+    address: str,
+    tmp_path: Path,
+) -> None:
+    instructor = Seated(browser, address, "instructor", "en")
+    instructor.run_to("06:44:00")
+    dispatcher = Seated(browser, address, "dispatcher", "ja")
+    staff = Seated(browser, address, "staff", "en")
+    driver = Seated(browser, address, "driver&unit=V2", "en")
+    seats = (instructor, dispatcher, staff, driver)
+    instructor.page.select_option("#tell-seat", "driver")
+    instructor.page.fill("#tell-text", "drive by hand from Ogane")
+    instructor.page.click("#tell-form button")
+    driver.shows("#messages", "drive by hand from Ogane")
+    assert staff.page.locator("#messages p").count() == 0
+    driver.page.locator("h1").first.click()
+    driver.page.keyboard.press("ArrowUp")
+    driver.shows(".answer", "done")
+    driver.page.keyboard.press("ArrowUp")
+    instructor.page.get_by_role("button", name="one step").click()
+    driver.shows("#cab-drives", "by hand")
+    instructor.page.get_by_role("button", name="block-manager").click()
+    instructor.page.select_option("#fault-kind", "power_off")
+    instructor.page.fill("#key-duration_s", "600")
+    instructor.page.get_by_role("button", name="Begin the fault").click()
+    instructor.shows(".answer", "done")
+    instructor.run_to("06:44:30")
+    for seat in (dispatcher, staff):
+        seat.shows("#clock", "06:44:30")
+        assert seat.states() == {"undefined"}
+    dispatcher.act("let_go")  # wrong: nobody is kept back, and nobody hears it
+    instructor.run_to("06:56:00")
+    dispatcher.shows("#clock", "06:56:00")
+    dispatcher.act("accept_picture")
+    dispatcher.shows(".answer", "実行済み")
+    dispatcher.act("reenter_assisted")
+    dispatcher.shows(".answer", "実行済み")
+    driver.page.keyboard.press("a")
+    driver.shows(".answer", "done")
+    instructor.run_to("07:00:00")
+    driver.shows("#cab-drives", "by ATO")
+    staff.page.get_by_role("button", name="protocol").click()
+    staff.shows("#score", "power_off block-manager")
+    staff.page.get_by_role("button", name="close").click()
+    instructor.page.fill("#to-time", "27:00:00")
+    instructor.page.get_by_role("button", name="run to").click()
+    instructor.shows("#running", "all trains have finished")
+    digest = instructor.page.locator("main").get_attribute("data-digest")
+    with instructor.page.expect_download() as saved:
+        instructor.page.get_by_role("button", name="save as a drill").click()
+    file = tmp_path / "saved.toml"
+    saved.value.save_as(file)
+    drill = run_drill(str(file), PartyLink.SIMULATED)
+    assert drill.run.result.digest == digest
+    assert len(drill.run.result.trains_arrived) == 27 and drill.passed
+    assert [seat.said for seat in seats] == [[], [], [], []]
+
+
+def test_a_wrong_entry_is_refused_in_a_sentence_that_a_dispatcher_reads(
+    browser: Any,  # noqa: ANN401
+    tmp_path: Path,
+) -> None:
+    with served(load_scenario("rtri_test_line")) as address:
+        instructor = Seated(browser, address, "instructor", "en")
+        dispatcher = Seated(browser, address, "dispatcher", "ja")
+        dispatcher.act("let_go")
+        dispatcher.shows(".answer", "実行済み")
+        instructor.page.get_by_role("button", name="one step").click()
+        dispatcher.shows("#alarm", "抑止されていない")
+
+
+@pytest.mark.parametrize("language", ["en", "ja"])
+@pytest.mark.parametrize("seat", ["instructor", "dispatcher", "staff", "driver&unit=V2", ""])
+def test_axe_finds_nothing_serious(
+    browser: Any,  # noqa: ANN401
+    address: str,
+    seat: str,
+    language: str,
+) -> None:
+    if find_spec("axe_playwright_python") is None:
+        pytest.skip("axe-playwright-python, which brings axe, is not installed: make browser")
+    axe = files("axe_playwright_python").joinpath("axe.min.js").read_text("utf-8")
+    context = browser.new_context(viewport=SIZES[0], bypass_csp=True)
+    page = context.new_page()
+    page.goto(f"{address}?lang={language}" + (f"&seat={seat}" if seat else ""))
+    page.wait_for_selector("#clock" if seat else ".seats a")
+    page.evaluate(axe)
+    found = page.evaluate("() => axe.run()")
+    context.close()
+    bad = [
+        (one["id"], one["help"], [node["html"][:150] for node in one["nodes"]][:3])
+        for one in found["violations"]
+        if one["impact"] in SERIOUS
+    ]
+    assert bad == []
+
+
+@pytest.mark.parametrize("size", SIZES, ids=["1280", "1920"])
+@pytest.mark.parametrize("language", ["en", "ja"])
+@pytest.mark.parametrize("seat", ["instructor", "dispatcher", "staff", "driver&unit=V2"])
+def test_no_text_of_the_line_is_cut_or_overlaps(
+    browser: Any,  # noqa: ANN401
+    address: str,
+    seat: str,
+    language: str,
+    size: Any,  # noqa: ANN401
+) -> None:
+    page = browser.new_page(viewport=size)
+    page.goto(f"{address}?lang={language}&seat={seat}")
+    page.wait_for_selector("#clock")
+    page.wait_for_selector("#deeds", state="attached")
+    body = page.evaluate("() => [document.body.scrollWidth, document.body.scrollHeight]")
+    assert body[0] <= size["width"] and body[1] <= size["height"]
+    overlaps = page.evaluate(
+        """() => {
+          const texts = [...document.querySelectorAll('.schematic text')]
+            .map((text) => [text.textContent, text.getBoundingClientRect()]);
+          return texts.flatMap(([one, a], i) => texts.slice(i + 1).filter(([, b]) =>
+            Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1
+            && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3)
+            .map(([other]) => `${one} | ${other}`));
+        }"""
+    )
+    assert overlaps == []
+    page.close()
+
+
+def test_a_run_is_looked_at_again_with_a_slider(browser: Any, tmp_path: Path) -> None:  # noqa: ANN401
+    from study.record.directory import reserved
+    from study.record.read_back import read_run
+    from study.runner.run import execute, fill_run
+
+    with reserved(tmp_path / "run") as place:
+        fill_run(execute(load_scenario("rtri_test_line"), PartyLink.SIMULATED, journal=place.journal), place)
+    with served(read_run(tmp_path / "run")) as address:
+        page = Seated(browser, address, "instructor", "en")
+        page.page.locator("#slider").evaluate(
+            "(one) => { one.value = 36030; one.dispatchEvent(new Event('change')); }"
+        )
+        page.shows("#clock", "10:00:30")
+        page.shows(".trains", "T1")
+        page.page.get_by_role("button", name="event before").click()
+        page.shows(".answer", "done")
+        assert page.page.locator("#clock").inner_text() < "10:00:30"
+        assert page.said == []

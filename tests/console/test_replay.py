@@ -1,0 +1,119 @@
+"""A finished run at the desk: what is shown at a time does not depend on how one came there; and the library."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import msgspec
+import pytest
+from starlette.testclient import TestClient
+
+from console.access import on_loopback, with_tokens
+from console.library import LibraryEntry, LibraryRequest, Opens, library, opened, taken_from_library
+from console.protocol import DoAct, GoBack, NextEvent, RunTo, SetPace, State
+from console.replay import Replay
+from console.seats import Seat
+from console.server import DeskServer
+from console.shown import SentSoFar, state_for
+from network.errors import InputError
+from scenario.scenario import Scenario
+from study.record.directory import reserved
+from study.record.read_back import RunRead, read_run
+from study.runner.run import PartyLink, execute, fill_run
+
+pytestmark = pytest.mark.system
+
+TEN: Final = 36_000.0
+HOST: Final = "127.0.0.1:8580"
+
+
+@pytest.fixture(scope="module")
+def run(two_trains: Scenario, tmp_path_factory: pytest.TempPathFactory) -> RunRead:
+    out = tmp_path_factory.mktemp("runs") / "two"
+    with reserved(out) as place:
+        fill_run(execute(two_trains, PartyLink.SIMULATED, journal=place.journal), place)
+    return read_run(out)
+
+
+def shown(replay: Replay, time_s: float) -> State:
+    assert replay.ask(Seat.GUEST, GoBack(time_s=time_s), 0.0).good
+    return msgspec.structs.replace(replay.moment.truth, branch=0)
+
+
+def test_a_time_shows_the_same_from_before_and_from_after(run: RunRead) -> None:
+    forward, back = Replay(run), Replay(run)
+    times = [TEN + 7.0 * k for k in range(20)]
+    ahead = [shown(forward, time_s) for time_s in times]
+    behind = [shown(back, time_s) for time_s in reversed(times)]
+    assert ahead == behind[::-1]
+    moving = [t for state in ahead for t in state.trains if t.speed_mps]
+    assert len(moving) > 5 and all(t.section in t.sections for t in moving)
+
+
+def test_events_are_sent_anew_when_one_looks_further_back(run: RunRead) -> None:
+    replay = Replay(run)
+    shown(replay, TEN + 60.0)
+    first, had = state_for(replay.moment, Seat.GUEST, SentSoFar())
+    shown(replay, TEN - 200.0)
+    second, _ = state_for(replay.moment, Seat.GUEST, had)
+    assert second.branch > first.branch
+    assert set(second.events) < set(first.events)
+
+
+def test_it_runs_at_a_pace_to_its_end_and_jumps_to_the_next_event(run: RunRead) -> None:
+    replay = Replay(run)
+    welcome = replay.welcome(Seat.INSTRUCTOR)
+    assert (welcome.replay, welcome.acts, welcome.faults) == (True, (), ())
+    before_s = replay.moment.known.time_s
+    assert replay.ask(Seat.INSTRUCTOR, NextEvent(), 0.0).good
+    assert replay.moment.known.time_s > before_s
+    assert replay.ask(Seat.INSTRUCTOR, SetPace(factor=60.0), 10.0).good
+    began_s = replay.moment.known.time_s
+    replay.turn(10.5)
+    assert replay.moment.known.time_s == pytest.approx(began_s + 30.0, abs=0.2)
+    replay.ask(Seat.INSTRUCTOR, RunTo(time_s=200_000.0), 11.0)
+    known = replay.moment.known
+    assert (known.time_s, known.digest) == (welcome.end_s, run.summary["digest"])
+    assert known.ended == run.summary["ended_because"]
+
+
+def test_nobody_acts_in_a_run_that_has_ended(run: RunRead) -> None:
+    answer = Replay(run).ask(Seat.INSTRUCTOR, DoAct(act={"kind": "give_back", "target": "K1"}), 0.0)
+    assert not answer.good and "looked at" in answer.why
+
+
+def test_the_library_has_what_is_shipped_and_the_finished_runs_of_its_folder(run: RunRead) -> None:
+    entries = library(run.directory.parent)
+    assert LibraryEntry(Opens.SCENARIO, "karasuyama_weekday") in entries
+    assert any(entry.kind is Opens.DRILL and entry.name == "rtri/09_manager_power" for entry in entries)
+    assert [entry.name for entry in entries if entry.kind is Opens.RUN] == ["two"]
+    assert isinstance(taken_from_library(LibraryRequest(Opens.RUN, "two"), run.directory.parent), RunRead)
+    assert isinstance(opened(str(run.directory)), RunRead)
+
+
+@pytest.mark.parametrize("name", ["../two", "/etc", "three", "karasuyama_weekday"])
+def test_nothing_but_the_library_can_be_opened_by_a_page(run: RunRead, name: str) -> None:
+    with pytest.raises(InputError, match="something of the library"):
+        taken_from_library(LibraryRequest(Opens.RUN, name), run.directory.parent)
+
+
+def test_only_the_instructor_and_only_a_page_of_the_desk_opens_something() -> None:
+    found: list[LibraryRequest] = []
+
+    def opens(asked: LibraryRequest) -> None:
+        found.append(asked)
+
+    for rules, origin, token, code in (
+        (on_loopback(8580), f"http://{HOST}", "", 200),
+        (on_loopback(8580), "http://elsewhere.example", "", 403),
+        (with_tokens(), f"http://{HOST}", "guessed", 403),
+    ):
+        server = DeskServer(rules)
+        server.opens = opens  # type: ignore[assignment]
+        client = TestClient(server.app, base_url=f"http://{HOST}")
+        assert not client.get("/library.json").json()["running"]
+        body = {"kind": "drill", "name": "rtri/09_manager_power", "token": token}
+        answer = client.post("/open", json=body, headers={"host": HOST, "origin": origin})
+        assert answer.status_code == code
+        assert client.post("/open", content=b"{", headers={"host": HOST}).status_code == 403
+    assert [one.name for one in found] == ["rtri/09_manager_power"]

@@ -1,0 +1,210 @@
+"""What the dispatcher's, the driver's and the instructor's seats do in a run, and that all of it replays."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Final
+
+import pytest
+
+from console.desk import Desk
+from console.protocol import (
+    ArmScript,
+    AskProtocol,
+    ChangeFault,
+    DeskAnswer,
+    DoAct,
+    Fail,
+    GoBack,
+    Request,
+    RunTo,
+    SayToSeat,
+)
+from console.seats import Seat
+from console.session import Session
+from console.shown import SentSoFar, state_for
+from scenario.scenario import Scenario
+from simulation.result import RunResult
+from simulation.setup import STEPS_PER_S
+from study.drilling.drill import run_drill
+from study.runner.run import PartyLink
+
+pytestmark = pytest.mark.system
+
+TEN: Final = 36_000
+MPS_PER_KMH: Final = 1.0 / 3.6
+
+
+def replayed(session: Session, folder: Path) -> RunResult:
+    file = folder / "saved.toml"
+    file.write_text(session.drill_text("saved", "saved"), "utf-8")
+    return run_drill(str(file), PartyLink.SIMULATED).run.result
+
+
+def act(desk: Desk, seat: Seat, kind: str, unit: str = "", **keys: Any) -> DeskAnswer:  # noqa: ANN401
+    return ask(desk, DoAct(act={"kind": kind, **keys}), seat, unit)
+
+
+def ask(desk: Desk, request: Request, seat: Seat = Seat.INSTRUCTOR, unit: str = "") -> DeskAnswer:
+    return desk.ask(seat, request, 0.0, unit)
+
+
+def test_a_train_driven_by_hand_keeps_to_its_authority_and_replays(
+    two_trains: Scenario, tmp_path: Path
+) -> None:
+    """Full power from the departure on, and nobody brakes: the unit does, and nothing is passed."""
+    with Session(two_trains) as session:
+        desk = Desk(session)
+        session.run_to((TEN - 30) * STEPS_PER_S)
+        assert act(desk, Seat.DRIVER, "drive", "K1", target="K1", notch=9).good
+        fastest_mps = 0.0
+        slot = session.simulation.trains.slot_of["K1"]
+        for _ in range(150):
+            session.run_to(session.step + STEPS_PER_S)
+            desk.cabs = frozenset({"K1"})
+            cab = desk.moment.cabs["K1"]
+            if cab.permitted_mps is not None and slot in session.simulation.trains.active():
+                fastest_mps = max(fastest_mps, cab.speed_mps)
+                assert cab.authority_m is None or cab.authority_m > 0.0
+        assert fastest_mps > 40.0 * MPS_PER_KMH
+        assert cab.by_hand and cab.handle == 9.0
+        assert act(desk, Seat.DRIVER, "drive_by_ato", "K1", target="K1").good
+        result = session.run_to_end()
+        assert all(count == 0 for count in session.simulation.checkers.counts.values())
+    again = replayed(session, tmp_path)
+    assert (again.digest, again.motion_digest) == (result.digest, result.motion_digest)
+
+
+def test_a_driver_who_does_not_take_power_does_not_leave(two_trains: Scenario) -> None:
+    with Session(two_trains) as session:
+        desk = Desk(session)
+        session.run_to((TEN - 30) * STEPS_PER_S)
+        desk.cabs = frozenset({"K1"})
+        act(desk, Seat.DRIVER, "drive", "K1", target="K1", notch=0)
+        session.run_to((TEN + 60) * STEPS_PER_S)
+        cab = desk.moment.cabs["K1"]
+        assert (cab.speed_mps, cab.may_drive, cab.by_hand) == (0.0, True, True)
+        assert cab.next_stop == "B" and cab.authority_m is not None and cab.authority_m > 0.0
+        act(desk, Seat.DRIVER, "drive", "K1", target="K1", notch=3)
+        session.run_to((TEN + 80) * STEPS_PER_S)
+        assert desk.moment.cabs["K1"].speed_mps > 0.0
+
+
+def test_a_driver_sees_and_moves_no_other_train(two_trains: Scenario) -> None:
+    with Session(two_trains) as session:
+        desk = Desk(session)
+        desk.cabs = frozenset({"K1"})
+        refused = act(desk, Seat.DRIVER, "drive", "K1", target="K2", notch=5)
+        assert not refused.good and "whose cab" in refused.why
+        assert not act(desk, Seat.DRIVER, "hold_train", "K1", target="K1").good
+        state, _ = state_for(desk.moment, Seat.DRIVER, SentSoFar(), "K1")
+        assert state.cab is not None and state.cab.unit == "K1"
+        assert {train.unit for train in state.trains} == {"K1"}
+        assert (state.forecast, state.graph, state.points, state.rules) == (None, (), (), ())
+        assert desk.moment.known.time_s == session.now_s
+
+
+def test_a_train_held_by_the_dispatcher_leaves_later_by_that_and_it_replays(
+    two_trains: Scenario, tmp_path: Path
+) -> None:
+    with Session(two_trains) as session:
+        desk = Desk(session)
+        session.run_to((TEN - 400) * STEPS_PER_S)
+        assert act(desk, Seat.DISPATCHER, "hold_train", target="K1", hold_s=520.0).good
+        session.run_to((TEN - 300) * STEPS_PER_S)
+        assert [bid.unit for bid in desk.moment.known.bids] == ["K1"]
+        forecast = {one.train: one for one in desk.moment.forecast}
+        result = session.run_to_end()
+    left_s = next(s.departure_s for s in result.stops if s.number == "T1" and s.departure_s is not None)
+    held_until_s = TEN - 400 + 520.0
+    assert held_until_s <= left_s <= held_until_s + 15.0  # a unit asks again within seconds
+    assert forecast["T1"].times_s[0] >= held_until_s - 1.0
+    assert replayed(session, tmp_path).digest == result.digest
+
+
+def test_what_a_dispatcher_gets_wrong_is_said_in_both_languages_and_counted(two_trains: Scenario) -> None:
+    with Session(two_trains) as session:
+        desk = Desk(session)
+        session.run_to((TEN - 100) * STEPS_PER_S)
+        wrong = act(desk, Seat.DISPATCHER, "hold_train", target="K1", behind="K2")
+        assert not wrong.good and "over which section" in wrong.why
+        assert act(desk, Seat.DISPATCHER, "let_go", target="K1").good  # heard, and refused by the manager
+        session.run_to((TEN - 90) * STEPS_PER_S)
+        said = session.line.events[-1].shown
+        assert said.alarm and "it is not kept back" in said.text and "抑止されていない" in said.text_ja
+        score = json.loads(ask(desk, AskProtocol()).text)
+    assert [one["seat"] for one in score["refused_acts"]] == ["dispatcher"]
+    assert [one["seat"] for one in score["refused_words"]] == ["controller"]
+
+
+def test_armed_changed_and_told_by_the_instructor_alone_and_it_replays(
+    two_trains: Scenario, tmp_path: Path
+) -> None:
+    with Session(two_trains) as session:
+        desk = Desk(session)
+        session.run_to((TEN - 200) * STEPS_PER_S)
+        fault = {"kind": "power_off", "target": "block-manager", "start": "10:00:20", "duration_s": 30.0}
+        arm = ArmScript(faults=(fault,))
+        assert not ask(desk, arm, Seat.DISPATCHER).good
+        assert ask(desk, arm).good
+        late = ask(desk, ArmScript(faults=(fault | {"start": "09:00:00"},)))
+        assert not late.good and "a time to come" in late.why
+        assert ask(desk, SayToSeat(text="snow", seat=Seat.STAFF)).good
+        for seat, texts in ((Seat.STAFF, ["snow"]), (Seat.DISPATCHER, []), (Seat.INSTRUCTOR, ["snow"])):
+            state, _ = state_for(desk.moment, seat, SentSoFar())
+            assert [message.text for message in state.messages] == texts
+        session.run_to((TEN + 25) * STEPS_PER_S)
+        assert not desk.moment.known.manager_on
+        result = session.run_to_end()
+        score = json.loads(ask(desk, AskProtocol()).text)
+    power = next(one for one in score["faults"] if "power_off" in one["text"])
+    assert power["began_s"] == TEN + 20.0
+    assert power["shown_s"] == 0.0 and power["recovered_s"] >= 30.0
+    assert (score["digest"], score["trains_arrived"]) == (result.digest, len(result.trains_arrived))
+    assert replayed(session, tmp_path).digest == result.digest
+
+
+def test_a_fault_goes_on_with_other_figures(two_trains: Scenario, tmp_path: Path) -> None:
+    with Session(two_trains) as session:
+        desk = Desk(session)
+        session.run_to((TEN - 100) * STEPS_PER_S)
+        loss = {"kind": "loss", "target": "K1 <-> block-manager", "p": 0.2}
+        begun = ask(desk, Fail(fault=loss))
+        assert begun.good and begun.deed is not None, begun.why
+        session.run_to((TEN - 50) * STEPS_PER_S)
+        assert not ask(desk, ChangeFault(deed=begun.deed, keys={"no_such_key": 1.0})).good
+        changed = ask(desk, ChangeFault(deed=begun.deed, keys={"p": 0.4}))
+        assert changed.good and changed.deed == begun.deed + 1
+        session.run_to((TEN - 40) * STEPS_PER_S)
+        assert [session.can_end(number) for number in (begun.deed, changed.deed)] == [False, True]
+        result = session.run_to_end()
+    assert replayed(session, tmp_path).digest == result.digest
+
+
+def test_what_was_armed_before_is_kept_when_one_goes_back_and_what_came_later_is_not(
+    two_trains: Scenario,
+) -> None:
+    with Session(two_trains) as session:
+        desk = Desk(session)
+        session.run_to((TEN - 200) * STEPS_PER_S)
+        fault = {"kind": "power_off", "target": "block-manager", "start": "10:00:20", "duration_s": 30.0}
+        ask(desk, ArmScript(faults=(fault,)))
+        session.run_to((TEN - 100) * STEPS_PER_S)
+        act(desk, Seat.DISPATCHER, "hold_train", target="K1")
+        session.run_to(TEN * STEPS_PER_S)
+        assert ask(desk, GoBack(time_s=TEN - 150.0)).good
+        assert [deed.step for deed in session.deeds] == [(TEN + 20) * STEPS_PER_S]
+        assert ask(desk, RunTo(time_s=TEN + 25.0)).good
+        session.run_to((TEN + 25) * STEPS_PER_S)
+        assert not desk.moment.known.manager_on
+
+
+def test_a_forecast_is_sent_when_it_is_another(two_trains: Scenario) -> None:
+    with Session(two_trains) as session:
+        desk = Desk(session)
+        first, had = state_for(desk.moment, Seat.DISPATCHER, SentSoFar())
+        again, had = state_for(desk.moment, Seat.DISPATCHER, had)
+        session.run_to(session.step + 60 * STEPS_PER_S)
+        later, _ = state_for(desk.moment, Seat.DISPATCHER, had)
+    assert first.forecast and again.forecast is None and later.forecast
