@@ -46,6 +46,7 @@ class Work:
     row: ProcedureRow | None = None
     due_step: int = 0
     gone_s: float = 0.0
+    taken_as_over: set[Hop] = field(default_factory=set[Hop])
     over: bool = False
 
 
@@ -176,6 +177,11 @@ class SubstitutePlayers:
         )
         self._journal.write(step / STEPS_PER_S, self._author(work, row), left)
         work.book = work.book.after(row, left_out=True)
+        if row.step is Step.CLEAR:  # who is not at his station by his time has surely gone through
+            now_s = step / STEPS_PER_S
+            work.taken_as_over |= {h for h in work.hops if h.planned_s < now_s and not self._stands(h)}
+        elif row.step is Step.ARRIVED and hop is not None:
+            work.taken_as_over.add(hop)
         if row.step in BY_ITSELF:
             self._effect(work, row, step)
         return True
@@ -220,7 +226,7 @@ class SubstitutePlayers:
         portal = section is not None and section.kind is SectionKind.PORTAL
         return portal or end in self._settings.staffed
 
-    # what the world has to let them do ----------------------------------------------------------------------------------
+    # what the world has to let them do ---------------------------------------------------------------------------
 
     def _ready(self, work: Work, row: ProcedureRow, step: int) -> bool:
         hop, now_s = work.book.hop, step / STEPS_PER_S
@@ -271,7 +277,7 @@ class SubstitutePlayers:
         hop = work.book.hop
         return hop is None or step / STEPS_PER_S >= work.gone_s + hop.run_s
 
-    # where trains are by what operators see -------------------------------------------------------------------------------
+    # where trains are by what operators see -----------------------------------------------------------------------
 
     def _stands(self, hop: Hop) -> bool:
         """Whether the train stands where the way begins, on the line or outside its portal."""
@@ -290,9 +296,10 @@ class SubstitutePlayers:
         return not self._trains.truths[slot].active or self._trains.plants[slot].speed_mps == 0.0
 
     def _next_hop(self, work: Work) -> Hop | None:
-        return next((hop for hop in work.hops if not self._is_over(hop)), None)
+        over = work.taken_as_over
+        return next((hop for hop in work.hops if hop not in over and not self._is_over(hop)), None)
 
-    # doing it ---------------------------------------------------------------------------------------------------------------
+    # doing it -----------------------------------------------------------------------------------------------------
 
     def _takes_until(self, work: Work, row: ProcedureRow, step: int) -> int:
         """The step at which it will have been done."""
