@@ -1,7 +1,7 @@
 """The table of docs/studies/steps-left-out.md: `python -m documents.steps_left_out` runs its days and writes it.
 
-Each step of the procedure is left out by itself, on three days of the Karasuyama line. What two trains in one section are
-is found twice: by the checkers, and here from the positions of all trains alone.
+Each step of the procedure is left out by itself, on three days of the Karasuyama line. That two trains are in one
+section is found twice: by the checkers, and here from the positions of all trains alone.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Final
 from network.model import Line
 from scenario.scenario import Scenario, load_scenario
 from simulation.judge.log import Checker
-from simulation.procedure import PROCEDURES, Regime, Step
+from simulation.procedure import PROCEDURES, Regime, StepKind
 from simulation.result import RunResult, TraceSpan
 from simulation.setup import STEPS_PER_S
 from simulation.substitute_settings import LeftOutStep
@@ -26,7 +26,7 @@ from study.drilling.drill import find_drill
 from study.runner.run import PartyLink, execute
 
 FILE: Final = Path("docs/studies/steps-left-out.md")
-UNTIL_S: Final = 10.5 * 3600.0  # all is as planned again, or will not be
+UNTIL_S: Final = 9.5 * 3600.0  # substitute working is over, and trains run by authority again
 DAYS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "as it comes": "karasuyama/95_substitute_working",
@@ -149,7 +149,7 @@ def table() -> Iterator[str]:
     days = {label: load_scenario(find_drill(name)) for label, name in DAYS.items()}
     yield "| left out | " + " | ".join(days) + " |"
     yield "|---|" + "---|" * len(days)
-    cases: list[Step | None] = [None, *(row.step for row in PROCEDURES[Regime.TELEPHONE])]
+    cases: list[StepKind | None] = [None, *(row.step for row in PROCEDURES[Regime.TELEPHONE])]
     for case in cases:
         steps = () if case is None else (LeftOutStep(step=case),)
         cells = [outcome_of(without(day, *steps)).words for day in days.values()]

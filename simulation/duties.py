@@ -407,7 +407,7 @@ class Duties:
     # trains whose unit is cut out ------------------------------------------------------------------------------------
 
     def progress(self, slot: int) -> tuple[int, float]:
-        """Index of the stock's present duty, and the target where it called last: -1 outside, infinite when it is over."""
+        """Index of the stock's present duty, and the target where it called last: -1 outside, infinite once over."""
         stage, index = self._stage[slot], self._next[self._trains.stock_ids[slot]] - 1
         if stage is StockStage.WAITING:
             return index, -1.0

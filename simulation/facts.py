@@ -9,7 +9,7 @@ from network.profile import heights_of
 from simulation.judge.body import Heights
 from simulation.judge.checkers import Checkers, GuaranteedBrake, PointsFacts
 from simulation.judge.entering import TrackOverlap
-from simulation.procedure import Step, before_entry
+from simulation.procedure import StepKind, before_entry
 from simulation.setup import Setup, behaviour_row
 from simulation.world.trains import SIGN
 from sumo_cfg.truth_map import NetMap
@@ -29,13 +29,12 @@ def checkers_of(setup: Setup, net: NetMap, stock_ids: Collection[str]) -> Checke
     return Checkers(net, points, stock_ids, brakes, heights, share, overlaps, pilots_needs(setup))
 
 
-def pilots_needs(setup: Setup) -> dict[str, tuple[Step, ...]]:
+def pilots_needs(setup: Setup) -> dict[str, tuple[StepKind, ...]]:
     """By section between stations, what must be done before a train comes in by the pilot's leave; else nothing."""
     if setup.substitute is None:
         return {}
-    needs = before_entry(setup.substitute.regime)
-    sections = setup.line.sections.values()
-    return {section.id: needs for section in sections if section.kind is SectionKind.BETWEEN}
+    blocks = [s.id for s in setup.line.sections.values() if s.kind is SectionKind.BETWEEN]
+    return {block: before_entry(setup.substitute.regime_of(block)) for block in blocks}
 
 
 def track_overlaps(line: Line) -> dict[str, TrackOverlap]:

@@ -1,19 +1,19 @@
 """Substitute working (代用閉そく方式) as tables: who says what to whom, and what must have been done before.
 
 Pure data, of which the program's players (`simulation.substitute`), the pilot's rule (`judge.pilot`), drills and
-docs/substitute-working.md are made. When nothing keeps trains apart any more, people do: one person, the pilot (指導者),
-belongs to a section, and a train goes into it with the pilot or with the pilot's ticket alone.
+docs/substitute-working.md are made. When nothing keeps trains apart any more, people do: one person, the pilot
+(指導者), belongs to a section, and a train goes into it with the pilot alone.
 
-Sources: rules for the operation of railways (鉄道運転規則, Ordinance 15 of 1987 of the Ministry of Transport), articles 130
+Sources: rules for the operation of railways (鉄道運転規則, Ordinance 15 of 1987, Ministry of Transport), articles 130
 to 146; the account of the procedure for an unstaffed signal station before the transport committee of the House of
-Councillors, 30 May 1991; the JNR rules for train operation (運転取扱基準規程, 1972), chapter 3, on when two stations agree on the
-change of working. What the rules leave to each railway is assumed: who cranks points, that the driver cuts the unit out.
+Councillors, 30 May 1991; the JNR rules for train operation (運転取扱基準規程, 1972), chapter 3, on when two stations
+agree on the change. What the rules leave to each railway is assumed: who cranks points, that drivers cut units out.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, StrEnum
 from types import MappingProxyType
 from typing import Final
@@ -31,7 +31,7 @@ class Regime(StrEnum):
     )
 
 
-class Role(StrEnum):
+class ActingRole(StrEnum):
     """Who acts, or is spoken to."""
 
     DISPATCHER = "dispatcher"
@@ -50,7 +50,7 @@ class Part(Enum):
     END = "once, to end"
 
 
-class Step(StrEnum):
+class StepKind(StrEnum):
     """The steps; a drill names those that are left out."""
 
     ORDER = "order"
@@ -78,130 +78,145 @@ class ProcedureRow:
     done by itself where that step was left out.
     """
 
-    step: Step
+    step: StepKind
     part: Part
-    who: Role
-    to: Role
+    who: ActingRole
+    to: ActingRole
     says: str
-    needs: tuple[Step, ...]
+    needs: tuple[StepKind, ...]
     pause: Pause
     waits: str = ""
-    falls_with: Step | None = None
+    falls_with: StepKind | None = None
 
 
 _ORDER: Final = ProcedureRow(
-    Step.ORDER, Part.BEGIN, Role.DISPATCHER, Role.OPERATORS,
+    StepKind.ORDER, Part.BEGIN, ActingRole.DISPATCHER, ActingRole.OPERATORS,
     "the block manager is out of order: substitute working in {block}", (), Pause.NOTICE,
     "the block manager is off",
 )  # fmt: skip
 _MAN: Final = ProcedureRow(
-    Step.MAN, Part.BEGIN, Role.OPERATORS, Role.DISPATCHER,
-    "I am at my post for {block}", (Step.ORDER,), Pause.REACH,
+    StepKind.MAN, Part.BEGIN, ActingRole.OPERATORS, ActingRole.DISPATCHER,
+    "I am at my post for {block}", (StepKind.ORDER,), Pause.REACH,
     "staff are on their way to stations without any",
 )  # fmt: skip
 _CLEAR: Final = ProcedureRow(
-    Step.CLEAR, Part.BEGIN, Role.OPERATORS, Role.OPERATORS,
-    "{block} is clear, and no train may still run into it", (Step.MAN,), Pause.TELEPHONE,
+    StepKind.CLEAR, Part.BEGIN, ActingRole.OPERATORS, ActingRole.OPERATORS,
+    "{block} is clear, and no train may still run into it", (StepKind.MAN,), Pause.TELEPHONE,
     "no train is in the section, none has authority to run into it",
 )  # fmt: skip
 _PILOT: Final = ProcedureRow(
-    Step.PILOT, Part.BEGIN, Role.OPERATORS, Role.PILOT,
-    "you are the pilot of {block}, you alone", (Step.CLEAR,), Pause.TELEPHONE,
+    StepKind.PILOT, Part.BEGIN, ActingRole.OPERATORS, ActingRole.PILOT,
+    "you are the pilot of {block}, you alone", (StepKind.CLEAR,), Pause.TELEPHONE,
 )  # fmt: skip
 _ASK: Final = ProcedureRow(
-    Step.ASK, Part.TRAIN, Role.SENDING, Role.RECEIVING,
-    "may train {train} come through {block}?", (Step.PILOT,), Pause.TELEPHONE,
+    StepKind.ASK, Part.TRAIN, ActingRole.SENDING, ActingRole.RECEIVING,
+    "may train {train} come through {block}?", (StepKind.PILOT,), Pause.TELEPHONE,
     "the train is next by the plan, stands at its track, and the last one has been reported arrived",
 )  # fmt: skip
 _AGREE: Final = ProcedureRow(
-    Step.AGREE, Part.TRAIN, Role.RECEIVING, Role.SENDING,
-    "train {train} may come through {block}; I let none in", (Step.ASK,), Pause.TELEPHONE,
-    "its arrival track and the points before it are free", Step.ASK,
+    StepKind.AGREE, Part.TRAIN, ActingRole.RECEIVING, ActingRole.SENDING,
+    "train {train} may come through {block}; I let none in", (StepKind.ASK,), Pause.TELEPHONE,
+    "its arrival track and the points before it are free", StepKind.ASK,
 )  # fmt: skip
 _POINTS: Final = ProcedureRow(
-    Step.POINTS, Part.TRAIN, Role.OPERATORS, Role.OPERATORS,
-    "points lie and are locked by hand for train {train}", (Step.AGREE,), Pause.CRANK,
+    StepKind.POINTS, Part.TRAIN, ActingRole.OPERATORS, ActingRole.OPERATORS,
+    "points lie and are locked by hand for train {train}", (StepKind.AGREE,), Pause.CRANK,
     "no train is on the points",
 )  # fmt: skip
 _BOARD: Final = ProcedureRow(
-    Step.BOARD, Part.TRAIN, Role.PILOT, Role.DRIVER,
-    "I ride with train {train} through {block}", (Step.POINTS,), Pause.BOARD,
-    "the pilot is where the train stands", Step.PILOT,
+    StepKind.BOARD, Part.TRAIN, ActingRole.PILOT, ActingRole.DRIVER,
+    "I ride with train {train} through {block}", (StepKind.POINTS,), Pause.BOARD,
+    "the pilot is where the train stands", StepKind.PILOT,
 )  # fmt: skip
 _CUT_OUT: Final = ProcedureRow(
-    Step.CUT_OUT, Part.TRAIN, Role.DRIVER, Role.PILOT,
-    "the unit of train {train} is cut out", (Step.BOARD,), Pause.BOARD,
+    StepKind.CUT_OUT, Part.TRAIN, ActingRole.DRIVER, ActingRole.PILOT,
+    "the unit of train {train} is cut out", (StepKind.BOARD,), Pause.BOARD,
 )  # fmt: skip
 _GO: Final = ProcedureRow(
-    Step.GO, Part.TRAIN, Role.SENDING, Role.DRIVER,
-    "train {train} may go", (Step.CUT_OUT,), Pause.ENTRY, "its time to leave has come",
+    StepKind.GO, Part.TRAIN, ActingRole.SENDING, ActingRole.DRIVER,
+    "train {train} may go", (StepKind.CUT_OUT,), Pause.ENTRY, "its time to leave has come",
 )  # fmt: skip
 _ARRIVED: Final = ProcedureRow(
-    Step.ARRIVED, Part.TRAIN, Role.RECEIVING, Role.SENDING,
-    "train {train} has arrived whole, {block} is clear", (Step.GO,), Pause.TELEPHONE,
+    StepKind.ARRIVED, Part.TRAIN, ActingRole.RECEIVING, ActingRole.SENDING,
+    "train {train} has arrived whole, {block} is clear", (StepKind.GO,), Pause.TELEPHONE,
     "the train stands at its track with its tail lamp in",
 )  # fmt: skip
 _ALIGHT: Final = ProcedureRow(
-    Step.ALIGHT, Part.TRAIN, Role.PILOT, Role.RECEIVING,
-    "I have left train {train} and am with you", (Step.ARRIVED,), Pause.BOARD, "", Step.BOARD,
+    StepKind.ALIGHT, Part.TRAIN, ActingRole.PILOT, ActingRole.RECEIVING,
+    "I have left train {train} and am with you", (StepKind.ARRIVED,), Pause.BOARD, "", StepKind.BOARD,
 )  # fmt: skip
 _STOP: Final = ProcedureRow(
-    Step.STOP, Part.END, Role.DISPATCHER, Role.OPERATORS,
-    "the block manager is back: substitute working in {block} ends", (Step.ORDER,), Pause.TELEPHONE,
+    StepKind.STOP, Part.END, ActingRole.DISPATCHER, ActingRole.OPERATORS,
+    "the block manager is back: substitute working in {block} ends", (StepKind.ORDER,), Pause.TELEPHONE,
     "the block manager is on",
 )  # fmt: skip
 _EMPTY: Final = ProcedureRow(
-    Step.EMPTY, Part.END, Role.OPERATORS, Role.OPERATORS,
-    "{block} is clear, and nobody is under way by the pilot's leave", (Step.STOP,), Pause.TELEPHONE,
+    StepKind.EMPTY, Part.END, ActingRole.OPERATORS, ActingRole.OPERATORS,
+    "{block} is clear, and nobody is under way by the pilot's leave", (StepKind.STOP,), Pause.TELEPHONE,
     "no train is in the section",
 )  # fmt: skip
 _RELEASE: Final = ProcedureRow(
-    Step.RELEASE, Part.END, Role.PILOT, Role.OPERATORS,
-    "I am no longer the pilot of {block}; units may be cut in", (Step.EMPTY,), Pause.TELEPHONE,
+    StepKind.RELEASE, Part.END, ActingRole.PILOT, ActingRole.OPERATORS,
+    "I am no longer the pilot of {block}; units may be cut in", (StepKind.EMPTY,), Pause.TELEPHONE,
 )  # fmt: skip
 
 
-def _by(row: ProcedureRow, who: Role, to: Role, needs: tuple[Step, ...] | None = None) -> ProcedureRow:
-    return ProcedureRow(
-        row.step, row.part, who, to, row.says, row.needs if needs is None else needs,
-        row.pause, row.waits, row.falls_with,
-    )  # fmt: skip
+def _by(row: ProcedureRow, who: ActingRole, to: ActingRole, *needs: StepKind) -> ProcedureRow:
+    """The same step done by others; `needs`: if it needs others."""
+    return replace(row, who=who, to=to, needs=needs or row.needs)
 
 
+_BEGIN: Final = (_ORDER, _MAN, _CLEAR, _PILOT)
+_END: Final = (_STOP, _EMPTY, _RELEASE)
+_ALL, _HQ, _TRAIN, _STATION = (
+    ActingRole.OPERATORS,
+    ActingRole.DISPATCHER,
+    ActingRole.DRIVER,
+    ActingRole.SENDING,
+)
 PROCEDURES: Final[Mapping[Regime, tuple[ProcedureRow, ...]]] = MappingProxyType(
     {
         Regime.TELEPHONE: (
-            _ORDER, _MAN, _CLEAR, _PILOT,
-            _ASK, _AGREE, _POINTS, _BOARD, _CUT_OUT, _GO, _ARRIVED, _ALIGHT,
-            _STOP, _EMPTY, _RELEASE,
+            *_BEGIN,
+            *(_ASK, _AGREE, _POINTS, _BOARD, _CUT_OUT, _GO, _ARRIVED, _ALIGHT),
+            *_END,
         ),
         Regime.SHUTTLE: (
-            _ORDER, _MAN, _CLEAR, _PILOT,
-            _by(_POINTS, Role.OPERATORS, Role.OPERATORS, (Step.PILOT,)),
-            _BOARD, _CUT_OUT, _by(_GO, Role.PILOT, Role.DRIVER),
-            _by(_ARRIVED, Role.PILOT, Role.SENDING), _ALIGHT,
-            _STOP, _EMPTY, _RELEASE,
+            *_BEGIN,
+            _by(_POINTS, _ALL, _ALL, StepKind.PILOT),
+            *(_BOARD, _CUT_OUT),
+            _by(_GO, ActingRole.PILOT, _TRAIN),
+            _by(_ARRIVED, ActingRole.PILOT, _STATION),
+            _ALIGHT,
+            *_END,
         ),
         Regime.DISPATCHER: (
-            _ORDER, _MAN, _by(_CLEAR, Role.DISPATCHER, Role.DISPATCHER), _by(_PILOT, Role.DISPATCHER, Role.PILOT),
-            _by(_ASK, Role.DRIVER, Role.DISPATCHER), _by(_AGREE, Role.DISPATCHER, Role.DRIVER),
-            _POINTS, _BOARD, _CUT_OUT, _by(_GO, Role.DISPATCHER, Role.DRIVER),
-            _by(_ARRIVED, Role.DRIVER, Role.DISPATCHER), _by(_ALIGHT, Role.PILOT, Role.DISPATCHER),
-            _STOP, _by(_EMPTY, Role.DISPATCHER, Role.DISPATCHER), _RELEASE,
+            *(_ORDER, _MAN),
+            _by(_CLEAR, _HQ, _HQ),
+            _by(_PILOT, _HQ, ActingRole.PILOT),
+            _by(_ASK, _TRAIN, _HQ),
+            _by(_AGREE, _HQ, _TRAIN),
+            *(_POINTS, _BOARD, _CUT_OUT),
+            _by(_GO, _HQ, _TRAIN),
+            _by(_ARRIVED, _TRAIN, _HQ),
+            _by(_ALIGHT, ActingRole.PILOT, _HQ),
+            *(_STOP, _by(_EMPTY, _HQ, _HQ), _RELEASE),
         ),
     }
-)  # fmt: skip
+)
 # A movement within a station, or between it and its portal: no section between stations, so no pilot.
 WITHIN_STATION: Final = (
-    _ORDER, _MAN,
-    _by(_POINTS, Role.SENDING, Role.SENDING, (Step.MAN,)), _by(_CUT_OUT, Role.DRIVER, Role.SENDING, (Step.POINTS,)),
-    _GO, _by(_ARRIVED, Role.SENDING, Role.SENDING),
-    _STOP, _by(_EMPTY, Role.SENDING, Role.SENDING), _by(_RELEASE, Role.SENDING, Role.OPERATORS),
-)  # fmt: skip
+    *(_ORDER, _MAN),
+    _by(_POINTS, _STATION, _STATION, StepKind.MAN),
+    _by(_CUT_OUT, _TRAIN, _STATION, StepKind.POINTS),
+    _GO,
+    _by(_ARRIVED, _STATION, _STATION),
+    *(_STOP, _by(_EMPTY, _STATION, _STATION), _by(_RELEASE, _STATION, _ALL)),
+)
 
 
-def before_entry(regime: Regime) -> tuple[Step, ...]:
+def before_entry(regime: Regime) -> tuple[StepKind, ...]:
     """What must have been done before a train comes into the section."""
     rows = PROCEDURES[regime]
-    go = next(i for i, row in enumerate(rows) if row.step is Step.GO)
+    go = next(i for i, row in enumerate(rows) if row.step is StepKind.GO)
     return tuple(row.step for row in rows[: go + 1])

@@ -10,17 +10,17 @@ from network.files.kinds import TABLES_MAX, about
 from network.files.quantities import SpeedKmh, Wait
 from network.files.toml_input import Record
 from network.units import mps
-from simulation.procedure import Regime, Step
+from simulation.procedure import Regime, StepKind
 
 
 class LeftOutStep(Record):
     """`[[substitute.left_out]]`: a step that people leave out, and go on as though it had been done."""
 
-    step: Annotated[Step, Field(strict=False), about("the step, of docs/substitute-working.md")]
+    step: Annotated[StepKind, Field(strict=False), about("the step, of docs/substitute-working.md")]
     block: Annotated[str, about("in which section between stations, or station; left out: everywhere")] = ""
     train: Annotated[str, about("for which train; left out: for every one")] = ""
 
-    def holds(self, step: Step, block: str, train: str) -> bool:
+    def holds(self, step: StepKind, block: str, train: str) -> bool:
         """Whether it is this step here."""
         return self.step is step and self.block in ("", block) and self.train in ("", train)
 
@@ -38,6 +38,10 @@ class Substitute(Record):
             "who agrees with whom: operators by telephone, the pilot of a train that comes back, the dispatcher"
         ),
     ] = Regime.TELEPHONE
+    of_block: Annotated[
+        dict[str, Annotated[Regime, Field(strict=False)]],
+        about("another one by section between stations", "none: the same in all"),
+    ] = Field(default_factory=dict)
     staffed: Annotated[
         tuple[str, ...],
         Field(strict=False),
@@ -64,6 +68,10 @@ class Substitute(Record):
         Field(strict=False, max_length=TABLES_MAX),
         about("steps that people leave out"),
     ] = ()
+
+    def regime_of(self, block: str) -> Regime:
+        """By which working a section between stations is worked."""
+        return self.of_block.get(block, self.regime)
 
     @property
     def speed_mps(self) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from simulation.procedure import Part, ProcedureRow, Step
+from simulation.procedure import Part, ProcedureRow, StepKind
 from simulation.substitute.hops import Hop
 
 
@@ -20,10 +20,10 @@ class BlockBook:
     station, or the stock whose train he rides; empty: nobody is named.
     """
 
-    done: frozenset[Step] = frozenset()
+    done: frozenset[StepKind] = frozenset()
     hop: Hop | None = None
-    of_train: frozenset[Step] = frozenset()
-    left_out: frozenset[Step] = frozenset()
+    of_train: frozenset[StepKind] = frozenset()
+    left_out: frozenset[StepKind] = frozenset()
     pilot: str = ""
 
     def next_row(self, rows: Sequence[ProcedureRow], *, ending: bool) -> ProcedureRow | None:

@@ -16,8 +16,8 @@ from simulation.agenda import AgendaKind
 from simulation.cabs import Cabs
 from simulation.duties import Duties
 from simulation.events import WORLD, CutIn, CutOut
-from simulation.people import Pause
 from simulation.pauses import Pauses
+from simulation.people import Pause
 from simulation.setup import STEPS_PER_S
 from simulation.world.roster import Duty
 from simulation.world.stage import World

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 from network.model import Position, SectionKind
 from simulation.world.roster import Duty
@@ -66,7 +67,7 @@ def _hops(stock_id: str, index: int, duty: Duty) -> list[Hop]:
     spans_at = [mission.span_index(target.section_id) for target in mission.targets]
     stands = [i for i, at in enumerate(spans_at) if mission.spans[at].kind in _PLACES]
     found: list[Hop] = []
-    for begin, end in zip(stands, stands[1:], strict=False):
+    for begin, end in pairwise(stands):
         spans = mission.spans[spans_at[begin] + 1 : spans_at[end] + 1]
         through = [span.section_id for span in spans[:-1] if span.kind in _PLACES]
         blocks = [i for i, span in enumerate(spans) if span.kind is SectionKind.BETWEEN]

@@ -18,7 +18,7 @@ from simulation.duties import Duties
 from simulation.events import WORLD, ProcedureStep, StepLeftOut, UnitRestrains
 from simulation.pauses import Pauses
 from simulation.people import Pause
-from simulation.procedure import PROCEDURES, WITHIN_STATION, Part, ProcedureRow, Regime, Role, Step
+from simulation.procedure import PROCEDURES, WITHIN_STATION, ActingRole, Part, ProcedureRow, Regime, StepKind
 from simulation.setup import STEPS_PER_S
 from simulation.substitute.book import BlockBook
 from simulation.substitute.by_hand import HandDriver
@@ -28,14 +28,16 @@ from simulation.world.stage import World
 from wayside.config import MANAGER_ID
 
 BY_ITSELF: Final = frozenset(
-    {Step.GO}
+    {StepKind.GO}
 )  # left out, its effect comes all the same: the driver leaves by himself
 NOBODY: Final = "nobody is there"
 
 
 @dataclass(slots=True)
 class Work:
-    """One section or station: who works it by which table, and its book. `due_step`: when the step under way is done."""
+    """One section or station: by which table it is worked, and its book. `due_step`: when the row under way is done;
+    `taken_as_over`: ways of trains that people take as over though nobody has said so.
+    """
 
     name: str
     block: bool
@@ -48,6 +50,7 @@ class Work:
     gone_s: float = 0.0
     taken_as_over: set[Hop] = field(default_factory=set[Hop])
     over: bool = False
+    home: str = ""  # where its pilot begins
 
 
 class SubstitutePlayers:
@@ -90,7 +93,7 @@ class SubstitutePlayers:
         works: dict[str, Work] = {}
         for hop in self._hops:
             ends = tuple(dict.fromkeys((hop.origin, hop.destination))) if hop.block else (hop.work,)
-            rows = PROCEDURES[self._settings.regime] if hop.block else WITHIN_STATION
+            rows = PROCEDURES[self._settings.regime_of(hop.block)] if hop.block else WITHIN_STATION
             work = works.setdefault(hop.work, Work(hop.work, bool(hop.block), tuple(sorted(ends)), rows))
             work.hops.append(hop)
         return list(works.values())
@@ -116,13 +119,15 @@ class SubstitutePlayers:
             return False
         if ending:
             self._withdraw(work)
-        book = work.book
-        if book.finished(work.rows):
-            work.book = book.train_over(work.rows)
-            return True
-        row = work.row or book.next_row(work.rows, ending=ending)
+        if work.book.finished(work.rows):
+            work.book = work.book.train_over(work.rows)
+        row = work.row or work.book.next_row(work.rows, ending=ending)
         if row is None:
             return self._next_train(work, step, ending=ending)
+        return self._does(work, row, step)
+
+    def _does(self, work: Work, row: ProcedureRow, step: int) -> bool:
+        """Do a step, leave it out, or begin with it and go on when its time is over; whether it stands in the book."""
         if work.row is None and (why := self._is_left_out(work, row)):
             return self._leave_out(work, row, why, step)
         if not self._ready(work, row, step):
@@ -141,7 +146,7 @@ class SubstitutePlayers:
         """Take up the next train of the plan, if it stands where it is to leave; or find that all is over."""
         book = work.book
         if ending:
-            work.over = book.ended(work.rows) or Step.ORDER not in book.done
+            work.over = book.ended(work.rows) or StepKind.ORDER not in book.done
             return False
         hop = self._next_hop(work)
         if hop is None or not book.begun(work.rows):
@@ -165,7 +170,7 @@ class SubstitutePlayers:
                 work.book = work.book.train_over(work.rows)
 
     def _leave_out(self, work: Work, row: ProcedureRow, why: str, step: int) -> bool:
-        if row.step is Step.ARRIVED and not self._should_have_arrived(work, step):
+        if row.step is StepKind.ARRIVED and not self._should_have_arrived(work, step):
             return False  # by the plan he takes it as arrived
         hop = work.book.hop
         left = StepLeftOut(
@@ -177,10 +182,10 @@ class SubstitutePlayers:
         )
         self._journal.write(step / STEPS_PER_S, self._author(work, row), left)
         work.book = work.book.after(row, left_out=True)
-        if row.step is Step.CLEAR:  # who is not at his station by his time has surely gone through
+        if row.step is StepKind.CLEAR:  # who is not at his station by his time has surely gone through
             now_s = step / STEPS_PER_S
             work.taken_as_over |= {h for h in work.hops if h.planned_s < now_s and not self._stands(h)}
-        elif row.step is Step.ARRIVED and hop is not None:
+        elif row.step is StepKind.ARRIVED and hop is not None:
             work.taken_as_over.add(hop)
         if row.step in BY_ITSELF:
             self._effect(work, row, step)
@@ -197,28 +202,27 @@ class SubstitutePlayers:
         if row.falls_with is not None and row.falls_with in work.book.left_out:
             return f"without {row.falls_with.value}"
         absent = [end for end in self._doers(work, row) if self._is_absent(work, end)]
-        return NOBODY if absent and row.step is not Step.MAN and row.part is not Part.END else ""
+        return NOBODY if absent and row.step is not StepKind.MAN and row.part is not Part.END else ""
 
     def _is_needless(self, work: Work, row: ProcedureRow) -> bool:
         """By 指導式 the pilot does not leave the train before it is back."""
         hop = work.book.hop
-        if row.step is not Step.ALIGHT or self._settings.regime is not Regime.SHUTTLE or hop is None:
-            return False
-        return hop.destination != min(work.hops, key=lambda each: each.order).origin
+        shuttle = self._settings.regime_of(work.name) is Regime.SHUTTLE
+        return shuttle and row.step is StepKind.ALIGHT and hop is not None and hop.destination != work.home
 
     def _doers(self, work: Work, row: ProcedureRow) -> tuple[str, ...]:
         """At which ends somebody has to be for it."""
         hop = work.book.hop
-        if not work.block or self._settings.regime is Regime.DISPATCHER:
+        if not work.block or self._settings.regime_of(work.name) is Regime.DISPATCHER:
             return ()
-        if row.who is Role.OPERATORS and row.step is Step.CLEAR:
+        if row.who is ActingRole.OPERATORS and row.step is StepKind.CLEAR:
             return work.ends
         if hop is None:
             return ()
-        return {Role.SENDING: (hop.origin,), Role.RECEIVING: (hop.destination,)}.get(row.who, ())
+        return {ActingRole.SENDING: (hop.origin,), ActingRole.RECEIVING: (hop.destination,)}.get(row.who, ())
 
     def _is_absent(self, work: Work, end: str) -> bool:
-        return Step.MAN in work.book.left_out and not self._is_staffed(end)
+        return StepKind.MAN in work.book.left_out and not self._is_staffed(end)
 
     def _is_staffed(self, end: str) -> bool:
         """Whether a station has an operator; a portal is another line's, which has one."""
@@ -229,29 +233,31 @@ class SubstitutePlayers:
     # what the world has to let them do ---------------------------------------------------------------------------
 
     def _ready(self, work: Work, row: ProcedureRow, step: int) -> bool:
-        hop, now_s = work.book.hop, step / STEPS_PER_S
-        match row.step:
-            case Step.CLEAR | Step.EMPTY:
-                return not work.block or self._is_clear(work.name)
-            case Step.STOP:
-                return MANAGER_ID not in self._wayside.down
-            case _ if hop is None:
-                return True
-            case Step.AGREE:
-                return self._are_free(hop.after_block, hop.stock_id)
-            case Step.POINTS:
+        hop = work.book.hop
+        if row.part is Part.TRAIN and hop is not None:
+            return self._lets_train(work, row.step, hop, step)
+        if row.step in (StepKind.CLEAR, StepKind.EMPTY):
+            return not work.block or self._is_clear(work.name)
+        return row.step is not StepKind.STOP or MANAGER_ID not in self._wayside.down
+
+    def _lets_train(self, work: Work, kind: StepKind, hop: Hop, step: int) -> bool:
+        match kind:
+            case StepKind.AGREE:
+                lets = self._are_free(hop.after_block, hop.stock_id)
+            case StepKind.POINTS:
                 ahead = hop.section_ids if not work.block else ()
-                return self._are_free((*self._points_sections(hop), *ahead), hop.stock_id)
-            case Step.BOARD:
-                return work.book.pilot in (hop.origin, hop.stock_id)
-            case Step.CUT_OUT:
-                return self._may_come_in(hop)
-            case Step.GO:
-                return now_s >= hop.planned_s
-            case Step.ARRIVED:
-                return self._is_over(hop) and self._stands_still(self._trains.slot_of[hop.stock_id])
+                lets = self._are_free((*self._points_sections(hop), *ahead), hop.stock_id)
+            case StepKind.BOARD:
+                lets = work.book.pilot in (hop.origin, hop.stock_id)
+            case StepKind.CUT_OUT:
+                lets = self._may_come_in(hop)
+            case StepKind.GO:
+                lets = step / STEPS_PER_S >= hop.planned_s
+            case StepKind.ARRIVED:
+                lets = self._is_over(hop) and self._stands_still(self._trains.slot_of[hop.stock_id])
             case _:
-                return True
+                lets = True
+        return lets
 
     def _is_clear(self, block: str) -> bool:
         """No train is in the section, and no unit that works shows its driver that it may run into it."""
@@ -304,9 +310,9 @@ class SubstitutePlayers:
     def _takes_until(self, work: Work, row: ProcedureRow, step: int) -> int:
         """The step at which it will have been done."""
         hop = work.book.hop
-        if row.step is Step.MAN:
+        if row.step is StepKind.MAN:
             return max([step, *(self._post(end, step) for end in work.ends if not self._is_staffed(end))])
-        times = max(len(hop.points), 1) if hop is not None and row.step is Step.POINTS else 1
+        times = max(len(hop.points), 1) if hop is not None and row.step is StepKind.POINTS else 1
         who = self._author(work, row)
         return step + sum(self._pauses.steps(row.pause, who) for _ in range(times))
 
@@ -333,25 +339,26 @@ class SubstitutePlayers:
     def _effect(self, work: Work, row: ProcedureRow, step: int) -> None:
         """What a step does besides being said."""
         hop = work.book.hop
-        if row.step is Step.PILOT:
-            work.book = replace(work.book, pilot=self._pilot_begins_at(work))
-        elif row.step is Step.RELEASE:
+        if row.step is StepKind.PILOT:
+            work.home = self._pilot_begins_at(work)
+            work.book = replace(work.book, pilot=work.home)
+        elif row.step is StepKind.RELEASE:
             work.book = replace(work.book, pilot="")
         if hop is None:
             return
         slot = self._trains.slot_of[hop.stock_id]
         match row.step:
-            case Step.POINTS:
+            case StepKind.POINTS:
                 self._set_points(work, hop, step)
-            case Step.BOARD:
+            case StepKind.BOARD:
                 work.book = replace(work.book, pilot=hop.stock_id)
-            case Step.CUT_OUT:
+            case StepKind.CUT_OUT:
                 self.drivers.cut_out(slot, step)
-            case Step.GO:
+            case StepKind.GO:
                 work.gone_s = step / STEPS_PER_S
                 if not self.drivers.let_go(slot, hop.end, step):
                     self._journal.write(step / STEPS_PER_S, WORLD, UnitRestrains(unit_id=hop.stock_id))
-            case Step.ALIGHT:
+            case StepKind.ALIGHT:
                 work.book = replace(work.book, pilot=hop.destination)
             case _:
                 pass
@@ -373,15 +380,15 @@ class SubstitutePlayers:
         """Who writes it down: the role, and for operators and pilots where."""
         hop = work.book.hop
         match row.who:
-            case Role.DISPATCHER:
+            case ActingRole.DISPATCHER:
                 return "dispatcher"
-            case Role.PILOT:
+            case ActingRole.PILOT:
                 return f"pilot {work.name}"
-            case Role.DRIVER if hop is not None:
+            case ActingRole.DRIVER if hop is not None:
                 return f"driver {hop.train}"
-            case Role.RECEIVING if hop is not None:
+            case ActingRole.RECEIVING if hop is not None:
                 return f"operator {hop.destination or work.name}"
-            case Role.SENDING if hop is not None:
+            case ActingRole.SENDING if hop is not None:
                 return f"operator {hop.origin or work.name}"
             case _:
                 return f"operators {work.name}"
