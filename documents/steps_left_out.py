@@ -17,6 +17,7 @@ from typing import Final
 
 from network.model import Line
 from scenario.scenario import Scenario, load_scenario
+from simulation.events import Left, Unsafe
 from simulation.judge.log import Checker
 from simulation.procedure import PROCEDURES, Regime, StepKind
 from simulation.result import RunResult, TraceSpan
@@ -77,9 +78,7 @@ def outcome_of(scenario: Scenario) -> LeftOutOutcome:
     result = execute(scenario, PartyLink.SIMULATED).result
     kinds = [violation.checker for violation in result.violations]
     named = (Checker.ONE_TRAIN_A_SECTION.value, Checker.PILOTS_LEAVE.value)
-    unsafe = tuple(
-        str(entry.event.text) for entry in result.journal.entries if type(entry.event).__name__ == "Unsafe"
-    )
+    unsafe = tuple(e.event.text for e in result.journal.entries if isinstance(e.event, Unsafe))
     return LeftOutOutcome(
         shared_sections(result, scenario.setup.line, scenario.setup.lengths_m),
         named[0] in kinds,
@@ -131,7 +130,7 @@ def _leaves(result: RunResult) -> list[tuple[int, int]]:
     return [
         (round(entry.t_s * STEPS_PER_S), slots[entry.event.unit_id])
         for entry in result.journal.entries
-        if type(entry.event).__name__ == "Left"
+        if isinstance(entry.event, Left)
     ]
 
 
