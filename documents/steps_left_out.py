@@ -17,7 +17,7 @@ from typing import Final
 
 from network.model import Line
 from scenario.scenario import Scenario, load_scenario
-from simulation.events import Left, Unsafe
+from simulation.events import Danger, Left, Unsafe
 from simulation.judge.log import Checker
 from simulation.procedure import PROCEDURES, Regime, StepKind
 from simulation.result import RunResult, TraceSpan
@@ -94,13 +94,13 @@ def shared_sections(
 ) -> tuple[tuple[str, str], ...]:
     """Sections in which two trains were at once, with the two: from their positions alone, second by second.
 
-    Where points sent a train is not in the plan of its way: such a run is judged up to there.
+    Of a train that points sent elsewhere than its way leads nothing is known from then on, until its next train.
     """
     slots = range(len(result.stock_ids))
     spans: dict[int, list[TraceSpan]] = {slot: [s for s in result.spans if s.slot == slot] for slot in slots}
     under: dict[int, frozenset[str]] = {}
     found: dict[tuple[str, str], None] = {}
-    leaves = _leaves(result)
+    leaves, astray = _leaves(result), _astray(result)
     rows = zip(
         result.trace["step"].tolist(),
         result.trace["slot"].tolist(),
@@ -114,6 +114,9 @@ def shared_sections(
         mine = spans[slot]
         at = bisect_right([span.from_step for span in mine], step - 1) - 1
         if at < 0:
+            continue
+        if any(mine[at].from_step <= strays < step for strays, who in astray if who == slot):
+            under.pop(slot, None)
             continue
         length_m = lengths_m[result.stock_ids[slot]]
         under[slot] = _sections(line, mine[at], position_m, length_m)
@@ -131,6 +134,16 @@ def _leaves(result: RunResult) -> list[tuple[int, int]]:
         (round(entry.t_s * STEPS_PER_S), slots[entry.event.unit_id])
         for entry in result.journal.entries
         if isinstance(entry.event, Left)
+    ]
+
+
+def _astray(result: RunResult) -> list[tuple[int, int]]:
+    """When points sent trains the wrong way, by step and slot."""
+    slots = {stock_id: slot for slot, stock_id in enumerate(result.stock_ids)}
+    return [
+        (round(entry.t_s * STEPS_PER_S), slots[entry.event.unit_id])
+        for entry in result.journal.entries
+        if isinstance(entry.event, Unsafe) and entry.event.danger is Danger.WRONG_WAY
     ]
 
 

@@ -125,7 +125,9 @@ def test_whatever_is_left_out_checkers_and_positions_agree(
 ) -> None:
     left = [LeftOutStep(step=step) for step in sorted(steps)]
     found = outcome_of(without(days[stands], *left, until_s=39_600.0))
-    assert bool(found.by_positions) is found.by_checkers
+    if not any("wrong way" in danger for danger in found.unsafe):  # where it went then is not in the plan
+        assert bool(found.by_positions) is found.by_checkers
+    assert found.by_checkers or not found.by_positions
     if not steps:
         assert not found.pilots_rule and not found.by_positions
 
