@@ -19,7 +19,7 @@ from network.model import Line
 from scenario.scenario import Scenario, load_scenario
 from simulation.events import Danger, Left, Unsafe
 from simulation.judge.log import Checker
-from simulation.procedure import PROCEDURES, Regime, StepKind
+from simulation.procedure import PROCEDURES, Regime, WorkingStep
 from simulation.result import RunResult, TraceSpan
 from simulation.setup import STEPS_PER_S
 from simulation.substitute_settings import LeftOutStep
@@ -161,7 +161,7 @@ def table() -> Iterator[str]:
     days = {label: load_scenario(find_drill(name)) for label, name in DAYS.items()}
     yield "| left out | " + " | ".join(days) + " |"
     yield "|---|" + "---|" * len(days)
-    cases: list[StepKind | None] = [None, *(row.step for row in PROCEDURES[Regime.TELEPHONE])]
+    cases: list[WorkingStep | None] = [None, *(row.step for row in PROCEDURES[Regime.TELEPHONE])]
     for case in cases:
         steps = () if case is None else (LeftOutStep(step=case),)
         cells = [outcome_of(without(day, *steps)).words for day in days.values()]

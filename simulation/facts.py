@@ -9,7 +9,7 @@ from network.profile import heights_of
 from simulation.judge.body import Heights
 from simulation.judge.checkers import Checkers, GuaranteedBrake, PointsFacts
 from simulation.judge.entering import TrackOverlap
-from simulation.procedure import StepKind, before_entry
+from simulation.procedure import WorkingStep, before_entry
 from simulation.setup import Setup, behaviour_row
 from simulation.world.trains import SIGN
 from sumo_cfg.truth_map import NetMap
@@ -29,7 +29,7 @@ def checkers_of(setup: Setup, net: NetMap, stock_ids: Collection[str]) -> Checke
     return Checkers(net, points, stock_ids, brakes, heights, share, overlaps, pilots_needs(setup))
 
 
-def pilots_needs(setup: Setup) -> dict[str, tuple[StepKind, ...]]:
+def pilots_needs(setup: Setup) -> dict[str, tuple[WorkingStep, ...]]:
     """By section between stations, what must be done before a train comes in by the pilot's leave; else nothing."""
     if setup.substitute is None:
         return {}

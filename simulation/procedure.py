@@ -50,7 +50,7 @@ class Part(Enum):
     END = "once, to end"
 
 
-class StepKind(StrEnum):
+class WorkingStep(StrEnum):
     """The steps; a drill names those that are left out."""
 
     ORDER = "order"
@@ -78,90 +78,90 @@ class ProcedureRow:
     done by itself where that step was left out.
     """
 
-    step: StepKind
+    step: WorkingStep
     part: Part
     who: ActingRole
     to: ActingRole
     says: str
-    needs: tuple[StepKind, ...]
+    needs: tuple[WorkingStep, ...]
     pause: Pause
     waits: str = ""
-    falls_with: StepKind | None = None
+    falls_with: WorkingStep | None = None
 
 
 _ORDER: Final = ProcedureRow(
-    StepKind.ORDER, Part.BEGIN, ActingRole.DISPATCHER, ActingRole.OPERATORS,
+    WorkingStep.ORDER, Part.BEGIN, ActingRole.DISPATCHER, ActingRole.OPERATORS,
     "the block manager is out of order: substitute working in {block}", (), Pause.NOTICE,
     "the block manager is off",
 )  # fmt: skip
 _MAN: Final = ProcedureRow(
-    StepKind.MAN, Part.BEGIN, ActingRole.OPERATORS, ActingRole.DISPATCHER,
-    "I am at my post for {block}", (StepKind.ORDER,), Pause.REACH,
+    WorkingStep.MAN, Part.BEGIN, ActingRole.OPERATORS, ActingRole.DISPATCHER,
+    "I am at my post for {block}", (WorkingStep.ORDER,), Pause.REACH,
     "staff are on their way to stations without any",
 )  # fmt: skip
 _CLEAR: Final = ProcedureRow(
-    StepKind.CLEAR, Part.BEGIN, ActingRole.OPERATORS, ActingRole.OPERATORS,
-    "{block} is clear, and no train may still run into it", (StepKind.MAN,), Pause.TELEPHONE,
+    WorkingStep.CLEAR, Part.BEGIN, ActingRole.OPERATORS, ActingRole.OPERATORS,
+    "{block} is clear, and no train may still run into it", (WorkingStep.MAN,), Pause.TELEPHONE,
     "no train is in the section, none has authority to run into it",
 )  # fmt: skip
 _PILOT: Final = ProcedureRow(
-    StepKind.PILOT, Part.BEGIN, ActingRole.OPERATORS, ActingRole.PILOT,
-    "you are the pilot of {block}, you alone", (StepKind.CLEAR,), Pause.TELEPHONE,
+    WorkingStep.PILOT, Part.BEGIN, ActingRole.OPERATORS, ActingRole.PILOT,
+    "you are the pilot of {block}, you alone", (WorkingStep.CLEAR,), Pause.TELEPHONE,
 )  # fmt: skip
 _ASK: Final = ProcedureRow(
-    StepKind.ASK, Part.TRAIN, ActingRole.SENDING, ActingRole.RECEIVING,
-    "may train {train} come through {block}?", (StepKind.PILOT,), Pause.TELEPHONE,
+    WorkingStep.ASK, Part.TRAIN, ActingRole.SENDING, ActingRole.RECEIVING,
+    "may train {train} come through {block}?", (WorkingStep.PILOT,), Pause.TELEPHONE,
     "the train is next by the plan, stands at its track, and the last one has been reported arrived",
 )  # fmt: skip
 _AGREE: Final = ProcedureRow(
-    StepKind.AGREE, Part.TRAIN, ActingRole.RECEIVING, ActingRole.SENDING,
-    "train {train} may come through {block}; I let none in", (StepKind.ASK,), Pause.TELEPHONE,
-    "its arrival track and the points before it are free", StepKind.ASK,
+    WorkingStep.AGREE, Part.TRAIN, ActingRole.RECEIVING, ActingRole.SENDING,
+    "train {train} may come through {block}; I let none in", (WorkingStep.ASK,), Pause.TELEPHONE,
+    "its arrival track and the points before it are free", WorkingStep.ASK,
 )  # fmt: skip
 _POINTS: Final = ProcedureRow(
-    StepKind.POINTS, Part.TRAIN, ActingRole.OPERATORS, ActingRole.OPERATORS,
-    "points lie and are locked by hand for train {train}", (StepKind.AGREE,), Pause.CRANK,
+    WorkingStep.POINTS, Part.TRAIN, ActingRole.OPERATORS, ActingRole.OPERATORS,
+    "points lie and are locked by hand for train {train}", (WorkingStep.AGREE,), Pause.CRANK,
     "no train is on the points",
 )  # fmt: skip
 _BOARD: Final = ProcedureRow(
-    StepKind.BOARD, Part.TRAIN, ActingRole.PILOT, ActingRole.DRIVER,
-    "I ride with train {train} through {block}", (StepKind.POINTS,), Pause.BOARD,
-    "the pilot is where the train stands", StepKind.PILOT,
+    WorkingStep.BOARD, Part.TRAIN, ActingRole.PILOT, ActingRole.DRIVER,
+    "I ride with train {train} through {block}", (WorkingStep.POINTS,), Pause.BOARD,
+    "the pilot is where the train stands", WorkingStep.PILOT,
 )  # fmt: skip
 _CUT_OUT: Final = ProcedureRow(
-    StepKind.CUT_OUT, Part.TRAIN, ActingRole.DRIVER, ActingRole.PILOT,
-    "the unit of train {train} is cut out", (StepKind.BOARD,), Pause.BOARD,
+    WorkingStep.CUT_OUT, Part.TRAIN, ActingRole.DRIVER, ActingRole.PILOT,
+    "the unit of train {train} is cut out", (WorkingStep.BOARD,), Pause.BOARD,
 )  # fmt: skip
 _GO: Final = ProcedureRow(
-    StepKind.GO, Part.TRAIN, ActingRole.SENDING, ActingRole.DRIVER,
-    "train {train} may go", (StepKind.CUT_OUT,), Pause.ENTRY, "its time to leave has come",
+    WorkingStep.GO, Part.TRAIN, ActingRole.SENDING, ActingRole.DRIVER,
+    "train {train} may go", (WorkingStep.CUT_OUT,), Pause.ENTRY, "its time to leave has come",
 )  # fmt: skip
 _ARRIVED: Final = ProcedureRow(
-    StepKind.ARRIVED, Part.TRAIN, ActingRole.RECEIVING, ActingRole.SENDING,
-    "train {train} has arrived whole, {block} is clear", (StepKind.GO,), Pause.TELEPHONE,
+    WorkingStep.ARRIVED, Part.TRAIN, ActingRole.RECEIVING, ActingRole.SENDING,
+    "train {train} has arrived whole, {block} is clear", (WorkingStep.GO,), Pause.TELEPHONE,
     "the train stands at its track with its tail lamp in",
 )  # fmt: skip
 _ALIGHT: Final = ProcedureRow(
-    StepKind.ALIGHT, Part.TRAIN, ActingRole.PILOT, ActingRole.RECEIVING,
-    "I have left train {train} and am with you", (StepKind.ARRIVED,), Pause.BOARD, "", StepKind.BOARD,
+    WorkingStep.ALIGHT, Part.TRAIN, ActingRole.PILOT, ActingRole.RECEIVING,
+    "I have left train {train} and am with you", (WorkingStep.ARRIVED,), Pause.BOARD, "", WorkingStep.BOARD,
 )  # fmt: skip
 _STOP: Final = ProcedureRow(
-    StepKind.STOP, Part.END, ActingRole.DISPATCHER, ActingRole.OPERATORS,
-    "the block manager is back: substitute working in {block} ends", (StepKind.ORDER,), Pause.TELEPHONE,
+    WorkingStep.STOP, Part.END, ActingRole.DISPATCHER, ActingRole.OPERATORS,
+    "the block manager is back: substitute working in {block} ends", (WorkingStep.ORDER,), Pause.TELEPHONE,
     "the block manager is on",
 )  # fmt: skip
 _EMPTY: Final = ProcedureRow(
-    StepKind.EMPTY, Part.END, ActingRole.OPERATORS, ActingRole.OPERATORS,
-    "{block} is clear, and nobody is under way by the pilot's leave", (StepKind.STOP,), Pause.TELEPHONE,
+    WorkingStep.EMPTY, Part.END, ActingRole.OPERATORS, ActingRole.OPERATORS,
+    "{block} is clear, and nobody is under way by the pilot's leave", (WorkingStep.STOP,), Pause.TELEPHONE,
     "no train is in the section",
 )  # fmt: skip
 _RELEASE: Final = ProcedureRow(
-    StepKind.RELEASE, Part.END, ActingRole.PILOT, ActingRole.OPERATORS,
-    "I am no longer the pilot of {block}; units may be cut in", (StepKind.EMPTY,), Pause.TELEPHONE,
+    WorkingStep.RELEASE, Part.END, ActingRole.PILOT, ActingRole.OPERATORS,
+    "I am no longer the pilot of {block}; units may be cut in", (WorkingStep.EMPTY,), Pause.TELEPHONE,
 )  # fmt: skip
 
 
-def _by(row: ProcedureRow, who: ActingRole, to: ActingRole, *needs: StepKind) -> ProcedureRow:
+def _by(row: ProcedureRow, who: ActingRole, to: ActingRole, *needs: WorkingStep) -> ProcedureRow:
     """The same step done by others; `needs`: if it needs others."""
     return replace(row, who=who, to=to, needs=needs or row.needs)
 
@@ -183,7 +183,7 @@ PROCEDURES: Final[Mapping[Regime, tuple[ProcedureRow, ...]]] = MappingProxyType(
         ),
         Regime.SHUTTLE: (
             *_BEGIN,
-            _by(_POINTS, _ALL, _ALL, StepKind.PILOT),
+            _by(_POINTS, _ALL, _ALL, WorkingStep.PILOT),
             *(_BOARD, _CUT_OUT),
             _by(_GO, ActingRole.PILOT, _TRAIN),
             _by(_ARRIVED, ActingRole.PILOT, _STATION),
@@ -207,16 +207,16 @@ PROCEDURES: Final[Mapping[Regime, tuple[ProcedureRow, ...]]] = MappingProxyType(
 # A movement within a station, or between it and its portal: no section between stations, so no pilot.
 WITHIN_STATION: Final = (
     *(_ORDER, _MAN),
-    _by(_POINTS, _STATION, _STATION, StepKind.MAN),
-    _by(_CUT_OUT, _TRAIN, _STATION, StepKind.POINTS),
+    _by(_POINTS, _STATION, _STATION, WorkingStep.MAN),
+    _by(_CUT_OUT, _TRAIN, _STATION, WorkingStep.POINTS),
     _GO,
     _by(_ARRIVED, _STATION, _STATION),
     *(_STOP, _by(_EMPTY, _STATION, _STATION), _by(_RELEASE, _STATION, _ALL)),
 )
 
 
-def before_entry(regime: Regime) -> tuple[StepKind, ...]:
+def before_entry(regime: Regime) -> tuple[WorkingStep, ...]:
     """What must have been done before a train comes into the section."""
     rows = PROCEDURES[regime]
-    go = next(i for i, row in enumerate(rows) if row.step is StepKind.GO)
+    go = next(i for i, row in enumerate(rows) if row.step is WorkingStep.GO)
     return tuple(row.step for row in rows[: go + 1])

@@ -10,17 +10,17 @@ from network.files.kinds import TABLES_MAX, about
 from network.files.quantities import SpeedKmh, Wait
 from network.files.toml_input import Record
 from network.units import mps
-from simulation.procedure import Regime, StepKind
+from simulation.procedure import Regime, WorkingStep
 
 
 class LeftOutStep(Record):
     """`[[substitute.left_out]]`: a step that people leave out, and go on as though it had been done."""
 
-    step: Annotated[StepKind, Field(strict=False), about("the step, of docs/substitute-working.md")]
+    step: Annotated[WorkingStep, Field(strict=False), about("the step, of docs/substitute-working.md")]
     block: Annotated[str, about("in which section between stations, or station; left out: everywhere")] = ""
     train: Annotated[str, about("for which train; left out: for every one")] = ""
 
-    def holds(self, step: StepKind, block: str, train: str) -> bool:
+    def holds(self, step: WorkingStep, block: str, train: str) -> bool:
         """Whether it is this step here."""
         return self.step is step and self.block in ("", block) and self.train in ("", train)
 

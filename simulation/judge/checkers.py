@@ -49,7 +49,7 @@ from simulation.judge.pilot import PilotWatch
 from simulation.judge.points import PointsFacts, PointsWatch, ProvenPoints
 from simulation.judge.rail import LowAdhesion, RailWatch
 from simulation.judge.register import RegisterWatch
-from simulation.procedure import StepKind
+from simulation.procedure import WorkingStep
 from sumo_cfg.truth_map import NetMap
 
 __all__ = ["Checker", "Checkers", "GuaranteedBrake", "PointsFacts", "Violation"]
@@ -67,7 +67,7 @@ class Checkers:
         heights: Heights,
         design_share: float,
         overlaps: Mapping[str, TrackOverlap],
-        pilots_needs: Mapping[str, Sequence[StepKind]] = MappingProxyType({}),
+        pilots_needs: Mapping[str, Sequence[WorkingStep]] = MappingProxyType({}),
     ) -> None:
         self._log = Log()
         self._track = NetTrack(net, heights)

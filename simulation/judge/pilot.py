@@ -11,13 +11,13 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from simulation.events import CutIn, CutOut, Event, ProcedureStep
 from simulation.judge.log import Checker, Log
-from simulation.procedure import StepKind
+from simulation.procedure import WorkingStep
 
 
 class PilotWatch:
     """`needs`: by section between stations, the steps that must have been done before a train comes in."""
 
-    def __init__(self, needs: Mapping[str, Sequence[StepKind]], log: Log) -> None:
+    def __init__(self, needs: Mapping[str, Sequence[WorkingStep]], log: Log) -> None:
         self._needs = needs
         self._log = log
         self._done: dict[str, set[str]] = {section_id: set() for section_id in needs}
@@ -34,14 +34,14 @@ class PilotWatch:
                 self.cut_out.discard(unit_id)
             case ProcedureStep(block=block, step=step, unit_id="") if block in self._needs:
                 self._done[block].add(step)
-                if step == StepKind.RELEASE.value:
+                if step == WorkingStep.RELEASE.value:
                     self._done[block].clear()
                     self._let_in[block].clear()
             case ProcedureStep(block=block, step=step, unit_id=unit_id) if block in self._needs:
                 self._of_train.setdefault((block, unit_id), set()).add(step)
-                if step == StepKind.ARRIVED.value:
+                if step == WorkingStep.ARRIVED.value:
                     self._let_in[block].pop(unit_id, None)
-                elif step == StepKind.BOARD.value:  # there is one pilot
+                elif step == WorkingStep.BOARD.value:  # there is one pilot
                     for other, steps in self._of_train.items():
                         if other[0] == block and other[1] != unit_id:
                             steps.discard(step)
@@ -55,12 +55,14 @@ class PilotWatch:
             of_train = self._of_train.pop((section_id, unit_id), set())
             subject = f"{section_id} {unit_id}"
             if unit_id not in self.cut_out:
-                if StepKind.PILOT.value in done:
+                if WorkingStep.PILOT.value in done:
                     text = f"{unit_id} came into section {section_id} under authority, where a pilot has it"
                     self._log.note(t_s, Checker.PILOTS_LEAVE, subject, text)
                 continue
             missing = [s.value for s in self._needs[section_id] if s.value not in done | of_train]
-            missing += [f"{StepKind.ARRIVED.value} of {o}" for o in self._let_in[section_id] if o != unit_id]
+            missing += [
+                f"{WorkingStep.ARRIVED.value} of {o}" for o in self._let_in[section_id] if o != unit_id
+            ]
             self._let_in[section_id][unit_id] = None
             if missing:
                 text = f"{unit_id} came into section {section_id} without the pilot's leave: no {', '.join(missing)}"

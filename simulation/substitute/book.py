@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from simulation.procedure import Part, ProcedureRow, StepKind
+from simulation.procedure import Part, ProcedureRow, WorkingStep
 from simulation.substitute.hops import Hop
 
 
@@ -20,10 +20,10 @@ class BlockBook:
     station, or the stock whose train he rides; empty: nobody is named.
     """
 
-    done: frozenset[StepKind] = frozenset()
+    done: frozenset[WorkingStep] = frozenset()
     hop: Hop | None = None
-    of_train: frozenset[StepKind] = frozenset()
-    left_out: frozenset[StepKind] = frozenset()
+    of_train: frozenset[WorkingStep] = frozenset()
+    left_out: frozenset[WorkingStep] = frozenset()
     pilot: str = ""
 
     def next_row(self, rows: Sequence[ProcedureRow], *, ending: bool) -> ProcedureRow | None:

@@ -18,7 +18,15 @@ from simulation.duties import Duties
 from simulation.events import WORLD, ProcedureStep, StepLeftOut, UnitRestrains
 from simulation.pauses import Pauses
 from simulation.people import Pause
-from simulation.procedure import PROCEDURES, WITHIN_STATION, ActingRole, Part, ProcedureRow, Regime, StepKind
+from simulation.procedure import (
+    PROCEDURES,
+    WITHIN_STATION,
+    ActingRole,
+    Part,
+    ProcedureRow,
+    Regime,
+    WorkingStep,
+)
 from simulation.setup import STEPS_PER_S
 from simulation.substitute.book import BlockBook
 from simulation.substitute.by_hand import HandDriver
@@ -28,7 +36,7 @@ from simulation.world.stage import World
 from wayside.config import MANAGER_ID
 
 BY_ITSELF: Final = frozenset(
-    {StepKind.GO}
+    {WorkingStep.GO}
 )  # left out, its effect comes all the same: the driver leaves by himself
 NOBODY: Final = "nobody is there"
 
@@ -146,7 +154,7 @@ class SubstitutePlayers:
         """Take up the next train of the plan, if it stands where it is to leave; or find that all is over."""
         book = work.book
         if ending:
-            work.over = book.ended(work.rows) or StepKind.ORDER not in book.done
+            work.over = book.ended(work.rows) or WorkingStep.ORDER not in book.done
             return False
         hop = self._next_hop(work)
         if hop is None or not book.begun(work.rows):
@@ -170,7 +178,7 @@ class SubstitutePlayers:
                 work.book = work.book.train_over(work.rows)
 
     def _leave_out(self, work: Work, row: ProcedureRow, why: str, step: int) -> bool:
-        if row.step is StepKind.ARRIVED and not self._should_have_arrived(work, step):
+        if row.step is WorkingStep.ARRIVED and not self._should_have_arrived(work, step):
             return False  # by the plan he takes it as arrived
         hop = work.book.hop
         left = StepLeftOut(
@@ -182,10 +190,10 @@ class SubstitutePlayers:
         )
         self._journal.write(step / STEPS_PER_S, self._author(work, row), left)
         work.book = work.book.after(row, left_out=True)
-        if row.step is StepKind.CLEAR:  # who is not at his station by his time has surely gone through
+        if row.step is WorkingStep.CLEAR:  # who is not at his station by his time has surely gone through
             now_s = step / STEPS_PER_S
             work.taken_as_over |= {h for h in work.hops if h.planned_s < now_s and not self._stands(h)}
-        elif row.step is StepKind.ARRIVED and hop is not None:
+        elif row.step is WorkingStep.ARRIVED and hop is not None:
             work.taken_as_over.add(hop)
         if row.step in BY_ITSELF:
             self._effect(work, row, step)
@@ -202,27 +210,27 @@ class SubstitutePlayers:
         if row.falls_with is not None and row.falls_with in work.book.left_out:
             return f"without {row.falls_with.value}"
         absent = [end for end in self._doers(work, row) if self._is_absent(work, end)]
-        return NOBODY if absent and row.step is not StepKind.MAN and row.part is not Part.END else ""
+        return NOBODY if absent and row.step is not WorkingStep.MAN and row.part is not Part.END else ""
 
     def _is_needless(self, work: Work, row: ProcedureRow) -> bool:
         """By 指導式 the pilot does not leave the train before it is back."""
         hop = work.book.hop
         shuttle = self._settings.regime_of(work.name) is Regime.SHUTTLE
-        return shuttle and row.step is StepKind.ALIGHT and hop is not None and hop.destination != work.home
+        return shuttle and row.step is WorkingStep.ALIGHT and hop is not None and hop.destination != work.home
 
     def _doers(self, work: Work, row: ProcedureRow) -> tuple[str, ...]:
         """At which ends somebody has to be for it."""
         hop = work.book.hop
         if not work.block or self._settings.regime_of(work.name) is Regime.DISPATCHER:
             return ()
-        if row.who is ActingRole.OPERATORS and row.step is StepKind.CLEAR:
+        if row.who is ActingRole.OPERATORS and row.step is WorkingStep.CLEAR:
             return work.ends
         if hop is None:
             return ()
         return {ActingRole.SENDING: (hop.origin,), ActingRole.RECEIVING: (hop.destination,)}.get(row.who, ())
 
     def _is_absent(self, work: Work, end: str) -> bool:
-        return StepKind.MAN in work.book.left_out and not self._is_staffed(end)
+        return WorkingStep.MAN in work.book.left_out and not self._is_staffed(end)
 
     def _is_staffed(self, end: str) -> bool:
         """Whether a station has an operator; a portal is another line's, which has one."""
@@ -236,24 +244,24 @@ class SubstitutePlayers:
         hop = work.book.hop
         if row.part is Part.TRAIN and hop is not None:
             return self._lets_train(work, row.step, hop, step)
-        if row.step in (StepKind.CLEAR, StepKind.EMPTY):
+        if row.step in (WorkingStep.CLEAR, WorkingStep.EMPTY):
             return not work.block or self._is_clear(work.name)
-        return row.step is not StepKind.STOP or MANAGER_ID not in self._wayside.down
+        return row.step is not WorkingStep.STOP or MANAGER_ID not in self._wayside.down
 
-    def _lets_train(self, work: Work, kind: StepKind, hop: Hop, step: int) -> bool:
+    def _lets_train(self, work: Work, kind: WorkingStep, hop: Hop, step: int) -> bool:
         match kind:
-            case StepKind.AGREE:
+            case WorkingStep.AGREE:
                 lets = self._are_free(hop.after_block, hop.stock_id)
-            case StepKind.POINTS:
+            case WorkingStep.POINTS:
                 ahead = hop.section_ids if not work.block else ()
                 lets = self._are_free((*self._points_sections(hop), *ahead), hop.stock_id)
-            case StepKind.BOARD:
+            case WorkingStep.BOARD:
                 lets = work.book.pilot in (hop.origin, hop.stock_id)
-            case StepKind.CUT_OUT:
+            case WorkingStep.CUT_OUT:
                 lets = self._may_come_in(hop)
-            case StepKind.GO:
+            case WorkingStep.GO:
                 lets = step / STEPS_PER_S >= hop.planned_s
-            case StepKind.ARRIVED:
+            case WorkingStep.ARRIVED:
                 lets = self._is_over(hop) and self._stands_still(self._trains.slot_of[hop.stock_id])
             case _:
                 lets = True
@@ -310,9 +318,9 @@ class SubstitutePlayers:
     def _takes_until(self, work: Work, row: ProcedureRow, step: int) -> int:
         """The step at which it will have been done."""
         hop = work.book.hop
-        if row.step is StepKind.MAN:
+        if row.step is WorkingStep.MAN:
             return max([step, *(self._post(end, step) for end in work.ends if not self._is_staffed(end))])
-        times = max(len(hop.points), 1) if hop is not None and row.step is StepKind.POINTS else 1
+        times = max(len(hop.points), 1) if hop is not None and row.step is WorkingStep.POINTS else 1
         who = self._author(work, row)
         return step + sum(self._pauses.steps(row.pause, who) for _ in range(times))
 
@@ -339,26 +347,26 @@ class SubstitutePlayers:
     def _effect(self, work: Work, row: ProcedureRow, step: int) -> None:
         """What a step does besides being said."""
         hop = work.book.hop
-        if row.step is StepKind.PILOT:
+        if row.step is WorkingStep.PILOT:
             work.home = self._pilot_begins_at(work)
             work.book = replace(work.book, pilot=work.home)
-        elif row.step is StepKind.RELEASE:
+        elif row.step is WorkingStep.RELEASE:
             work.book = replace(work.book, pilot="")
         if hop is None:
             return
         slot = self._trains.slot_of[hop.stock_id]
         match row.step:
-            case StepKind.POINTS:
+            case WorkingStep.POINTS:
                 self._set_points(work, hop, step)
-            case StepKind.BOARD:
+            case WorkingStep.BOARD:
                 work.book = replace(work.book, pilot=hop.stock_id)
-            case StepKind.CUT_OUT:
+            case WorkingStep.CUT_OUT:
                 self.drivers.cut_out(slot, step)
-            case StepKind.GO:
+            case WorkingStep.GO:
                 work.gone_s = step / STEPS_PER_S
                 if not self.drivers.let_go(slot, hop.end, step):
                     self._journal.write(step / STEPS_PER_S, WORLD, UnitRestrains(unit_id=hop.stock_id))
-            case StepKind.ALIGHT:
+            case WorkingStep.ALIGHT:
                 work.book = replace(work.book, pilot=hop.destination)
             case _:
                 pass

@@ -15,7 +15,7 @@ from scenario.scenario import Scenario, load_scenario
 from simulation.events import CutOut, ProcedureStep, StepLeftOut, UnitRestrains
 from simulation.judge.checkers import Checker
 from simulation.judge.log import Log
-from simulation.procedure import PROCEDURES, Regime, StepKind
+from simulation.procedure import PROCEDURES, Regime, WorkingStep
 from simulation.substitute import by_hand
 from simulation.substitute_settings import LeftOutStep
 from study.drilling.drill import find_drill, run_drill
@@ -87,21 +87,21 @@ def test_a_unit_that_remembers_what_was_before_it_was_cut_out_claims_what_is_not
 def test_nobody_is_let_in_while_a_train_stands_in_the_section(tmp_path: Path) -> None:
     scenario = _stands(tmp_path)
     assert not outcome_of(scenario).by_positions
-    unasked = outcome_of(without(scenario, LeftOutStep(step=StepKind.CLEAR), until_s=39_600.0))
+    unasked = outcome_of(without(scenario, LeftOutStep(step=WorkingStep.CLEAR), until_s=39_600.0))
     assert unasked.by_positions
     assert unasked.by_checkers
     assert unasked.pilots_rule
 
 
 def test_a_unit_that_is_not_cut_out_does_not_let_the_train_go() -> None:
-    scenario = without(_scenario(), LeftOutStep(step=StepKind.CUT_OUT), until_s=float("inf"))
+    scenario = without(_scenario(), LeftOutStep(step=WorkingStep.CUT_OUT), until_s=float("inf"))
     result = execute(scenario, PartyLink.SIMULATED).result
     assert any(isinstance(entry.event, UnitRestrains) for entry in result.journal.entries)
     assert not [v for v in result.violations if v.checker == Checker.ONE_TRAIN_A_SECTION]
 
 
 def test_a_step_is_left_out_for_one_train_alone() -> None:
-    left = LeftOutStep(step=StepKind.AGREE, block="1", train="T3")
+    left = LeftOutStep(step=WorkingStep.AGREE, block="1", train="T3")
     result = execute(without(_scenario(), left, until_s=float("inf")), PartyLink.SIMULATED).result
     told = [e.event for e in result.journal.entries if isinstance(e.event, StepLeftOut)]
     assert [(t.step, t.block, t.train) for t in told] == [("agree", "1", "T3")]
@@ -117,11 +117,11 @@ def days(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scenario, Scenario]:
 
 
 @given(steps=OMISSIONS, stands=st.booleans())
-@example(steps={StepKind.CLEAR}, stands=True)
-@example(steps={StepKind.MAN, StepKind.AGREE, StepKind.ARRIVED}, stands=False)
+@example(steps={WorkingStep.CLEAR}, stands=True)
+@example(steps={WorkingStep.MAN, WorkingStep.AGREE, WorkingStep.ARRIVED}, stands=False)
 @settings(max_examples=4, deadline=None, suppress_health_check=list(HealthCheck))
 def test_whatever_is_left_out_checkers_and_positions_agree(
-    steps: set[StepKind], stands: bool, days: tuple[Scenario, Scenario]
+    steps: set[WorkingStep], stands: bool, days: tuple[Scenario, Scenario]
 ) -> None:
     left = [LeftOutStep(step=step) for step in sorted(steps)]
     found = outcome_of(without(days[stands], *left, until_s=39_600.0))
@@ -144,7 +144,7 @@ def test_a_checker_that_sees_no_train_in_a_section_is_noticed(
             note(self, t_s, checker, subject, text, outside=outside)
 
     monkeypatch.setattr(Log, "note", blind)
-    found = outcome_of(without(days[1], LeftOutStep(step=StepKind.CLEAR), until_s=39_600.0))
+    found = outcome_of(without(days[1], LeftOutStep(step=WorkingStep.CLEAR), until_s=39_600.0))
     assert found.by_positions and not found.by_checkers
 
 

@@ -7,10 +7,10 @@ import pytest
 from simulation.events import CutIn, CutOut, ProcedureStep
 from simulation.judge.log import Checker, Log
 from simulation.judge.pilot import PilotWatch
-from simulation.procedure import Regime, StepKind, before_entry
+from simulation.procedure import Regime, WorkingStep, before_entry
 
 NEEDS = before_entry(Regime.TELEPHONE)
-TO_BEGIN = (StepKind.ORDER, StepKind.MAN, StepKind.CLEAR, StepKind.PILOT)
+TO_BEGIN = (WorkingStep.ORDER, WorkingStep.MAN, WorkingStep.CLEAR, WorkingStep.PILOT)
 
 
 class Scene:
@@ -22,10 +22,10 @@ class Scene:
         for unit_id in cut_out:
             self.watch.see(CutOut(unit_id=unit_id))
 
-    def say(self, step: StepKind, unit_id: str = "") -> None:
+    def say(self, step: WorkingStep, unit_id: str = "") -> None:
         self.watch.see(ProcedureStep(block="S", step=step.value, to_whom="", says="", unit_id=unit_id))
 
-    def say_all(self, unit_id: str, but: StepKind | None = None) -> None:
+    def say_all(self, unit_id: str, but: WorkingStep | None = None) -> None:
         for step in NEEDS:
             if step is not but:
                 self.say(step, "" if step in TO_BEGIN else unit_id)
@@ -40,15 +40,15 @@ def test_what_must_be_done_before_a_train_comes_in_is_what_the_rules_say() -> No
     # Ordinance 15 of 1987: operators at both ends, the section confirmed clear, one pilot named for it, the other end's
     # consent for each train, and the pilot aboard. Points, the cut-out and the word to go are assumed.
     assert {
-        StepKind.MAN,
-        StepKind.CLEAR,
-        StepKind.PILOT,
-        StepKind.ASK,
-        StepKind.AGREE,
-        StepKind.BOARD,
+        WorkingStep.MAN,
+        WorkingStep.CLEAR,
+        WorkingStep.PILOT,
+        WorkingStep.ASK,
+        WorkingStep.AGREE,
+        WorkingStep.BOARD,
     } <= set(NEEDS)
-    assert StepKind.ARRIVED not in NEEDS
-    assert {StepKind.ASK, StepKind.AGREE}.isdisjoint(before_entry(Regime.SHUTTLE))  # one operator alone
+    assert WorkingStep.ARRIVED not in NEEDS
+    assert {WorkingStep.ASK, WorkingStep.AGREE}.isdisjoint(before_entry(Regime.SHUTTLE))  # one operator alone
 
 
 def test_by_the_pilots_leave_a_train_comes_in() -> None:
@@ -58,7 +58,7 @@ def test_by_the_pilots_leave_a_train_comes_in() -> None:
 
 
 @pytest.mark.parametrize("left_out", NEEDS)
-def test_each_step_that_was_not_done_is_named(left_out: StepKind) -> None:
+def test_each_step_that_was_not_done_is_named(left_out: WorkingStep) -> None:
     scene = Scene("V1")
     scene.say_all("V1", but=left_out)
     (text,) = scene.come("V1")
@@ -76,7 +76,7 @@ def test_it_is_used_up_as_the_train_comes_in() -> None:
     scene = Scene("V1")
     scene.say_all("V1")
     scene.come("V1")
-    scene.say(StepKind.ARRIVED, "V1")
+    scene.say(WorkingStep.ARRIVED, "V1")
     (text,) = scene.come("V1")
     assert "ask" in text
 
@@ -93,7 +93,7 @@ def test_who_is_let_in_before_the_last_one_was_reported_breaks_it() -> None:
 def test_there_is_one_pilot() -> None:
     scene = Scene("V1", "V2")
     scene.say_all("V1")
-    scene.say(StepKind.BOARD, "V2")  # he has gone over to V2
+    scene.say(WorkingStep.BOARD, "V2")  # he has gone over to V2
     (text,) = scene.come("V1")
     assert text.endswith("no board")
 
@@ -101,11 +101,11 @@ def test_there_is_one_pilot() -> None:
 def test_authority_has_no_place_where_a_pilot_has_the_section() -> None:
     scene = Scene()
     assert scene.come("V1") == ()
-    scene.say(StepKind.PILOT)
+    scene.say(WorkingStep.PILOT)
     assert len(scene.come("V1")) == 1
     scene = Scene()
-    scene.say(StepKind.PILOT)
-    scene.say(StepKind.RELEASE)
+    scene.say(WorkingStep.PILOT)
+    scene.say(WorkingStep.RELEASE)
     assert scene.come("V1") == ()
 
 

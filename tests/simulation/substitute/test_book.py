@@ -6,7 +6,7 @@ from itertools import combinations
 
 import pytest
 
-from simulation.procedure import PROCEDURES, WITHIN_STATION, Part, ProcedureRow, Regime, StepKind
+from simulation.procedure import PROCEDURES, WITHIN_STATION, Part, ProcedureRow, Regime, WorkingStep
 from simulation.substitute.book import BlockBook
 from simulation.substitute.hops import Hop
 
@@ -17,7 +17,7 @@ CASES = [
 ]
 
 
-def _book(row: ProcedureRow, steps: frozenset[StepKind]) -> BlockBook:
+def _book(row: ProcedureRow, steps: frozenset[WorkingStep]) -> BlockBook:
     if row.part is Part.TRAIN:
         return BlockBook(done=steps, hop=HOP)
     return BlockBook(done=steps)
@@ -72,11 +72,13 @@ def test_what_is_left_out_stands_in_the_book_as_done_and_as_left_out() -> None:
     assert book.left_out == {man.step}
     following = book.next_row(rows, ending=False)
     assert following is not None
-    assert following.step is StepKind.CLEAR
+    assert following.step is WorkingStep.CLEAR
 
 
 def test_what_was_left_out_for_one_train_is_not_for_the_next() -> None:
     rows = PROCEDURES[Regime.TELEPHONE]
-    ask = next(row for row in rows if row.step is StepKind.ASK)
-    book = BlockBook(left_out=frozenset({StepKind.MAN})).takes(HOP).after(ask, left_out=True).train_over(rows)
-    assert book.left_out == {StepKind.MAN}
+    ask = next(row for row in rows if row.step is WorkingStep.ASK)
+    book = (
+        BlockBook(left_out=frozenset({WorkingStep.MAN})).takes(HOP).after(ask, left_out=True).train_over(rows)
+    )
+    assert book.left_out == {WorkingStep.MAN}
