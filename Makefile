@@ -67,6 +67,7 @@ docs: install
 	$(BIN)/python -m documents.reproductions
 	$(BIN)/python -m documents.safety
 	$(BIN)/python -m documents.sensors
+	$(BIN)/python -m documents.substitute
 	$(BIN)/python -m documents.tables
 	$(BIN)/python -m documents.second_loop
 

@@ -24,6 +24,7 @@ from documents import (
     safety,
     second_loop,
     sensors,
+    substitute,
     tables,
 )
 
@@ -46,6 +47,7 @@ PAGES: Final[tuple[tuple[Path, Callable[[], str]], ...]] = (
     (reproductions.FILE, reproductions.document),
     (safety.FILE, safety.document),
     (sensors.FILE, sensors.document),
+    (substitute.FILE, substitute.document),
     (tables.FILE, tables.document),
 )
 

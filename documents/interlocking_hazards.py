@@ -150,6 +150,20 @@ HAZARDS: Final = (
         ("leave to come in for two at once",),
     ),
     Hazard(
+        "People who work the line while the block manager is off let a train into a section with another in it",
+        "the block manager is dead, trains run with their units cut out",
+        "one pilot belongs to a section, and no train comes in without him, or before both ends agreed on it and heard"
+        " of the last one's arrival; a unit that was cut out has forgotten what it held, and claims nothing false",
+        ("simulation.procedure", "simulation.substitute.book", "simulation.substitute.by_hand"),
+        (Checker.PILOTS_LEAVE, Checker.ONE_TRAIN_A_SECTION, Checker.INSIDE_HOLDING),
+        (
+            "karasuyama/95_substitute_working",
+            "karasuyama/95b_train_in_the_section",
+            "karasuyama/95c_way_on_opens_late",
+            "rtri/95_substitute_working",
+        ),
+    ),
+    Hazard(
         "A train that follows another in virtual blocks meets one that comes against it, or stands for ever",
         "a part of a way is granted, the rest of which is held",
         "only behind trains that run the same way, to a place where the radio reaches, and if it is proven that all can"

@@ -45,6 +45,7 @@ from scenario.layers import ScenarioLayers, pile_of
 from scenario.scenario_file import ScenarioFile
 from scenario.script_file import script_of
 from scenario.sensor_choice import check_sensors, check_window
+from scenario.substitute_choice import check_substitute
 from simulation.settings import Tables
 from simulation.setup import Setup
 from vehicle.train_file import TrainType, shipped_train
@@ -143,6 +144,7 @@ def _loaded(path: Path, pile: ScenarioLayers, seed: int | None) -> Scenario:
         **run_tables(tables, timetable),
     )
     check_late(str(path), setup)
+    check_substitute(str(path), setup)
     check_markers(str(path), setup)
     setup = replace(setup, script=script_of(str(path), setup, model.fault, model.act, model.expect))
     of_trains = (change for _, _, changes in loaded.values() for change in changes)

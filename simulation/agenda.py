@@ -21,6 +21,7 @@ class AgendaKind(IntEnum):
     SCRIPT = 5  # something fails, heals, or is done by a person
     PEOPLE = 6  # passengers and doors at a stop
     CREW = 7  # a crew has done what it took its time for
+    PROCEDURE = 8  # people who work a line by substitute working look round
 
 
 @dataclass(order=True, frozen=True, slots=True)

@@ -126,6 +126,10 @@ class Cabs:
         near = [self._crew.watch_out(slot) for slot in self._trains.active()]
         return any(near)
 
+    def drives_by_hand(self, slot: int, *, by_hand: bool) -> None:
+        """A driver whose unit is cut out looks out for trains, or no longer does."""
+        (self._crew.on_sight.add if by_hand else self._crew.on_sight.discard)(slot)
+
     # what is seen of a unit ----------------------------------------------------------------------------------------
 
     def answers(self, slot: int) -> bool:

@@ -6,6 +6,7 @@ there; only then is it on the line. Everything here follows from the roster, the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from enum import Enum
 from typing import Final
@@ -414,6 +415,41 @@ class Duties:
         elif duty.becomes is None:
             self._books.stable(slot, step)
             self._stage[slot] = StockStage.DONE
+
+    # trains whose unit is cut out ------------------------------------------------------------------------------------
+
+    def progress(self, slot: int) -> tuple[int, float]:
+        """Index of the stock's present duty, and the target where it called last: -1 outside, infinite once over."""
+        stage, index = self._stage[slot], self._next[self._trains.stock_ids[slot]] - 1
+        if stage is StockStage.WAITING:
+            return index, -1.0
+        return index, float(self._books.next_target(slot) - 1) if stage is StockStage.ON_LINE else math.inf
+
+    def waits_outside(self, slot: int) -> bool:
+        """Whether the stock stands outside its portal."""
+        return self._stage[slot] is StockStage.WAITING
+
+    def enter_by_hand(self, slot: int, step: int) -> None:
+        """A train whose unit is cut out comes in by its portal."""
+        stock_id = self._trains.stock_ids[slot]
+        self._enter(slot, self._duties[stock_id][self._next[stock_id] - 1], step)
+
+    def finish_by_hand(self, slot: int, step: int) -> bool:
+        """Its journey is over; whether it then leaves the line."""
+        duty = self._trains.duties[slot]
+        if duty is not None and duty.leaves:
+            return True
+        self._finish(slot, step)
+        return False
+
+    def leave_by_hand(self, slot: int, step: int) -> None:
+        """It leaves the line by the portal where it stands."""
+        duty = self._trains.duties[slot]
+        if duty is not None:
+            self._journal.write(
+                step / STEPS_PER_S, self._trains.stock_ids[slot], MissionDone(train=duty.train.number)
+            )
+        self._leave(slot, step)
 
     def haul_away(self, slot: int, step: int) -> None:
         """Staff take a train off the line whose unit has no power; nothing where it does not stand in a portal alone.

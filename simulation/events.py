@@ -164,6 +164,45 @@ class Acted(Noted, frozen=True, kw_only=True, tag="act"):
     notch: int = 0
 
 
+class ProcedureStep(Noted, frozen=True, kw_only=True, tag="procedure_step"):
+    """A step of substitute working was done; its author did it. `block`: section between stations, or station."""
+
+    block: str
+    step: str
+    to_whom: str
+    says: str
+    unit_id: str = ""
+    train: str = ""
+
+
+class StepLeftOut(Noted, frozen=True, kw_only=True, tag="step_left_out"):
+    """A step of substitute working was left out, and people go on as though it had been done."""
+
+    block: str
+    step: str
+    why: str
+    unit_id: str = ""
+    train: str = ""
+
+
+class CutOut(Noted, frozen=True, kw_only=True, tag="cut_out"):
+    """A driver has cut the unit out (開放): nothing but him stops the train."""
+
+    unit_id: str
+
+
+class CutIn(Noted, frozen=True, kw_only=True, tag="cut_in"):
+    """A driver has cut the unit in again: it boots."""
+
+    unit_id: str
+
+
+class UnitRestrains(Noted, frozen=True, kw_only=True, tag="unit_restrains"):
+    """A driver was told to go, and the unit, which is not cut out and has no authority, does not let the train move."""
+
+    unit_id: str
+
+
 class Danger(Enum):
     """What must never happen to a train on the track, and does; with the points where it is about some."""
 
@@ -238,8 +277,11 @@ WorldEvent = (
     | DoorsHeld
     | Unsafe
     | Collision
+    | CutOut
+    | CutIn
+    | UnitRestrains
 )
-PersonEvent = Acted | PointsSetByHand
+PersonEvent = Acted | PointsSetByHand | ProcedureStep | StepLeftOut
 Event = notes.Note | said.Note | WorldEvent | PersonEvent | Sent
 EventType = type[Noted]
 

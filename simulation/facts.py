@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from network.model import Direction, Line
+from network.model import Direction, Line, SectionKind
 from network.profile import heights_of
 from simulation.judge.body import Heights
 from simulation.judge.checkers import Checkers, GuaranteedBrake, PointsFacts
 from simulation.judge.entering import TrackOverlap
+from simulation.procedure import WorkingStep, before_entry
 from simulation.setup import Setup, behaviour_row
 from simulation.world.trains import SIGN
 from sumo_cfg.truth_map import NetMap
@@ -24,7 +25,16 @@ def checkers_of(setup: Setup, net: NetMap, stock_ids: Collection[str]) -> Checke
     }
     brakes = {stock_id: brake_of(setup, stock_id) for stock_id in stock_ids}
     share = setup.driving.design_adhesion_share
-    return Checkers(net, points, stock_ids, brakes, edge_heights(line), share, track_overlaps(line))
+    heights, overlaps = edge_heights(line), track_overlaps(line)
+    return Checkers(net, points, stock_ids, brakes, heights, share, overlaps, pilots_needs(setup))
+
+
+def pilots_needs(setup: Setup) -> dict[str, tuple[WorkingStep, ...]]:
+    """By section between stations, what must be done before a train comes in by the pilot's leave; else nothing."""
+    if setup.substitute is None:
+        return {}
+    blocks = [s.id for s in setup.line.sections.values() if s.kind is SectionKind.BETWEEN]
+    return {block: before_entry(setup.substitute.regime_of(block)) for block in blocks}
 
 
 def track_overlaps(line: Line) -> dict[str, TrackOverlap]:

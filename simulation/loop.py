@@ -35,6 +35,7 @@ from simulation.platforms import Platforms
 from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.staff import Staff
+from simulation.substitute.players import SubstitutePlayers
 from simulation.vigil import Vigil
 from simulation.world.charging import Charging
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
@@ -105,6 +106,10 @@ class Simulation:
         script = replace(setup.script, faults=(*setup.script.faults, *day.failures))
         self.injector: Final = Injector(script, world, self._cabs, self._duties, self._platforms)
         self.staff: Final = Staff(world, self.injector) if setup.people.react else None
+        by_people = setup.substitute
+        self.substitute: Final = (
+            None if by_people is None else SubstitutePlayers(world, self._cabs, self._duties, by_people)
+        )
 
     @property
     def step(self) -> int:
@@ -168,10 +173,12 @@ class Simulation:
 
     def settle(self) -> Ending | None:
         """Do what is due now. Returns why the run is over; None while it goes on."""
-        if self.staff is not None:
+        if self.staff is not None and not (self.substitute is not None and self.substitute.busy):
             self.staff.look(self._step)
         while (item := self._agenda.pop_due(self._step)) is not None:
             self._handle(item)
+        if self.substitute is not None:
+            self.substitute.look(self._step)
         if self._duties.all_done():
             return Ending.FINISHED
         if self._broken is not None:
@@ -232,6 +239,8 @@ class Simulation:
                 self._platforms.due(step, subject)
             case AgendaKind.DUTY:
                 self._take_up_duty(self.trains.slot_of[subject])
+            case AgendaKind.PROCEDURE:
+                pass  # it ends a stretch, so that people look round
             case AgendaKind.CREW:
                 pause, stock_id = subject.split(" ", 1)
                 self._duties.crew_due(Pause(pause), self.trains.slot_of[stock_id], step)
@@ -369,7 +378,8 @@ class Simulation:
         trains = self.trains
         trains.compare(slots, seen)
         for slot, (out_m, step, *stated) in zip(slots, self._sheet.worst[: len(slots)].tolist(), strict=True):
-            if not trains.premises.is_false(slot) and out_m != -math.inf:
+            believes = slot not in self.on_board.unpowered and not trains.premises.is_false(slot)
+            if believes and out_m != -math.inf:
                 self.checkers.bounds(step / STEPS_PER_S, trains.stock_ids[slot], *stated)
 
     def _collided(self) -> None:

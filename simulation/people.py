@@ -122,6 +122,41 @@ class People(Record):
             "assumed: longer than a unit's boot and its crew's, which speaks for itself",
         ),
     ] = 150.0
+    notice_s: Annotated[
+        PersonTime,
+        about(
+            "mean time from the block manager's failure until its dispatcher orders substitute working",
+            "assumed: an alarm, a restart tried, the stations called",
+        ),
+    ] = 300.0
+    reach_s: Annotated[
+        PersonTime,
+        about(
+            "mean time until staff have come to a station that has none, for substitute working",
+            "assumed: by road along a branch line of 20 km",
+        ),
+    ] = 1500.0
+    telephone_s: Annotated[
+        PersonTime,
+        about(
+            "mean time of a sentence by telephone with its read-back, in substitute working",
+            "assumed: called, said, read back, written down",
+        ),
+    ] = 40.0
+    crank_s: Annotated[
+        PersonTime,
+        about(
+            "mean time to set and lock one set of points by hand, in substitute working",
+            "assumed: a walk of 100 m, the crank, the lock",
+        ),
+    ] = 120.0
+    board_s: Annotated[
+        PersonTime,
+        about(
+            "mean time for the pilot to board or leave a train, and for its driver to cut the unit out",
+            "assumed: a walk along the platform",
+        ),
+    ] = 20.0
 
     def mean_s(self, pause: Pause) -> float:
         """The mean of a pause, s."""
@@ -144,3 +179,8 @@ class Pause(Enum):
     POINTS = "points_s"
     PICTURE = "picture_s"
     SILENT = "silent_s"
+    NOTICE = "notice_s"
+    REACH = "reach_s"
+    TELEPHONE = "telephone_s"
+    CRANK = "crank_s"
+    BOARD = "board_s"

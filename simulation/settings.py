@@ -44,6 +44,7 @@ from simulation.late.settings import Late
 from simulation.people import People
 from simulation.scatter import ScatterSettings
 from simulation.sensor_settings import Beacons, Curvature, Lidar
+from simulation.substitute_settings import Substitute
 from wayside.config import DispatcherMeans, OrderRule, ReentryMode
 
 
@@ -443,3 +444,7 @@ class Tables:
     ] = None
     people: People = field(default_factory=People)
     late: Late = field(default_factory=Late)
+    substitute: Annotated[
+        Substitute | None,
+        about("substitute working while the block manager is off; left out: trains wait until it is back"),
+    ] = None

@@ -13,6 +13,7 @@ until it says anew what it holds, the manager's word alone counts.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from types import MappingProxyType
 
 from simulation.events import (
     MANAGER,
@@ -20,6 +21,7 @@ from simulation.events import (
     Accepted,
     Collision,
     ConfirmedByHand,
+    CutIn,
     Event,
     Freed,
     Granted,
@@ -43,9 +45,11 @@ from simulation.judge.entering import EntryWatch, TrackOverlap
 from simulation.judge.liveness import LivenessWatch, TrainAndDisplay
 from simulation.judge.locking import GuaranteedBrake, RouteLocking
 from simulation.judge.log import Checker, Log, Violation
+from simulation.judge.pilot import PilotWatch
 from simulation.judge.points import PointsFacts, PointsWatch, ProvenPoints
 from simulation.judge.rail import LowAdhesion, RailWatch
 from simulation.judge.register import RegisterWatch
+from simulation.procedure import WorkingStep
 from sumo_cfg.truth_map import NetMap
 
 __all__ = ["Checker", "Checkers", "GuaranteedBrake", "PointsFacts", "Violation"]
@@ -63,6 +67,7 @@ class Checkers:
         heights: Heights,
         design_share: float,
         overlaps: Mapping[str, TrackOverlap],
+        pilots_needs: Mapping[str, Sequence[WorkingStep]] = MappingProxyType({}),
     ) -> None:
         self._log = Log()
         self._track = NetTrack(net, heights)
@@ -72,6 +77,7 @@ class Checkers:
         self._register = RegisterWatch(self._log)
         self._liveness = LivenessWatch(self._log)
         self._entries = EntryWatch(net, overlaps, {facts.section_id for facts in points.values()}, self._log)
+        self._pilots = PilotWatch(pilots_needs, self._log)
         self._unit_ids = tuple(unit_ids)  # registered on the line, whatever the manager says of them
         self._bodies: dict[str, Body] = {}
         self._occupants: dict[str, set[str]] = {}
@@ -218,6 +224,7 @@ class Checkers:
             self._entries.moved(t_s, body, self._bodies.values())
         if body.sections != sections:
             self._check_alone(t_s, body, sections)
+            self._pilots.came_in(t_s, body.unit_id, body.sections - sections)
         self._check_held(t_s, body)
 
     def _check_entry(self, t_s: float, body: Body, piece_id: str, on_points: Collection[str]) -> None:
@@ -228,7 +235,7 @@ class Checkers:
         """
         unit_id = body.unit_id
         need = self._points.needs(piece_id)
-        if need is not None:
+        if need is not None and unit_id not in self._pilots.cut_out:
             proof: ProvenPoints | str | None = self._proofs.get(unit_id, {}).get(need[0])
             if proof is None and need[0] in on_points:
                 proof = self._locking.remembered(unit_id, need[0])
@@ -266,7 +273,7 @@ class Checkers:
 
     def _missing(self, body: Body, section_id: str) -> list[str]:
         """What a train lacks to be in a section; nothing where it holds it, or need not."""
-        if section_id in (body.excepted or ()):
+        if section_id in (body.excepted or ()) or body.unit_id in self._pilots.cut_out:
             return []
         unit_id = body.unit_id
         missing = [] if self._register.holds(unit_id, section_id) else ["the block manager did not give it"]
@@ -281,6 +288,9 @@ class Checkers:
         if self._changed and entry.t_s > self._changed_s:
             self._judge_changes()
         t_s, who, event = entry.t_s, entry.who, entry.event
+        self._pilots.see(event)
+        if isinstance(event, CutIn) and event.unit_id in self._bodies:  # as where it was put on the line
+            self._bodies[event.unit_id].excepted = self._bodies[event.unit_id].sections
         if isinstance(event, TookEffect):
             self._took_effect(t_s, who, event)
         elif who == MANAGER:

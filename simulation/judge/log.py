@@ -27,6 +27,7 @@ class Checker(StrEnum):
     NO_JUMP = "no-jump"
     NO_DEAD_STATE = "no-dead-state"
     ONE_COMES_IN = "one-comes-in"
+    PILOTS_LEAVE = "pilots-leave"
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,6 +56,8 @@ def new_motion(
     keeper: StopKeeper,
     charge: ChargeWatch | None = None,
     before: UnitMotion | None = None,
+    *,
+    by_hand: bool = False,
 ) -> UnitMotion:
     """The driving part of a unit that is switched on, `before` the one before that."""
     setup = trains.setup
@@ -69,7 +71,7 @@ def new_motion(
         trains.readers[slot],
         trains.laws[slot],
         setup.planning,
-        reads_tags=trains.reads_tags(slot),
+        reads_tags=trains.reads_tags(slot) and not by_hand,
         charge=charge,
         before=before,
     )
@@ -199,6 +201,21 @@ class OnBoard:
     def load_is(self, slot: int, share: float) -> None:
         """What the load sensor shows: 0 empty, 1 full."""
         self._motions[slot].load_share = share
+
+    # by hand, the unit cut out ------------------------------------------------------------------------------------
+
+    def take_by_hand(self, slot: int, duty: Duty) -> None:
+        """A driver whose unit is off uses the driving part as his hands: a fresh one, that reads no tags."""
+        motion = self._motions[slot] = new_motion(
+            self._trains, slot, self._keepers[slot], before=self._motions[slot], by_hand=True
+        )
+        odometer_m = float(self._trains.tachometers[slot].odometer_m)
+        motion.stand_at_start(duty.mission, self._path(slot, duty.mission), odometer_m)
+        self._trains.truths[slot].powered = 1
+
+    def drive_by_hand(self, slot: int, command: DrivingCommand, now_s: float) -> None:
+        """He drives, or holds his train."""
+        self._motions[slot].obey(command, now_s)
 
     # power --------------------------------------------------------------------------------------------------------
 

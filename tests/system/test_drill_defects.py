@@ -33,6 +33,7 @@ from onboard.unit import OnboardUnit, Report, UnitAnswer
 from onboard.vehicle import VehicleInputs
 from radio.envelope import header_of
 from simulation.judge.checkers import Checker
+from simulation.substitute import by_hand
 from simulation.world.cable import Cable
 from simulation.world.crew import Crew
 from simulation.world.on_board import OnBoard
@@ -51,6 +52,11 @@ Switch = Callable[[pytest.MonkeyPatch], None]
 
 FOLDER: Final = "rtri/"
 TRAIN_M: Final = 40.0
+
+
+def remembers_while_cut_out(patch: pytest.MonkeyPatch) -> None:
+    """A unit that is cut in again takes what it last knew for what is so."""
+    patch.setattr(by_hand, "FORGETS", False)
 
 
 def turns_without_its_position(patch: pytest.MonkeyPatch) -> None:
@@ -366,6 +372,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "92b_ends_early_lost": (orders_nothing, "the order is given, and not heard"),
         "92c_ends_early_doubled": (orders_nothing, "T1 ends at A"),
         "92d_ends_early_report_lost": (orders_nothing, "T1 ends at A"),
+        "95_substitute_working": (remembers_while_cut_out, "no invariant is broken"),
     }
 )
 

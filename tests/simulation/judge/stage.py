@@ -23,6 +23,7 @@ from simulation.events import (
 from simulation.judge.checkers import Checkers, GuaranteedBrake, PointsFacts
 from simulation.judge.entering import TrackOverlap
 from simulation.judge.liveness import LOOKS_EVERY_S, TrainAndDisplay
+from simulation.procedure import Regime, before_entry
 from sumo_cfg.truth_map import NetEdge, NetMap
 
 # W | stem1 -< normal1 - T1 - normal2 >- stem2 | B | E, and reverse1 - T2 - reverse2
@@ -42,6 +43,7 @@ DESIGN = 0.8
 OVERLAPS = {
     "T1+": TrackOverlap(stops_at_m=200.0, overlap_m=100.0)
 }  # points 2 begin 60 m beyond a train's stop on T1
+PILOTS = {"B": before_entry(Regime.TELEPHONE)}
 BRAKE = GuaranteedBrake(deceleration_mps2=1.0, reaction_s=1.0, gravity_mps2=9.0)
 
 
@@ -61,7 +63,7 @@ class Stage:
 
     def __init__(self, unit_ids: tuple[str, ...] = ("A", "B")) -> None:
         self.checkers = Checkers(
-            net(), POINTS, unit_ids, dict.fromkeys(unit_ids, BRAKE), {}, DESIGN, OVERLAPS
+            net(), POINTS, unit_ids, dict.fromkeys(unit_ids, BRAKE), {}, DESIGN, OVERLAPS, PILOTS
         )
         self.t_s = 0.0
         self.token = 0

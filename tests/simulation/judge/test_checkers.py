@@ -12,6 +12,7 @@ from network.model import Position
 from simulation.events import (
     WORLD,
     Collision,
+    CutOut,
     PointsForced,
     PointsLocked,
     PointsMoving,
@@ -293,6 +294,13 @@ CASES = (
         lambda: let_in_to_t2(second(on_points().see("A", ("T1+", 50.0)))),
         lambda s: s.see("B", ("B-", 400.0), ("stem2-", 5.0)),
         lambda s: s.see("A", ("T1+", 60.0), speed_mps=0.0).see("B", ("B-", 400.0), ("stem2-", 5.0)),
+    ),
+    Case(
+        "cut out, into a section between stations without the pilot",
+        Checker.PILOTS_LEAVE,
+        lambda: on_points().world(CutOut(unit_id="A")),
+        lambda s: s.see("A", ("T1+", 50.0), ("normal2+", 5.0), ("stem2+", 5.0), ("B+", 5.0)),
+        lambda s: s.see("A", ("T1+", 50.0)),
     ),
     Case(
         "to an edge that does not follow",

@@ -1,0 +1,70 @@
+"""What the operators of one section have done so far (閉そく簿), and which step of the procedure is next.
+
+Pure: a step is next once all that it needs stands in the book, done or left out; whether the world lets it be done is
+for the players. One train at a time is in the book.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from simulation.procedure import Part, ProcedureRow, WorkingStep
+from simulation.substitute.hops import Hop
+
+
+@dataclass(frozen=True, slots=True)
+class BlockBook:
+    """`done`: steps to begin and to end; `of_train`: those for the train whose way `hop` is; `left_out`: of all these,
+    those that were not done though people go on as though they had been. `pilot`: where the pilot is by the book, a
+    station, or the stock whose train he rides; empty: nobody is named.
+    """
+
+    done: frozenset[WorkingStep] = frozenset()
+    hop: Hop | None = None
+    of_train: frozenset[WorkingStep] = frozenset()
+    left_out: frozenset[WorkingStep] = frozenset()
+    pilot: str = ""
+
+    def next_row(self, rows: Sequence[ProcedureRow], *, ending: bool) -> ProcedureRow | None:
+        """The first step not in the book that is due now and has all that it needs; None: nothing is due."""
+        stands_in = self.done | self.of_train
+        parts = {Part.TRAIN} if self.hop is not None else {Part.END} if ending else {Part.BEGIN}
+        return next(
+            (
+                row
+                for row in rows
+                if row.part in parts and row.step not in stands_in and stands_in.issuperset(row.needs)
+            ),
+            None,
+        )
+
+    def begun(self, rows: Sequence[ProcedureRow]) -> bool:
+        """Whether trains may be taken up."""
+        return all(row.step in self.done for row in rows if row.part is Part.BEGIN)
+
+    def ended(self, rows: Sequence[ProcedureRow]) -> bool:
+        """Whether the ordinary working is in force again."""
+        return all(row.step in self.done for row in rows if row.part is Part.END)
+
+    def after(self, row: ProcedureRow, *, left_out: bool = False) -> BlockBook:
+        """The book with a step in it, done or left out."""
+        left = self.left_out | {row.step} if left_out else self.left_out - {row.step}
+        if row.part is Part.TRAIN:
+            return replace(self, of_train=self.of_train | {row.step}, left_out=left)
+        return replace(self, done=self.done | {row.step}, left_out=left)
+
+    def takes(self, hop: Hop) -> BlockBook:
+        """The book as a train is taken up."""
+        return replace(self, hop=hop, of_train=frozenset())
+
+    def train_over(self, rows: Sequence[ProcedureRow]) -> BlockBook:
+        """The book with no train in it any more."""
+        of_trains = {row.step for row in rows if row.part is Part.TRAIN}
+        return replace(self, hop=None, of_train=frozenset(), left_out=self.left_out - of_trains)
+
+    def finished(self, rows: Sequence[ProcedureRow]) -> bool:
+        """Whether all is done for the train in it."""
+        return self.hop is not None and all(
+            row.step in self.of_train for row in rows if row.part is Part.TRAIN
+        )

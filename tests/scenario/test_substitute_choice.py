@@ -1,0 +1,71 @@
+"""What `[substitute]` names must be there: one message each, with file, key and what was expected."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from network.errors import InputError
+from scenario.scenario import Scenario, load_scenario
+from simulation.procedure import Regime
+
+HEAD = 'extends = "karasuyama_weekday"\nid = "s"\nname = "Substitute working"\n'
+REACT = "[people]\nreact = true\n"
+
+
+def loaded(folder: Path, text: str) -> Scenario:
+    file = folder / "substitute.toml"
+    file.write_text(HEAD + text, "utf-8")
+    return load_scenario(str(file))
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "expected"),
+    [
+        ("[substitute]\n", "people.react", "true with [substitute]"),
+        (REACT + '[substitute]\nstaffed = ["OGM"]', "substitute.staffed[0]", "OGN"),
+        (REACT + '[substitute]\nregime = "pilot"', "substitute.regime", "pilot_by_telephone"),
+        (REACT + '[substitute]\nleft_out = [{ step = "askk" }]', "substitute.left_out[0].step", "ask"),
+        (
+            REACT + '[substitute]\nleft_out = [{ step = "ask", block = "OGN" }]',
+            "substitute.left_out[0].block",
+            "OGN-KRS",
+        ),
+        (
+            REACT + '[substitute]\nleft_out = [{ step = "ask", train = "1M" }]',
+            "substitute.left_out[0].train",
+            "321M",
+        ),
+        (
+            REACT + '[substitute]\nof_block = { "OGN-KRY" = "pilot_shuttle" }',
+            "substitute.of_block.OGN-KRY",
+            "OGN-KRS",
+        ),
+        (
+            REACT + '[substitute]\nregime = "pilot_shuttle"\nleft_out = [{ step = "agree" }]',
+            "substitute.left_out[0].step",
+            "a step of pilot_shuttle",
+        ),
+    ],
+)
+def test_what_is_not_there_is_refused(text: str, key: str, expected: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError) as error:
+        loaded(tmp_path, text)
+    assert error.value.key == key
+    assert expected in error.value.expected
+
+
+def test_a_battery_train_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "battery.toml"
+    file.write_text(f'extends = "karasuyama_battery"\nid = "s"\nname = "s"\n{REACT}[substitute]\n', "utf-8")
+    with pytest.raises(InputError) as error:
+        load_scenario(str(file))
+    assert error.value.key == "substitute"
+
+
+def test_what_is_there_is_read(tmp_path: Path) -> None:
+    setup = loaded(tmp_path, REACT + '[substitute]\nregime = "pilot_by_dispatcher"\nstaffed = ["HSK"]').setup
+    assert setup.substitute is not None
+    assert setup.substitute.regime is Regime.DISPATCHER
+    assert setup.substitute.speed_mps == pytest.approx(12.5)

@@ -1,0 +1,152 @@
+"""Substitute working: followed, nothing breaks; with any steps left out, checkers and positions say the same of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
+from documents.steps_left_out import outcome_of, shared_sections, without
+from scenario.scenario import Scenario, load_scenario
+from simulation.events import CutOut, ProcedureStep, StepLeftOut, UnitRestrains
+from simulation.judge.checkers import Checker
+from simulation.judge.log import Log
+from simulation.procedure import PROCEDURES, Regime, WorkingStep
+from simulation.substitute import by_hand
+from simulation.substitute_settings import LeftOutStep
+from study.drilling.drill import find_drill, run_drill
+from study.runner.run import PartyLink, execute
+
+pytestmark = pytest.mark.system
+
+DRILL: Final = "rtri/95_substitute_working"
+# K2's unit dies as it stands in the first section, where the other end could let nobody in.
+STANDS: Final = """
+extends = "rtri_test_line"
+id = "stands"
+name = "A train stands in the section"
+timetable = "rtri_two_trains"
+people = { react = true, notice_s = 20.0, reach_s = 60.0 }
+limits = { time_limit_s = 3600.0 }
+substitute = { staffed = ["A", "B"], speed_kmh = 35.0 }
+
+[[fault]]
+kind = "power_off"
+target = "block-manager"
+start = "10:00:10"
+duration_s = 3000.0
+
+[[fault]]
+kind = "power_off"
+target = "K1"
+start = "10:00:38"
+duration_s = 2400.0
+"""
+STEPS: Final = [row.step for row in PROCEDURES[Regime.TELEPHONE]]
+
+
+def _scenario(regime: Regime = Regime.TELEPHONE) -> Scenario:
+    scenario = load_scenario(find_drill(DRILL))
+    setup = scenario.setup
+    assert setup.substitute is not None
+    substitute = setup.substitute.model_copy(update={"regime": regime})
+    return replace(scenario, setup=replace(setup, substitute=substitute))
+
+
+def _stands(folder: Path) -> Scenario:
+    file = folder / "stands.toml"
+    file.write_text(STANDS, "utf-8")
+    return load_scenario(str(file))
+
+
+@pytest.mark.parametrize("regime", [Regime.TELEPHONE, Regime.DISPATCHER])
+def test_followed_no_rule_breaks_and_all_arrive(regime: Regime) -> None:
+    result = execute(_scenario(regime), PartyLink.SIMULATED).result
+    assert result.violations == ()
+    assert not result.unfinished
+    done = [e.event.step for e in result.journal.entries if isinstance(e.event, ProcedureStep)]
+    assert {row.step.value for row in PROCEDURES[regime]} <= set(done)
+    assert any(isinstance(entry.event, CutOut) for entry in result.journal.entries)
+    assert not shared_sections(result, _scenario().setup.line, _scenario().setup.lengths_m)
+
+
+def test_a_unit_that_remembers_what_was_before_it_was_cut_out_claims_what_is_not_so(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(by_hand, "FORGETS", False)
+    assert any(
+        violation.checker == Checker.INSIDE_HOLDING
+        for violation in execute(_scenario(), PartyLink.SIMULATED).result.violations
+    )
+
+
+def test_nobody_is_let_in_while_a_train_stands_in_the_section(tmp_path: Path) -> None:
+    scenario = _stands(tmp_path)
+    assert not outcome_of(scenario).by_positions
+    unasked = outcome_of(without(scenario, LeftOutStep(step=WorkingStep.CLEAR), until_s=39_600.0))
+    assert unasked.by_positions
+    assert unasked.by_checkers
+    assert unasked.pilots_rule
+
+
+def test_a_unit_that_is_not_cut_out_does_not_let_the_train_go() -> None:
+    scenario = without(_scenario(), LeftOutStep(step=WorkingStep.CUT_OUT), until_s=float("inf"))
+    result = execute(scenario, PartyLink.SIMULATED).result
+    assert any(isinstance(entry.event, UnitRestrains) for entry in result.journal.entries)
+    assert not [v for v in result.violations if v.checker == Checker.ONE_TRAIN_A_SECTION]
+
+
+def test_a_step_is_left_out_for_one_train_alone() -> None:
+    left = LeftOutStep(step=WorkingStep.AGREE, block="1", train="T3")
+    result = execute(without(_scenario(), left, until_s=float("inf")), PartyLink.SIMULATED).result
+    told = [e.event for e in result.journal.entries if isinstance(e.event, StepLeftOut)]
+    assert [(t.step, t.block, t.train) for t in told] == [("agree", "1", "T3")]
+    assert [v.subject for v in result.violations] == ["1 K2"]
+
+
+OMISSIONS = st.sets(st.sampled_from(STEPS), max_size=6)
+
+
+@pytest.fixture(scope="module")
+def days(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scenario, Scenario]:
+    return _scenario(), _stands(tmp_path_factory.mktemp("days"))
+
+
+@given(steps=OMISSIONS, stands=st.booleans())
+@example(steps={WorkingStep.CLEAR}, stands=True)
+@example(steps={WorkingStep.MAN, WorkingStep.AGREE, WorkingStep.ARRIVED}, stands=False)
+@settings(max_examples=4, deadline=None, suppress_health_check=list(HealthCheck))
+def test_whatever_is_left_out_checkers_and_positions_agree(
+    steps: set[WorkingStep], stands: bool, days: tuple[Scenario, Scenario]
+) -> None:
+    left = [LeftOutStep(step=step) for step in sorted(steps)]
+    found = outcome_of(without(days[stands], *left, until_s=39_600.0))
+    if not any("wrong way" in danger for danger in found.unsafe):  # where it went then is not in the plan
+        assert bool(found.by_positions) is found.by_checkers
+    assert found.by_checkers or not found.by_positions
+    if not steps:
+        assert not found.pilots_rule and not found.by_positions
+
+
+def test_a_checker_that_sees_no_train_in_a_section_is_noticed(
+    days: tuple[Scenario, Scenario], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    note = Log.note
+
+    def blind(
+        self: Log, t_s: float, checker: Checker, subject: str, text: str, *, outside: bool = False
+    ) -> None:
+        if checker is not Checker.ONE_TRAIN_A_SECTION:
+            note(self, t_s, checker, subject, text, outside=outside)
+
+    monkeypatch.setattr(Log, "note", blind)
+    found = outcome_of(without(days[1], LeftOutStep(step=WorkingStep.CLEAR), until_s=39_600.0))
+    assert found.by_positions and not found.by_checkers
+
+
+def test_the_drill_passes() -> None:
+    assert run_drill(DRILL, PartyLink.SIMULATED).passed
