@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from exchange.import_timetable import ImportedTimetable
     from exchange.published import PublishedTimetable
     from exchange.running import Running
+    from network.files.timetable_schema import TimetableFile
     from network.model import Line
 
 TURN_MIN_S: Final = 120  # as `exchange.workings` has it, which is not imported for `--help`
@@ -113,12 +114,51 @@ def write_or_count(
             from exchange.import_timetable import write_timetable
 
             write_timetable(imported, wanted.out)
+    say_written(figures, wanted.out, as_json=as_json)
+
+
+def write_read_back(
+    file: TimetableFile, timetable_id: str | None, out: Path | None, about: dict[str, str], *, as_json: bool
+) -> None:
+    """Write a timetable that is read back as branchline wrote it, and say what it holds and what the reader adds."""
+    from exchange.timetable_writer import timetable_toml
+    from network.files.json_input import write_aside
+
+    head = file.timetable
+    if timetable_id is not None:
+        head = head.model_copy(update={"id": _identifier(timetable_id)})
+        file = file.model_copy(update={"timetable": head})
+    if out is not None:
+        write_aside(out, timetable_toml(file))
+    figures: dict[str, Any] = {
+        "timetable": head.id,
+        "line": head.line,
+        **about,
+        "trains": len(file.trains),
+        "calls": sum(len(train.calls) for train in file.trains),
+        "sets": len(file.diagrams),
+        "read": "back, as it was written by branchline",
+    }
+    say_written(figures, out, as_json=as_json)
+
+
+def say_written(figures: dict[str, Any], out: Path | None, *, as_json: bool) -> None:
+    """Figures as they are asked for, and the file that was written."""
     if as_json:
         print_json(figures, Outcome.GOOD)
     else:
         print_figures(figures)
-    if wanted.out is not None:
-        print_aside(f"wrote {wanted.out}")
+    if out is not None:
+        print_aside(f"wrote {out}")
+
+
+def _identifier(timetable_id: str) -> str:
+    from network.errors import COMMAND_LINE, InputError
+    from network.files.names import IDENTIFIER_HELP, is_identifier
+
+    if not is_identifier(timetable_id):
+        raise InputError(COMMAND_LINE, "--id", timetable_id, IDENTIFIER_HELP)
+    return timetable_id
 
 
 def timetable_counts(published: PublishedTimetable) -> dict[str, Any]:
@@ -143,15 +183,12 @@ def _imported(published: PublishedTimetable, wanted: ImportOptions) -> tuple[Imp
     from exchange.import_timetable import ImportOrder, import_timetable
     from exchange.station_join import names_by_hand
     from exchange.workings import SetRules
-    from network.errors import COMMAND_LINE, InputError
+    from network.errors import COMMAND_LINE
     from network.files.line_file import load_line
-    from network.files.names import IDENTIFIER_HELP, is_identifier
     from network.files.shipped import shipped_line
 
     line = load_line(shipped_line(wanted.line or ""))
-    timetable_id = wanted.id or f"{line.id}_{wanted.suffix}"
-    if not is_identifier(timetable_id):
-        raise InputError(COMMAND_LINE, "--id", timetable_id, IDENTIFIER_HELP)
+    timetable_id = _identifier(wanted.id or f"{line.id}_{wanted.suffix}")
     added = additions.Additions()
     if wanted.additions is not None:
         added = additions.read_additions(additions.shipped_additions(wanted.additions), line)

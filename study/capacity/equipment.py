@@ -87,11 +87,6 @@ class LeverWorth:
         """By how much the headway differs between the ends."""
         return abs(self.high_end.headway_s - self.low_end.headway_s)
 
-    @property
-    def occupied_swing_share(self) -> float:
-        """By how much the occupancy differs between the ends."""
-        return abs(self.high_end.occupied_share - self.low_end.occupied_share)
-
     def as_dict(self) -> dict[str, Any]:
         """For JSON and CSV."""
         return {

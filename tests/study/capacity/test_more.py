@@ -34,7 +34,6 @@ from study.capacity.line_capacity import (
     CompressionTerms,
     Period,
     Rate,
-    costs_of,
     day_of,
     fullest_part,
     peak_of,
@@ -143,7 +142,7 @@ def test_the_cut_changes_the_answer(morning: Setup) -> None:
     shares = [one.occupied_share for one in full.values() if one is not None]
     assert shares[0] > shares[1] > shares[2] > 0.0
     for rate in rates["crossing"]:
-        assert sum(costs_of([rate]).values()) == pytest.approx(rate.compressed.occupied_s, abs=1e-3)
+        assert sum(rate.compressed.costs_s().values()) == pytest.approx(rate.compressed.occupied_s, abs=1e-3)
         assert rate.trains_below_limit == brute_more(rate)
     peak = peak_of(legs, day)
     assert peak.length_s == 7200.0
