@@ -36,7 +36,7 @@ def serve(
     ] = None,
     open_page: Annotated[bool, typer.Option("--open", help="Open the instructor's page.")] = False,
 ) -> None:
-    """Run a line by the clock, with an instructor who breaks it and a dispatcher who works it, until interrupted."""
+    """Run a line in real time for training: an instructor makes faults, a dispatcher and staff work the line."""
     with needing_extra("console", "serve"):
         import uvicorn
 

@@ -19,7 +19,6 @@ from network.files.quantities import DrillTime, Duration
 from network.files.toml_input import Record
 
 
-
 class Distribution(StrEnum):
     """Distributions, by name."""
 

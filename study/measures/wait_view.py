@@ -21,7 +21,7 @@ from study.record.wait import Asked
 from wayside import said
 
 
-class Doing(Enum):
+class DutyStage(Enum):
     """Where a unit is in its duty."""
 
     NOTHING = "nothing"
@@ -61,7 +61,7 @@ class View:
     dwell_s: float
     train: str = ""
     duty: Duty | None = None
-    doing: Doing = Doing.NOTHING
+    doing: DutyStage = DutyStage.NOTHING
     at: int = 0
     ready_s: float = 0.0
     dwells: bool = False  # for passengers; not so where it stood before its train began
@@ -121,7 +121,7 @@ def _mission(view: View, t_s: float, event: notes.MissionBegun) -> None:
     view.train, view.numberless = event.train, False
     view.duty = next((duty for duty in view.duties if duty.train.number == event.train), None)
     view.at = 0
-    view.doing = Doing.STANDING if view.signed_on else Doing.SIGNING_ON
+    view.doing = DutyStage.STANDING if view.signed_on else DutyStage.SIGNING_ON
     view.schedule(t_s, dwells=False)
     view.limit_before, view.limit_why, view.limit_at = None, "no mission", None
     view.crew_waits_at, view.set_back, view.unable = "", False, ""
@@ -131,7 +131,7 @@ def _mission(view: View, t_s: float, event: notes.MissionBegun) -> None:
 
 
 def _restarted(view: View, t_s: float, _event: notes.UnitRestarted) -> None:
-    view.doing, view.signed_on, view.mismatch = Doing.ON_SIGHT, False, ""
+    view.doing, view.signed_on, view.mismatch = DutyStage.ON_SIGHT, False, ""
     view.emergency, view.unable = True, ""
     view.requests.clear()
     view.ready_s = t_s
@@ -145,29 +145,29 @@ def _arrived(view: View, t_s: float, event: notes.Arrived) -> None:
         view.at,
     )
     view.schedule(t_s, dwells=bool(targets) and targets[view.at].passengers)
-    if view.doing is Doing.RUNNING:
-        view.doing = Doing.STANDING
+    if view.doing is DutyStage.RUNNING:
+        view.doing = DutyStage.STANDING
 
 
 def _resumed(view: View, _t_s: float, event: notes.Resumed) -> None:
     view.at = event.next_target - 1
-    view.doing = Doing.RUNNING if view.departed else Doing.STANDING
+    view.doing = DutyStage.RUNNING if view.departed else DutyStage.STANDING
     view.crew_waits_at = ""
 
 
 def _departs(view: View, _t_s: float, _event: notes.Departs) -> None:
-    view.doing, view.departed = Doing.RUNNING, True
+    view.doing, view.departed = DutyStage.RUNNING, True
 
 
 def _mission_done(view: View, _t_s: float, _event: notes.MissionDone) -> None:
     leaves = view.duty is not None and view.duty.leaves
-    view.doing = Doing.SIGNING_OFF if leaves else Doing.FINISHED
+    view.doing = DutyStage.SIGNING_OFF if leaves else DutyStage.FINISHED
 
 
 def _lost_position(view: View, _t_s: float, _event: notes.PositionFault) -> None:
     view.emergency, view.unable = True, ""
-    if view.doing in (Doing.STANDING, Doing.RUNNING):
-        view.doing = Doing.ON_SIGHT
+    if view.doing in (DutyStage.STANDING, DutyStage.RUNNING):
+        view.doing = DutyStage.ON_SIGHT
 
 
 def _limit(view: View, _t_s: float, event: notes.LimitSet) -> None:
@@ -182,7 +182,7 @@ def _intervenes(view: View, _t_s: float, event: notes.Intervention) -> None:
 
 def _unfit(view: View, _t_s: float, event: notes.VehicleUnfit) -> None:
     view.unfit = event.why
-    if view.doing in (Doing.RUNNING, Doing.ON_SIGHT):
+    if view.doing in (DutyStage.RUNNING, DutyStage.ON_SIGHT):
         view.emergency = True
 
 
@@ -225,12 +225,12 @@ def _took_effect(view: View, _t_s: float, event: TookEffect) -> None:
 def _signed_on(view: View, t_s: float, _event: notes.SignedOn) -> None:
     view.signed_on, view.signed_on_s, view.mismatch = True, t_s, ""
     view.requests.pop(Asked.SIGN_ON, None)
-    if view.doing is Doing.SIGNING_ON:
-        view.doing = Doing.STANDING
+    if view.doing is DutyStage.SIGNING_ON:
+        view.doing = DutyStage.STANDING
 
 
 def _signed_off(view: View, _t_s: float, _event: notes.SignedOff) -> None:
-    view.signed_on, view.doing = False, Doing.GONE
+    view.signed_on, view.doing = False, DutyStage.GONE
     view.requests.clear()
 
 

@@ -27,7 +27,7 @@ from simulation.world.roster import Duty, drawn_up
 from study.measures.register_holds import SectionHold
 from study.measures.stretches import DayStretch, stretches
 from study.measures.wait_history import RegisterHistory
-from study.measures.wait_view import Doing, View, WaitingRequest, subject_of
+from study.measures.wait_view import DutyStage, View, WaitingRequest, subject_of
 from study.measures.where import Whereabouts
 from study.record.wait import Asked, Cause, Wait
 
@@ -148,7 +148,10 @@ class _Finder:
 
     def _off_line(self, t_s: float) -> tuple[Wait, float]:
         view = self._view
-        if view.doing in (Doing.SIGNING_ON, Doing.STANDING, Doing.RUNNING) and view.duty is not None:
+        if (
+            view.doing in (DutyStage.SIGNING_ON, DutyStage.STANDING, DutyStage.RUNNING)
+            and view.duty is not None
+        ):
             portal = view.duty.mission.spans[0].section_id
             ails = self._no_unit()
             if ails is not None:
@@ -213,22 +216,22 @@ class _Finder:
         if view.unfit or view.unable:
             cause = Cause.VEHICLE if view.unfit else Cause.UNABLE
             return replace(self._make(cause), reason=view.unfit or view.unable), math.inf
-        if view.emergency and view.doing in (Doing.RUNNING, Doing.ON_SIGHT):
+        if view.emergency and view.doing in (DutyStage.RUNNING, DutyStage.ON_SIGHT):
             return self._make(Cause.EMERGENCY), math.inf
         return None
 
     def _by_duty(self, t_s: float) -> tuple[Wait, float]:
         view = self._view
-        if view.doing is Doing.SIGNING_ON or (view.doing is Doing.ON_SIGHT and not view.signed_on):
+        if view.doing is DutyStage.SIGNING_ON or (view.doing is DutyStage.ON_SIGHT and not view.signed_on):
             return self._request(Asked.SIGN_ON, t_s)
         match view.doing:
-            case Doing.SIGNING_OFF | Doing.GONE:
+            case DutyStage.SIGNING_OFF | DutyStage.GONE:
                 return self._signing_off(t_s)
-            case Doing.FINISHED | Doing.NOTHING:
+            case DutyStage.FINISHED | DutyStage.NOTHING:
                 return self._finished()
-            case Doing.ON_SIGHT if view.departed:
+            case DutyStage.ON_SIGHT if view.departed:
                 return self._on_sight(t_s)
-            case Doing.RUNNING:
+            case DutyStage.RUNNING:
                 return self._held_up(t_s)
             case _:
                 return self._at_stop(t_s)
@@ -236,7 +239,7 @@ class _Finder:
     def _signing_off(self, t_s: float) -> tuple[Wait, float]:
         if Asked.SIGN_OFF in self._view.requests:
             return self._request(Asked.SIGN_OFF, t_s)
-        cause = Cause.LEAVING if self._view.doing is Doing.GONE else Cause.SIGN_OFF
+        cause = Cause.LEAVING if self._view.doing is DutyStage.GONE else Cause.SIGN_OFF
         return self._make(cause), math.inf
 
     def _finished(self) -> tuple[Wait, float]:
@@ -252,7 +255,7 @@ class _Finder:
         """At a stop: the dwell, the departure time, then the way ahead."""
         view = self._view
         targets = () if view.duty is None else view.duty.mission.targets
-        if view.departed and view.doing is Doing.STANDING:
+        if view.departed and view.doing is DutyStage.STANDING:
             return self._make(Cause.STARTING), math.inf
         if view.at >= len(targets) - 1:
             return self._ends_here(t_s)
@@ -267,13 +270,13 @@ class _Finder:
             return replace(self._make(Cause.DEPARTURE_TIME), until_s=planned_s, reason=why), leave_s
         if view.emergency:
             return self._make(Cause.EMERGENCY), math.inf
-        return self._on_sight(t_s) if view.doing is Doing.ON_SIGHT else self._way_ahead(t_s)
+        return self._on_sight(t_s) if view.doing is DutyStage.ON_SIGHT else self._way_ahead(t_s)
 
     def _ends_here(self, t_s: float) -> tuple[Wait, float]:
         """At its last stop, before its journey counts as done."""
         if Asked.REPORT in self._view.requests:
             return self._request(Asked.REPORT, t_s)
-        if self._view.doing is Doing.ON_SIGHT:
+        if self._view.doing is DutyStage.ON_SIGHT:
             return self._make(Cause.ON_SIGHT), math.inf
         return self._make(Cause.ARRIVAL_BY_EYE), math.inf
 

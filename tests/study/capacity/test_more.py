@@ -20,7 +20,7 @@ from study.capacity.compression import compressed
 from study.capacity.cut import cut_of
 from study.capacity.equipment import (
     LEVERS,
-    Measured,
+    EquipmentFigures,
     fewer_tags,
     measured_by_rules,
     with_loss,
@@ -192,10 +192,10 @@ def test_a_tornado_has_the_widest_on_top_and_is_drawn(
 ) -> None:
     """What is measured stands in for theory here: the throw for the headway."""
 
-    def made_up(setup: Setup, rules: Rules = MINIMAL) -> Measured:
+    def made_up(setup: Setup, rules: Rules = MINIMAL) -> EquipmentFigures:
         throw_s = max(points.throw_time_s for points in setup.line.points.values())
         headway_s = 100.0 if rules.by_section else 900.0 + throw_s
-        return Measured(headway_s, "HSK-OGN", 200.0, setup.air.delay_mean_s, 0.5, "Hoshakuji - Ogane")
+        return EquipmentFigures(headway_s, "HSK-OGN", 200.0, setup.air.delay_mean_s, 0.5, "Hoshakuji - Ogane")
 
     monkeypatch.setattr(equipment, "measured_by_rules", made_up)
     levers = [
