@@ -14,7 +14,7 @@ from branchline.dispatching import deadlock, displib
 
 best = typer.Typer(
     no_args_is_help=True,
-    help="Search for the best interval, loops, trains, reserves, equipment or duties, with a proven bound.",
+    help="Search for the best interval, loops, trains, equipment or duties, with a proven bound.",
 )
 best.command()(interval)
 best.command()(loops)

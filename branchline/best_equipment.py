@@ -26,7 +26,7 @@ def equipment(
             "--trains",
             min=0.01,
             max=60.0,
-            help="Trains an hour each way that are needed; default: the cost of every number.",
+            help="Trains an hour each way; default: what each number costs.",
         ),
     ] = None,
     loops: Annotated[
@@ -56,7 +56,7 @@ def equipment(
 ) -> None:
     """Find the cheapest equipment for so many trains an hour: loops, points, limits, radio, release, virtual blocks.
 
-    Every choice is computed, each least interval proven. Costs are assumed (a loop costs 100) unless --cost says others.
+    Every choice is computed, each least interval proven. Costs are assumed (a loop: 100) unless --cost says others.
     """
     from network.files.json_input import read_json, write_aside
     from scenario.scenario import load_scenario

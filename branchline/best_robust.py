@@ -42,7 +42,7 @@ def robust(
 ) -> None:
     """Place the reserve times of a timetable so that trains are least late; trains, intervals and journeys stay.
 
-    The order of trains, their tracks and sets stay too. --out also writes a sweep that runs the answer on the fresh days.
+    Orders, tracks and sets of trains stay too. --out also writes a sweep that runs the answer on the fresh days.
     """
     from plan.reserves.robust import most_robust, timetables_of, write_sweep
     from scenario.scenario import load_scenario

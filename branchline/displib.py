@@ -22,7 +22,7 @@ def export_displib(
 ) -> None:
     """Write a late day as a problem in the form of DISPLIB, from the line's blocking times.
 
-    `branchline best displib` solves it; `import displib` makes a scenario in which trains go in the order of the solution.
+    `branchline best displib` solves it; `import displib` makes a scenario in which trains go in that order.
     """
     import msgspec
 

@@ -67,8 +67,8 @@ def drill(
         bool,
         typer.Option(
             "--resume",
-            help="With --out: keep the runs of the same inputs that an earlier sweep, stopped or complete, has left there,"
-            " even by another version of the code, and run the rest.",
+            help="With --out: keep the runs of the same inputs that an earlier sweep, stopped or complete, has left"
+            " there, even by another version of the code, and run the rest.",
         ),
     ] = False,
     every: Annotated[
