@@ -27,9 +27,9 @@ from simulation.world.roster import Duty, drawn_up
 from study.measures.register_holds import SectionHold
 from study.measures.stretches import DayStretch, stretches
 from study.measures.wait_history import RegisterHistory
-from study.measures.wait_view import DutyStage, View, WaitingRequest, subject_of
+from study.measures.wait_view import DutyStage, StockView, WaitingRequest, subject_of
 from study.measures.where import Whereabouts
-from study.record.wait import Asked, Cause, Wait
+from study.record.wait import AwaitedRequest, Cause, Wait
 
 AT_ITS_STOP: Final = (EnergyPhase.AT_STOP, EnergyPhase.LAYOVER)
 SLOWED_SHARE: Final = 0.8  # of the braking to a stop: a train that must brake so hard and does is held back
@@ -56,7 +56,7 @@ def waits_of(result: RunResult, setup: Setup, holds: Iterable[SectionHold]) -> t
     where = Whereabouts(result)
     found: list[Wait] = []
     for unit in result.stock_ids:
-        view = View(unit, drawn.get(unit, ()), setup.unit.dwell_min_s)
+        view = StockView(unit, drawn.get(unit, ()), setup.unit.dwell_min_s)
         days = stretches(result, unit)
         finder = _Finder(setup, view, history, where, drawn)
         found += finder.day(days, entries[unit])
@@ -76,7 +76,7 @@ class _Finder:
     def __init__(
         self,
         setup: Setup,
-        view: View,
+        view: StockView,
         history: RegisterHistory,
         where: Whereabouts,
         drawn: Mapping[str, tuple[Duty, ...]],
@@ -158,7 +158,7 @@ class _Finder:
                 return replace(self._make(ails), section=portal), math.inf
             if view.signed_on:
                 return self._portal(t_s, portal)
-            wait, until_s = self._request(Asked.SIGN_ON, t_s, (portal,))
+            wait, until_s = self._request(AwaitedRequest.SIGN_ON, t_s, (portal,))
             return replace(wait, section=wait.section or portal), until_s
         following = view.next_duty
         if following is None:
@@ -223,7 +223,7 @@ class _Finder:
     def _by_duty(self, t_s: float) -> tuple[Wait, float]:
         view = self._view
         if view.doing is DutyStage.SIGNING_ON or (view.doing is DutyStage.ON_SIGHT and not view.signed_on):
-            return self._request(Asked.SIGN_ON, t_s)
+            return self._request(AwaitedRequest.SIGN_ON, t_s)
         match view.doing:
             case DutyStage.SIGNING_OFF | DutyStage.GONE:
                 return self._signing_off(t_s)
@@ -237,8 +237,8 @@ class _Finder:
                 return self._at_stop(t_s)
 
     def _signing_off(self, t_s: float) -> tuple[Wait, float]:
-        if Asked.SIGN_OFF in self._view.requests:
-            return self._request(Asked.SIGN_OFF, t_s)
+        if AwaitedRequest.SIGN_OFF in self._view.requests:
+            return self._request(AwaitedRequest.SIGN_OFF, t_s)
         cause = Cause.LEAVING if self._view.doing is DutyStage.GONE else Cause.SIGN_OFF
         return self._make(cause), math.inf
 
@@ -274,8 +274,8 @@ class _Finder:
 
     def _ends_here(self, t_s: float) -> tuple[Wait, float]:
         """At its last stop, before its journey counts as done."""
-        if Asked.REPORT in self._view.requests:
-            return self._request(Asked.REPORT, t_s)
+        if AwaitedRequest.REPORT in self._view.requests:
+            return self._request(AwaitedRequest.REPORT, t_s)
         if self._view.doing is DutyStage.ON_SIGHT:
             return self._make(Cause.ON_SIGHT), math.inf
         return self._make(Cause.ARRIVAL_BY_EYE), math.inf
@@ -293,8 +293,8 @@ class _Finder:
             wait, until_s = self._points(t_s, view.crew_waits_at)
             moves = wait.cause is Cause.POINTS_MOVE
             return replace(wait, cause=wait.cause if moves else Cause.POINTS_BY_EYE), until_s
-        if Asked.ROUTE in view.requests:
-            return self._request(Asked.ROUTE, t_s, self._route_sections(view.limit_before))
+        if AwaitedRequest.ROUTE in view.requests:
+            return self._request(AwaitedRequest.ROUTE, t_s, self._route_sections(view.limit_before))
         return self._make(Cause.ON_SIGHT), math.inf
 
     # what is ahead --------------------------------------------------------------------------------------------
@@ -312,15 +312,15 @@ class _Finder:
         if view.limit_why == NOT_PROVEN and view.limit_before is not None:
             missing = self._points_missing(view.limit_before)
             return self._points(t_s, missing) if missing else (self._make(Cause.STARTING), math.inf)
-        if Asked.ROUTE in view.requests:
-            return self._request(Asked.ROUTE, t_s, self._route_sections(view.limit_before))
+        if AwaitedRequest.ROUTE in view.requests:
+            return self._request(AwaitedRequest.ROUTE, t_s, self._route_sections(view.limit_before))
         if view.set_back:
             return self._make(Cause.SET_BACK), math.inf
-        if Asked.REPORT in view.requests:
-            return self._request(Asked.REPORT, t_s)
+        if AwaitedRequest.REPORT in view.requests:
+            return self._request(AwaitedRequest.REPORT, t_s)
         if view.limit_before is None:
             return self._make(Cause.STARTING), math.inf
-        return self._request(Asked.ROUTE, t_s, self._route_sections(view.limit_before))
+        return self._request(AwaitedRequest.ROUTE, t_s, self._route_sections(view.limit_before))
 
     def _route_sections(self, before: str | None) -> tuple[str, ...]:
         """Sections of the route of the present train that has a section."""
@@ -329,7 +329,9 @@ class _Finder:
             (r.section_ids for r in routes if before in r.section_ids), () if before is None else (before,)
         )
 
-    def _request(self, asked: Asked, t_s: float, sections: tuple[str, ...] = ()) -> tuple[Wait, float]:
+    def _request(
+        self, asked: AwaitedRequest, t_s: float, sections: tuple[str, ...] = ()
+    ) -> tuple[Wait, float]:
         """An open request: who has what was asked for, why it was refused, or that no answer has come."""
         request = self._view.requests.get(asked)
         changes_s = self._history.next_change_s(sections, t_s)
@@ -353,7 +355,7 @@ class _Finder:
         cause = Cause.REFUSED if request.refusal else Cause.ANSWER
         return replace(wait, cause=cause, since_s=request.since_s, reason=request.refusal), until_s
 
-    def _behind(self, cause: Cause, asked: Asked, request: WaitingRequest) -> Wait:
+    def _behind(self, cause: Cause, asked: AwaitedRequest, request: WaitingRequest) -> Wait:
         """Its way is free, but another is to come first: that, and where to, the refusal names last."""
         _, _, named = request.refusal.partition(": section ")
         section, _, unit = named.partition(" of ")
@@ -362,7 +364,9 @@ class _Finder:
             self._make(cause), asked=asked, section=section, party=unit, party_train=train, since_s=since_s
         )
 
-    def _held(self, asked: Asked, section: str, unit: str, from_s: float, to_s: float, t_s: float) -> Wait:
+    def _held(
+        self, asked: AwaitedRequest, section: str, unit: str, from_s: float, to_s: float, t_s: float
+    ) -> Wait:
         return replace(
             self._make(Cause.ROUTE_HELD),
             asked=asked,
