@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from branchline import options
 from branchline.importing_timetables import (
     OUTSIDE_MIN_S,
     TURN_MIN_S,
@@ -16,18 +17,6 @@ from branchline.importing_timetables import (
     say_written,
     write_or_count,
     write_read_back,
-)
-from branchline.options import (
-    Additions,
-    ByHand,
-    ByHandFile,
-    Json,
-    LineName,
-    OutsideMin,
-    RunBy,
-    TimetableId,
-    TimetableOut,
-    TurnMin,
 )
 from branchline.oudia import timetables_of
 from branchline.progress import print_aside
@@ -46,8 +35,8 @@ _CENTRE: Final = "35,135"
 
 def import_gtfs(
     source: Annotated[Path, typer.Argument(help="A GTFS feed: a zip archive, or a folder with its tables.")],
-    out: TimetableOut = None,
-    line: LineName = None,
+    out: options.TimetableOut = None,
+    line: options.LineName = None,
     date: Annotated[str, typer.Option("--date", help="The day, YYYY-MM-DD.")] = "",
     service: Annotated[
         str, typer.Option("--service", help="A service id of the feed instead of a day.")
@@ -56,14 +45,14 @@ def import_gtfs(
         list[str] | None,
         typer.Option("--route", help="A route by id or short name, may be repeated; default all by rail."),
     ] = None,
-    timetable_id: TimetableId = None,
-    name: ByHand = None,
-    names: ByHandFile = None,
-    add: Additions = None,
-    train: RunBy = None,
-    turn_min: TurnMin = TURN_MIN_S,
-    outside_min: OutsideMin = OUTSIDE_MIN_S,
-    as_json: Json = False,
+    timetable_id: options.TimetableId = None,
+    name: options.ByHand = None,
+    names: options.ByHandFile = None,
+    add: options.Additions = None,
+    train: options.RunBy = None,
+    turn_min: options.TurnMin = TURN_MIN_S,
+    outside_min: options.OutsideMin = OUTSIDE_MIN_S,
+    as_json: options.Json = False,
 ) -> None:
     """Read one day of a GTFS feed and, with --line, write its timetable file."""
     from exchange.gtfs.reader import GtfsChoice, read_gtfs
@@ -109,7 +98,7 @@ def export_gtfs(
         str,
         typer.Option("--centre", help="LATITUDE,LONGITUDE of the origin of the line's plane coordinates."),
     ] = _CENTRE,
-    as_json: Json = False,
+    as_json: options.Json = False,
 ) -> None:
     """Write a timetable as a GTFS feed; of a run directory, the day as it was run."""
     from exchange.gtfs.writer import write_gtfs

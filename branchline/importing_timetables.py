@@ -10,19 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, cast
 
 import typer
 
+from branchline import options
 from branchline.ending import print_json
-from branchline.options import (
-    Additions,
-    ByHand,
-    ByHandFile,
-    Json,
-    LineName,
-    OutsideMin,
-    RunBy,
-    TimetableId,
-    TimetableOut,
-    TurnMin,
-)
 from branchline.progress import print_aside, said_if_long
 from study.outcome import Outcome
 
@@ -57,8 +46,8 @@ class ImportOptions:
 
 def import_mini_tokyo(
     source: Annotated[Path, typer.Argument(help="Trains of a railway in the form of mini-tokyo-3d (JSON).")],
-    out: TimetableOut = None,
-    line: LineName = None,
+    out: options.TimetableOut = None,
+    line: options.LineName = None,
     calendar: Annotated[
         str, typer.Option("--calendar", help="Weekday, SaturdayHoliday or another calendar of the file.")
     ] = "Weekday",
@@ -66,14 +55,14 @@ def import_mini_tokyo(
     stations: Annotated[
         Path | None, typer.Option("--stations", help="The source's file of stations, for their names (JSON).")
     ] = None,
-    timetable_id: TimetableId = None,
-    name: ByHand = None,
-    names: ByHandFile = None,
-    add: Additions = None,
-    train: RunBy = None,
-    turn_min: TurnMin = TURN_MIN_S,
-    outside_min: OutsideMin = OUTSIDE_MIN_S,
-    as_json: Json = False,
+    timetable_id: options.TimetableId = None,
+    name: options.ByHand = None,
+    names: options.ByHandFile = None,
+    add: options.Additions = None,
+    train: options.RunBy = None,
+    turn_min: options.TurnMin = TURN_MIN_S,
+    outside_min: options.OutsideMin = OUTSIDE_MIN_S,
+    as_json: options.Json = False,
 ) -> None:
     """Read one day of a file of mini-tokyo-3d and, with --line, write its timetable file."""
     from exchange.mini_tokyo import SOURCE, read_mini_tokyo

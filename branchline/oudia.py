@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from branchline import options
 from branchline.ending import print_json
 from branchline.importing_timetables import (
     OUTSIDE_MIN_S,
@@ -16,18 +17,6 @@ from branchline.importing_timetables import (
     ImportOptions,
     write_or_count,
     write_read_back,
-)
-from branchline.options import (
-    Additions,
-    ByHand,
-    ByHandFile,
-    Json,
-    LineName,
-    OutsideMin,
-    RunBy,
-    TimetableId,
-    TimetableOut,
-    TurnMin,
 )
 from branchline.progress import print_aside
 from study.outcome import Outcome
@@ -40,17 +29,17 @@ if TYPE_CHECKING:
 
 def import_oudia(
     source: Annotated[Path, typer.Argument(help="File of OuDia (.oud) or OuDiaSecond (.oud2).")],
-    out: TimetableOut = None,
-    line: LineName = None,
+    out: options.TimetableOut = None,
+    line: options.LineName = None,
     dia: Annotated[str | None, typer.Option("--dia", help="Which Dia, if the file has several.")] = None,
-    timetable_id: TimetableId = None,
-    name: ByHand = None,
-    names: ByHandFile = None,
-    add: Additions = None,
-    train: RunBy = None,
-    turn_min: TurnMin = TURN_MIN_S,
-    outside_min: OutsideMin = OUTSIDE_MIN_S,
-    as_json: Json = False,
+    timetable_id: options.TimetableId = None,
+    name: options.ByHand = None,
+    names: options.ByHandFile = None,
+    add: options.Additions = None,
+    train: options.RunBy = None,
+    turn_min: options.TurnMin = TURN_MIN_S,
+    outside_min: options.OutsideMin = OUTSIDE_MIN_S,
+    as_json: options.Json = False,
 ) -> None:
     """Read a file of OuDia or OuDiaSecond and, with --line, write its timetable file."""
     from exchange.oudia.nodes import read_oudia
@@ -86,7 +75,7 @@ def export_oudia(
         str, typer.Argument(help="A run directory, a shipped scenario, or a scenario file (.toml).")
     ],
     out: Annotated[Path, typer.Argument(help="File to write (.oud2).")],
-    as_json: Json = False,
+    as_json: options.Json = False,
 ) -> None:
     """Write a timetable for OuDiaSecond; of a run directory also the day as run, as a second Dia."""
     from exchange.oudia.writer import AS_RUN, plan_name, write_oudia
