@@ -39,7 +39,7 @@ def arrange(
 ) -> None:
     """Make a published timetable work: arrivals, meets, tracks and sets, with printed times moved least.
 
-    Exit code 1 if a printed time has to be moved by more than --limit; the least that would do is said.
+    Exit code 1 if a printed time has to be moved by more than --limit; it then says the least that would be enough.
     """
     from plan.arranging.arrange import arrange as arranged_by_name
     from plan.arranging.files import checked_files, write_day

@@ -13,7 +13,8 @@ from branchline.best_trains import trains
 from branchline.dispatching import deadlock, displib
 
 best = typer.Typer(
-    no_args_is_help=True, help="What would be best, with a bound on what could be better still."
+    no_args_is_help=True,
+    help="Search for the best interval, loops, trains, equipment or duties, with a proven bound.",
 )
 best.command()(interval)
 best.command()(loops)

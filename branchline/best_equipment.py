@@ -23,10 +23,15 @@ def equipment(
     trains: Annotated[
         float | None,
         typer.Option(
-            "--trains", min=0.01, max=60.0, help="So many each way an hour; else the whole curve of cost."
+            "--trains",
+            min=0.01,
+            max=60.0,
+            help="Trains an hour each way; default: what each number costs.",
         ),
     ] = None,
-    loops: Annotated[int, typer.Option("--loops", min=0, max=3, help="At most so many more loops.")] = 1,
+    loops: Annotated[
+        int, typer.Option("--loops", min=0, max=3, help="How many loops may be added at most.")
+    ] = 1,
     options: Annotated[
         Path | None,
         typer.Option("--options", help="A file of options of your own ([[option]]): docs/best.md."),
@@ -35,21 +40,23 @@ def equipment(
         list[str] | None, typer.Option("--cost", help="What an option costs, NAME=COST; may be repeated.")
     ] = None,
     without: Annotated[
-        list[str] | None, typer.Option("--without", help="An option that is not had; may be repeated.")
+        list[str] | None, typer.Option("--without", help="An option to leave out; may be repeated.")
     ] = None,
     out: ScenarioOut = None,
     proof: Annotated[
         Path | None,
-        typer.Option("--proof", help="With --trains: where it is written that nothing cheaper does (JSON)."),
+        typer.Option(
+            "--proof", help="With --trains: file for the proof that nothing cheaper is enough (JSON)."
+        ),
     ] = None,
     check: Annotated[
-        Path | None, typer.Option("--check", help="Recount this proof, and search nothing.")
+        Path | None, typer.Option("--check", help="Only check this proof; search nothing.")
     ] = None,
     as_json: Json = False,
 ) -> None:
     """Find the cheapest equipment for so many trains an hour: loops, points, limits, radio, release, virtual blocks.
 
-    Every choice is worked out, each least interval proven. Costs are assumed, a loop being 100, unless you say others.
+    Every choice is computed, each least interval proven. Costs are assumed (a loop: 100) unless --cost says others.
     """
     from network.files.json_input import read_json, write_aside
     from scenario.scenario import load_scenario

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 SetLate = Annotated[
     bool,
-    typer.Option("--set-late", help="Ways set as late as trains still run unhindered, not as units ask."),
+    typer.Option("--set-late", help="Set routes as late as trains still run unhindered, not when units ask."),
 ]
 ScenarioOut = Annotated[
     Path | None, typer.Option("--out", help="Scenario file (TOML) to write that runs the answer all day.")
@@ -37,15 +37,15 @@ def interval(
     ] = None,
     check: Annotated[
         Path | None,
-        typer.Option("--check", help="Recount this proof from the line's own times, and search nothing."),
+        typer.Option("--check", help="Only check this proof against the line's own times; search nothing."),
     ] = None,
     as_json: Json = False,
 ) -> None:
     """Find the least interval at which a line takes a train each way, and prove that no second less does.
 
-    Trains run as fast as they are driven on the tracks of the timetable, stop as short as they may and wait where sets
-    can stand; where sets go round they turn on two tracks of an end by turns if that is quicker. All times are whole
-    seconds.
+    Trains run as they are driven, on the timetable's tracks, stop for the least time allowed and wait where a set can
+    stand. Sets that run to and fro all day may use two tracks of a terminus alternately, if that is quicker. All times
+    are whole seconds.
     """
     from network.files.json_input import read_json, write_aside
     from scenario.scenario import load_scenario

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 
 def loops(
     scenario: ScenarioName,
-    most: Annotated[int, typer.Option("--loops", min=1, max=3, help="At most so many more loops.")] = 1,
+    most: Annotated[
+        int, typer.Option("--loops", min=1, max=3, help="How many loops may be added at most.")
+    ] = 1,
     at: Annotated[
         list[str] | None,
         typer.Option("--at", help="Only at this halt (id); may be repeated. Default: every halt."),

@@ -20,26 +20,29 @@ if TYPE_CHECKING:
 def robust(
     scenario: ScenarioName,
     days: Annotated[
-        int, typer.Option("--days", min=1, max=1000, help="Sampled late days against which they are placed.")
+        int,
+        typer.Option(
+            "--days", min=1, max=1000, help="Late days drawn at random for which reserves are placed."
+        ),
     ] = 40,
     fresh: Annotated[
         int,
         typer.Option(
-            "--fresh", min=1, max=10_000, help="Other days on which the answer is judged, seeds 1 on."
+            "--fresh", min=1, max=10_000, help="Other days, from seed 1 on, on which the answer is judged."
         ),
     ] = 200,
     move: Annotated[
         int,
         typer.Option(
-            "--move", min=0, max=3600, help="First departures of like trains may move by so much, s."
+            "--move", min=0, max=3600, help="By how much the first departures of like trains may move, s."
         ),
     ] = 60,
     out: ScenarioOut = None,
     as_json: Json = False,
 ) -> None:
-    """Find where the reserves of a timetable leave its trains least late, with the same trains, intervals and journeys.
+    """Place the reserve times of a timetable so that trains are least late; trains, intervals and journeys stay.
 
-    Orders of trains, tracks and sets stay. --out also writes a sweep that runs the answer on the fresh days.
+    Orders, tracks and sets of trains stay too. --out also writes a sweep that runs the answer on the fresh days.
     """
     from plan.reserves.robust import most_robust, timetables_of, write_sweep
     from scenario.scenario import load_scenario

@@ -24,7 +24,7 @@ def roster(
     turn: Annotated[
         int,
         typer.Option(
-            "--turn", min=0, max=86_400, help="On a track, s beyond changing ends, as crews need them."
+            "--turn", min=0, max=86_400, help="Time that crews need on a track beyond changing ends, s."
         ),
     ] = 0,
     outside: Annotated[
@@ -36,7 +36,7 @@ def roster(
         typer.Option("--proof", help="Where the certificate that fewer cannot do is written (JSON)."),
     ] = None,
     check: Annotated[
-        Path | None, typer.Option("--check", help="Recount this certificate, and search nothing.")
+        Path | None, typer.Option("--check", help="Only check this certificate; search nothing.")
     ] = None,
     as_json: Json = False,
 ) -> None:

@@ -14,14 +14,12 @@ from branchline.options import Json, ScenarioName
 
 def trains(
     scenario: ScenarioName,
-    every: Annotated[
-        int, typer.Option("--every", min=1, max=1440, help="After so many minutes all repeats.")
-    ] = 60,
+    every: Annotated[int, typer.Option("--every", min=1, max=1440, help="Length of the pattern, min.")] = 60,
     set_late: SetLate = False,
     out: ScenarioOut = None,
     as_json: Json = False,
 ) -> None:
-    """Find the most trains each way in a pattern that repeats, evenly spaced or not, and what no pattern exceeds."""
+    """Find the most trains each way in a repeating pattern, evenly spaced or not, and a proven upper bound."""
     from scenario.scenario import load_scenario
 
     with needing_extra("plan", "trains"):

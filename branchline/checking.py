@@ -48,13 +48,13 @@ def check(
         listed = {
             "meets": [meet.as_dict() for meet in found.meets],
             "verdict": found.verdict,
-            **{severity.value: len(found.of(severity)) for severity in Severity},
+            **{severity.value: len(found.of_severity(severity)) for severity in Severity},
             "findings": [finding.as_dict() for finding in found.findings],
             "confirmed_by_eye": weaker,
         }
         print_json(figures | listed, outcome)
     else:
-        counts = ", ".join(f"{severity.value}: {len(found.of(severity))}" for severity in Severity)
+        counts = ", ".join(f"{severity.value}: {len(found.of_severity(severity))}" for severity in Severity)
         sys.stdout.write(f"{found.verdict}\n{counts}\n")
         for key, value in figures.items():
             sys.stdout.write(f"{key}: {value}\n")
@@ -70,7 +70,7 @@ def _print_found(found: Feasibility, line: Line) -> None:
 
     for severity in Severity:
         alike: dict[tuple[str, ...], list[Finding]] = {}
-        for finding in found.of(severity):
+        for finding in found.of_severity(severity):
             alike.setdefault(_cause(finding), []).append(finding)
         for first, *more in alike.values():
             rest = f" (and {len(more)} more like it, {first.place}: {_named(more)})" if more else ""

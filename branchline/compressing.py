@@ -16,7 +16,7 @@ from branchline.progress import print_aside
 
 if TYPE_CHECKING:
     from scenario.scenario import Scenario
-    from study.capacity.equipment import LeverWorth, Measured
+    from study.capacity.equipment import EquipmentFigures, LeverWorth
     from study.capacity.line_capacity import Period, Rate
     from study.capacity.more import AddedTrains
     from study.record.read_back import RunRead
@@ -213,5 +213,5 @@ def _print_worth(worth: Sequence[LeverWorth]) -> None:
         sys.stdout.write(f"  {one.name:24}{'  '.join(cells)}\n")
 
 
-def _figures(end: Measured) -> tuple[float, ...]:
+def _figures(end: EquipmentFigures) -> tuple[float, ...]:
     return end.headway_s, end.block_headway_s, end.meet_s, 100.0 * end.occupied_share

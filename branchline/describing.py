@@ -11,7 +11,8 @@ from branchline.ending import print_json
 
 def schema(
     kind: Annotated[
-        str | None, typer.Argument(help="line, timetable, train, scenario, drill, sweep, station_list.")
+        str | None,
+        typer.Argument(help="line, timetable, train, scenario, drill, sweep, station_list, additions."),
     ] = None,
 ) -> None:
     """Print the JSON Schema of one kind of file, or of all kinds by name."""

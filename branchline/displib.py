@@ -22,7 +22,7 @@ def export_displib(
 ) -> None:
     """Write a late day as a problem in the form of DISPLIB, from the line's blocking times.
 
-    `branchline best displib` solves it; `import displib` makes the solution the order of the day.
+    `branchline best displib` solves it; `import displib` makes a scenario in which trains go in that order.
     """
     import msgspec
 
@@ -48,11 +48,11 @@ def import_displib(
     out: Annotated[Path, typer.Argument(help="Scenario file to write (.toml).")],
     seed: Seed = None,
     run: Annotated[
-        bool, typer.Option("--run", help="Also run the day so, and say what was promised and what was kept.")
+        bool, typer.Option("--run", help="Also run it, and compare its delays with those of the solution.")
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Make a solution of `export displib` the order of the day: a scenario in which trains go in that order."""
+    """Write a scenario in which trains go in the order of a solution of a problem that `export displib` wrote."""
     from network.errors import InputError
     from plan.dispatching.checker import objections
     from plan.dispatching.day import day_of, moves_of

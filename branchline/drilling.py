@@ -35,7 +35,8 @@ def drill(
             "--sweep",
             help="Move the drill's faults and acts, as one piece, over all instants of the run, and print one line for"
             " each class of outcome. A run is good if every train arrives, no invariant is broken but those that"
-            " the drill says wrong people break, and nothing crashes; its other expectations are not judged.",
+            " the drill expects people's wrong acts to break, and nothing crashes; its other expectations are not"
+            " judged.",
         ),
     ] = False,
     sweep_kinds: Annotated[
@@ -66,8 +67,8 @@ def drill(
         bool,
         typer.Option(
             "--resume",
-            help="With --out: take up the runs that a sweep which was stopped, or is whole, has left there for the same"
-            " inputs, whichever code ran them, and run the rest.",
+            help="With --out: keep the runs of the same inputs that an earlier sweep, stopped or complete, has left"
+            " there, even by another version of the code, and run the rest.",
         ),
     ] = False,
     every: Annotated[

@@ -5,38 +5,25 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from branchline.ending import print_json
+from branchline import options
 from branchline.importing_timetables import (
     OUTSIDE_MIN_S,
     TURN_MIN_S,
     ImportOptions,
-    print_figures,
+    say_written,
     write_or_count,
+    write_read_back,
 )
-from branchline.options import (
-    Additions,
-    ByHand,
-    ByHandFile,
-    Json,
-    LineName,
-    OutsideMin,
-    RunBy,
-    TimetableId,
-    TimetableOut,
-    TurnMin,
-)
+from branchline.oudia import timetables_of
 from branchline.progress import print_aside
-from study.outcome import Outcome
 
 if TYPE_CHECKING:
     from exchange.gtfs.reader import GtfsDay
     from exchange.gtfs.writer import FeedFacts
-    from network.model import Line
-    from network.timetable import Timetable
 
 # As `exchange.gtfs.writer` has them, which is not imported for `--help`.
 _URL: Final = "https://example.com/"
@@ -48,8 +35,8 @@ _CENTRE: Final = "35,135"
 
 def import_gtfs(
     source: Annotated[Path, typer.Argument(help="A GTFS feed: a zip archive, or a folder with its tables.")],
-    out: TimetableOut = None,
-    line: LineName = None,
+    out: options.TimetableOut = None,
+    line: options.LineName = None,
     date: Annotated[str, typer.Option("--date", help="The day, YYYY-MM-DD.")] = "",
     service: Annotated[
         str, typer.Option("--service", help="A service id of the feed instead of a day.")
@@ -58,14 +45,14 @@ def import_gtfs(
         list[str] | None,
         typer.Option("--route", help="A route by id or short name, may be repeated; default all by rail."),
     ] = None,
-    timetable_id: TimetableId = None,
-    name: ByHand = None,
-    names: ByHandFile = None,
-    add: Additions = None,
-    train: RunBy = None,
-    turn_min: TurnMin = TURN_MIN_S,
-    outside_min: OutsideMin = OUTSIDE_MIN_S,
-    as_json: Json = False,
+    timetable_id: options.TimetableId = None,
+    name: options.ByHand = None,
+    names: options.ByHandFile = None,
+    add: options.Additions = None,
+    train: options.RunBy = None,
+    turn_min: options.TurnMin = TURN_MIN_S,
+    outside_min: options.OutsideMin = OUTSIDE_MIN_S,
+    as_json: options.Json = False,
 ) -> None:
     """Read one day of a GTFS feed and, with --line, write its timetable file."""
     from exchange.gtfs.reader import GtfsChoice, read_gtfs
@@ -111,22 +98,19 @@ def export_gtfs(
         str,
         typer.Option("--centre", help="LATITUDE,LONGITUDE of the origin of the line's plane coordinates."),
     ] = _CENTRE,
-    as_json: Json = False,
+    as_json: options.Json = False,
 ) -> None:
     """Write a timetable as a GTFS feed; of a run directory, the day as it was run."""
     from exchange.gtfs.writer import write_gtfs
 
     facts = _facts(agency, url, timezone, (first, last), weekdays, centre)
-    line, timetable = _source(source)
+    line, timetable, as_run = timetables_of(source)
+    if as_run is not None:
+        timetable = replace(timetable, trains={train.number: train for train in as_run})
     rows = write_gtfs(out, line, timetable, facts)
     if centre == _CENTRE:
         print_aside(f"places of stations are about {_CENTRE} degrees; --centre says where the line really is")
-    figures: dict[str, Any] = {"line": line.id, "timetable": timetable.head.id, **rows}
-    if as_json:
-        print_json(figures, Outcome.GOOD)
-    else:
-        print_figures(figures)
-    print_aside(f"wrote {out}")
+    say_written({"line": line.id, "timetable": timetable.head.id, **rows}, out, as_json=as_json)
 
 
 def _facts(
@@ -163,31 +147,12 @@ def _facts(
     return FeedFacts(agency, url, timezone, first, last, weekdays, place)
 
 
-def _source(source: str) -> tuple[Line, Timetable]:
-    """Line and timetable of a scenario, or of a run directory the day as it was run."""
-    if Path(source).is_dir():
-        from study.record.as_run import trains_as_run
-        from study.record.read_back import read_run
-
-        run = read_run(Path(source))
-        trains = {train.number: train for train in trains_as_run(run.timetable, run.tables.stops)}
-        return run.line, replace(run.timetable, trains=trains)
-    from scenario.scenario import load_scenario
-
-    setup = load_scenario(source).setup
-    return setup.line, setup.timetable
-
-
 def _read_back(
     day: GtfsDay, line_name: str, timetable_id: str | None, out: Path | None, *, as_json: bool
 ) -> bool:
     """Whether the feed is one of ours and whole; then it is read back as it was written."""
     from exchange.gtfs.exact import read_back
-    from exchange.timetable_writer import timetable_toml
-    from network.errors import COMMAND_LINE, InputError
-    from network.files.json_input import write_aside
     from network.files.line_file import load_line
-    from network.files.names import IDENTIFIER_HELP, is_identifier
     from network.files.shipped import shipped_line
 
     if day.written is None:
@@ -197,24 +162,5 @@ def _read_back(
     if file is None:
         print_aside(f"read as any other feed: {why}")
         return False
-    if timetable_id is not None:
-        if not is_identifier(timetable_id):
-            raise InputError(COMMAND_LINE, "--id", timetable_id, IDENTIFIER_HELP)
-        file = file.model_copy(update={"timetable": file.timetable.model_copy(update={"id": timetable_id})})
-    if out is not None:
-        write_aside(out, timetable_toml(file))
-    figures: dict[str, Any] = {
-        "timetable": file.timetable.id,
-        "line": line.id,
-        "trains": len(file.trains),
-        "calls": sum(len(train.calls) for train in file.trains),
-        "sets": len(file.diagrams),
-        "read": "back, as it was written by branchline",
-    }
-    if as_json:
-        print_json(figures, Outcome.GOOD)
-    else:
-        print_figures(figures)
-    if out is not None:
-        print_aside(f"wrote {out}")
+    write_read_back(file, timetable_id, out, {}, as_json=as_json)
     return True

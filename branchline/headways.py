@@ -37,7 +37,7 @@ def headway(
         bool,
         typer.Option(
             "--drive",
-            help="Drive each theoretical headway with its two trains alone: at it, and one second closer.",
+            help="Run the two trains of each theoretical headway alone: at the headway, and one second closer.",
         ),
     ] = False,
     out: Annotated[
@@ -94,13 +94,13 @@ def undisturbed_scenario(source: str) -> Scenario:
 def _print_driven(scenario: Scenario, cases: tuple[HeadwayCase, ...], *, as_csv: bool, as_json: bool) -> None:
     """A line a headway: by how much the second train is late with it, and with a second less, and what a run needs."""
     from host.scratch import scratch
-    from study.evaluate.headways_driven import Driven, Drives
+    from study.evaluate.headways_driven import DrivenHeadway, HeadwayDrives
     from study.report.headways import kind_name, table_of
     from study.runner.run import TEMPORARY
 
     with scratch(TEMPORARY) as folder:
-        drives = Drives(scenario, folder)
-        driven: list[Driven] = []
+        drives = HeadwayDrives(scenario, folder)
+        driven: list[DrivenHeadway] = []
         for number, case in enumerate(cases, start=1):
             print_aside(f"{number} of {len(cases)}: {case.station_id}, {case.headway.kind.english}")
             driven.append(drives.drive_headway(case))

@@ -10,19 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, cast
 
 import typer
 
+from branchline import options
 from branchline.ending import print_json
-from branchline.options import (
-    Additions,
-    ByHand,
-    ByHandFile,
-    Json,
-    LineName,
-    OutsideMin,
-    RunBy,
-    TimetableId,
-    TimetableOut,
-    TurnMin,
-)
 from branchline.progress import print_aside, said_if_long
 from study.outcome import Outcome
 
@@ -30,6 +19,7 @@ if TYPE_CHECKING:
     from exchange.import_timetable import ImportedTimetable
     from exchange.published import PublishedTimetable
     from exchange.running import Running
+    from network.files.timetable_schema import TimetableFile
     from network.model import Line
 
 TURN_MIN_S: Final = 120  # as `exchange.workings` has it, which is not imported for `--help`
@@ -56,8 +46,8 @@ class ImportOptions:
 
 def import_mini_tokyo(
     source: Annotated[Path, typer.Argument(help="Trains of a railway in the form of mini-tokyo-3d (JSON).")],
-    out: TimetableOut = None,
-    line: LineName = None,
+    out: options.TimetableOut = None,
+    line: options.LineName = None,
     calendar: Annotated[
         str, typer.Option("--calendar", help="Weekday, SaturdayHoliday or another calendar of the file.")
     ] = "Weekday",
@@ -65,14 +55,14 @@ def import_mini_tokyo(
     stations: Annotated[
         Path | None, typer.Option("--stations", help="The source's file of stations, for their names (JSON).")
     ] = None,
-    timetable_id: TimetableId = None,
-    name: ByHand = None,
-    names: ByHandFile = None,
-    add: Additions = None,
-    train: RunBy = None,
-    turn_min: TurnMin = TURN_MIN_S,
-    outside_min: OutsideMin = OUTSIDE_MIN_S,
-    as_json: Json = False,
+    timetable_id: options.TimetableId = None,
+    name: options.ByHand = None,
+    names: options.ByHandFile = None,
+    add: options.Additions = None,
+    train: options.RunBy = None,
+    turn_min: options.TurnMin = TURN_MIN_S,
+    outside_min: options.OutsideMin = OUTSIDE_MIN_S,
+    as_json: options.Json = False,
 ) -> None:
     """Read one day of a file of mini-tokyo-3d and, with --line, write its timetable file."""
     from exchange.mini_tokyo import SOURCE, read_mini_tokyo
@@ -113,12 +103,51 @@ def write_or_count(
             from exchange.import_timetable import write_timetable
 
             write_timetable(imported, wanted.out)
+    say_written(figures, wanted.out, as_json=as_json)
+
+
+def write_read_back(
+    file: TimetableFile, timetable_id: str | None, out: Path | None, about: dict[str, str], *, as_json: bool
+) -> None:
+    """Write a timetable that is read back as branchline wrote it, and say what it holds and what the reader adds."""
+    from exchange.timetable_writer import timetable_toml
+    from network.files.json_input import write_aside
+
+    head = file.timetable
+    if timetable_id is not None:
+        head = head.model_copy(update={"id": _identifier(timetable_id)})
+        file = file.model_copy(update={"timetable": head})
+    if out is not None:
+        write_aside(out, timetable_toml(file))
+    figures: dict[str, Any] = {
+        "timetable": head.id,
+        "line": head.line,
+        **about,
+        "trains": len(file.trains),
+        "calls": sum(len(train.calls) for train in file.trains),
+        "sets": len(file.diagrams),
+        "read": "back, as it was written by branchline",
+    }
+    say_written(figures, out, as_json=as_json)
+
+
+def say_written(figures: dict[str, Any], out: Path | None, *, as_json: bool) -> None:
+    """Figures as they are asked for, and the file that was written."""
     if as_json:
         print_json(figures, Outcome.GOOD)
     else:
         print_figures(figures)
-    if wanted.out is not None:
-        print_aside(f"wrote {wanted.out}")
+    if out is not None:
+        print_aside(f"wrote {out}")
+
+
+def _identifier(timetable_id: str) -> str:
+    from network.errors import COMMAND_LINE, InputError
+    from network.files.names import IDENTIFIER_HELP, is_identifier
+
+    if not is_identifier(timetable_id):
+        raise InputError(COMMAND_LINE, "--id", timetable_id, IDENTIFIER_HELP)
+    return timetable_id
 
 
 def timetable_counts(published: PublishedTimetable) -> dict[str, Any]:
@@ -143,15 +172,12 @@ def _imported(published: PublishedTimetable, wanted: ImportOptions) -> tuple[Imp
     from exchange.import_timetable import ImportOrder, import_timetable
     from exchange.station_join import names_by_hand
     from exchange.workings import SetRules
-    from network.errors import COMMAND_LINE, InputError
+    from network.errors import COMMAND_LINE
     from network.files.line_file import load_line
-    from network.files.names import IDENTIFIER_HELP, is_identifier
     from network.files.shipped import shipped_line
 
     line = load_line(shipped_line(wanted.line or ""))
-    timetable_id = wanted.id or f"{line.id}_{wanted.suffix}"
-    if not is_identifier(timetable_id):
-        raise InputError(COMMAND_LINE, "--id", timetable_id, IDENTIFIER_HELP)
+    timetable_id = _identifier(wanted.id or f"{line.id}_{wanted.suffix}")
     added = additions.Additions()
     if wanted.additions is not None:
         added = additions.read_additions(additions.shipped_additions(wanted.additions), line)

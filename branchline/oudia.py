@@ -9,43 +9,37 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from branchline import options
 from branchline.ending import print_json
-from branchline.importing_timetables import OUTSIDE_MIN_S, TURN_MIN_S, ImportOptions, write_or_count
-from branchline.options import (
-    Additions,
-    ByHand,
-    ByHandFile,
-    Json,
-    LineName,
-    OutsideMin,
-    RunBy,
-    TimetableId,
-    TimetableOut,
-    TurnMin,
+from branchline.importing_timetables import (
+    OUTSIDE_MIN_S,
+    TURN_MIN_S,
+    ImportOptions,
+    write_or_count,
+    write_read_back,
 )
 from branchline.progress import print_aside
 from study.outcome import Outcome
 
 if TYPE_CHECKING:
     from exchange.oudia.route import OudiaDia, OudiaRoute
-    from network.files.timetable_schema import TimetableFile
     from network.model import Line
     from network.timetable import Timetable, TimetableTrain
 
 
 def import_oudia(
     source: Annotated[Path, typer.Argument(help="File of OuDia (.oud) or OuDiaSecond (.oud2).")],
-    out: TimetableOut = None,
-    line: LineName = None,
+    out: options.TimetableOut = None,
+    line: options.LineName = None,
     dia: Annotated[str | None, typer.Option("--dia", help="Which Dia, if the file has several.")] = None,
-    timetable_id: TimetableId = None,
-    name: ByHand = None,
-    names: ByHandFile = None,
-    add: Additions = None,
-    train: RunBy = None,
-    turn_min: TurnMin = TURN_MIN_S,
-    outside_min: OutsideMin = OUTSIDE_MIN_S,
-    as_json: Json = False,
+    timetable_id: options.TimetableId = None,
+    name: options.ByHand = None,
+    names: options.ByHandFile = None,
+    add: options.Additions = None,
+    train: options.RunBy = None,
+    turn_min: options.TurnMin = TURN_MIN_S,
+    outside_min: options.OutsideMin = OUTSIDE_MIN_S,
+    as_json: options.Json = False,
 ) -> None:
     """Read a file of OuDia or OuDiaSecond and, with --line, write its timetable file."""
     from exchange.oudia.nodes import read_oudia
@@ -81,13 +75,13 @@ def export_oudia(
         str, typer.Argument(help="A run directory, a shipped scenario, or a scenario file (.toml).")
     ],
     out: Annotated[Path, typer.Argument(help="File to write (.oud2).")],
-    as_json: Json = False,
+    as_json: options.Json = False,
 ) -> None:
     """Write a timetable for OuDiaSecond; of a run directory also the day as run, as a second Dia."""
     from exchange.oudia.writer import AS_RUN, plan_name, write_oudia
 
-    line, timetable, as_run = _source(source)
-    write_oudia(out, line, timetable, as_run)
+    line, timetable, as_run = timetables_of(source)
+    write_oudia(out, line, timetable, as_run or ())
     dias = [{"name": plan_name(timetable), "trains": len(timetable.trains)}]
     dias += [{"name": AS_RUN, "trains": len(as_run)}] if as_run else []
     _say(
@@ -97,8 +91,8 @@ def export_oudia(
     print_aside(f"wrote {out}")
 
 
-def _source(source: str) -> tuple[Line, Timetable, tuple[TimetableTrain, ...]]:
-    """Line and timetable, and of a run directory its trains as they were run."""
+def timetables_of(source: str) -> tuple[Line, Timetable, tuple[TimetableTrain, ...] | None]:
+    """Line and timetable, and of a run directory its trains as they were run; None of a scenario."""
     if Path(source).is_dir():
         from study.record.as_run import trains_as_run
         from study.record.read_back import read_run
@@ -108,7 +102,7 @@ def _source(source: str) -> tuple[Line, Timetable, tuple[TimetableTrain, ...]]:
     from scenario.scenario import load_scenario
 
     setup = load_scenario(source).setup
-    return setup.line, setup.timetable, ()
+    return setup.line, setup.timetable, None
 
 
 def _read_back(
@@ -122,8 +116,6 @@ def _read_back(
 ) -> bool:
     """Whether the file is one of ours and whole; then it is read back as it was written."""
     from exchange.oudia.exact import read_back
-    from exchange.timetable_writer import timetable_toml
-    from network.files.json_input import write_aside
     from network.files.line_file import load_line
     from network.files.shipped import shipped_line
 
@@ -133,33 +125,8 @@ def _read_back(
         if back.why:
             print_aside(f"read as any other file: {back.why}")
         return False
-    file = _renamed(back.file, timetable_id)
-    if out is not None:
-        write_aside(out, timetable_toml(file))
-    figures = {
-        "timetable": file.timetable.id,
-        "line": line.id,
-        "dia": dia.name,
-        "trains": len(file.trains),
-        "calls": sum(len(train.calls) for train in file.trains),
-        "sets": len(file.diagrams),
-        "read": "back, as it was written by branchline",
-    }
-    _say(figures, as_json=as_json)
-    if out is not None:
-        print_aside(f"wrote {out}")
+    write_read_back(back.file, timetable_id, out, {"dia": dia.name}, as_json=as_json)
     return True
-
-
-def _renamed(file: TimetableFile, timetable_id: str | None) -> TimetableFile:
-    from network.errors import COMMAND_LINE, InputError
-    from network.files.names import IDENTIFIER_HELP, is_identifier
-
-    if timetable_id is None:
-        return file
-    if not is_identifier(timetable_id):
-        raise InputError(COMMAND_LINE, "--id", timetable_id, IDENTIFIER_HELP)
-    return file.model_copy(update={"timetable": file.timetable.model_copy(update={"id": timetable_id})})
 
 
 def _counted(route: OudiaRoute, dias: Iterable[OudiaDia] | None = None) -> dict[str, Any]:

@@ -53,7 +53,7 @@ def sweep(
 ) -> None:
     """Run the missing days of a sweep and write its report.
 
-    Exit code 1: a day crashed, broke a rule, or was another day on SUMO.
+    Exit code 1: a day crashed, broke a rule, or went otherwise on SUMO than without.
     """
     from branchline.whole_sweep import SweepAsked, run_sweep
     from study.sweep.plan import load_plan

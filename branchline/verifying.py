@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from verify.explored_line import ExploredLine
     from verify.search import Level
 
-verify = typer.Typer(no_args_is_help=True, help="What is proven of the machines that run, and its recount.")
+verify = typer.Typer(
+    no_args_is_help=True, help="Prove the state machines safe on a small line, and check such proofs."
+)
 _TOLD_EVERY: Final = 10  # levels
 _MEGABYTE: Final = 1 << 20
 
@@ -35,21 +37,24 @@ def explore(
     ] = "1/1/0/0",
     restore: Annotated[
         list[str] | None,
-        typer.Option("--restore", help="A behaviour that the machines had once, by name; 'list' shows them."),
+        typer.Option(
+            "--restore", help="Switch a former defect of the machines on again, by name; 'list' shows them."
+        ),
     ] = None,
     collisions: Annotated[
-        bool, typer.Option("--collisions", help="Only two trains in one section count as wrong.")
+        bool, typer.Option("--collisions", help="Count nothing as wrong but two trains in one section.")
     ] = False,
-    states: Annotated[
-        int, typer.Option("--states", min=1, help="Look at no more states than about so many.")
-    ] = (200_000_000),
+    states: Annotated[int, typer.Option("--states", min=1, help="Stop after about so many states.")] = (
+        200_000_000
+    ),
     out: Annotated[Path | None, typer.Option("--out", help="Where the certificate is written.")] = None,
     chart: Annotated[
-        Path | None, typer.Option("--chart", help="Where the story is drawn, as a sequence chart in Mermaid.")
+        Path | None,
+        typer.Option("--chart", help="File for the way to a wrong state, as a sequence chart (Mermaid)."),
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Explore a line of two trains, a manager and two terminals whole: is it safe, and can all always still finish?"""
+    """Explore every state of a line of two trains: is each safe, and can all trains still finish from it?"""
     from verify.certificate import write
     from verify.explore import certificate_of, explored
     from verify.restored import RESTORED, restored
@@ -98,7 +103,7 @@ def recount(
     processes: Annotated[int, typer.Option("--processes", min=1, help="Side by side.")] = 2,
     as_json: Json = False,
 ) -> None:
-    """Recount a certificate by itself: every step made anew, every successor of every state, every rank."""
+    """Check a certificate without the search: every state and every successor of it, computed anew."""
     from network.errors import InputError
     from verify.certificate import read
     from verify.recount import recount as recounted
@@ -145,16 +150,16 @@ def inside(
     seeds: Annotated[
         int,
         typer.Option(
-            "--seeds", min=1, help="Each with so many seeds, from its own on: of late days, so many."
+            "--seeds", min=1, help="How many seeds of each scenario, from its own on: so many late days."
         ),
     ] = 1,
     restore: Annotated[
         list[str] | None,
-        typer.Option("--restore", help="A behaviour that the runs' machines had once, as in explore."),
+        typer.Option("--restore", help="Switch a former defect on in the runs, as in explore."),
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Run scenarios and hold each state that two units and a section are in against those of the explored line."""
+    """Run scenarios and compare each state of two units and a section with those of the explored line."""
     from verify.evidence.inside import InsideFigures
     from verify.evidence.inside_runs import LINES as EXPLORED
     from verify.evidence.inside_runs import (
@@ -205,13 +210,13 @@ def inside(
 
 @verify.command()
 def bounds(
-    runs: Annotated[int, typer.Option("--runs", min=1, help="How many runs are searched.")] = 200,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of all that is drawn.")] = 1,
+    runs: Annotated[int, typer.Option("--runs", min=1, help="How many runs to try.")] = 200,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of all random draws.")] = 1,
     without: Annotated[
         bool,
         typer.Option(
             "--forgives",
-            help="Switch off a mend: receivers forgive what may hide in slides and gaps, as once.",
+            help="Switch a former defect on: receivers overlook what slides and gaps may hide.",
         ),
     ] = False,
     anywhere: Annotated[
@@ -263,7 +268,7 @@ def intruders(
     scenario: Annotated[str, typer.Argument(help="A scenario, or a drill in which nobody starts again.")] = (
         "rtri_test_line"
     ),
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the intruder.")] = 1,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the intruder's telegrams.")] = 1,
     as_json: Json = False,
 ) -> None:
     """Send an intruder's telegrams, without and with keys, among those of a run: no effect, and each counted."""

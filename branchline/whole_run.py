@@ -28,7 +28,7 @@ from study.runner.run import (
 )
 
 if TYPE_CHECKING:  # only who compares needs what draws both graphs
-    from study.compare.against import Against
+    from study.compare.against import RunAgainst
     from study.compare.side import ComparedRun
 
 
@@ -60,7 +60,7 @@ class WholeRun:
 
     done: FinishedRun
     report: Path
-    compared: Against | None
+    compared: RunAgainst | None
 
 
 def run_whole(
@@ -109,7 +109,7 @@ def _base_of(directory: Path, scenario: Scenario) -> ComparedRun:
     return base_of(directory, scenario.setup.line)
 
 
-def _compared(done: FinishedRun, base: ComparedRun, over_s: float) -> Against:
+def _compared(done: FinishedRun, base: ComparedRun, over_s: float) -> RunAgainst:
     """What changed since."""
     from study.compare.against import changes_from_base
 

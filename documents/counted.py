@@ -15,23 +15,14 @@ from itertools import combinations
 from pathlib import Path
 from typing import Final
 
-from documents.structure_rule import PRODUCT, TESTS, StructureRule
+from documents.structure_rule import LAYERS, PRODUCT, TESTS, StructureRule
 
 CEILINGS: Final = Path(__file__).with_name("ceilings.toml")
 FIELDS_MIN: Final = 6  # as many names in a row, in one order, make a list of fields
 ROOM_SHARE_MAX: Final = 0.15
 # Of what it bounds: room for what one recipe adds. A ceiling further above that is to be lowered.
 BELOW_CEILING: Final = 0.05
-ABOVE_SIMULATION: Final = (
-    "branchline",
-    "documents",
-    "verify",
-    "papers",
-    "plan",
-    "study",
-    "scenario",
-    "exchange",
-)
+ABOVE_SIMULATION: Final = (*LAYERS[: LAYERS.index("simulation")], "exchange")
 DIVIDED: Final = "study"  # its folders are rooms of their own
 
 

@@ -8,8 +8,11 @@ from pathlib import Path
 from typing import Final
 
 _PROJECT: Final = Path(__file__).resolve().parent.parent / "pyproject.toml"
-PRODUCT: Final[tuple[str, ...]] = tuple(
-    tomllib.loads(_PROJECT.read_text("utf-8"))["tool"]["importlinter"]["root_packages"]
+_LINTER: Final = tomllib.loads(_PROJECT.read_text("utf-8"))["tool"]["importlinter"]
+PRODUCT: Final[tuple[str, ...]] = tuple(_LINTER["root_packages"])
+# Who may import whom, from the top down; those beside each other have a bar between them.
+LAYERS: Final[tuple[str, ...]] = tuple(
+    next(one["layers"] for one in _LINTER["contracts"] if "simulation" in one.get("layers", ()))
 )
 TESTS: Final = "tests"
 

@@ -125,10 +125,6 @@ class Mission:
         passed = {p.station_id: p.track for target in self.targets for p in target.passings}
         return passed | {t.station_id: t.track for t in self.targets if t.station_id is not None}
 
-    def route_beyond(self, section_id: str) -> Route | None:
-        """The route that begins in a section, or None where the mission ends there."""
-        return next((route for route in self.routes if route.from_section == section_id), None)
-
 
 def on_tracks(train: TimetableTrain, tracks: Mapping[str, str]) -> TimetableTrain:
     """The train with its calls at these stations on these tracks, by name."""

@@ -19,7 +19,7 @@ from onboard import notes
 from onboard.ability import Ability, Means, WayAhead
 from onboard.authority.coverage import covered_at, next_coverage_m
 from onboard.charge import ChargeWatch
-from onboard.driving.laws.table import LawsRow, told_of_run
+from onboard.driving.laws.table import LawsRow, note_of_run
 from onboard.driving.pace import Pace
 from onboard.driving.planner.plan import PlanOnPath
 from onboard.driving.planner.wish import PLAIN, Planning
@@ -361,7 +361,7 @@ class UnitMotion:
         elif away_m < -ARRIVED_WITHIN_M:
             row.braking_to_stop = 0
             return [Stopped(MarkRelation.SHORT, away_m)]
-        run = None if self._laws is None else told_of_run(self._laws)
+        run = None if self._laws is None else note_of_run(self._laws)
         learned = self.keeper.learn_from_stop(self._train, self._behaviour, self.load_share)
         self.notes.extend(note for note in (run, learned) if note is not None)
         return [Stopped(MarkRelation.BEYOND if away_m > ARRIVED_WITHIN_M else MarkRelation.AT, away_m)]

@@ -54,7 +54,7 @@ Change = Callable[[Setup], Setup]
 
 
 @dataclass(frozen=True, slots=True)
-class Tried:
+class TriedAssumption:
     """One assumption at one other value."""
 
     what: str
@@ -96,7 +96,7 @@ def arrival_row(day: FinishedRun) -> CaseRow:
     return CaseRow(ARRIVE, planned, arrived, whole, "all, and nothing broken")
 
 
-def _limited_row(day: FinishedRun, tried: Tried, limited: FinishedRun) -> CaseRow:
+def _limited_row(day: FinishedRun, tried: TriedAssumption, limited: FinishedRun) -> CaseRow:
     """The limit on what motors give back does something where it can: as assumed they never reach it."""
     refused, free = _refused_kwh(limited), _refused_kwh(day)
     return CaseRow(
@@ -155,35 +155,39 @@ def _gain_kwh(day: FinishedRun, unit: str, from_s: float) -> float:
 # what is tried ----------------------------------------------------------------------------------------------
 
 
-def _tried(base: Setup) -> Iterator[Tried]:
+def _tried(base: Setup) -> Iterator[TriedAssumption]:
     """Every assumption at the ends of what could be."""
     settings = base.battery
     assert settings is not None
     for key, unit, scale, values in ASSUMED:
         for value in values:
             change = partial(_battery, key=key, value=value)
-            yield Tried(f"battery.{key}", _now(base, key, scale, unit), f"{value * scale:g} {unit}", change)
+            yield TriedAssumption(
+                f"battery.{key}", _now(base, key, scale, unit), f"{value * scale:g} {unit}", change
+            )
     for heating_kw in (15.0, 40.0):
-        yield Tried("heating", "0 kW", f"{heating_kw:g} kW", partial(_heated, heating_kw=heating_kw))
+        yield TriedAssumption(
+            "heating", "0 kW", f"{heating_kw:g} kW", partial(_heated, heating_kw=heating_kw)
+        )
     for station, power_kw in (("KRS", 150.0), ("KRS", 800.0), ("HSK", 50.0), ("HSK", 400.0)):
         assumed = f"{base.line.chargers[station].power_w / 1e3:g} kW"
-        yield Tried(
+        yield TriedAssumption(
             f"charger of {station}",
             assumed,
             f"{power_kw:g} kW",
             partial(_charger, station=station, power_kw=power_kw),
         )
     beyond = settings.beyond
-    yield Tried(
+    yield TriedAssumption(
         "charging off the line", f"{beyond.charge_min:g} min", "0 min", partial(_beyond, charge_min=0.0)
     )
-    yield Tried(
+    yield TriedAssumption(
         "off the line",
         "from the wire",
         "2 kWh/km from the battery",
         partial(_beyond, consumption_kwh_per_km=2.0),
     )
-    yield Tried(
+    yield TriedAssumption(
         "charge as the day begins", "100 % of the window", "40 %", partial(_settings, start_share=0.4)
     )
 
@@ -246,7 +250,7 @@ def _margin_kwh(run: FinishedRun) -> float:
     return min(float(figures["margin_kwh"]) for figures in run.summary["battery"].values())
 
 
-def _figure(tried: Tried, run: FinishedRun) -> tuple[float, UnjudgedFigure]:
+def _figure(tried: TriedAssumption, run: FinishedRun) -> tuple[float, UnjudgedFigure]:
     """The lowest margin of any set with an assumption changed, and what became of the day."""
     margins = {unit: figures["margin_kwh"] for unit, figures in run.summary["battery"].items()}
     unit = min(margins, key=lambda name: margins[name])

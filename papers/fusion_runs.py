@@ -52,7 +52,7 @@ CONICITY: Final = (0.0, 0.05, 0.1)
 EVERY_ROWS: Final = 10  # of a run's trace that are kept, of one a second
 
 
-class Ill(StrEnum):
+class TagDefect(StrEnum):
     """What is wrong with a tag."""
 
     MISSED = "missed"
@@ -63,7 +63,11 @@ class Ill(StrEnum):
     ADDED = "added"
 
 
-LIES: Final = (Ill.MOVED, Ill.WRONG, Ill.SWAPPED)  # where the train may be believed where it is not
+LIES: Final = (
+    TagDefect.MOVED,
+    TagDefect.WRONG,
+    TagDefect.SWAPPED,
+)  # where the train may be believed where it is not
 
 
 @dataclass(slots=True)
@@ -74,7 +78,7 @@ class LaidTag:
     believed_m: float
     true_m: float
     says: int | None
-    ill: Ill | None = None
+    ill: TagDefect | None = None
     group: int = -1  # of swapped ones, the number of the pair
 
     def heal(self) -> None:
@@ -99,7 +103,7 @@ class DrawnRun:
     setup: Setup
     says: Mapping[int, int | None]
     stretches: tuple[SlipperyStretch, ...]
-    ills: tuple[Ill, ...]
+    ills: tuple[TagDefect, ...]
 
 
 class FusionOutcome(msgspec.Struct, frozen=True):
@@ -129,7 +133,7 @@ class FusionRule:
     tags_wrong_together: int | None = None
     wheel_error_share: float | None = None
     carries: tuple[str, ...] = ("tags",)
-    only: tuple[Ill, ...] = field(default=tuple(Ill))
+    only: tuple[TagDefect, ...] = field(default=tuple(TagDefect))
     forgives: bool = False  # receivers do not count what may hide in slides and gaps
     forgives_jumps: bool = False  # nor those of curvature a bias that jumps
     alone: str = ""  # of the sensors of a joint run this one alone
@@ -210,42 +214,46 @@ def laid_tags(chance: np.random.Generator, line: Line, path: Path) -> list[LaidT
         for at_m in [path.to_path_m(tag.piece_id, tag.position_m)]
     ]
     laid.sort(key=lambda tag: tag.believed_m)
-    kinds = [ill for ill in Ill if ill is not Ill.ADDED]
+    kinds = [ill for ill in TagDefect if ill is not TagDefect.ADDED]
     for index, tag in enumerate(laid):
         if tag.ill is None and chance.random() < FAULT_SHARE:
             fall_ill(
-                chance, laid, index, Ill(str(chance.choice([str(kind) for kind in kinds]))), path.length_m
+                chance,
+                laid,
+                index,
+                TagDefect(str(chance.choice([str(kind) for kind in kinds]))),
+                path.length_m,
             )
     keep_to_the_model(laid)
     for tag in laid:  # a train begins on the portal's tag, and its crew says truly where that is
         portal = tag.tag_id in line.tags and line.tags[tag.tag_id].purpose is TagPurpose.PORTAL
-        if portal and tag.ill is Ill.MOVED:
+        if portal and tag.ill is TagDefect.MOVED:
             tag.heal()
     if chance.random() < 0.1:
         at_m = float(chance.uniform(0.0, path.length_m - 1.0))
-        laid.append(LaidTag(UNKNOWN_ID - 1, at_m, at_m, UNKNOWN_ID - 1, Ill.ADDED))
+        laid.append(LaidTag(UNKNOWN_ID - 1, at_m, at_m, UNKNOWN_ID - 1, TagDefect.ADDED))
     return laid
 
 
 def fall_ill(
-    chance: np.random.Generator, laid: Sequence[LaidTag], index: int, ill: Ill, end_m: float
+    chance: np.random.Generator, laid: Sequence[LaidTag], index: int, ill: TagDefect, end_m: float
 ) -> None:
     """Make something wrong with a tag; nothing where that cannot be (no neighbour to be mixed up with)."""
     tag = laid[index]
     beside = laid[index + 1] if index + 1 < len(laid) else None
-    if ill in (Ill.WRONG, Ill.SWAPPED) and (beside is None or beside.ill is not None):
+    if ill in (TagDefect.WRONG, TagDefect.SWAPPED) and (beside is None or beside.ill is not None):
         return
     tag.ill = ill
-    if ill is Ill.MISSED:
+    if ill is TagDefect.MISSED:
         tag.says = None
-    elif ill is Ill.FOREIGN:
+    elif ill is TagDefect.FOREIGN:
         tag.says = UNKNOWN_ID
-    elif ill is Ill.MOVED:
+    elif ill is TagDefect.MOVED:
         by_m = MOVED_M.draw(chance) * float(chance.choice([-1.0, 1.0]))
         tag.true_m = min(max(tag.believed_m + by_m, 1.0), end_m - 1.0)
     elif beside is not None:
         tag.says = beside.tag_id
-        if ill is Ill.SWAPPED:
+        if ill is TagDefect.SWAPPED:
             beside.ill, beside.says = ill, tag.tag_id
             tag.group = beside.group = index
 
@@ -318,7 +326,7 @@ def outcome_of(seed: int, drawn: DrawnRun, result: PositionResult) -> FusionOutc
         result.out_m,
         result.out_at_m,
         result.arrived,
-        {str(ill): drawn.ills.count(ill) for ill in Ill},
+        {str(ill): drawn.ills.count(ill) for ill in TagDefect},
         sum(isinstance(note, TagRead) for note in happened),
         sum(isinstance(note, TagDoubted) for note in happened),
         sum(isinstance(note, PositionFault) for note in happened),

@@ -33,7 +33,7 @@ from papers.ttobench_files import read_track, read_train
 from scenario.scenario import load_scenario
 from simulation.setup import Setup
 from simulation.world.roster import drawn_up
-from study.measures.journeys import GAP_ENOUGH, JourneyEnergies, SampledHop, Shared, journey_energies
+from study.measures.journeys import GAP_ENOUGH, JourneyEnergies, SampledHop, SharedTime, journey_energies
 from study.measures.least_energy import Allowed, course_of
 from study.measures.running_times import planned_hops
 from study.report.style import INK, PALE, RED, TRACTION
@@ -89,7 +89,7 @@ def as_laid_down(case: JourneyCase) -> JourneyCase:
     return case if found is None else replace(case, energies=replace(found, optimal=found.standard))
 
 
-def missed_by_s(stops: Sequence[JourneyStop], shared: Shared) -> float:
+def missed_by_s(stops: Sequence[JourneyStop], shared: SharedTime) -> float:
     """By how much the worst window or least dwell is missed, s."""
     worst = 0.0
     for stop, times in zip(stops, shared.journey.stops, strict=True):
@@ -223,7 +223,7 @@ def figures_of(case: JourneyCase) -> Iterator[UnjudgedFigure]:
         )
 
 
-def styled_j(case: JourneyCase, shared: Shared, style: Style) -> float:
+def styled_j(case: JourneyCase, shared: SharedTime, style: Style) -> float:
     """Energy of a journey's times when every hop is run in a style, J."""
     if style is Style.OPTIMAL:
         return shared.energy_j
@@ -232,7 +232,7 @@ def styled_j(case: JourneyCase, shared: Shared, style: Style) -> float:
     return sum(run(hop.course, max(time_s, hop.least_s)).energy_j for hop, time_s in times)
 
 
-def _end_s(shared: Shared) -> float:
+def _end_s(shared: SharedTime) -> float:
     return shared.journey.stops[-1].arrival_s or 0.0
 
 

@@ -23,7 +23,7 @@ from papers.specification import Findings, Specification
 from scenario.law_choice import driven_by
 from scenario.scenario import Scenario, load_scenario
 from study.measures.driving import driving_sums
-from study.measures.least_energy import Allowed, HopLeast, Key, Least, least_of_hops
+from study.measures.least_energy import Allowed, HopLeast, Key, LeastEnergy, least_of_hops
 from study.record.driving import DrivenHop
 from study.record.figure import rows_in
 from study.report.data import ReportedRun as RunSeen
@@ -208,14 +208,14 @@ def later_than(day: LawDay, present: LawDay) -> dict[str, float]:
     return {" ".join(key): round(late_s[key] or 0.0, 1) for key in sorted(day.late - present.late)}
 
 
-def above_row(least: Least) -> CaseRow:
+def above_row(least: LeastEnergy) -> CaseRow:
     """How far the law of least energy, or another in its place, is above the bound of what it drove."""
     above = least.above_bound_percent
     criterion = f"at most {ABOVE_BOUND_PERCENT:g} %: notches, brake steps, telegrams and stops in it"
     return CaseRow(f"{BEST}: {ABOVE}", None, f"{above:.2f} %", above <= ABOVE_BOUND_PERCENT, criterion)
 
 
-def bound_rows(days: Sequence[LawDay], least: dict[str, Least]) -> tuple[CaseRow, ...]:
+def bound_rows(days: Sequence[LawDay], least: dict[str, LeastEnergy]) -> tuple[CaseRow, ...]:
     """How far the law of least energy is above its own bound, and whether any law takes less than it."""
     if BEST not in least:
         return ()
@@ -242,7 +242,10 @@ def standing_figures(scenario: Scenario) -> tuple[UnjudgedFigure, ...]:
         (t, a, b): s
         for t, a, b, s in margins.select("train", "from_station", "to_station", "planned_s").iter_rows()
     }
-    same, whole = Least.sum_of(day.least_of_hops(allowed)), Least.sum_of(day.least_of_hops(allowed, whole_s))
+    same, whole = (
+        LeastEnergy.sum_of(day.least_of_hops(allowed)),
+        LeastEnergy.sum_of(day.least_of_hops(allowed, whole_s)),
+    )
     return (
         UnjudgedFigure(
             "the present law as shipped", told_of(day), f"{PRESENT}, time_margin_s as in the scenario"
@@ -268,7 +271,10 @@ def room_figure(day: LawDay, allowed: Allowed) -> UnjudgedFigure:
         "with less": [hop for hop in found if hop.key not in room],
     }
     value = {
-        name: {"hops": len(part), "above_bound_percent": _rounded(Least.sum_of(part).above_bound_percent)}
+        name: {
+            "hops": len(part),
+            "above_bound_percent": _rounded(LeastEnergy.sum_of(part).above_bound_percent),
+        }
         for name, part in parts.items()
         if part
     }
@@ -276,7 +282,7 @@ def room_figure(day: LawDay, allowed: Allowed) -> UnjudgedFigure:
     return UnjudgedFigure(f"{day.law}: above its bound, by room", value, meaning)
 
 
-def saving_figures(days: Sequence[LawDay], least: dict[str, Least]) -> tuple[UnjudgedFigure, ...]:
+def saving_figures(days: Sequence[LawDay], least: dict[str, LeastEnergy]) -> tuple[UnjudgedFigure, ...]:
     """Each law beside the present one and beside its own bound."""
     present = driving_sums(days[0].hops)
     figures: list[UnjudgedFigure] = []
@@ -315,7 +321,7 @@ def drivers_figures(days: Sequence[LawDay]) -> tuple[UnjudgedFigure, ...]:
         found = day.least_of_hops(Allowed.as_units_drive(day.run.scenario.setup))
         units = {hop.train: hop.unit for hop in day.hops}
         for unit in sorted(set(units.values())):
-            own = Least.sum_of(hop for hop in found if units[hop.train] == unit)
+            own = LeastEnergy.sum_of(hop for hop in found if units[hop.train] == unit)
             above[f"seed {day.seed} {unit}"] = round(own.above_bound_percent, 1)
     kwh = [sum(hop.running_kwh for hop in day.hops) for day in days]
     ratios = [100.0 + percent for percent in above.values()]
@@ -372,7 +378,7 @@ def experiment(options: Options) -> Findings:
     scenario = scenario_of(options)
     days = [punctual_day(scenario, law) for law in LAW_NAMES]
     allowed = Allowed.as_units_drive(scenario.setup)
-    least = {day.law: Least.sum_of(day.least_of_hops(allowed)) for day in days}
+    least = {day.law: LeastEnergy.sum_of(day.least_of_hops(allowed)) for day in days}
     drivers: list[UnjudgedFigure] = []
     for law in drawn_laws():
         seeds = () if options.quick else range(options.seed + 1, options.seed + DRIVERS_DAYS)
@@ -398,7 +404,7 @@ def by_present(options: Options) -> Sequence[CaseRow]:
     """The present law alone, as punctual."""
     scenario = scenario_of(options)
     day = punctual_day(scenario, PRESENT)
-    return [above_row(Least.sum_of(day.least_of_hops(Allowed.as_units_drive(scenario.setup))))]
+    return [above_row(LeastEnergy.sum_of(day.least_of_hops(Allowed.as_units_drive(scenario.setup))))]
 
 
 reproduce: Final = Specification(

@@ -53,7 +53,7 @@ PAPER_USE: Final = PointUse()
 
 
 @dataclass(frozen=True, slots=True)
-class Use:
+class PointsUsed:
     """How points are made use of; `stamp_s`: a point's time is known to the end of so long a frame, 0: its own."""
 
     used: PointUse = PAPER_USE
@@ -67,12 +67,12 @@ class Use:
 
 
 # by name, for the rows that they take away
-USES: Final[Mapping[str, Use]] = {
-    "as the paper": Use(),
-    "not corrected": Use(PointUse(corrected=False)),
-    "not smoothed": Use(PointUse(smoothed=False)),
-    "points kept for 0.5 s": Use(PointUse(kept_s=0.5)),
-    "every point's own time": Use(stamp_s=0.0),
+USES: Final[Mapping[str, PointsUsed]] = {
+    "as the paper": PointsUsed(),
+    "not corrected": PointsUsed(PointUse(corrected=False)),
+    "not smoothed": PointsUsed(PointUse(smoothed=False)),
+    "points kept for 0.5 s": PointsUsed(PointUse(kept_s=0.5)),
+    "every point's own time": PointsUsed(stamp_s=0.0),
 }
 
 
@@ -96,7 +96,7 @@ class MarkerPassage:
         """The train's at the end of each cycle."""
         return self.motion.speed_mps + self.motion.acceleration_mps2 * self.times_s
 
-    def readings_by(self, use: Use) -> PassageReadings:
+    def readings_by(self, use: PointsUsed) -> PassageReadings:
         """What the unit makes of it."""
         points, own, cycles = self.points, np.zeros(1, SPEED).view(np.recarray)[0], np.zeros((self.cycles, 5))
         used = use.used._replace(spacing_m=self.spacing_m)

@@ -17,7 +17,7 @@ from scipy.stats import binomtest, fisher_exact
 from onboard.localisation.lidar_points import CYCLE_S, KEPT_S, places_now
 from onboard.localisation.marker_patterns import COLUMN_M, COLUMNS, ROWS
 from papers.charts import BLUE, ChartPage, Panel, Plottable, Plotted, Ruled
-from papers.marker_passages import KMH, USES, MarkerPassage, Readings, Use, parameters, pass_markers
+from papers.marker_passages import KMH, USES, MarkerPassage, PointsUsed, Readings, parameters, pass_markers
 from papers.parameter_sets import NotDriven
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter
 from papers.specification import Findings, Specification, none_of, reported_figure
@@ -155,7 +155,7 @@ def share_rows(found: dict[float, dict[str, PatternReadings]], corrected: str = 
 
 
 @dataclass(frozen=True, slots=True)
-class Spaced:
+class LeastSpacing:
     """The least spacing (m) at which enough passages are recognised, None: no such one; shares by spacing tried."""
 
     speed_kmh: float
@@ -163,7 +163,9 @@ class Spaced:
     shares: tuple[tuple[float, float], ...]
 
 
-def spacing_for(speed_kmh: float, runs: int, seed: int, use: Use, from_m: float = SPACINGS_M[0]) -> Spaced:
+def spacing_for(
+    speed_kmh: float, runs: int, seed: int, use: PointsUsed, from_m: float = SPACINGS_M[0]
+) -> LeastSpacing:
     """Try spacings upwards until `LEAST` of the passages are recognised."""
     shares: list[tuple[float, float]] = []
     for spacing_m in (each for each in SPACINGS_M if each >= from_m):
@@ -179,11 +181,11 @@ def spacing_for(speed_kmh: float, runs: int, seed: int, use: Use, from_m: float 
             runs_made = runs
         shares.append((spacing_m, recognised / runs_made))
         if recognised >= LEAST * runs:
-            return Spaced(speed_kmh, spacing_m, tuple(shares))
-    return Spaced(speed_kmh, None, tuple(shares))
+            return LeastSpacing(speed_kmh, spacing_m, tuple(shares))
+    return LeastSpacing(speed_kmh, None, tuple(shares))
 
 
-def spacing_rows(quick: bool, seed: int) -> tuple[list[CaseRow], dict[str, list[Spaced]]]:
+def spacing_rows(quick: bool, seed: int) -> tuple[list[CaseRow], dict[str, list[LeastSpacing]]]:
     """The open problem: a row a speed, with the times of frames and with those of points."""
     speeds, runs = (SPACED_KMH_QUICK, SPACED_RUNS_QUICK) if quick else (SPACED_KMH, SPACED_RUNS)
     found = {name: [spacing_for(kmh, runs, seed, USES[name]) for kmh in speeds] for name in (MOVED, OWN_TIME)}
@@ -252,7 +254,7 @@ def points_chart(passages: Sequence[MarkerPassage]) -> ChartPage:
     return ChartPage("lidar_points", (9.0, 3.0 * len(passages)), rows, shared=False)
 
 
-def spacing_chart(found: Mapping[str, Sequence[Spaced]]) -> ChartPage:
+def spacing_chart(found: Mapping[str, Sequence[LeastSpacing]]) -> ChartPage:
     """The least spacing for each speed."""
     top_m = max((each.shares[-1][0] for many in found.values() for each in many), default=1.0)
     shown: list[Plottable] = []

@@ -21,7 +21,7 @@ from papers.marker_passages import (
     Floats,
     MarkerPassage,
     PassageReadings,
-    Use,
+    PointsUsed,
     parameters,
     pass_markers,
 )
@@ -126,7 +126,7 @@ def errors_kmh(seen: PassageReadings) -> Floats:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Settled:
+class SettledSpeed:
     """What came of a case: distances until settled (m), errors of all cycles and the largest of each passage (km/h).
 
     `over_kmh`: what is shown when settled beyond the train's own speed.
@@ -146,12 +146,12 @@ class Settled:
         return float(np.median(known)) if known.size else float("nan")
 
 
-def find_runs(case: SpeedCase, runs: int, seed: int, use: Use | None) -> Settled:
+def find_runs(case: SpeedCase, runs: int, seed: int, use: PointsUsed | None) -> SettledSpeed:
     """All runs of a case; without a use of points the sensor is perfect."""
     passages = (case.run(number, seed) for number in range(runs))
     seen = [each.seen_perfectly() if use is None else each.readings_by(use) for each in passages]
     errors = [errors_kmh(each) for each in seen]
-    return Settled(
+    return SettledSpeed(
         case,
         np.array([settles_m(each) for each in seen]),
         np.array([over_kmh(each) for each in seen]),
@@ -161,7 +161,7 @@ def find_runs(case: SpeedCase, runs: int, seed: int, use: Use | None) -> Settled
     )
 
 
-def rows_of(found: Settled) -> list[CaseRow]:
+def rows_of(found: SettledSpeed) -> list[CaseRow]:
     """The rows of one case."""
     case, name = found.case, found.case.name
     off = abs(found.middle_m - case.settles_m) / case.settles_m
@@ -204,7 +204,7 @@ def rows_of(found: Settled) -> list[CaseRow]:
     return rows
 
 
-def over_row(found: Settled) -> CaseRow:
+def over_row(found: SettledSpeed) -> CaseRow:
     """Table 3's two speeds: the paper's one passage must be one of ours, but for a tenth of them."""
     over = found.over_kmh[np.isfinite(found.over_kmh)]
     low, middle, high = np.quantile(over, (0.05, 0.5, 0.95)) if over.size else (np.nan,) * 3
@@ -217,7 +217,7 @@ def over_row(found: Settled) -> CaseRow:
     return CaseRow(OVER.format(found.case.name), paper, ours, held, criterion)
 
 
-def cases_of(runs: int, seed: int, use: Use | None) -> tuple[list[CaseRow], list[Settled]]:
+def cases_of(runs: int, seed: int, use: PointsUsed | None) -> tuple[list[CaseRow], list[SettledSpeed]]:
     """All rows, for one use of the points, and what they stand on."""
     found = [find_runs(case, runs, seed, use) for case in CASES]
     rows = [row for each in found for row in rows_of(each)]
@@ -228,7 +228,7 @@ def cases_of(runs: int, seed: int, use: Use | None) -> tuple[list[CaseRow], list
     return rows, found
 
 
-def column(found: Settled) -> tuple[Panel, Panel]:
+def column(found: SettledSpeed) -> tuple[Panel, Panel]:
     """The speed of one passage, and how errors are distributed between 20 and 5 m (figure 6)."""
     seen, case = found.shown, found.case
     within = np.flatnonzero(seen.mean_m > 0.0)

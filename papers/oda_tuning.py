@@ -68,7 +68,7 @@ SPEED_NOISE_MPS: Final = 0.01
 
 
 @dataclass(frozen=True, slots=True)
-class Hidden:
+class HiddenBrake:
     """What a train is really like and its unit does not know; the offset is that at the pattern's deceleration."""
 
     dead_time_s: float
@@ -102,7 +102,7 @@ class TunedBy(Enum):
 class TunedTrain:
     """One train's story: what was learned, from when on it was right, and the stops of other days by it, m."""
 
-    hidden: Hidden
+    hidden: HiddenBrake
     by_search: Learned
     learned: Mapping[TunedBy, Learned]
     held_out_m: Mapping[TunedBy, NDArray[np.float64]]
@@ -131,16 +131,16 @@ class TunedTrain:
         return place_of(self.learned[TunedBy.MEAN]) != place_of(self.by_approximation)
 
 
-def hidden_train(rng: np.random.Generator) -> Hidden:
+def hidden_train(rng: np.random.Generator) -> HiddenBrake:
     """A train's characteristics, drawn evenly; the dead time in whole steps, as the simulator has it."""
-    return Hidden(
+    return HiddenBrake(
         round(DEAD_TIME_S.draw(rng), 1),
         LAG_S.draw(rng),
         OFFSET_KMHPS.draw(rng) / 3.6,
     )
 
 
-def real_body(nominal: TrainType, hidden: Hidden) -> Rows:
+def real_body(nominal: TrainType, hidden: HiddenBrake) -> Rows:
     """The train's body with its own dead time and lag; the simulator moves in steps of 0.1 s; shape (1,)."""
     row = nominal.row.copy()
     row["brake_dead_time_s"] = hidden.dead_time_s
@@ -148,7 +148,7 @@ def real_body(nominal: TrainType, hidden: Hidden) -> Rows:
     return row
 
 
-def a_stop(rng: np.random.Generator, hidden: Hidden) -> Rows:
+def a_stop(rng: np.random.Generator, hidden: HiddenBrake) -> Rows:
     """One stop of the day with its disturbances: speed, load, rain, gradient, wheel; shape (1,)."""
     stop = new_stops(1)
     stop["speed_mps"] = rng.uniform(*SPEEDS_MPS)
@@ -177,12 +177,12 @@ def with_noise(rng: np.random.Generator, record: StopDecelerations) -> StopDecel
     return replace(record, actual_mps2=record.actual_mps2 - np.diff(noise_mps) / STEP_S)
 
 
-def bench_with(nominal: TrainType, hidden: Hidden, learned: Learned) -> Bench:
+def bench_with(nominal: TrainType, hidden: HiddenBrake, learned: Learned) -> Bench:
     """The train with a controller that goes by what it learned: dead time (prediction) and offset (bias)."""
     return Bench(nominal, coasting(LINE.driving), LINE.unit, real_body(nominal, hidden), learned)
 
 
-def is_right(learned: Learned, hidden: Hidden) -> bool:
+def is_right(learned: Learned, hidden: HiddenBrake) -> bool:
     """Whether a mode is the truth to within one step of the grid in both."""
     truth = (hidden.delay_s, hidden.offset_mps2)
     return learned.stops > 0 and places_are_near(place_of(learned), truth)
@@ -258,14 +258,14 @@ def never_tuned(nominal: TrainType, seed: int, name: str) -> TunedTrain:
     )
 
 
-def other_days(seed: int, name: str, hidden: Hidden) -> tuple[Rows, NDArray[np.bool_]]:
+def other_days(seed: int, name: str, hidden: HiddenBrake) -> tuple[Rows, NDArray[np.bool_]]:
     """Stops that nobody learns from, and which of them are neither in rain nor with a full train."""
     rng = generator(seed, "oda-tuning", name, "held out")
     stops = np.concatenate([a_stop(rng, hidden) for _ in range(RUNS)])
     return stops, ~is_full(stops) & (stops["adhesion_factor"] == 1.0)
 
 
-def stops_by(nominal: TrainType, hidden: Hidden, learned: Learned, stops: Rows) -> NDArray[np.float64]:
+def stops_by(nominal: TrainType, hidden: HiddenBrake, learned: Learned, stops: Rows) -> NDArray[np.float64]:
     """Where these stops end by what was learned, m past the mark."""
     outcomes, _ = bench_with(nominal, hidden, learned).run(stops)
     return np.array(outcomes["error_m"], dtype=np.float64)

@@ -32,8 +32,8 @@ from papers.position_sets import (
     SETS,
     TROUBLES,
     TUNNEL_M,
-    Ran,
     SensorSet,
+    SensorSetRun,
     Trouble,
     run_with,
     troubles_concerning,
@@ -93,7 +93,7 @@ class Measures:
         )
 
 
-def far_from_a_fix(ran: Ran) -> float:
+def far_from_a_fix(ran: SensorSetRun) -> float:
     """Share of the way further than `FAR_M` from where bounds were last narrower than wheels alone leave them."""
     trace, half_m = ran.result.trace, half_widths_m(ran.result.trace)
     at_m = np.asarray(trace["position_m"], dtype=np.float64)
@@ -104,7 +104,7 @@ def far_from_a_fix(ran: Ran) -> float:
     return float(run_m[far].sum() / max(run_m.sum(), 1.0))
 
 
-def measures_of(ran: Ran) -> Measures:
+def measures_of(ran: SensorSetRun) -> Measures:
     """The measures of a run, from a sample a second while it moves and from the worst of all steps."""
     result, trace = ran.result, ran.result.trace
     trace = trace[trace["speed_mps"] > 0.0]  # a train that waits is one place, however long
@@ -128,7 +128,7 @@ def measures_of(ran: Ran) -> Measures:
     )
 
 
-def runs_of(carried: SensorSet, seed: int, quick: bool) -> list[Ran]:
+def runs_of(carried: SensorSet, seed: int, quick: bool) -> list[SensorSetRun]:
     """All runs of a set: nothing fails, each fault alone, all in turn; last those beyond the model."""
     cases: list[tuple[Trouble, ...]] = [(), troubles_concerning(carried)]
     if not quick:
@@ -152,7 +152,7 @@ def held_row(found: Sequence[Measures]) -> CaseRow:
     return none_of(HELD, broken)
 
 
-def acting_row(runs: Sequence[Ran]) -> CaseRow:
+def acting_row(runs: Sequence[SensorSetRun]) -> CaseRow:
     """Every fault changes what the unit believes or notes somewhere: one that does nothing shows nothing."""
     idle: list[str] = []
     for carried in SETS:
@@ -194,7 +194,7 @@ def outages(carried: SensorSet, seed: int) -> Floats:
     return np.array(largest)
 
 
-def published_rows(runs: Sequence[Ran], seed: int) -> tuple[CaseRow, ...]:
+def published_rows(runs: Sequence[SensorSetRun], seed: int) -> tuple[CaseRow, ...]:
     """Figures of others, measured on trains, beside ours, which are simulated: reported together, judged by theirs."""
     rows: list[CaseRow] = []
     for carried in SETS:
@@ -257,7 +257,7 @@ def numbers() -> Mapping[str, int]:
     return {trouble.name: number for number, trouble in enumerate((t for t in TROUBLES if t.held), start=1)}
 
 
-def draw_comparison(runs: Sequence[Ran]) -> PlotFigure:
+def draw_comparison(runs: Sequence[SensorSetRun]) -> PlotFigure:
     """Left what nothing disturbs, right everything that may fail, in turn; all of the same scale."""
     sets = [carried for carried in SETS if any(ran.carried is carried for ran in runs)]
     figure = PlotFigure(figsize=(WIDTH_IN, 1.2 + ROW_IN * len(sets)), layout="constrained")
@@ -289,7 +289,7 @@ def draw_comparison(runs: Sequence[Ran]) -> PlotFigure:
     return figure
 
 
-def _draw_run(axes: Axes, ran: Ran) -> None:
+def _draw_run(axes: Axes, ran: SensorSetRun) -> None:
     trace = ran.result.trace
     km = trace["position_m"] / 1e3
     axes.axvspan(TUNNEL_M[0] / 1e3, TUNNEL_M[1] / 1e3, ymin=0.95, color=PALE, lw=0, label="tunnel")
@@ -329,7 +329,7 @@ def claimed_row(found: Sequence[Measures]) -> CaseRow:
     return held_row([replace(each, nearest_to_outside_m=each.error_most_m - CLAIMED_M) for each in found])
 
 
-def runs_with(options: Options) -> list[Ran]:
+def runs_with(options: Options) -> list[SensorSetRun]:
     """All runs of all sets, or of those of the short slice."""
     sets = [carried for carried in SETS if not options.quick or carried.name in QUICK]
     return [ran for carried in sets for ran in runs_of(carried, options.seed, options.quick)]

@@ -29,7 +29,7 @@ from papers.fusion_runs import (
     WHEEL_SIGMA,
     FusionOutcome,
     FusionRule,
-    Ill,
+    TagDefect,
     base_setup,
     draw,
     outcome,
@@ -276,7 +276,7 @@ def curved_row(setup: Setup, rule: FusionRule) -> CaseRow:
 def figures(found: RuleOutcomes) -> tuple[UnjudgedFigure, ...]:
     """What the runs had in them."""
     outcomes = found.outcomes
-    ills = {str(ill): sum(one.ills[str(ill)] for one in outcomes) for ill in Ill}
+    ills = {str(ill): sum(one.ills[str(ill)] for one in outcomes) for ill in TagDefect}
     halves_m = [half_m for one in outcomes for half_m in one.halves_m]
     return (
         *(UnjudgedFigure(f"tags {name}", number, "laid in all runs") for name, number in ills.items()),

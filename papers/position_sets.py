@@ -106,7 +106,7 @@ TROUBLES: Final = (
 
 
 @dataclass(frozen=True, slots=True)
-class Ran:
+class SensorSetRun:
     """One run: the set, what failed in it, and what came of it."""
 
     carried: SensorSet
@@ -228,7 +228,7 @@ def setup_of(carried: SensorSet, seed: int) -> Setup:
     return replace(setup, line=line, sensors=sensors, gnss=gnss)
 
 
-def run_with(carried: SensorSet, troubles: Sequence[Trouble], seed: int) -> Ran:
+def run_with(carried: SensorSet, troubles: Sequence[Trouble], seed: int) -> SensorSetRun:
     """One run of a set with what fails in it."""
     setup = setup_of(carried, seed)
     stock_id, path = setup.timetable.diagrams[0].stock_id, path_of_run(setup)
@@ -237,4 +237,4 @@ def run_with(carried: SensorSet, troubles: Sequence[Trouble], seed: int) -> Ran:
         setup = replace(setup, line=so, belief=Belief(setup.line))
     in_force = InForce()
     moments = [m for key, one in enumerate(troubles) for m in moments_of(one, stock_id, key, in_force)]
-    return Ran(carried, tuple(troubles), PositionRun(setup, moments).run())
+    return SensorSetRun(carried, tuple(troubles), PositionRun(setup, moments).run())

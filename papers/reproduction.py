@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 
@@ -108,10 +108,7 @@ class Reproduction:
             "title": self.title,
             "passed": self.passed,
             "null_method": self.null.name,
-            "parameters": [
-                {"name": p.name, "value": p.value, "unit": p.unit, "origin": p.origin}
-                for p in self.parameters
-            ],
+            "parameters": [asdict(parameter) for parameter in self.parameters],
             "rows": [
                 {
                     "case": r.case,
@@ -124,7 +121,7 @@ class Reproduction:
                 }
                 for r in self.rows
             ],
-            "figures": [{"name": f.name, "value": f.value, "meaning": f.meaning} for f in self.figures],
+            "figures": [asdict(figure) for figure in self.figures],
             "remarks": list(self.remarks),
         }
 

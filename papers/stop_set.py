@@ -47,16 +47,16 @@ TOP_SHARE: Final = 0.9  # coasting trains enter the grid above this
 
 
 @dataclass(frozen=True, slots=True)
-class Range(Evenly):
+class BrakeRange(Evenly):
     """What a quantity of the brake may be; `tried` are the values of the grid."""
 
     tried: tuple[float, ...] = ()
 
 
-RANGES: Final[Mapping[str, Range]] = {
+RANGES: Final[Mapping[str, BrakeRange]] = {
     each.name: each
     for each in (
-        Range(
+        BrakeRange(
             "dead_time",
             0.8,
             1.2,
@@ -64,8 +64,8 @@ RANGES: Final[Mapping[str, Range]] = {
             "assumed: two steps of the learner's grid either way",
             (0.8, 0.9, 1.0, 1.1, 1.2),
         ),
-        Range("lag", 0.2, 0.4, "s", "as in stop-statistics, its sigma as the range", (0.2, 0.3, 0.4)),
-        Range(
+        BrakeRange("lag", 0.2, 0.4, "s", "as in stop-statistics, its sigma as the range", (0.2, 0.3, 0.4)),
+        BrakeRange(
             "brake",
             0.9,
             1.1,
@@ -73,7 +73,7 @@ RANGES: Final[Mapping[str, Range]] = {
             "stop-statistics: 3 sigma of 2 %, 3 % by load, rounded up",
             (0.9, 1.0, 1.1),
         ),
-        Range(
+        BrakeRange(
             "adhesion",
             0.4,
             1.0,

@@ -70,7 +70,7 @@ FUZZY_DROP: Final = "descent before the mark, fuzzy, worst of five orders, m pas
 
 
 @dataclass(frozen=True, slots=True)
-class Scattered:
+class ScatteredStops:
     """What came of many stops: bias and standard deviation (m), changes of the brake notch a stop, interventions."""
 
     stops: int
@@ -113,13 +113,13 @@ def scattered_hops(seed: int, count: int) -> Rows:
     return hops
 
 
-def scattered_stops(law: str, hops: Rows, law_settings: Record | None = None) -> Scattered:
+def scattered_stops(law: str, hops: Rows, law_settings: Record | None = None) -> ScatteredStops:
     """Make these stops under a law. One that never came to rest has no place, and makes the spread infinite."""
     outcomes, _ = paper_hops(law, law_settings=law_settings).run(hops.copy())
     stands = outcomes["time_s"] < NONE_S
     errors_m = np.where(stands, outcomes["error_m"], np.inf)
     whole = bool(stands.all())
-    return Scattered(
+    return ScatteredStops(
         int(hops.size),
         float(errors_m.mean()) if whole else np.inf,
         float(errors_m.std()) if whole else np.inf,
@@ -154,7 +154,7 @@ def drop_rows() -> tuple[CaseRow, ...]:
     )
 
 
-def hold_row(hops: Rows, fuzzy: Scattered) -> CaseRow:
+def hold_row(hops: Rows, fuzzy: ScatteredStops) -> CaseRow:
     """What the rows on the PID depend on: how long it keeps a notch, which the paper does not print."""
     ours: dict[str, object] = {}
     for hold_s in HOLDS_S:
@@ -176,7 +176,7 @@ def hold_row(hops: Rows, fuzzy: Scattered) -> CaseRow:
     )
 
 
-def scatter_rows(fuzzy: Scattered, pid: Scattered) -> tuple[CaseRow, ...]:
+def scatter_rows(fuzzy: ScatteredStops, pid: ScatteredStops) -> tuple[CaseRow, ...]:
     """What is quoted from reference 8."""
     sigma, changes = fuzzy.sigma_m / pid.sigma_m, fuzzy.brake_changes / pid.brake_changes
     return (
@@ -199,7 +199,7 @@ def scatter_rows(fuzzy: Scattered, pid: Scattered) -> tuple[CaseRow, ...]:
     )
 
 
-def _figure(name: str, found: Scattered) -> UnjudgedFigure:
+def _figure(name: str, found: ScatteredStops) -> UnjudgedFigure:
     return UnjudgedFigure(
         f"{found.stops} stops, {name}",
         {
@@ -213,7 +213,7 @@ def _figure(name: str, found: Scattered) -> UnjudgedFigure:
     )
 
 
-def figures(hops: Rows, fuzzy: Scattered, pid: Scattered) -> tuple[UnjudgedFigure, ...]:
+def figures(hops: Rows, fuzzy: ScatteredStops, pid: ScatteredStops) -> tuple[UnjudgedFigure, ...]:
     """The stops in full, other orders, and both laws with parts taken away."""
     without_parts = tuple(
         figure

@@ -1,6 +1,6 @@
-"""A scenario as a pile of files: each laid over the one it extends, each with patches of its own.
+"""A scenario and the files that it extends, in layers: each file overrides the one it extends, and has its own patches.
 
-A key of the upper file replaces that of the lower one, a list too; a table is laid over key by key. `[patch]`
+A key of the upper file replaces that of the lower one, a list too; tables are merged key by key. `[patch]`
 changes what is there instead: of the scenario's own tables here, of the other files where those are read.
 """
 
@@ -48,8 +48,8 @@ class ScenarioLayers:
         return validate(self.data, str(path), ScenarioFile)
 
     @contextmanager
-    def put_down(self, path: Path) -> Generator[None]:
-        """What is wrong with a key of the scenario is put down to the patch or keyword that has written it."""
+    def naming_the_patch(self, path: Path) -> Generator[None]:
+        """An error in a key of the scenario names the patch or keyword that has written it."""
         try:
             yield
         except InputError as error:
@@ -62,12 +62,12 @@ class ScenarioLayers:
             raise
 
 
-def pile_of(
+def layers_of(
     path: Path, find: Callable[[Path, str], Path], keywords: Mapping[str, object] | None = None
 ) -> ScenarioLayers:
     """Read a scenario and those it extends; `find` gives the file of a name that a file extends.
 
-    `keywords` are tables, with `patch` among them, laid over as those of a file in the working directory would be.
+    `keywords` are tables, with `patch` among them, which override as those of a file in the working directory would.
     """
     layers = _layers(path, find, ())
     if keywords:
@@ -85,7 +85,7 @@ def pile_of(
     for file, table in layers:
         said_in |= dict.fromkeys(_names_of_files(table), file)
         patch = _patch_of(file, table.pop("patch", {}))
-        data = laid_over(data, table)
+        data = merged_tables(data, table)
         if file is KEYWORDS:
             written |= {key: (str(KEYWORDS), key) for key in _paths(table)}
         for name, words in patch.items():
@@ -124,12 +124,12 @@ def _paths(table: Mapping[str, Any], above: str = "") -> Iterator[str]:
             yield f"{above}{key}"
 
 
-def laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> Data:
+def merged_tables(below: Mapping[str, Any], above: Mapping[str, Any]) -> Data:
     """The tables of one over those of the other, key by key."""
     merged = dict(below)
     for key, value in above.items():
         known = merged.get(key)
-        merged[key] = laid_over(known, value) if is_table(known) and is_table(value) else value
+        merged[key] = merged_tables(known, value) if is_table(known) and is_table(value) else value
     return merged
 
 
@@ -166,7 +166,7 @@ def _patch_of(file: Path, patch: object) -> dict[str, Any]:
 
 
 def _patch_table(data: Data, name: str, asked: PatchInFile, written: dict[str, tuple[str, str]]) -> None:
-    """Patch one of the scenario's own tables or lists, in place of what the pile has so far."""
+    """Patch one of the scenario's own tables or lists, in place of what the layers have so far."""
     listed = PatchTable.model_fields[name].annotation == ListPatch | None
     words = validate(asked.words, asked.file, ListPatch if listed else SettingsPatch)
     own: Any = deepcopy(data.get(name, [] if listed else {}))

@@ -41,7 +41,7 @@ from scenario.fleet_file import (
 from scenario.inputs import Inputs
 from scenario.late_choice import check_late
 from scenario.law_choice import laws_of
-from scenario.layers import ScenarioLayers, pile_of
+from scenario.layers import ScenarioLayers, layers_of
 from scenario.scenario_file import ScenarioFile
 from scenario.script_file import script_of
 from scenario.sensor_choice import check_sensors, check_window
@@ -96,23 +96,23 @@ def _check_seed(seed: int | None) -> None:
 def load_scenario(name: str, seed: int | None = None, tables: Mapping[str, object] | None = None) -> Scenario:
     """Read a scenario with all that it names. InputError says which file, key and value is at fault.
 
-    `tables` are laid over it, as those of a scenario file that extends it would be.
+    `tables` override its own, as those of a scenario file that extends it would.
     """
     _check_seed(seed)
     path = find_scenario(name)
-    pile = pile_of(path, lambda above, base: _named(above, "extends", base, find_scenario), tables)
-    with pile.put_down(path):
-        return _loaded(path, pile, seed)
+    layers = layers_of(path, lambda above, base: _named(above, "extends", base, find_scenario), tables)
+    with layers.naming_the_patch(path):
+        return _loaded(path, layers, seed)
 
 
-def _loaded(path: Path, pile: ScenarioLayers, seed: int | None) -> Scenario:
-    model = pile.validated(path)
-    line_file = _named(path, "line", model.line, shipped_line, pile)
-    line, line_data, of_line = patched_line(line_file, pile.files.get("line", ()))
-    file = _named(path, "timetable", model.timetable, shipped_timetable, pile)
-    timetable, times_data, of_timetable = patched_timetable(file, line, pile.files.get("timetable", ()))
+def _loaded(path: Path, layers: ScenarioLayers, seed: int | None) -> Scenario:
+    model = layers.validated(path)
+    line_file = _named(path, "line", model.line, shipped_line, layers)
+    line, line_data, of_line = patched_line(line_file, layers.files.get("line", ()))
+    file = _named(path, "timetable", model.timetable, shipped_timetable, layers)
+    timetable, times_data, of_timetable = patched_timetable(file, line, layers.files.get("timetable", ()))
     check_parties(str(file), str(line_file), line, timetable)
-    stock, loaded = _trains(path, model, timetable, pile)
+    stock, loaded = _trains(path, model, timetable, layers)
     tables = model.tables
     trains = heated_trains({stock_id: loaded[name][0] for stock_id, name in stock.items()}, tables.battery)
     lengths_m = {stock_id: float(train.row[0]["length_m"]) for stock_id, train in trains.items()}
@@ -128,7 +128,7 @@ def _loaded(path: Path, pile: ScenarioLayers, seed: int | None) -> Scenario:
     check_sensors(str(path), tables.sensors, sorted(trains))
     check_window(str(path), tables.sensors, tables.curvature)
     check_grip(str(path), tables.driving, trains, line.max_speed_mps)
-    belief = belief_of(path, model.belief, line_file, pile.files.get("line", ()), line, trains)
+    belief = belief_of(path, model.belief, line_file, layers.files.get("line", ()), line, trains)
     believed = line if belief is None else belief.line
     setup = Setup(
         name=model.id,
@@ -138,7 +138,7 @@ def _loaded(path: Path, pile: ScenarioLayers, seed: int | None) -> Scenario:
         seed=model.seed if seed is None else seed,
         laws=laws_of(str(path), tables.driving, sorted(trains)),
         belief=belief,
-        curvature_map=curvature_map_of(_folders(path, "curvature", pile), tables.curvature, believed),
+        curvature_map=curvature_map_of(_folders(path, "curvature", layers), tables.curvature, believed),
         learned=learned_of(path, tables.tuning, trains),
         load=model.trains,
         **run_tables(tables, timetable),
@@ -149,13 +149,13 @@ def _loaded(path: Path, pile: ScenarioLayers, seed: int | None) -> Scenario:
     setup = replace(setup, script=script_of(str(path), setup, model.fault, model.act, model.expect))
     of_trains = (change for _, _, changes in loaded.values() for change in changes)
     inputs = Inputs(
-        scenario=pile.data | {"seed": setup.seed},
+        scenario=layers.data | {"seed": setup.seed},
         line=line_data,
         timetable=times_data,
         trains={name: data for name, (_, data, _) in loaded.items()},
         stock=stock,
         learned={stock_id: learned.as_dict() for stock_id, learned in setup.learned.items()},
-        changes=[*pile.changes, *of_line, *of_timetable, *of_trains],
+        changes=[*layers.changes, *of_line, *of_timetable, *of_trains],
         assumed=[*model.assumed, *line.assumed, *timetable.head.assumed, *_train_assumptions(trains)],
     )
     return Scenario(model.id, model.name, str(path), setup, inputs)
@@ -166,10 +166,10 @@ def _folder() -> Path:
 
 
 def _named(
-    path: Path, key: str, name: str, shipped: Callable[[str], Path], pile: ScenarioLayers | None = None
+    path: Path, key: str, name: str, shipped: Callable[[str], Path], layers: ScenarioLayers | None = None
 ) -> Path:
     """A file beside the one that names it, beside the scenario itself, or shipped; InputError names the key."""
-    said_in = path if pile is None else pile.said_in.get(key, path)
+    said_in = path if layers is None else layers.said_in.get(key, path)
     for folder in dict.fromkeys((said_in.parent, path.parent)):
         if name.endswith(".toml") and existing_file(folder / name):
             return folder / name
@@ -179,14 +179,14 @@ def _named(
         raise InputError(str(path), key, name, error.expected) from error
 
 
-def _folders(path: Path, key: str, pile: ScenarioLayers) -> tuple[Path, ...]:
+def _folders(path: Path, key: str, layers: ScenarioLayers) -> tuple[Path, ...]:
     """Where a file that is named under a key may lie: beside the scenario that names it, or beside this one."""
-    said_in = pile.said_in.get(key, path)
+    said_in = layers.said_in.get(key, path)
     return tuple(dict.fromkeys((said_in.parent, path.parent)))
 
 
 def _trains(
-    path: Path, model: ScenarioFile, timetable: Timetable, pile: ScenarioLayers
+    path: Path, model: ScenarioFile, timetable: Timetable, layers: ScenarioLayers
 ) -> tuple[dict[str, str], dict[str, tuple[TrainType, Data, tuple[Change, ...]]]]:
     """The name of the train of each stock; by it the kind, its tables, and what patches have changed of them."""
     known = {diagram.stock_id for diagram in timetable.diagrams}
@@ -197,13 +197,13 @@ def _trains(
             )
     named = {"trains.default": model.trains.default}
     named |= {f"trains.stock.{stock_id}": name for stock_id, name in model.trains.stock.items()}
-    for train, patches in pile.trains.items():
+    for train, patches in layers.trains.items():
         if train not in named.values():
             raise InputError(
                 patches[0].file, patches[0].key, None, f"a train that runs, {one_of(named.values())}"
             )
     loaded = {
-        name: patched_train(_named(path, key, name, shipped_train, pile), pile.trains.get(name, ()))
+        name: patched_train(_named(path, key, name, shipped_train, layers), layers.trains.get(name, ()))
         for key, name in named.items()
     }
     return {

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from pydantic import BaseModel
 
+from exchange.additions import AdditionsFile
 from network.errors import InputError
 from network.files.line_schema import LineFile
 from network.files.timetable_schema import TimetableFile
@@ -82,6 +83,13 @@ FILES: Final = (
         "Station list",
         "What `branchline new line` makes a line from (docs/make-a.md). A CSV has the keys of `[[stations]]` as its"
         " columns and a row for each station, with commas between cells.",
+    ),
+    FileKind(
+        "additions",
+        AdditionsFile,
+        "Additions",
+        "`network/additions/*.toml`: trains and sets that a published timetable lacks; `branchline import` takes them"
+        " with `--add`.",
     ),
 )
 

@@ -33,7 +33,7 @@ GAIN_S: Final = 60.0  # assumed: a change of order is worth a minute at least, f
 
 
 @dataclass(frozen=True, slots=True)
-class Turn:
+class Precedence:
     """Whether a train goes before another that is planned first, and the sentence that says why; else it waits for that
     to come to `section_id`.
     """
@@ -56,7 +56,7 @@ class _First:
 
 def turn_of(
     register: Register, days: Days, stands: Stands, index: int, solved: LastOrder | None = None
-) -> Turn | None:
+) -> Precedence | None:
     """Whether the train goes now that asks for its next move; None where no other is first, by plan or as solved."""
     register = asking(register, days, index)
     ahead = _planned_first(register, days, stands, index)
@@ -68,7 +68,7 @@ def turn_of(
         known = {first.index for first in ahead}
         rivals = _rivals(register, days, stands, index)
         ahead += [r for r in rivals if r.index not in known and order.is_first(r, index)]
-    changed: Turn | None = None
+    changed: Precedence | None = None
     for first in [*ahead, *overtaken]:
         turn = _before(register, days, stands, index, first, order)
         if not turn.goes:
@@ -181,31 +181,31 @@ def _late_s(register: Register, days: Days, stands: Stands, index: int) -> float
 
 def _before(
     register: Register, days: Days, stands: Stands, index: int, first: _First, order: _Solved | None
-) -> Turn:
+) -> Precedence:
     """Whether the train goes before one that comes first by plan or as solved, or has waited longest."""
     other = register.trip(days.unit_ids[first.index])
     mine = days.hops[index][stands.at[index]]
     train, ahead, to = mine.train, first.hop.train, first.hop.section_id
     if why := _waited_enough(register, days, stands, index, ahead):
-        return Turn(first.index, True, f"order changed: {train} {why}")
+        return Precedence(first.index, True, f"order changed: {train} {why}")
     coming = _coming(days, stands, index, first)
     late = f"planned first; it is {_minutes(first.late_s)} min late"
     waits, goes = f"{train} waits for {ahead}", f"order changed: {train} goes before {ahead}"
     if coming is None:
-        return Turn(first.index, True, f"order changed: {ahead} cannot come before {train} has gone")
+        return Precedence(first.index, True, f"order changed: {ahead} cannot come before {train} has gone")
     if BOUNDED and other.overtaken >= days.overtaken_max:
         why = f"{waits}, before which {other.overtaken} trains have gone"
     elif order is not None and order.is_first(first, index):
         why = f"{waits}: {order.cost()}"
     elif order is not None:
-        return Turn(first.index, True, f"{goes}, {late}: {order.cost()}")
+        return Precedence(first.index, True, f"{goes}, {late}: {order.cost()}")
     elif first.late_s < days.late_s:
         why = f"{waits}, {late}, threshold {_minutes(days.late_s)}"
     elif days.order is OrderRule.PLANNED:
-        return Turn(first.index, True, f"{goes}, {late}")
+        return Precedence(first.index, True, f"{goes}, {late}")
     else:
         return _least_delay(register, days, stands, index, first, coming, late)
-    return Turn(first.index, False, why, to)
+    return Precedence(first.index, False, why, to)
 
 
 def _waited_enough(register: Register, days: Days, stands: Stands, index: int, ahead: str) -> str:
@@ -253,7 +253,7 @@ def _least_delay(
     first: _First,
     coming: tuple[int, ...],
     late: str,
-) -> Turn:
+) -> Precedence:
     """The order with less delay for all trains, each played through as its trains would then finish."""
     train, ahead = days.hops[index][stands.at[index]].train, first.hop.train
     going = delay_s(register, days, stands, (index,))
@@ -264,8 +264,8 @@ def _least_delay(
         chosen, other = (going, holding) if goes else (holding, going)
         cost = f": {_minutes(chosen)} min late in all, the other way {_minutes(other)}"
     if goes:
-        return Turn(first.index, True, f"order changed: {train} goes before {ahead}, {late}{cost}")
-    return Turn(first.index, False, f"{train} waits for {ahead}, {late}{cost}", first.hop.section_id)
+        return Precedence(first.index, True, f"order changed: {train} goes before {ahead}, {late}{cost}")
+    return Precedence(first.index, False, f"{train} waits for {ahead}, {late}{cost}", first.hop.section_id)
 
 
 def delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[int]) -> float | None:

@@ -58,7 +58,7 @@ class StationOperation:
         return self.parts[index] if index < len(self.parts) else ""
 
 
-class Before(Enum):
+class BeforeTrain(Enum):
     """What a set does before a train, where the train begins."""
 
     OUT = 3  # comes out of where it stood (出区)
@@ -66,7 +66,7 @@ class Before(Enum):
     JUNCTION = 5  # came as another train (前列車接続)
 
 
-class After(Enum):
+class AfterTrain(Enum):
     """What a set does after a train, where the train ends."""
 
     IN = 3  # is stabled (入区)

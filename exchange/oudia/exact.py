@@ -13,8 +13,8 @@ from itertools import pairwise
 
 from exchange.oudia.carried import CommentTable, carried_in, words_in
 from exchange.oudia.cells import (
-    After,
-    Before,
+    AfterTrain,
+    BeforeTrain,
     CallHandling,
     OudiaCell,
     StationOperation,
@@ -144,7 +144,9 @@ def _set_of(train: OudiaTrain) -> str:
     before = train.before
     if before is None:
         return ""
-    return before.part({Before.OUT.value: 2, Before.OUTER.value: 4, Before.JUNCTION.value: 1}[before.kind])
+    return before.part(
+        {BeforeTrain.OUT.value: 2, BeforeTrain.OUTER.value: 4, BeforeTrain.JUNCTION.value: 1}[before.kind]
+    )
 
 
 def _sets(
@@ -168,9 +170,9 @@ def _sets(
 def _begins(train: OudiaTrain, route: OudiaRoute, before: str | None) -> str:
     station = route.stations_along(train.direction)[train.first]
     match train.before:
-        case StationOperation(kind) if kind == Before.OUT.value:
+        case StationOperation(kind) if kind == BeforeTrain.OUT.value:
             return "stabled"
-        case StationOperation(kind) as of if kind == Before.OUTER.value:
+        case StationOperation(kind) as of if kind == BeforeTrain.OUTER.value:
             return f"portal:{_outer(station, of)}"
         case _ if before is not None:
             return f"from:{before}"
@@ -181,9 +183,9 @@ def _begins(train: OudiaTrain, route: OudiaRoute, before: str | None) -> str:
 def _ends(train: OudiaTrain, route: OudiaRoute, after: str | None) -> str:
     station = route.stations_along(train.direction)[train.last]
     match train.after:
-        case StationOperation(kind) if kind == After.IN.value:
+        case StationOperation(kind) if kind == AfterTrain.IN.value:
             return "stabled"
-        case StationOperation(kind) as of if kind == After.OUTER.value:
+        case StationOperation(kind) as of if kind == AfterTrain.OUTER.value:
             return f"portal:{_outer(station, of)}"
         case _ if after is not None:
             return f"becomes:{after}"

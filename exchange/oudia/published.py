@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from exchange.oudia.cells import After, Before, CallHandling, OudiaCell, StationOperation, index_of
+from exchange.oudia.cells import AfterTrain, BeforeTrain, CallHandling, OudiaCell, StationOperation, index_of
 from exchange.oudia.route import DOWN, OudiaDia, OudiaRoute, OudiaStation, OudiaTrain, left_of
 from exchange.published import PublishedStation, PublishedTimetable, PublishedTrain
 from network.files.names import title_of
@@ -54,7 +54,7 @@ def _links(route: OudiaRoute, trains: Sequence[OudiaTrain]) -> dict[int, int]:
     """Which train each set runs next, by index: first begun at the same station and track, not before it has ended."""
     waiting: dict[tuple[str, int], list[tuple[int, int]]] = {}
     for i, train in enumerate(trains):
-        if train.before is not None and train.before.kind == Before.JUNCTION.value:
+        if train.before is not None and train.before.kind == BeforeTrain.JUNCTION.value:
             place, first = _place(route, train, train.first), train.cells[train.first]
             time_s = first.departure_s if first.departure_s is not None else first.arrival_s
             if time_s is not None:
@@ -63,7 +63,7 @@ def _links(route: OudiaRoute, trains: Sequence[OudiaTrain]) -> dict[int, int]:
         queue.sort()
     ended: list[tuple[int, int, tuple[str, int]]] = []
     for i, train in enumerate(trains):
-        if train.after is not None and train.after.kind == After.JUNCTION.value:
+        if train.after is not None and train.after.kind == AfterTrain.JUNCTION.value:
             last = train.cells[train.last]
             time_s = last.arrival_s if last.arrival_s is not None else last.departure_s
             if time_s is not None:
@@ -95,8 +95,8 @@ def _published(route: OudiaRoute, train: OudiaTrain, becomes: str) -> PublishedT
             continue
         index = i if train.direction == DOWN else count - 1 - i
         calls.append(_call(str(index), of, along[i], train.direction))
-    beyond_before = train.before is not None and train.before.kind == Before.OUTER.value
-    beyond_after = train.after is not None and train.after.kind == After.OUTER.value
+    beyond_before = train.before is not None and train.before.kind == BeforeTrain.OUTER.value
+    beyond_after = train.after is not None and train.after.kind == AfterTrain.OUTER.value
     return PublishedTrain(
         number=train.number,
         direction="down" if train.direction == DOWN else "up",

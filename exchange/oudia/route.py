@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from exchange.oudia.cells import (
-    After,
-    Before,
+    AfterTrain,
+    BeforeTrain,
     CallHandling,
     OudiaCell,
     StationOperation,
@@ -237,7 +237,7 @@ class _TrainReader:
                 and runs
                 and side == "B"
                 and at == runs[0]
-                and found[0].kind in {e.value for e in Before}
+                and found[0].kind in {e.value for e in BeforeTrain}
             ):
                 before = found.pop(0)
             elif (
@@ -245,7 +245,7 @@ class _TrainReader:
                 and runs
                 and side == "A"
                 and at == runs[-1]
-                and found[-1].kind in {e.value for e in After}
+                and found[-1].kind in {e.value for e in AfterTrain}
             ):
                 after = found.pop()
             others += len(found)
@@ -316,7 +316,7 @@ def _with_old_tracks(cells: Sequence[OudiaCell], text: str) -> list[OudiaCell]:
 
 def _arrival_beyond(before: StationOperation | None) -> int | None:
     """When a set from beyond arrives at the first station, s after midnight; OuDiaSecond 2 keeps it there."""
-    if before is None or before.kind != Before.OUTER.value:
+    if before is None or before.kind != BeforeTrain.OUTER.value:
         return None
     try:
         return seconds(before.part(2))

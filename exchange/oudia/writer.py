@@ -15,8 +15,8 @@ from typing import Final
 from exchange.oudia.carried import CommentTable, RemarkFacts, WrittenTable, comment, remark
 from exchange.oudia.cells import (
     DAY_BEGINS_S,
-    After,
-    Before,
+    AfterTrain,
+    BeforeTrain,
     CallHandling,
     OudiaCell,
     cell_text,
@@ -306,11 +306,11 @@ def _before(train: TimetableTrain, place: _WrittenStation, stock: str) -> str:
     match train.begins:
         case AtPortal(section_id):
             outer = str(place.outer.index(section_id))
-            return operation_text(Before.OUTER.value, outer, time, time_text(call.arrival_s), "", stock)
+            return operation_text(BeforeTrain.OUTER.value, outer, time, time_text(call.arrival_s), "", stock)
         case FromTrain():
-            return operation_text(Before.JUNCTION.value, "", stock)
+            return operation_text(BeforeTrain.JUNCTION.value, "", stock)
         case _:
-            return operation_text(Before.OUT.value, time, "", stock)
+            return operation_text(BeforeTrain.OUT.value, time, "", stock)
 
 
 def _after(train: TimetableTrain, place: _WrittenStation) -> str:
@@ -319,11 +319,11 @@ def _after(train: TimetableTrain, place: _WrittenStation) -> str:
     match train.ends:
         case AtPortal(section_id):
             outer = str(place.outer.index(section_id))
-            return operation_text(After.OUTER.value, outer, time_text(call.departure_s), time, "")
+            return operation_text(AfterTrain.OUTER.value, outer, time_text(call.departure_s), time, "")
         case BecomesTrain():
-            return operation_text(After.JUNCTION.value, "", "0")
+            return operation_text(AfterTrain.JUNCTION.value, "", "0")
         case _:
-            return operation_text(After.IN.value, time, "")
+            return operation_text(AfterTrain.IN.value, time, "")
 
 
 def _display() -> Iterator[OudiaEntry]:

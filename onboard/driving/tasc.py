@@ -136,18 +136,6 @@ def reset(tasc: TascRow) -> None:
 
 
 @compiled
-def distance_by_tachometer_m(distance_m: float, run_m: float) -> float:
-    """Distance to the mark after the tachometer counted `run_m` more, m."""
-    return distance_m - run_m
-
-
-@compiled
-def distance_by_fix_m(fix_m: float, run_since_m: float) -> float:
-    """Distance to the mark from a beacon or sign `fix_m` before it and the distance run since, m."""
-    return fix_m - run_since_m
-
-
-@compiled
 def aim_m(distance_m: float, limit_distance_m: float, margin_m: float) -> float:
     """Distance to where the train shall stop, m: the mark, or `margin_m` before the stop limit if that is nearer."""
     return min(distance_m, limit_distance_m - margin_m)

@@ -18,8 +18,6 @@ from network.files.kinds import about
 from network.files.quantities import DrillTime, Duration
 from network.files.toml_input import Record
 
-RESOLUTION_S: Final = 0.1  # draws are rounded to the step of a run
-
 
 class Distribution(StrEnum):
     """Distributions, by name."""

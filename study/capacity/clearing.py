@@ -34,7 +34,7 @@ class ReleaseMoment:
     stands: bool
 
 
-class Released(NamedTuple):
+class ReleaseTimes(NamedTuple):
     """When the safe rear has left a section, and when the unit reports it as clear, s."""
 
     safe_rear_s: float
@@ -85,10 +85,10 @@ class Clearing:
                 return at_m
         return math.inf
 
-    def released(self, journey: TrainJourney) -> Iterator[Released]:
+    def released(self, journey: TrainJourney) -> Iterator[ReleaseTimes]:
         """The same, with when the safe rear has left the section, s; infinite: nowhere before it stands."""
         for span, reported_s in zip(journey.mission.spans, self.reported_s(journey), strict=True):
-            yield Released(journey.at_s(self.clear_at_m(journey, span.end_m, 0.0, 0.0)), reported_s)
+            yield ReleaseTimes(journey.at_s(self.clear_at_m(journey, span.end_m, 0.0, 0.0)), reported_s)
 
     def reported_s(self, journey: TrainJourney) -> tuple[float, ...]:
         """When each section of the journey is reported as clear, s; infinite for those that it ends in."""

@@ -29,7 +29,7 @@ FOLLOWS: Final = frozenset({HeadwayKind.FOLLOWING, HeadwayKind.OPEN})
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
+class EquipmentFigures:
     """What a setup makes possible, s and share; NaN where there is no such pair of trains.
 
     `block_headway_s`: the follower's headway with the sections between stations in BLOCKS virtual blocks besides; NaN
@@ -78,19 +78,14 @@ class LeverWorth:
     cost: OccupationCost
     low: str
     high: str
-    base: Measured
-    low_end: Measured
-    high_end: Measured
+    base: EquipmentFigures
+    low_end: EquipmentFigures
+    high_end: EquipmentFigures
 
     @property
     def headway_swing_s(self) -> float:
         """By how much the headway differs between the ends."""
         return abs(self.high_end.headway_s - self.low_end.headway_s)
-
-    @property
-    def occupied_swing_share(self) -> float:
-        """By how much the occupancy differs between the ends."""
-        return abs(self.high_end.occupied_share - self.low_end.occupied_share)
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON and CSV."""
@@ -105,7 +100,7 @@ class LeverWorth:
         }
 
 
-def measured_by_rules(setup: Setup, rules: Rules = MINIMAL) -> Measured:
+def measured_by_rules(setup: Setup, rules: Rules = MINIMAL) -> EquipmentFigures:
     """The headways and the occupancy of a setup by rules."""
     dwell_min_s, is_place = setup.unit.dwell_min_s, places_of(setup.line)
     most = _following(setup, rules)
@@ -126,7 +121,7 @@ def measured_by_rules(setup: Setup, rules: Rules = MINIMAL) -> Measured:
         legs, cut_of(setup.line, SINGLE_TRACK_CUT), (day_of(legs),), CompressionTerms(dwell_min_s=dwell_min_s)
     )
     full = fullest_part(rates)
-    return Measured(
+    return EquipmentFigures(
         math.nan if most is None else most.headway.least_s,
         "" if most is None else most.headway.section_id,
         math.nan if with_blocks is None else with_blocks.headway.least_s,

@@ -210,14 +210,6 @@ def _covered(ready: Slice, waits: Sequence[Slice]) -> Iterator[tuple[OccupationC
         yield COST_OF[part], begin_s, end_s
 
 
-def trains_of(legs: Iterable[SetLeg]) -> dict[str, tuple[SetLeg, ...]]:
-    """Legs by the number of the train, in order."""
-    found: dict[str, list[SetLeg]] = defaultdict(list)
-    for leg in legs:
-        found[leg.number].append(leg)
-    return {number: tuple(sorted(own, key=lambda leg: leg.departs_s)) for number, own in found.items()}
-
-
 def follows_on(before: SetLeg, after: SetLeg) -> bool:
     """Whether a leg begins where, and as, the leg before it of the same set ended."""
     return before.end is not None and after.start is before.end

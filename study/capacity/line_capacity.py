@@ -18,7 +18,6 @@ from study.capacity.limits import (
     additional_share,
     consumed_share,
 )
-from study.capacity.occupation import OccupationCost
 
 HOUR_S: Final = 3600.0
 PEAK_S: Final = 2.0 * HOUR_S  # assumed: an hour of a branch line holds two or three trains, too few to tell
@@ -168,12 +167,3 @@ def fullest_part(rates: Iterable[Rate], kind: PartKind = PartKind.LINE) -> Rate 
     """The part of a kind with the highest rate: by that a line is judged."""
     some = [rate for rate in rates if rate.part.kind is kind and rate.trains]
     return max(some, key=lambda rate: (rate.occupied_share, rate.part.name), default=None)
-
-
-def costs_of(rates: Iterable[Rate]) -> dict[OccupationCost, float]:
-    """What the compressed time of parts goes into altogether, s."""
-    found = dict.fromkeys(OccupationCost, 0.0)
-    for rate in rates:
-        for cost, time_s in rate.compressed.costs_s().items():
-            found[cost] += time_s
-    return found

@@ -17,7 +17,7 @@ from network.timetable import Diagram
 from simulation.setup import Setup
 from study.capacity.legs import SetLeg, legs_of, places_of
 from study.capacity.line_capacity import Period
-from study.capacity.room import OccupiedSpans, PathSearch, Placed, fill_period
+from study.capacity.room import OccupiedSpans, PathSearch, PlacedPath, fill_period
 from study.capacity.rules import Rules
 from study.capacity.standard import (
     ALONE,
@@ -135,7 +135,7 @@ def _added_path(
     setup: Setup,
     paths: Sequence[StandardPath],
     templates: Sequence[tuple[SetLeg, ...]],
-    placed: Placed,
+    placed: PlacedPath,
     number: int,
 ) -> tuple[MorePath, Added, StandardPath]:
     path = paths[templates.index(placed.legs)]

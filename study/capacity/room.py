@@ -19,7 +19,7 @@ GRID_S = 1.0  # times of a timetable are whole seconds
 
 
 @dataclass(frozen=True, slots=True)
-class Placed:
+class PlacedPath:
     """A standard path in the timetable: its legs, and by how much each has moved, s."""
 
     legs: tuple[SetLeg, ...]
@@ -78,7 +78,7 @@ class PathSearch:
 
 def place(
     legs: Sequence[SetLeg], departs_s: float, occupied: OccupiedSpans, search: PathSearch
-) -> Placed | None:
+) -> PlacedPath | None:
     """A standard path that leaves at a time; None where it does not fit. Nothing is taken."""
     moves_s: list[float] = []
     for index, leg in enumerate(legs):
@@ -88,7 +88,7 @@ def place(
         if move_s is None:
             return None
         moves_s.append(move_s)
-    return Placed(tuple(legs), tuple(moves_s))
+    return PlacedPath(tuple(legs), tuple(moves_s))
 
 
 def _free_move_s(
@@ -137,7 +137,7 @@ def _begin_s(start: Occupation, leg: SetLeg) -> float:
     return start.begin_s if math.isfinite(start.begin_s) else leg.occupations[0].begin_s
 
 
-def take_sections(placed: Placed, occupied: OccupiedSpans) -> None:
+def take_sections(placed: PlacedPath, occupied: OccupiedSpans) -> None:
     """The sections of a path, taken; its places from when it is let in to when it has left."""
     for index, (leg, move_s) in enumerate(zip(placed.legs, placed.moves_s, strict=True)):
         if index == 0 and leg.start is not None:
@@ -154,13 +154,13 @@ def fill_period(
     occupied: OccupiedSpans,
     search: PathSearch,
     step_s: float = 60.0,
-) -> tuple[Placed, ...]:
+) -> tuple[PlacedPath, ...]:
     """As many more paths as fit into a period, s: each of the kinds in turn, as early as it can leave.
 
     A path is wholly within the period. What fits depends on the order; this one is stated, and none is the best.
     """
     begins_s, ends_s = period_s
-    found: list[Placed] = []
+    found: list[PlacedPath] = []
     next_s = [begins_s for _ in paths]
     while True:
         options = [
@@ -183,7 +183,7 @@ def _first(
     until_s: tuple[float, float],
     occupied: OccupiedSpans,
     search: PathSearch,
-) -> Placed | None:
+) -> PlacedPath | None:
     ends_s, step_s = until_s
     while from_s < ends_s:
         placed = place(legs, from_s, occupied, search)

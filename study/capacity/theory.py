@@ -26,7 +26,7 @@ from simulation.loop import OPENING_S
 from simulation.people import Pause
 from simulation.setup import Setup
 from simulation.world.charge_control import READY_S, WORTH_S
-from study.capacity.clearing import Released
+from study.capacity.clearing import ReleaseTimes
 from study.capacity.driven import StockDriving, driving_of
 from study.capacity.journey import TrainJourney
 from study.capacity.links import Links
@@ -177,7 +177,7 @@ class Theory:
         self,
         journey: TrainJourney,
         set_ups: Mapping[int, SetUp],
-        released: Sequence[Released],
+        released: Sequence[ReleaseTimes],
         before: SectionPassage | None,
     ) -> Iterator[SectionPassage]:
         """The sections of a journey; `before`: where it begins, as its stock has it since the train before."""

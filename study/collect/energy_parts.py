@@ -11,7 +11,7 @@ from vehicle.train_file import RegenerationReceiver
 
 
 def drawn_kwh(joules: Mapping[str, float], receiver: RegenerationReceiver) -> dict[str, float]:
-    """The fields of `study.record.energy.Taken` of what was counted, J by the names of DRAWN.
+    """The fields of `study.record.energy.EnergyDrawn` of what was counted, J by the names of DRAWN.
 
     Net is less what came back, and from resistors nothing does.
     """
@@ -21,7 +21,7 @@ def drawn_kwh(joules: Mapping[str, float], receiver: RegenerationReceiver) -> di
 
 
 def spent_kwh(records: Sequence[EnergyRecord], receiver: RegenerationReceiver) -> dict[str, float]:
-    """The fields of `study.record.energy.Spent` of some records together.
+    """The fields of `study.record.energy.EnergySpent` of some records together.
 
     What resistors burn was braked by the motors, so it is a loss of regeneration; it could have come back.
     """

@@ -17,7 +17,7 @@ from study.runner.run import FinishedRun, RunExtras
 
 
 @dataclass(frozen=True, slots=True)
-class Against:
+class RunAgainst:
     """What was found, and what it adds to the run directory."""
 
     found: Comparisons
@@ -34,7 +34,7 @@ def base_of(directory: Path, line: Line) -> ComparedRun:
     return of_read(read, directory.resolve().name)
 
 
-def changes_from_base(run: FinishedRun, base: ComparedRun, over_s: float) -> Against:
+def changes_from_base(run: FinishedRun, base: ComparedRun, over_s: float) -> RunAgainst:
     """What changed from the run that was kept to the one that has just ended."""
     label = run.scenario.id
     found = compare((base, of_run(run, label if label != base.label else f"{label} (now)")), over_s)
@@ -42,4 +42,4 @@ def changes_from_base(run: FinishedRun, base: ComparedRun, over_s: float) -> Aga
     moved = frozenset({one.train for one in times.moved} | {one.train for one in times.once})
     beside = Beside(base.label, base.run, moved, frozenset(times.only_base))
     parts = parts_against(found, graphs=False)
-    return Against(found, RunExtras(parts, {COMPARE_FILE: json_text(found)}, beside))
+    return RunAgainst(found, RunExtras(parts, {COMPARE_FILE: json_text(found)}, beside))

@@ -11,7 +11,7 @@ from study.compare.comparison import Comparisons, RunComparison
 from study.compare.measures import ComparedRow, Measure, Value, columns_in, names_in, sorted_by
 from study.compare.meets import MeetChange, RunMeet
 from study.compare.side import ComparedRun
-from study.compare.times import MovedTime, What
+from study.compare.times import CallEvent, MovedTime
 from study.record.driving import EARLY
 from study.record.figure import Figure, Kind, ShownIn, seen_in
 from study.record.parts import TextTable, signed_number
@@ -104,7 +104,7 @@ def moved_grid(
 
 def moved_matrix(found: RunComparison, new: ComparedRun, language: Language = "en") -> TextTable:
     """A row a train that moved, a column a station: seconds of arrival / departure, a dot where it did not move."""
-    by_train: dict[str, dict[str, dict[What, MovedTime]]] = {}
+    by_train: dict[str, dict[str, dict[CallEvent, MovedTime]]] = {}
     for moved in found.times.moved:
         by_train.setdefault(moved.train, {}).setdefault(moved.station, {})[moved.what] = moved
     seen = {station for stations in by_train.values() for station in stations}
@@ -256,13 +256,13 @@ def _number(value: Value, digits: int) -> str:
     return NONE if value is None else f"{value:,.{digits}f}".replace("-", "−")
 
 
-def _cell(moved: Mapping[What, MovedTime]) -> str:
+def _cell(moved: Mapping[CallEvent, MovedTime]) -> str:
     """Arrival and departure of a train at a station; nothing where neither moved."""
     if not moved:
         return ""
-    if What.PASSING in moved:
-        return signed_number(moved[What.PASSING].by_s, 0)
-    ends = (What.ARRIVAL, What.DEPARTURE)
+    if CallEvent.PASSING in moved:
+        return signed_number(moved[CallEvent.PASSING].by_s, 0)
+    ends = (CallEvent.ARRIVAL, CallEvent.DEPARTURE)
     return " / ".join(signed_number(moved[what].by_s, 0) if what in moved else "·" for what in ends)
 
 

@@ -12,7 +12,7 @@ import polars as pl
 from simulation.result import DRAWN
 from study.compare.meets import meets_of
 from study.compare.side import ComparedRun
-from study.compare.times import What
+from study.compare.times import CallEvent
 from study.measures.driving import driving_sums
 from study.measures.missing import planned_times
 from study.measures.summary import arrived_trains, cut_trains, energy_summary
@@ -112,7 +112,7 @@ def figures_of(side: ComparedRun) -> Iterator[RunFigure]:
     cancelled, shortened = cut_trains(tables.stops)
     yield RunFigure("trains", "cancelled", "", 0, float(len(cancelled)))
     yield RunFigure("trains", "shortened", "", 0, float(len(shortened)))
-    for what in (What.ARRIVAL, What.DEPARTURE):
+    for what in (CallEvent.ARRIVAL, CallEvent.DEPARTURE):
         yield from _punctuality(side, what)
     yield from _margins(side)
     yield from _energy(side)
@@ -129,7 +129,7 @@ def figures_of(side: ComparedRun) -> Iterator[RunFigure]:
         yield RunFigure("safety", name, "", 0, _number(side.summary.get(key)))
 
 
-def _punctuality(side: ComparedRun, what: What) -> Iterator[RunFigure]:
+def _punctuality(side: ComparedRun, what: CallEvent) -> Iterator[RunFigure]:
     """What share of the planned was late by at most so much; passings are departures.
 
     What never came was not on time, and is as late as `study.measures.missing` has it.

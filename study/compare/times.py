@@ -12,10 +12,10 @@ from network.timetable import CallKind
 from study.report.data import ReportedRun
 
 # Train, station, how often the train was there before, and what it did.
-Key: TypeAlias = tuple[str, str, int, "What"]
+Key: TypeAlias = tuple[str, str, int, "CallEvent"]
 
 
-class What(Enum):
+class CallEvent(Enum):
     """What a train does at a station, at a time."""
 
     ARRIVAL = "arrival"
@@ -41,7 +41,7 @@ class MovedTime:
     train: str
     direction: str
     station: str
-    what: What
+    what: CallEvent
     old_s: float
     new_s: float
     by_s: float
@@ -58,7 +58,7 @@ class UnmatchedTime:
 
     train: str
     station: str
-    what: What
+    what: CallEvent
     in_new: bool
     at_s: float
 
@@ -88,9 +88,9 @@ def times_of(run: ReportedRun) -> dict[Key, CallTimes]:
         visit = visits[train, station]
         visits[train, station] += 1
         passes = row["kind"] == CallKind.PASS.value
-        whats = (What.PASSING,) if passes else (What.ARRIVAL, What.DEPARTURE)
+        whats = (CallEvent.PASSING,) if passes else (CallEvent.ARRIVAL, CallEvent.DEPARTURE)
         for what in whats:
-            name = What.DEPARTURE.value if passes else what.value
+            name = CallEvent.DEPARTURE.value if passes else what.value
             at = CallTimes(row[f"{name}_s"], row[f"planned_{name}_s"])
             if at.true_s is not None or at.planned_s is not None:
                 found[train, station, visit, what] = at

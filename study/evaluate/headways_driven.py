@@ -51,7 +51,7 @@ OFF_S: Final = 64  # so far from a headway it is looked for in what trains need
 
 
 @dataclass(frozen=True, slots=True)
-class Driven:
+class DrivenHeadway:
     """A headway as it was driven, s.
 
     `driving_s`: by so much longer than predicted the two take, alone, for what the headway runs over. `spared_s`: so
@@ -111,7 +111,7 @@ def _tenth(time_s: float) -> float | None:
     return round(time_s, 1) if math.isfinite(time_s) else None
 
 
-class Drives:
+class HeadwayDrives:
     """Runs of two trains on the line of a scenario in which nothing is drawn."""
 
     def __init__(self, scenario: Scenario, folder: Path) -> None:
@@ -123,13 +123,13 @@ class Drives:
         self._map = read_net(net)
         self._is_place = places_of(line)
 
-    def drive_headway(self, case: HeadwayCase, *, searched: bool = True) -> Driven:
+    def drive_headway(self, case: HeadwayCase, *, searched: bool = True) -> DrivenHeadway:
         """A headway driven; what a run needs instead is looked for where it differs, if that is asked for."""
         try:
             drive = _Drive(self, two_trains(self.setup, case.headway))
             return drive.driven(case, searched=searched)
         except NoSuchDayError as error:
-            return Driven(case, why=str(error))
+            return DrivenHeadway(case, why=str(error))
 
     def legs(self, setup: Setup) -> tuple[SetLeg, ...]:
         """The legs of a day, as run."""
@@ -145,7 +145,7 @@ class Drives:
 class _Drive:
     """The drives of one headway."""
 
-    def __init__(self, drives: Drives, two: TwoTrains) -> None:
+    def __init__(self, drives: HeadwayDrives, two: TwoTrains) -> None:
         self._drives, self._two = drives, two
         try:  # far apart, so that points lie as the first one leaves them
             self._unhindered(drives.legs(two.day(two.first, two.second.later(FAR_S))), FAR_S)
@@ -165,7 +165,7 @@ class _Drive:
         longer_s = (_longer_s(run, legs) for run in headway.claims.runs)
         self._driving_s = math.fsum(s for s in longer_s if math.isfinite(s)) if DRIVING_COUNTS else 0.0
 
-    def driven(self, case: HeadwayCase, *, searched: bool) -> Driven:
+    def driven(self, case: HeadwayCase, *, searched: bool) -> DrivenHeadway:
         found = self._at_least(case, 0.0)
         if found.kept_s <= LATE_S and not found.agrees:
             spared_s = self._spared()
@@ -177,12 +177,12 @@ class _Drive:
         needs_s = self._needs(kept if found.nearer_s > LATE_S else nearer)
         return replace(found, needs_s=self._apart_s + needs_s)
 
-    def _at_least(self, case: HeadwayCase, spared_s: float) -> Driven:
+    def _at_least(self, case: HeadwayCase, spared_s: float) -> DrivenHeadway:
         """The headway driven, the second asking so much later."""
         self._spared_s, self._late_s = spared_s, {}
         kept, nearer = (self.late_s(by_s) for by_s in self._times(spared_s))
         needs_s = case.headway.least_s + self._driving_s - spared_s
-        return Driven(case, self._driving_s, spared_s, kept, nearer, needs_s)
+        return DrivenHeadway(case, self._driving_s, spared_s, kept, nearer, needs_s)
 
     def _times(self, spared_s: float) -> tuple[int, int]:
         """The whole seconds, later than alone, by which a headway is kept, and by which a second is missing."""

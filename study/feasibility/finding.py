@@ -138,19 +138,19 @@ class Feasibility:
     meets: tuple[PlannedMeet, ...]
     findings: tuple[Finding, ...]
 
-    def of(self, *severities: Severity) -> tuple[Finding, ...]:
+    def of_severity(self, *severities: Severity) -> tuple[Finding, ...]:
         """Those of some severities."""
         return tuple(f for f in self.findings if f.severity in severities)
 
     @property
     def impossible(self) -> tuple[Finding, ...]:
         """What never goes on: it refuses the plan."""
-        return self.of(Severity.IMPOSSIBLE)
+        return self.of_severity(Severity.IMPOSSIBLE)
 
     @property
     def not_as_printed(self) -> tuple[Finding, ...]:
         """What never goes on, or runs late."""
-        return self.of(Severity.IMPOSSIBLE, Severity.LATE)
+        return self.of_severity(Severity.IMPOSSIBLE, Severity.LATE)
 
     @property
     def good(self) -> bool:

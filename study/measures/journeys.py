@@ -72,7 +72,7 @@ class SampledHop:
 
 
 @dataclass(frozen=True, slots=True)
-class Shared:
+class SharedTime:
     """One way to share the time of a journey: when, and what each hop costs, J."""
 
     journey: TimedJourney
@@ -92,9 +92,9 @@ class JourneyEnergies:
     """
 
     least_s: tuple[float, ...]
-    standard: Shared
-    proportional: Shared
-    optimal: Shared
+    standard: SharedTime
+    proportional: SharedTime
+    optimal: SharedTime
     bound_j: float
 
     @property
@@ -114,7 +114,7 @@ def journey_energies(hops: Sequence[SampledHop], stops: Sequence[JourneyStop]) -
     standard_s = [float(laid_down_s(time_s)) for time_s in least_s]
     standard = _costed(hops, earliest_times(standard_s, least_s, stops))
     proportional = _costed(hops, journey_times([proportional_curve(time_s) for time_s in least_s], stops))
-    best: Shared | None = None
+    best: SharedTime | None = None
     bound_j = -math.inf
     for _ in range(ROUNDS):
         found = _costed(hops, journey_times([hop.curve() for hop in hops], stops))
@@ -126,7 +126,7 @@ def journey_energies(hops: Sequence[SampledHop], stops: Sequence[JourneyStop]) -
     return JourneyEnergies(tuple(least_s), standard, proportional, best or proportional, bound_j)
 
 
-def _costed(hops: Iterable[SampledHop], journey: TimedJourney) -> Shared:
+def _costed(hops: Iterable[SampledHop], journey: TimedJourney) -> SharedTime:
     """A journey with what its hops cost in the times that they get; time beyond what saves is stood off."""
     times = zip(hops, journey.running_s, strict=True)
-    return Shared(journey, tuple(hop.energy_j(time_s) for hop, time_s in times))
+    return SharedTime(journey, tuple(hop.energy_j(time_s) for hop, time_s in times))

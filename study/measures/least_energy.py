@@ -73,7 +73,7 @@ class HopLeast:
 
 
 @dataclass(frozen=True, slots=True)
-class Least:
+class LeastEnergy:
     """Hops together, kWh."""
 
     hops: int
@@ -82,7 +82,7 @@ class Least:
     bound_kwh: float
 
     @classmethod
-    def sum_of(cls, hops: Iterable[HopLeast]) -> Least:
+    def sum_of(cls, hops: Iterable[HopLeast]) -> LeastEnergy:
         """Their sums."""
         whole = tuple(hops)
         return cls(

@@ -6,18 +6,18 @@ from collections.abc import Mapping
 from typing import Final
 
 from network.clock import clock
-from study.record.wait import Asked, Cause, Wait
+from study.record.wait import AwaitedRequest, Cause, Wait
 from study.wording.catalogue import phrase
 from study.wording.phrase import NOTHING, Names, Phrase
 from study.wording.reasons import reason
 from wayside.config import MANAGER_ID
 
-_ASKED: Final[Mapping[Asked, Phrase]] = {
-    Asked.NOTHING: phrase("its command"),
-    Asked.SIGN_ON: phrase("its sign-on"),
-    Asked.SIGN_OFF: phrase("its sign-off"),
-    Asked.ROUTE: phrase("its request for a route"),
-    Asked.REPORT: phrase("its report of what it holds"),
+_ASKED: Final[Mapping[AwaitedRequest, Phrase]] = {
+    AwaitedRequest.NOTHING: phrase("its command"),
+    AwaitedRequest.SIGN_ON: phrase("its sign-on"),
+    AwaitedRequest.SIGN_OFF: phrase("its sign-off"),
+    AwaitedRequest.ROUTE: phrase("its request for a route"),
+    AwaitedRequest.REPORT: phrase("its report of what it holds"),
 }
 _STATION: Final = phrase("station").ja  # stands once behind the name of each
 _AT: Final = phrase("at {place}")

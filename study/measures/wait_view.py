@@ -17,11 +17,11 @@ from simulation import events
 from simulation.clock import Clock
 from simulation.events import MANAGER, JournalEntry
 from simulation.world.roster import Duty
-from study.record.wait import Asked
+from study.record.wait import AwaitedRequest
 from wayside import said
 
 
-class Doing(Enum):
+class DutyStage(Enum):
     """Where a unit is in its duty."""
 
     NOTHING = "nothing"
@@ -35,11 +35,11 @@ class Doing(Enum):
 
 
 EMERGENCY_LEVEL: Final = 2
-_ASKS: Final[Mapping[str, Asked]] = {
-    "SignOn": Asked.SIGN_ON,
-    "SignOff": Asked.SIGN_OFF,
-    "RouteRequest": Asked.ROUTE,
-    "HoldingReport": Asked.REPORT,
+_ASKS: Final[Mapping[str, AwaitedRequest]] = {
+    "SignOn": AwaitedRequest.SIGN_ON,
+    "SignOff": AwaitedRequest.SIGN_OFF,
+    "RouteRequest": AwaitedRequest.ROUTE,
+    "HoldingReport": AwaitedRequest.REPORT,
 }
 
 
@@ -53,7 +53,7 @@ class WaitingRequest:
 
 
 @dataclass(slots=True)
-class View:
+class StockView:
     """The unit as its notes show it. `at`: the stop where it stands or that it left last; `ready_s`: the dwell ends."""
 
     unit: str
@@ -61,14 +61,16 @@ class View:
     dwell_s: float
     train: str = ""
     duty: Duty | None = None
-    doing: Doing = Doing.NOTHING
+    doing: DutyStage = DutyStage.NOTHING
     at: int = 0
     ready_s: float = 0.0
     dwells: bool = False  # for passengers; not so where it stood before its train began
     departed: bool = False
     signed_on: bool = False
     signed_on_s: float = 0.0
-    requests: dict[Asked, WaitingRequest] = field(default_factory=dict[Asked, WaitingRequest])
+    requests: dict[AwaitedRequest, WaitingRequest] = field(
+        default_factory=dict[AwaitedRequest, WaitingRequest]
+    )
     limit_before: str | None = None
     limit_why: str = "no mission"
     limit_at: tuple[str, float] | None = None  # piece, kilometrage in m
@@ -117,11 +119,11 @@ class View:
         self.dwells, self.departed = dwells, False
 
 
-def _mission(view: View, t_s: float, event: notes.MissionBegun) -> None:
+def _mission(view: StockView, t_s: float, event: notes.MissionBegun) -> None:
     view.train, view.numberless = event.train, False
     view.duty = next((duty for duty in view.duties if duty.train.number == event.train), None)
     view.at = 0
-    view.doing = Doing.STANDING if view.signed_on else Doing.SIGNING_ON
+    view.doing = DutyStage.STANDING if view.signed_on else DutyStage.SIGNING_ON
     view.schedule(t_s, dwells=False)
     view.limit_before, view.limit_why, view.limit_at = None, "no mission", None
     view.crew_waits_at, view.set_back, view.unable = "", False, ""
@@ -130,14 +132,14 @@ def _mission(view: View, t_s: float, event: notes.MissionBegun) -> None:
     view.commanded_s.clear()
 
 
-def _restarted(view: View, t_s: float, _event: notes.UnitRestarted) -> None:
-    view.doing, view.signed_on, view.mismatch = Doing.ON_SIGHT, False, ""
+def _restarted(view: StockView, t_s: float, _event: notes.UnitRestarted) -> None:
+    view.doing, view.signed_on, view.mismatch = DutyStage.ON_SIGHT, False, ""
     view.emergency, view.unable = True, ""
     view.requests.clear()
     view.ready_s = t_s
 
 
-def _arrived(view: View, t_s: float, event: notes.Arrived) -> None:
+def _arrived(view: StockView, t_s: float, event: notes.Arrived) -> None:
     targets = () if view.duty is None else view.duty.mission.targets
     places = [target.place_id for target in targets]
     view.at = next(
@@ -145,103 +147,103 @@ def _arrived(view: View, t_s: float, event: notes.Arrived) -> None:
         view.at,
     )
     view.schedule(t_s, dwells=bool(targets) and targets[view.at].passengers)
-    if view.doing is Doing.RUNNING:
-        view.doing = Doing.STANDING
+    if view.doing is DutyStage.RUNNING:
+        view.doing = DutyStage.STANDING
 
 
-def _resumed(view: View, _t_s: float, event: notes.Resumed) -> None:
+def _resumed(view: StockView, _t_s: float, event: notes.Resumed) -> None:
     view.at = event.next_target - 1
-    view.doing = Doing.RUNNING if view.departed else Doing.STANDING
+    view.doing = DutyStage.RUNNING if view.departed else DutyStage.STANDING
     view.crew_waits_at = ""
 
 
-def _departs(view: View, _t_s: float, _event: notes.Departs) -> None:
-    view.doing, view.departed = Doing.RUNNING, True
+def _departs(view: StockView, _t_s: float, _event: notes.Departs) -> None:
+    view.doing, view.departed = DutyStage.RUNNING, True
 
 
-def _mission_done(view: View, _t_s: float, _event: notes.MissionDone) -> None:
+def _mission_done(view: StockView, _t_s: float, _event: notes.MissionDone) -> None:
     leaves = view.duty is not None and view.duty.leaves
-    view.doing = Doing.SIGNING_OFF if leaves else Doing.FINISHED
+    view.doing = DutyStage.SIGNING_OFF if leaves else DutyStage.FINISHED
 
 
-def _lost_position(view: View, _t_s: float, _event: notes.PositionFault) -> None:
+def _lost_position(view: StockView, _t_s: float, _event: notes.PositionFault) -> None:
     view.emergency, view.unable = True, ""
-    if view.doing in (Doing.STANDING, Doing.RUNNING):
-        view.doing = Doing.ON_SIGHT
+    if view.doing in (DutyStage.STANDING, DutyStage.RUNNING):
+        view.doing = DutyStage.ON_SIGHT
 
 
-def _limit(view: View, _t_s: float, event: notes.LimitSet) -> None:
+def _limit(view: StockView, _t_s: float, event: notes.LimitSet) -> None:
     view.limit_before, view.limit_why = event.before, event.why
     view.limit_at = event.piece_id, event.kilometrage_m
 
 
-def _intervenes(view: View, _t_s: float, event: notes.Intervention) -> None:
+def _intervenes(view: StockView, _t_s: float, event: notes.Intervention) -> None:
     if event.level == EMERGENCY_LEVEL:
         view.emergency = True
 
 
-def _unfit(view: View, _t_s: float, event: notes.VehicleUnfit) -> None:
+def _unfit(view: StockView, _t_s: float, event: notes.VehicleUnfit) -> None:
     view.unfit = event.why
-    if view.doing in (Doing.RUNNING, Doing.ON_SIGHT):
+    if view.doing in (DutyStage.RUNNING, DutyStage.ON_SIGHT):
         view.emergency = True
 
 
-def _doors(view: View, _t_s: float, event: events.DoorsHeld) -> None:
+def _doors(view: StockView, _t_s: float, event: events.DoorsHeld) -> None:
     view.doors_until_s = event.until_s
 
 
-def _unable(view: View, _t_s: float, event: notes.UnableToLeave) -> None:
+def _unable(view: StockView, _t_s: float, event: notes.UnableToLeave) -> None:
     view.unable = event.why
 
 
-def _mismatch(view: View, _t_s: float, event: notes.Mismatch) -> None:
+def _mismatch(view: StockView, _t_s: float, event: notes.Mismatch) -> None:
     view.mismatch, view.emergency = event.why, True
 
 
-def _sent(view: View, t_s: float, event: Sent) -> None:
+def _sent(view: StockView, t_s: float, event: Sent) -> None:
     if event.source != view.unit or event.kind is None:
         return
     asked = _ASKS.get(event.kind)
     if asked is not None:
         known = view.requests.get(asked)
-        if known is None or (asked is Asked.REPORT and known.correlation != event.correlation):
+        if known is None or (asked is AwaitedRequest.REPORT and known.correlation != event.correlation):
             view.requests[asked] = WaitingRequest(t_s, event.correlation)
         else:  # what was refused is asked again as a new request: it is open all the same
             known.correlation = event.correlation
-        if asked is Asked.ROUTE:
+        if asked is AwaitedRequest.ROUTE:
             view.set_back = False
     elif event.kind == "PointsCommand":
         view.commanded_s.setdefault(event.receiver, t_s)
 
 
-def _took_effect(view: View, _t_s: float, event: TookEffect) -> None:
+def _took_effect(view: StockView, _t_s: float, event: TookEffect) -> None:
     view.cable_cut = False
-    request = view.requests.get(Asked.REPORT)
+    request = view.requests.get(AwaitedRequest.REPORT)
     confirmed = event.receiver == view.unit and event.kind == "HoldingConfirmed"
     if confirmed and request is not None and request.correlation == event.correlation and not view.mismatch:
-        del view.requests[Asked.REPORT]  # sent once more it is open again
+        del view.requests[AwaitedRequest.REPORT]  # sent once more it is open again
 
 
-def _signed_on(view: View, t_s: float, _event: notes.SignedOn) -> None:
+def _signed_on(view: StockView, t_s: float, _event: notes.SignedOn) -> None:
     view.signed_on, view.signed_on_s, view.mismatch = True, t_s, ""
-    view.requests.pop(Asked.SIGN_ON, None)
-    if view.doing is Doing.SIGNING_ON:
-        view.doing = Doing.STANDING
+    view.requests.pop(AwaitedRequest.SIGN_ON, None)
+    if view.doing is DutyStage.SIGNING_ON:
+        view.doing = DutyStage.STANDING
 
 
-def _signed_off(view: View, _t_s: float, _event: notes.SignedOff) -> None:
-    view.signed_on, view.doing = False, Doing.GONE
+def _signed_off(view: StockView, _t_s: float, _event: notes.SignedOff) -> None:
+    view.signed_on, view.doing = False, DutyStage.GONE
     view.requests.clear()
 
 
-def _route_held(view: View, _t_s: float, _event: notes.RouteHeld) -> None:
-    view.requests.pop(Asked.ROUTE, None)
+def _route_held(view: StockView, _t_s: float, _event: notes.RouteHeld) -> None:
+    view.requests.pop(AwaitedRequest.ROUTE, None)
     view.commanded_s.clear()
 
 
-def _refused(asked: Asked) -> Callable[[View, float, Any], None]:
+def _refused(asked: AwaitedRequest) -> Callable[[StockView, float, Any], None]:
     def refused(
-        view: View, t_s: float, event: notes.SignOnDenied | notes.SignOffDenied | notes.RouteDenied
+        view: StockView, t_s: float, event: notes.SignOnDenied | notes.SignOffDenied | notes.RouteDenied
     ) -> None:
         request = view.requests.setdefault(asked, WaitingRequest(t_s, None))
         request.refusal = event.why
@@ -249,27 +251,27 @@ def _refused(asked: Asked) -> Callable[[View, float, Any], None]:
     return refused
 
 
-def _gave_back(view: View, t_s: float, _event: notes.GaveBack) -> None:
-    view.requests.pop(Asked.ROUTE, None)
+def _gave_back(view: StockView, t_s: float, _event: notes.GaveBack) -> None:
+    view.requests.pop(AwaitedRequest.ROUTE, None)
     view.set_back, view.ready_s = True, max(view.ready_s, t_s)
     view.proven.clear()
 
 
-def _proven(view: View, _t_s: float, event: notes.Proven) -> None:
+def _proven(view: StockView, _t_s: float, event: notes.Proven) -> None:
     view.proven.add(event.points_id)
     view.points_refused.pop(event.points_id, None)
     view.crew_waits_at = ""
 
 
-def _proof_dropped(view: View, _t_s: float, event: notes.ProofDropped) -> None:
+def _proof_dropped(view: StockView, _t_s: float, event: notes.ProofDropped) -> None:
     view.proven.discard(event.points_id)
 
 
-def _throw_denied(view: View, _t_s: float, event: notes.ThrowDenied) -> None:
+def _throw_denied(view: StockView, _t_s: float, event: notes.ThrowDenied) -> None:
     view.points_refused[event.points_id] = event.why
 
 
-def _fault(view: View, t_s: float, event: events.FaultBegan) -> None:
+def _fault(view: StockView, t_s: float, event: events.FaultBegan) -> None:
     if event.kind == "frozen":
         view.frozen = True
     elif event.kind == "clock":
@@ -279,22 +281,22 @@ def _fault(view: View, t_s: float, event: events.FaultBegan) -> None:
         view.clocks[repr(sorted(event.parameters.items()))] = t_s, numbers
 
 
-def _fault_over(view: View, _t_s: float, event: events.FaultOver) -> None:
+def _fault_over(view: StockView, _t_s: float, event: events.FaultOver) -> None:
     if event.kind == "frozen":
         view.frozen = False
     elif event.kind == "clock":
         view.clocks.pop(repr(sorted(event.parameters.items())), None)
 
 
-def _set(**values: object) -> Callable[[View, float, Any], None]:
-    def put(view: View, _t_s: float, _event: Noted) -> None:
+def _set(**values: object) -> Callable[[StockView, float, Any], None]:
+    def put(view: StockView, _t_s: float, _event: Noted) -> None:
         for name, value in values.items():
             setattr(view, name, value)
 
     return put
 
 
-_READERS: Final[Mapping[type[Noted], Callable[[View, float, Any], None]]] = {
+_READERS: Final[Mapping[type[Noted], Callable[[StockView, float, Any], None]]] = {
     notes.MissionBegun: _mission,
     notes.MissionDone: _mission_done,
     notes.UnitRestarted: _restarted,
@@ -312,11 +314,11 @@ _READERS: Final[Mapping[type[Noted], Callable[[View, float, Any], None]]] = {
     notes.Mismatch: _mismatch,
     notes.Agreed: _set(mismatch=""),
     notes.SignedOn: _signed_on,
-    notes.SignOnDenied: _refused(Asked.SIGN_ON),
+    notes.SignOnDenied: _refused(AwaitedRequest.SIGN_ON),
     notes.SignedOff: _signed_off,
-    notes.SignOffDenied: _refused(Asked.SIGN_OFF),
+    notes.SignOffDenied: _refused(AwaitedRequest.SIGN_OFF),
     notes.RouteHeld: _route_held,
-    notes.RouteDenied: _refused(Asked.ROUTE),
+    notes.RouteDenied: _refused(AwaitedRequest.ROUTE),
     notes.GaveBack: _gave_back,
     notes.LimitSet: _limit,
     notes.Proven: _proven,

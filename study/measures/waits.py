@@ -27,9 +27,9 @@ from simulation.world.roster import Duty, drawn_up
 from study.measures.register_holds import SectionHold
 from study.measures.stretches import DayStretch, stretches
 from study.measures.wait_history import RegisterHistory
-from study.measures.wait_view import Doing, View, WaitingRequest, subject_of
+from study.measures.wait_view import DutyStage, StockView, WaitingRequest, subject_of
 from study.measures.where import Whereabouts
-from study.record.wait import Asked, Cause, Wait
+from study.record.wait import AwaitedRequest, Cause, Wait
 
 AT_ITS_STOP: Final = (EnergyPhase.AT_STOP, EnergyPhase.LAYOVER)
 SLOWED_SHARE: Final = 0.8  # of the braking to a stop: a train that must brake so hard and does is held back
@@ -56,7 +56,7 @@ def waits_of(result: RunResult, setup: Setup, holds: Iterable[SectionHold]) -> t
     where = Whereabouts(result)
     found: list[Wait] = []
     for unit in result.stock_ids:
-        view = View(unit, drawn.get(unit, ()), setup.unit.dwell_min_s)
+        view = StockView(unit, drawn.get(unit, ()), setup.unit.dwell_min_s)
         days = stretches(result, unit)
         finder = _Finder(setup, view, history, where, drawn)
         found += finder.day(days, entries[unit])
@@ -76,7 +76,7 @@ class _Finder:
     def __init__(
         self,
         setup: Setup,
-        view: View,
+        view: StockView,
         history: RegisterHistory,
         where: Whereabouts,
         drawn: Mapping[str, tuple[Duty, ...]],
@@ -148,14 +148,17 @@ class _Finder:
 
     def _off_line(self, t_s: float) -> tuple[Wait, float]:
         view = self._view
-        if view.doing in (Doing.SIGNING_ON, Doing.STANDING, Doing.RUNNING) and view.duty is not None:
+        if (
+            view.doing in (DutyStage.SIGNING_ON, DutyStage.STANDING, DutyStage.RUNNING)
+            and view.duty is not None
+        ):
             portal = view.duty.mission.spans[0].section_id
             ails = self._no_unit()
             if ails is not None:
                 return replace(self._make(ails), section=portal), math.inf
             if view.signed_on:
                 return self._portal(t_s, portal)
-            wait, until_s = self._request(Asked.SIGN_ON, t_s, (portal,))
+            wait, until_s = self._request(AwaitedRequest.SIGN_ON, t_s, (portal,))
             return replace(wait, section=wait.section or portal), until_s
         following = view.next_duty
         if following is None:
@@ -213,30 +216,30 @@ class _Finder:
         if view.unfit or view.unable:
             cause = Cause.VEHICLE if view.unfit else Cause.UNABLE
             return replace(self._make(cause), reason=view.unfit or view.unable), math.inf
-        if view.emergency and view.doing in (Doing.RUNNING, Doing.ON_SIGHT):
+        if view.emergency and view.doing in (DutyStage.RUNNING, DutyStage.ON_SIGHT):
             return self._make(Cause.EMERGENCY), math.inf
         return None
 
     def _by_duty(self, t_s: float) -> tuple[Wait, float]:
         view = self._view
-        if view.doing is Doing.SIGNING_ON or (view.doing is Doing.ON_SIGHT and not view.signed_on):
-            return self._request(Asked.SIGN_ON, t_s)
+        if view.doing is DutyStage.SIGNING_ON or (view.doing is DutyStage.ON_SIGHT and not view.signed_on):
+            return self._request(AwaitedRequest.SIGN_ON, t_s)
         match view.doing:
-            case Doing.SIGNING_OFF | Doing.GONE:
+            case DutyStage.SIGNING_OFF | DutyStage.GONE:
                 return self._signing_off(t_s)
-            case Doing.FINISHED | Doing.NOTHING:
+            case DutyStage.FINISHED | DutyStage.NOTHING:
                 return self._finished()
-            case Doing.ON_SIGHT if view.departed:
+            case DutyStage.ON_SIGHT if view.departed:
                 return self._on_sight(t_s)
-            case Doing.RUNNING:
+            case DutyStage.RUNNING:
                 return self._held_up(t_s)
             case _:
                 return self._at_stop(t_s)
 
     def _signing_off(self, t_s: float) -> tuple[Wait, float]:
-        if Asked.SIGN_OFF in self._view.requests:
-            return self._request(Asked.SIGN_OFF, t_s)
-        cause = Cause.LEAVING if self._view.doing is Doing.GONE else Cause.SIGN_OFF
+        if AwaitedRequest.SIGN_OFF in self._view.requests:
+            return self._request(AwaitedRequest.SIGN_OFF, t_s)
+        cause = Cause.LEAVING if self._view.doing is DutyStage.GONE else Cause.SIGN_OFF
         return self._make(cause), math.inf
 
     def _finished(self) -> tuple[Wait, float]:
@@ -252,7 +255,7 @@ class _Finder:
         """At a stop: the dwell, the departure time, then the way ahead."""
         view = self._view
         targets = () if view.duty is None else view.duty.mission.targets
-        if view.departed and view.doing is Doing.STANDING:
+        if view.departed and view.doing is DutyStage.STANDING:
             return self._make(Cause.STARTING), math.inf
         if view.at >= len(targets) - 1:
             return self._ends_here(t_s)
@@ -267,13 +270,13 @@ class _Finder:
             return replace(self._make(Cause.DEPARTURE_TIME), until_s=planned_s, reason=why), leave_s
         if view.emergency:
             return self._make(Cause.EMERGENCY), math.inf
-        return self._on_sight(t_s) if view.doing is Doing.ON_SIGHT else self._way_ahead(t_s)
+        return self._on_sight(t_s) if view.doing is DutyStage.ON_SIGHT else self._way_ahead(t_s)
 
     def _ends_here(self, t_s: float) -> tuple[Wait, float]:
         """At its last stop, before its journey counts as done."""
-        if Asked.REPORT in self._view.requests:
-            return self._request(Asked.REPORT, t_s)
-        if self._view.doing is Doing.ON_SIGHT:
+        if AwaitedRequest.REPORT in self._view.requests:
+            return self._request(AwaitedRequest.REPORT, t_s)
+        if self._view.doing is DutyStage.ON_SIGHT:
             return self._make(Cause.ON_SIGHT), math.inf
         return self._make(Cause.ARRIVAL_BY_EYE), math.inf
 
@@ -290,8 +293,8 @@ class _Finder:
             wait, until_s = self._points(t_s, view.crew_waits_at)
             moves = wait.cause is Cause.POINTS_MOVE
             return replace(wait, cause=wait.cause if moves else Cause.POINTS_BY_EYE), until_s
-        if Asked.ROUTE in view.requests:
-            return self._request(Asked.ROUTE, t_s, self._route_sections(view.limit_before))
+        if AwaitedRequest.ROUTE in view.requests:
+            return self._request(AwaitedRequest.ROUTE, t_s, self._route_sections(view.limit_before))
         return self._make(Cause.ON_SIGHT), math.inf
 
     # what is ahead --------------------------------------------------------------------------------------------
@@ -309,15 +312,15 @@ class _Finder:
         if view.limit_why == NOT_PROVEN and view.limit_before is not None:
             missing = self._points_missing(view.limit_before)
             return self._points(t_s, missing) if missing else (self._make(Cause.STARTING), math.inf)
-        if Asked.ROUTE in view.requests:
-            return self._request(Asked.ROUTE, t_s, self._route_sections(view.limit_before))
+        if AwaitedRequest.ROUTE in view.requests:
+            return self._request(AwaitedRequest.ROUTE, t_s, self._route_sections(view.limit_before))
         if view.set_back:
             return self._make(Cause.SET_BACK), math.inf
-        if Asked.REPORT in view.requests:
-            return self._request(Asked.REPORT, t_s)
+        if AwaitedRequest.REPORT in view.requests:
+            return self._request(AwaitedRequest.REPORT, t_s)
         if view.limit_before is None:
             return self._make(Cause.STARTING), math.inf
-        return self._request(Asked.ROUTE, t_s, self._route_sections(view.limit_before))
+        return self._request(AwaitedRequest.ROUTE, t_s, self._route_sections(view.limit_before))
 
     def _route_sections(self, before: str | None) -> tuple[str, ...]:
         """Sections of the route of the present train that has a section."""
@@ -326,7 +329,9 @@ class _Finder:
             (r.section_ids for r in routes if before in r.section_ids), () if before is None else (before,)
         )
 
-    def _request(self, asked: Asked, t_s: float, sections: tuple[str, ...] = ()) -> tuple[Wait, float]:
+    def _request(
+        self, asked: AwaitedRequest, t_s: float, sections: tuple[str, ...] = ()
+    ) -> tuple[Wait, float]:
         """An open request: who has what was asked for, why it was refused, or that no answer has come."""
         request = self._view.requests.get(asked)
         changes_s = self._history.next_change_s(sections, t_s)
@@ -350,7 +355,7 @@ class _Finder:
         cause = Cause.REFUSED if request.refusal else Cause.ANSWER
         return replace(wait, cause=cause, since_s=request.since_s, reason=request.refusal), until_s
 
-    def _behind(self, cause: Cause, asked: Asked, request: WaitingRequest) -> Wait:
+    def _behind(self, cause: Cause, asked: AwaitedRequest, request: WaitingRequest) -> Wait:
         """Its way is free, but another is to come first: that, and where to, the refusal names last."""
         _, _, named = request.refusal.partition(": section ")
         section, _, unit = named.partition(" of ")
@@ -359,7 +364,9 @@ class _Finder:
             self._make(cause), asked=asked, section=section, party=unit, party_train=train, since_s=since_s
         )
 
-    def _held(self, asked: Asked, section: str, unit: str, from_s: float, to_s: float, t_s: float) -> Wait:
+    def _held(
+        self, asked: AwaitedRequest, section: str, unit: str, from_s: float, to_s: float, t_s: float
+    ) -> Wait:
         return replace(
             self._make(Cause.ROUTE_HELD),
             asked=asked,

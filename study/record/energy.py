@@ -29,7 +29,7 @@ def _part(name: str) -> Figure:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Taken:
+class EnergyDrawn:
     """What was drawn and given back."""
 
     traction_kwh: Annotated[float, kwh("traction", _LISTED)]
@@ -39,7 +39,7 @@ class Taken:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Spent(Taken):
+class EnergySpent(EnergyDrawn):
     """The same, and where it went."""
 
     kinetic_kwh: Annotated[float, _part("change of motion"), "of what turns too"]
@@ -82,7 +82,7 @@ class _Ran:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpentByTrain(Spent, _Ran):
+class SpentByTrain(EnergySpent, _Ran):
     """The same of a train that ran."""
 
     standing_kwh: Annotated[
@@ -114,7 +114,7 @@ class _WhenAndWho:
 
 
 @dataclass(frozen=True, kw_only=True)
-class HourOfEnergy(Taken, _WhenAndWho):
+class HourOfEnergy(EnergyDrawn, _WhenAndWho):
     """One hour, stock and phase: what it took and gave in that hour, stabled stock too."""
 
 
@@ -129,9 +129,11 @@ class _Stay:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LayoverEnergy(Spent, _Stay):
+class LayoverEnergy(EnergySpent, _Stay):
     """One stay where one train of a stock ends and the next begins."""
 
 
-TAKEN: Final = tuple(figures_of(Taken))
-PARTS: Final = tuple(name for name in seen_in(Spent, ShownIn.PARTS) if name not in TAKEN)  # auxiliaries apart
+TAKEN: Final = tuple(figures_of(EnergyDrawn))
+PARTS: Final = tuple(
+    name for name in seen_in(EnergySpent, ShownIn.PARTS) if name not in TAKEN
+)  # auxiliaries apart

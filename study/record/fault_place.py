@@ -13,12 +13,12 @@ from simulation.faults.lidar import MarkerMissing
 from simulation.faults.links import DeadZone, LinkFault
 from simulation.faults.points import PointsFault
 from simulation.faults.tag_reader import TagFault
-from study.record.marks import Where
+from study.record.marks import MarkPlace
 
 TO_SEE_M = 60.0  # what is at one place is shown as so long a stretch
 
 
-def place_of_fault(fault: Fault[Any], line: Line, unit_ids: Iterable[str]) -> Where:
+def place_of_fault(fault: Fault[Any], line: Line, unit_ids: Iterable[str]) -> MarkPlace:
     """Where a fault is. What is nowhere in particular, as the block manager is, is on the whole line."""
     if isinstance(fault, LinkFault):
         return _of_parties((fault.target.source, fault.target.destination), line, unit_ids)
@@ -27,10 +27,10 @@ def place_of_fault(fault: Fault[Any], line: Line, unit_ids: Iterable[str]) -> Wh
         case DeadZone():
             low_m, high_m = _around(_in_section(line, target))
             from_m = low_m + fault.from_share * (high_m - low_m)
-            found = Where(stretches_m=((from_m, from_m + fault.length_m),))
+            found = MarkPlace(stretches_m=((from_m, from_m + fault.length_m),))
         case CableFault():
             ends = target.split(BETWEEN)
-            found = Where() if target == WHOLE else _over_m(line.stations[end].position_m for end in ends)
+            found = MarkPlace() if target == WHOLE else _over_m(line.stations[end].position_m for end in ends)
         case PointsFault():
             found = _over(piece for piece in line.pieces.values() if piece.points_id == target)
         case TagFault():
@@ -44,32 +44,34 @@ def place_of_fault(fault: Fault[Any], line: Line, unit_ids: Iterable[str]) -> Wh
     return found
 
 
-def _of_parties(ids: Iterable[str], line: Line, unit_ids: Iterable[str]) -> Where:
+def _of_parties(ids: Iterable[str], line: Line, unit_ids: Iterable[str]) -> MarkPlace:
     """The units among some parties; where there is none, the points of the terminals among them."""
     named = tuple(ids)
     units = tuple(unit_id for unit_id in unit_ids if unit_id in named)
     points = {points.id for points in line.points.values() if points.terminal_id in named}
-    return Where(units=units) or _over(piece for piece in line.pieces.values() if piece.points_id in points)
+    return MarkPlace(units=units) or _over(
+        piece for piece in line.pieces.values() if piece.points_id in points
+    )
 
 
 def _in_section(line: Line, section_id: str) -> tuple[Piece, ...]:
     return tuple(line.pieces[piece_id] for piece_id in line.sections[section_id].piece_ids)
 
 
-def _over(pieces: Iterable[Piece]) -> Where:
+def _over(pieces: Iterable[Piece]) -> MarkPlace:
     """The stretch that some pieces cover, all branches of kilometrage taken as one; nowhere for none."""
     found = tuple(pieces)
-    return Where(stretches_m=(_around(found),)) if found else Where()
+    return MarkPlace(stretches_m=(_around(found),)) if found else MarkPlace()
 
 
-def _over_m(places_m: Iterable[float]) -> Where:
+def _over_m(places_m: Iterable[float]) -> MarkPlace:
     places = tuple(places_m)
-    return Where(stretches_m=((min(places), max(places)),))
+    return MarkPlace(stretches_m=((min(places), max(places)),))
 
 
 def _around(pieces: tuple[Piece, ...]) -> tuple[float, float]:
     return min(piece.from_m for piece in pieces), max(piece.to_m for piece in pieces)
 
 
-def _at(place_m: float) -> Where:
-    return Where(stretches_m=((place_m - TO_SEE_M / 2, place_m + TO_SEE_M / 2),))
+def _at(place_m: float) -> MarkPlace:
+    return MarkPlace(stretches_m=((place_m - TO_SEE_M / 2, place_m + TO_SEE_M / 2),))

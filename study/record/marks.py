@@ -18,7 +18,7 @@ class MarkKind(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Where:
+class MarkPlace:
     """Where on the line something is: stretches of kilometrage, m, or units, which carry it; neither: all of it."""
 
     stretches_m: tuple[tuple[float, float], ...] = ()
@@ -42,7 +42,7 @@ class Mark:
     happened: str = ""
     text_ja: str = ""
     happened_ja: str = ""
-    where: Where = Where()
+    where: MarkPlace = MarkPlace()
 
     @property
     def said(self) -> Phrase:

@@ -52,7 +52,7 @@ class Cause(StrEnum):
     STABLED = "stabled"  # stands after its last train (留置)
 
 
-class Asked(StrEnum):
+class AwaitedRequest(StrEnum):
     """What the block manager was asked for, where the cause is about a request."""
 
     NOTHING = ""
@@ -83,7 +83,7 @@ class Wait:
     cause: Cause
     place: str = ""
     at_m: float | None = None
-    asked: Asked = Asked.NOTHING
+    asked: AwaitedRequest = AwaitedRequest.NOTHING
     section: str = ""
     points: str = ""
     party: str = ""

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from study.capacity.equipment import BLOCKS, LeverWorth, Measured
+from study.capacity.equipment import BLOCKS, EquipmentFigures, LeverWorth
 from study.capacity.line_capacity import Rate
 from study.report.headways import COST_COLOURS, save
 from study.report.style import INK, PALE, RED, WIDTH_IN, beside, drawing
@@ -68,7 +68,7 @@ def _draw_cut(axes: Axes, rates: Sequence[Rate]) -> None:
 
 def draw_tornado(worth: Sequence[LeverWorth]) -> Figure | None:
     """A panel a figure: how far each parameter moves headways and occupancy, from its one end to the other."""
-    panels: tuple[tuple[str, Callable[[Measured], float]], ...] = (
+    panels: tuple[tuple[str, Callable[[EquipmentFigures], float]], ...] = (
         ("headway of a follower on the way down, s", lambda one: one.headway_s),
         (f"the same with {BLOCKS} virtual blocks a section, s", lambda one: one.block_headway_s),
         ("from an arrival to the opposing departure, s", lambda one: one.meet_s),
@@ -91,7 +91,7 @@ def draw_tornado(worth: Sequence[LeverWorth]) -> Figure | None:
     return figure
 
 
-def _draw_swings(axes: Axes, worth: Sequence[LeverWorth], of: Callable[[Measured], float]) -> None:
+def _draw_swings(axes: Axes, worth: Sequence[LeverWorth], of: Callable[[EquipmentFigures], float]) -> None:
     """A bar a parameter, the widest on top, about the line of what is."""
     finite = [one for one in worth if math.isfinite(of(one.low_end)) and math.isfinite(of(one.high_end))]
     ordered = sorted(finite, key=lambda one: abs(of(one.high_end) - of(one.low_end)))

@@ -9,7 +9,7 @@ from typing import Any, Final
 import polars as pl
 
 from study.record.columns import FROM, TO, TRAIN, TRAINS, said_in_both
-from study.record.energy import PARTS, TAKEN, LayoverEnergy, LegEnergy, Taken, TrainEnergy
+from study.record.energy import PARTS, TAKEN, EnergyDrawn, LayoverEnergy, LegEnergy, TrainEnergy
 from study.record.figure import Figure, Kind, ShownIn, figures_of, seen_in
 from study.record.journal_rows import ComparedFigure
 from study.report.data import ReportedRun
@@ -101,7 +101,7 @@ def _sums(facts: Mapping[str, Any]) -> tuple[Table, ...]:
                     replace(figure, digits=1),
                     [energy[phase][name.removesuffix("_kwh")] for phase in PHASES],
                 )
-                for name, figure in figures_of(Taken).items()
+                for name, figure in figures_of(EnergyDrawn).items()
             ),
         ),
     )
@@ -171,7 +171,7 @@ def _by_hour(run: ReportedRun) -> tuple[Table, ...]:
     )
     if hours.is_empty():
         return ()
-    shown = {"hour": Figure(phrase("h", "short")), **figures_of(Taken)}
+    shown = {"hour": Figure(phrase("h", "short")), **figures_of(EnergyDrawn)}
     return (table_of("energy_hours", phrase("Energy by hour"), hours.to_dicts(), shown),)
 
 

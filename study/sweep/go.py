@@ -17,7 +17,7 @@ from study.sweep.figures import FIGURES
 from study.sweep.local import Pump
 from study.sweep.plan import GridPoint, SweepPlan
 from study.sweep.records import DayOutcome, DayRecord
-from study.sweep.statistics import FigureEstimate, Running
+from study.sweep.statistics import FigureEstimate, RunningMoments
 from study.sweep.store import FiledDays, SweepDirectory, UnusableFile, day_name
 from study.sweep.worker import RUNNER, FiledDay, Task
 
@@ -35,7 +35,7 @@ class _PointProgress:
         self._plan = plan
         self._complete = 0
         self._ahead: set[int] = set()  # days that are there before one that comes first
-        self._running = {name: Running() for name in _watched(plan)}
+        self._running = {name: RunningMoments() for name in _watched(plan)}
         self._looks = frozenset(plan.looks)
 
     def take(self, index: int, name: str, records: Mapping[str, DayRecord]) -> None:

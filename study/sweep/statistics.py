@@ -56,7 +56,7 @@ class FigureEstimate:
         return {"days": self.days, "value": self.value, "low": self.low, "high": self.high}
 
 
-class Running:
+class RunningMoments:
     """Mean, scatter and skewness of figures as they come, one at a time (Welford 1962, Pébay 2008)."""
 
     def __init__(self) -> None:
@@ -100,7 +100,7 @@ class Running:
 
 def mean_of(values: Sequence[float], confidence: float) -> FigureEstimate:
     """The mean, by Student's t corrected for skewness."""
-    running = Running()
+    running = RunningMoments()
     for value in values:
         running.add(value)
     return running.estimate(confidence)

@@ -38,7 +38,6 @@ HEADER_FILE: Final = "sweep.json"
 LOCK_FILE: Final = "lock"
 DAYS: Final = "days"
 RUNS: Final = "runs"
-REPLAYS: Final = "replays"
 _DAY: Final = re.compile(r"[0-9a-f]{32}-[0-9]{6}\.json")
 _WITH: Final = ("numpy", "numba", "libsumo")
 _NO_LOCKS: Final = frozenset({errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP})

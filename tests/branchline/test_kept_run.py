@@ -62,14 +62,15 @@ def test_what_a_directory_lacks_is_missed_by_the_command_that_needs_it(
     assert "driving.parquet" in ended.err and "whistle_s" in ended.err and "earlier version" in ended.err
 
 
-def test_a_directory_of_a_later_format_is_refused_by_its_number(
+def test_a_directory_of_a_later_format_is_refused_by_its_number_and_one_without_opens(
     main: Callable[..., Any], tmp_path: Path
 ) -> None:
     copy = shutil.copytree(KEPT, tmp_path / "copy")
     summary = json.loads((copy / "summary.json").read_text("utf-8"))
     assert summary["format"] == FORMAT
-    for number, code in ((FORMAT + 1, 2), (FORMAT, 0)):
-        (copy / "summary.json").write_text(json.dumps(summary | {"format": number}), "utf-8")
+    before_it_was_counted = {key: value for key, value in summary.items() if key != "format"}
+    for written, code in (({"format": FORMAT + 1}, 2), ({"format": FORMAT}, 0), ({}, 0)):
+        (copy / "summary.json").write_text(json.dumps(before_it_was_counted | written), "utf-8")
         ended = main("plot", str(copy), "waits", "--out", "waits.csv")
         assert ended.code == code
         assert ("format is 2; expected at most 1" in ended.err) is (code == 2)

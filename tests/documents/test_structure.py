@@ -1,12 +1,13 @@
 from __future__ import annotations
 
+import re
 import tomllib
 from pathlib import Path
 
 import pytest
 
 from documents.structure import ROOT, imports_rule, kernel_files, lengths_rule, parameters_rule, unit_rule
-from documents.structure_rule import PRODUCT
+from documents.structure_rule import LAYERS, PRODUCT
 
 CONTRACT = "[[tool.importlinter.contracts]]\n"
 LAW = """
@@ -95,3 +96,10 @@ def test_a_circle_is_found_wherever_the_import_that_closes_it_stands(
     assert imports_rule(tmp_path).broken == ()
     graph.write_text(graph.read_text() + import_back)
     assert imports_rule(tmp_path).broken == ("circles BROKEN",)
+
+
+def test_docs_architecture_has_every_package_and_the_order_of_the_contract() -> None:
+    page = (ROOT / "docs/architecture.md").read_text("utf-8")
+    assert set(re.findall(r"^\| `(\w+)/` \|", page, re.MULTILINE)) == set(PRODUCT)
+    order = " > ".join(f"({layer})" if "|" in layer else layer for layer in LAYERS)
+    assert f"`{order}`" in page

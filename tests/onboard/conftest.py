@@ -14,6 +14,7 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Direction, Line, Position
 from network.timetable import AtPortal, Call, Stabled, TimetableTrain, load_timetable
+from onboard.board import BOARD, BoardRow
 from onboard.driving.pattern import pattern_of
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.driving.stopping import WAVE
@@ -141,6 +142,23 @@ def keeper(train: TrainRow, behaviour: BehaviourRow) -> Callable[[], StopKeeper]
         learned = Learned("K1", believed_dead_time_s(train))
         fill_design(design, train, behaviour, learned)
         return StopKeeper(tasc, design, wave, learned)
+
+    return make
+
+
+@pytest.fixture
+def new_board(
+    train: TrainRow, behaviour: BehaviourRow, keeper: Callable[[], StopKeeper]
+) -> Callable[[UnitRow], BoardRow]:
+    """All that the tick of a train with this unit works on; new at each call."""
+
+    def make(unit: UnitRow) -> BoardRow:
+        kept, rows = keeper(), np.zeros(1, dtype=BOARD)
+        for name, part in (("unit", unit), ("kind", train), ("behaviour", behaviour)):
+            rows[name][0] = part
+        rows["tasc"][0], rows["design"][0], rows["wave"][0] = kept.tasc, kept.design, kept.wave
+        board: BoardRow = rows.view(np.recarray)[0]
+        return board
 
     return make
 

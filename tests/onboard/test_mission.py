@@ -61,8 +61,6 @@ def test_a_mission_over_the_whole_line_from_portal_to_portal(through: Mission) -
     assert (first.station_id, first.mark_m) == (None, 60.0)
     assert last.station_id is None
     assert last.mark_m == pytest.approx(through.path.length_m - LEAVING_MARK_M)
-    assert through.route_beyond("8") is through.routes[2]
-    assert through.route_beyond("PE") is None
     assert through.span_index("8") == [s.section_id for s in through.spans].index("8")
     with pytest.raises(ValueError, match="4"):
         through.span_index("4")

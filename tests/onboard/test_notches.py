@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from copy import copy
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -13,11 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from onboard.board import BOARD, SENSED, BoardRow, SensedRow
+from onboard.board import SENSED, BoardRow, SensedRow
 from onboard.driving.laws.cue import PLAN
 from onboard.driving.laws.power import power_notch
 from onboard.driving.pattern import pattern_of
-from onboard.driving.stop_keeper import StopKeeper
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     MODE_HOLD,
@@ -35,6 +33,7 @@ from vehicle.traction import full_force_n
 from vehicle.train_file import new_plant
 
 Rows = NDArray[np.void]
+Boards = Callable[[], BoardRow]
 NO_PLAN = np.zeros(0, dtype=PLAN)
 
 START_M = 100.0
@@ -51,28 +50,21 @@ class Course:
     emergency: bool = False  # in the last step
 
 
+@pytest.fixture
+def boards(unit: UnitRow, new_board: Callable[[UnitRow], BoardRow]) -> Boards:
+    """The board of a train at START_M on an endless free track, for each example a new one."""
+    return lambda: new_board(unit)
+
+
 def drive_along(
-    unit: UnitRow,
-    train: TrainRow,
-    behaviour: BehaviourRow,
-    path: Rows,
-    kept: StopKeeper,
-    permille: float,
-    load_share: float,
-    speed_mps: float,
-    steps: int,
+    board: BoardRow, path: Rows, permille: float, load_share: float, speed_mps: float, steps: int
 ) -> Course:
     """Run the unit and the plant on a steady gradient until the train stands, or for `steps` of 0.1 s."""
     plant = new_plant(1, speed_mps).view(np.recarray)[0]
     plant.load_share = load_share
-    rows = np.zeros(1, dtype=BOARD)
-    for name, part in (("unit", unit), ("kind", train), ("behaviour", behaviour)):
-        rows[name][0] = part
-    rows["tasc"][0], rows["design"][0], rows["wave"][0] = kept.tasc, kept.design, kept.wave
-    board: BoardRow = rows.view(np.recarray)[0]
     sensed: SensedRow = np.zeros(1, dtype=SENSED).view(np.recarray)[0]
     sensed.load_share = load_share
-    unit = board.unit
+    unit, train = board.unit, board.kind
     unit.speed_mps, unit.path_rows = speed_mps, path.size
     course = Course()
     for _ in range(steps):
@@ -97,44 +89,34 @@ def drive_along(
     spare_m=st.floats(30.0, 400.0),
 )
 def test_it_stops_within_a_metre_of_the_mark(
-    unit: UnitRow,
-    train: TrainRow,
-    behaviour: BehaviourRow,
-    keeper: Callable[[], StopKeeper],
+    boards: Boards,
     track: Callable[..., Rows],
     permille: float,
     load_share: float,
     initial_mps: float,
     spare_m: float,
 ) -> None:
-    unit, path = copy(unit), track(np.arange(float(TRACK_M)) * permille / 1000.0)
-    braking_m = initial_mps**2 / (2.0 * behaviour.settings.stop_deceleration_mps2) + 2.0 * initial_mps
-    unit.target_stop_m = START_M + braking_m + spare_m
-    unit.cruise_mps = initial_mps
-    unit.stop_limit_m = unit.target_stop_m + 20.0
-    course = drive_along(unit, train, behaviour, path, keeper(), permille, load_share, initial_mps, 4000)
+    board, path = boards(), track(np.arange(float(TRACK_M)) * permille / 1000.0)
+    deceleration_mps2 = board.behaviour.settings.stop_deceleration_mps2
+    stop_m = START_M + initial_mps**2 / (2.0 * deceleration_mps2) + 2.0 * initial_mps + spare_m
+    board.unit.target_stop_m, board.unit.stop_limit_m = stop_m, stop_m + 20.0
+    board.unit.cruise_mps = initial_mps
+    course = drive_along(board, path, permille, load_share, initial_mps, 4000)
     assert course.speed_mps[-1] == 0.0
-    assert abs(course.position_m[-1] - unit.target_stop_m) < 1.0
+    assert abs(course.position_m[-1] - stop_m) < 1.0
     assert course.interventions == 0
 
 
 @A_FIFTH
 @given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0), cruise_mps=st.floats(6.0, 16.0))
 def test_it_holds_its_speed_without_hunting(
-    unit: UnitRow,
-    train: TrainRow,
-    behaviour: BehaviourRow,
-    keeper: Callable[[], StopKeeper],
-    track: Callable[..., Rows],
-    permille: float,
-    load_share: float,
-    cruise_mps: float,
+    boards: Boards, track: Callable[..., Rows], permille: float, load_share: float, cruise_mps: float
 ) -> None:
     """From rest to the cruising speed and four minutes of it, as far as the train climbs at all."""
-    unit, path = copy(unit), track(np.arange(float(TRACK_M)) * permille / 1000.0)
-    unit.cruise_mps = cruise_mps
-    unit.notch = 0.0
-    course = drive_along(unit, train, behaviour, path, keeper(), permille, load_share, 0.0, 2400)
+    board, path = boards(), track(np.arange(float(TRACK_M)) * permille / 1000.0)
+    board.unit.cruise_mps = cruise_mps
+    board.unit.notch = 0.0
+    course = drive_along(board, path, permille, load_share, 0.0, 2400)
     speeds, notches = np.array(course.speed_mps), np.array(course.notch)
     inside = np.array(course.position_m) < TRACK_M - 100.0
     assert speeds[inside].max() <= cruise_mps + 0.5
@@ -153,21 +135,20 @@ def test_it_holds_its_speed_without_hunting(
 @A_FIFTH
 @given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0), bound_m=st.floats(0.5, 40.0))
 def test_it_is_down_to_a_lower_limit_in_time(
-    unit: UnitRow,
+    boards: Boards,
     train: TrainRow,
     behaviour: BehaviourRow,
-    keeper: Callable[[], StopKeeper],
     permille: float,
     load_share: float,
     bound_m: float,
 ) -> None:
     """However wide the bound: the driver keeps clear of the intervention."""
-    unit, elevation_m = copy(unit), np.arange(float(TRACK_M)) * permille / 1000.0
+    board, elevation_m = boards(), np.arange(float(TRACK_M)) * permille / 1000.0
     limits_mps = np.full(TRACK_M, 18.0)
     limits_mps[1500:1700] = 8.0
-    unit.bound_ahead_m, unit.bound_growth = bound_m, 0.0
+    board.unit.bound_ahead_m, board.unit.bound_growth = bound_m, 0.0
     path = pattern_of(elevation_m, np.zeros(elevation_m.size), limits_mps, train, behaviour).view(np.recarray)
-    course = drive_along(unit, train, behaviour, path, keeper(), permille, load_share, 15.0, 1800)
+    course = drive_along(board, path, permille, load_share, 15.0, 1800)
     for position_m, speed_mps in zip(course.position_m, course.speed_mps, strict=True):
         if 1500.0 <= position_m <= 1700.0 + train.length_m:
             assert speed_mps <= 8.0
@@ -175,31 +156,20 @@ def test_it_is_down_to_a_lower_limit_in_time(
     assert course.position_m[-1] > 1600.0
 
 
-def test_a_standing_train_holds_its_brake(
-    unit: UnitRow,
-    train: TrainRow,
-    behaviour: BehaviourRow,
-    keeper: Callable[[], StopKeeper],
-    track: Callable[..., Rows],
-) -> None:
-    unit.mode = MODE_HOLD
-    path = track(np.arange(float(TRACK_M)) * -0.02)
-    course = drive_along(unit, train, behaviour, path, keeper(), -20.0, 1.0, 0.0, 100)
-    assert set(course.notch) == {-behaviour.standing_brake_notch}
+def test_a_standing_train_holds_its_brake(boards: Boards, track: Callable[..., Rows]) -> None:
+    board = boards()
+    board.unit.mode = MODE_HOLD
+    course = drive_along(board, track(np.arange(float(TRACK_M)) * -0.02), -20.0, 1.0, 0.0, 100)
+    assert set(course.notch) == {-board.behaviour.standing_brake_notch}
     assert course.position_m[-1] == START_M
 
 
-def test_supervision_overrules_the_driver(
-    unit: UnitRow,
-    train: TrainRow,
-    behaviour: BehaviourRow,
-    keeper: Callable[[], StopKeeper],
-    track: Callable[..., Rows],
-) -> None:
-    unit.intervention = EMERGENCY_INTERVENTION
-    course = drive_along(unit, train, behaviour, track(np.zeros(TRACK_M)), keeper(), 0.0, 0.0, 10.0, 1)
+def test_supervision_overrules_the_driver(boards: Boards, track: Callable[..., Rows]) -> None:
+    board = boards()
+    board.unit.intervention = EMERGENCY_INTERVENTION
+    course = drive_along(board, track(np.zeros(TRACK_M)), 0.0, 0.0, 10.0, 1)
     assert course.emergency
-    assert course.notch == [-train.brake_notches]
+    assert course.notch == [-board.kind.brake_notches]
 
 
 @given(force_share=st.floats(0.01, 1.0), load_share=st.floats(0.0, 1.0), speed_mps=st.floats(0.0, 25.0))
@@ -234,17 +204,11 @@ def test_notches_follow_the_force(train: TrainRow) -> None:
     ],
 )
 def test_no_power_is_taken_up_that_the_stop_would_meet_building_up(
-    unit: UnitRow,
-    train: TrainRow,
-    behaviour: BehaviourRow,
-    keeper: Callable[[], StopKeeper],
-    track: Callable[..., Rows],
-    speed_mps: float,
-    left_m: float,
-    pulls: bool,
+    boards: Boards, track: Callable[..., Rows], speed_mps: float, left_m: float, pulls: bool
 ) -> None:
     """A train that coasts, slower than it might: with power it would still pull when it has come to rest."""
-    unit.target_stop_m = START_M + left_m
-    unit.cruise_mps = 15.0
-    course = drive_along(unit, train, behaviour, track(np.zeros(TRACK_M)), keeper(), 0.0, 0.0, speed_mps, 1)
+    board = boards()
+    board.unit.target_stop_m = START_M + left_m
+    board.unit.cruise_mps = 15.0
+    course = drive_along(board, track(np.zeros(TRACK_M)), 0.0, 0.0, speed_mps, 1)
     assert (course.notch[0] > 0.0) is pulls

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from onboard.board import BOARD, SENSED, BoardRow, SensedRow
+from onboard.board import SENSED, BoardRow, SensedRow
 from onboard.driving.laws.cue import PLAN
-from onboard.driving.stop_keeper import StopKeeper
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_IDLE,
@@ -17,34 +16,18 @@ from onboard.records import (
     EVENT_STOPPED,
     MODE_DRIVE,
     NO_PLACES,
-    BehaviourRow,
     Chart,
     UnitRow,
 )
 from onboard.tick import IDLE_S, stands_idle, tick
-from vehicle.records import TrainRow
 
 Rows = NDArray[np.void]
 NO_PLAN = np.zeros(0, dtype=PLAN)
 
 
 @pytest.fixture
-def board(
-    unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, keeper: Callable[[], StopKeeper]
-) -> BoardRow:
-    kept = keeper()
-    rows = np.zeros(1, dtype=BOARD)
-    for name, part in (
-        ("unit", unit),
-        ("kind", train),
-        ("behaviour", behaviour),
-        ("tasc", kept.tasc),
-        ("design", kept.design),
-        ("wave", kept.wave),
-    ):
-        rows[name][0] = part
-    row: BoardRow = rows.view(np.recarray)[0]
-    return row
+def board(unit: UnitRow, new_board: Callable[[UnitRow], BoardRow]) -> BoardRow:
+    return new_board(unit)
 
 
 def sensed(odometer_m: float, speed_mps: float) -> SensedRow:

@@ -24,7 +24,7 @@ from papers.line_driving import (
 )
 from papers.reproduction import Options
 from scenario.scenario import load_scenario
-from study.measures.least_energy import Allowed, HopLeast, Least
+from study.measures.least_energy import Allowed, HopLeast, LeastEnergy
 from study.record.driving import DrivenHop
 from study.runner.run import FinishedRun
 from study.wording.phrase import Phrase
@@ -113,7 +113,7 @@ def test_a_day_that_breaks_something_is_no_day(present: LawDay) -> None:
 def test_three_percent_above_the_bound_is_the_most(
     kwh: float, passed: bool, present: LawDay, best: LawDay
 ) -> None:
-    least = {PRESENT: Least(1, 120.0, 100.0, 100.0), BEST: Least(1, kwh, 100.5, 100.0)}
+    least = {PRESENT: LeastEnergy(1, 120.0, 100.0, 100.0), BEST: LeastEnergy(1, kwh, 100.5, 100.0)}
     above, cheapest = bound_rows((present, best), least)
     assert above.passed is passed
     assert cheapest.passed
@@ -125,7 +125,7 @@ HOP: Final = HopLeast("T1", "A", "B", 100.0, 5.0, 4.1, 4.0, False)
 
 
 def test_hops_beside_their_bounds_by_hand() -> None:
-    both = Least.sum_of((HOP, replace(HOP, running_kwh=-1.0, least_kwh=-1.5, bound_kwh=-1.5)))
+    both = LeastEnergy.sum_of((HOP, replace(HOP, running_kwh=-1.0, least_kwh=-1.5, bound_kwh=-1.5)))
     assert (both.hops, both.running_kwh, both.bound_kwh) == (2, 4.0, 2.5)
     assert both.above_bound_percent == pytest.approx(60.0)
 
@@ -141,12 +141,13 @@ def test_no_run_of_the_slice_is_below_its_bound(present: LawDay, best: LawDay) -
 
 def test_less_time_costs_more_and_lower_limits_too(present: LawDay) -> None:
     setup = present.run.scenario.setup
-    same = Least.sum_of(present.least_of_hops(Allowed.as_units_drive(setup)))
+    same = LeastEnergy.sum_of(present.least_of_hops(Allowed.as_units_drive(setup)))
     more_s = {hop.key: hop.time_s * 1.1 for hop in present.least_of_hops(Allowed.as_units_drive(setup))}
     assert (
-        Least.sum_of(present.least_of_hops(Allowed.as_units_drive(setup), more_s)).bound_kwh < same.bound_kwh
+        LeastEnergy.sum_of(present.least_of_hops(Allowed.as_units_drive(setup), more_s)).bound_kwh
+        < same.bound_kwh
     )
-    assert Least.sum_of(present.least_of_hops(Allowed.anything(setup))).bound_kwh < same.bound_kwh
+    assert LeastEnergy.sum_of(present.least_of_hops(Allowed.anything(setup))).bound_kwh < same.bound_kwh
 
 
 @pytest.mark.nightly

@@ -12,7 +12,7 @@ from papers.oda_tuning import (
     RUNS,
     WET_BRAKE,
     WET_SHARE,
-    Hidden,
+    HiddenBrake,
     TunedBy,
     TunedTrain,
     a_stop,
@@ -48,14 +48,14 @@ def test_the_same_seed_gives_the_same_figures(result: Reproduction) -> None:
 
 
 def test_the_hidden_offset_is_that_at_the_patterns_deceleration() -> None:
-    hidden = Hidden(1.0, 0.2, 0.1)
+    hidden = HiddenBrake(1.0, 0.2, 0.1)
     assert (PATTERN_MPS2 - 0.1) * hidden.brake_factor == pytest.approx(PATTERN_MPS2)
 
 
 def test_the_delay_of_a_lag_in_steps_is_the_area_over_its_response() -> None:
     lag_s, step_s = 0.25, 0.1
     area_s = sum(step_s * math.exp(-k * step_s / lag_s) for k in range(1, 200))
-    assert Hidden(0.8, lag_s, 0.0).delay_s == pytest.approx(0.8 + area_s)
+    assert HiddenBrake(0.8, lag_s, 0.0).delay_s == pytest.approx(0.8 + area_s)
 
 
 def test_a_train_learns_for_itself_and_stops_better_on_days_that_it_has_not_seen() -> None:
@@ -75,7 +75,7 @@ def test_the_null_method_fails_by_its_stops_and_not_because_it_is_held_against_i
 ) -> None:
     errors_m = {tuning: np.full(RUNS, 0.1) for tuning in TunedBy} | {TunedBy.NONE: np.full(RUNS, delivered_m)}
     new = Learned("A", 1.0)
-    train = TunedTrain(Hidden(1.0, 0.1, 0.0), new, {}, errors_m, np.ones(RUNS, dtype=bool), 0, 0)
+    train = TunedTrain(HiddenBrake(1.0, 0.1, 0.0), new, {}, errors_m, np.ones(RUNS, dtype=bool), 0, 0)
     (row,) = reproduce.null.rows(stop_rows([untuned(train)]))
     assert row.passed is fails
 
@@ -91,7 +91,7 @@ def test_held_out_stops_are_others_than_those_learned_from() -> None:
 
 def test_the_days_are_disturbed_enough_to_tell_mode_and_mean_apart() -> None:
     rng = generator(1, "test", "days")
-    stops = np.concatenate([a_stop(rng, Hidden(1.0, 0.1, 0.0)) for _ in range(2000)])
+    stops = np.concatenate([a_stop(rng, HiddenBrake(1.0, 0.1, 0.0)) for _ in range(2000)])
     wet = stops["adhesion_factor"] < 1.0
     assert is_full(stops).mean() == pytest.approx(FULL_SHARE, abs=0.04)
     assert wet.mean() == pytest.approx(WET_SHARE, abs=0.04)
@@ -118,7 +118,7 @@ def test_counts_of_trains_are_judged_by_their_interval() -> None:
 
 
 def test_right_means_within_one_step_of_the_grid() -> None:
-    hidden = Hidden(1.0, 0.01, 2.0 * OFFSET_STEP_MPS2)
+    hidden = HiddenBrake(1.0, 0.01, 2.0 * OFFSET_STEP_MPS2)
     counts = tuple(int(index == 11) for index in range(21))
     assert is_right(Learned("A", 1.0, counts, counts), hidden)
     far = tuple(int(index == 14) for index in range(21))

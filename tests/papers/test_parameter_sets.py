@@ -10,7 +10,7 @@ from onboard.driving_settings import Driving
 from onboard.unit_records import UnitParameters
 from papers.line_stops import SCENARIO, WITH_SIGNS
 from papers.oda_scale_track import TrackTest, car_bench
-from papers.oda_tuning import Hidden, bench_with
+from papers.oda_tuning import HiddenBrake, bench_with
 from papers.parameter_sets import (
     LINE,
     SECTION_3_2,
@@ -28,7 +28,7 @@ from scenario.scenario import load_scenario
 
 BENCHES = (
     (SECTION_3_2, controller(best_gain_per_s())),
-    (LINE, bench_with(oda_train(), Hidden(1.0, 0.1, 0.0), Learned("A", 1.0))),
+    (LINE, bench_with(oda_train(), HiddenBrake(1.0, 0.1, 0.0), Learned("A", 1.0))),
     (LINE, statistics_bench(0.3)),
     (TENTH_SCALE, car_bench(TrackTest())),
     (TABLE_1, paper_bench("hold_speed")),

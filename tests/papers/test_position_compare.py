@@ -28,7 +28,7 @@ from papers.position_sets import (
     MOVED_M,
     SETS,
     TROUBLES,
-    Ran,
+    SensorSetRun,
     moments_of,
     on_the_track,
     path_of_run,
@@ -44,13 +44,13 @@ from simulation.world.records import TRACE
 HOLDS = Measures("a", "nothing fails", True, 1.0, 2.0, 3.0, 4.0, 5.0, 0.1, 0.0, 0, -0.5, True)
 
 
-def run_of(errors_m: list[float], halves_m: list[float], at_m: list[float] | None = None) -> Ran:
+def run_of(errors_m: list[float], halves_m: list[float], at_m: list[float] | None = None) -> SensorSetRun:
     trace = np.zeros(len(errors_m), TRACE)
     trace["estimate_error_m"] = errors_m
     trace["bound_ahead_m"] = trace["bound_behind_m"] = halves_m
     trace["position_m"] = np.arange(len(errors_m)) * 20.0 if at_m is None else at_m
     trace["speed_mps"] = 20.0
-    return Ran(
+    return SensorSetRun(
         SETS[0],
         (),
         PositionResult(trace, trace["speed_mps"] >= 0.0, out_m=-0.5, steps=10, known_steps=9, arrived=True),

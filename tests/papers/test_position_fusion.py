@@ -15,8 +15,8 @@ from papers.fusion_runs import (
     LIES,
     FusionOutcome,
     FusionRule,
-    Ill,
     LaidTag,
+    TagDefect,
     base_setup,
     draw,
     keep_to_the_model,
@@ -80,10 +80,10 @@ def test_what_is_drawn_is_the_same_again_and_another_by_number() -> None:
 
 
 def test_no_two_lie_that_are_read_one_after_another_unless_they_were_swapped() -> None:
-    laid = [LaidTag(n, 100.0 * n, 100.0 * n, n, Ill.MOVED) for n in range(4)]
-    laid[2].ill, laid[2].says = Ill.MISSED, None
-    laid.append(LaidTag(4, 400.0, 400.0, 5, Ill.SWAPPED, 1))
-    laid.append(LaidTag(5, 500.0, 500.0, 4, Ill.SWAPPED, 1))
+    laid = [LaidTag(n, 100.0 * n, 100.0 * n, n, TagDefect.MOVED) for n in range(4)]
+    laid[2].ill, laid[2].says = TagDefect.MISSED, None
+    laid.append(LaidTag(4, 400.0, 400.0, 5, TagDefect.SWAPPED, 1))
+    laid.append(LaidTag(5, 500.0, 500.0, 4, TagDefect.SWAPPED, 1))
     keep_to_the_model(laid)
     read = [tag for tag in laid if tag.says is not None]
     assert [tag.ill in LIES for tag in read] == [True, False, True, False, False]

@@ -13,7 +13,7 @@ from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Position
 from onboard.driving_settings import Driving
 from radio.air import DelayShape
-from scenario.layers import laid_over
+from scenario.layers import merged_tables
 from scenario.scenario import find_scenario, load_scenario, shipped_scenarios
 from simulation.settings import Sensors
 from vehicle.train_file import shipped_train
@@ -165,7 +165,7 @@ def leaves(table: object, path: tuple[str, ...] = ()) -> dict[tuple[str, ...], o
 def test_laying_over_keeps_all_of_the_upper_and_adds_nothing(
     low: dict[str, object], high: dict[str, object]
 ) -> None:
-    merged = leaves(laid_over(low, high))
+    merged = leaves(merged_tables(low, high))
     upper, lower = leaves(high), leaves(low)
     assert upper.items() <= merged.items()
     assert merged.items() <= {**lower, **upper}.items()
@@ -173,7 +173,7 @@ def test_laying_over_keeps_all_of_the_upper_and_adds_nothing(
 
 @given(TABLE)
 def test_laying_over_nothing_changes_nothing(table: dict[str, object]) -> None:
-    assert laid_over(table, {}) == laid_over({}, table) == laid_over(table, table) == table
+    assert merged_tables(table, {}) == merged_tables({}, table) == merged_tables(table, table) == table
 
 
 def test_a_name_counts_from_the_file_that_says_it(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from study.drilling.drill import find_drill
 from study.measures.register_holds import section_holds
 from study.measures.wait_text import text_of
 from study.measures.waits import waits_of
-from study.record.wait import Asked, Cause, Wait
+from study.record.wait import AwaitedRequest, Cause, Wait
 from study.runner.run import simulation_of
 from study.wording.phrase import names_of
 from tests.nightly import others_nightly
@@ -213,7 +213,7 @@ def the(run: Observed, unit: str, cause: Cause, **fields: object) -> Wait:
 def test_a_route_that_another_train_holds_names_it_and_until_when() -> None:
     run = observed("rtri/03_block_held")
     wait = the(run, "K2", Cause.ROUTE_HELD, place="A")
-    assert (wait.section, wait.party, wait.party_train, wait.asked) == ("8", "K1", "T1", Asked.ROUTE)
+    assert (wait.section, wait.party, wait.party_train, wait.asked) == ("8", "K1", "T1", AwaitedRequest.ROUTE)
     assert wait.from_s == 10 * 3600 + 300  # its departure time, until which it waits for that
     assert wait.until_s == wait.to_s
     assert wait.since_s is not None and wait.since_s < wait.from_s
@@ -228,7 +228,7 @@ def test_a_route_that_another_train_holds_names_it_and_until_when() -> None:
 def test_a_manager_without_power_is_named() -> None:
     run = observed("rtri/09_manager_power")
     wait = the(run, "K2", Cause.ANSWER, reason="no power")
-    assert (wait.party, wait.asked) == (MANAGER, Asked.SIGN_ON)
+    assert (wait.party, wait.asked) == (MANAGER, AwaitedRequest.SIGN_ON)
     refused = the(run, "K2", Cause.REFUSED)  # switched on again, it knows nothing
     assert refused.reason.startswith("undefined")
     assert refused.from_s > wait.to_s

@@ -39,9 +39,9 @@ class Law:
     `settings`: the table of a scenario with its figures, which the row has under that name. `drawn`: fields of the
     row that are drawn for each stock, standard normal. `plans`: it follows a plan, which the unit makes at each
     departure, and anew when the train is off it by more than the setting `replan_after_s`; the setting
-    `regeneration_share` counts in it. `stops`: it brings the train to the mark by itself, without TASC. `told`: what it
-    has to tell the journal of the run that has just ended. `by_person`: a person sets its notch during the run, so that
-    no scenario chooses it.
+    `regeneration_share` counts in it. `stops`: it brings the train to the mark by itself, without TASC. `run_note`:
+    what the journal says of a run that has just ended, of its row. `by_person`: a person sets its notch during the run,
+    so that no scenario chooses it.
     """
 
     function: Callable[..., float]
@@ -50,7 +50,7 @@ class Law:
     drawn: tuple[str, ...] = ()
     plans: bool = False
     stops: bool = False
-    told: Callable[[Any], Note | None] | None = None
+    run_note: Callable[[Any], Note | None] | None = None
     by_person: bool = False
 
     @property
@@ -65,7 +65,7 @@ LAWS: Final = (
     Law(optimal, OptimalRow, Optimal, plans=True),
     Law(pid, PidRow, Pid, stops=True),
     Law(driver, DriverRow, Driver, drawn=DRAWN),
-    Law(predictive_fuzzy, PredictiveFuzzyRow, PredictiveFuzzy, stops=True, told=fuzzy_run_note),
+    Law(predictive_fuzzy, PredictiveFuzzyRow, PredictiveFuzzy, stops=True, run_note=fuzzy_run_note),
     Law(by_hand, ByHandRow, stops=True, by_person=True),
 )
 LAW_NAMES: Final = tuple(law.name for law in LAWS if not law.by_person)  # of those that a scenario may choose
@@ -78,10 +78,10 @@ class LawsRow(Protocol):
     stops: Annotated[int, "1: this law brings the train to the mark by itself"]
 
 
-def told_of_run(laws: LawsRow) -> Note | None:
+def note_of_run(laws: LawsRow) -> Note | None:
     """What the law that drives has to tell the journal of the run that has just ended."""
     law = LAWS[laws.number]
-    return None if law.told is None else law.told(getattr(laws, law.name))
+    return None if law.run_note is None else law.run_note(getattr(laws, law.name))
 
 
 LawsRow.__annotations__.update({law.name: law.row for law in LAWS})

@@ -23,8 +23,6 @@ from onboard.driving.tasc import (
     aim_m,
     command_mps2,
     corrected_command_mps2,
-    distance_by_fix_m,
-    distance_by_tachometer_m,
     expected_mps2,
     judge,
     pattern,
@@ -66,9 +64,7 @@ def test_the_rows_have_the_fields_that_the_laws_see() -> None:
     assert tuple(TascRow.__annotations__) == TASC.names
 
 
-def test_position_between_fixes_and_at_one() -> None:
-    assert distance_by_tachometer_m(400.0, 1.5) == 398.5
-    assert distance_by_fix_m(100.0, 0.5) == 99.5
+def test_it_aims_at_the_mark_or_before_a_nearer_limit() -> None:
     assert aim_m(50.0, 80.0, 5.0) == 50.0
     assert aim_m(50.0, 40.0, 5.0) == 35.0
 

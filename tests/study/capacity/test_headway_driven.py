@@ -32,7 +32,7 @@ from study.capacity.standard import StandardPath, added_path, extended_day, stan
 from study.capacity.theory import occupations
 from study.capacity.two_trains import two_trains, undisturbed_setup
 from study.evaluate import headways_driven
-from study.evaluate.headways_driven import LATE_S, Drives
+from study.evaluate.headways_driven import LATE_S, HeadwayDrives
 from study.runner.run import CarrierKind, PartyLink, execute
 from tests.nightly import others_nightly
 from tests.study.capacity.by_hand import occupations_of_run
@@ -154,13 +154,13 @@ def test_no_least_headway_is_below_what_a_run_needs(name: str) -> None:
 
 
 @contextmanager
-def drives_of(name: str) -> Generator[tuple[Drives, tuple[HeadwayCase, ...]]]:
+def drives_of(name: str) -> Generator[tuple[HeadwayDrives, tuple[HeadwayCase, ...]]]:
     """The headways of a scenario's timetable in which nothing is drawn, and what drives them."""
     scenario = load_scenario(name)
     setup = undisturbed_setup(scenario.setup)
     cases = line_cases(setup.line, occupations(setup, MINIMAL), setup.unit.dwell_min_s)
     with scratch("branchline-") as folder:
-        yield Drives(replace(scenario, setup=setup), folder), cases
+        yield HeadwayDrives(replace(scenario, setup=setup), folder), cases
 
 
 def row(
@@ -174,7 +174,7 @@ def key_of(case: HeadwayCase) -> tuple[str, HeadwayKind, str, str]:
 
 
 @pytest.fixture(scope="module")
-def isumi() -> Iterator[tuple[Drives, tuple[HeadwayCase, ...]]]:
+def isumi() -> Iterator[tuple[HeadwayDrives, tuple[HeadwayCase, ...]]]:
     with drives_of("isumi_weekday") as found:
         yield found
 
@@ -191,7 +191,7 @@ OF_EACH_KIND: Final = (
 
 @pytest.mark.parametrize("key", others_nightly(OF_EACH_KIND, [IN_PASSING]), ids=lambda key: key[1].value)
 def test_a_row_of_each_kind_can_be_driven_and_a_second_less_is_late(
-    key: tuple[str, HeadwayKind, str, str], isumi: tuple[Drives, tuple[HeadwayCase, ...]]
+    key: tuple[str, HeadwayKind, str, str], isumi: tuple[HeadwayDrives, tuple[HeadwayCase, ...]]
 ) -> None:
     """On the Isumi line: along the line, at meets, and at its end, where all has to turn first."""
     drives, cases = isumi
@@ -216,7 +216,7 @@ def test_one_leg_back_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_without_its_stand_a_last_train_would_have_passed_its_terminus(
-    monkeypatch: pytest.MonkeyPatch, isumi: tuple[Drives, tuple[HeadwayCase, ...]]
+    monkeypatch: pytest.MonkeyPatch, isumi: tuple[HeadwayDrives, tuple[HeadwayCase, ...]]
 ) -> None:
     """The drive ends as the first comes to a stand: its front was over the joint 20 s before."""
     drives, cases = isumi
@@ -316,7 +316,7 @@ SLOWED: Final = "OTK", HeadwayKind.DEPARTURE_ARRIVAL, "up, OTK.2", "down, OTK.2"
 
 @pytest.mark.nightly
 def test_a_train_brakes_for_a_lower_limit_where_its_front_may_be(
-    monkeypatch: pytest.MonkeyPatch, isumi: tuple[Drives, tuple[HeadwayCase, ...]]
+    monkeypatch: pytest.MonkeyPatch, isumi: tuple[HeadwayDrives, tuple[HeadwayCase, ...]]
 ) -> None:
     """8D is slower before the points of Kuniyoshi than if it knew where it is: its bounds are 1 % since two tags."""
     drives, cases = isumi
@@ -331,7 +331,7 @@ ON_OTHER_STEPS: Final = "KNY", HeadwayKind.DEPARTURE_ARRIVAL, "up, KNY.2", "down
 
 @pytest.mark.nightly
 def test_a_stop_that_falls_on_other_steps_is_not_held_up(
-    monkeypatch: pytest.MonkeyPatch, isumi: tuple[Drives, tuple[HeadwayCase, ...]]
+    monkeypatch: pytest.MonkeyPatch, isumi: tuple[HeadwayDrives, tuple[HeadwayCase, ...]]
 ) -> None:
     """4D alone stops up to 0.8 s sooner or later by when it comes: 0.3 s at 4,114 s, 0.1 with a second less."""
     drives, cases = isumi

@@ -20,7 +20,7 @@ from study.capacity.compression import compressed
 from study.capacity.cut import cut_of
 from study.capacity.equipment import (
     LEVERS,
-    Measured,
+    EquipmentFigures,
     fewer_tags,
     measured_by_rules,
     with_loss,
@@ -34,7 +34,6 @@ from study.capacity.line_capacity import (
     CompressionTerms,
     Period,
     Rate,
-    costs_of,
     day_of,
     fullest_part,
     peak_of,
@@ -143,7 +142,7 @@ def test_the_cut_changes_the_answer(morning: Setup) -> None:
     shares = [one.occupied_share for one in full.values() if one is not None]
     assert shares[0] > shares[1] > shares[2] > 0.0
     for rate in rates["crossing"]:
-        assert sum(costs_of([rate]).values()) == pytest.approx(rate.compressed.occupied_s, abs=1e-3)
+        assert sum(rate.compressed.costs_s().values()) == pytest.approx(rate.compressed.occupied_s, abs=1e-3)
         assert rate.trains_below_limit == brute_more(rate)
     peak = peak_of(legs, day)
     assert peak.length_s == 7200.0
@@ -193,10 +192,10 @@ def test_a_tornado_has_the_widest_on_top_and_is_drawn(
 ) -> None:
     """What is measured stands in for theory here: the throw for the headway."""
 
-    def made_up(setup: Setup, rules: Rules = MINIMAL) -> Measured:
+    def made_up(setup: Setup, rules: Rules = MINIMAL) -> EquipmentFigures:
         throw_s = max(points.throw_time_s for points in setup.line.points.values())
         headway_s = 100.0 if rules.by_section else 900.0 + throw_s
-        return Measured(headway_s, "HSK-OGN", 200.0, setup.air.delay_mean_s, 0.5, "Hoshakuji - Ogane")
+        return EquipmentFigures(headway_s, "HSK-OGN", 200.0, setup.air.delay_mean_s, 0.5, "Hoshakuji - Ogane")
 
     monkeypatch.setattr(equipment, "measured_by_rules", made_up)
     levers = [

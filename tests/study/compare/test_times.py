@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study.compare.times import What, compare_times
+from study.compare.times import CallEvent, compare_times
 from study.report.data import ReportedRun
 from tests.study.compare.sides import with_tables
 
@@ -24,7 +24,9 @@ def shifted(run: ReportedRun, train: str, station: str, what: str, by_s: float) 
 def test_a_run_against_itself_moves_nothing(weekday: ReportedRun) -> None:
     times = compare_times(weekday, weekday, 0.0)
     stops = weekday.tables.stops
-    assert times.compared == sum(stops[f"{what.value}_s"].count() for what in (What.ARRIVAL, What.DEPARTURE))
+    assert times.compared == sum(
+        stops[f"{what.value}_s"].count() for what in (CallEvent.ARRIVAL, CallEvent.DEPARTURE)
+    )
     assert (times.largest_s, times.moved, times.once) == (0.0, (), ())
     assert (times.only_base, times.only_new) == ((), ())
 
@@ -32,7 +34,12 @@ def test_a_run_against_itself_moves_nothing(weekday: ReportedRun) -> None:
 def test_one_time_that_moved_is_told_with_train_station_and_sign(weekday: ReportedRun) -> None:
     stops = shifted(weekday, "324M", "OGN", "departure", -7.5)
     (moved,) = compare_times(weekday, with_tables(weekday, stops=stops), 1.0).moved
-    assert (moved.train, moved.station, moved.what, moved.direction) == ("324M", "OGN", What.DEPARTURE, "up")
+    assert (moved.train, moved.station, moved.what, moved.direction) == (
+        "324M",
+        "OGN",
+        CallEvent.DEPARTURE,
+        "up",
+    )
     assert (moved.by_s, moved.plan_by_s) == (-7.5, 0.0)
     assert moved.new_s == pytest.approx(moved.old_s - 7.5)
 
@@ -73,7 +80,7 @@ def test_what_came_in_one_run_only_is_told(weekday: ReportedRun) -> None:
     )
     times = compare_times(weekday, with_tables(weekday, stops=stops), 1.0)
     (once,) = times.once
-    assert (once.train, once.station, once.what, once.in_new) == ("347M", "KRS", What.ARRIVAL, False)
+    assert (once.train, once.station, once.what, once.in_new) == ("347M", "KRS", CallEvent.ARRIVAL, False)
     assert times.compared == compare_times(weekday, weekday, 1.0).compared - 1
 
 
@@ -87,8 +94,8 @@ def test_a_station_called_at_twice_is_two_calls(weekday: ReportedRun) -> None:
     later = pl.concat([first, again.with_columns(pl.col("departure_s") + 4.0)])
     times = compare_times(with_tables(weekday, stops=twice), with_tables(weekday, stops=later), 1.0)
     assert [(m.station, m.what, m.by_s) for m in times.moved] == [
-        ("KNY", What.DEPARTURE, 2.0),
-        ("KNY", What.DEPARTURE, 4.0),
+        ("KNY", CallEvent.DEPARTURE, 2.0),
+        ("KNY", CallEvent.DEPARTURE, 4.0),
     ]
 
 
@@ -102,14 +109,14 @@ def test_a_train_that_passes_has_one_time_and_its_own_word(weekday: ReportedRun)
         pl.when(here).then(pl.col("departure_s") + 6.0).otherwise(pl.col("departure_s")).alias("departure_s")
     )
     (moved,) = compare_times(with_tables(weekday, stops=passes), with_tables(weekday, stops=later), 1.0).moved
-    assert (moved.what, moved.by_s) == (What.PASSING, 6.0)
+    assert (moved.what, moved.by_s) == (CallEvent.PASSING, 6.0)
     # One that stops in one run and passes in the other did not move: it does something else.
     times = compare_times(weekday, with_tables(weekday, stops=passes), 1.0)
     assert times.moved == ()
     assert {(once.what, once.in_new) for once in times.once} == {
-        (What.ARRIVAL, False),
-        (What.DEPARTURE, False),
-        (What.PASSING, True),
+        (CallEvent.ARRIVAL, False),
+        (CallEvent.DEPARTURE, False),
+        (CallEvent.PASSING, True),
     }
 
 

@@ -10,19 +10,19 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from simulation.faults.table import FAULTS
 from study.record.fault_place import TO_SEE_M, place_of_fault
-from study.record.marks import Where
+from study.record.marks import MarkPlace
 
 LINE = load_line(shipped_line("karasuyama"))
 OGANE_M = LINE.stations["OGN"].position_m
 
 
-def place(kind: str, target: str, **figures: Any) -> Where:  # noqa: ANN401 - of the kind's own fields
+def place(kind: str, target: str, **figures: Any) -> MarkPlace:  # noqa: ANN401 - of the kind's own fields
     return place_of_fault(FAULTS[kind](target=target, **figures), LINE, ("V1", "V2"))
 
 
 def test_a_train_carries_its_fault_along() -> None:
-    assert place("power_off", "V2") == Where(units=("V2",))
-    assert place("cut", "V1 <-> block-manager") == Where(units=("V1",))
+    assert place("power_off", "V2") == MarkPlace(units=("V2",))
+    assert place("cut", "V1 <-> block-manager") == MarkPlace(units=("V1",))
 
 
 @pytest.mark.parametrize(
@@ -49,4 +49,4 @@ def test_a_dead_zone_has_its_length_and_the_manager_the_whole_line() -> None:
     pieces = [LINE.pieces[piece_id] for piece_id in section.piece_ids]
     ((low_m, high_m),) = place("dead_zone", section.id, length_m=250.0).stretches_m
     assert low_m == min(piece.from_m for piece in pieces) and high_m - low_m == 250.0
-    assert place("power_off", "block-manager") == Where() == place("cable_cut", "*")
+    assert place("power_off", "block-manager") == MarkPlace() == place("cable_cut", "*")

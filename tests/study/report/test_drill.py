@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
-from study.record.marks import DrillShown, Mark, MarkKind, Where
+from study.record.marks import DrillShown, Mark, MarkKind, MarkPlace
 from study.report.data import ReportedRun
 from study.report.drill import PLACE, draw_strip, falls_in_panel, mark_graph, shortened_name
 from study.report.graph import draw_train_graph
@@ -58,8 +58,8 @@ def test_a_faults_place_is_drawn_with_its_time_and_told_in_the_legend(weekday: R
     fault, *_ = marks(1)
     there = replace(fault, from_s=begins_s, to_s=begins_s + 600.0)
     for where, sign in (
-        (Where(((1000.0, 2500.0),)), "its stretch of the line"),
-        (Where((), (unit,)), "the train that has it"),
+        (MarkPlace(((1000.0, 2500.0),)), "its stretch of the line"),
+        (MarkPlace((), (unit,)), "the train that has it"),
     ):
         with drawing():
             figure, _ = draw_train_graph(weekday, (replace(there, where=where),))

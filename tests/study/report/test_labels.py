@@ -22,7 +22,6 @@ from study.report.graph import draw_train_graph
 from study.report.labels import Box, dense
 from study.report.occupancy import draw_occupancy
 from study.report.style import drawing
-from study.report.tasc import draw_approaches
 from tests.nightly import others_nightly
 
 DAYS = (
@@ -38,7 +37,6 @@ def figures(run: ReportedRun) -> dict[str, Figure]:
         "occupancy": draw_occupancy(run),
         "energy": draw_energy(run),
         "errors": draw_stop_errors(run, summarise(run.tables, run.timetable)),
-        "stopping": draw_approaches(run),
         "delays": draw_delays(run),
         **{f"curve of {train}": draw_run_curve(run, unit, train) for unit, train in chosen_trains(run)},
     }

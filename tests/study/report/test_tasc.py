@@ -1,17 +1,11 @@
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
-import polars as pl
-import pytest
 
 from onboard.driving.tuning import OFFSET_STEP_MPS2, Learned, StopDecelerations, search
 from study.record.shown import LearnedTrain
-from study.report.data import ReportedRun
 from study.report.papers import _learned
-from study.report.style import drawing
-from study.report.tasc import draw_approaches, draw_response, most_telling, response_surface
+from study.report.tasc import most_telling, response_surface
 
 
 def a_stop(dead_steps: int = 8, offset_mps2: float = -2 * OFFSET_STEP_MPS2) -> StopDecelerations:
@@ -42,35 +36,6 @@ def test_the_surface_is_least_where_the_search_finds_it() -> None:
 def test_a_stop_without_braking_has_no_surface() -> None:
     stop = StopDecelerations(np.zeros(200), np.zeros(200))
     assert response_surface(stop) is None
-    with drawing():
-        assert draw_response(LearnedTrain(learned(5, 10), stop), "V1") is None
-
-
-def test_figures_of_a_day(weekday: ReportedRun) -> None:
-    with drawing():
-        figure = draw_approaches(weekday)
-        assert figure is not None
-        for axes in figure.axes:
-            assert axes.get_xlim()[0] == pytest.approx(400.0)
-        response = draw_response(LearnedTrain(learned(8, 8), a_stop()), "V1")
-    assert response is not None
-
-
-@pytest.mark.parametrize("name", ["karasuyama_weekday", "busy_line"])
-def test_every_stop_of_every_unit_is_drawn(make_day: Callable[[str, str], ReportedRun], name: str) -> None:
-    """Seven units run on the busy line; a curve each of the speed and of the target for every stop of the table."""
-    day = make_day(name.removesuffix("_weekday"), name)
-    stops = day.tables.stops.filter(pl.col("stop_error_m").is_not_null() & pl.col("arrival_s").is_not_null())
-    with drawing():
-        figure = draw_approaches(day)
-    assert figure is not None
-    panels = [axes for axes in figure.axes if axes.get_title(loc="left")]
-    assert [axes.get_title(loc="left").partition(",")[0] for axes in panels] == sorted(stops["unit"].unique())
-    for axes in panels:
-        unit, _, words = axes.get_title(loc="left").partition(", ")
-        count = len(stops.filter(pl.col("unit") == unit))
-        assert words == f"{count} stop{'' if count == 1 else 's'}"
-        assert len([line for line in axes.lines if len(line.get_xdata())]) == 2 * count
 
 
 def test_the_train_farthest_from_its_design_is_shown() -> None:

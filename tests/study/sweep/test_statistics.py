@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from study.sweep.statistics import (
-    Running,
+    RunningMoments,
     difference_of,
     looks,
     mean_of,
@@ -90,7 +90,7 @@ def test_the_mean_lies_in_its_interval_and_the_longer_side_is_that_of_the_tail(v
 
 def test_skewness_as_it_comes_is_that_of_the_library() -> None:
     values = np.random.Generator(np.random.PCG64(3)).exponential(size=200)
-    running = Running()
+    running = RunningMoments()
     for value in values:
         running.add(float(value))
     assert running._skewness == pytest.approx(float(stats.skew(values, bias=False)))
@@ -131,7 +131,7 @@ def held_when_stopped(name: str, width: float, times: int, looked: Sequence[int]
     chance = np.random.Generator(np.random.PCG64(round(10 * width)))
     hits = 0
     for _ in range(times):
-        running, found = Running(), mean_of([], SAID)
+        running, found = RunningMoments(), mean_of([], SAID)
         for number, value in enumerate(draw(chance, looked[-1]).tolist(), start=1):
             running.add(value)
             if number in looked:
@@ -156,7 +156,7 @@ def test_they_do_at_night_more_exactly(name: str, days: int) -> None:
 
 
 def test_without_the_correction_they_do_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Running, "_skewness", 0.0)
+    monkeypatch.setattr(RunningMoments, "_skewness", 0.0)
     assert held("knock-on, none on most days", 20, 1000) < 0.91
 
 
@@ -170,7 +170,7 @@ def test_intervals_hold_where_the_stop_rule_ends(name: str) -> None:
 
 def test_looked_at_every_day_at_the_same_confidence_they_do_not(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stopped when the scatter happens to look small, as it was before."""
-    monkeypatch.setattr(Running, "_skewness", 0.0)
+    monkeypatch.setattr(RunningMoments, "_skewness", 0.0)
     assert held_when_stopped("knock-on, none on most days", 100.0, 300, range(30, 401), SAID) < 0.91
 
 

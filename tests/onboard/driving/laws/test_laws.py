@@ -14,11 +14,9 @@ from onboard.board import BOARD, SENSED, BoardRow, SensedRow
 from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_HOLD
 from onboard.driving.laws.settings import fit_law
 from onboard.driving.laws.table import LAW_NAMES, LAWS
-from onboard.driving.stop_keeper import StopKeeper
-from onboard.records import NO_PLACES, BehaviourRow, Chart, UnitRow
+from onboard.records import NO_PLACES, Chart, UnitRow
 from onboard.tick import tick
 from vehicle.dynamics import step
-from vehicle.records import TrainRow
 from vehicle.train_file import new_plant
 
 Rows = NDArray[np.void]
@@ -55,20 +53,13 @@ class Ride:
 
 @pytest.fixture
 def ride(
-    unit: UnitRow,
-    train: TrainRow,
-    behaviour: BehaviourRow,
-    keeper: Callable[[], StopKeeper],
-    track: Callable[..., Rows],
+    unit: UnitRow, new_board: Callable[[UnitRow], BoardRow], track: Callable[..., Rows]
 ) -> Callable[..., Ride]:
     def make(law: str, limit_mps: float = 18.0, **of_ride: float) -> Ride:
-        kept, rows = keeper(), np.zeros(1, dtype=BOARD)
-        for name, part in (("unit", unit), ("kind", train), ("behaviour", behaviour)):
-            rows[name][0] = part
-        rows["tasc"][0], rows["design"][0], rows["wave"][0] = kept.tasc, kept.design, kept.wave
-        fit_law(rows.view(np.recarray)[0].laws, law)
-        rows["unit"]["due_s"] = rows["unit"]["replan_s"] = np.inf
-        return Ride(rows.view(np.recarray)[0], track(np.zeros(TRACK_M), limit_mps), **of_ride)
+        board = new_board(unit)
+        fit_law(board.laws, law)
+        board.unit.due_s = board.unit.replan_s = np.inf
+        return Ride(board, track(np.zeros(TRACK_M), limit_mps), **of_ride)
 
     return make
 
