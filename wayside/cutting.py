@@ -22,7 +22,7 @@ from wayside.config import OrderRule
 from wayside.dispatch import DispatchRequest
 from wayside.heard import Heard
 from wayside.journeys import DayProgress, Days, Stands
-from wayside.order import asking, delay_s
+from wayside.order import delay_s
 from wayside.places import stands_of
 from wayside.register import Register
 from wayside.said import GoesOnAs, TrainCut
@@ -116,7 +116,6 @@ def _why(station: str, found: _Weighed) -> str:
 def _best(register: Register, days: Days, stands: Stands, index: int) -> _Weighed | None:
     """The cut that costs least, if it saves enough."""
     unit_id, place = days.unit_ids[index], stands.at[index]
-    register = asking(register, days, index)
     without_s = delay_s(register, days, stands, ())
     if without_s is None and WEIGHED:
         return None  # nobody knows how all can finish: no time to cut trains by what that costs

@@ -135,7 +135,7 @@ def order_now(
         return register, LastOrder(0.0, (0,) * len(days.unit_ids), OrderAnswer(days.given)), ()
     if days.order is not OrderRule.OPTIMAL or not is_disturbed(register, days, stands, index):
         return register, None, ()
-    register, shows = with_order(register, days, stands, index)
+    register, shows = with_order(register, days, stands)
     return register, register.solved, shows
 
 

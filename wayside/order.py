@@ -12,10 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf
 from typing import Final, NamedTuple
-
-from msgspec.structs import replace
 
 from wayside.certificate import CertificateProof, finishing_order
 from wayside.config import OrderRule
@@ -27,8 +24,6 @@ from wayside.register import Register
 AHEAD_S: Final = 2 * 3600.0  # assumed: how far ahead delays are compared
 ORDER_STEPS: Final = 1000  # assumed: moves tried for either order
 BOUNDED = True  # off: a train waits for its turn for as long as the order has it
-STANDS_AGAIN: Final = 1.0  # assumed: who has stood for so long will stand for as long again
-STANDS_ON = True  # off: who is overdue is expected at once, however long it has been
 GAIN_S: Final = 60.0  # assumed: a change of order is worth a minute at least, for it confuses people
 
 
@@ -58,7 +53,6 @@ def turn_of(
     register: Register, days: Days, stands: Stands, index: int, solved: LastOrder | None = None
 ) -> Precedence | None:
     """Whether the train goes now that asks for its next move; None where no other is first, by plan or as solved."""
-    register = asking(register, days, index)
     ahead = _planned_first(register, days, stands, index)
     overtaken = _too_often(register, days, stands, index)
     order: _Solved | None = None
@@ -303,52 +297,29 @@ def played_through(
     if found.proof is not CertificateProof.ORDER:
         return None
     at = list(stands.at)
-    ready = [ready_s(register, days, stands, index) for index in range(len(at))]
+    ready_s = [_ready_s(register, days, stands, index) for index in range(len(at))]
     holds = list(stands.holds)
     free_s: dict[int, float] = {}
     moves: list[PlayedMove] = []
     for mover in (*begins, *found.order):
         hop = days.hops[mover][at[mover]]
-        leaves_s = max(ready[mover], hop.departs_s, *(free_s.get(b, 0.0) for b in bits_of(hop.move.needs)))
+        leaves_s = max(ready_s[mover], hop.departs_s, *(free_s.get(b, 0.0) for b in bits_of(hop.move.needs)))
         comes_s = leaves_s + hop.arrives_s - hop.departs_s
         free_s.update(dict.fromkeys(bits_of(hop.move.needs | holds[mover]), comes_s))
         holds[mover] = hop.move.keeps
-        ready[mover] = comes_s + hop.stays_s
+        ready_s[mover] = comes_s + hop.stays_s
         moves.append(PlayedMove(mover, at[mover], leaves_s, comes_s))
         at[mover] += 1
     return moves
 
 
-def comes_s_of(register: Register, made: PlannedMove, late_s: float, held: int) -> float:
-    """When a train has come to the end of its move; one that is overdue on its way needs as long again."""
-    comes_s = made.arrives_s + late_s
-    overdue_s = max(0.0, register.now_s - comes_s) if STANDS_ON and held & ~made.move.keeps else 0.0
-    return comes_s + overdue_s * (1.0 + STANDS_AGAIN)
-
-
-def asking(register: Register, days: Days, index: int) -> Register:
-    """With a train counted as one that is ready, as it asks now."""
-    unit_id = days.unit_ids[index]
-    trip = register.trip(unit_id)
-    return (
-        register
-        if trip.asked_s is not None
-        else register.with_trip(unit_id, replace(trip, asked_s=register.now_s))
-    )
-
-
-def ready_s(register: Register, days: Days, stands: Stands, index: int) -> float:
-    """When a stock can make its next move: it is on its way there, as late as it left, or waits. One that should have
-    asked long ago (its doors are open, its set has not come) is expected after as long again, as nobody knows more.
-    """
-    at, trip, now_s = stands.at[index], register.trip(days.unit_ids[index]), register.now_s
-    if trip.asked_s is not None or at == len(days.hops[index]):
-        return max(now_s, trip.back_s)
-    due_s = days.hops[index][at].departs_s
-    before = days.hops[index][at - 1] if at else None
-    comes_s = -inf if before is None else before.arrives_s + trip.late_s + before.stays_s
-    overdue_s = max(0.0, now_s - max(comes_s, due_s)) if STANDS_ON else 0.0
-    return max(now_s + STANDS_AGAIN * overdue_s, comes_s, trip.back_s)
+def _ready_s(register: Register, days: Days, stands: Stands, index: int) -> float:
+    """When a stock can make its next move: it is on its way there, as late as it left, or waits."""
+    at, trip = stands.at[index], register.trip(days.unit_ids[index])
+    if at == 0 or trip.asked_s is not None:
+        return max(register.now_s, trip.back_s)
+    before = days.hops[index][at - 1]
+    return max(register.now_s, before.arrives_s + trip.late_s + before.stays_s, trip.back_s)
 
 
 def _minutes(time_s: float) -> int:

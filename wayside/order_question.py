@@ -49,7 +49,7 @@ class OrderTrain(msgspec.Struct, frozen=True, array_like=True):
 
 class OrderQuestion(msgspec.Struct, frozen=True, array_like=True):
     """All stock, what is left of the order found last, with the `ends` of its moves, how far is looked ahead, and how
-    much the solver may work. `gain_s`: what another order must save to be taken instead, or instead of the plan's.
+    much the solver may work.
     """
 
     trains: tuple[OrderTrain, ...]
@@ -57,7 +57,6 @@ class OrderQuestion(msgspec.Struct, frozen=True, array_like=True):
     ahead_s: int
     work_max: float
     ends: tuple[int, ...] = ()
-    gain_s: int = 0
 
 
 class OrderAnswer(msgspec.Struct, frozen=True, array_like=True):

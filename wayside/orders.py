@@ -24,7 +24,7 @@ from wayside.cutting import cut_ordered
 from wayside.dispatch import DispatchRequest, order_now, weigh_request
 from wayside.heard import Heard
 from wayside.journeys import DayProgress, Days, LastCertificate, Stands
-from wayside.order import BOUNDED, STANDS_AGAIN, cost_of, would_starve
+from wayside.order import BOUNDED, cost_of, would_starve
 from wayside.places import stands_of
 from wayside.reentry import Step
 from wayside.register import Against, Register
@@ -32,6 +32,7 @@ from wayside.said import NotDone, RouteAskedBack, TrackChanged
 from wayside.solved_order import ORDERS_MAX
 
 TAKEN_BACK_AFTER_S: Final = 60.0  # assumed: who has not left by then may be unable to
+STANDS_AGAIN: Final = 1.0  # assumed: who has stood for so long will stand for as long again
 HOLD_S: Final = 30.0  # assumed: time enough for the other to ask again and be let on
 BY_PROOF = True  # off: a track is changed without asking whether all can then finish
 

@@ -18,29 +18,23 @@ from wayside.actions import Show
 from wayside.config import DispatcherMeans
 from wayside.journeys import Days, PlannedMove, Stands
 from wayside.moves import Move
-from wayside.order import GAIN_S, asking, comes_s_of, ready_s
 from wayside.order_question import LastOrder, OrderAnswer, OrderMove, OrderQuestion, OrderTrain, OrderWay
 from wayside.register import Register
 from wayside.said import OrderLacking
 
 AHEAD_S: Final = 2 * 3600.0  # assumed: how far ahead delays are compared
-WORK_MAX: Final = 0.02  # assumed: of the solver's counted work, some 0.3 s of a processor
+WORK_MAX: Final = 0.04  # assumed: of the solver's counted work, some 0.3 s of a processor
 CHOICE_AHEAD_S: Final = 2400.0  # assumed: further ahead tracks are as planned, or as they were changed
 ORDERS_MAX: Final = 6  # assumed: lost orders are given again; trains are not sent to and fro
 ASKED_EVERY_S: Final = 60.0  # assumed: who asks for a route asks again every few seconds
 
 
-def with_order(
-    register: Register, days: Days, stands: Stands, index: int
-) -> tuple[Register, tuple[Show, ...]]:
-    """The register with an order that is no older than a minute, and what the journal is told where there is none.
-
-    `index`: the train that asks, so it is ready.
-    """
+def with_order(register: Register, days: Days, stands: Stands) -> tuple[Register, tuple[Show, ...]]:
+    """The register with an order that is no older than a minute, and what the journal is told where there is none."""
     last = register.solved
     if last is not None and register.now_s < last.made_s + ASKED_EVERY_S:
         return register, ()
-    question = question_of(asking(register, days, index), days, stands)
+    question = question_of(register, days, stands)
     answer = register.plan.solver(question)
     if not _of_these(question, answer):
         answer = OrderAnswer(lacking="the solver's order is not of the moves asked for")
@@ -67,7 +61,7 @@ def question_of(register: Register, days: Days, stands: Stands) -> OrderQuestion
     last = register.solved
     order = () if last is None else tuple(index for index, _ in last.left(stands.at))
     ends = () if last is None or not days.may else last.ends_left(stands.at)
-    return OrderQuestion(tuple(trains), order, math.ceil(AHEAD_S), WORK_MAX, ends, math.ceil(GAIN_S))
+    return OrderQuestion(tuple(trains), order, math.ceil(AHEAD_S), WORK_MAX, ends)
 
 
 def _train(register: Register, days: Days, stands: Stands, index: int, held: int) -> OrderTrain:
@@ -76,10 +70,12 @@ def _train(register: Register, days: Days, stands: Stands, index: int, held: int
     keeps = _sections(days, stands.holds[index])
     if trip.astray:
         return OrderTrain((), 0, (), 0, ())
-    comes_s = 0
+    comes_s = ready_s = 0
     if at and trip.asked_s is None:
-        comes_s = max(0, math.ceil(comes_s_of(register, hops[at - 1], trip.late_s, held) - now_s))
-    stands_s = max(0, math.ceil(ready_s(register, days, stands, index) - now_s) - comes_s)
+        before = hops[at - 1]
+        comes_s = max(0, math.ceil(before.arrives_s + trip.late_s - now_s))
+        ready_s = max(0, math.ceil(before.arrives_s + trip.late_s + before.stays_s - now_s) - comes_s)
+    ready_s = max(ready_s, math.ceil(trip.back_s - now_s) - comes_s) if trip.back_s > now_s else ready_s
     ahead = [hop for hop in hops[at:] if hop.departs_s < now_s + AHEAD_S]
     moves = tuple(
         _move(
@@ -93,7 +89,7 @@ def _train(register: Register, days: Days, stands: Stands, index: int, held: int
     )
     if DispatcherMeans.CHANGE_TRACK in days.may:
         moves = _with_others(register, days, index, at, moves)
-    return OrderTrain(_sections(days, held), comes_s, keeps, stands_s, moves)
+    return OrderTrain(_sections(days, held), comes_s, keeps, ready_s, moves)
 
 
 def _with_others(

@@ -25,7 +25,6 @@ from plan.dispatching.instance import (
     Train,
     TrainOperation,
 )
-from plan.dispatching.nearby import improved
 from plan.dispatching.solver import Answer, solve
 from wayside.certificate import CertificateProof, finishing_order, follows
 from wayside.moves import Move
@@ -36,9 +35,8 @@ MOVES_MAX: Final = (
     180  # assumed: making the model of more takes longer than solving it may; then a search extends it
 )
 CHOICES_MAX: Final = 24  # assumed: ways besides the planned ones, of moves that come first
-STAGES: Final = (1 / 3, 1.0)  # assumed: forty minutes of two hours are mostly proven in a tenth of a second
+STAGES: Final = 3  # assumed: forty minutes of two hours are mostly proven in a tenth of a second
 
-NEAR_TRIED = True  # off: nothing but the solver looks for a better order than the one known
 ANYWHERE: Final = -1  # a move of which is not said from where: it has one way
 OFF_LINE: Final = -1
 PLANNED: Final = -2
@@ -48,9 +46,8 @@ Order = tuple[tuple[int, int], ...]  # trains, and where the move of each ends
 def answer_to(question: OrderQuestion) -> OrderAnswer:
     """The best order found by the work allowed.
 
-    A third of the time ahead is solved first, then all: what is near is certain and decides, and all begins with what
-    the third has found, or with the order found last. That, or the planned one, is kept where all gain too little by
-    another. All moves planned before a time can be made
+    A third of the time ahead is solved first, then two thirds, then all: what is near is certain and decides, and each
+    begins with what the one before has found, or with the order found last. All moves planned before a time can be made
     before all others. Tracks are chosen in the first third alone.
     """
     asked = [
@@ -60,32 +57,24 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
     ends = question.ends or (PLANNED,) * len(question.order)
     told = zip(question.order, ends, strict=True)
     last = tuple((asked.index(index), end) for index, end in told if index in asked)
-    kept = _known(trains, (last,), changed=False) if question.gain_s else None
-    kept_order = () if kept is None else _order(trains, kept)
     order: Order = ()
     found = Answer(None, 0, impossible=False, work=0.0)
-    for share in STAGES:
-        part = [_before(train, int(question.ahead_s * share)) for train in trains]
-        if share == STAGES[0]:
+    for stage in range(1, STAGES + 1):
+        part = [_before(train, question.ahead_s * stage // STAGES) for train in trains]
+        if stage == 1:
             part = _near_choices(part)
         known = _known(part, (order, _of_these(part, last)))
         if known is None:
             return OrderAnswer(lacking="no order was found in which all trains can run")
         found = Answer(known, 0, impossible=False, work=0.0)
         if sum(len(move_ways(move)) for train in part for move in train.moves) <= MOVES_MAX:
-            found = solve(
-                _instance(part, known.objective_value), question.work_max / len(STAGES), known, quick=True
-            )
+            found = solve(_instance(part, known.objective_value), question.work_max / STAGES, known)
         order = _order(part, found.solution or known)
-        if share == STAGES[0]:
+        if stage == 1:
             trains = [
                 _fixed(train, [end for each, end in order if each == index])
                 for index, train in enumerate(trains)
             ]
-    if kept is not None and (
-        found.solution is None or kept.objective_value < found.solution.objective_value + question.gain_s
-    ):
-        found, order = Answer(kept, found.bound, impossible=False, work=0.0), kept_order
     lost_s = sum(max(0, -move.due_s) for train in trains for move in train.moves if move.counts)
     delay_s = 0 if found.solution is None else found.solution.objective_value
     return OrderAnswer(
@@ -169,14 +158,13 @@ def _of_these(trains: Sequence[OrderTrain], order: Order) -> Order:
     return tuple(found)
 
 
-def _known(trains: Sequence[OrderTrain], begins: Iterable[Order], *, changed: bool = True) -> Solution | None:
+def _known(trains: Sequence[OrderTrain], begins: Iterable[Order]) -> Solution | None:
     """An order in which all can run, which begins in one of these ways; then by the times of the plan, or by when
-    trains can be ready, whichever delays least, with changes of it that delay less (`NEAR_TRIED`; off: without). Tracks
-    are as in what it begins with, then as planned. Not `changed`: by the times of the plan alone.
+    trains can be ready, whichever delays least. Tracks are as in what it begins with, then as planned.
     """
     instance = _instance(trains, None)
-    solutions: list[tuple[int, Solution, list[list[OrderWay]], tuple[int, ...]]] = []
-    for late in (False, True) if changed else (False,):
+    solutions: list[Solution] = []
+    for late in (False, True):
         for begun in dict.fromkeys(begins):
             ends = [[end for each, end in begun if each == index] for index in range(len(trains))]
             ways = [_ways(train, own) for train, own in zip(trains, ends, strict=True)]
@@ -190,18 +178,8 @@ def _known(trains: Sequence[OrderTrain], begins: Iterable[Order], *, changed: bo
             ]
             found = finishing_order(rest)
             if found.proof is CertificateProof.ORDER:
-                whole = (*first, *found.order)
-                solution = _played(instance, trains, ways, whole)
-                solutions.append((solution.objective_value, solution, ways, whole))
-    if not solutions:
-        return None
-    _, known, ways, order = min(solutions, key=lambda found: found[0])
-    if not (NEAR_TRIED and changed):
-        return known
-    near = improved(
-        trains, ways, [_searched(t, w, late=False) for t, w in zip(trains, ways, strict=True)], order
-    )
-    return known if near == order else _played(instance, trains, ways, near)
+                solutions.append(_played(instance, trains, ways, (*first, *found.order)))
+    return min(solutions, key=lambda solution: solution.objective_value, default=None)
 
 
 def _ways(train: OrderTrain, ends: Sequence[int]) -> list[OrderWay]:

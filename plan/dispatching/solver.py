@@ -37,22 +37,18 @@ class Answer:
         return self.solution is not None and self.solution.objective_value <= self.bound
 
 
-def solve(
-    instance: Instance, work_max: float, known: Solution | None = None, *, quick: bool = False
-) -> Answer:
+def solve(instance: Instance, work_max: float, known: Solution | None = None) -> Answer:
     """The least cost that `work_max` of the solver's counted work leads to; 1 is about eight seconds of a processor.
 
     Two searches take half of it each: one that finds orders soon, and one from below, which proves. `known`: a solution
-    to begin with. `quick`: for so little work that simplifying the question first would take most of it.
+    to begin with.
     """
     dispatch = DispatchModel(instance)
     best = Answer(known, 0, impossible=False, work=0.0)
     if known is not None:
         dispatch.begin_with(known)
-    if quick:
-        return _search(instance, dispatch, best, work_max, _SearchManner(quick=True))
     for by_cores in (False, True):
-        best = _search(instance, dispatch, best, work_max, _SearchManner(by_cores=by_cores))
+        best = _search(instance, dispatch, best, work_max, by_cores=by_cores)
         if best.proven or best.impossible:
             break
         if best.solution is not None:
@@ -60,16 +56,8 @@ def solve(
     return best
 
 
-@dataclass(frozen=True, slots=True)
-class _SearchManner:
-    """How is searched: from below, by cores; or quickly, and with all the work."""
-
-    by_cores: bool = False
-    quick: bool = False
-
-
 def _search(
-    instance: Instance, dispatch: DispatchModel, best: Answer, work_max: float, how: _SearchManner
+    instance: Instance, dispatch: DispatchModel, best: Answer, work_max: float, *, by_cores: bool
 ) -> Answer:
     """What one search adds to the best answer so far, within the rest of the work or half of the whole."""
     solver = cp_model.CpSolver()
@@ -77,11 +65,8 @@ def _search(
     solver.parameters.num_workers = 1  # the same answer on any machine
     # Orders decide and sums of delays relax badly: without linear programs the answer comes sooner by far.
     solver.parameters.linearization_level = 0
-    solver.parameters.optimize_with_core = how.by_cores
-    if how.quick:
-        solver.parameters.cp_model_probing_level = 0
-        solver.parameters.symmetry_level = 0
-    until, work = work_max if how != _SearchManner() else work_max / 2.0, best.work
+    solver.parameters.optimize_with_core = by_cores
+    until, work = work_max if by_cores else work_max / 2.0, best.work
     while True:
         solver.parameters.max_deterministic_time = max(until - work, 0.0)
         status = solver.solve(dispatch.model)
