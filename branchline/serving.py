@@ -43,7 +43,7 @@ def serve(
     ] = None,
     open_page: Annotated[bool, typer.Option("--open", help="Open the instructor's page.")] = False,
 ) -> None:
-    """Run a line in real time for training, with seats in the browser to break and to work it; or open a finished run."""
+    """Run a line in real time for training, with seats in the browser to break and work it; or open a run."""
     with needing_extra("console", "serve"):
         import uvicorn
 

@@ -32,7 +32,7 @@ from simulation.journal import Journal
 from simulation.late_day import late_day
 from simulation.people import Pause
 from simulation.platforms import Platforms
-from simulation.result import Ending, RunResult
+from simulation.result import Ending, RunResult, numbers_due
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.staff import Staff
 from simulation.substitute.players import SubstitutePlayers
@@ -343,8 +343,8 @@ class Simulation:
 
     def _stretch_end(self) -> int:
         """Where the stretch that begins now ends at the latest."""
-        horizon = self.horizon_step
-        return min(horizon, self._step + WATCHING_STEPS) if self._cabs.watch_out() else horizon
+        watched_step = self._step + WATCHING_STEPS
+        return min(self.horizon_step, watched_step) if self._cabs.watch_out() else self.horizon_step
 
     def _run_kernel(self, end_step: int, before: NDArray[np.void] | None) -> ForeseenStretch:
         trains, steps, first_row = self.trains, end_step - self._step, self._trace_used
@@ -448,32 +448,23 @@ class Simulation:
         if passed & PASSED_TO_A_STAND or events & EVENT_STOPPED:
             cabs.crew_stands(slot, step)
 
-    # the end ------------------------------------------------------------------------------------------------------
-
     def _stalled(self) -> bool:
         """Nothing has moved for long although a train should have gone on."""
         still_s = (self._step - self._moved_step) / STEPS_PER_S
-        if still_s < self.setup.limits.stall_limit_s:
-            return False
-        return self._duties.overdue_s(self.now_s) >= self.setup.limits.stall_limit_s
-
-    def _uncommissioned(self) -> tuple[str, ...]:
-        units = (self.trains.stock_ids[slot] for slot in self.on_board.uncommissioned)
-        return tuple(sorted((*units, *self.wayside.uncommissioned)))
+        limit_s = self.setup.limits.stall_limit_s
+        return still_s >= limit_s and self._duties.overdue_s(self.now_s) >= limit_s
 
     def _result(self, because: Ending, collisions: tuple[str, ...]) -> RunResult:
         self._books.close(self._step)
         if self._charging is not None:
             self._charging.close(self._step)
         arrived = self._books.arrived
-        due_s = self.now_s if because.of_part else math.inf  # by the plan, at the end of a part
-        trains = [t for t in self.setup.timetable.trains.values() if t.calls[-1].first_s <= due_s]
-        planned = tuple(t.number for t in trains if t.revenue)
-        empty = tuple(t.number for t in trains if not t.revenue)
+        planned, empty = numbers_due(self.setup.timetable, self.now_s if because.of_part else math.inf)
         cut = {stop.number for stop in self._books.stops if stop.cancelled}
         judged = () if because.of_part else tuple(n for n in (*planned, *empty) if n not in cut)
         self.checkers.finish(self.now_s, {number: number in arrived for number in judged})
         trace = self._trace[: self._trace_used].copy()
+        units = (self.trains.stock_ids[slot] for slot in self.on_board.uncommissioned)
         self.journal.add_to_digest(trace.tobytes())
         return RunResult(
             name=self.setup.name,
@@ -500,7 +491,7 @@ class Simulation:
             ended_because=because,
             unfinished=self._duties.unfinished(),
             courses=self.injector.courses,
-            uncommissioned=self._uncommissioned(),
+            uncommissioned=tuple(sorted((*units, *self.wayside.uncommissioned))),
             learned=self.on_board.learned(),
             learned_from=self.on_board.learned_from(),
             fixes=self.trains.fixes(),

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from network.timetable import CallKind
+from network.timetable import CallKind, Timetable
 from onboard.driving.tuning import Learned, StopDecelerations
 from simulation.faults.script import ItemCourse
 from simulation.journal import Journal
@@ -223,3 +223,9 @@ class RunResult:
     def motion_digest(self) -> str:
         """Digest of the trajectories alone, independent of records and journal: `simulation.motion_digest`."""
         return motion_digest(self.trace, self.stock_ids, TRACE_EVERY_STEPS)
+
+
+def numbers_due(timetable: Timetable, due_s: float) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Numbers of the trains whose last call is due by then, s since midnight: with passengers, and empty."""
+    trains = [train for train in timetable.trains.values() if train.calls[-1].first_s <= due_s]
+    return tuple(t.number for t in trains if t.revenue), tuple(t.number for t in trains if not t.revenue)

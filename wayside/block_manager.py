@@ -237,7 +237,7 @@ def _sign_on(register: Register, heard: Heard[SignOn]) -> Step:
         return _refuse_claim(register, heard, RefusalReason.WRONG_UNIT)
     standing, claimed = register.unit(heard.unit_id).standing, heard.message.section_ids
     # Of a unit known to be outside, even an old wish to enter is only a wish; and a unit that reports is only added to.
-    outside = standing is UnitStanding.OUTSIDE and _enters(register, heard.unit_id, claimed or ())
+    outside = standing is UnitStanding.OUTSIDE and register.asks_to_enter(heard.unit_id, claimed or ())
     if not (heard.fresh or outside or standing in (UnitStanding.REPORTED, UnitStanding.LEAVING)):
         return challenge(register, heard)
     return _take_claim(register, heard)
@@ -332,26 +332,17 @@ def _never_granted(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> S
     unit_id, token, claimed = heard.unit_id, heard.message.token, heard.message.section_ids
     shown = Show(Contradicted(unit_id=unit_id, token=token, why="a token that was never granted"))
     if claimed and register.unit(unit_id).standing is UnitStanding.UNKNOWN:
-        register, actions = _take_claim(register, replace(heard, message=_without_token(heard.message)))
+        register, actions = _take_claim(register, replace(heard, message=replace(heard.message, token=0)))
     else:
         register = replace(register, ledger=register.ledger | {unit_id})  # two persons must say where it is
         register, actions = _refuse_claim(register, heard, RefusalReason.UNKNOWN_TOKEN)
     return register, (shown, *actions)
 
 
-def _without_token(message: SignOn | Claim) -> Any:  # noqa: ANN401 - of the type given
-    return replace(message, token=0)
-
-
 def _wishes(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> bool:
     """Whether it only wants to enter. Who was never on the line cannot claim a portal, whatever it sends."""
     stranger = register.restoring and heard.unit_id not in register.ledger
-    return (isinstance(heard.message, SignOn) or stranger) and _enters(register, heard.unit_id, claimed)
-
-
-def _enters(register: Register, unit_id: str, claimed: tuple[str, ...]) -> bool:
-    """Whether a sign-on asks for a portal that the unit does not hold yet."""
-    return register.plan.portals.issuperset(claimed) and not set(claimed) <= set(register.held_by(unit_id))
+    return (isinstance(heard.message, SignOn) or stranger) and register.asks_to_enter(heard.unit_id, claimed)
 
 
 def _enter(
@@ -426,7 +417,7 @@ def _refuse_claim(
 
 def _sign_on_leaving(register: Register, heard: Heard[SignOn]) -> Step:
     """Still in its portal, it is on the line again; one that wishes to enter elsewhere is asked whether it has left."""
-    if _enters(register, heard.unit_id, heard.message.section_ids or ()) and heard.message.section_ids:
+    if register.asks_to_enter(heard.unit_id, heard.message.section_ids or ()) and heard.message.section_ids:
         return challenge(register, heard)
     return _sign_on(register, heard)
 

@@ -234,6 +234,10 @@ class Register(msgspec.Struct, frozen=True):
         mine = [section for section, holder in self.holders.items() if holder == unit_id]
         return tuple(sorted(mine, key=self.plan.order.__getitem__))
 
+    def asks_to_enter(self, unit_id: str, claimed: tuple[str, ...]) -> bool:
+        """Whether what a unit says that it holds is a portal that it does not hold yet."""
+        return self.plan.portals.issuperset(claimed) and not set(claimed) <= set(self.held_by(unit_id))
+
     def undefined_because_of(self) -> tuple[str, ...]:
         """Units for which nothing may be granted, and which are asked: unknown or disputed."""
         blocking = (UnitStanding.UNKNOWN, UnitStanding.DISPUTED)

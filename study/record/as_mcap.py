@@ -80,7 +80,7 @@ class _Channels:
         """All messages, in order of time."""
         for number, (at_ns, channel, data) in enumerate(messages):
             self._writer.add_message(channel, log_time=at_ns, publish_time=at_ns, sequence=number, data=data)
-        self._writer.finish()
+        self._writer.finish()  # type: ignore[no-untyped-call]  # mcap leaves this one without types
 
     def _schema(self, name: str, schema: dict[str, Any]) -> int:
         return int(
