@@ -27,7 +27,7 @@ wheel: install
 	$(BIN)/python -m documents.wheel
 
 test: install
-	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest $(LAWS_SLICE)
 
 # The report in Chromium, which is installed with the system's packages where it is missing; frames a second are printed.

@@ -16,7 +16,7 @@ from network.clock import clock
 from network.errors import InputError
 from network.files.kinds import about
 from network.files.names import Title
-from network.files.quantities import DrillTime, Duration, Pace, SpeedFrom0Kmh
+from network.files.quantities import DrillTime, Duration, Handle, Pace, SpeedFrom0Kmh
 from network.files.toml_input import Record, one_of, validate
 from scenario.event_file import matcher_in
 from scenario.fleet_file import PEOPLE
@@ -68,7 +68,7 @@ class ActTable(Record):
     ] = ""
     behind: Annotated[str, about("unit that is to have that section first")] = ""
     train: Annotated[str, about("later train of the set, as which it goes on")] = ""
-    notch: Annotated[int, about("above 0 power, below 0 brake; beyond the train's strongest, that")] = 0
+    notch: Annotated[Handle, about("above 0 power, below 0 brake; beyond the train's strongest, that")] = 0
     hold_s: Annotated[
         DrillTime, about("how long the unit then asks for no route, or is kept back at most")
     ] = 300.0

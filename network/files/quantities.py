@@ -205,6 +205,7 @@ OVERTAKEN: Final = Quantity(
     "trains let on before another", "", ((1, 1000),), "assumed: as many as a dense day has; 0: nobody waits"
 )
 BLOCKS: Final = Quantity("blocks of a section", "", ((1, 100),), "assumed: 80 stand for moving blocks")
+HANDLE: Final = Quantity("notch of a handle", "", ((-99, 99),), "assumed: as many notches as no handle has")
 RUN_LIMIT: Final = Quantity("limit of a run", "s", ((1.0, 259_200.0),), "assumed: three days")
 DRILL_TIME: Final = Quantity("time in a drill", "s", ((0.0, 259_200.0),), "as the limit of a run")
 DURATION: Final = Quantity("duration in a drill", "s", ((0.1, 259_200.0),), "a step; as the limit of a run")
@@ -426,6 +427,7 @@ Wait = Annotated[float, WAIT]
 DelayMin = Annotated[float, DELAY]
 Overtaken = Annotated[int, OVERTAKEN]
 BlockCount = Annotated[int, BLOCKS]
+Handle = Annotated[int, HANDLE]
 Reaction = Annotated[float, REACTION]
 RunLimit = Annotated[float, RUN_LIMIT]
 DrillTime = Annotated[float, DRILL_TIME]

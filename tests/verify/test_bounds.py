@@ -24,7 +24,7 @@ def test_it_finds_a_reflection_in_a_slide_when_receivers_forgive_it_and_not_othe
 @pytest.mark.parametrize(
     "runs", [pytest.param(30, id="slice"), pytest.param(10_000, id="all", marks=pytest.mark.nightly)]
 )
-def test_no_searched_run_leaves_its_bounds_and_only_carried_sensors_fail_within_their_contract(
+def test_no_searched_run_leaves_its_bounds(
     runs: int,
 ) -> None:
     nearest: list[TriedRun] = []

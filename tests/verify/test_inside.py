@@ -42,7 +42,7 @@ def _figures(views: frozenset[PairView], *names: str) -> InsideFigures:
     return figures
 
 
-def test_a_day_lies_inside_and_looking_changes_nothing(calm_views: frozenset[PairView]) -> None:
+def test_a_day_lies_inside(calm_views: frozenset[PairView]) -> None:
     figures = InsideFigures()
     result = watched_run(load("karasuyama_weekday"), calm_views, figures)
     assert figures.states > 10_000
