@@ -63,7 +63,11 @@ def _disputed_leaver_stays() -> tuple[Change, ...]:
 
 def _booted_at_its_mark_keeps_all() -> tuple[Change, ...]:
     """A unit that has booted at its mark goes on holding what lies behind, though its crew says where it is."""
-    return ((on_sight, "behind_by_eye", lambda _duty, _stop: 0),)
+    return ((on_sight, "behind_by_eye", _nothing_behind),)
+
+
+def _nothing_behind(_duty: object, _stop: int) -> int:
+    return 0
 
 
 def _reported(_register: Register, _message: object, held: tuple[str, ...]) -> UnitStanding:
