@@ -140,6 +140,7 @@ SCRIPT: Final[Data] = {
     "act": [
         {"kind": "give_back", "target": "K1", "start": "10:10", "hold_s": 5.0, "after_s": 1.0},
         {"kind": "accept_picture", "start": {"who": "K1", "what": "mission_done"}, "pace_s": 1.0},
+        {"kind": "drive", "start": {"who": "K1", "what": "mission_done"}, "target": "K1", "notch": 0},
     ],
     "expect": [
         {"text": "it moves", "event": {"who": "K1", "what": "moving"}, "after": "train T1 departs A", "within_s": 60.0},
