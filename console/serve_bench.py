@@ -12,19 +12,13 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Generator
-from contextlib import contextmanager
-from threading import Event, Thread
+from collections.abc import Callable
 from typing import Any, Final
 
 import psutil
-import uvicorn
 
-from console.access import LOOPBACK, on_loopback
-from console.live import LiveDesk
-from console.protocol import DeskAnswer, RunTo, SetPace
-from console.seats import Seat
-from console.server import DeskServer, listening_on
+from console.aside import served
+from console.protocol import SetPace
 from scenario.scenario import Scenario, load_scenario
 from study.runner.run import simulation_of
 
@@ -33,7 +27,6 @@ MEASURED_S: Final = 10.0
 UPDATES_A_S_MIN: Final = 8.0  # ten are wanted; a machine that does other work misses some
 OF_A_CORE_MAX: Final = 0.30
 KB_A_S_MAX: Final = 200.0
-LONG_S: Final = 3600.0
 # Each reads for some seconds and says how much came; the last but one reads nothing, the last has closed at once.
 CLIENT: Final = """
 import json, sys, time
@@ -67,15 +60,15 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
     loaded = load_scenario(scenario)
     busy_s, trains = busiest_s(loaded)
     tell(f"{scenario}: {trains} trains under way at {int(busy_s // 3600)}:{int(busy_s // 60) % 60:02}")
-    changed = Event()
-    with _served(loaded, changed) as (live, thread, address):
-        _ask_until(live, RunTo(time_s=busy_s), lambda: live.moment.known.time_s >= busy_s, changed)
-        live.ask(Seat.INSTRUCTOR, SetPace(factor=FACTOR), _nothing)
+    with served(loaded) as desk:
+        live, thread = desk.live, desk.thread
+        desk.run_to(busy_s)
+        desk.ask(SetPace(factor=FACTOR))
         seen: list[tuple[float, float, list[tuple[str, float, float]]]] = []
         for _ in range(rounds):
             began_s, server_s, desk_s = time.monotonic(), _cpu_s(thread.native_id), _cpu_s(live.thread_id)
             done = subprocess.run(
-                [sys.executable, "-c", CLIENT, address, str(MEASURED_S), str(VERSION)],
+                [sys.executable, "-c", CLIENT, desk.socket, str(MEASURED_S), str(VERSION)],
                 capture_output=True,
                 check=True,
             )
@@ -87,7 +80,7 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
                     json.loads(done.stdout),
                 )
             )
-        _ask_until(live, RunTo(time_s=200_000.0), lambda: bool(live.moment.known.ended), changed)
+        desk.run_to(200_000.0)
         digest = live.moment.known.digest
     with simulation_of(loaded.setup) as simulation:
         same = simulation.run().digest == digest
@@ -142,41 +135,5 @@ def busiest_s(scenario: Scenario) -> tuple[float, int]:
     return max(((begin, sum(a <= begin < b for a, b in spans)) for begin, _ in spans), key=lambda one: one[1])
 
 
-@contextmanager
-def _served(scenario: Scenario, changed: Event) -> Generator[tuple[LiveDesk, Thread, str]]:
-    with listening_on(LOOPBACK, 0) as bound:
-        port = bound.getsockname()[1]
-        server = DeskServer(on_loopback(port))
-
-        def note() -> None:
-            server.changed()
-            changed.set()
-
-        live = LiveDesk(scenario, note)
-        live.start()
-        server.desk = live
-        web = uvicorn.Server(uvicorn.Config(server.app, log_level="error", ws="websockets-sansio"))
-        thread = Thread(target=web.run, kwargs={"sockets": [bound]})
-        thread.start()
-        try:
-            yield live, thread, f"ws://{LOOPBACK}:{port}/desk"
-        finally:
-            web.should_exit = True
-            thread.join()
-            live.stop()
-
-
-def _ask_until(live: LiveDesk, request: RunTo, is_so: Callable[[], bool], changed: Event) -> None:
-    live.ask(Seat.INSTRUCTOR, request, _nothing)
-    while not is_so():
-        changed.clear()
-        if not is_so():
-            changed.wait(LONG_S)
-
-
 def _cpu_s(thread_id: int | None) -> float:
     return sum(t.user_time + t.system_time for t in psutil.Process().threads() if t.id == thread_id)
-
-
-def _nothing(_: DeskAnswer) -> None:
-    pass

@@ -6,18 +6,13 @@ They are for whoever changes the pages: look at them. The repository has `desk.p
 from __future__ import annotations
 
 import sys
-from collections.abc import Generator
-from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from shutil import copyfile, which
-from threading import Event, Thread
-from typing import Any, Final
+from typing import Final
 
-from console.access import LOOPBACK, on_loopback
-from console.live import LiveDesk
-from console.protocol import DeskAnswer, Fail, RunTo, SayToSeat
-from console.seats import Seat
-from console.server import DeskServer, listening_on
+from console.aside import ServedDesk, served
+from console.protocol import Fail, SayToSeat
 from scenario.scenario import load_scenario
 
 IMAGE: Final = Path(__file__).resolve().parents[1] / "docs" / "images" / "desk.png"
@@ -30,19 +25,19 @@ FLAGS: Final = ("--headless", "--no-sandbox", "--disable-gpu")
 
 def draw(folder: Path) -> list[Path]:
     """All pages of the Karasuyama weekday at 7:08, and the choice of seats; their files."""
-    from playwright.sync_api import sync_playwright
-
+    library = import_module("playwright.sync_api")
     folder.mkdir(parents=True, exist_ok=True)
     browser_file = which("chromium") or which("chromium-browser")
     drawn: list[Path] = []
-    with _desk() as address, sync_playwright() as play:
+    with served(load_scenario("karasuyama_weekday")) as desk, library.sync_playwright() as play:
+        _with_a_fault(desk)
         browser = play.chromium.launch(executable_path=browser_file, args=list(FLAGS))
         for width, height in SIZES:
             for language in ("en", "ja"):
                 for seat in ("", *SEATS):
                     page = browser.new_page(viewport={"width": width, "height": height})
                     unit = "&unit=V2" if seat == "driver" else ""
-                    page.goto(f"{address}?lang={language}{unit}" + (f"&seat={seat}" if seat else ""))
+                    page.goto(f"{desk.page}?lang={language}{unit}" + (f"&seat={seat}" if seat else ""))
                     page.wait_for_selector("#clock" if seat else ".seats a")
                     page.wait_for_timeout(300)
                     drawn.append(folder / f"{seat or 'choice'}_{language}_{width}.png")
@@ -52,49 +47,12 @@ def draw(folder: Path) -> list[Path]:
     return drawn
 
 
-@contextmanager
-def _desk() -> Generator[str]:
-    """A desk that stands, with a fault in force and a train that is driven by hand."""
-    import uvicorn
-
-    changed = Event()
-    with listening_on(LOOPBACK, 0) as bound:
-        port = bound.getsockname()[1]
-        server = DeskServer(on_loopback(port))
-
-        def note() -> None:
-            changed.set()
-            server.changed()
-
-        live = LiveDesk(load_scenario("karasuyama_weekday"), note)
-        live.start()
-        server.desk = live
-        _ask(live, RunTo(time_s=AT_S))
-        while live.moment.known.time_s < AT_S:
-            changed.clear()
-            changed.wait(60.0)
-        _ask(live, Fail(fault={"kind": "power_off", "target": "OGN-E"}))
-        _ask(live, SayToSeat(text="OGN-E"))
-        _ask(live, RunTo(time_s=AT_S + 5.0))
-        web = uvicorn.Server(uvicorn.Config(server.app, log_level="error", ws="websockets-sansio"))
-        thread = Thread(target=web.run, kwargs={"sockets": [bound]})
-        thread.start()
-        try:
-            yield f"http://{LOOPBACK}:{port}/"
-        finally:
-            web.should_exit = True
-            thread.join()
-            live.stop()
-
-
-def _ask(live: LiveDesk, request: Any) -> None:  # noqa: ANN401 - any request of the protocol
-    done = Event()
-
-    def take(_: DeskAnswer) -> None:
-        done.set()
-
-    live.ask(Seat.INSTRUCTOR, request, take)
-    done.wait(60.0)
+def _with_a_fault(desk: ServedDesk) -> None:
+    """Run to where a fault is in force and a message has been said."""
+    desk.run_to(AT_S)
+    desk.ask(Fail(fault={"kind": "power_off", "target": "OGN-E"}))
+    desk.ask(SayToSeat(text="OGN-E"))
+    desk.run_to(AT_S + 5.0)
 
 
 if __name__ == "__main__":

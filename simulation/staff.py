@@ -278,7 +278,7 @@ class Staff:
     def _say_who_left(self, t_s: float) -> None:
         """By which portal those have left that the manager may yet have on the line; else all is to be swept."""
         for slot, unit_id in enumerate(self._trains.stock_ids):
-            if unit_id in self._left and not self._trains.truths[slot].active:
+            if unit_id in self._left and not self._held(slot):
                 self._act(t_s, ActKind.CONFIRM_OUTSIDE, unit_id, CONTROLLER, place=self._portal(slot))
 
     def _say_what_was_granted(self, t_s: float) -> None:
@@ -303,7 +303,7 @@ class Staff:
     def _enter_all(self, t_s: float) -> None:
         """Two persons enter every section of the line, alike; one accepts the picture."""
         stock_ids = self._trains.stock_ids
-        held = {stock_ids[slot]: self._held(slot) for slot in self._trains.active()}
+        held = {unit_id: held for slot, unit_id in enumerate(stock_ids) if (held := self._held(slot))}
         taken = {section for mine in held.values() for section in mine}
         free = tuple(section for section in self._setup.line.sections if section not in taken)
         for person in (CONTROLLER, STAFF):
@@ -313,12 +313,12 @@ class Staff:
 
     def _speak_for(self, t_s: float, unit_id: str) -> None:
         """Two persons say of a silent unit what is so; of a train that moves nobody can."""
-        slot = self._trains.slot_of[unit_id]
-        if not self._trains.truths[slot].active:
+        slot, held = self._trains.slot_of[unit_id], self._held(self._trains.slot_of[unit_id])
+        if not held:
             for person in (CONTROLLER, STAFF):
                 self._act(t_s, ActKind.CONFIRM_OUTSIDE, unit_id, person, place=self._portal(slot))
         elif self._trains.plants[slot].speed_mps <= 0.0:
-            said = {*self._held(slot), *self._not_freed.get(unit_id, ())}
+            said = {*held, *self._not_freed.get(unit_id, ())}
             in_order = tuple(section for section in self._setup.line.sections if section in said)
             for person in (CONTROLLER, STAFF):
                 self._act(t_s, ActKind.CONFIRM_HOLDING, unit_id, person, in_order)
@@ -331,10 +331,12 @@ class Staff:
         return next((s.section_id for s in reversed(spans) if s.section_id in portals), (*portals, "")[0])
 
     def _held(self, slot: int) -> tuple[str, ...]:
-        """What the train occupies, and what its unit shows or has forgotten beyond that, in the order of the line."""
-        under = self._trains.sections_under().get(self._trains.stock_ids[slot])
-        if under is None:
-            return ()  # outside
+        """What the train occupies, and what its unit shows or has forgotten beyond that, in the order of the line; of one
+        that is off it, the portal by which it may come in at any time.
+        """
+        under = self._trains.sections_under().get(self._trains.stock_ids[slot], set[str]())
+        if not under and slot in self._on_board.unpowered:
+            return ()
         held = under.union(self._on_board.shown_to_driver(slot).held, self._granted_ahead(slot))
         return tuple(section for section in self._setup.line.sections if section in held)
 

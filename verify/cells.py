@@ -25,7 +25,7 @@ NEVER: Final = 99
 HELD_UNKNOWN: Final = -1
 CELL_BITS, EFFECT_BITS, TOKEN_BITS, CORRELATION_BITS = 21, 20, 20, 10
 # columns of a cell
-TRAIN, GRANTED, SAID, OCCUPIED, HELD, SPEAKS, FINISHED, IN_USE, OLDEST, SAID_TO_STAND_IN = range(10)
+TRAIN, GRANTED, SAID, OCCUPIED, HELD, SPEAKS, FINISHED, IN_USE, OLDEST, SEEN_OR_SHOWN = range(10)
 # by peer; by peer: the first telegram; by terminal
 NEAR, HEAD, NEEDS = 10, 10 + len(PEERS), 10 + 2 * len(PEERS)
 # columns of a choice
@@ -108,7 +108,7 @@ class TrainCells:
             train.place is TrainPlace.GONE and not authority.perhaps_on_line,
             in_use,
             min((telegrams[t].epoch for t in air[1]), default=NEVER),
-            model.said_to_stand_in(train),
+            model.seen_or_shown(train),
             *(bool(air[2 * peer] or air[2 * peer + 1]) for peer in range(len(PEERS))),
             *heads,
             *(needs.get(terminal, 0) for terminal in TERMINALS),

@@ -55,7 +55,7 @@ class TrainView(NamedTuple):
     """What the rules of the whole look at of one train."""
 
     occupied: int
-    said_to_stand_in: int
+    seen_or_shown: int
     held: int | None  # None: its unit does not know, or says nothing
     speaks: bool
     finished: bool
@@ -164,7 +164,10 @@ class Composition:
                 continue
             if event.about >= 0:
                 view = self.view(state, event.about)
-                true = (event.corrects or not view.speaks) and view.said_to_stand_in == event.stands
+                if event.quiet and state.cells[event.about].air[1]:
+                    continue
+                stands = view.seen_or_shown if event.quiet else view.occupied
+                true = (event.corrects or not view.speaks) and stands == event.stands
                 if true is not (event.trouble is UnwishedFor.NONE):
                     continue
             trouble = event.trouble or _delay(queue for cell in state.cells for queue in cell.air[:2])
@@ -284,7 +287,7 @@ class Composition:
         }
         return TrainView(
             occupied,
-            model.said_to_stand_in(train),
+            model.seen_or_shown(train),
             mask_of(authority.held) if knows and (authority.on_line or authority.leaving) else None,
             model.speaks(train),
             train.place is TrainPlace.GONE and not authority.perhaps_on_line,

@@ -30,10 +30,11 @@ from verify.cells import (
     IN_USE,
     NEAR,
     NEEDS,
+    NEVER,
     OCCUPIED,
     OLDEST,
     SAID,
-    SAID_TO_STAND_IN,
+    SEEN_OR_SHOWN,
     SPEAKS,
     TOKEN_BITS,
     TrainCells,
@@ -53,8 +54,8 @@ TWO: Final = 2
 EPOCH, COUNTER, TOKENS, GRANTS, MAY_GRANT, ON_SIGHT, BAD = range(7)
 HOLDS: Final = 7
 LIE, MEMORY = range(2)
-NEXT, TROUBLE, ABOUT, STANDS, WORD, CORRECTS = range(6)
-EFFECT: Final = 6
+NEXT, TROUBLE, ABOUT, STANDS, WORD, CORRECTS, QUIET = range(7)
+EFFECT: Final = 7
 
 
 class Columns(NamedTuple):
@@ -268,10 +269,13 @@ class Expansion:
         about, near = column(ABOUT), np.zeros(len(source), bool)
         for unit, cells in enumerate(self.cells):
             cell = states.cells[unit][source]
-            speaks, said_in = (cells.rows.column(c)[cell] for c in (SPEAKS, SAID_TO_STAND_IN))
-            true = ((speaks == 0) | (column(CORRECTS) != 0)) & (said_in == column(STANDS))
+            speaks, seen_in, shown = (cells.rows.column(c)[cell] for c in (SPEAKS, OCCUPIED, SEEN_OR_SHOWN))
+            true = (speaks == 0) | (column(CORRECTS) != 0)
+            true &= np.where(column(QUIET) != 0, shown, seen_in) == column(STANDS)
             may &= (about != unit) | (true == (column(TROUBLE) == UnwishedFor.NONE))
-            early = cells.rows.column(OLDEST)[cell] < self._managers.column(EPOCH)[states.manager[source]]
+            oldest = cells.rows.column(OLDEST)[cell]
+            early = oldest < self._managers.column(EPOCH)[states.manager[source]]
+            may &= (about != unit) | (column(QUIET) == 0) | (oldest == NEVER)
             may &= (column(WORD) == 0) | ~early
             near |= cells.rows.column(NEAR)[cell] != 0
         return self._at_ground(states, source, column, may, near, None)
@@ -457,7 +461,16 @@ class Expansion:
 
     def _event_row(self, peer: int, event: LocalEvent) -> Sequence[int]:
         effects = self._effects(peer, event.sends)
-        return event.state, event.trouble, event.about, event.stands, event.word, event.corrects, *effects
+        return (
+            event.state,
+            event.trouble,
+            event.about,
+            event.stands,
+            event.word,
+            event.corrects,
+            event.quiet,
+            *effects,
+        )
 
     def _manager_in_order(self, manager: int, bits: int) -> tuple[int]:
         return (self.parties.make(StepKind.MANAGER_ANEW, manager, self._bits.things[bits]),)

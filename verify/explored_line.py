@@ -70,7 +70,8 @@ class ExploredLine(NamedTuple):
     """What is explored: how many of the trains run, and the budgets. `timed`: each asks for its routes, and leaves,
     when its timer says so, at any time; otherwise at once. `tag_between`: there is a tag where a train is whole in X,
     besides that of the arrival, and what tags prove is given back by this rule. `bars`: two persons may bar a unit at
-    the manager, which counts as a wrong word, and unbar it.
+    the manager, which counts as a wrong word, and unbar it; who speaks for a unit there waits until nothing to it is on
+    the air, and says too what it shows that it holds.
     """
 
     trains: int = 2

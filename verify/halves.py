@@ -28,7 +28,7 @@ HELD_UNKNOWN: Final = -1
 _NEVER: Final = 99
 _FEW: Final = 1024
 _SHIFT: Final = 21  # numbers of parts are below 2 ** 21
-_WORDS: Final = 8
+_WORDS: Final = 9
 
 
 def each(compute: Callable[..., int], *columns: Numbers) -> Numbers:
@@ -105,7 +105,18 @@ class Halves:
         )
         near = [f"near{i}" for i in range(len(PEERS))]
         needs = [f"needs{i}" for i in range(len(TERMINALS))]
-        names = ("granted", "stands", "held", "speaks", "finished", "oldest", "tokens", *near, *needs)
+        names = (
+            "granted",
+            "stands",
+            "shown",
+            "held",
+            "speaks",
+            "finished",
+            "oldest",
+            "tokens",
+            *near,
+            *needs,
+        )
         self.of_cells: Final = [
             Facts(names, partial(self._cells_found, unit), partial(self._cell_facts, unit))
             for unit in self._units
@@ -167,6 +178,7 @@ class Halves:
         return (
             granted,
             stands,
+            model.seen_or_shown(train),
             mask_of(authority.held) if knows else HELD_UNKNOWN,
             model.speaks(train),
             train.place is TrainPlace.GONE and not authority.perhaps_on_line,
@@ -277,13 +289,14 @@ class Halves:
             rows += self._ground_events(number)
             counts.append(len(rows) - before)
         source, row = _joined(rows, np.array(counts, np.int64), which, _WORDS + len(self._units))
-        after, peer, trouble, word, about, stands, corrects, epoch = (row[:, i] for i in range(_WORDS))
+        after, peer, trouble, word, about, stands, corrects, quiet, epoch = (row[:, i] for i in range(_WORDS))
         may, near = np.ones(len(source), bool), np.zeros(len(source), bool)
         for unit, facts in enumerate(self.of_cells):
             cell = cells[unit][source]
             may &= (word == 0) | (facts.column("oldest")[cell] >= epoch)
             true = (corrects != 0) | (facts.column("speaks")[cell] == 0)
-            true &= facts.column("stands")[cell] == stands
+            true &= np.where(quiet != 0, facts.column("shown")[cell], facts.column("stands")[cell]) == stands
+            may &= (about != unit) | (quiet == 0) | (facts.column("oldest")[cell] == _NEVER)
             may &= (about != unit) | (true == (trouble == UnwishedFor.NONE))
             for at in range(len(PEERS)):
                 near |= (peer == at) & (facts.column(f"near{at}")[cell] != 0)
@@ -301,8 +314,8 @@ class Halves:
         return -1 if rest is None else self._grounds.number((parts, rest))
 
     def _ground_events(self, number: int) -> Iterator[tuple[int, ...]]:
-        """Rows: ground, peer, trouble, whether a word, about whom, where that stands, whether it corrects, and the boot
-        that it is said in; then telegrams by unit.
+        """Rows: ground, peer, trouble, whether a word, about whom, where that stands, whether it corrects and
+        waits until nothing is on the air to that unit, and the boot that it is said in; then telegrams by unit.
         """
         parts, left = self._grounds.things[number]
         epoch, make = self.parties.managers.things[parts[0]].epoch, self.parties.make
@@ -315,7 +328,7 @@ class Halves:
         for peer, event in ((peer, event) for peer, events in by_peer for event in events):
             after = self._grounds.number(((*parts[:peer], event.state, *parts[peer + 1 :]), left))
             sends = [tuple((2 * peer + 1, t) for to, t in event.sends if to == unit) for unit in self._units]
-            said = event.word, event.about, event.stands, event.corrects, epoch
+            said = event.word, event.about, event.stands, event.corrects, event.quiet, epoch
             yield after, peer, event.trouble, *map(int, said), *map(self._effects.number, sends)
 
     # what counts as one -----------------------------------------------------------------------------------------------

@@ -38,7 +38,8 @@ class Happening(NamedTuple, Generic[S, M]):
     Of a train: `left`: it passes the boundary out; `locks`, `unlocks`: points, by terminal, that its crew locks by
     hand, or gives back. Of the manager: `about`: the unit that a person speaks of, truly where its train stands in
     `stands` and, unless that `corrects` what was said before, if it does not speak for itself; `word`: a person acts,
-    which takes effect only when no telegram of an earlier boot is on the air.
+    which takes effect only when no telegram of an earlier boot is on the air, nor, where it is `quiet`,
+    any to the unit that they speak of, who then look at what it shows that it holds, too.
     """
 
     name: str
@@ -53,3 +54,4 @@ class Happening(NamedTuple, Generic[S, M]):
     stands: int = 0
     word: bool = False
     corrects: bool = False
+    quiet: bool = False

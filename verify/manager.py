@@ -44,11 +44,9 @@ from wayside.said import (
     UnbarUnit,
 )
 
-LATE_S: Final = 1000.0  # later than whatever a rule of the manager waits for
+BEFORE_S, LATE_S = 0.0, 1000.0  # which is later than whatever a rule of the manager waits for
 GRANTED_IN_DOUBT: Final = "granted while the line was not defined"
-PLACES: Final = tuple(
-    mask_of(s) for s in (("P",), ("P", "X"), ("X",), ("X", "A"), ("A",), ("X", "B"), ("B",))
-)
+PLACES: Final = tuple(mask_of(frozenset(s)) for s in ("P", "PX", "X", "XA", "A", "XB", "B", "PXA", "PXB"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,9 +190,9 @@ class ManagerModel:
         """By unit: what it holds by the register, as bits."""
         return tuple(mask_of(state.kept.register.held_by(unit_id)) for unit_id in self.units)
 
-    def _took(self, state: ManagerState, event: Event, unit: int = -1) -> ManagerStep:
+    def _took(self, state: ManagerState, event: Event, unit: int = -1, now_s: float = LATE_S) -> ManagerStep:
         before = state.kept.register
-        after, actions = step(before, event, LATE_S)
+        after, actions = step(before, event, now_s)
         sends = self._sealed(state, actions)
         granted = any(isinstance(sent.message, RouteGranted) for _, sent in sends)
         bad = GRANTED_IN_DOUBT if granted and not before.defined else state.bad
@@ -241,7 +239,7 @@ class ManagerModel:
             after, sends = state, tuple[tuple[int, InAir], ...]()
             for person in PERSONS:
                 word = UnbarUnit(unit_id, person) if barred else BarUnit(unit_id, person)
-                after, more, _ = self._took(after, word)
+                after, more, _ = self._took(after, word, now_s=BEFORE_S)
                 sends = (*sends, *more)
             name = f"{' and '.join(PERSONS)} {'unbar' if barred else 'bar'} {unit_id}"
             yield ManagerEvent(name, after, sends, UnwishedFor.NONE if barred else UnwishedFor.WORD)
@@ -275,7 +273,14 @@ class ManagerModel:
                 where = " ".join(sections_of(stands)) or "off the line"
                 name = f"{person} says that {unit_id} is {'in ' if stands else ''}{where}"
                 yield ManagerEvent(
-                    name, after, sends, about=unit, stands=stands, word=True, corrects=corrects
+                    name,
+                    after,
+                    sends,
+                    about=unit,
+                    stands=stands,
+                    word=True,
+                    corrects=corrects,
+                    quiet=self._may_bar,
                 )
 
     def _fails(self, state: ManagerState) -> ManagerEvent:

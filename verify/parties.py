@@ -222,6 +222,7 @@ class ExploredParties:
                 e.stands,
                 e.word,
                 e.corrects,
+                e.quiet,
             )
             for e in found
         )

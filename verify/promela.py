@@ -291,10 +291,11 @@ class _Model:
         if event.about < 0:
             return "true"
         unit, model = event.about, self._parties.train_models[event.about]
+        stands = model.seen_or_shown if event.quiet else model.occupied
         so = [
             f"tr[{unit}] == {number}"
             for number, train in enumerate(self._parties.trains[unit].things)
-            if (event.corrects or not model.speaks(train)) and model.said_to_stand_in(train) == event.stands
+            if (event.corrects or not model.speaks(train)) and event.stands == stands(train)
         ]
         return "(" + " || ".join(so or ["false"]) + ")"
 

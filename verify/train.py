@@ -198,9 +198,10 @@ class ExploredTrain:
         span, part = divmod(state.spot, PLACES_A_SPAN)
         return mask_of(tuple(s.section_id for s in self.plan(state).spans[span : span + 1 + (part == 2)]))
 
-    def said_to_stand_in(self, state: TrainState) -> int:
-        """Where a truthful person says it stands, as bits; before the portal it is off the line."""
-        return self.occupied(state)
+    def seen_or_shown(self, state: TrainState) -> int:
+        """What it occupies, as bits, with what its unit shows that it holds, and so may run into."""
+        shown = state.duty.authority.held if self.speaks(state) else ()
+        return self.occupied(state) | mask_of(shown)
 
     def speaks(self, state: TrainState) -> bool:
         """Whether the unit has power and knows what it holds, so that nobody needs to speak for it."""

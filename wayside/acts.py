@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import Enum
+from math import inf
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -68,10 +69,13 @@ def act(register: Register, event: Act, now_s: float) -> Step:
     if unit_id is not None and unit_id not in register.plan.unit_ids:
         return register, (_refused(event, "not on the fleet list"),)
     if isinstance(event, BarUnit | UnbarUnit):
-        return _bar(register, event)
-    # A grant of the boot before may still be on the air, so what a person sees now may yet grow.
-    on_the_air_s = register.plan.telegram_age_max_s + CLOCK_SKEW_MAX_S
-    if register.epoch > 1 and now_s <= started_s + on_the_air_s:
+        return _bar(register, event, now_s)
+    # A grant of the boot before, or to a unit that was then barred, may still be on the air, so what a person sees
+    # now may yet grow.
+    last_s = max(
+        started_s if register.epoch > 1 else -inf, -inf if register.barred_s is None else register.barred_s
+    )
+    if now_s <= last_s + register.plan.telegram_age_max_s + CLOCK_SKEW_MAX_S:
         return register, (_refused(event, "too early"),)
     if isinstance(event, EnterSection | AcceptPicture):
         return LINE_ACTS[phase, type(event)](register, event)
@@ -88,7 +92,7 @@ def spoke(register: Register, unit_id: str, message: AnyMessage) -> Step:
     return register, (Show(Refused(unit_id=unit_id, why="it speaks for itself: no word counts")),)
 
 
-def _bar(register: Register, event: BarUnit | UnbarUnit) -> Step:
+def _bar(register: Register, event: BarUnit | UnbarUnit, now_s: float) -> Step:
     """Barred, or not any more, when a second person says the same; what it held stays its own."""
     unit_id, before = event.unit_id, register.bars
     bars = barring.bars_after_word(before, unit_id, event.person, bar=isinstance(event, BarUnit))
@@ -97,7 +101,9 @@ def _bar(register: Register, event: BarUnit | UnbarUnit) -> Step:
         why = "a second person must say the same" if bars.words != before.words else "it is so already"
         return register, (_refused(event, why),)
     if isinstance(event, BarUnit):
-        return _shut_out(register, event), (Show(Barred(unit_id=unit_id, by=event.person)),)
+        return replace(_shut_out(register, event), barred_s=now_s), (
+            Show(Barred(unit_id=unit_id, by=event.person)),
+        )
     return replace(register, ask_at_s=0.0), (Show(Unbarred(unit_id=unit_id, by=event.person)),)
 
 

@@ -140,8 +140,9 @@ class Register(msgspec.Struct, frozen=True):
 
     `started_s`: time of the first event of this boot. `restoring`: the block state was lost and no picture of the line
     has been accepted and completed yet. `ledger`: units that are on the line as far as is known, kept over power cuts;
-    it blocks and never frees. `bars`: units that persons have barred, kept over power cuts. `unswept`: sections that a
-    silent unit may be in although persons say that it is elsewhere, kept over power cuts: to be passed on sight.
+    it blocks and never frees. `bars`: units that persons have barred, kept over power cuts; `barred_s`: when last, in
+    this boot. `unswept`: sections that a silent unit may be in although persons say that it is elsewhere, kept over
+    power cuts: to be passed on sight.
     `left_through`: how many trains have left by each portal in this boot. `doubted`: units that reported and of which a
     person now says something, each with how often it was asked in vain since. `trips`: how far each unit is in its day,
     kept over power cuts, `kept` the order in which all can finish, as last proven, `sought` the last search that found
@@ -161,6 +162,7 @@ class Register(msgspec.Struct, frozen=True):
     restoring: bool = False
     ledger: frozenset[str] = frozenset()
     bars: Bars = NO_BARS
+    barred_s: float | None = None
     unswept: frozenset[str] = frozenset()
     left_through: Mapping[str, int] = msgspec.field(default_factory=dict[str, int])
     doubted: Mapping[str, int] = msgspec.field(default_factory=dict[str, int])

@@ -6,12 +6,9 @@ import json
 import subprocess
 import sys
 from pathlib import Path
-from threading import Thread
 
 import pytest
 
-from console.access import LOOPBACK, on_loopback
-from console.live import LiveDesk
 from console.protocol import VERSION
 from scenario.scenario import Scenario
 
@@ -21,38 +18,25 @@ pytestmark = pytest.mark.system
 
 
 def test_it_holds_a_train_and_records_what_it_hears(two_trains: Scenario, tmp_path: Path) -> None:
-    uvicorn = pytest.importorskip("uvicorn", reason="the extra [console] is not installed")
-    from console.server import DeskServer, listening_on
+    pytest.importorskip("uvicorn", reason="the extra [console] is not installed")
+    from console.aside import served
 
     said = [
         f"VERSION = {VERSION}\n" in PANEL.read_text("utf-8"),
         len(PANEL.read_text("utf-8").splitlines()) < 100,
     ]
     assert said == [True, True]
-    with listening_on(LOOPBACK, 0) as bound:
-        address = f"ws://{LOOPBACK}:{bound.getsockname()[1]}/desk"
-        server = DeskServer(on_loopback(bound.getsockname()[1]))
-        live = LiveDesk(two_trains, server.changed)
-        live.start()
-        server.desk = live
-        web = uvicorn.Server(uvicorn.Config(server.app, log_level="error", ws="websockets-sansio"))
-        thread = Thread(target=web.run, kwargs={"sockets": [bound]})
-        thread.start()
-        try:
-            record = tmp_path / "panel.jsonl"
-            answers = [
-                subprocess.run(
-                    [sys.executable, str(PANEL), address, "A", "--hold", unit, "60", "--record", str(record)],
-                    capture_output=True,
-                    text=True,
-                    check=True,
-                ).stdout
-                for unit in ("K1", "K9")
-            ]
-        finally:
-            web.should_exit = True
-            thread.join()
-            live.stop()
+    with served(two_trains) as desk:
+        record = tmp_path / "panel.jsonl"
+        answers = [
+            subprocess.run(
+                [sys.executable, str(PANEL), desk.socket, "A", "--hold", unit, "60", "--record", str(record)],
+                capture_output=True,
+                text=True,
+                check=True,
+            ).stdout
+            for unit in ("K1", "K9")
+        ]
     assert answers[0] == "held\n"
     assert answers[1].startswith("refused: ") and "K9" in answers[1]
     heard = [json.loads(line)["say"] for line in record.read_text("utf-8").splitlines()]

@@ -171,3 +171,24 @@ def test_points_are_wound_for_a_train_that_has_slid_just_onto_them(
     assert bool(run.result.trains_arrived) is asks
     by_hand = [act for act in _acts(run) if act.kind is ActKind.REPAIR_POINTS]
     assert [act.position for act in by_hand] == (["normal"] if asks else [])
+
+
+def test_a_barred_train_that_may_come_in_is_not_said_to_be_outside(tmp_path: Path) -> None:
+    """Its crew takes ten minutes to come in; said to be outside, it would come into a portal that the register has free."""
+    file = tmp_path / "slow.toml"
+    bars = "".join(
+        f'[[act]]\nkind = "bar_unit"\ntarget = "K2"\nstart = {{ who = "block-manager", what = "accepted", unit = "K2" }}\n'
+        f'after_s = {after_s}\nperson = "{person}"\n'
+        for after_s, person in ((5.0, "Sato"), (8.0, "Mori"))
+    )
+    file.write_text(
+        'extends = "rtri_test_line"\ntimetable = "rtri_following"\nid = "slow"\nname = "slow"\n'
+        f"people = {{ react = true, entry_s = 600.0, sigma = 0.0 }}\n{bars}",
+        "utf-8",
+    )
+    run = run_drill(str(file), PartyLink.SIMULATED).run
+    said = [act for act in _acts(run) if act.kind in (ActKind.CONFIRM_OUTSIDE, ActKind.CONFIRM_HOLDING)]
+    assert {(act.kind, act.target, act.sections) for act in said} == {
+        (ActKind.CONFIRM_HOLDING, "K2", ("PW",))
+    }
+    assert not run.result.violations

@@ -10,6 +10,7 @@ from verify.composition import TWO_TRAINS
 from verify.explore import explored
 from verify.explored_line import Budgets, ExploredLine
 from verify.restored import restored
+from verify.train import ExploredTrain
 
 # How often telegrams are lost or late, power fails and persons say what is not so.
 IN_EVERY_RUN = (Budgets(), Budgets(loss=2))
@@ -93,8 +94,13 @@ def test_a_unit_that_has_booted_at_its_mark_and_keeps_what_is_behind_can_lock_bo
 
 
 @pytest.mark.nightly
-def test_a_unit_that_is_barred_as_it_may_enter_is_not_yet_safe() -> None:
-    """Open (decision 158): it waits before the portal, people say so truly, and its train comes in all the same."""
-    found = explored(ExploredLine(budgets=Budgets(word=1), bars=True))
+def test_a_unit_that_is_barred_as_it_may_enter_is_spoken_for_by_what_it_shows(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """People who see its train before the portal, and not that it may come in, free the portal under it."""
+    line = ExploredLine(budgets=Budgets(word=1), bars=True)
+    assert explored(line).holds
+    monkeypatch.setattr(ExploredTrain, "seen_or_shown", ExploredTrain.occupied)
+    found = explored(line)
     assert found.broken == "free in a defined register, and a train stands in it"
     assert found.story[-1] == "u1 enters"

@@ -8,7 +8,7 @@ from host.device import DeviceHost
 from host.store import MemoryStore
 from network.errors import InputError
 from network.model import Position
-from radio.envelope import Endpoint
+from radio.envelope import CLOCK_SKEW_MAX_S, Endpoint
 from radio.keys import capability_mac, key_ring
 from radio.messages import (
     Claim,
@@ -47,12 +47,14 @@ from wayside.said import (
     UnbarUnit,
 )
 
+ON_THE_AIR_S = CONFIG.telegram_age_max_s + CLOCK_SKEW_MAX_S
 OVER = RouteRequest("u1", "over", ("C", "D", "E"))
 
 
 def bar(desk: Desk, unit_id: str) -> None:
     assert desk.act(BarUnit(unit_id, "Sato")) == [Refused]
     assert desk.act(BarUnit(unit_id, "Mori")) == [Barred]
+    desk.now_s += ON_THE_AIR_S + 0.1
 
 
 def in_dispute() -> Desk:
@@ -95,6 +97,22 @@ def test_a_false_claim_stops_the_line_until_its_unit_is_barred_and_two_persons_s
     assert (confirmed.contested, confirmed.on_sight) == ((), ("C",)), (
         "should both be wrong, u1 stops before it"
     )
+
+
+def test_nobody_speaks_for_it_while_what_it_was_last_told_may_be_on_the_air() -> None:
+    """It was let into the portal, and may not have heard it yet: it shows nothing, is seen outside, and then comes in
+    (`branchline verify explore 0/0/0/1` with bars).
+    """
+    desk = defined()
+    desk.enter("u2", "P9")
+    bar(desk, "u2")
+    desk.now_s -= 0.1
+    for person in ("Sato", "Mori"):
+        assert desk.act(ConfirmOutside("u2", person, "P9")) == [Refused]
+        assert desk.register.held_by("u2") == ("P9",)
+    desk.now_s += 0.1
+    assert desk.act(ConfirmOutside("u2", "Sato", "P9")) == [Refused], "alone"
+    assert desk.act(ConfirmOutside("u2", "Mori", "P9")) == [Freed, Outside]
 
 
 def test_where_it_stands_needs_two_persons_as_well() -> None:

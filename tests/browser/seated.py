@@ -1,0 +1,57 @@
+"""A desk that is served, and a page at one of its seats in Chromium."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from contextlib import contextmanager
+from typing import Any, Final
+
+import pytest
+
+from scenario.scenario import Scenario
+from study.record.read_back import RunRead
+
+WAIT_MS: Final = 500_000
+SIZE: Final = {"width": 1280, "height": 800}
+
+
+@contextmanager
+def served(what: Scenario | RunRead) -> Generator[str]:
+    """A desk, served: its address."""
+    pytest.importorskip("uvicorn", reason="the extra [console] is not installed")
+    from console.aside import served as served_aside
+
+    with served_aside(what) as desk:
+        yield desk.page
+
+
+class Seated:
+    """A page at a seat."""
+
+    def __init__(self, browser: Any, address: str, seat: str, language: str) -> None:  # noqa: ANN401
+        self.page = browser.new_page(viewport=SIZE)
+        self.said: list[str] = []
+        self.page.on("console", lambda message: self.said.append(message.text))
+        self.page.on("pageerror", lambda error: self.said.append(str(error)))
+        self.page.goto(f"{address}?seat={seat}&lang={language}")
+        self.page.wait_for_selector("#clock")
+        self.page.wait_for_selector(".section, .cab")
+
+    def shows(self, where: str, text: str) -> None:
+        from playwright.sync_api import expect
+
+        expect(self.page.locator(where)).to_contain_text(text, timeout=WAIT_MS)
+
+    def run_to(self, clock: str) -> None:
+        self.page.fill("#to-time", clock)
+        self.page.get_by_role("button", name="run to").click()
+        self.shows("#clock", clock)
+
+    def states(self) -> set[str]:
+        found = self.page.locator("g.section").all()
+        return {one.get_attribute("class").removeprefix("section ") for one in found}
+
+    def act(self, kind: str) -> None:
+        self.page.select_option("#act-kind", kind)
+        self.page.locator("#act-form button[type=submit]").click()
+        self.page.locator("#act-form [role=group] button").first.click()
