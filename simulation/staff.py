@@ -331,8 +331,8 @@ class Staff:
         return next((s.section_id for s in reversed(spans) if s.section_id in portals), (*portals, "")[0])
 
     def _held(self, slot: int) -> tuple[str, ...]:
-        """What the train occupies, and what its unit shows or has forgotten beyond that, in the order of the line; of one
-        that is off it, the portal by which it may come in at any time.
+        """What the train occupies, and what its unit shows or has forgotten beyond that, in the order of the line;
+        of one that is off it, the portal by which it may come in at any time.
         """
         under = self._trains.sections_under().get(self._trains.stock_ids[slot], set[str]())
         if not under and slot in self._on_board.unpowered:

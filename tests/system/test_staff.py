@@ -174,10 +174,11 @@ def test_points_are_wound_for_a_train_that_has_slid_just_onto_them(
 
 
 def test_a_barred_train_that_may_come_in_is_not_said_to_be_outside(tmp_path: Path) -> None:
-    """Its crew takes ten minutes to come in; said to be outside, it would come into a portal that the register has free."""
+    """Its crew takes ten minutes; said to be outside, it would come into a portal that the register has free."""
     file = tmp_path / "slow.toml"
     bars = "".join(
-        f'[[act]]\nkind = "bar_unit"\ntarget = "K2"\nstart = {{ who = "block-manager", what = "accepted", unit = "K2" }}\n'
+        '[[act]]\nkind = "bar_unit"\ntarget = "K2"\n'
+        'start = { who = "block-manager", what = "accepted", unit = "K2" }\n'
         f'after_s = {after_s}\nperson = "{person}"\n'
         for after_s, person in ((5.0, "Sato"), (8.0, "Mori"))
     )
