@@ -99,11 +99,14 @@ class TwoTrainTimes:
 
     `spared_s`: so much later the second can ask, as its points lie right. `asks`: for which of its legs it asks as late
     as it can, None: that which decides. `waits_more_s`: so much longer the first stands wherever it waits.
+    `comes_sooner_s`: so much sooner the second comes to where the leg that decides begins, and stands longer there: one
+    that turns asks first when it has changed ends.
     """
 
     spared_s: float = 0.0
     asks: int | None = None
     waits_more_s: int = 0
+    comes_sooner_s: int = 0
 
 
 def two_trains(setup: Setup, headway: Headway, times: TwoTrainTimes = TwoTrainTimes()) -> TwoTrains:
@@ -113,10 +116,12 @@ def two_trains(setup: Setup, headway: Headway, times: TwoTrainTimes = TwoTrainTi
     claims = headway.claims
     longer_s = [wait_s + times.waits_more_s if wait_s > TOUCH_S else 0.0 for wait_s in claims.ahead_waits_s]
     ahead = _LegsOfSet(setup, claims.ahead, first.before, first.after[ends:], WAITS_S, (), longer_s)
-    way_in, waits_s = claims.behind[::-1], claims.behind_waits_s[::-1]
+    waits_s = list(claims.behind_waits_s)
+    waits_s[deciding_leg(headway)] += times.comes_sooner_s
+    way_in, waits_s = claims.behind[::-1], waits_s[::-1]
     before = second.before[begins:]
     behind = _LegsOfSet(setup, way_in, before, second.after, COMES_S, ahead.places, waits_s)
-    alone = ahead.alone(), behind.alone()
+    alone = ahead.alone(), behind.alone().later(-times.comes_sooner_s)
     return TwoTrains(_asks_late(setup, headway, alone[1], times), headway, *alone)
 
 
@@ -130,6 +135,10 @@ def ways_to_ask(headway: Headway, spared_s: float) -> Iterator[TwoTrainTimes]:
     if any(wait_s > TOUCH_S for wait_s in headway.claims.ahead_waits_s):
         yield from (TwoTrainTimes(spared_s, waits_more_s=more_s) for more_s in range(1, WAITS_MORE_S + 1))
     wants_s = [round(_wants_s(leg), 3) for leg in headway.claims.behind]
+    if 0 <= deciding_leg(headway) < len(headway.claims.behind) - 1:
+        yield from (
+            TwoTrainTimes(spared_s, comes_sooner_s=s) for s in range(1, math.ceil(REFUSED_REPEAT_S) + 1)
+        )
     for asks in {s: at for at, s in enumerate(wants_s)}.values():
         if wants_s[asks] > wants_s[deciding_leg(headway)]:
             yield TwoTrainTimes(spared_s, asks)
