@@ -148,6 +148,7 @@ HAZARDS: Final = (
                     "tests/host/test_device.py::test_a_lost_ledger_stays_lost_until_a_device_has_a_new_one",
                     "tests/host/test_store.py::test_a_store_is_blank_until_people_commission_it",
                     "tests/verify/test_kills.py::test_a_party_killed_at_any_point_leaves_nothing_and_the_day_ends",
+                    "tests/verify/test_kills.py::test_one_that_is_stopped_for_a_while_changes_nothing",
                 ),
             ),
             SafetyClaim(
