@@ -63,7 +63,7 @@ def cab_of(session: Session, unit: str) -> CabShown:
 def wait_ja(waits_for: str) -> str:
     """What a train waits for, in Japanese."""
     known = phrases_of("cause").get(waits_for)
-    return reason(waits_for).in_("ja") if known is None else known.ja
+    return "、".join(reason(one).in_("ja") for one in waits_for.split("; ")) if known is None else known.ja
 
 
 def _next_stop(command: DrivingCommand, targets: tuple[Target, ...]) -> Target | None:

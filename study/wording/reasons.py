@@ -46,7 +46,7 @@ _SAID_IN_FULL: Final[Mapping[str, str]] = {
     "unknown track": "the train has no such way",
     "may have entered": "the train may have entered the route",
     "no name": "the word has no name",
-    "too early": "too early after the restart",
+    "too early": "too early: a telegram to the unit may still be on the air",
     "claim refused": "its claim was refused",
     "lost": "the proof was lost",
     "not held": "the section is not held",

@@ -1,0 +1,76 @@
+"""What the cab says in Japanese: no word of it is left in English."""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+
+import pytest
+
+from console.cab import wait_ja
+from onboard.duty.shown import waits_for
+from onboard.duty.unable import NoCharge, TooSteep, Unable
+from verify.lone_unit import PLANS, ExploredRun, first, steps
+
+ENGLISH = re.compile(r"[a-z]{3,}")
+STATES = 1_500
+
+
+def states() -> set[ExploredRun]:
+    """Of one unit, the nearest to the beginning of its day."""
+    seen = set(first())
+    queue = deque(seen)
+    while queue and len(seen) < STATES:
+        for after in (step.run for step in steps(queue.popleft())):
+            if after not in seen:
+                seen.add(after)
+                queue.append(after)
+    return seen
+
+
+def test_whatever_a_unit_waits_for_is_said_in_japanese() -> None:
+    said = {waits_for(PLANS[run.plan], run.state) for run in states()}
+    assert len(said) > 15
+    assert {text: wait_ja(text) for text in said if ENGLISH.search(wait_ja(text))} == {}
+
+
+STEEP = {
+    "station": "B",
+    "piece_id": "A-B",
+    "kilometrage_m": 1500.0,
+    "gradient_permille": 25.0,
+    "pull_n": 60e3,
+    "needed_n": 80e3,
+    "load_share": 0.5,
+    "motors_share": 0.5,
+}
+
+
+@pytest.mark.parametrize(
+    "unable",
+    [
+        TooSteep(**STEEP),
+        TooSteep(**STEEP, adhesion_factor=0.3),
+        *(
+            NoCharge(station, 1e7, 2e7, charges, full=full, up=up)
+            for station in ("B", "")
+            for charges, full, up in (
+                (False, False, True),
+                (True, True, True),
+                (True, False, True),
+                (True, False, False),
+            )
+        ),
+        NoCharge("B", 3e7, 2e7, charges=True, connected=True),
+    ],
+    ids=lambda unable: unable.words,
+)
+def test_so_is_what_keeps_a_train_from_its_next_stop(unable: Unable) -> None:
+    assert ENGLISH.search(wait_ja(f"what takes it to B: {unable.words}")) is None
+
+
+def test_so_is_what_ails_a_unit_that_shows_nothing_and_devices_that_have_lost_their_memory() -> None:
+    lost = "it has lost its durable state, and people must commission it"
+    said = [wait_ja(text) for text in (f"its unit: {lost}", f"route A>B: held; B-W: {lost}")]
+    assert [ENGLISH.search(text) for text in said] == [None, None]
+    assert "B-W" in said[1] and "A>B" in said[1]
