@@ -161,6 +161,7 @@ HAZARDS: Final = (
             "karasuyama/95b_train_in_the_section",
             "karasuyama/95c_way_on_opens_late",
             "rtri/95_substitute_working",
+            "rtri/95b_pilots_ticket",
         ),
     ),
     Hazard(

@@ -67,14 +67,15 @@ trains are in one section is a breach whoever leads them, and no rule can be swi
 - Assumed: who cranks points and when; that a unit is cut out by its driver; all times; that trains go through a
   section in the order of the plan; that the dispatcher of `pilot_by_dispatcher` can have points set at once, as
   at a CTC.
+- Where trains follow each other in one direction, all but the last have the pilot's ticket (指導券) by
+  `pilot_by_telephone`; by the others, and where it comes otherwise, he goes back by road in `reach_s` (assumed).
 - A unit that was cut out has forgotten, and is commissioned again ([decision
   178](decisions/178-a-unit-cut-out-forgets.md)).
 
 ## What is not there
 
-Tickets (指導券) for several trains in one direction: each train waits for the pilot. Trains that run through a
-station without stopping, trains on batteries, a change of pilots, a second failure meanwhile that would need a
-rescue train (伝令法). While people work the line, staff who react see to nothing else.
+Trains that run through a station without stopping, trains on batteries, a change of pilots, a second failure
+meanwhile that would need a rescue train (伝令法). While people work the line, staff who react see to nothing else.
 """
 NAMES: Final = MappingProxyType(
     {

@@ -12,7 +12,7 @@ agree on the change. What the rules leave to each railway is assumed: who cranks
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, StrEnum
 from types import MappingProxyType
@@ -60,6 +60,7 @@ class WorkingStep(StrEnum):
     ASK = "ask"
     AGREE = "agree"
     POINTS = "points"
+    TICKET = "ticket"
     BOARD = "board"
     CUT_OUT = "cut_out"
     GO = "go"
@@ -123,10 +124,15 @@ _POINTS: Final = ProcedureRow(
     "points lie and are locked by hand for train {train}", (WorkingStep.AGREE,), Pause.CRANK,
     "no train is on the points",
 )  # fmt: skip
+_TICKET: Final = ProcedureRow(
+    WorkingStep.TICKET, Part.TRAIN, ActingRole.PILOT, ActingRole.DRIVER,
+    "your ticket through {block}, for train {train} alone: I come with a later one", (WorkingStep.POINTS,), Pause.BOARD,
+    "the pilot is where the train stands, and the next train by the plan leaves from there too", WorkingStep.PILOT,
+)  # fmt: skip
 _BOARD: Final = ProcedureRow(
     WorkingStep.BOARD, Part.TRAIN, ActingRole.PILOT, ActingRole.DRIVER,
     "I ride with train {train} through {block}", (WorkingStep.POINTS,), Pause.BOARD,
-    "the pilot is where the train stands", WorkingStep.PILOT,
+    "the pilot is where the train stands, by road where no train has brought him", WorkingStep.PILOT,
 )  # fmt: skip
 _CUT_OUT: Final = ProcedureRow(
     WorkingStep.CUT_OUT, Part.TRAIN, ActingRole.DRIVER, ActingRole.PILOT,
@@ -178,7 +184,7 @@ PROCEDURES: Final[Mapping[Regime, tuple[ProcedureRow, ...]]] = MappingProxyType(
     {
         Regime.TELEPHONE: (
             *_BEGIN,
-            *(_ASK, _AGREE, _POINTS, _BOARD, _CUT_OUT, _GO, _ARRIVED, _ALIGHT),
+            *(_ASK, _AGREE, _POINTS, _TICKET, _BOARD, _CUT_OUT, _GO, _ARRIVED, _ALIGHT),
             *_END,
         ),
         Regime.SHUTTLE: (
@@ -215,8 +221,19 @@ WITHIN_STATION: Final = (
 )
 
 
-def before_entry(regime: Regime) -> tuple[WorkingStep, ...]:
-    """What must have been done before a train comes into the section."""
-    rows = PROCEDURES[regime]
+def rows_of_train(rows: Sequence[ProcedureRow], *, ticket: bool) -> tuple[ProcedureRow, ...]:
+    """The rows as they are for a train with which the pilot rides, or for one that goes by his ticket (指導券)."""
+    other = {WorkingStep.BOARD, WorkingStep.ALIGHT} if ticket else {WorkingStep.TICKET}
+    return tuple(_by_ticket(row) if ticket else row for row in rows if row.step not in other)
+
+
+def _by_ticket(row: ProcedureRow) -> ProcedureRow:
+    needs = (WorkingStep.TICKET if step is WorkingStep.BOARD else step for step in row.needs)
+    return replace(row, needs=tuple(needs))
+
+
+def before_entry(regime: Regime, *, ticket: bool = False) -> tuple[WorkingStep, ...]:
+    """What must have been done before a train comes into the section, with the pilot or by his ticket."""
+    rows = rows_of_train(PROCEDURES[regime], ticket=ticket)
     go = next(i for i, row in enumerate(rows) if row.step is WorkingStep.GO)
     return tuple(row.step for row in rows[: go + 1])

@@ -23,6 +23,7 @@ class PilotWatch:
         self._done: dict[str, set[str]] = {section_id: set() for section_id in needs}
         self._of_train: dict[tuple[str, str], set[str]] = {}
         self._let_in: dict[str, dict[str, None]] = {section_id: {} for section_id in needs}
+        self._rides: dict[str, str] = {}  # with which train the pilot of a section is under way
         self.cut_out: set[str] = set()  # units
 
     def see(self, event: Event) -> None:
@@ -37,14 +38,20 @@ class PilotWatch:
                 if step == WorkingStep.RELEASE.value:
                     self._done[block].clear()
                     self._let_in[block].clear()
+                    self._rides.pop(block, None)
             case ProcedureStep(block=block, step=step, unit_id=unit_id) if block in self._needs:
                 self._of_train.setdefault((block, unit_id), set()).add(step)
                 if step == WorkingStep.ARRIVED.value:
                     self._let_in[block].pop(unit_id, None)
                 elif step == WorkingStep.BOARD.value:  # there is one pilot
+                    self._rides[block] = unit_id
                     for other, steps in self._of_train.items():
                         if other[0] == block and other[1] != unit_id:
                             steps.discard(step)
+                elif step == WorkingStep.ALIGHT.value:
+                    self._rides.pop(block, None)
+                elif step == WorkingStep.TICKET.value and block in self._rides:
+                    self._of_train[block, unit_id].discard(step)  # he is not there, so it is none
             case _:
                 pass
 
@@ -59,6 +66,8 @@ class PilotWatch:
                     text = f"{unit_id} came into section {section_id} under authority, where a pilot has it"
                     self._log.note(t_s, Checker.PILOTS_LEAVE, subject, text)
                 continue
+            if WorkingStep.TICKET.value in of_train:  # as good as the pilot
+                of_train.add(WorkingStep.BOARD.value)
             missing = [s.value for s in self._needs[section_id] if s.value not in done | of_train]
             missing += [
                 f"{WorkingStep.ARRIVED.value} of {o}" for o in self._let_in[section_id] if o != unit_id

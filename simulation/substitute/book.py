@@ -17,7 +17,7 @@ from simulation.substitute.hops import Hop
 class BlockBook:
     """`done`: steps to begin and to end; `of_train`: those for the train whose way `hop` is; `left_out`: of all these,
     those that were not done though people go on as though they had been. `pilot`: where the pilot is by the book, a
-    station, or the stock whose train he rides; empty: nobody is named.
+    station, or the stock whose train he rides; empty: nobody is named. `ticket`: the train goes by his ticket.
     """
 
     done: frozenset[WorkingStep] = frozenset()
@@ -25,6 +25,7 @@ class BlockBook:
     of_train: frozenset[WorkingStep] = frozenset()
     left_out: frozenset[WorkingStep] = frozenset()
     pilot: str = ""
+    ticket: bool = False
 
     def next_row(self, rows: Sequence[ProcedureRow], *, ending: bool) -> ProcedureRow | None:
         """The first step not in the book that is due now and has all that it needs; None: nothing is due."""
@@ -54,14 +55,15 @@ class BlockBook:
             return replace(self, of_train=self.of_train | {row.step}, left_out=left)
         return replace(self, done=self.done | {row.step}, left_out=left)
 
-    def takes(self, hop: Hop) -> BlockBook:
+    def takes(self, hop: Hop, *, ticket: bool) -> BlockBook:
         """The book as a train is taken up."""
-        return replace(self, hop=hop, of_train=frozenset())
+        return replace(self, hop=hop, of_train=frozenset(), ticket=ticket)
 
     def train_over(self, rows: Sequence[ProcedureRow]) -> BlockBook:
         """The book with no train in it any more."""
         of_trains = {row.step for row in rows if row.part is Part.TRAIN}
-        return replace(self, hop=None, of_train=frozenset(), left_out=self.left_out - of_trains)
+        left_out = self.left_out - of_trains
+        return replace(self, hop=None, of_train=frozenset(), left_out=left_out, ticket=False)
 
     def finished(self, rows: Sequence[ProcedureRow]) -> bool:
         """Whether all is done for the train in it."""

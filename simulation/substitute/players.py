@@ -26,6 +26,7 @@ from simulation.procedure import (
     ProcedureRow,
     Regime,
     WorkingStep,
+    rows_of_train,
 )
 from simulation.setup import STEPS_PER_S
 from simulation.substitute.book import BlockBook
@@ -39,6 +40,8 @@ BY_ITSELF: Final = frozenset(
     {WorkingStep.GO}
 )  # left out, its effect comes all the same: the driver leaves by himself
 NOBODY: Final = "nobody is there"
+TICKETS = True  # off: a pilot rides with every train
+BY_ROAD = True  # off: he waits for a train that brings him to where he is needed
 
 
 @dataclass(slots=True)
@@ -50,7 +53,7 @@ class Work:
     name: str
     block: bool
     ends: tuple[str, ...]
-    rows: tuple[ProcedureRow, ...]
+    table: tuple[ProcedureRow, ...]
     hops: list[Hop] = field(default_factory=list)
     book: BlockBook = field(default_factory=BlockBook)
     row: ProcedureRow | None = None
@@ -59,6 +62,11 @@ class Work:
     taken_as_over: set[Hop] = field(default_factory=set[Hop])
     over: bool = False
     home: str = ""  # where its pilot begins
+
+    @property
+    def rows(self) -> tuple[ProcedureRow, ...]:
+        """The table as it is for the train in the book."""
+        return rows_of_train(self.table, ticket=self.book.ticket)
 
 
 class SubstitutePlayers:
@@ -162,8 +170,16 @@ class SubstitutePlayers:
         soon = step / STEPS_PER_S >= hop.planned_s - self._settings.ask_before_s
         if not (soon and self._stands(hop)):
             return False
-        work.book = book.takes(hop)
+        work.book = book.takes(hop, ticket=self._goes_by_ticket(work, hop))
         return True
+
+    def _goes_by_ticket(self, work: Work, hop: Hop) -> bool:
+        """Whether the pilot stays where he is, for the next train leaves from there too."""
+        has_tickets = TICKETS and WorkingStep.TICKET in {row.step for row in work.table}
+        if not has_tickets or work.book.pilot != hop.origin:
+            return False
+        following = self._next_hop(work, after=hop)
+        return following is not None and following.origin == hop.origin
 
     def _withdraw(self, work: Work) -> None:
         """The ordinary working is to come back: a train that has not left is not taken up any more."""
@@ -256,7 +272,7 @@ class SubstitutePlayers:
                 ahead = hop.section_ids if not work.block else ()
                 lets = self._are_free((*self._points_sections(hop), *ahead), hop.stock_id)
             case WorkingStep.BOARD:
-                lets = work.book.pilot in (hop.origin, hop.stock_id)
+                lets = work.book.pilot in (*(work.ends if BY_ROAD else (hop.origin,)), hop.stock_id)
             case WorkingStep.CUT_OUT:
                 lets = self._may_come_in(hop)
             case WorkingStep.GO:
@@ -309,9 +325,11 @@ class SubstitutePlayers:
     def _stands_still(self, slot: int) -> bool:
         return not self._trains.truths[slot].active or self._trains.plants[slot].speed_mps == 0.0
 
-    def _next_hop(self, work: Work) -> Hop | None:
+    def _next_hop(self, work: Work, after: Hop | None = None) -> Hop | None:
         over = work.taken_as_over
-        return next((hop for hop in work.hops if hop not in over and not self._is_over(hop)), None)
+        return next(
+            (hop for hop in work.hops if hop not in over and hop != after and not self._is_over(hop)), None
+        )
 
     # doing it -----------------------------------------------------------------------------------------------------
 
@@ -320,6 +338,9 @@ class SubstitutePlayers:
         hop = work.book.hop
         if row.step is WorkingStep.MAN:
             return max([step, *(self._post(end, step) for end in work.ends if not self._is_staffed(end))])
+        if row.step is WorkingStep.BOARD and hop is not None and work.book.pilot in work.ends:
+            away = work.book.pilot != hop.origin
+            step += self._pauses.steps(Pause.REACH, f"pilot {work.name}") if away else 0
         times = max(len(hop.points), 1) if hop is not None and row.step is WorkingStep.POINTS else 1
         who = self._author(work, row)
         return step + sum(self._pauses.steps(row.pause, who) for _ in range(times))

@@ -33,7 +33,7 @@ from onboard.unit import OnboardUnit, Report, UnitAnswer
 from onboard.vehicle import VehicleInputs
 from radio.envelope import header_of
 from simulation.judge.checkers import Checker
-from simulation.substitute import by_hand
+from simulation.substitute import by_hand, players
 from simulation.world.cable import Cable
 from simulation.world.crew import Crew
 from simulation.world.on_board import OnBoard
@@ -57,6 +57,11 @@ TRAIN_M: Final = 40.0
 def remembers_while_cut_out(patch: pytest.MonkeyPatch) -> None:
     """A unit that is cut in again takes what it last knew for what is so."""
     patch.setattr(by_hand, "FORGETS", False)
+
+
+def gives_no_tickets(patch: pytest.MonkeyPatch) -> None:
+    """A pilot rides with every train, and is where the next one is not."""
+    patch.setattr(players, "TICKETS", False)
 
 
 def turns_without_its_position(patch: pytest.MonkeyPatch) -> None:
@@ -373,6 +378,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "92c_ends_early_doubled": (orders_nothing, "T1 ends at A"),
         "92d_ends_early_report_lost": (orders_nothing, "T1 ends at A"),
         "95_substitute_working": (remembers_while_cut_out, "no invariant is broken"),
+        "95b_pilots_ticket": (gives_no_tickets, "T1 goes by the pilot's ticket"),
     }
 )
 

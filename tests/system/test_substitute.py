@@ -15,8 +15,8 @@ from scenario.scenario import Scenario, load_scenario
 from simulation.events import CutOut, ProcedureStep, StepLeftOut, UnitRestrains
 from simulation.judge.checkers import Checker
 from simulation.judge.log import Log
-from simulation.procedure import PROCEDURES, Regime, WorkingStep
-from simulation.substitute import by_hand
+from simulation.procedure import PROCEDURES, Regime, WorkingStep, rows_of_train
+from simulation.substitute import by_hand, players
 from simulation.substitute_settings import LeftOutStep
 from study.drilling.drill import find_drill, run_drill
 from study.runner.run import PartyLink, execute
@@ -49,8 +49,8 @@ duration_s = 2400.0
 STEPS: Final = [row.step for row in PROCEDURES[Regime.TELEPHONE]]
 
 
-def _scenario(regime: Regime = Regime.TELEPHONE) -> Scenario:
-    scenario = load_scenario(find_drill(DRILL))
+def _scenario(regime: Regime = Regime.TELEPHONE, drill: str = DRILL) -> Scenario:
+    scenario = load_scenario(find_drill(drill))
     setup = scenario.setup
     assert setup.substitute is not None
     substitute = setup.substitute.model_copy(update={"regime": regime})
@@ -69,9 +69,26 @@ def test_followed_no_rule_breaks_and_all_arrive(regime: Regime) -> None:
     assert result.violations == ()
     assert not result.unfinished
     done = [e.event.step for e in result.journal.entries if isinstance(e.event, ProcedureStep)]
-    assert {row.step.value for row in PROCEDURES[regime]} <= set(done)
+    rows = rows_of_train(PROCEDURES[regime], ticket=False)
+    assert {row.step.value for row in rows} <= set(done)
     assert any(isinstance(entry.event, CutOut) for entry in result.journal.entries)
     assert not shared_sections(result, _scenario().setup.line, _scenario().setup.lengths_m)
+
+
+@pytest.mark.parametrize("by_road", [True, False])
+def test_a_pilot_goes_by_road_to_where_no_train_brings_him(
+    by_road: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By 指導指令式 there are no tickets: he has ridden with T1, and T3 waits for him where that came from."""
+    monkeypatch.setattr(players, "BY_ROAD", by_road)
+    scenario = _scenario(Regime.DISPATCHER, "rtri/95b_pilots_ticket")
+    setup = scenario.setup
+    near = replace(setup, people=setup.people.model_copy(update={"reach_s": 300.0}))
+    result = execute(replace(scenario, setup=near), PartyLink.SIMULATED).result
+    told = [entry for entry in result.journal.entries if isinstance(entry.event, ProcedureStep)]
+    boards = [t.t_s for t in told if (t.event.step, t.event.block) == ("board", "6")]  # type: ignore[union-attr]
+    assert len(boards) == 1 + by_road
+    assert result.violations == ()
 
 
 def test_a_unit_that_remembers_what_was_before_it_was_cut_out_claims_what_is_not_so(

@@ -98,6 +98,30 @@ def test_there_is_one_pilot() -> None:
     assert text.endswith("no board")
 
 
+def test_his_ticket_is_as_good_as_he_and_stays_so_when_he_rides_with_the_next() -> None:
+    scene = Scene("V1", "V2")
+    scene.say_all("V1", but=WorkingStep.BOARD)
+    scene.say(WorkingStep.TICKET, "V1")
+    scene.say_all("V2")
+    assert scene.come("V1") == ()
+    (text,) = scene.come("V1")
+    assert text.endswith("no ask, agree, points, board, cut_out, go"), "it is for one time"
+
+
+def test_who_rides_elsewhere_gives_no_ticket() -> None:
+    scene = Scene("V1", "V2")
+    scene.say(WorkingStep.BOARD, "V2")
+    scene.say_all("V1", but=WorkingStep.BOARD)
+    scene.say(WorkingStep.TICKET, "V1")
+    (text,) = scene.come("V1")
+    assert text.endswith("no board")
+    scene.say(WorkingStep.ARRIVED, "V1")
+    scene.say(WorkingStep.ALIGHT, "V2")
+    scene.say_all("V1", but=WorkingStep.BOARD)
+    scene.say(WorkingStep.TICKET, "V1")
+    assert scene.come("V1") == (text,), "he is back"
+
+
 def test_authority_has_no_place_where_a_pilot_has_the_section() -> None:
     scene = Scene()
     assert scene.come("V1") == ()
