@@ -29,6 +29,10 @@ def serve(
             " at again. Left out: the page has all that are shipped, and the runs in `runs`, to choose from."
         ),
     ] = None,
+    beside: Annotated[
+        Path | None,
+        typer.Option("--beside", help="Directory of another finished run, to look at both side by side."),
+    ] = None,
     seed: Seed = None,
     port: Annotated[int, typer.Option("--port", min=0, max=65_535, help="0: any that is free.")] = PORT,
     listen: Annotated[
@@ -52,10 +56,16 @@ def serve(
         from console.live import LiveDesk
         from console.protocol import MESSAGE_BYTES_MAX
         from console.server import DeskServer, listening_on
+        from study.record.read_back import RunRead
 
     if (listen is None) is not (tokens is None):
         raise InputError(COMMAND_LINE, "--tokens", tokens, "a new file with --listen, and only then")
     first = None if name is None else opened(name, seed)
+    other = None if beside is None else opened(str(beside))
+    if other is not None and not (isinstance(first, RunRead) and isinstance(other, RunRead)):
+        raise InputError(
+            COMMAND_LINE, "--beside", str(beside), "the directory of a finished run, beside that of another"
+        )
     with listening_on(listen or LOOPBACK, port) as bound:
         host, at = bound.getsockname()[:2]
         rules = on_loopback(at) if tokens is None else with_tokens()
@@ -65,23 +75,26 @@ def serve(
         desks: list[LiveDesk] = []
 
         def begin(what: Scenario | RunRead) -> LiveDesk:
-            while desks:
-                desks.pop().stop()
             desk = LiveDesk(what, server.changed)
             desk.start()
             desks.append(desk)
             return desk
 
         def open_from_library(asked: LibraryRequest) -> LiveDesk:
+            while desks:
+                desks.pop().stop()
             return begin(taken_from_library(asked))
 
         if first is None:
             server.opens = open_from_library
         else:
             server.desk = begin(first)
-        _tell(f"http://{host}:{at}/", rules, tokens)
+        server.beside = None if other is None else begin(other)
+        page = "beside.html" if other is not None else ""
+        _tell(f"http://{host}:{at}/{page}", rules, tokens)
         if open_page:
-            webbrowser.open(f"http://{host}:{at}/" + ("" if first is None else "?seat=instructor"))
+            seat = "?seat=instructor" if first is not None and not page else ""
+            webbrowser.open(f"http://{host}:{at}/{page}{seat}")
         config = uvicorn.Config(
             server.app, log_level="warning", ws="websockets-sansio", ws_max_size=MESSAGE_BYTES_MAX
         )

@@ -68,8 +68,10 @@ class ServedDesk:
 
 
 @contextmanager
-def served(what: Scenario | RunRead) -> Generator[ServedDesk]:
-    """A desk of a run that begins or has ended, on any free port. Raises what ended the desk's own thread."""
+def served(what: Scenario | RunRead, beside: RunRead | None = None) -> Generator[ServedDesk]:
+    """A desk of a run that begins or has ended, on any free port, and of one that has, beside it. Raises what ended
+    a thread of theirs.
+    """
     changed = Event()
     with listening_on(LOOPBACK, 0) as bound:
         port = bound.getsockname()[1]
@@ -79,17 +81,21 @@ def served(what: Scenario | RunRead) -> Generator[ServedDesk]:
             server.changed()
             changed.set()
 
-        live = LiveDesk(what, note)
-        live.start()
-        server.desk = live
+        lives = [LiveDesk(one, note) for one in (what, beside) if one is not None]
+        for live in lives:
+            live.start()
+        server.desk, *others = lives
+        server.beside = others[0] if others else None
         web = uvicorn.Server(uvicorn.Config(server.app, log_level="error", ws="websockets-sansio"))
         thread = Thread(target=web.run, kwargs={"sockets": [bound]})
         thread.start()
         try:
-            yield ServedDesk(live, thread, port, changed)
+            yield ServedDesk(lives[0], thread, port, changed)
         finally:
             web.should_exit = True
             thread.join()
-            live.stop()
-    if live.error is not None:
-        raise live.error
+            for live in lives:
+                live.stop()
+    for live in lives:
+        if live.error is not None:
+            raise live.error

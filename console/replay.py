@@ -145,7 +145,7 @@ class Replay:
                 return DeskAnswer(number=number, good=False, why=str(InputError("desk", "", None, LOOKED_AT)))
         self._to(max(self._first, min(to, self._last)))
         self._pacer = Pacer(0.0, self._step, now_s)
-        return DeskAnswer(number=number, good=True)
+        return DeskAnswer(number=number, good=True, text=str(self._step / STEPS_PER_S))
 
     def _to(self, step: int) -> None:
         if step < self._step:

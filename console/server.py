@@ -40,10 +40,11 @@ from network.errors import COMMAND_LINE, InputError
 from study.wording.catalogue import phrases_of
 
 SOCKET_PATH: Final = "/desk"
+BESIDE_PATH: Final = "/beside"  # of the other run, where two are looked at side by side
 WORDS_IN: Final = ("desk", "act")  # contexts of the catalogue
 REFUSED_CODE, FULL_CODE, GONE_CODE = 1008, 1013, 1012
 HEADERS: Final = {
-    "Content-Security-Policy": "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'",
+    "Content-Security-Policy": "default-src 'self'; img-src 'self' data:; frame-ancestors 'self'",
     "X-Content-Type-Options": "nosniff",
     "Cache-Control": "no-store",
 }
@@ -82,6 +83,7 @@ class DeskServer:
     def __init__(self, rules: AccessRules, clock: Callable[[], float] = time.monotonic) -> None:
         self.refused: Counter[Refusal] = Counter()
         self.desk: DeskDoor | None = None
+        self.beside: DeskDoor | None = None
         self.opens: Callable[[LibraryRequest], DeskDoor] | None = (
             None  # of the library; None: there is one run alone
         )
@@ -93,6 +95,7 @@ class DeskServer:
         self.app = Starlette(
             routes=[
                 WebSocketRoute(SOCKET_PATH, self._socket),
+                WebSocketRoute(BESIDE_PATH, self._socket),
                 Route("/words.json", self._words),
                 Route("/library.json", self._library),
                 Route("/open", self._open, methods=["POST"]),
@@ -175,7 +178,8 @@ class DeskServer:
             await socket.close(FULL_CODE if why is Refusal.SOCKETS else REFUSED_CODE, why.value)
             return
         self._loop = asyncio.get_running_loop()
-        connection = _Connection(socket, self._clock, self._refuse)
+        desk = self.beside if socket.url.path == BESIDE_PATH else self.desk
+        connection = _Connection(socket, self._clock, self._refuse, desk)
         self._connections.add(connection)
         try:
             await socket.accept()
@@ -186,7 +190,7 @@ class DeskServer:
             self._connections.discard(connection)
 
     async def _serve(self, connection: _Connection) -> None:
-        desk = self.desk
+        desk = connection.desk
         if desk is None:
             raise WebSocketDisconnect
         seat, connection.unit = await connection.seat_taken(self._rules)
@@ -205,15 +209,20 @@ class DeskServer:
             self._look(desk)
 
     def _look(self, desk: DeskDoor) -> None:
-        desk.look_from(frozenset(c.unit for c in self._connections if c.unit))
+        desk.look_from(frozenset(c.unit for c in self._connections if c.unit and c.desk is desk))
 
 
 class _Connection:
     """One page or panel."""
 
     def __init__(
-        self, socket: WebSocket, clock: Callable[[], float], refuse: Callable[[Refusal], None]
+        self,
+        socket: WebSocket,
+        clock: Callable[[], float],
+        refuse: Callable[[Refusal], None],
+        desk: DeskDoor | None,
     ) -> None:
+        self.desk: Final = desk
         self._socket, self._clock, self._refuse = socket, clock, refuse
         self._news = asyncio.Event()
         self._allowance = Allowance(at_s=clock())

@@ -10,15 +10,16 @@ import { wordsIn } from "./words.js";
 
 const asked = new URLSearchParams(location.search);
 const lang = asked.get("lang") ?? (navigator.language.startsWith("ja") ? "ja" : "en");
-const seat = asked.get("seat"), unit = asked.get("unit") ?? "";
+const seat = asked.get("seat"), unit = asked.get("unit") ?? "", run = asked.get("run");
 const words = wordsIn(lang, new Map(), await (await fetch("words.json")).json());
 const say = (english, values = {}) => words.say(english, values, "desk");
 const make = (...parts) => element(document, ...parts);
 const paces = [0, 1, 5, 10, 60];
+const TOGETHER = ["pace", "one_step", "run_to", "go_back"]; // what both do of two runs side by side
 let ask, built = false, last = null, alarmed = 0, wasDefined = null, inCab = null, read = 0;
 document.documentElement.lang = lang;
 
-const address = (changed) => `?${new URLSearchParams({ seat: seat ?? "", ...(unit ? { unit } : {}), lang, ...changed })}${location.hash}`;
+const address = (changed) => `?${new URLSearchParams({ seat: seat ?? "", ...(unit ? { unit } : {}), ...(run ? { run } : {}), lang, ...changed })}${location.hash}`;
 
 async function openOne(entry) {
   const answer = await fetch("open", { method: "POST", body: JSON.stringify({ kind: entry.kind, name: entry.name, token: location.hash.slice(1) }) });
@@ -49,7 +50,14 @@ async function tell(word, fields) {
   line.textContent = answer.good ? say("done") : answer.why;
   line.classList.toggle("bad", !answer.good);
   if (answer.good && word === "save") save(answer.text, `${fields.id}.toml`, "application/toml");
+  if (answer.good && run && TOGETHER.includes(word)) together({ word, fields });
+  if (answer.good && run && word === "next_event") together({ word: "go_back", fields: { time_s: Number(answer.text) } });
   return answer;
+}
+
+/** The other one of two runs side by side is asked the same. */
+function together(request) {
+  parent.postMessage(request, location.origin);
 }
 
 function save(text, name, type) {
@@ -75,7 +83,7 @@ function build(known) {
   const time = make("input", { id: "to-time", size: 8, placeholder: "HH:MM:SS", "aria-label": say("time") });
   const seconds = () => time.value.split(":").reduce((sum, part) => sum * 60 + Number(part), 0) * (time.value.split(":").length === 2 ? 60 : 1);
   document.querySelector("header").replaceChildren(
-    make("h1", {}, `${lang === "ja" ? welcome.line_ja : welcome.line} · ${say(seat)} ${unit}`), make("span", { class: "clock", id: "clock" }), make("span", { id: "running" }),
+    make("h1", {}, `${lang === "ja" ? welcome.line_ja : welcome.line} · ${run ? welcome.run : `${say(seat)} ${unit}`}`), make("span", { class: "clock", id: "clock" }), make("span", { id: "running" }),
     ...(lead ? [
       ...paces.map((factor) => button(factor ? `×${factor}` : say("pause"), () => tell("pace", { factor }), { "data-pace": factor, "aria-pressed": "false" })),
       button(say("one step"), () => tell("one_step")), button(say("next event"), () => tell("next_event")), time,
@@ -183,7 +191,7 @@ function show(known, reason) {
   at("#running").textContent = state.ended ? `${say("ended")}: ${state.ended}` : say(state.running ? "runs" : "stands");
   for (const one of document.querySelectorAll("[data-pace]")) one.setAttribute("aria-pressed", String(Number(one.dataset.pace) === state.factor));
   keptFocus(at(".schematic"), schematic(known, words, pick));
-  at(".graph").replaceChildren(trainGraph(known, words));
+  at(".graph").replaceChildren(trainGraph(known, words, run ? { width: 560, height: 160 } : {}));
   keptFocus(at(".trains"), trainTable(known));
   if (inCab && state.cab) inCab.show(state.cab);
   if (state.messages.length !== read) at("#messages").replaceChildren(...state.messages.slice(-3).map((one) => make("p", { class: "said" }, `✉ ${clock(one.time_s, true)} ${one.text}`)));
@@ -197,5 +205,9 @@ function show(known, reason) {
   alarm(known);
 }
 
-if (seat) ask = connect(`ws://${location.host}/desk`, seat, location.hash.slice(1), show, unit);
+if (seat) ask = connect(`ws://${location.host}/${run ?? "desk"}`, seat, location.hash.slice(1), show, unit);
 else chooseSeat();
+if (run) { // beside another one, which tells what it was asked, so that both go the same way
+  document.body.classList.add("beside");
+  addEventListener("message", ({ origin, data }) => origin === location.origin && ask(data.word, data.fields));
+}

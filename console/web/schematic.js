@@ -101,9 +101,9 @@ function label(x, y, text, anchor, kind = "") {
 }
 
 /** The train graph: what was planned, what has been, and how the day will go on, for three hours about now. */
-export function trainGraph(known, words) {
+export function trainGraph(known, words, { width = 450, height = 400 } = {}) {
   const { welcome, state, graph, forecast } = known;
-  const width = 450, height = 400, left = 140, low = 10;
+  const left = 140, low = 10;
   const from = state.time_s - 3600, to = state.time_s + (forecast.length ? 7200 : 3600);
   const places = welcome.stations.map((station) => station.at_m), first = Math.min(...places), last = Math.max(...places);
   const x = (t) => left + ((t - from) / (to - from)) * (width - left - 6);

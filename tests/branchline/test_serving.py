@@ -19,6 +19,7 @@ from network.errors import InputError
         (("karasuyama_weekday", "--listen", LOOPBACK), "--tokens"),
         (("karasuyama_weekday", "--tokens", "tokens.json"), "--tokens"),
         (("karasuyama_weekday", "--port", "70000"), "--port"),
+        (("karasuyama_weekday", "--beside", "karasuyama_weekday"), "--beside"),
     ],
 )
 def test_what_cannot_be_served_is_refused(

@@ -16,12 +16,12 @@ SIZE: Final = {"width": 1280, "height": 800}
 
 
 @contextmanager
-def served(what: Scenario | RunRead) -> Generator[str]:
+def served(what: Scenario | RunRead, beside: RunRead | None = None) -> Generator[str]:
     """A desk, served: its address."""
     pytest.importorskip("uvicorn", reason="the extra [console] is not installed")
     from console.aside import served as served_aside
 
-    with served_aside(what) as desk:
+    with served_aside(what, beside) as desk:
         yield desk.page
 
 

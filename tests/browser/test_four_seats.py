@@ -16,7 +16,9 @@ import pytest
 
 from scenario.scenario import load_scenario
 from study.drilling.drill import run_drill
-from study.runner.run import PartyLink
+from study.record.directory import reserved
+from study.record.read_back import RunRead, read_run
+from study.runner.run import PartyLink, execute, fill_run
 from tests.browser.seated import WAIT_MS, Seated, served
 
 pytestmark = [pytest.mark.browser, pytest.mark.system]
@@ -168,16 +170,46 @@ def test_a_page_needs_no_scrolling_and_no_text_of_the_line_is_cut_or_overlaps(
     page.close()
 
 
+def finished(out: Path, name: str = "rtri_test_line") -> RunRead:
+    with reserved(out) as place:
+        fill_run(execute(load_scenario(name), PartyLink.SIMULATED, journal=place.journal), place)
+    return read_run(out)
+
+
+def test_two_runs_side_by_side_go_to_the_same_time(browser: Any, tmp_path: Path) -> None:  # noqa: ANN401
+    from playwright.sync_api import expect
+
+    late = tmp_path / "late.toml"
+    late.write_text(
+        'extends = "rtri_test_line"\nid = "late"\nname = "late"\n'
+        '[[fault]]\nkind = "power_off"\ntarget = "K1"\nstart = "10:00:40"\nduration_s = 120.0\n',
+        "utf-8",
+    )
+    runs = finished(tmp_path / "one"), finished(tmp_path / "other", str(late))
+    with served(*runs) as address:
+        page = browser.new_page(viewport=SIZES[0])
+        page.goto(f"{address}beside.html?lang=en")
+        frames = [page.frame_locator(f"iframe[name={name}]") for name in ("desk", "beside")]
+        for frame in frames:
+            frame.locator("#slider").wait_for()
+        frames[0].locator("#slider").evaluate(
+            "(one) => { one.value = 36030; one.dispatchEvent(new Event('change')); }"
+        )
+        for frame in frames:
+            expect(frame.locator("#clock")).to_have_text("10:00:30", timeout=WAIT_MS)
+        frames[1].get_by_role("button", name="one step").click()
+        frames[1].get_by_role("button", name="next event").click()
+        expect(frames[1].locator("#clock")).not_to_have_text("10:00:30", timeout=WAIT_MS)
+        then = frames[1].locator("#clock").inner_text()
+        expect(frames[0].locator("#clock")).to_have_text(then, timeout=WAIT_MS)
+        page.screenshot(path=tmp_path / "beside.png")
+        page.close()
+
+
 def test_a_run_is_looked_at_again_with_a_slider(browser: Any, tmp_path: Path) -> None:  # noqa: ANN401
     from playwright.sync_api import expect
 
-    from study.record.directory import reserved
-    from study.record.read_back import read_run
-    from study.runner.run import execute, fill_run
-
-    with reserved(tmp_path / "run") as place:
-        fill_run(execute(load_scenario("rtri_test_line"), PartyLink.SIMULATED, journal=place.journal), place)
-    with served(read_run(tmp_path / "run")) as address:
+    with served(finished(tmp_path / "run")) as address:
         page = Seated(browser, address, "instructor", "en")
         page.page.locator("#slider").evaluate(
             "(one) => { one.value = 36030; one.dispatchEvent(new Event('change')); }"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from typing import Final
 
 import msgspec
@@ -10,10 +11,11 @@ from starlette.testclient import TestClient
 
 from console.access import on_loopback, with_tokens
 from console.library import LibraryEntry, LibraryRequest, Opens, library, opened, taken_from_library
+from console.live import LiveDesk
 from console.protocol import DoAct, GoBack, NextEvent, RunTo, SetPace, State
 from console.replay import Replay
 from console.seats import Seat
-from console.server import DeskServer
+from console.server import BESIDE_PATH, SOCKET_PATH, DeskServer
 from console.shown import SentSoFar, state_for
 from network.errors import InputError
 from scenario.scenario import Scenario
@@ -95,6 +97,29 @@ def test_the_library_has_what_is_shipped_and_the_finished_runs_of_its_folder(run
 def test_nothing_but_the_library_can_be_opened_by_a_page(run: RunRead, name: str) -> None:
     with pytest.raises(InputError, match="something of the library"):
         taken_from_library(LibraryRequest(Opens.RUN, name), run.directory.parent)
+
+
+def test_a_run_beside_another_has_a_socket_of_its_own(run: RunRead) -> None:
+    server = DeskServer(on_loopback(8580))
+    with ExitStack() as stack:
+        lives = [LiveDesk(run, server.changed) for _ in range(2)]
+        for live in lives:
+            live.start()
+            stack.callback(live.stop)
+        server.desk, server.beside = lives
+        client = stack.enter_context(TestClient(server.app, base_url=f"http://{HOST}"))
+        seen = []
+        for path in (SOCKET_PATH, BESIDE_PATH):
+            with client.websocket_connect(path, headers={"host": HOST}) as socket:
+                socket.send_text('{"say": "hello", "seat": "instructor"}')
+                said = [socket.receive_json()["say"] for _ in range(2)]
+                time_s = TEN + len(seen)
+                socket.send_text(f'{{"say": "go_back", "number": 1, "time_s": {time_s}}}')
+                while (answer := socket.receive_json())["say"] != "answer":
+                    pass
+                seen.append((said, answer["good"], float(answer["text"])))
+        assert seen == [(["welcome", "state"], True, TEN), (["welcome", "state"], True, TEN + 1.0)]
+        assert [live.moment.known.time_s for live in lives] != [TEN + 1.0] * 2
 
 
 def test_only_the_instructor_and_only_a_page_of_the_desk_opens_something() -> None:
