@@ -55,7 +55,7 @@ class BlockBook:
             return replace(self, of_train=self.of_train | {row.step}, left_out=left)
         return replace(self, done=self.done | {row.step}, left_out=left)
 
-    def takes(self, hop: Hop, *, ticket: bool) -> BlockBook:
+    def takes(self, hop: Hop, *, ticket: bool = False) -> BlockBook:
         """The book as a train is taken up."""
         return replace(self, hop=hop, of_train=frozenset(), ticket=ticket)
 

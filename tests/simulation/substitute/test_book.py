@@ -6,12 +6,24 @@ from itertools import combinations
 
 import pytest
 
-from simulation.procedure import PROCEDURES, WITHIN_STATION, Part, ProcedureRow, Regime, WorkingStep
+from simulation.procedure import (
+    PROCEDURES,
+    WITHIN_STATION,
+    Part,
+    ProcedureRow,
+    Regime,
+    WorkingStep,
+    rows_of_train,
+)
 from simulation.substitute.book import BlockBook
 from simulation.substitute.hops import Hop
 
 HOP = Hop("V1", "T1", 0, 0, 1, "S", "A", "B", "A.1", ("S", "B.1"), ("B.1",), (), 0.0, 60.0)
-TABLES = {**{regime.value: rows for regime, rows in PROCEDURES.items()}, "within a station": WITHIN_STATION}
+TABLES = {
+    **{regime.value: rows_of_train(rows, ticket=False) for regime, rows in PROCEDURES.items()},
+    "by ticket": rows_of_train(PROCEDURES[Regime.TELEPHONE], ticket=True),
+    "within a station": WITHIN_STATION,
+}
 CASES = [
     pytest.param(rows, row, id=f"{name}: {row.step.value}") for name, rows in TABLES.items() for row in rows
 ]
