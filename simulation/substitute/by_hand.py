@@ -30,11 +30,15 @@ LEAVE_ENDS: Final = "what its driver was told ends here"
 
 @dataclass(slots=True)
 class DrivenTrain:
-    """One train: the target where it stands or that it left, the last one it may run to, and when it goes on."""
+    """One train: the target where it stands or that it left, the last one it may run to, and when it goes on.
+
+    `ends`: index of the first span that it may not enter; None: the one after its last target.
+    """
 
     duty: Duty | None
     at: int = 0
     to: int = 0
+    ends: int | None = None
     goes_s: float = 0.0
     runs: bool = False
     stood_s: float = 0.0
@@ -62,7 +66,7 @@ class HandDriver:
             self._on_board.lose_store(slot)
         self._write(step, CutOut(unit_id=self._trains.stock_ids[slot]))
         self.driven[slot] = DrivenTrain(None)
-        if not self._trains.truths[slot].active:
+        if self._duties.waits_outside(slot):
             self._duties.enter_by_hand(slot, step)
         self._take_up(slot)
 
@@ -82,6 +86,15 @@ class HandDriver:
         train.to, train.goes_s = to, step / STEPS_PER_S
         self._look(slot, train, step)
         return True
+
+    def permit(self, slot: int, to: int, ends: int, step: int) -> None:
+        """A driver sees that he may run to a target, and not beyond the span before `ends`."""
+        train = self.driven[slot]
+        if (to, ends) == (train.to, train.ends):
+            return
+        train.to, train.ends = to, ends
+        if train.runs:
+            self._runs(slot, train, step / STEPS_PER_S, on_the_way=True)
 
     def look(self, step: int) -> None:
         """All drivers look out."""
@@ -144,6 +157,7 @@ class HandDriver:
             return
         train.duty, train.over, train.runs = duty, False, False
         train.at = train.to = self._books.next_target(slot) - 1
+        train.ends = None
         self._on_board.take_by_hand(slot, duty)
         self._cabs.drives_by_hand(slot, by_hand=True)
         self._hold(slot, train, 0.0)
@@ -151,21 +165,22 @@ class HandDriver:
     def _hold(self, slot: int, train: DrivenTrain, now_s: float) -> None:
         self._obey(slot, DrivingCommand(at_mark=True, at=train.at, on_line=True), now_s)
 
-    def _runs(self, slot: int, train: DrivenTrain, now_s: float) -> None:
+    def _runs(self, slot: int, train: DrivenTrain, now_s: float, *, on_the_way: bool = False) -> None:
         duty = train.duty
         if duty is None:
             return
         spans, targets = duty.mission.spans, duty.mission.targets
         first, last = (duty.mission.span_index(targets[i].section_id) for i in (train.at, train.to))
-        beyond = spans[last + 1].section_id if last + 1 < len(spans) else None
+        ends = last + 1 if train.ends is None else train.ends
+        beyond = spans[ends].section_id if ends < len(spans) else None
         command = DrivingCommand(
             drive=True,
             target=train.at + 1,
             at=train.at,
-            limit=StopLimit(last + 1, beyond, LEAVE_ENDS),
-            orders=(DrivingOrder.DEPART, DrivingOrder.RELEASE),
+            limit=StopLimit(ends, beyond, LEAVE_ENDS),
+            orders=() if on_the_way else (DrivingOrder.DEPART, DrivingOrder.RELEASE),
             on_line=True,
-            held=tuple(span.section_id for span in spans[first : last + 1]),
+            held=tuple(span.section_id for span in spans[first:ends]),
             waits_for=f"its run to {targets[train.at + 1].place_id}",
         )
         train.runs, train.stood_s = True, 0.0
