@@ -86,7 +86,23 @@ SHIGARAKI: Final = Accident(
     within_m=200.0,
     window_s=(10 * 3600 + 10 * 60.0, 10 * 3600 + 50 * 60.0),
 )
-ACCIDENTS: Final = (SHIGARAKI,)
+BAD_AIBLING: Final = Accident(
+    "Bad Aibling 2016",
+    "mangfall/01_as_it_was",
+    MappingProxyType(
+        {
+            "as it was": "mangfall/01_as_it_was",
+            "by the centre": "mangfall/03_by_the_centre",
+            "on board": "mangfall/02_on_board",
+        }
+    ),
+    at_s=6 * 3600 + 46 * 60 + 56.0,
+    within_s=30.0,
+    km=30.3,
+    within_m=200.0,
+    window_s=(6 * 3600 + 42 * 60.0, 6 * 3600 + 56 * 60.0),
+)
+ACCIDENTS: Final = (SHIGARAKI, BAD_AIBLING)
 
 
 def run_of(scenario: Scenario) -> RunResult:
@@ -263,7 +279,20 @@ CHANGES: Final[Mapping[str, Mapping[str, Change]]] = MappingProxyType(
                 "trains half as full": load(0.5),
                 "534D stands 30 s at halts": dwell(30.0),
             }
-        )
+        ),
+        BAD_AIBLING.name: MappingProxyType(
+            {
+                "the dispatcher acts 15 s sooner": acts_later("dispatcher AIB", -15.0),
+                "the dispatcher acts 15 s later": acts_later("dispatcher AIB", 15.0),
+                "79505 stands 20 s at Kurpark": dwell(20.0),
+                "79505 stands 45 s at Kurpark": dwell(45.0),
+                "line speed 5 % less": line_speed(0.95),
+                "line speed 5 % more": line_speed(1.05),
+                "79506 pulls 20 % less": traction("ET355", 0.8),
+                "79505 pulls 20 % less": traction("ET325", 0.8),
+                "both trains full": load(1.0),
+            }
+        ),
     }
 )
 

@@ -34,6 +34,7 @@ from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.substitute.by_hand import DrivenTrain, HandDriver
 from simulation.world.stage import World
 
+SUBSTITUTE_MPS: Final = 40.0 / 3.6  # published: the most over the points beyond a signal passed by that aspect
 HOME_M: Final = 1000.0  # assumed: the contact that throws arrival points, beyond a train's braking distance
 
 
@@ -45,8 +46,9 @@ class LineSignalWorking:
     def __init__(self, world: World, cabs: Cabs, duties: Duties, settings: LineSignals) -> None:
         self._trains, self._wayside = world.trains, world.wayside
         self._agenda, self._journal = world.agenda, world.journal
-        speed_mps = settings.speed_mps(world.setup.line.max_speed_mps)
-        self._drivers: Final = HandDriver(world, cabs, duties, speed_mps, world.setup.timetable.head.dwell_min_s)
+        self._speed_mps: Final = settings.speed_mps(world.setup.line.max_speed_mps)
+        dwell_s = world.setup.timetable.head.dwell_min_s
+        self._drivers: Final = HandDriver(world, cabs, duties, self._speed_mps, dwell_s)
         self._machine: Final = SignalMachine(settings)
         self._state = SignalsState()
         self._shown: dict[str, Aspect] = {}
@@ -54,6 +56,7 @@ class LineSignalWorking:
         self._under: dict[str, set[str]] = {}  # sections under each train when somebody last looked
         self._past: dict[tuple[int, str], str] = {}  # the last signal that a train passed at a halt of a section
         self._sent_off: set[tuple[int, str]] = set()
+        self._cautious: dict[int, set[str]] = {}  # sections that trains leave slowly, past a substitute aspect
         self._routes: dict[str, int] = {}  # points that lie for a train
 
     def begin(self, step: int) -> None:
@@ -132,6 +135,9 @@ class LineSignalWorking:
                     del self._routes[points_id]
         for slot, train in self._drivers.driven.items():
             self._past_halt(slot, train, step)
+            beyond = self._cautious.get(slot, set())
+            slow = bool(beyond) and not beyond.isdisjoint(under.get(self._trains.stock_ids[slot], set()))
+            self._drivers.ceilings_mps[slot] = SUBSTITUTE_MPS if slow else self._speed_mps
         self._under = under
 
     def _past_halt(self, slot: int, train: DrivenTrain, step: int) -> None:
@@ -153,6 +159,9 @@ class LineSignalWorking:
         if aspect is Aspect.STOP and holds:
             wrong = WrongDeparture(unit_id=unit_id, signal_id=signal.id, stops=holds, works=works)
             self._journal.write(step / STEPS_PER_S, WORLD, wrong)
+        duty = self._trains.duties[slot]
+        if aspect is Aspect.SUBSTITUTE and duty is not None:
+            self._cautious[slot] = _beyond(duty.mission, signal)
         self._tell(Passed(signal.id, unit_id))
         self._sent_off.discard((slot, signal.id))
 
@@ -177,8 +186,7 @@ class LineSignalWorking:
         if train.duty is None or not self._trains.truths[slot].active:
             return
         mission = train.duty.mission
-        if not train.runs and not self._is_ready(train, step):
-            return
+        ready = self._is_ready(train, step)
         ends, halt = len(mission.spans), len(mission.targets) - 1
         for index, signal in self._signals_ahead(slot, train):
             sees = self._machine.aspect(self._state, signal.id)
@@ -186,7 +194,8 @@ class LineSignalWorking:
                 ends, halt = index, self._last_target(mission, index, signal)
                 break
         ends = self._throw_to(slot, mission, ends, step)
-        self._drivers.permit(slot, max(halt, train.at), ends, step)
+        if ready:
+            self._drivers.permit(slot, max(halt, train.at), ends, step)
 
     def _is_ready(self, train: DrivenTrain, step: int) -> bool:
         """Whether the time to leave has come, where a train stands."""

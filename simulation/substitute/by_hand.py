@@ -56,6 +56,7 @@ class HandDriver:
         self._pauses: Final = Pauses(world.setup)
         self._speed_mps, self._dwell_s = speed_mps, dwell_s
         self.driven: Final[dict[int, DrivenTrain]] = {}
+        self.ceilings_mps: Final[dict[int, float]] = {}  # of trains that are to run slower for a while
 
     def cut_out(self, slot: int, step: int) -> None:
         """The driver cuts the unit out; a train outside its portal comes in by it."""
@@ -113,7 +114,7 @@ class HandDriver:
         row, now_s = self._trains.units[slot], step / STEPS_PER_S
         row.position_m = self._trains.truths[slot].position_m
         row.bound_ahead_m = row.bound_behind_m = BY_EYE_M
-        row.restricted_mps = self._speed_mps
+        row.restricted_mps = self.ceilings_mps.get(slot, self._speed_mps)
         stands = self._trains.plants[slot].speed_mps == 0.0
         if stands and train.runs:
             self._stands(slot, train, now_s)
@@ -191,7 +192,7 @@ class HandDriver:
         row.position_m = self._trains.truths[slot].position_m
         self._on_board.drive_by_hand(slot, command, now_s)
         row.intervention = NO_INTERVENTION
-        row.restricted_mps = self._speed_mps
+        row.restricted_mps = self.ceilings_mps.get(slot, self._speed_mps)
 
     def _wake(self, at_s: float) -> None:
         self._agenda.put(round(at_s * STEPS_PER_S) + 1, AgendaKind.PROCEDURE, "driver")
