@@ -17,6 +17,7 @@ DPI: Final = 110
 _PANEL_IN: Final = 2.3
 _MARKS: Final = ("-", "--")  # colour is never the only sign
 MINUTE_S: Final = 60.0
+APART: Final = 0.06  # of the height
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,12 +58,23 @@ def draw_panels(
                 axes.plot(*panel.collision, "x", color=RED, markersize=9, label="collision")
             axes.set_title(panel.label, loc="left")
             axes.set_xlim(*window_s)
-            axes.set_yticks(list(places_km.values()), list(places_km))
+            axes.set_yticks(list(places_km.values()), _apart(places_km))
             axes.xaxis.set_major_locator(MultipleLocator(_every_s(window_s)))
             axes.xaxis.set_major_formatter(FuncFormatter(lambda at_s, _: clock(round(at_s))[:5]))
             axes.grid(visible=True)
             axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
         figure.savefig(file, dpi=DPI)
+
+
+def _apart(places_km: Mapping[str, float]) -> list[str]:
+    """Names of places, none where it would lie over the one before."""
+    least_km = APART * (max(places_km.values()) - min(places_km.values()))
+    names: list[str] = []
+    last_km = -least_km + min(places_km.values())
+    for name, km in places_km.items():
+        names.append(name if km - last_km >= least_km else "")
+        last_km = km if names[-1] else last_km
+    return names
 
 
 def _every_s(window_s: tuple[float, float]) -> float:
