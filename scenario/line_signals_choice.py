@@ -25,7 +25,9 @@ def check_line_signals(file: str, setup: Setup) -> None:
     for duties in drawn_up(setup, setup.line).values():
         for duty in duties:
             if duty.enters or duty.leaves:
-                expected = f"no portal: train {duty.train.number} would come or go by one, which no signal is at"
+                expected = (
+                    f"no portal: train {duty.train.number} would come or go by one, which no signal is at"
+                )
                 raise InputError(file, "line_signals", None, expected)
     _check_places(file, setup, settings)
     _check_names(file, settings)

@@ -274,7 +274,9 @@ def _expectation(file: str, key: str, table: ExpectTable, names: Names, setup: S
 
 # What persons who are wrong can bring about: a train where the register does not have it, and another one beside it.
 EXCUSABLE: Final = (Checker.INSIDE_HOLDING.value, Checker.ONE_TRAIN_A_SECTION.value)
-BY_LINE_SIGNALS: Final = (Checker.SUMO_COLLISION.value,)  # besides, on a line as it was: an accident that happened
+BY_LINE_SIGNALS: Final = (
+    Checker.SUMO_COLLISION.value,
+)  # besides, on a line as it was: an accident that happened
 _WHAT: Final = frozenset({"text", "property"})
 _WHEN: Final = frozenset({"after", "until", "within_s", "by"})
 _PROPERTY_KEYS: Final[Mapping[Property, frozenset[str]]] = {

@@ -19,19 +19,28 @@ class SignalDeed(StrEnum):
     """What people do at signals."""
 
     SET = "set"  # pull the signal's lever: it clears once the machine lets it
-    PUT_BACK = "put_back"
     LEVER = "lever"  # a direction lever
     RELEASE_LEVER = "release_lever"
     SUBSTITUTE = "substitute"  # the substitute aspect, past what the machine lets
     SEND_OFF = "send_off"  # a driver is told to pass the signal at stop
 
 
-class LineSignal(Record):
-    """`[[line_signals.signal]]`: a main signal that lets a train into, or further into, a section between stations."""
+class OneWay(Record):
+    """What is for trains of one direction alone."""
 
     id: Annotated[Identifier, about("its name")]
-    at: Annotated[str, about("the track at whose end it stands (its section), or the halt that it stands at")]
     runs: Annotated[Literal["down", "up"], about("for trains of this direction")]
+
+    @property
+    def direction(self) -> Direction:
+        """For trains of which direction."""
+        return Direction.DOWN if self.runs == "down" else Direction.UP
+
+
+class LineSignal(OneWay):
+    """`[[line_signals.signal]]`: a main signal that lets a train into, or further into, a section between stations."""
+
+    at: Annotated[str, about("the track at whose end it stands (its section), or the halt that it stands at")]
     block: Annotated[str, about("the section between stations that it lets into, or stands in")]
     automatic: Annotated[
         bool,
@@ -41,25 +50,13 @@ class LineSignal(Record):
         ),
     ] = False
 
-    @property
-    def direction(self) -> Direction:
-        """For trains of which direction."""
-        return Direction.DOWN if self.runs == "down" else Direction.UP
 
+class DirectionLever(OneWay):
+    """`[[line_signals.lever]]`: it keeps sections for one direction, signals of the other stay at stop (方向てこ)."""
 
-class DirectionLever(Record):
-    """`[[line_signals.lever]]`: pulled, it keeps sections for one direction: signals of the other stay at stop (方向てこ)."""
-
-    id: Annotated[Identifier, about("its name")]
-    runs: Annotated[Literal["down", "up"], about("for which direction")]
     blocks: Annotated[
         tuple[str, ...], Field(strict=False, min_length=1, max_length=TEXTS_MAX), about("of which sections")
     ]
-
-    @property
-    def direction(self) -> Direction:
-        """For which direction."""
-        return Direction.DOWN if self.runs == "down" else Direction.UP
 
 
 class DepartureDetector(Record):

@@ -35,8 +35,8 @@ from simulation.platforms import Platforms
 from simulation.result import Ending, RunResult, numbers_due
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.staff import Staff
-from simulation.worked_by_people import worked_by_people
 from simulation.vigil import Vigil
+from simulation.worked_by_people import worked_by_people
 from simulation.world.charging import Charging
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.records import (

@@ -12,10 +12,11 @@ from simulation.world.stage import World
 
 
 class WorkedByPeople(Protocol):
-    """People who work a line. `busy`: staff who react leave it to them."""
+    """People who work a line."""
 
     @property
-    def busy(self) -> bool: ...
+    def busy(self) -> bool:
+        """Whether staff who react leave it to them."""
 
     def begin(self, step: int) -> None:
         """The day begins."""

@@ -1,1 +1,1 @@
-"""A line worked by line signals, as it was before: a machine of signals, the people at it, drivers who go by what they see."""
+"""A line worked by line signals: a machine of signals, the people at it, drivers who go by what they see."""

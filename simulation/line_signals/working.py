@@ -17,24 +17,15 @@ from simulation.agenda import AgendaKind
 from simulation.cabs import Cabs
 from simulation.duties import Duties
 from simulation.events import WORLD, SignalActed, SignalPassed, SignalShows, WrongDeparture
-from simulation.line_signals.machine import (
-    Aspect,
-    CountedOut,
-    LeverPulled,
-    MachineInput,
-    Passed,
-    Pulled,
-    PutBack,
-    SignalMachine,
-    SignalsState,
-    SubstituteGiven,
-)
+from simulation.line_signals.machine import Aspect, Contact, SignalMachine, SignalsState
 from simulation.line_signals_settings import LineSignal, LineSignals, SignalAct, SignalDeed
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.substitute.by_hand import DrivenTrain, HandDriver
 from simulation.world.stage import World
 
-SUBSTITUTE_MPS: Final = 40.0 / 3.6  # published: the most over the points beyond a signal passed by that aspect
+SUBSTITUTE_MPS: Final = (
+    40.0 / 3.6
+)  # published: the most over the points beyond a signal passed by that aspect
 HOME_M: Final = 1000.0  # assumed: the contact that throws arrival points, beyond a train's braking distance
 
 
@@ -54,9 +45,13 @@ class LineSignalWorking:
         self._shown: dict[str, Aspect] = {}
         self._acts = sorted(settings.act, key=lambda act: act.at_s)
         self._under: dict[str, set[str]] = {}  # sections under each train when somebody last looked
-        self._past: dict[tuple[int, str], str] = {}  # the last signal that a train passed at a halt of a section
+        self._past: dict[
+            tuple[int, str], str
+        ] = {}  # the last signal that a train passed at a halt of a section
         self._sent_off: set[tuple[int, str]] = set()
-        self._cautious: dict[int, set[str]] = {}  # sections that trains leave slowly, past a substitute aspect
+        self._cautious: dict[
+            int, set[str]
+        ] = {}  # sections that trains leave slowly, past a substitute aspect
         self._routes: dict[str, int] = {}  # points that lie for a train
 
     def begin(self, step: int) -> None:
@@ -86,19 +81,10 @@ class LineSignalWorking:
         named = {"lever_id" if at_lever else "signal_id": act.target}
         acted = SignalActed(does=act.does.value, **named)
         self._journal.write(step / STEPS_PER_S, act.who, acted)
-        match act.does:
-            case SignalDeed.SET:
-                self._tell(Pulled(act.target))
-            case SignalDeed.PUT_BACK:
-                self._tell(PutBack(act.target))
-            case SignalDeed.LEVER:
-                self._tell(LeverPulled(act.target))
-            case SignalDeed.RELEASE_LEVER:
-                self._tell(LeverPulled(act.target, released=True))
-            case SignalDeed.SUBSTITUTE:
-                self._tell(SubstituteGiven(act.target))
-            case SignalDeed.SEND_OFF:
-                self._send_off(act.target)
+        if act.does is SignalDeed.SEND_OFF:
+            self._send_off(act.target)
+        else:
+            self._tell(act.does, act.target)
 
     def _send_off(self, signal_id: str) -> None:
         """The driver who stands at a signal may pass it; for him the points before the section are set by hand."""
@@ -110,8 +96,8 @@ class LineSignalWorking:
 
     # equipment --------------------------------------------------------------------------------------------------------
 
-    def _tell(self, event: MachineInput) -> None:
-        self._state = self._machine.after(self._state, event)
+    def _tell(self, event: SignalDeed | Contact, name: str, unit_id: str = "") -> None:
+        self._state = self._machine.after(self._state, event, name, unit_id)
 
     def _contacts(self, step: int) -> None:
         """Fronts that passed a signal at the end of a track, rears that left a section."""
@@ -128,7 +114,7 @@ class LineSignalWorking:
                 if signal.at in before and came.intersection(_beyond(train.duty.mission, signal)):
                     self._pass(slot, signal, step)
                 if signal.block in left:
-                    self._tell(CountedOut(signal.block, unit_id))
+                    self._tell(Contact.COUNTED_OUT, signal.block, unit_id)
             for points_id in [p for p, user in self._routes.items() if user == slot]:
                 section_id = self._wayside_section(points_id)
                 if section_id in left:
@@ -155,21 +141,23 @@ class LineSignalWorking:
         unit_id, aspect = self._trains.stock_ids[slot], self._machine.aspect(self._state, signal.id)
         passed = SignalPassed(unit_id=unit_id, signal_id=signal.id, aspect=aspect.value)
         self._journal.write(step / STEPS_PER_S, WORLD, passed)
-        holds, works = self._machine.holds_at(signal.id)
-        if aspect is Aspect.STOP and holds:
-            wrong = WrongDeparture(unit_id=unit_id, signal_id=signal.id, stops=holds, works=works)
+        detector = self._machine.detector_at(signal.id)
+        if aspect is Aspect.STOP and detector is not None:
+            wrong = WrongDeparture(
+                unit_id=unit_id, signal_id=signal.id, stops=detector.holds, works=detector.works
+            )
             self._journal.write(step / STEPS_PER_S, WORLD, wrong)
         duty = self._trains.duties[slot]
         if aspect is Aspect.SUBSTITUTE and duty is not None:
             self._cautious[slot] = _beyond(duty.mission, signal)
-        self._tell(Passed(signal.id, unit_id))
+        self._tell(Contact.PASSED, signal.id, unit_id)
         self._sent_off.discard((slot, signal.id))
 
     def _approaches(self, slot: int, train: DrivenTrain, step: int) -> None:
-        """A signal that is automatic is pulled by the train that is next before it, and ready to leave where it stands."""
+        """A signal that is automatic is pulled by the train that is next before it, once that is ready to leave."""
         ahead = next(self._signals_ahead(slot, train), None)
         if ahead is not None and ahead[1].automatic and self._is_ready(train, step):
-            self._tell(Pulled(ahead[1].id))
+            self._tell(SignalDeed.SET, ahead[1].id)
 
     def _show(self, step: int) -> None:
         for signal_id in self._machine.signals:
@@ -238,7 +226,7 @@ class LineSignalWorking:
         return there if stands_there else min(there + 1, len(at) - 1)
 
     def _throw_to(self, slot: int, mission: Mission, ends: int, step: int) -> int:
-        """Throw the points that are due on the way to `ends`; the first span whose points do not lie for it, or `ends`."""
+        """Throw points that are due on the way to `ends`; the first span whose points do not lie for it, or `ends`."""
         front_m = float(self._trains.truths[slot].position_m)
         here = mission.spans.index(mission.span_at(front_m))
         blocks = [i for i in range(here, ends) if mission.spans[i].kind is SectionKind.BETWEEN]

@@ -51,7 +51,9 @@ def test_a_name_that_is_not_there(tmp_path: Path, text: str, key: str, expected:
     ],
 )
 def test_what_line_signals_cannot_be_with(tmp_path: Path, base: str, more: str, key: str) -> None:
-    text = SIGNAL if base == "shigaraki_1991" else SIGNAL.replace("SGR.2", "OGN.2").replace("ONT-SGR", "HSK-OGN")
+    text = (
+        SIGNAL if base == "shigaraki_1991" else SIGNAL.replace("SGR.2", "OGN.2").replace("ONT-SGR", "HSK-OGN")
+    )
     with pytest.raises(InputError) as error:
         loaded(tmp_path, f"{more}[line_signals]\n{text}", base)
     assert error.value.key == key
