@@ -226,6 +226,7 @@ SHIGARAKI: Final = Accident(
         {
             "as it was": "shigaraki/01_as_it_was",
             "as it was, but the detector works": "shigaraki/04_detector_works",
+            "as it was, but the lever as it was built": "shigaraki/05_as_it_was_built",
             "by the centre": "shigaraki/03_by_the_centre",
             "on board": "shigaraki/02_on_board",
         }

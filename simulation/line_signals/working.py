@@ -115,6 +115,7 @@ class LineSignalWorking:
                     self._pass(slot, signal, step)
                 if signal.block in left:
                     self._tell(Contact.COUNTED_OUT, signal.block, unit_id)
+                    self._past.pop((slot, signal.block), None)
             for points_id in [p for p, user in self._routes.items() if user == slot]:
                 section_id = self._wayside_section(points_id)
                 if section_id in left:
