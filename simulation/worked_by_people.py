@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
 from simulation.cabs import Cabs
 from simulation.duties import Duties
 from simulation.line_signals.working import LineSignalWorking
@@ -11,21 +9,9 @@ from simulation.substitute.players import SubstitutePlayers
 from simulation.world.stage import World
 
 
-class WorkedByPeople(Protocol):
-    """People who work a line."""
-
-    @property
-    def busy(self) -> bool:
-        """Whether staff who react leave it to them."""
-
-    def begin(self, step: int) -> None:
-        """The day begins."""
-
-    def look(self, step: int) -> None:
-        """All look round: what is due is done."""
-
-
-def worked_by_people(world: World, cabs: Cabs, duties: Duties) -> WorkedByPeople | None:
+def worked_by_people(
+    world: World, cabs: Cabs, duties: Duties
+) -> SubstitutePlayers | LineSignalWorking | None:
     """Those of a run; None: trains run under authority, come what may."""
     if world.setup.line_signals is not None:
         return LineSignalWorking(world, cabs, duties, world.setup.line_signals)

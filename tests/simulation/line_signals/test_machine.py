@@ -10,19 +10,19 @@ import pytest
 from simulation.line_signals.machine import Aspect, Contact, SignalMachine, SignalsState
 from simulation.line_signals_settings import LineSignals, SignalDeed
 
-Told = tuple[SignalDeed | Contact, str] | tuple[SignalDeed | Contact, str, str]
+Told = tuple[SignalDeed | Contact, str, str]
 
 
 def pulled(name: str) -> Told:
-    return SignalDeed.SET, name
+    return SignalDeed.SET, name, ""
 
 
 def passed(name: str, unit: str) -> Told:
     return Contact.PASSED, name, unit
 
 
-FIRST: Final[Told] = (SignalDeed.LEVER, "down-first")
-RELEASED: Final[Told] = (SignalDeed.RELEASE_LEVER, "down-first")
+FIRST: Final[Told] = (SignalDeed.LEVER, "down-first", "")
+RELEASED: Final[Told] = (SignalDeed.RELEASE_LEVER, "down-first", "")
 OUT: Final[Told] = (Contact.COUNTED_OUT, "O-S", "A")
 LOOP: Final = {
     "signal": [
@@ -121,7 +121,7 @@ def test_a_train_that_leaves_at_stop_is_not_counted_in() -> None:
 
 def test_the_substitute_aspect_is_not_checked_and_goes_out_behind_the_train() -> None:
     own = machine()
-    against = (pulled("22L"), (SignalDeed.SUBSTITUTE, "12R"))
+    against = (pulled("22L"), (SignalDeed.SUBSTITUTE, "12R", ""))
     assert shown(own, *against) == {"12R": Aspect.SUBSTITUTE, "22L": Aspect.CLEAR}
     assert shown(own, *against, passed("12R", "A"))["12R"] is Aspect.STOP
 
