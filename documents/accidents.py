@@ -15,6 +15,7 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
+import polars as pl
 
 from documents.studies import block_text, with_blocks
 from documents.studies_pictures import train_graphs
@@ -89,7 +90,8 @@ def meeting_of(run: FinishedRun) -> Meeting | None:
     found = next((e for e in run.result.journal.entries if isinstance(e.event, Collision)), None)
     if found is None:
         return None
-    fronts_m = [rows["kilometrage_m"][-1] for _, rows in run.tables.trajectory.group_by("unit")]
+    before = run.tables.trajectory.filter(pl.col("t_s") <= found.t_s)
+    fronts_m = [rows["kilometrage_m"][-1] for _, rows in before.group_by("unit")]
     return Meeting(found.t_s, _published_km(run.scenario.setup.line, float(np.mean(fronts_m)) / 1000.0))
 
 
