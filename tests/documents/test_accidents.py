@@ -10,6 +10,8 @@ import pytest
 from documents.accidents import (
     ACCIDENTS,
     BAD_AIBLING,
+    FILE,
+    ROOT,
     SHIGARAKI,
     Accident,
     kilometres,
@@ -44,6 +46,7 @@ def test_it_happens_as_it_was_by_acts_and_equipment(accident: Accident) -> None:
     assert abs(meeting.at_s - accident.at_s) <= accident.within_s
     assert 1000.0 * abs(meeting.km - accident.km) <= accident.within_m
     assert {v.checker for v in run.result.violations} >= {Checker.ONE_TRAIN_A_SECTION.value}
+    assert f"| as it was | **{meeting.words(accident)}** |" in (ROOT / FILE).read_text("utf-8")
 
 
 OTHERWISE = [
