@@ -55,7 +55,9 @@ class LineSignalWorking:
         self._routes: dict[str, int] = {}  # points that lie for a train
 
     def begin(self, step: int) -> None:
-        """The line has no units: they are cut out before anything runs. People will act in their time."""
+        """The line has neither manager nor units: they are off before anything runs. People act in their time."""
+        for device_id in self._wayside.device_ids:
+            self._wayside.power_off(step, device_id)
         for slot in range(len(self._trains.stock_ids)):
             self._drivers.cut_out(slot, step)
         for act in self._acts:
