@@ -31,6 +31,7 @@ from study.capacity.rules import MINIMAL
 from study.capacity.theory import occupations
 from study.measures.missing import planned_times
 from study.record.read_back import RunRead, read_run
+from study.report.data import ReportedRun
 from study.runner.run import PartyLink, execute, write_run
 
 ROOT: Final = Path(__file__).resolve().parents[1]
@@ -282,6 +283,11 @@ def block_text(rows: Iterator[str]) -> str:
     return "".join(f"{row}\n" for row in rows)
 
 
+def _shown(runs: StudyRuns, names: Sequence[str]) -> list[tuple[str, ReportedRun]]:
+    found = [(study_label(name), runs.run_named(name)) for name in names]
+    return [(label, ReportedRun(run.line, run.timetable, run.tables)) for label, run in found]
+
+
 def main(arguments: Sequence[str]) -> None:
     """Write all blocks, and draw the pictures, from the runs in a folder."""
     runs = StudyRuns(Path(arguments[0]))
@@ -291,7 +297,7 @@ def main(arguments: Sequence[str]) -> None:
         page.write_text(with_blocks(page.read_text("utf-8"), made), "utf-8")
     studies_pictures.train_graphs(
         FOLDER / "second_loop" / "train_graphs.png",
-        [(study_label(name), runs.run_named(name)) for name in LOOPS],
+        _shown(runs, LOOPS),
         (8 * 3600.0, 11 * 3600.0),
     )
     studies_pictures.headways(
@@ -299,7 +305,7 @@ def main(arguments: Sequence[str]) -> None:
     )
     studies_pictures.train_graphs(
         FOLDER / "cut_cable" / "train_graphs.png",
-        [(study_label(name), runs.run_named(name)) for name in CABLE],
+        _shown(runs, CABLE),
         (10 * 3600.0, 19.5 * 3600.0),
         CUT_S,
     )

@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 
 from study.capacity.headway import HeadwayKind
 from study.capacity.occupation import OccupationCost
-from study.record.read_back import RunRead
 from study.report.data import ReportedRun as Shown
 from study.report.graph import draw_frame, numbers_of, write_numbers
 from study.report.style import (
@@ -27,6 +26,7 @@ from study.report.style import (
 )
 
 DPI: Final = 110
+SHORT_S: Final = 3600.0  # of less than that, minutes are told apart
 _PANEL_IN: Final = 3.4
 _BAR: Final = 0.26
 _LEAST_S: Final = 0.5  # what is longer by less in every case is left out of the picture
@@ -46,16 +46,21 @@ class HeadwayByCase:
 
 def train_graphs(
     file: Path,
-    runs: Sequence[tuple[str, RunRead]],
+    runs: Sequence[tuple[str, Shown]],
     window_s: tuple[float, float],
     shaded_s: tuple[float, float] | None = None,
+    marks: Sequence[Mapping[str, tuple[float, float]]] = (),
 ) -> None:
-    """As run over the plan (dashed), one panel a run; `shaded_s` is a stretch of the day to be told apart."""
-    band, grid = TimeBand(*window_s), TimeGrid(3600, 1800, 600)
+    """As run over the plan (dashed), one panel a run; `shaded_s` is a stretch of the day to be told apart.
+
+    `marks`: for each run, signs at a time (s) and a place (m).
+    """
+    short = window_s[1] - window_s[0] < SHORT_S
+    band, grid = TimeBand(*window_s), TimeGrid(600, 300, 60) if short else TimeGrid(3600, 1800, 600)
     with drawing():
         figure = Figure(figsize=(WIDTH_IN, _PANEL_IN * len(runs) + 0.2), layout="constrained")
         panels = figure.subplots(len(runs), 1, squeeze=False)[:, 0]
-        shown = [Shown(run.line, run.timetable, run.tables) for _, run in runs]
+        shown = [run for _, run in runs]
         for axes, (what, _), run in zip(panels, runs, shown, strict=True):
             draw_frame(axes, run, band, grid)
             axes.set_title(what, pad=16)
@@ -72,6 +77,9 @@ def train_graphs(
                     color=DIRECTION_COLOUR[run.directions[number]],
                     lw=1.8,
                 )
+        for axes, signs in zip(panels, marks, strict=False):
+            for sign, (at_s, place_m) in signs.items():
+                axes.plot(at_s, place_m, sign, color=RED, ms=11, mew=1.6, fillstyle="none")
         figure.draw_without_rendering()
         for axes, run in zip(panels, shown, strict=True):
             write_numbers(axes, numbers_of(run, band))

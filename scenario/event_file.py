@@ -34,6 +34,9 @@ from simulation.events import (
     FaultBegan,
     FaultOver,
     Outside,
+    SignalActed,
+    SignalPassed,
+    SignalShows,
     authors_of,
     word_of,
 )
@@ -41,6 +44,8 @@ from simulation.faults.fault import Names
 from simulation.faults.links import FaultyLink, LinkFault
 from simulation.faults.script import WORDS_HELP, ActKind, Matcher, matcher_of
 from simulation.faults.table import FAULTS
+from simulation.line_signals.machine import Aspect
+from simulation.line_signals_settings import SignalDeed
 from wayside import said
 from wayside.config import MANAGER_ID
 from wayside.register import ReentryStage, UnitStanding
@@ -62,6 +67,9 @@ _NAMED: Final[Mapping[str, Callable[[Names], Collection[str]]]] = {
     "source": lambda names: (*names.devices, *names.units),
     "receiver": lambda names: (*names.devices, *names.units),
     "by": lambda names: names.people,
+    "signal_id": lambda names: names.signals,
+    "stops": lambda names: names.signals,
+    "lever_id": lambda names: names.levers,
 }
 
 
@@ -97,6 +105,9 @@ _WORDS: Final[Mapping[tuple[EventType, str], tuple[object, ...]]] = {
     (FaultBegan, "kind"): tuple(FAULTS),
     (FaultOver, "kind"): tuple(FAULTS),
     (Acted, "act"): tuple(kind.value for kind in ActKind),
+    (SignalActed, "does"): tuple(deed.value for deed in SignalDeed),
+    (SignalShows, "aspect"): tuple(aspect.value for aspect in Aspect),
+    (SignalPassed, "aspect"): tuple(aspect.value for aspect in Aspect),
     **{(event, "kind"): _TELEGRAMS for event in (Sent, Lost, TelegramDropped, TookEffect)},
 }
 

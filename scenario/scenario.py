@@ -42,6 +42,7 @@ from scenario.inputs import Inputs
 from scenario.late_choice import check_late
 from scenario.law_choice import laws_of
 from scenario.layers import ScenarioLayers, layers_of
+from scenario.line_signals_choice import check_line_signals
 from scenario.scenario_file import ScenarioFile
 from scenario.script_file import script_of
 from scenario.sensor_choice import check_sensors, check_window
@@ -145,6 +146,7 @@ def _loaded(path: Path, layers: ScenarioLayers, seed: int | None) -> Scenario:
     )
     check_late(str(path), setup)
     check_substitute(str(path), setup)
+    check_line_signals(str(path), setup)
     check_markers(str(path), setup)
     setup = replace(setup, script=script_of(str(path), setup, model.fault, model.act, model.expect))
     of_trains = (change for _, _, changes in loaded.values() for change in changes)

@@ -274,6 +274,9 @@ def _expectation(file: str, key: str, table: ExpectTable, names: Names, setup: S
 
 # What persons who are wrong can bring about: a train where the register does not have it, and another one beside it.
 EXCUSABLE: Final = (Checker.INSIDE_HOLDING.value, Checker.ONE_TRAIN_A_SECTION.value)
+BY_LINE_SIGNALS: Final = (
+    Checker.SUMO_COLLISION.value,
+)  # besides, on a line as it was: an accident that happened
 _WHAT: Final = frozenset({"text", "property"})
 _WHEN: Final = frozenset({"after", "until", "within_s", "by"})
 _PROPERTY_KEYS: Final[Mapping[Property, frozenset[str]]] = {
@@ -293,9 +296,10 @@ def _property(file: str, key: str, table: ExpectTable, names: Names) -> Property
     _check_keys(file, key, table, _WHAT | _PROPERTY_KEYS[holds], holds.value)
     if "unit" in _PROPERTY_KEYS[holds] and table.unit not in names.units:
         raise InputError(file, f"{key}.unit", table.unit, f"a unit: {one_of(names.units, table.unit)}")
+    excusable = (*EXCUSABLE, *BY_LINE_SIGNALS) if names.signals else EXCUSABLE
     for i, rule in enumerate(table.rules):
-        if rule not in EXCUSABLE:
-            raise InputError(file, f"{key}.rules[{i}]", rule, one_of(EXCUSABLE, rule))
+        if rule not in excusable:
+            raise InputError(file, f"{key}.rules[{i}]", rule, one_of(excusable, rule))
     if holds is Property.NO_INVARIANT_BROKEN and table.absent is not bool(table.rules):
         raise InputError(
             file, f"{key}.rules", table.rules, "with absent, and then only: which ones may be broken"

@@ -203,6 +203,40 @@ class UnitRestrains(Noted, frozen=True, kw_only=True, tag="unit_restrains"):
     unit_id: str
 
 
+class SignalActed(Noted, frozen=True, kw_only=True, tag="signal_act"):
+    """Somebody did something at a line signal or a direction lever; its author did it."""
+
+    does: str
+    signal_id: str = ""
+    lever_id: str = ""
+
+
+class SignalShows(Noted, frozen=True, kw_only=True, tag="signal_shows"):
+    """A line signal shows another aspect."""
+
+    signal_id: str
+    aspect: str
+
+
+class SignalPassed(Noted, frozen=True, kw_only=True, tag="signal_passed"):
+    """The front of a train passed a line signal, which showed this."""
+
+    unit_id: str
+    signal_id: str
+    aspect: str
+
+
+class WrongDeparture(Noted, frozen=True, kw_only=True, tag="wrong_departure"):
+    """A detector saw a train leave past a signal at stop; `stops`: the signals that it keeps at stop from now on, if it
+    works.
+    """
+
+    unit_id: str
+    signal_id: str
+    stops: tuple[str, ...]
+    works: bool
+
+
 class Danger(Enum):
     """What must never happen to a train on the track, and does; with the points where it is about some."""
 
@@ -280,8 +314,11 @@ WorldEvent = (
     | CutOut
     | CutIn
     | UnitRestrains
+    | SignalShows
+    | SignalPassed
+    | WrongDeparture
 )
-PersonEvent = Acted | PointsSetByHand | ProcedureStep | StepLeftOut
+PersonEvent = Acted | PointsSetByHand | ProcedureStep | StepLeftOut | SignalActed
 Event = notes.Note | said.Note | WorldEvent | PersonEvent | Sent
 EventType = type[Noted]
 

@@ -35,8 +35,8 @@ from simulation.platforms import Platforms
 from simulation.result import Ending, RunResult, numbers_due
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.staff import Staff
-from simulation.substitute.players import SubstitutePlayers
 from simulation.vigil import Vigil
+from simulation.worked_by_people import worked_by_people
 from simulation.world.charging import Charging
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.records import (
@@ -106,10 +106,7 @@ class Simulation:
         script = replace(setup.script, faults=(*setup.script.faults, *day.failures))
         self.injector: Final = Injector(script, world, self._cabs, self._duties, self._platforms)
         self.staff: Final = Staff(world, self.injector) if setup.people.react else None
-        by_people = setup.substitute
-        self.substitute: Final = (
-            None if by_people is None else SubstitutePlayers(world, self._cabs, self._duties, by_people)
-        )
+        self.by_people: Final = worked_by_people(world, self._cabs, self._duties)
 
     @property
     def step(self) -> int:
@@ -147,6 +144,8 @@ class Simulation:
         """Let everything begin that has a time of its own."""
         self.wayside.start(self._step)
         self.injector.start(self._step)
+        if self.by_people is not None:
+            self.by_people.begin(self._step)
         self._duties.open(self._step)
 
     def finish(self, progress: Progress | None = None, stop: Callable[[], bool] | None = None) -> RunResult:
@@ -173,12 +172,12 @@ class Simulation:
 
     def settle(self) -> Ending | None:
         """Do what is due now. Returns why the run is over; None while it goes on."""
-        if self.staff is not None and not (self.substitute is not None and self.substitute.busy):
+        if self.staff is not None and not (self.by_people is not None and self.by_people.busy):
             self.staff.look(self._step)
         while (item := self._agenda.pop_due(self._step)) is not None:
             self._handle(item)
-        if self.substitute is not None:
-            self.substitute.look(self._step)
+        if self.by_people is not None:
+            self.by_people.look(self._step)
         if self._duties.all_done():
             return Ending.FINISHED
         if self._broken is not None:

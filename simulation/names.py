@@ -22,14 +22,16 @@ OF_LINE: Final = (
 
 def names_in(setup: Setup, people: tuple[str, ...] = ()) -> Names:
     """Every name that a script of the setup may use; `people` are those who act in it."""
-    line, timetable = setup.line, setup.timetable
+    line, timetable, as_before = setup.line, setup.timetable, setup.line_signals
     terminals = sorted({points.terminal_id for points in line.points.values()})
     of_line = {kind: tuple(map(str, getattr(line, kind))) for kind in OF_LINE}
     return Names(
         units=tuple(diagram.stock_id for diagram in timetable.diagrams),
         devices=(MANAGER_ID, *terminals),
         trains=tuple(timetable.trains),
-        people=people,
+        people=people if as_before is None else (*people, *dict.fromkeys(act.who for act in as_before.act)),
+        signals=() if as_before is None else tuple(signal.id for signal in as_before.signal),
+        levers=() if as_before is None else tuple(lever.id for lever in as_before.lever),
         routes=tuple(route.id for route in all_routes(line)),
         cable=stretches_of(line),
         chargers=() if setup.battery is None else tuple(line.chargers),

@@ -41,6 +41,7 @@ from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
 from simulation.gnss_settings import Gnss
 from simulation.late.settings import Late
+from simulation.line_signals_settings import LineSignals
 from simulation.people import People
 from simulation.scatter import ScatterSettings
 from simulation.sensor_settings import Beacons, Curvature, Lidar
@@ -447,4 +448,8 @@ class Tables:
     substitute: Annotated[
         Substitute | None,
         about("substitute working while the block manager is off; left out: trains wait until it is back"),
+    ] = None
+    line_signals: Annotated[
+        LineSignals | None,
+        about("trains run by line signals, as before there were units; left out: under authority"),
     ] = None

@@ -40,6 +40,8 @@ class Names:
     routes: tuple[str, ...] = ()
     pieces: tuple[str, ...] = ()
     cable: tuple[str, ...] = ()  # its stretches, each between two neighbouring stations
+    signals: tuple[str, ...] = ()  # line signals
+    levers: tuple[str, ...] = ()  # direction levers
     chargers: tuple[str, ...] = ()  # stations that have one, where sets run on batteries
 
 

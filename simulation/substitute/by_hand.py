@@ -30,11 +30,15 @@ LEAVE_ENDS: Final = "what its driver was told ends here"
 
 @dataclass(slots=True)
 class DrivenTrain:
-    """One train: the target where it stands or that it left, the last one it may run to, and when it goes on."""
+    """One train: the target where it stands or that it left, the last one it may run to, and when it goes on.
+
+    `ends`: index of the first span that it may not enter; None: the one after its last target.
+    """
 
     duty: Duty | None
     at: int = 0
     to: int = 0
+    ends: int | None = None
     goes_s: float = 0.0
     runs: bool = False
     stood_s: float = 0.0
@@ -52,6 +56,7 @@ class HandDriver:
         self._pauses: Final = Pauses(world.setup)
         self._speed_mps, self._dwell_s = speed_mps, dwell_s
         self.driven: Final[dict[int, DrivenTrain]] = {}
+        self.ceilings_mps: Final[dict[int, float]] = {}  # of trains that are to run slower for a while
 
     def cut_out(self, slot: int, step: int) -> None:
         """The driver cuts the unit out; a train outside its portal comes in by it."""
@@ -62,7 +67,7 @@ class HandDriver:
             self._on_board.lose_store(slot)
         self._write(step, CutOut(unit_id=self._trains.stock_ids[slot]))
         self.driven[slot] = DrivenTrain(None)
-        if not self._trains.truths[slot].active:
+        if self._duties.waits_outside(slot):
             self._duties.enter_by_hand(slot, step)
         self._take_up(slot)
 
@@ -83,6 +88,15 @@ class HandDriver:
         self._look(slot, train, step)
         return True
 
+    def permit(self, slot: int, to: int, ends: int, step: int) -> None:
+        """A driver sees that he may run to a target, and not beyond the span before `ends`."""
+        train = self.driven[slot]
+        if (to, ends) == (train.to, train.ends):
+            return
+        train.to, train.ends = to, ends
+        if train.runs:
+            self._runs(slot, train, step / STEPS_PER_S, on_the_way=True)
+
     def look(self, step: int) -> None:
         """All drivers look out."""
         for slot, train in list(self.driven.items()):
@@ -100,7 +114,7 @@ class HandDriver:
         row, now_s = self._trains.units[slot], step / STEPS_PER_S
         row.position_m = self._trains.truths[slot].position_m
         row.bound_ahead_m = row.bound_behind_m = BY_EYE_M
-        row.restricted_mps = self._speed_mps
+        row.restricted_mps = self.ceilings_mps.get(slot, self._speed_mps)
         stands = self._trains.plants[slot].speed_mps == 0.0
         if stands and train.runs:
             self._stands(slot, train, now_s)
@@ -144,6 +158,7 @@ class HandDriver:
             return
         train.duty, train.over, train.runs = duty, False, False
         train.at = train.to = self._books.next_target(slot) - 1
+        train.ends = None
         self._on_board.take_by_hand(slot, duty)
         self._cabs.drives_by_hand(slot, by_hand=True)
         self._hold(slot, train, 0.0)
@@ -151,21 +166,22 @@ class HandDriver:
     def _hold(self, slot: int, train: DrivenTrain, now_s: float) -> None:
         self._obey(slot, DrivingCommand(at_mark=True, at=train.at, on_line=True), now_s)
 
-    def _runs(self, slot: int, train: DrivenTrain, now_s: float) -> None:
+    def _runs(self, slot: int, train: DrivenTrain, now_s: float, *, on_the_way: bool = False) -> None:
         duty = train.duty
         if duty is None:
             return
         spans, targets = duty.mission.spans, duty.mission.targets
         first, last = (duty.mission.span_index(targets[i].section_id) for i in (train.at, train.to))
-        beyond = spans[last + 1].section_id if last + 1 < len(spans) else None
+        ends = last + 1 if train.ends is None else train.ends
+        beyond = spans[ends].section_id if ends < len(spans) else None
         command = DrivingCommand(
             drive=True,
             target=train.at + 1,
             at=train.at,
-            limit=StopLimit(last + 1, beyond, LEAVE_ENDS),
-            orders=(DrivingOrder.DEPART, DrivingOrder.RELEASE),
+            limit=StopLimit(ends, beyond, LEAVE_ENDS),
+            orders=() if on_the_way else (DrivingOrder.DEPART, DrivingOrder.RELEASE),
             on_line=True,
-            held=tuple(span.section_id for span in spans[first : last + 1]),
+            held=tuple(span.section_id for span in spans[first:ends]),
             waits_for=f"its run to {targets[train.at + 1].place_id}",
         )
         train.runs, train.stood_s = True, 0.0
@@ -176,7 +192,7 @@ class HandDriver:
         row.position_m = self._trains.truths[slot].position_m
         self._on_board.drive_by_hand(slot, command, now_s)
         row.intervention = NO_INTERVENTION
-        row.restricted_mps = self._speed_mps
+        row.restricted_mps = self.ceilings_mps.get(slot, self._speed_mps)
 
     def _wake(self, at_s: float) -> None:
         self._agenda.put(round(at_s * STEPS_PER_S) + 1, AgendaKind.PROCEDURE, "driver")

@@ -90,6 +90,9 @@ class SubstitutePlayers:
         """Whether substitute working is in force, or trains are yet to be handed back to their units."""
         return bool(self._works) or MANAGER_ID in self._wayside.down
 
+    def begin(self, step: int) -> None:
+        """Nothing to do before the block manager fails."""
+
     def look(self, step: int) -> None:
         """All look round: what is due is done."""
         if not self._works and MANAGER_ID in self._wayside.down:

@@ -38,7 +38,7 @@ from simulation.world import point_machine
 from simulation.world.cable import Cable
 from simulation.world.point_machine import KeyBack, LockedByHand, PointMachine, Repaired
 from wayside.config import MANAGER_ID
-from wayside.said import Input, Output
+from wayside.said import Input, Output, StartThrow
 
 
 class WaysideWorld:
@@ -232,6 +232,10 @@ class WaysideWorld:
         """The crew gives the key of points back."""
         back = point_machine.step(self.machines[points_id], KeyBack(unit_id), step / STEPS_PER_S)
         self._moved(step, back)
+
+    def throw(self, step: int, points_id: str, position: Position) -> None:
+        """The interlocking of line signals throws the points, past their terminal."""
+        self._output(step, StartThrow(points_id, position))
 
     def repair(self, step: int, points_id: str, position: Position) -> None:
         """Staff set the points by hand, lock them and take their faults away (手回し)."""

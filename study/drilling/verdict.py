@@ -12,6 +12,7 @@ from network.clock import clock
 from onboard.notes import MissionBegun
 from simulation.events import JournalEntry
 from simulation.faults.script import Expectation, Matcher, Property
+from simulation.judge.log import Checker
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
 from study.record.tables import RunTables
@@ -148,7 +149,8 @@ def _judge_safety(expectation: Expectation, result: RunResult) -> ExpectationVer
     outside = [words.OUTSIDE_DESIGN.fill(what=what) for what in outside_said(result)]
     none = joined_phrases((words.NONE_BROKEN, *outside), "; ", "；")
     at_s, happened = min(broken, key=lambda found: (found[0], found[1].en), default=(None, none))
-    only = not expectation.rules or len(broken) == len(excused)
+    collided = result.collisions if Checker.SUMO_COLLISION.value in expectation.rules else ()
+    only = not expectation.rules or len(broken) == len(excused) + len(collided)
     passed = bool(broken) is expectation.absent and only
     return ExpectationVerdict(expectation_text(expectation), passed, happened, at_s)
 

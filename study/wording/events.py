@@ -137,6 +137,16 @@ EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
         "stop",
         phrase("stands {beyond_m:.2f} m beyond the mark"),
     ),
+    events.SignalActed: EventWording(
+        "act",
+        phrase("{does}{signal_id}{lever_id}"),
+        {"signal_id": phrase(" at signal {}"), "lever_id": phrase(" {}", "direction lever")},
+    ),
+    events.SignalShows: EventWording("signal", phrase("signal {signal_id} shows {aspect}")),
+    events.SignalPassed: EventWording("signal", phrase("{unit_id} passes signal {signal_id} at {aspect}")),
+    events.WrongDeparture: EventWording(
+        "signal", phrase("wrong departure of {unit_id} past signal {signal_id}")
+    ),
     events.Unsafe: EventWording("unsafe", phrase("{unit_id} {how}")),
     events.Collision: EventWording("unsafe", Phrase("{text}", checker_name(Checker.SUMO_COLLISION.value).ja)),
     events.PointsForced: EventWording("unsafe", phrase("points {points_id} were run through")),

@@ -165,6 +165,10 @@ def _why(value: object) -> Phrase:
     return Phrase(str(value), reason(str(value)).in_("ja"))
 
 
+def _signal(value: object) -> Phrase:
+    return phrase_or_name(str(value), "signal")
+
+
 def _reader(value: object) -> Phrase:
     return phrase_or_name(str(value), "reader")
 
@@ -185,6 +189,8 @@ _BY_FIELD: Final = {
     "was": _why,
     "stage": _why,
     "reader": _reader,
+    "aspect": _signal,
+    "does": _signal,
     "after": _reader,
     "by": _party,
     "target": _party,

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from documents import second_loop, studies
+from documents.accidents import ACCIDENTS
 from network.clock import clock
 from scenario.scenario import load_scenario
 from simulation.settings import Interlocking
@@ -42,6 +43,7 @@ def test_every_file_and_picture_is_named_and_there() -> None:
 def test_every_block_is_in_one_page_and_filled() -> None:
     blocks = [studies.blocks_in(text) for text in PAGES.values()]
     made = (*studies.THEORY, *studies.OF_RUNS, "left-out")  # the last one by documents.steps_left_out
+    made += tuple(f"{accident.key}-{table}" for accident in ACCIDENTS for table in ("ways", "sensitivity"))
     assert sorted(name for found in blocks for name in found) == sorted(made)
     assert all(text.startswith("| ") for found in blocks for text in found.values())
 
