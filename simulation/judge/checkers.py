@@ -291,6 +291,7 @@ class Checkers:
         self._pilots.see(event)
         if isinstance(event, CutIn) and event.unit_id in self._bodies:  # as where it was put on the line
             self._bodies[event.unit_id].excepted = self._bodies[event.unit_id].sections
+            self._forgets(event.unit_id)
         if isinstance(event, TookEffect):
             self._took_effect(t_s, who, event)
         elif who == MANAGER:
@@ -364,11 +365,15 @@ class Checkers:
             case ProofDropped(points_id=points_id):
                 self._lost(unit_id, (points_id,))
             case UnitRestarted():
-                self._forgetful.add(unit_id)
-                self._own.pop(unit_id, None)
+                self._forgets(unit_id)
                 self._lost(unit_id, tuple(self._proofs.get(unit_id, ())))
             case _:
                 pass
+
+    def _forgets(self, unit_id: str) -> None:
+        """A unit knows nothing of what it held, until it says something."""
+        self._forgetful.add(unit_id)
+        self._own.pop(unit_id, None)
 
     def _holds(self, t_s: float, unit_id: str, sections: frozenset[str]) -> None:
         """`release-behind-rear`, first half: a unit drops no section that its train still occupies."""

@@ -167,3 +167,16 @@ def test_a_checker_that_sees_no_train_in_a_section_is_noticed(
 
 def test_the_drill_passes() -> None:
     assert run_drill(DRILL, PartyLink.SIMULATED).passed
+
+
+def test_a_unit_cut_in_without_power_is_not_held_to_what_it_held_before(tmp_path: Path) -> None:
+    """Its telegrams are lost as it asks for its first route, so people alone say where it stands, and it is dark."""
+    file = tmp_path / "lost.toml"
+    file.write_text(
+        f'extends = "{find_drill(DRILL)}"\nid = "lost"\nexpect = []\n'
+        '[[patch.fault.add]]\nkind = "cut"\ntarget = "K1 -> block-manager"\nstart = "09:59:14.9"\nduration_s = 60.0\n',
+        "utf-8",
+    )
+    run = run_drill(str(file), PartyLink.SIMULATED).run
+    assert run.result.violations == ()
+    assert not run.result.unfinished
