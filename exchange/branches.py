@@ -30,9 +30,9 @@ def branches(published: PublishedTimetable, line: Line, ids: Mapping[str, str]) 
     for at, stations in beyond.items():
         name = line.stations[at].name or at
         yield (
-            f"{name}: a branch leaves the line there, to {', '.join(stations)} ({len(trains[at])} trains). A line has no"
-            f" branches: on this one these trains begin and end at {name}, which needs a track for each that stands there"
-            f" at a time; the branch is a line of its own, from a list that begins with {name}"
+            f"{name}: a branch leaves the line there, to {', '.join(stations)} ({len(trains[at])} trains). A line has"
+            f" no branches: on this one these trains begin and end at {name}, which needs a track for each that stands"
+            f" there at a time; the branch is a line of its own, from a list that begins with {name}"
         )
 
 

@@ -105,7 +105,7 @@ class ArrangeModel:
         self._held: dict[str, list[tuple[object, cp_model.IntervalVar]]] = defaultdict(list)
         self._cost: list[cp_model.LinearExpr | IntVar] = []
         self._late: list[tuple[IntVar, IntVar | None]] = []  # of each printed time, and what of it is beyond
-        self._moves: list[tuple[TrainToArrange, Visit, str, int, IntVar]] = []
+        self._moves: list[tuple[TrainToArrange, Visit, str, int, IntVar | int]] = []
         self._ends_s = max(_latest_s(train) for train in trains) + 2 * reach_s
         self.vars: Final = {
             train.number: _settled_vars(train, self._settled_at[train.number])
@@ -178,7 +178,9 @@ class ArrangeModel:
             self.model.add(one.arrives >= visit.arrival_s - EARLY_S)
             self._count(train, visit, "arrival", visit.arrival_s, one.arrives)
 
-    def _count(self, train: TrainToArrange, visit: Visit, what: str, printed_s: int, at: IntVar) -> None:
+    def _count(
+        self, train: TrainToArrange, visit: Visit, what: str, printed_s: int, at: IntVar | int
+    ) -> None:
         name = f"{train.number} {visit.station_id} {what}"
         late = self.model.new_int_var(0, self._reach_s, f"{name} late")
         self.model.add(late >= at - printed_s)
@@ -340,9 +342,9 @@ class ArrangeModel:
         `below`: and none that moves printed times by as much, weighted as in `cost_of`.
         """
         if aim is Aim.ANY:
-            self.model.clear_objective()
-            visits = [one for own in self.vars.values() for one in own]
-            times = [at for one in visits for at in (one.arrives, one.departs) if not isinstance(at, int)]
+            self.model.clear_objective()  # type: ignore[no-untyped-call]
+            looked_for = [one for own in self.vars.values() for one in own]
+            times = [at for one in looked_for for at in (one.arrives, one.departs) if not isinstance(at, int)]
             self.model.add_decision_strategy(times, cp_model.CHOOSE_LOWEST_MIN, cp_model.SELECT_MIN_VALUE)
         if aim is Aim.FEWEST:
             self.model.minimize(sum(self._more.values()))

@@ -26,7 +26,7 @@ def improved(
     """A plan that is better, where so much counted work finds one, and how much it took."""
     spent = 0.0
     for span_s in SPANS_S:
-        tried: dict[frozenset[str], tuple[object, ...]] = {}
+        tried: dict[frozenset[str], object] = {}
         while (free := _worst(trains, plan, limit_s, span_s, tried)) is not None:
             if spent >= work_max:
                 return plan, spent

@@ -5,6 +5,7 @@ A, a loop L and B; each run takes 300 s, a stop 20 s.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
 
@@ -32,10 +33,12 @@ from plan.arranging.search import improved, with_fewer_tracks
 NONE = ByStanding(0, 0)
 RUN = RunSeconds(300, 290, 290, 280)
 NOON = 43_200
-TRACKS = {"A": ("A.1", "A.2"), "L": ("L.1",), "B": ("B.1", "B.2")}
+TRACKS: dict[str, tuple[str, ...]] = {"A": ("A.1", "A.2"), "L": ("L.1",), "B": ("B.1", "B.2")}
 
 
-def _train(number: str, way: str, *departures_s: int, tracks: dict[str, tuple[str, ...]]) -> TrainToArrange:
+def _train(
+    number: str, way: str, *departures_s: int, tracks: Mapping[str, tuple[str, ...]]
+) -> TrainToArrange:
     """From station to station of `way`, with printed departures at all but the last."""
     visits = [
         Visit(name, Standing.ALWAYS, None, at_s, 20, RUN, None, tracks[name])
@@ -62,7 +65,7 @@ LEAST = (PrintedMove("2", "L", "departure", NOON + 270, 30),)
 
 def _late(by_s: int) -> Arranged:
     """A plan for the meet in which up leaves the loop by so much later than it must."""
-    visits = {
+    visits: dict[str, tuple[ArrangedVisit, ...]] = {
         "1": (
             ArrangedVisit("A", NOON, NOON, True, "A.1"),
             ArrangedVisit("L", NOON + 300, NOON + 400, True, "L.1"),
@@ -128,7 +131,7 @@ def test_the_track_that_lacks_is_named() -> None:
 def test_a_track_that_nobody_needs_is_not_asked_for() -> None:
     """Of two sets that begin at the two tracks of A one is thought to stand on a third."""
     trains = [_train(str(n), "AB", NOON + 3600 * n, tracks=TRACKS) for n in (1, 2)]
-    visits = {
+    visits: dict[str, tuple[ArrangedVisit, ...]] = {
         str(n): (
             ArrangedVisit("A", NOON + 3600 * n, NOON + 3600 * n, True, track),
             ArrangedVisit("B", NOON + 3600 * n + 300, NOON + 3600 * n + 300, True, f"B.{n}"),
