@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Final
 
+from exchange.branches import branches
 from exchange.hidden_meets import hidden_meets
 from exchange.planned import TrainOnLine
 from exchange.published import PublishedTimetable, PublishedTrain
@@ -129,7 +130,8 @@ def onto_line(
     stops = sum(len(train.calls) for train in trains)
     assumed = _assumed(computed, stops, given=running is not None, least_of="" if least is None else least_of)
     meets = tuple(meet.text(line) for meet in hidden_meets(trains, line))
-    all_remarks = (*_of_join(join, line), *remarks.sentences(), *meets)
+    off = branches(published, line, join.ids)
+    all_remarks = (*_of_join(join, line), *off, *remarks.sentences(), *meets)
     return OntoLine(tuple(trains), join, assumed, all_remarks, len(published.trains) - len(cuts))
 
 

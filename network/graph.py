@@ -7,7 +7,7 @@ whose low node that is. At a toe these are the two legs; trailing, only the stem
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import takewhile
 from typing import Final
 
@@ -39,6 +39,9 @@ class Graph:
     overlaps: dict[
         tuple[str, Direction], tuple[str, ...]
     ]  # by track and direction of who comes in: `Route.overlap`
+    known: dict[tuple[str, Direction], tuple[Route, ...]] = field(
+        default_factory=dict[tuple[str, Direction], tuple[Route, ...]]
+    )  # routes from a track or portal, as they are asked for
 
     @staticmethod
     def of_line(line: Line) -> Graph:
@@ -137,6 +140,13 @@ def routes_from(line: Line, section_id: str, direction: Direction) -> tuple[Rout
     A route's id is `from>to`; a second way between the same two has `#2` behind it. Raises KeyError for an
     unknown section, ValueError when the section is neither track nor portal, TooManyRoutesError beyond TRAILS_MAX.
     """
+    known = Graph.of_line(line).known
+    if (section_id, direction) not in known:
+        known[section_id, direction] = _found_from(line, section_id, direction)
+    return known[section_id, direction]
+
+
+def _found_from(line: Line, section_id: str, direction: Direction) -> tuple[Route, ...]:
     section = line.sections[section_id]
     if section.kind not in _STOPS:
         raise ValueError(f"routes begin on a track or portal; {section_id} is {section.kind.value}")

@@ -16,28 +16,12 @@ from network.timetable import Timetable, timetable_of
 from plan.arranging.draft import PrintedCall, printed_calls, trains_to_arrange
 from plan.arranging.empty_workings import NIGHTS, with_empty_workings
 from plan.arranging.line_times import LineTimes, line_times
-from plan.arranging.model import REACH_S, ArrangeModel, NoRoomError
+from plan.arranging.nearest import MoreTracks, NothingFoundError, nearest_plan
 from plan.arranging.problem import Arranged, PrintedMove, Standing, TrainToArrange
 from plan.arranging.written import MovesOfDay, arranged_file, moves_of_day
 from vehicle.train_file import TrainType, load_train, train_named
 
 LIMIT_S: Final = 300  # assumed: by how much people can bear that a printed time is moved
-WIDER_S: Final = 1200
-REACHES_S: Final = (
-    LIMIT_S,
-    WIDER_S,
-    REACH_S,
-)  # one after the other: the less may move, the sooner all is known
-WORK_MAX: Final = 0.8  # of the solver's counted work for each: some ten seconds of a processor
-MORE_TRACKS_MAX: Final = 6  # that a station is thought to be given, where a day lacks them
-
-
-@dataclass(frozen=True, slots=True)
-class MoreTracks:
-    """What a day lacks that does not keep the limit: tracks by station, and the furthest move with them, s."""
-
-    by_station: dict[str, int]
-    worst_s: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,19 +92,16 @@ def arranged_day(line: Line, file: TimetableFile, name: str, train: TrainType, l
     """The same of what has been read; `name` names the timetable in errors."""
     dwell_min_s = timetable_of(file, name, line).head.dwell_min_s
     times = line_times(line, train, dwell_min_s)
-    as_printed = _draft(line, file, name, times)
     drafts = tuple(_drafts(line, file, name, times))
     try:
-        index, arranged = nearest_plan([draft.trains for draft in drafts], limit_s)
-    except NoRoomError as why:
+        found = nearest_plan([draft.trains for draft in drafts], limit_s)
+    except NothingFoundError as why:
         expected = f"a day for which the line has room: {why}"
-        lacking = tracks_lacking(as_printed.trains, limit_s)
-        if lacking is not None:
-            expected += f"; {lacking_text(line, lacking)}"
+        if why.lacking is not None:
+            expected += f"; {lacking_text(line, why.lacking)}"
         raise InputError(name, "trains", len(file.trains), expected) from why
-    draft = drafts[index]
+    draft, arranged = drafts[found.index], found.arranged
     beyond = tuple(move for move in arranged.moves if abs(move.by_s) > limit_s)
-    lacking = tracks_lacking(as_printed.trains, limit_s) if beyond else None
     sentences = tuple(_assumed(train, arranged, draft.empty))
     written = arranged_file(
         line, draft.file, draft.timetable, draft.printed, draft.trains, arranged, sentences
@@ -135,7 +116,7 @@ def arranged_day(line: Line, file: TimetableFile, name: str, train: TrainType, l
         tuple(_added(draft.trains, arranged)),
         draft.empty,
         arranged,
-        lacking,
+        found.lacking,
     )
 
 
@@ -166,43 +147,6 @@ def _drafts(line: Line, file: TimetableFile, name: str, times: LineTimes) -> Ite
         if more not in seen:
             seen.append(more)
             yield _draft(line, more, name, times, empty)
-
-
-def nearest_plan(days: Sequence[Sequence[TrainToArrange]], limit_s: int) -> tuple[int, Arranged]:
-    """Of some days the first of which a plan keeps the limit, else the plan that is the least beyond, and its day.
-
-    Raises NoRoomError where none has one.
-    """
-    why = NoRoomError("no plan keeps all trains apart")
-    for reach_s in REACHES_S:
-        found: list[tuple[int, int, Arranged]] = []
-        for index, trains in enumerate(days):
-            try:
-                arranged = ArrangeModel(trains, limit_s, reach_s).solve(WORK_MAX)
-            except NoRoomError as none:
-                why = none
-                if not none.certain:
-                    break  # with more room one is found sooner than for another day with as little
-                continue
-            beyond_s = sum(max(0, abs(move.by_s) - limit_s) for move in arranged.moves)
-            if not beyond_s:
-                return index, arranged
-            found.append((beyond_s, index, arranged))
-        if found:
-            _, index, arranged = min(found, key=lambda one: one[:2])
-            return index, arranged
-    raise why
-
-
-def tracks_lacking(trains: Sequence[TrainToArrange], limit_s: int) -> MoreTracks | None:
-    """The fewest tracks with which a plan moves no printed time beyond the limit; None where more tracks do not do."""
-    reach_s = max(limit_s, WIDER_S)
-    try:
-        arranged = ArrangeModel(trains, limit_s, reach_s, MORE_TRACKS_MAX).solve(WORK_MAX)
-    except NoRoomError:
-        return None
-    worst_s = max((abs(move.by_s) for move in arranged.moves), default=0)
-    return MoreTracks(arranged.more_tracks, worst_s) if arranged.more_tracks and worst_s <= limit_s else None
 
 
 def _added(trains: Sequence[TrainToArrange], arranged: Arranged) -> Iterator[tuple[str, str, int]]:

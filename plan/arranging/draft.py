@@ -34,18 +34,23 @@ def printed_calls(file: TimetableFile, timetable: Timetable) -> dict[str, tuple[
     tables = {train.number: train.calls for train in file.trains}
     return {
         number: tuple(
-            _printed(call, table, counts=train.revenue and index < len(train.calls) - 1)
+            _printed(call, table, train.revenue, first=index == 0, last=index == len(train.calls) - 1)
             for index, (call, table) in enumerate(zip(train.calls, tables[number], strict=True))
         )
         for number, train in timetable.trains.items()
     }
 
 
-def _printed(call: Call, table: CallTable, *, counts: bool) -> PrintedCall:
-    """Of a call with a computed time the departure is the source's where that `counts`: not the last, nor run empty."""
-    if not table.inferred:
-        return PrintedCall(call, call.arrival_s, call.departure_s)
-    return PrintedCall(call, None, call.departure_s if counts else None)
+def _printed(call: Call, table: CallTable, revenue: bool, *, first: bool, last: bool) -> PrintedCall:
+    """What comes before a train is on the line, or after it has left it, counts for nothing; nor does what is computed,
+    but the departure of a call with a computed time, where passengers go by it.
+    """
+    counts = revenue if table.inferred else True
+    return PrintedCall(
+        call,
+        None if first or table.inferred else call.arrival_s,
+        call.departure_s if counts and not last else None,
+    )
 
 
 def trains_to_arrange(

@@ -8,8 +8,9 @@ allowed counts a thousandfold, so that where nothing else works the least that w
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from enum import Enum
 from itertools import pairwise
 from typing import Final
 
@@ -30,16 +31,22 @@ SEED: Final = 1
 REACH_S: Final = 4 * 3600  # assumed: nobody would call it the same train that is moved by more
 EARLY_S: Final = 60  # an arrival may be this much before its print: nobody gets on
 WAITS_S: Final = 3600  # assumed: a train may wait so long on its way to an end of which no time is printed
+PRESOLVED_S: Final = (
+    1200  # as found: with more room for moves presolve took a minute once, otherwise less than a second
+)
 SECOND: Final = 20  # weight of a second
 STOP_COST: Final = 5  # a stop that no source prints, where it saves nothing
 TRACK_COST: Final = 1  # a track that is not the usual one
 BEYOND_COST: Final = 1000 * SECOND
-MORE_COST: Final = 1800 * SECOND  # assumed: a track more is worth half an hour of moves in all
+MORE_COST: Final = (
+    600 * BEYOND_COST
+)  # assumed: a track more is worth ten minutes in all beyond what is allowed
 SLOWER_SHARE: Final = (
     0.25  # how much longer a run may take that ends in running through, so that it need not stop
 )
 DAY_BEGINS_S: Final = -3600
 PORTAL_S: Final = 180  # assumed: from a portal to leaving the station behind it, with the stop there, or back
+ANOTHER: Final = "+"  # stands for the section of a track that a station does not have
 EXCLUSIVE = True  # off: a section is anybody's at any time
 
 IntVar = cp_model.IntVar
@@ -48,16 +55,26 @@ IntVar = cp_model.IntVar
 class NoRoomError(ValueError):
     """No plan: mostly sets that stand over have no tracks. `certain`: there is none, not only that none was found."""
 
-    def __init__(self, why: str, *, certain: bool = True) -> None:
+    def __init__(self, why: str, *, certain: bool = True, work: float = 0.0) -> None:
         super().__init__(why)
         self.certain: Final = certain
+        self.work: Final = work
+
+
+class Aim(Enum):
+    """What is looked for: the least, with its bound; any plan; one with the fewest tracks more; a better one."""
+
+    LEAST = "least"
+    ANY = "any"
+    FEWEST = "fewest"
+    BETTER = "better"
 
 
 @dataclass(slots=True)
 class _VisitVars:
     visit: Visit
-    arrives: IntVar
-    departs: IntVar
+    arrives: IntVar | int  # a number: it is settled
+    departs: IntVar | int
     stands: IntVar | None  # None: it is settled
     tracks: dict[str, IntVar] = field(default_factory=dict[str, IntVar])
 
@@ -66,27 +83,40 @@ class ArrangeModel:
     """The variables of a problem and what holds between them.
 
     `limit_s`: printed times may be moved by so much; `reach_s`: and are moved by so much at most, where they must be.
-    `more_tracks`: how many tracks a station may be given that it does not have, each at a price.
+    `more_tracks`: how many tracks stations may be given that they do not have, each at a price.
+    `settled`: visits of trains that keep their times and tracks; the others are arranged around them.
     """
 
     def __init__(
-        self, trains: Sequence[TrainToArrange], limit_s: int, reach_s: int, more_tracks: int = 0
+        self,
+        trains: Sequence[TrainToArrange],
+        limit_s: int,
+        reach_s: int,
+        more_tracks: Mapping[str, int] | None = None,
+        settled: Mapping[str, Sequence[ArrangedVisit]] | None = None,
     ) -> None:
+        self._settled_at: Final = settled or {}
         self.model: Final = cp_model.CpModel()
-        self._more_max: Final = more_tracks
+        self._more_max: Final = more_tracks or {}
         self._on_more: dict[str, list[cp_model.IntervalVar]] = defaultdict(list)
         self._more: dict[str, IntVar] = {}
         self._limit_s = limit_s
         self._reach_s = reach_s
         self._held: dict[str, list[tuple[object, cp_model.IntervalVar]]] = defaultdict(list)
         self._cost: list[cp_model.LinearExpr | IntVar] = []
-        self._moves: list[tuple[TrainToArrange, Visit, str, int, IntVar]] = []
+        self._late: list[tuple[IntVar, IntVar | None]] = []  # of each printed time, and what of it is beyond
+        self._moves: list[tuple[TrainToArrange, Visit, str, int, IntVar | int]] = []
         self._ends_s = max(_latest_s(train) for train in trains) + 2 * reach_s
-        self.vars: Final = {train.number: self._train(train) for train in trains}
+        self.vars: Final = {
+            train.number: _settled_vars(train, self._settled_at[train.number])
+            if train.number in self._settled_at
+            else self._train(train)
+            for train in trains
+        }
         self._trains: Final = {train.number: train for train in trains}
         becomes = {train.follows: train for train in trains if train.follows is not None}
         for train in trains:
-            if train.follows is not None:
+            if train.follows is not None and not self._settled_at.keys() >= {train.follows, train.number}:
                 before, first = self.vars[train.follows][-1], self.vars[train.number][0]
                 self.model.add(first.departs >= before.arrives + train.turn_s)
             self._hold(train, becomes.get(train.number))
@@ -148,17 +178,21 @@ class ArrangeModel:
             self.model.add(one.arrives >= visit.arrival_s - EARLY_S)
             self._count(train, visit, "arrival", visit.arrival_s, one.arrives)
 
-    def _count(self, train: TrainToArrange, visit: Visit, what: str, printed_s: int, at: IntVar) -> None:
+    def _count(
+        self, train: TrainToArrange, visit: Visit, what: str, printed_s: int, at: IntVar | int
+    ) -> None:
         name = f"{train.number} {visit.station_id} {what}"
         late = self.model.new_int_var(0, self._reach_s, f"{name} late")
         self.model.add(late >= at - printed_s)
         if what == "arrival":
             self.model.add(late >= printed_s - at)
         self._cost.append(SECOND * late)
+        beyond = None
         if self._reach_s > self._limit_s:
             beyond = self.model.new_int_var(0, self._reach_s, f"{name} beyond")
             self.model.add(beyond >= late - self._limit_s)
             self._cost.append(BEYOND_COST * beyond)
+        self._late.append((late, beyond))
         self._moves.append((train, visit, what, printed_s, at))
 
     # what is held -----------------------------------------------------------------------------------------------------
@@ -214,13 +248,22 @@ class ArrangeModel:
 
     def _stand(self, name: str, begin: Bound, end: Bound, stays: Sequence[_VisitVars]) -> None:
         """One of the tracks for as long as the train, or its set, is there; the same for all its calls there."""
+        if any(ANOTHER in stay.visit.tracks for stay in stays):
+            for here in (here for stay in stays for here in stay.tracks.values()):
+                self.model.add(here == 0)
+            self._on_more[stays[0].visit.station_id].append(self._interval(f"{name} another", begin, end))
+            return
         allowed = [t for t in stays[0].visit.tracks if all(t in stay.visit.tracks for stay in stays)]
         if not allowed:
             raise NoRoomError(f"no track at {stays[0].visit.station_id} serves {name}")
-        free = self._on_another(name, stays[0].visit.station_id, begin, end) if self._more_max else None
+        free = None
+        if self._more_max.get(stays[0].visit.station_id):
+            free = self._on_another(name, stays[0].visit.station_id, begin, end)
         chosen = dict(stays[0].tracks)
         if not chosen:
             chosen[allowed[0]] = self.model.new_bool_var(f"{name} {allowed[0]}")
+            for stay in stays:
+                stay.tracks = stay.tracks or dict(chosen)
         self.model.add_exactly_one([*(chosen[track] for track in allowed), *([] if free is None else [free])])
         for stay in stays:
             for track, here in stay.tracks.items():
@@ -245,8 +288,8 @@ class ArrangeModel:
         leg = own[there].visit.leg
         return self._shifted(own[there].arrives, own[there], ByStanding(0, 0) if leg is None else leg.lag)
 
-    def _shifted(self, at: IntVar, one: _VisitVars, by: ByStanding) -> Bound:
-        if one.stands is None or by.stands == by.passes:
+    def _shifted(self, at: IntVar | int, one: _VisitVars, by: ByStanding) -> Bound:
+        if one.stands is None or by.stands == by.passes or isinstance(at, int):
             return at + (by.passes if one.visit.standing is Standing.NEVER else by.stands)
         bound = self.model.new_int_var(DAY_BEGINS_S, self._ends_s, f"{at.name} held")
         self.model.add(bound == at + by.stands).only_enforce_if(one.stands)
@@ -254,6 +297,8 @@ class ArrangeModel:
         return bound
 
     def _interval(self, name: str, begin: Bound, end: Bound) -> cp_model.IntervalVar:
+        if isinstance(begin, int) and isinstance(end, int):
+            return self.model.new_fixed_size_interval_var(begin, end - begin, name)
         size = self.model.new_int_var(0, 2 * self._ends_s, f"{name} size")
         return self.model.new_interval_var(begin, size, end, name)
 
@@ -270,27 +315,60 @@ class ArrangeModel:
                 seen.add(key)
                 self.model.add_no_overlap([interval for _, interval in held])
         for station_id, intervals in self._on_more.items():
-            count = self._more[station_id] = self.model.new_int_var(0, self._more_max, f"{station_id} more")
+            count = self._more[station_id] = self.model.new_int_var(
+                0, self._more_max[station_id], f"{station_id} more"
+            )
             self.model.add_cumulative(intervals, [1] * len(intervals), count)
             self._cost.append(MORE_COST * count)
 
+    def begin_with(self, visits: Mapping[str, Sequence[ArrangedVisit]]) -> None:
+        """A plan to begin from."""
+        for number, own in self.vars.items():
+            for one, here in zip(own, visits[number], strict=True):
+                if isinstance(one.arrives, int) or isinstance(one.departs, int):
+                    continue
+                self.model.add_hint(one.arrives, here.arrival_s)
+                self.model.add_hint(one.departs, here.departure_s)
+                if one.stands is not None:
+                    self.model.add_hint(one.stands, here.stands)
+                for track, chosen in one.tracks.items():
+                    self.model.add_hint(chosen, track == here.track)
+
     # the answer -------------------------------------------------------------------------------------------------------
 
-    def solve(self, work_max: float) -> Arranged:
-        """The best plan that so much counted work finds; NoRoomError where there is none."""
+    def solve(self, work_max: float, aim: Aim = Aim.LEAST, below: int | None = None) -> Arranged:
+        """The best plan that so much counted work finds; NoRoomError where there is none.
+
+        `below`: and none that moves printed times by as much, weighted as in `cost_of`.
+        """
+        if aim is Aim.ANY:
+            self.model.clear_objective()  # type: ignore[no-untyped-call]
+            looked_for = [one for own in self.vars.values() for one in own]
+            times = [at for one in looked_for for at in (one.arrives, one.departs) if not isinstance(at, int)]
+            self.model.add_decision_strategy(times, cp_model.CHOOSE_LOWEST_MIN, cp_model.SELECT_MIN_VALUE)
+        if aim is Aim.FEWEST:
+            self.model.minimize(sum(self._more.values()))
+        if below is not None:
+            self.model.add(sum(self._move_costs()) < below)
         solver = cp_model.CpSolver()
         solver.parameters.random_seed = SEED
         solver.parameters.num_workers = 1
         solver.parameters.max_deterministic_time = work_max
         # Orders decide and sums of moves relax badly: without linear programs, and from below, the proof comes sooner.
         solver.parameters.linearization_level = 0
-        solver.parameters.optimize_with_core = True
+        solver.parameters.optimize_with_core = aim in {Aim.LEAST, Aim.FEWEST}
+        # Trains that push each other through a wide reach second by second: presolve does not count such work.
+        solver.parameters.cp_model_presolve = self._reach_s <= PRESOLVED_S
+        if (
+            aim is Aim.ANY
+        ):  # as a dispatcher does it: what can be first in the day is settled first, as soon as it can be
+            solver.parameters.search_branching = cp_model.FIXED_SEARCH
         status = solver.solve(self.model)
         work = solver.response_proto.deterministic_time
         if status not in {cp_model.OPTIMAL, cp_model.FEASIBLE}:
             certain = status == cp_model.INFEASIBLE
             raise NoRoomError(
-                "no plan keeps all trains apart" if certain else "none was found", certain=certain
+                "no plan keeps all trains apart" if certain else "none was found", certain=certain, work=work
             )
         visits = {number: self._settled(own, solver) for number, own in self.vars.items()}
         moves = tuple(
@@ -301,12 +379,19 @@ class ArrangeModel:
         return Arranged(
             visits,
             moves,
-            status == cp_model.OPTIMAL,
-            solver.best_objective_bound / SECOND,
+            status == cp_model.OPTIMAL and aim in {Aim.LEAST, Aim.FEWEST},
+            solver.best_objective_bound / SECOND if aim is Aim.LEAST else 0.0,
             self._reach_s,
             work,
             {name: count for name, at in self._more.items() if (count := solver.value(at))},
         )
+
+    def _move_costs(self) -> Iterator[cp_model.LinearExpr]:
+        for late, beyond in self._late:
+            yield SECOND * late
+            if beyond is not None:
+                yield BEYOND_COST * beyond
+        yield from (MORE_COST * count for count in self._more.values())
 
     def _settled(self, own: Sequence[_VisitVars], solver: cp_model.CpSolver) -> tuple[ArrangedVisit, ...]:
         found: list[ArrangedVisit] = []
@@ -315,8 +400,8 @@ class ArrangeModel:
             if one.stands is not None:
                 stands = solver.boolean_value(one.stands)
             track = next((t for t, chosen in one.tracks.items() if solver.boolean_value(chosen)), None)
-            if len(one.visit.tracks) == 1:
-                track = one.visit.tracks[0]
+            if track is None and one.visit.tracks:
+                track = ANOTHER if one.tracks else one.visit.tracks[0]
             found.append(
                 ArrangedVisit(
                     one.visit.station_id, solver.value(one.arrives), solver.value(one.departs), stands, track
@@ -326,6 +411,23 @@ class ArrangeModel:
 
 
 Bound = cp_model.LinearExpr | IntVar | int
+
+
+def _settled_vars(train: TrainToArrange, visits: Sequence[ArrangedVisit]) -> list[_VisitVars]:
+    """Of a train that keeps what it has."""
+    return [
+        _VisitVars(
+            replace(
+                visit,
+                standing=Standing.ALWAYS if here.stands else Standing.NEVER,
+                tracks=(here.track,) if here.track else (),
+            ),
+            here.arrival_s,
+            here.departure_s,
+            None,
+        )
+        for visit, here in zip(train.visits, visits, strict=True)
+    ]
 
 
 def _if(one: _VisitVars, *, stands: bool) -> list[cp_model.LiteralT]:

@@ -128,7 +128,8 @@ class Arranged:
     """A plan that works.
 
     `proven`: none in which no time is moved by more than `reach_s` moves printed times by less in all (beyond the limit
-    first); `bound_s`: below which there is none. `more_tracks`: that it takes and that stations do not have.
+    first), or takes fewer tracks, where these were looked for; `bound_s`: below which there is none.
+    `more_tracks`: those that it takes and stations do not have.
     """
 
     visits: dict[str, tuple[ArrangedVisit, ...]]

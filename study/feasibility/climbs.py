@@ -83,6 +83,7 @@ class Climbs:
     def __init__(self, setup: Setup) -> None:
         self._setup = setup
         self._known: dict[tuple[object, ...], Climb | None] = {}
+        self._cut: dict[tuple[object, ...], tuple[Path, RunWay]] = {}  # by the path, which is kept for its id
         self._ways: dict[tuple[object, ...], tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
 
     def on(
@@ -97,22 +98,26 @@ class Climbs:
         """Where a train cannot get on between two stops; with `may_stop` also where it could not start again."""
         kind, path = self._setup.trains[train.stock_id], train.duty.mission.path
         from_m, to_m = before.target.mark_m, there.target.mark_m
-        key = (kind.id, path.piece_ids, round(from_m, 3), round(to_m, 3), conditions, may_stop)
+        cut = (kind.id, id(path), round(from_m, 3), round(to_m, 3))
+        if cut not in self._cut:
+            way = cut_way(self._setup.line, path, from_m, to_m, float(kind.row[0]["length_m"]))
+            self._cut[cut] = path, way
+        _, way = self._cut[cut]
+        # Trains that come from other tracks, or go on to others, have the same way here.
+        key = (kind.id, way.path.piece_ids, round(way.from_m, 3), round(way.to_m, 3), conditions, may_stop)
         if key not in self._known:
-            self._known[key] = self._look(kind, path, (from_m, to_m), conditions, may_stop=may_stop)
+            self._known[key] = self._look(kind, way, conditions, may_stop=may_stop)
         return self._known[key]
 
     def _look(
         self,
         kind: TrainType,
-        path: Path,
-        ends_m: tuple[float, float],
+        way: RunWay,
         conditions: Conditions,
         *,
         may_stop: bool,
     ) -> Climb | None:
         train = kind.row.view(np.recarray)[0]
-        way = cut_way(self._setup.line, path, *ends_m, float(train.length_m))
         key = kind.id, way.path.piece_ids
         if key not in self._ways:
             profile = profile_of(way.line, way.path)

@@ -6,6 +6,8 @@ more than the track that it takes: what lies beyond its end, or further behind t
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
+
 from network.model import Line
 from network.path import Path, path_of
 from simulation.setup import Setup
@@ -61,7 +63,9 @@ class RunTimes:
 
 def cut_way(line: Line, path: Path, from_m: float, to_m: float, length_m: float) -> RunWay:
     """A run on the part of its path that it needs."""
-    steps = [s for s in path.steps if s.end_m > from_m - length_m - 1.0 and s.start_m < to_m + 1.0]
+    first = bisect_right(path.steps, from_m - length_m - 1.0, key=lambda step: step.end_m)
+    end = bisect_left(path.steps, to_m + 1.0, lo=first, key=lambda step: step.start_m)
+    steps = path.steps[first:end]
     begin_m = steps[0].start_m
     part = path_of(line, [step.piece_id for step in steps], path.direction)
     return RunWay(line, part, from_m - begin_m, to_m - begin_m)

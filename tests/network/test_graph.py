@@ -151,3 +151,11 @@ def test_routes_connect_and_can_be_run_backwards(section_id: str, direction: Dir
         assert back is not None
         assert back.piece_ids == tuple(reversed(route.piece_ids))
         assert back.points == tuple(reversed(route.points))
+
+
+def test_routes_are_found_once_for_each_line() -> None:
+    once = routes_from(LINE, STOPS[0], Direction.DOWN)
+    assert routes_from(LINE, STOPS[0], Direction.DOWN) is once
+    other = parse_line(SAMPLE, "sample.toml")
+    assert routes_from(other, STOPS[0], Direction.DOWN) == once
+    assert routes_from(other, STOPS[0], Direction.DOWN) is not once

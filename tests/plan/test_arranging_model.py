@@ -10,8 +10,8 @@ import pytest
 
 from network.timetable import Call
 from plan.arranging import model
-from plan.arranging.arrange import nearest_plan
 from plan.arranging.draft import PrintedCall
+from plan.arranging.nearest import NothingFoundError, nearest_plan
 from plan.arranging.problem import (
     Arranged,
     ArrangedVisit,
@@ -65,7 +65,7 @@ def _times(plan: Arranged, number: str, station: str) -> tuple[int, int]:
 
 def test_one_departure_is_moved_by_30_s_where_that_is_the_least() -> None:
     # The down train is at the loop 300 s after noon, so that the up train cannot leave it at 270 s.
-    plan = nearest_plan([[_down(), _up(NOON + 270)]], limit_s=300)[1]
+    plan = nearest_plan([[_down(), _up(NOON + 270)]], limit_s=300).arranged
     assert plan.moves == (PrintedMove("2", "L", "departure", NOON + 270, 30),)
     assert plan.proven
     assert plan.bound_s == pytest.approx(30.0, abs=0.5)
@@ -73,23 +73,23 @@ def test_one_departure_is_moved_by_30_s_where_that_is_the_least() -> None:
 
 def test_without_exclusion_nothing_is_moved(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(model, "EXCLUSIVE", False)
-    assert nearest_plan([[_down(), _up(NOON + 270)]], limit_s=300)[1].moves == ()
+    assert nearest_plan([[_down(), _up(NOON + 270)]], limit_s=300).arranged.moves == ()
 
 
 def test_what_can_not_be_within_the_limit_is_told_by_the_least_that_would_do() -> None:
-    plan = nearest_plan([[_down(), _up(NOON + 270)]], limit_s=10)[1]
+    plan = nearest_plan([[_down(), _up(NOON + 270)]], limit_s=10).arranged
     beyond = [move for move in plan.moves if move.by_s > 10]
     assert beyond == [PrintedMove("2", "L", "departure", NOON + 270, 30)]
 
 
 def test_a_time_that_is_not_printed_costs_nothing() -> None:
-    plan = nearest_plan([[_down(), _up(NOON, loop=_visit("L", tracks=("L.2",)))]], limit_s=300)[1]
+    plan = nearest_plan([[_down(), _up(NOON, loop=_visit("L", tracks=("L.2",)))]], limit_s=300).arranged
     assert plan.moves == ()
     assert _times(plan, "2", "L")[1] >= NOON + 300
 
 
 def test_a_train_without_an_arrival_comes_when_it_can_run() -> None:
-    plan = nearest_plan([[_down()]], limit_s=300)[1]
+    plan = nearest_plan([[_down()]], limit_s=300).arranged
     arrives_s, departs_s = _times(plan, "1", "L")
     assert (arrives_s, departs_s) == (NOON + 300, NOON + 400) or NOON + 300 <= arrives_s <= departs_s - 20
     assert _times(plan, "1", "B")[0] >= NOON + 700
@@ -97,11 +97,11 @@ def test_a_train_without_an_arrival_comes_when_it_can_run() -> None:
 
 def test_trains_stand_at_a_signal_station_only_where_they_meet_there() -> None:
     through = replace(_visit("L", tracks=("L.1",)), standing=Standing.MAY, stay_s=10)
-    alone = nearest_plan([[_down(through)]], limit_s=300)[1]
+    alone = nearest_plan([[_down(through)]], limit_s=300).arranged
     assert not alone.visits["1"][1].stands
     met = nearest_plan(
         [[_down(through), _up(NOON + 500, loop=replace(through, tracks=("L.2",)))]], limit_s=300
-    )[1]
+    ).arranged
     # The up train would be through L 10 s before noon, and has to let the down train come: 290 s to a stand.
     assert met.visits["2"][1].stands
     assert met.moves == ()
@@ -113,7 +113,7 @@ def test_a_train_that_came_down_goes_back_up_on_the_track_on_which_it_stands() -
     back = _train(
         "3", _visit("B", departure_s=NOON + 330, tracks=both[::-1]), _visit("A"), follows="1", turn_s=60
     )
-    plan = nearest_plan([[down, back]], limit_s=300)[1]
+    plan = nearest_plan([[down, back]], limit_s=300).arranged
     assert plan.moves == (PrintedMove("3", "B", "departure", NOON + 330, 30),)
     assert plan.visits["1"][-1].track == plan.visits["3"][0].track
 
@@ -122,7 +122,7 @@ def _against(limit_s: int) -> Arranged:
     """Down has the line until it comes, printed at 360 s and possible at 300; up is to leave at 330."""
     down = _train("1", _visit("A", departure_s=NOON), _visit("B", arrival_s=NOON + 360, tracks=("B.1",)))
     up = _train("2", _visit("B", departure_s=NOON + 330, tracks=("B.2",)), _visit("A", tracks=("A.2",)))
-    return nearest_plan([[down, up]], limit_s)[1]
+    return nearest_plan([[down, up]], limit_s).arranged
 
 
 def test_an_arrival_before_its_print_counts_as_one_after_it() -> None:
@@ -144,7 +144,7 @@ def test_no_run_is_shorter_than_it_is_for_a_train_that_starts_or_stops() -> None
         replace(_visit("L", tracks=("L.1",)), standing=Standing.MAY),
         _visit("B", arrival_s=NOON + 570),
     )
-    assert nearest_plan([[train]], limit_s=300)[1].moves == (
+    assert nearest_plan([[train]], limit_s=300).arranged.moves == (
         PrintedMove("1", "B", "arrival", NOON + 570, 10),
     )
 
@@ -162,7 +162,7 @@ def test_a_way_is_held_before_a_train_leaves_and_after_it_has_come(standing: Sta
         return replace(train, visits=visits)
 
     loop = _visit("L", departure_s=NOON + 270, standing=standing, tracks=("L.2",))
-    plan = nearest_plan([[with_ways(_down()), with_ways(_up(NOON + 270, loop))]], limit_s=300)[1]
+    plan = nearest_plan([[with_ways(_down()), with_ways(_up(NOON + 270, loop))]], limit_s=300).arranged
     assert plan.moves == (PrintedMove("2", "L", "departure", NOON + 270, moved_s),)
 
 
@@ -191,7 +191,7 @@ def test_more_sets_than_tracks_are_refused() -> None:
         _train(str(n), _visit("A", departure_s=NOON + 3600 * n), _visit("B", tracks=(f"B.{n}",)))
         for n in (1, 2)
     ]
-    with pytest.raises(model.NoRoomError):
+    with pytest.raises(NothingFoundError):
         nearest_plan([sets], limit_s=300)
 
 
@@ -215,8 +215,8 @@ def test_a_meet_is_moved_by_just_the_seconds_by_which_one_comes_in_later() -> No
     at_loop = _visit("L", departure_s=NOON + 320, tracks=("L.1",))
     visits = _visit("B", departure_s=NOON, tracks=("B.2",)), replace(at_loop, tracks=("L.2",))
     down, up = _down(at_loop), _train("2", *visits, _visit("A", tracks=("A.2",)))
-    assert nearest_plan([[down, up]], limit_s=300)[1].moves == ()
-    plan = nearest_plan([[_comes_in(down), _comes_in(up)]], limit_s=300)[1]
+    assert nearest_plan([[down, up]], limit_s=300).arranged.moves == ()
+    plan = nearest_plan([[_comes_in(down), _comes_in(up)]], limit_s=300).arranged
     assert sorted(move.by_s for move in plan.moves) == [21, 41]
     assert plan.proven
     assert abs(_times(plan, "1", "L")[0] - _times(plan, "2", "L")[0]) >= 41

@@ -1,0 +1,156 @@
+"""Days that are too much as a whole: any plan, better ones in steps, and the tracks that lack, all reckoned by hand.
+
+A, a loop L and B; each run takes 300 s, a stop 20 s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import pairwise
+
+import pytest
+
+from network.files.timetable_schema import CallTable
+from network.timetable import Call
+from plan.arranging import nearest
+from plan.arranging.draft import _printed
+from plan.arranging.model import ANOTHER, Aim, ArrangeModel
+from plan.arranging.nearest import NothingFoundError, nearest_plan
+from plan.arranging.problem import (
+    Arranged,
+    ArrangedVisit,
+    ByStanding,
+    Leg,
+    PrintedMove,
+    RunSeconds,
+    Standing,
+    TrainToArrange,
+    Visit,
+)
+from plan.arranging.search import improved, with_fewer_tracks
+
+NONE = ByStanding(0, 0)
+RUN = RunSeconds(300, 290, 290, 280)
+NOON = 43_200
+TRACKS: dict[str, tuple[str, ...]] = {"A": ("A.1", "A.2"), "L": ("L.1",), "B": ("B.1", "B.2")}
+
+
+def _train(
+    number: str, way: str, *departures_s: int, tracks: Mapping[str, tuple[str, ...]]
+) -> TrainToArrange:
+    """From station to station of `way`, with printed departures at all but the last."""
+    visits = [
+        Visit(name, Standing.ALWAYS, None, at_s, 20, RUN, None, tracks[name])
+        for name, at_s in zip(way, (*departures_s, None), strict=True)
+    ]
+    legs = [
+        replace(there, leg=Leg(("-".join(sorted((here.station_id, there.station_id))),), NONE, NONE))
+        for here, there in pairwise(visits)
+    ]
+    return TrainToArrange(number, (replace(visits[0], run=None), *legs))
+
+
+def _meet() -> list[TrainToArrange]:
+    """Down is at the loop 300 s after noon; up is to leave there for where it comes from 30 s before."""
+    down, up = {**TRACKS, "B": ("B.1",)}, {"A": ("A.2",), "L": ("L.2",), "B": ("B.2",)}
+    return [
+        _train("1", "ALB", NOON, NOON + 400, tracks=down),
+        _train("2", "BLA", NOON - 300, NOON + 270, tracks=up),
+    ]
+
+
+LEAST = (PrintedMove("2", "L", "departure", NOON + 270, 30),)
+
+
+def _late(by_s: int) -> Arranged:
+    """A plan for the meet in which up leaves the loop by so much later than it must."""
+    visits: dict[str, tuple[ArrangedVisit, ...]] = {
+        "1": (
+            ArrangedVisit("A", NOON, NOON, True, "A.1"),
+            ArrangedVisit("L", NOON + 300, NOON + 400, True, "L.1"),
+            ArrangedVisit("B", NOON + 700, NOON + 700, True, "B.1"),
+        ),
+        "2": (
+            ArrangedVisit("B", NOON - 300, NOON - 300, True, "B.2"),
+            ArrangedVisit("L", NOON, NOON + 300 + by_s, True, "L.2"),
+            ArrangedVisit("A", NOON + 600 + by_s, NOON + 600 + by_s, True, "A.2"),
+        ),
+    }
+    moves = (PrintedMove("2", "L", "departure", NOON + 270, 30 + by_s),)
+    return Arranged(visits, moves, False, 0.0, 300, 0.0)
+
+
+def test_a_bad_plan_becomes_the_least_in_steps() -> None:
+    plan, spent = improved(_meet(), _late(by_s=200), 300, {}, work_max=0.5)
+    assert plan.moves == LEAST
+    assert spent > 0
+
+
+def test_without_work_a_plan_stays_as_it_is() -> None:
+    plan = _late(by_s=200)
+    assert improved(_meet(), plan, 300, {}, work_max=0.0) == (plan, 0.0)
+
+
+def test_only_the_trains_that_are_arranged_anew_move() -> None:
+    """Down keeps its times, though it would be at the loop sooner: up waits for it until 340 s."""
+    before = _late(by_s=0).visits
+    loop = replace(before["1"][1], arrival_s=NOON + 340)
+    kept = {"1": (replace(before["1"][0], departure_s=NOON + 40), loop, before["1"][2])}
+    found = ArrangeModel(_meet(), 300, 300, settled=kept).solve(0.1)
+    assert found.visits["1"] == kept["1"]
+    assert found.moves == (PrintedMove("2", "L", "departure", NOON + 270, 70),)
+
+
+def test_where_the_day_as_a_whole_is_too_much_the_answer_comes_in_steps(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(nearest, "WHOLE_WORK", 0.0)
+    arranged = nearest_plan([_meet()], 300).arranged
+    assert (arranged.moves, arranged.proven) == (LEAST, False)
+
+
+def test_any_plan_keeps_trains_apart() -> None:
+    plan = ArrangeModel(_meet(), 300, 300).solve(0.1, Aim.ANY)
+    assert plan.visits["2"][1].departure_s >= plan.visits["1"][1].arrival_s >= NOON + 300
+    assert not plan.proven
+
+
+def _two_sets() -> list[TrainToArrange]:
+    """Two sets that stand at A in the morning, where there is one track."""
+    tracks = {"A": ("A.1",), "B": ("B.1", "B.2")}
+    return [_train(str(n), "AB", NOON + 3600 * n, tracks=tracks) for n in (1, 2)]
+
+
+def test_the_track_that_lacks_is_named() -> None:
+    with pytest.raises(NothingFoundError) as why:
+        nearest_plan([_two_sets()], 300)
+    assert why.value.lacking == nearest.MoreTracks({"A": 1}, 0)
+
+
+def test_a_track_that_nobody_needs_is_not_asked_for() -> None:
+    """Of two sets that begin at the two tracks of A one is thought to stand on a third."""
+    trains = [_train(str(n), "AB", NOON + 3600 * n, tracks=TRACKS) for n in (1, 2)]
+    visits: dict[str, tuple[ArrangedVisit, ...]] = {
+        str(n): (
+            ArrangedVisit("A", NOON + 3600 * n, NOON + 3600 * n, True, track),
+            ArrangedVisit("B", NOON + 3600 * n + 300, NOON + 3600 * n + 300, True, f"B.{n}"),
+        )
+        for n, track in ((1, "A.1"), (2, ANOTHER))
+    }
+    plan, _ = with_fewer_tracks(trains, Arranged(visits, (), False, 0.0, 300, 0.0, {"A": 1}), 300, 0.5)
+    assert plan.more_tracks == {}
+    assert {own[0].track for own in plan.visits.values()} == {"A.1", "A.2"}
+
+
+@pytest.mark.parametrize(
+    ("place", "printed"),
+    [({"first": True}, (None, NOON)), ({"last": True}, (NOON - 840, None)), ({}, (NOON - 840, NOON))],
+)
+def test_what_is_printed_for_before_and_after_the_line_counts_for_nothing(
+    place: dict[str, bool], printed: tuple[int | None, int | None]
+) -> None:
+    """A train from another line stands 14 min where this one begins: it is nobody's move that it leaves from there."""
+    call = Call("A", None, NOON - 840, NOON)
+    found = _printed(call, CallTable(station="A"), True, **{"first": False, "last": False, **place})
+    assert (found.arrival_s, found.departure_s) == printed
