@@ -15,6 +15,7 @@ from matplotlib.text import Text
 
 from network.model import Direction, Line
 from study.measures.duties import DutyGap, DutyTrain, GapKind, SetDuty
+from study.report.labels import laid_out
 from study.report.style import (
     DIRECTION_COLOUR,
     INK,
@@ -89,7 +90,7 @@ def draw_duties(line: Line, duties: Sequence[SetDuty]) -> Figure | None:
     panels[0].set_title(
         _KEY if all(t.late_s is None for d in duties for t in d.trains) else _KEY_AS_RUN, pad=18
     )
-    figure.draw_without_rendering()  # lays the panels out: texts are placed on the screen
+    laid_out(figure)  # texts are placed on the screen
     for axes, band in zip(panels, bands, strict=True):
         for i, duty in enumerate(duties):
             _write_row(axes, i, duty, line, band)

@@ -18,7 +18,7 @@ from network.timetable import TimetableTrain
 from study.record.marks import Mark
 from study.report.data import ReportedRun
 from study.report.drill import draw_strip, falls_in_panel, mark_graph, mark_legend, strip_height_in
-from study.report.labels import Box, Number, place_numbers
+from study.report.labels import Box, Number, laid_out, place_numbers
 from study.report.pictures import TRAIN_GRAPH, WAYS
 from study.report.style import (
     DIRECTION_COLOUR,
@@ -73,7 +73,7 @@ def draw_train_graph(run: ReportedRun, marks: Sequence[Mark] = ()) -> tuple[Figu
                 tips[gid] = f"{number}, unit {unit}"
         _draw_turns(axes, run, band)
     mark_legend(graphs[0], marks)
-    figure.draw_without_rendering()  # lays the panels out: numbers are placed on the screen
+    laid_out(figure)  # numbers are placed on the screen
     for axes, band in zip(graphs, bands, strict=True):
         write_numbers(axes, numbers_of(run, band))
     return figure, tips

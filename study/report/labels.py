@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
@@ -18,6 +19,14 @@ DENSITY_PX: Final = 1.5  # lines are looked at as points that far apart
 PLACES: Final = (0.5, 0.35, 0.65, 0.2, 0.8)  # along a stretch, as shares
 EQUAL_PX: Final = 8.0  # lengths are compared to so much
 LEAST_PX: Final = 4.0  # a stretch shorter than this on the screen has no direction
+
+
+def laid_out(figure: Figure) -> None:
+    """Panels get their places for good, once, and without anything being drawn for it."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        figure.set_layout_engine("none")
 
 
 @dataclass(frozen=True, slots=True)
