@@ -22,11 +22,10 @@ LEAST_PX: Final = 4.0  # a stretch shorter than this on the screen has no direct
 
 
 def laid_out(figure: Figure) -> None:
-    """Panels get their places for good, once, and without anything being drawn for it."""
+    """Panels get their places, and nothing is drawn for it; what comes later, as a title, moves them once more."""
     engine = figure.get_layout_engine()
     if engine is not None:
         engine.execute(figure)
-        figure.set_layout_engine("none")
 
 
 @dataclass(frozen=True, slots=True)
