@@ -166,6 +166,7 @@ def inside(
         by_lack,
         explored_views,
         first_without,
+        is_by_authority,
         load,
         runs_named,
         view_words,
@@ -177,6 +178,9 @@ def inside(
     views, figures = explored_views(EXPLORED, print_aside), InsideFigures()
     for name in runs_named(names):
         first = load(name)
+        if not is_by_authority(first):
+            print_aside(f"{name}: people work the line, so that it is left out")
+            continue
         for seed in range(first.setup.seed, first.setup.seed + seeds):
             with restored(*(restore or [])):
                 watched_run(load(name, seed) if seeds > 1 else first, views, figures)

@@ -7,7 +7,16 @@ import pytest
 from tests.system import switches_on_board, switches_radio, switches_wayside  # noqa: F401 - they enter themselves
 from tests.system.switchboard import FOLDER, SWITCHES
 from verify.evidence.inside import InsideFigures
-from verify.evidence.inside_runs import LINES, OTHER, by_lack, explored_views, load, runs_named, watched_run
+from verify.evidence.inside_runs import (
+    LINES,
+    OTHER,
+    by_lack,
+    explored_views,
+    is_by_authority,
+    load,
+    runs_named,
+    watched_run,
+)
 from verify.explored_line import Budgets, ExploredLine
 from verify.pair_view import Believed, PairView
 from wayside.register import UnitStanding
@@ -37,8 +46,8 @@ DEFECTS = (
 
 def _figures(views: frozenset[PairView], *names: str) -> InsideFigures:
     figures = InsideFigures()
-    for name in names:
-        watched_run(load(name), views, figures)
+    for scenario in filter(is_by_authority, map(load, names)):
+        watched_run(scenario, views, figures)
     return figures
 
 

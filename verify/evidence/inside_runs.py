@@ -31,6 +31,7 @@ LINES: Final = (
     ExploredLine(budgets=Budgets(power=1)),
     ExploredLine(budgets=Budgets(points=1, sensor=1)),
     ExploredLine(budgets=Budgets(word=1)),
+    ExploredLine(budgets=Budgets(word=1), bars=True),
     ExploredLine(budgets=Budgets(power=1), tag_between=ReleaseRule.ROUTE),
     ExploredLine(budgets=Budgets(power=1), tag_between=ReleaseRule.SECTION),
     ExploredLine(budgets=Budgets(loss=1), timed=True, tag_between=ReleaseRule.SECTION),
@@ -63,6 +64,11 @@ def explored_views(lines: Sequence[ExploredLine], watch: Callable[[str], None]) 
 def runs_named(names: Iterable[str]) -> tuple[str, ...]:
     """Scenarios, drills, and all drills of a folder."""
     return tuple(one for name in names for one in (drills_in(name) if name else ()))
+
+
+def is_by_authority(scenario: Scenario) -> bool:
+    """Whether its trains run under authority alone: where people work the line past it, nothing of it is explored."""
+    return scenario.setup.substitute is None and scenario.setup.line_signals is None
 
 
 def load(name: str, seed: int | None = None) -> Scenario:
