@@ -334,10 +334,11 @@ class Staff:
         """What the train occupies, and what its unit shows or has forgotten beyond that, in the order of the line;
         of one that is off it, the portal by which it may come in at any time.
         """
-        under = self._trains.sections_under().get(self._trains.stock_ids[slot], set[str]())
-        if not under and slot in self._on_board.unpowered:
-            return ()
-        held = under.union(self._on_board.shown_to_driver(slot).held, self._granted_ahead(slot))
+        under = self._trains.sections_under().get(self._trains.stock_ids[slot])
+        shown = self._on_board.shown_to_driver(slot).held
+        if under is None:
+            return () if slot in self._on_board.unpowered else shown
+        held = under.union(shown, self._granted_ahead(slot))
         return tuple(section for section in self._setup.line.sections if section in held)
 
 
