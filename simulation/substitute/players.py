@@ -41,6 +41,7 @@ BY_ITSELF: Final = frozenset(
 )  # left out, its effect comes all the same: the driver leaves by himself
 NOBODY: Final = "nobody is there"
 TICKETS = True  # off: a pilot rides with every train
+NEED_NOT_BE_EMPTY = True  # off: also a section that never had a pilot must be empty first
 BY_ROAD = True  # off: he waits for a train that brings him to where he is needed
 
 
@@ -138,12 +139,18 @@ class SubstitutePlayers:
             return False
         if ending:
             self._withdraw(work)
+            work.over = self._had_no_pilot(work)
         if work.book.finished(work.rows):
             work.book = work.book.train_over(work.rows)
         row = work.row or work.book.next_row(work.rows, ending=ending)
         if row is None:
             return self._next_train(work, step, ending=ending)
         return self._does(work, row, step)
+
+    def _had_no_pilot(self, work: Work) -> bool:
+        """Whether the working of a section ends before a pilot was named: who stands in it is under authority."""
+        done = work.book.done
+        return NEED_NOT_BE_EMPTY and work.block and WorkingStep.STOP in done and WorkingStep.PILOT not in done
 
     def _does(self, work: Work, row: ProcedureRow, step: int) -> bool:
         """Do a step, leave it out, or begin with it and go on when its time is over; whether it stands in the book."""

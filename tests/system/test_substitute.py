@@ -169,6 +169,23 @@ def test_the_drill_passes() -> None:
     assert run_drill(DRILL, PartyLink.SIMULATED).passed
 
 
+@pytest.mark.parametrize("need_not", [True, False])
+def test_a_section_that_never_had_a_pilot_need_not_be_empty_as_the_working_ends(
+    need_not: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """K1 has lost its power between the stations, and waits for the picture, which waits for K2 to be cut in."""
+    monkeypatch.setattr(players, "NEED_NOT_BE_EMPTY", need_not)
+    file = tmp_path / "off.toml"
+    file.write_text(
+        f'extends = "{find_drill(DRILL)}"\nid = "off"\nexpect = []\n'
+        '[[patch.fault.add]]\nkind = "power_off"\ntarget = "K1"\nstart = "10:00:41"\nduration_s = 60.0\n',
+        "utf-8",
+    )
+    result = run_drill(str(file), PartyLink.SIMULATED).run.result
+    broken = {violation.checker for violation in result.violations}
+    assert broken == (set() if need_not else {Checker.EVERYONE_ARRIVES})
+
+
 def test_a_unit_cut_in_without_power_is_not_held_to_what_it_held_before(tmp_path: Path) -> None:
     """Its telegrams are lost as it asks for its first route, so people alone say where it stands, and it is dark."""
     file = tmp_path / "lost.toml"
