@@ -14,6 +14,7 @@ from study.capacity.headway import HeadwayKind
 from study.capacity.occupation import OccupationCost
 from study.report.data import ReportedRun as Shown
 from study.report.graph import draw_frame, numbers_of, write_numbers
+from study.report.labels import laid_out
 from study.report.style import (
     DIRECTION_COLOUR,
     PLAN_COLOUR,
@@ -80,7 +81,7 @@ def train_graphs(
         for axes, signs in zip(panels, marks, strict=False):
             for sign, (at_s, place_m) in signs.items():
                 axes.plot(at_s, place_m, sign, color=RED, ms=11, mew=1.6, fillstyle="none")
-        figure.draw_without_rendering()
+        laid_out(figure)
         for axes, run in zip(panels, shown, strict=True):
             write_numbers(axes, numbers_of(run, band))
         figure.savefig(file, dpi=DPI, metadata={"Software": None})

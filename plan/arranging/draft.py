@@ -45,7 +45,7 @@ def _printed(call: Call, table: CallTable, revenue: bool, *, first: bool, last: 
     """What comes before a train is on the line, or after it has left it, counts for nothing; nor does what is computed,
     but the departure of a call with a computed time, where passengers go by it.
     """
-    counts = revenue if table.inferred else True
+    counts = revenue or not table.inferred
     return PrintedCall(
         call,
         None if first or table.inferred else call.arrival_s,

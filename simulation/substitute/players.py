@@ -139,7 +139,9 @@ class SubstitutePlayers:
             return False
         if ending:
             self._withdraw(work)
-            work.over = self._had_no_pilot(work)
+            if self._had_no_pilot(work):
+                work.over = True
+                return False
         if work.book.finished(work.rows):
             work.book = work.book.train_over(work.rows)
         row = work.row or work.book.next_row(work.rows, ending=ending)

@@ -17,7 +17,7 @@ from study.compare.meets import MeetFate
 from study.compare.side import ComparedRun
 from study.report.data import ReportedRun
 from study.report.graph import draw_frame, numbers_of, write_numbers
-from study.report.labels import Number
+from study.report.labels import Number, laid_out
 from study.report.pictures import TRAIN_GRAPH, WAYS, Layer
 from study.report.style import INK, PALE, RED, WIDTH_IN, TimeBand, time_bands
 from study.wording.phrase import NOTHING
@@ -50,7 +50,7 @@ def draw_both(base: ComparedRun, new: ComparedRun, found: RunComparison) -> Figu
         _draw_new(axes, late, band, moved, found.times.only_new)
         _draw_meets(axes, found, band)
     _legend(figure, base.label, new.label)
-    figure.draw_without_rendering()  # lays the panels out: numbers are placed on the screen
+    laid_out(figure)  # numbers are placed on the screen
     for axes, band in zip(graphs, bands, strict=True):
         write_numbers(axes, _numbers(old, late, band, moved, found))
     return figure

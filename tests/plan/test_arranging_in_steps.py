@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from itertools import pairwise
 
 import pytest
 
@@ -20,19 +19,14 @@ from plan.arranging.nearest import NothingFoundError, nearest_plan
 from plan.arranging.problem import (
     Arranged,
     ArrangedVisit,
-    ByStanding,
-    Leg,
     PrintedMove,
-    RunSeconds,
     Standing,
     TrainToArrange,
     Visit,
 )
 from plan.arranging.search import improved, with_fewer_tracks
+from tests.plan.small_day import NOON, RUN, train_of
 
-NONE = ByStanding(0, 0)
-RUN = RunSeconds(300, 290, 290, 280)
-NOON = 43_200
 TRACKS: dict[str, tuple[str, ...]] = {"A": ("A.1", "A.2"), "L": ("L.1",), "B": ("B.1", "B.2")}
 
 
@@ -44,11 +38,7 @@ def _train(
         Visit(name, Standing.ALWAYS, None, at_s, 20, RUN, None, tracks[name])
         for name, at_s in zip(way, (*departures_s, None), strict=True)
     ]
-    legs = [
-        replace(there, leg=Leg(("-".join(sorted((here.station_id, there.station_id))),), NONE, NONE))
-        for here, there in pairwise(visits)
-    ]
-    return TrainToArrange(number, (replace(visits[0], run=None), *legs))
+    return train_of(number, visits)
 
 
 def _meet() -> list[TrainToArrange]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import pytest
 
@@ -18,16 +17,12 @@ from plan.arranging.problem import (
     ByStanding,
     Leg,
     PrintedMove,
-    RunSeconds,
     Standing,
     TrainToArrange,
     Visit,
 )
 from plan.arranging.written import moves_of_day, soonest
-
-NONE = ByStanding(0, 0)
-RUN = RunSeconds(300, 290, 290, 280)
-NOON = 43_200
+from tests.plan.small_day import NOON, RUN, train_of
 
 
 def _visit(
@@ -38,12 +33,7 @@ def _visit(
 
 
 def _train(number: str, *visits: Visit, **more: object) -> TrainToArrange:
-    """A train whose legs hold what lies between its stations, as long as it is there."""
-    legs = [
-        replace(there, leg=Leg(("-".join(sorted((here.station_id, there.station_id))),), NONE, NONE))
-        for here, there in pairwise(visits)
-    ]
-    return replace(TrainToArrange(number, (replace(visits[0], run=None), *legs)), **more)
+    return replace(train_of(number, visits), **more)
 
 
 def _down(loop: Visit | None = None) -> TrainToArrange:

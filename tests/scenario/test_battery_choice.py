@@ -7,17 +7,16 @@ from pathlib import Path
 import pytest
 
 from network.errors import InputError
-from scenario.scenario import Scenario, load_scenario
+from scenario.scenario import Scenario
 from simulation.world.roster import drawn_up
 from simulation.world.ways import ways_of
+from tests.scenario.own import own_scenario
 
 FAULT = '[[fault]]\nkind = "charger_dead"\ntarget = "{target}"\nstart = "14:00:00"\n'
 
 
-def loaded(tmp_path: Path, text: str, base: str = "karasuyama_battery") -> Scenario:
-    path = tmp_path / "own.toml"
-    path.write_text(f'extends = "{base}"\nid = "own"\nname = "own"\n{text}', "utf-8")
-    return load_scenario(str(path))
+def loaded(folder: Path, text: str, base: str = "karasuyama_battery") -> Scenario:
+    return own_scenario(folder, text, base)
 
 
 @pytest.mark.parametrize(

@@ -7,15 +7,14 @@ from pathlib import Path
 import pytest
 
 from network.errors import InputError
-from scenario.scenario import Scenario, load_scenario
+from scenario.scenario import Scenario
+from tests.scenario.own import own_scenario
 
 SIGNAL = 'signal = [{ id = "a", at = "SGR.2", runs = "up", block = "ONT-SGR" }]\n'
 
 
 def loaded(folder: Path, text: str, base: str = "shigaraki_1991") -> Scenario:
-    file = folder / "signals.toml"
-    file.write_text(f'extends = "{base}"\nid = "s"\nname = "s"\n{text}', "utf-8")
-    return load_scenario(str(file))
+    return own_scenario(folder, text, base)
 
 
 @pytest.mark.parametrize(
