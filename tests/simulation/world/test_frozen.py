@@ -50,7 +50,9 @@ def wayside(rtri_setup: Setup, agenda: Agenda) -> tuple[WaysideWorld, Parties]:
     parties = Parties()
     cable = Cable(line, rtri_setup.operation)
     radio: Any = SimpleNamespace()
-    return WaysideWorld(line, cast("Any", parties), radio, agenda, Journal(), cable, lambda _unit: 0.0), parties
+    return WaysideWorld(
+        line, cast("Any", parties), radio, agenda, Journal(), cable, lambda _unit: 0.0
+    ), parties
 
 
 def go_on(world: WaysideWorld, agenda: Agenda, step: int) -> None:

@@ -44,6 +44,8 @@ WITHOUT: Final = {  # what some were mended by
     "test_4299": "departs_before_the_driver_has_looked",
     "test_20034": "goes_on_as_if_it_had_been_on",
     "test_20271": "staff_say_no_more_than_what_is_so",
+    "test_80079": "staff_unbar_at_once",
+    "test_80700": "asks_to_leave_whatever_the_register_has",
     "swarm_test_93": "overtakes_before_a_portal",
 }
 NOT_BY_TRAINS: Final = {  # which checker sees what the trains that come do not show
