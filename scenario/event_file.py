@@ -204,7 +204,7 @@ def _check_target(file: str, key: str, event: EventType, data: Mapping[str, Any]
     if target is None or event not in (FaultBegan, FaultOver, Acted):
         return
     if event is Acted:
-        known = ("", *names.units, *names.devices, *names.points)
+        known = ("", *names.units, *names.devices, *names.points, *names.posts)
         if target not in known:
             raise InputError(file, f"{key}.target", target, one_of(known[1:], str(target)))
         return
