@@ -5,7 +5,7 @@ from __future__ import annotations
 from console.protocol import PostDrawn, StepDrawn, StepShown, StepState, WorkDrawn, WorkShown
 from console.seats import Seat, may_be
 from console.session import Session
-from simulation.procedure import Part, ProcedureRow
+from simulation.procedure import POST_OF, Part, ProcedureRow
 from simulation.setup import Setup
 from simulation.substitute.hops import hops_of
 from simulation.substitute.players import SubstitutePlayers
@@ -46,6 +46,7 @@ def _drawn(block: str, row: ProcedureRow) -> StepDrawn:
     says, waits = says_text(row.step.value, block, THE_TRAIN), waits_text(row)
     return StepDrawn(
         step=row.step.value,
+        post=POST_OF[row.who].value,
         name_ja=step_name(row.step.value).in_("ja"),
         part=row.part.name.lower(),
         who=who.en,

@@ -207,10 +207,11 @@ class FaultKind(msgspec.Struct, frozen=True, kw_only=True):
 class StepDrawn(msgspec.Struct, frozen=True, kw_only=True):
     """A step of substitute working as the table of a section or station has it; `{train}` stands for a train's number.
 
-    `part`: when it is due.
+    `part`: when it is due; `post`: the kind of role whose it is.
     """
 
     step: str
+    post: str
     name_ja: str
     part: str
     who: str

@@ -49,8 +49,7 @@ export function procedure(welcome, words, tell, unit) {
       make("ul", {}, ...now.map((one) => step(drawn, work, one.row, one.shown, one.own))), others.length ? make("p", { class: "words" }, `${say("others")}: ${others.join("; ")}`) : null, more);
   };
   // For another train than that in the book a step may be another's; the desk says so then.
-  const mine = ({ row, shown }, post, block) => shown.posts.includes(post) || (row.part === "train" && chosen.get(block) && post.split(" ")[0] === kindOf(shown));
-  const kindOf = (shown) => shown.posts[0]?.split(" ")[0];
+  const mine = ({ row, shown }, post, block) => shown.posts.includes(post) || (row.part === "train" && chosen.get(block) && post.split(" ")[0] === row.post);
 
   const show = (state) => {
     const now = JSON.stringify([state.roles, state.works]);

@@ -32,18 +32,21 @@ class BlockBook:
         """All that stands in it, done or left out."""
         return self.done | self.of_train
 
+    def lacks(self, row: ProcedureRow, rows: Sequence[ProcedureRow]) -> tuple[WorkingStep, ...]:
+        """What a step needs, itself or by what it needs, and does not stand in the book; `rows`: the whole table."""
+        needed = set(row.needs)
+        for other in reversed(rows):
+            needed |= set(other.needs) if other.step in needed else set()
+        return tuple(other.step for other in rows if other.step in needed and other.step not in self.steps)
+
     def due_rows(self, rows: Sequence[ProcedureRow], *, ending: bool) -> tuple[ProcedureRow, ...]:
-        """The steps not in the book that are due now and have all that they need, in the order of the table.
+        """The steps not in the book that are due now and lack nothing, in the order of the table.
 
         A train may be in it before all is done that begins the working, where persons have let it.
         """
-        stands_in = self.steps
         parts = {Part.BEGIN, Part.TRAIN} if self.hop is not None else {Part.END} if ending else {Part.BEGIN}
-        return tuple(
-            row
-            for row in rows
-            if row.part in parts and row.step not in stands_in and stands_in.issuperset(row.needs)
-        )
+        due = (row for row in rows if row.part in parts and row.step not in self.steps)
+        return tuple(row for row in due if not self.lacks(row, rows))
 
     def begun(self, rows: Sequence[ProcedureRow]) -> bool:
         """Whether trains may be taken up."""

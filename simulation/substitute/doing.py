@@ -101,14 +101,18 @@ class StepsDone:
         hop = work.book.hop
         self._write_left_out(work, row, hop, why, step, author)
         work.book = work.book.after(row, left_out=True)
-        if row.step is WorkingStep.CLEAR:  # who is not at his station by his time has surely gone through
-            now_s = step / STEPS_PER_S
-            late = {h for h in work.hops if h.planned_s < now_s and not self._sight.stands(h)}
-            work.taken_as_over |= late
+        if row.step is WorkingStep.CLEAR:
+            self._believe_clear(work, step)
         elif row.step is WorkingStep.ARRIVED and hop is not None:
             work.taken_as_over.add(hop)
         if row.step in BY_ITSELF:
             self._effect(work, row, hop, step)
+
+    def _believe_clear(self, work: Work, step: int) -> None:
+        """Nobody has found out what is in the section: who is not at his station by his time has surely gone through."""
+        now_s = step / STEPS_PER_S
+        late = {h for h in work.hops if h.planned_s < now_s and not self._sight.stands(h)}
+        work.taken_as_over |= late
 
     def _write_left_out(
         self, work: Work, row: ProcedureRow, hop: Hop | None, why: str, step: int, author: str = ""
@@ -124,7 +128,9 @@ class StepsDone:
 
     def _effect(self, work: Work, row: ProcedureRow, hop: Hop | None, step: int) -> None:
         """What a step does besides being said."""
-        if row.step is WorkingStep.PILOT:
+        if row.step is WorkingStep.CLEAR and not self._sight.lets(work, row, hop, step):
+            self._believe_clear(work, step)
+        elif row.step is WorkingStep.PILOT:
             work.home = self._pilot_begins_at(work)
             work.book = replace(work.book, pilot=work.home)
         elif row.step is WorkingStep.RELEASE:

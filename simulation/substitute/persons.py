@@ -168,10 +168,9 @@ class PersonsAtPosts:
 
     def _what_lacks(self, work: Work, row: ProcedureRow, hop: Hop | None) -> str:
         """What a step out of its turn is done before."""
-        stands_in = work.book.done | work.book_of(hop).of_train
-        lacks = [step.value for step in row.needs if step not in stands_in]
-        if lacks:
-            return f"before {', '.join(lacks)}"
+        book = replace(work.book_of(hop), done=work.book.done)
+        if lacks := book.lacks(row, work.rows_of(book)):
+            return f"before {', '.join(step.value for step in lacks)}"
         other = work.book.hop
         return BEHIND_ANOTHER if row.part is Part.TRAIN and other is not None and other != hop else TOO_EARLY
 

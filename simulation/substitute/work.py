@@ -86,6 +86,8 @@ class Work:
                 places = (hop.origin or self.name,)
             case ActingRole.RECEIVING if hop is not None:
                 places = (hop.destination or self.name,)
+            case ActingRole.SENDING | ActingRole.RECEIVING if row.part is Part.TRAIN:
+                places = ()  # whose it is depends on the train
             case _:
                 places = self.ends
         return tuple(f"{post.value} {place}" for place in places)
