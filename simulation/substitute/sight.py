@@ -25,6 +25,7 @@ NOT_CUT_OUT: Final = "its unit is not cut out"
 WAY_IN_TAKEN: Final = "another train stands where it would come in"
 NOT_ABOARD: Final = "the pilot is not aboard"
 STILL_RUNS: Final = "the train has not come to a stand there"
+REFUSALS: Final = (NOT_HERE, NO_PILOT, UNDER_TRAIN, NOT_CUT_OUT, WAY_IN_TAKEN, NOT_ABOARD, STILL_RUNS)
 
 
 class LineSight:
