@@ -149,8 +149,6 @@ EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
     events.StepRefused: EventWording(
         "substitute working", phrase("{step} in {block}{train} cannot be done{why}"), _OF_STEP
     ),
-    events.CutOut: EventWording("substitute working", phrase("the unit of {unit_id} is cut out")),
-    events.CutIn: EventWording("substitute working", phrase("the unit of {unit_id} is cut in again")),
     events.UnitRestrains: EventWording(
         "substitute working", phrase("{unit_id} is told to go, and its unit does not let it")
     ),
