@@ -175,7 +175,8 @@ def _why(value: object) -> Phrase:
 
 
 def _signal(value: object) -> Phrase:
-    return phrase_or_name(str(value), "signal")
+    known = phrase_or_name(str(value), "signal")
+    return Phrase(known.en.replace("_", " "), known.ja)
 
 
 def _reader(value: object) -> Phrase:
