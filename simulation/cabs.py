@@ -148,11 +148,8 @@ class Cabs:
 
     def waits_for(self, slot: int) -> str:
         """What the train waits for by what its unit shows and its driver sees; what ails a unit that shows nothing."""
-        if slot in self._cut_out:
-            return _SEES_TRAIN if self._crew.sees_train(slot) else "leave by people or a signal: its unit is cut out"
         if slot in self._on_board.unpowered:
-            lost = slot in self._on_board.uncommissioned
-            return f"its unit: {_LOST}" if lost else "its unit to be switched on"
+            return self._waits_without_unit(slot)
         if slot in self._frozen:
             return "its unit, which is frozen"
         if slot in self._on_board.numberless:
@@ -163,6 +160,13 @@ class Cabs:
             return _SEES_TRAIN
         others = "".join(f"; {device}: {_LOST}" for device in sorted(self._wayside.uncommissioned))
         return self._on_board.shown_to_driver(slot).waits_for + others
+
+    def _waits_without_unit(self, slot: int) -> str:
+        if slot in self._cut_out:
+            sees = self._crew.sees_train(slot)
+            return _SEES_TRAIN if sees else "leave by people or a signal: its unit is cut out"
+        lost = slot in self._on_board.uncommissioned
+        return f"its unit: {_LOST}" if lost else "its unit to be switched on"
 
     # crews ----------------------------------------------------------------------------------------------------------
 

@@ -109,7 +109,7 @@ class StepsDone:
             self._effect(work, row, hop, step)
 
     def _believe_clear(self, work: Work, step: int) -> None:
-        """Nobody has found out what is in the section: who is not at his station by his time has surely gone through."""
+        """Nobody has found out what is in it: who is not at his station by his time has surely gone through."""
         now_s = step / STEPS_PER_S
         late = {h for h in work.hops if h.planned_s < now_s and not self._sight.stands(h)}
         work.taken_as_over |= late

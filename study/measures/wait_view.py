@@ -348,9 +348,12 @@ def subject_of(entry: JournalEntry) -> str:
             return target
         case TookEffect(receiver=receiver):
             return receiver
-        case events.CutOut(unit_id=unit) | events.CutIn(unit_id=unit):
-            return unit
-        case events.DoorsHeld(unit_id=unit) | Lost(where=LostWhere.CABLE, source=str() as unit):
+        case (
+            events.CutOut(unit_id=unit)
+            | events.CutIn(unit_id=unit)
+            | events.DoorsHeld(unit_id=unit)
+            | Lost(where=LostWhere.CABLE, source=str() as unit)
+        ):
             return unit
         case said.Refused(unit_id=unit) if entry.who == MANAGER:
             return unit

@@ -74,7 +74,9 @@ def test_two_hours_of_substitute_working_from_two_seats(browser: Any, tmp_path: 
                         seat.sees(now_s)
             now_s += LOOKS_EVERY_S
         # Words of all three kinds, in both sections and at Ogane itself.
-        assert {"OGN-KRS order", "OGN-KRS ask", "HSK-OGN arrived", "OGN-KRS board", "HSK-OGN release"} <= {*clicked}
+        assert {"OGN-KRS order", "OGN-KRS ask", "HSK-OGN arrived", "OGN-KRS board", "HSK-OGN release"} <= {
+            *clicked
+        }
         desk.run_to(27 * 3600)
         seats[0].page.get_by_role("button", name="protocol").click()
         seats[0].shows("#score", "trains arrived: 27/27")
