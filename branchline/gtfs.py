@@ -52,13 +52,14 @@ def import_gtfs(
     train: options.RunBy = None,
     turn_min: options.TurnMin = TURN_MIN_S,
     outside_min: options.OutsideMin = OUTSIDE_MIN_S,
+    without: options.Without = None,
     as_json: options.Json = False,
 ) -> None:
     """Read one day of a GTFS feed and, with --line, write its timetable file."""
     from exchange.gtfs.reader import GtfsChoice, read_gtfs
 
     day = read_gtfs(source, GtfsChoice(date, service, tuple(route or ())))
-    plain = not (date or service or route or name or names or add or train)
+    plain = not (date or service or route or name or names or add or train or without)
     if line is not None and plain and _read_back(day, line, timetable_id, out, as_json=as_json):
         return
     suffix = date.replace("-", "") or service or "day"
@@ -76,6 +77,7 @@ def import_gtfs(
         outside_min,
         in_order=False,
         train=train,
+        without=without or (),
     )
     counts = {"feed_trips": day.trips, "feed_stops": day.stops, "feed_calls": day.calls}
     write_or_count(day.published, wanted, counts, as_json=as_json)

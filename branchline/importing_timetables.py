@@ -42,6 +42,7 @@ class ImportOptions:
     outside_min_s: int = OUTSIDE_MIN_S
     in_order: bool = True
     train: str | None = None
+    without: Sequence[str] = ()
 
 
 def import_mini_tokyo(
@@ -62,6 +63,7 @@ def import_mini_tokyo(
     train: options.RunBy = None,
     turn_min: options.TurnMin = TURN_MIN_S,
     outside_min: options.OutsideMin = OUTSIDE_MIN_S,
+    without: options.Without = None,
     as_json: options.Json = False,
 ) -> None:
     """Read one day of a file of mini-tokyo-3d and, with --line, write its timetable file."""
@@ -70,7 +72,18 @@ def import_mini_tokyo(
     published = read_mini_tokyo(source, calendar, stations, railway)
     suffix = {"Weekday": "weekday", "SaturdayHoliday": "holiday"}.get(calendar, calendar)
     wanted = ImportOptions(
-        SOURCE, suffix, line, out, timetable_id, name or (), names, add, turn_min, outside_min, train=train
+        SOURCE,
+        suffix,
+        line,
+        out,
+        timetable_id,
+        name or (),
+        names,
+        add,
+        turn_min,
+        outside_min,
+        train=train,
+        without=without or (),
     )
     write_or_count(published, wanted, as_json=as_json)
 
@@ -190,6 +203,7 @@ def _imported(published: PublishedTimetable, wanted: ImportOptions) -> tuple[Imp
         by_hand=names_by_hand(wanted.by_hand, wanted.by_hand_file),
         hand_file=COMMAND_LINE if wanted.by_hand_file is None else str(wanted.by_hand_file),
         in_order=wanted.in_order,
+        without=tuple(dict.fromkeys(wanted.without)),
         least=least,
         least_of=least_of,
     )

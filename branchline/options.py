@@ -65,6 +65,12 @@ RunBy = Annotated[
     ),
 ]
 TurnMin = Annotated[int, typer.Option("--turn-min", min=0, max=86_400, help="Least time to turn back, s.")]
+Without = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--without", help="A train to leave out, by its number on the line; several times for several."
+    ),
+]
 OutsideMin = Annotated[
     int,
     typer.Option("--outside-min", min=0, max=86_400, help="Least time that a set stays beyond a portal, s."),

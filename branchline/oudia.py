@@ -39,6 +39,7 @@ def import_oudia(
     train: options.RunBy = None,
     turn_min: options.TurnMin = TURN_MIN_S,
     outside_min: options.OutsideMin = OUTSIDE_MIN_S,
+    without: options.Without = None,
     as_json: options.Json = False,
 ) -> None:
     """Read a file of OuDia or OuDiaSecond and, with --line, write its timetable file."""
@@ -57,13 +58,24 @@ def import_oudia(
         _say(counts if dia is None else _counted(route, [route.dia(dia)]), as_json=as_json)
         return
     chosen = route.dia(dia)
-    if not (name or names or add or train) and _read_back(
+    if not (name or names or add or train or without) and _read_back(
         route, chosen, line, timetable_id, out, as_json=as_json
     ):
         return
     credit = f"{source.name}: {route.name}, {chosen.name} ({route.kind})"
     wanted = ImportOptions(
-        credit, "oudia", line, out, timetable_id, name or (), names, add, turn_min, outside_min, train=train
+        credit,
+        "oudia",
+        line,
+        out,
+        timetable_id,
+        name or (),
+        names,
+        add,
+        turn_min,
+        outside_min,
+        train=train,
+        without=without or (),
     )
     write_or_count(
         published_of(route, chosen), wanted, {"file_type": route.kind, "dia": chosen.name}, as_json=as_json

@@ -182,6 +182,9 @@ NOT_SHOWN: Final = (
     " are where lengths say. These are assumptions of every claim above.",
     "More than one power cut, and persons' errors together with other troubles, in the exploration; in runs they are"
     " sampled.",
+    "Two persons who agree on what is not so of a unit after the block manager's power has failed, as of a train that"
+    " waits before its portal, allowed in, and whose unit is not heard: theirs is the only word there is"
+    " (`ExploredLine(agree=True)`, nine steps; without the power failure nothing breaks).",
     "States of three units at once: a run is held against the exploration by pairs and one section at a time, without"
     " what is on the air; trains that begin on the line, barred units and lost stores are in runs, not in the model.",
     "An intruder who takes telegrams off the air as he likes (deletion) or has a unit's own keys: the first delays,"

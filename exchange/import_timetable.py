@@ -31,8 +31,8 @@ DWELL_MIN_S: Final = 20
 class ImportOrder:
     """What is to be made of a published timetable: the file's id and credit, and what the source does not say.
 
-    `by_hand`, `hand_file`, `in_order`, `running`, `least`, `least_of`: see `exchange.onto_line.onto_line`. An
-    empty `name` is the source's own.
+    `by_hand`, `hand_file`, `in_order`, `without`, `running`, `least`, `least_of`: see `exchange.onto_line.onto_line`.
+    An empty `name` is the source's own.
     """
 
     id: str
@@ -43,6 +43,7 @@ class ImportOrder:
     by_hand: Mapping[str, str] = field(default_factory=dict[str, str])
     hand_file: str = COMMAND_LINE
     in_order: bool = True
+    without: tuple[str, ...] = ()
     running: Running | None = None
     least: Running | None = None
     least_of: str = "the trains"
@@ -100,6 +101,7 @@ def import_timetable(published: PublishedTimetable, line: Line, order: ImportOrd
         least_of=order.least_of,
         hand_file=order.hand_file,
         in_order=order.in_order,
+        without=order.without,
     )
     trains = _in_order((*onto.trains, *order.additions.trains))
     rules = SetRules(

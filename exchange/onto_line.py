@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Final
@@ -37,6 +37,7 @@ from exchange.station_join import JoinedBy, StationJoin, join_stations
 from exchange.train_numbers import numbers_of
 from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
+from network.files.toml_input import one_of
 from network.model import Direction, Line, PlatformTrack
 from network.timetable import Call, CallKind, platform_of
 
@@ -44,6 +45,11 @@ NAMED_MAX: Final = 8  # trains or stations named in one sentence
 MOVED_S_MAX: Final = 59  # of whole minutes: what a time may lie after the one that is published
 _TRACK_WORDS: Final = re.compile(
     r"番(?:線|乗り?場|のりば)?|号線|乗り場|のりば|ホーム|(?:track|platform|line|no)\.?", re.IGNORECASE
+)
+
+
+OF_OTHER_DAYS: Final = (
+    "a number that the source has twice, perhaps for other days (--without NUMBER leaves a train out): {}"
 )
 
 
@@ -97,19 +103,21 @@ def onto_line(
     least_of: str = "the trains",
     hand_file: str = COMMAND_LINE,
     in_order: bool = True,
+    without: Collection[str] = (),
 ) -> OntoLine:
     """Put a published timetable on a line.
 
     `by_hand`, `hand_file`, `in_order`: see `join_stations`. `running` gives running times of legs, by which trains are
     there; what it does not know, and all without it, comes from other trains of the timetable. `least` gives those that
-    no train takes less than, those of `least_of`; without it they follow from distance and the line's speed.
+    no train takes less than, those of `least_of`; without it they follow from distance and the line's speed. Trains
+    `without` are left out, by their numbers on the line.
 
     Raises InputError where stations cannot be joined, or no train runs on the line.
     """
     file = published.source
     join = join_stations(file, published.stations, line, by_hand, hand_file=hand_file, in_order=in_order)
     remarks = _Remarks()
-    cuts = _cut_all(published, line, join, remarks)
+    cuts = _cut_all(published, line, join, remarks, without)
     times = _times(cuts, line, running, least)
     trains: list[TrainOnLine] = []
     computed = 0
@@ -132,7 +140,9 @@ def onto_line(
     meets = tuple(meet.text(line) for meet in hidden_meets(trains, line))
     off = branches(published, line, join.ids)
     all_remarks = (*_of_join(join, line), *off, *remarks.sentences(), *meets)
-    return OntoLine(tuple(trains), join, assumed, all_remarks, len(published.trains) - len(cuts))
+    return OntoLine(
+        tuple(trains), join, assumed, all_remarks, len(published.trains) - len(cuts) - len(without)
+    )
 
 
 def some_names(names: Sequence[str]) -> str:
@@ -171,9 +181,13 @@ def _first_of(*known: Running | None) -> Running:
 
 
 def _cut_all(
-    published: PublishedTimetable, line: Line, join: StationJoin, remarks: _Remarks
+    published: PublishedTimetable,
+    line: Line,
+    join: StationJoin,
+    remarks: _Remarks,
+    without: Collection[str],
 ) -> list[_UntimedTrain]:
-    """Trains that run on the line, cut to it; what cannot be used is said."""
+    """Trains that run on the line, cut to it; what cannot be used is said, and what may be of another day."""
     found: list[tuple[PublishedTrain, list[Call], bool, bool]] = []
     names = {row.key: row.name for row in join.rows}
     for train in published.trains:
@@ -188,8 +202,18 @@ def _cut_all(
             remarks.note(f"calls at {name}, which is not on the line, are left out: {{}}", train.number)
         found.append((train, calls, before or bool(train.comes_from), after or bool(train.goes_to)))
     numbers = numbers_of((train.number, _runs_down(calls, line, join)) for train, calls, _, _ in found)
+    if unknown := [number for number in without if number not in numbers]:
+        expected = f"a train of {published.source} on {line.id}: {one_of(sorted(numbers), unknown[0])}"
+        raise InputError(COMMAND_LINE, "--without", unknown[0], expected)
     cuts: list[_UntimedTrain] = []
     for (train, calls, before, after), number in zip(found, numbers, strict=True):
+        if number in without:
+            remarks.note("left out, as asked: {}", number)
+            continue
+        if number.rpartition("-")[0] == train.number:
+            remarks.note(OF_OTHER_DAYS, number)
+        if train.said:
+            remarks.note(f"the source says of {{}}: {train.said}", number)
         direction = Direction.DOWN if _runs_down(calls, line, join) else Direction.UP
         if not train.number:
             remarks.note("trains without a number are given one: {}", number)

@@ -28,7 +28,8 @@ class PublishedTrain:
 
     Its calls have the times that are given, None where there is none. `follows` and `becomes` name trains that the
     same set runs before and after, where the source says so; `comes_from` and `goes_to` name places beyond the
-    source's stations. `working` names what one set runs in the day (運用), where the source numbers that.
+    source's stations. `working` names what one set runs in the day (運用), where the source numbers that; `said`: words
+    that the source has beside it for people, such as the days on which it runs.
     """
 
     number: str
@@ -42,6 +43,7 @@ class PublishedTrain:
     comes_from: str = ""
     goes_to: str = ""
     working: str = ""
+    said: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -237,7 +237,7 @@ class SpeedLimit:
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """A stretch in which a train reaches the radio network (無線)."""
+    """A stretch in which a train reaches a radio network (無線)."""
 
     from_m: float
     to_m: float
@@ -254,6 +254,8 @@ class Cover:
 @dataclass(frozen=True, slots=True)
 class Alignment:
     """One axis of kilometrage with what belongs to it; all tuples are sorted by `from_m` and do not overlap.
+
+    `coverage` is where any network reaches; `of_networks`: where each of two does, on a line that has a second one.
 
     `x_m`, `y_m`, `bearing_deg` place the kilometrage `from_m` on the plane (east, north; bearing clockwise from
     north) from where geometry is integrated along the curves.
@@ -272,6 +274,7 @@ class Alignment:
     coverage: tuple[Coverage, ...]
     tunnels: tuple[Cover, ...] = ()
     obstructed: tuple[Cover, ...] = ()  # where slopes, trees or houses hide low satellites and reflect them
+    of_networks: tuple[tuple[Coverage, ...], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

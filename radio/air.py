@@ -4,7 +4,8 @@ Loss follows Gilbert (1960) and Elliott (1963), in continuous time because teleg
 good or bad, changes at rates a (good to bad) and b (bad to good), so the share of bad time is a / (a + b),
 a bad spell lasts 1 / b on average, and P(bad after t | now) relaxes to that share with exp(-(a + b) t). A
 link keeps the order of telegrams except for those that reordering holds back and for second copies. Every
-directed link draws from its own generator; nothing here reads a clock.
+directed link draws from its own generator; nothing here reads a clock. Parties with two networks send each telegram
+over both at once, as the published trials of crossings controlled by radio do with two mobile carriers.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import math
 from collections import Counter
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Annotated, Final
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator
@@ -25,7 +26,9 @@ from radio.chance import generator
 
 STEP_S: Final = 0.1
 STEPS_PER_S: Final = 10
+NETWORKS: Final = ("first", "second")  # of trains with a radio of each
 _STEP_TOLERANCE: Final = 1e-9
+_NEVER_P: Final = 1e-12
 
 
 class DelayShape(Enum):
@@ -112,6 +115,39 @@ class AirParameters(Record):
         exceeds = math.exp(-(least_steps * step_s - self.delay_min_s) / tail_s)
         return step_s * (least_steps + exceeds / (1.0 - math.exp(-step_s / tail_s)))
 
+    def later_p(self, steps: int, step_s: float = STEP_S) -> float:
+        """Probability that a telegram which arrives is under way for more than so many steps."""
+        if self.delay_shape is DelayShape.CONSTANT:
+            return float(steps < max(1, math.ceil(self.delay_mean_s / step_s - _STEP_TOLERANCE)))
+        if steps < max(1, math.ceil(self.delay_min_s / step_s - _STEP_TOLERANCE)):
+            return 1.0
+        tail_s = self.delay_mean_s - self.delay_min_s
+        return math.exp(-(steps * step_s - self.delay_min_s) / tail_s) if tail_s > 0.0 else 0.0
+
+
+class OnAverage(NamedTuple):
+    """Of a telegram: how long it is under way if it arrives, s, and the share that does not, over long times."""
+
+    delay_s: float
+    loss_p: float
+
+
+def on_average(first: AirParameters, second: AirParameters | None, step_s: float = STEP_S) -> OnAverage:
+    """A telegram on one network, or on two at once: it arrives with whichever brings it first."""
+    if second is None:
+        return OnAverage(first.mean_delay_s(step_s), first.loss_p)
+    one, other = first.loss_p, second.loss_p
+    if one * other >= 1.0:
+        return OnAverage(min(first.mean_delay_s(step_s), second.mean_delay_s(step_s)), 1.0)
+    sooner_s, steps = 0.0, 0
+    while (later_p := first.later_p(steps, step_s) * second.later_p(steps, step_s)) > _NEVER_P:
+        sooner_s += later_p * step_s
+        steps += 1
+    alone_s = (1.0 - one) * other * first.mean_delay_s(step_s) + one * (1.0 - other) * second.mean_delay_s(
+        step_s
+    )
+    return OnAverage(((1.0 - one) * (1.0 - other) * sooner_s + alone_s) / (1.0 - one * other), one * other)
+
 
 @dataclass(frozen=True, slots=True)
 class Delivery:
@@ -131,11 +167,12 @@ class _Link:
 
 @dataclass(slots=True)
 class Air:
-    """The air of one run: the only state is that of its links and the counts."""
+    """One network of one run: the only state is that of its links and the counts. `stream`: what its draws are of."""
 
     parameters: AirParameters
     seed: int
     step_s: float = STEP_S
+    stream: str = "air"
     counts: Counter[AirEvent] = field(default_factory=Counter)
     _links: dict[tuple[str, str], _Link] = field(default_factory=dict)
 
@@ -174,7 +211,7 @@ class Air:
         parameters = self.parameters
         link = self._links.get((source, destination))
         if link is None:
-            chance = generator(self.seed, "air", source, destination)
+            chance = generator(self.seed, self.stream, source, destination)
             link = _Link(chance, bool(chance.random() < parameters.bad_share), now_step)
             self._links[source, destination] = link
         elapsed_s = (now_step - link.updated_step) * self.step_s
@@ -209,3 +246,15 @@ class Air:
         for bit in chance.choice(8 * len(data), size=flips, replace=False).tolist():
             changed[bit // 8] ^= 1 << bit % 8
         return bytes(changed)
+
+
+def combined(first: tuple[Delivery, ...], second: tuple[Delivery, ...], sent: bytes) -> tuple[Delivery, ...]:
+    """What a receiver with a radio of each of two networks takes of one telegram, `sent` over both at once.
+
+    The network on which it comes first and whole is the one that counts; where neither brings it whole, all that comes
+    is taken, and the receiver's checks drop what is damaged.
+    """
+    whole = [copies for copies in (first, second) if any(one.data == sent for one in copies)]
+    if not whole:
+        return tuple(sorted((*first, *second), key=lambda one: one.step))
+    return min(whole, key=lambda copies: min(one.step for one in copies if one.data == sent))

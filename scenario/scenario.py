@@ -18,6 +18,8 @@ from network.files.quantities import SEED
 from network.files.shipped import find_file, shipped_line, shipped_timetable
 from network.files.text_input import existing_file
 from network.files.toml_input import one_of
+from network.model import Line
+from network.networks import has_second, with_first_alone
 from network.patching.patch import patched_line
 from network.patching.timetable_patch import patched_timetable
 from network.timetable import Timetable
@@ -110,6 +112,7 @@ def _loaded(path: Path, layers: ScenarioLayers, seed: int | None) -> Scenario:
     model = layers.validated(path)
     line_file = _named(path, "line", model.line, shipped_line, layers)
     line, line_data, of_line = patched_line(line_file, layers.files.get("line", ()))
+    line = with_radios(str(path), line, second=model.tables.second_air is not None)
     file = _named(path, "timetable", model.timetable, shipped_timetable, layers)
     timetable, times_data, of_timetable = patched_timetable(file, line, layers.files.get("timetable", ()))
     check_parties(str(file), str(line_file), line, timetable)
@@ -161,6 +164,16 @@ def _loaded(path: Path, layers: ScenarioLayers, seed: int | None) -> Scenario:
         assumed=[*model.assumed, *line.assumed, *timetable.head.assumed, *_train_assumptions(trains)],
     )
     return Scenario(model.id, model.name, str(path), setup, inputs)
+
+
+def with_radios(file: str, line: Line, *, second: bool) -> Line:
+    """The line for trains with the radios that they have; InputError where a second network reaches nowhere."""
+    if not second:
+        return with_first_alone(line)
+    if not has_second(line):
+        expected = "a line that says where a second network reaches (alignments.second_coverage)"
+        raise InputError(file, "second_air", None, expected)
+    return line
 
 
 def _folder() -> Path:

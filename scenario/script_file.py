@@ -23,6 +23,7 @@ from scenario.event_file import matcher_in
 from scenario.fleet_file import PEOPLE
 from scenario.substitute_choice import steps_in
 from simulation.faults.fault import Fault, Names
+from simulation.faults.links import DeadZone, LinkFault
 from simulation.faults.script import (
     BY_ROLE,
     DEFAULTS,
@@ -143,6 +144,10 @@ def scripted_fault_of(file: str, key: str, table: FaultTable, names: Names) -> S
     fault = fault_of(file, key, kind, {"target": table.target, **(table.model_extra or {})}, names)
     if expected := fault.wrong_target(names):
         raise InputError(file, f"{key}.target", table.target, expected)
+    if isinstance(fault, LinkFault | DeadZone) and fault.network not in ("any", *names.networks):
+        raise InputError(
+            file, f"{key}.network", fault.network, "'any': trains have a radio of one network alone"
+        )
     if kind.momentary and table.duration_s is not None:
         raise InputError(
             file, f"{key}.duration_s", table.duration_s, f"no such key: {kind.kind} is over at once"

@@ -22,6 +22,7 @@ def names_in(setup: Setup, people: tuple[str, ...] = ()) -> Names:
         levers=() if as_before is None else tuple(lever.id for lever in as_before.lever),
         routes=tuple(route.id for route in all_routes(line)),
         cable=stretches_of(line),
+        networks=setup.networks,
         chargers=() if setup.battery is None else tuple(line.chargers),
         tags=tuple(map(str, line.tags)),
         markers=tuple(map(str, line.markers)),

@@ -425,6 +425,10 @@ class Tables:
     """
 
     air: AirParameters = field(default_factory=AirParameters)
+    second_air: Annotated[
+        AirParameters | None,
+        about("a second network, on which each telegram goes out as well; left out: there is one"),
+    ] = None
     unit: UnitParameters = field(default_factory=UnitParameters)
     driving: Driving = field(default_factory=Driving)
     law: LawTables = field(default_factory=LawTables)

@@ -80,6 +80,16 @@ class Setup(Tables):
         return so if self.belief is None else self.belief.trains.get(stock_id, so)
 
     @property
+    def networks(self) -> tuple[str, ...]:
+        """The radio networks that trains have a radio of, by name."""
+        return radio_air.NETWORKS[: 1 if self.second_air is None else 2]
+
+    @property
+    def radio_on_average(self) -> radio_air.OnAverage:
+        """A telegram's way and loss where all networks reach."""
+        return radio_air.on_average(self.air, self.second_air)
+
+    @property
     def grants_parts(self) -> bool:
         """Whether a train that follows is let onto the part of its way that is free, as all can still finish."""
         return self.operation.release is ReleaseRule.SECTION and self.dispatch.certificate

@@ -71,7 +71,8 @@ class ExploredLine(NamedTuple):
     when its timer says so, at any time; otherwise at once. `tag_between`: there is a tag where a train is whole in X,
     besides that of the arrival, and what tags prove is given back by this rule. `bars`: two persons may bar a unit at
     the manager, which counts as a wrong word, and unbar it; who speaks for a unit there waits until nothing to it is on
-    the air, and says too what it shows that it holds.
+    the air, and says too what it shows that it holds. `agree`: both persons say a wrong word together, which counts as
+    one, and so may free what a silent unit holds.
     """
 
     trains: int = 2
@@ -79,6 +80,7 @@ class ExploredLine(NamedTuple):
     timed: bool = False
     tag_between: ReleaseRule | None = None
     bars: bool = False
+    agree: bool = False
 
     @property
     def parameters(self) -> DutyParameters:

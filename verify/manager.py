@@ -48,6 +48,8 @@ BEFORE_S, LATE_S = 0.0, 1000.0  # which is later than whatever a rule of the man
 GRANTED_IN_DOUBT: Final = "granted while the line was not defined"
 PLACES: Final = tuple(mask_of(frozenset(s)) for s in ("P", "PX", "X", "XA", "A", "XB", "B", "PXA", "PXB"))
 
+ONE_BY_ONE: Final = tuple((person,) for person in PERSONS)
+
 
 @dataclass(frozen=True, slots=True)
 class PlainRegister:
@@ -141,6 +143,7 @@ class ManagerModel:
     def __init__(self, line: ExploredLine) -> None:
         self._config: Final = manager_config(line)
         self._may_bar: Final = line.bars
+        self._who_errs: Final = (PERSONS,) if line.agree else ONE_BY_ONE
         self.units: Final = UNITS[: line.trains]
 
     def start(self) -> ManagerState:
@@ -251,7 +254,9 @@ class ManagerModel:
         return tuple(
             told._replace(trouble=UnwishedFor.WORD)
             for unit, unit_id in enumerate(self.units)
-            for told in self._words_of(state, unit, corrects=self._corrects(state, unit_id))
+            for told in self._words_of(
+                state, unit, corrects=self._corrects(state, unit_id), by=self._who_errs
+            )
             if told.state != state or told.sends
         )
 
@@ -260,18 +265,24 @@ class ManagerModel:
         said = bool(register.unit(unit_id).by) or bool(reentry.words_for(register, unit_id))
         return said and not register.restoring
 
-    def _words_of(self, state: ManagerState, unit: int, *, corrects: bool) -> Iterator[ManagerEvent]:
+    def _words_of(
+        self, state: ManagerState, unit: int, *, corrects: bool, by: tuple[tuple[str, ...], ...] = ONE_BY_ONE
+    ) -> Iterator[ManagerEvent]:
         unit_id = self.units[unit]
-        for person in PERSONS:
+        for persons in by:
             for stands in (0, *PLACES):
-                word = (
-                    ConfirmHolding(unit_id, sections_of(stands), person)
-                    if stands
-                    else ConfirmOutside(unit_id, person, PORTAL)
-                )
-                after, sends, _ = self._took(state, word)
+                after, sends = state, tuple[tuple[int, InAir], ...]()
+                for person in persons:
+                    word = (
+                        ConfirmHolding(unit_id, sections_of(stands), person)
+                        if stands
+                        else ConfirmOutside(unit_id, person, PORTAL)
+                    )
+                    after, more, _ = self._took(after, word)
+                    sends = (*sends, *more)
                 where = " ".join(sections_of(stands)) or "off the line"
-                name = f"{person} says that {unit_id} is {'in ' if stands else ''}{where}"
+                says = f"{' and '.join(persons)} say{'s' * (len(persons) == 1)}"
+                name = f"{says} that {unit_id} is {'in ' if stands else ''}{where}"
                 yield ManagerEvent(
                     name,
                     after,

@@ -82,6 +82,11 @@ def remark(words: RemarkFacts) -> str:
     return " ".join(parts)
 
 
+def is_ours(text: str) -> bool:
+    """Whether a remark is what was written by branchline, and nobody's own words."""
+    return remark(words_in(text)) == text
+
+
 def words_in(text: str) -> RemarkFacts:
     """What a remark carries; other words of it are somebody's own."""
     found = dict(_WORD.findall(text))

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Final
 
+from exchange.oudia.carried import is_ours
 from exchange.oudia.cells import AfterTrain, BeforeTrain, CallHandling, OudiaCell, StationOperation, index_of
 from exchange.oudia.route import DOWN, OudiaDia, OudiaRoute, OudiaStation, OudiaTrain, left_of
 from exchange.published import PublishedStation, PublishedTimetable, PublishedTrain
@@ -107,6 +108,7 @@ def _published(route: OudiaRoute, train: OudiaTrain, becomes: str) -> PublishedT
         revenue=NOT_FOR_PASSENGERS.search(train.kind) is None,
         comes_from=_outer(along[train.first], train.before) if beyond_before else "",
         goes_to=_outer(along[train.last], train.after) if beyond_after else "",
+        said="" if is_ours(train.remark) else train.remark,
     )
 
 

@@ -171,7 +171,6 @@ def left_of(dia: OudiaDia) -> tuple[str, ...]:
         (sum(train.cancelled for train in dia.trains), "trains that are cancelled (運休)"),
         (sum(not train.runs for train in dia.trains), "trains that are at no station"),
         (sum(bool(train.name) for train in dia.trains), "names of trains (列車名)"),
-        (sum(bool(train.remark) for train in dia.trains), "remarks (備考)"),
         (
             sum(train.others for train in dia.trains),
             "operations on the way: shunting, coupling, change of number",

@@ -41,6 +41,7 @@ from network.model import (
     Tag,
     TagPurpose,
 )
+from network.networks import reached
 from network.units import metres, mps
 from network.virtual_blocks import radio_reaches, with_blocks_of
 
@@ -136,12 +137,17 @@ def _alignment(file: str, index: int, entry: schema.AlignmentTable) -> Alignment
     check.check_gradients(file, key, entry)
     check.check_curves(file, key, entry)
     check.check_within(file, f"{key}.limits", entry.limits, entry)
-    check.check_sorted(file, f"{key}.coverage", entry.coverage, entry)
+    for name in ("coverage", "second_coverage"):
+        check.check_sorted(file, f"{key}.{name}", getattr(entry, name), entry)
     check.check_sorted(file, f"{key}.tunnels", entry.tunnels, entry)
     check.check_sorted(file, f"{key}.obstructed", entry.obstructed, entry)
     limits = (
         SpeedLimit(metres(i.from_km), metres(i.to_km), mps(i.speed_kmh), _directions(i.directions))
         for i in sorted(entry.limits, key=lambda limit: limit.from_km)
+    )
+    first, second = (
+        tuple(Coverage(metres(c.from_km), metres(c.to_km)) for c in reach)
+        for reach in (entry.coverage, entry.second_coverage)
     )
     gradients = tuple(Gradient(metres(g.from_km), metres(g.to_km), g.permille) for g in entry.gradients)
     return Alignment(
@@ -158,7 +164,8 @@ def _alignment(file: str, index: int, entry: schema.AlignmentTable) -> Alignment
             for c in entry.curves
         ),
         limits=tuple(limits),
-        coverage=tuple(Coverage(metres(c.from_km), metres(c.to_km)) for c in entry.coverage),
+        coverage=reached(first + second),
+        of_networks=(first, second) if second else (),
         tunnels=tuple(Cover(metres(c.from_km), metres(c.to_km)) for c in entry.tunnels),
         obstructed=tuple(Cover(metres(c.from_km), metres(c.to_km)) for c in entry.obstructed),
     )

@@ -117,6 +117,11 @@ class AlignmentTable(RangeTable):
     coverage: Annotated[list[RangeTable], Field(max_length=ROWS_MAX), about("where the radio reaches")] = (
         Field(default_factory=list)
     )
+    second_coverage: Annotated[
+        list[RangeTable],
+        Field(max_length=ROWS_MAX),
+        about("where a second network reaches, in scenarios with `[second_air]`"),
+    ] = Field(default_factory=list)
     tunnels: Annotated[
         list[RangeTable], Field(max_length=ROWS_MAX), about("tunnels, where no satellites are received")
     ] = Field(default_factory=list)

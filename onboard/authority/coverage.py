@@ -18,6 +18,17 @@ def covered_at(line: Line, path: Path, position_m: float) -> bool:
     return any(stretch.from_m <= kilometrage_m <= stretch.to_m for stretch in alignment.coverage)
 
 
+def covered_by(line: Line, path: Path, position_m: float, networks: int) -> tuple[bool, ...]:
+    """Which of one or two networks reaches it there."""
+    if networks == 1:
+        return (covered_at(line, path, position_m),)
+    step = path.step_at(position_m)
+    at_m = step.kilometrage_m(position_m)
+    alignment = line.alignments[line.pieces[step.piece_id].alignment_id]
+    every = alignment.of_networks or (alignment.coverage, ())
+    return tuple(any(one.from_m <= at_m <= one.to_m for one in reach) for reach in every)
+
+
 def next_coverage_m(line: Line, path: Path, position_m: float) -> float:
     """Path coordinate (m) just inside the next stretch that begins ahead; infinite if none does."""
     best_m = math.inf

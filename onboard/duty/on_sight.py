@@ -111,6 +111,11 @@ def at_mark(duty: DutyStep, event: AtMark) -> None:
     stop = duty.stop(event.stop)
     duty.note(notes.Arrived(station=stop.place, error_m=None))
     duty.give_back_behind(stop.clear)
+    give_back_elsewhere(duty)
+
+
+def give_back_elsewhere(duty: DutyStep) -> None:
+    """Its crew sees the whole train at a mark, so that it lies nowhere off its path."""
     if off_path := elsewhere(duty):
         duty.authority(GiveBack(off_path))
 
@@ -142,6 +147,7 @@ def recovered(duty: DutyStep) -> bool:
     claim_place(duty)
     if state.stands_at is not None and on_line:
         duty.give_back_behind(min(state.freed, duty.stop(state.stands_at).clear))
+        give_back_elsewhere(duty)
     if state.stands_at is not None and state.stands_at == len(duty.plan.stops) - 1:
         if on_line:
             duty.set(phase=DutyPhase.FINISHED)

@@ -43,6 +43,7 @@ class Names:
     signals: tuple[str, ...] = ()  # line signals
     levers: tuple[str, ...] = ()  # direction levers
     chargers: tuple[str, ...] = ()  # stations that have one, where sets run on batteries
+    networks: tuple[str, ...] = ("first",)  # that trains have a radio of
     # With substitute working: by post and section or station, the steps that are that post's there.
     steps: Mapping[tuple[str, str], tuple[str, ...]] = field(
         default_factory=dict[tuple[str, str], tuple[str, ...]]
@@ -135,6 +136,9 @@ def folded_value(base: V, faults: Iterable[Fault[V]]) -> V:
     return base
 
 
+F = TypeVar("F", bound=Fault[Any])
+
+
 class InForce:
     """The faults in force, by number, in the order in which they began."""
 
@@ -161,6 +165,6 @@ class InForce:
         """Numbers of the faults in force on one quantity of one target."""
         return [key for key, fault in self._faults.items() if fault.place == place]
 
-    def in_family(self, kind: type[Fault[V]]) -> list[Fault[V]]:
+    def in_family(self, kind: type[F]) -> list[F]:
         """Those of a family, in order."""
         return [fault for fault in self._faults.values() if isinstance(fault, kind)]

@@ -6,14 +6,14 @@ A link is written `A -> B` or `A <-> B`; `*` is any party.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Annotated, Final, Self
+from typing import Annotated, Final, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, PrivateAttr
 
 from network.files.quantities import AddedDelay, Distance, Probability, Share
 from network.files.toml_input import one_of
-from radio.air import STEPS_PER_S, Delivery
+from radio.air import NETWORKS, STEPS_PER_S, Delivery
 from simulation.faults.fault import Fault, InForce, Names, Onset, folded_value
 
 ANY: Final = "*"
@@ -22,6 +22,8 @@ ONE_WAY: Final = " -> "
 LINK_HELP: Final = "a link such as 'V1 <-> block-manager' or '* -> OGN-W'"
 
 Telegram = tuple[Delivery, ...]  # what arrives of one telegram, and when
+OfNetwork = Literal["any", "first", "second"]
+_ON_ONE: Final = "of trains with two radio networks, the one that it is in"
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +62,7 @@ class LinkFault(Fault[Telegram]):
     aims_at = "link"
     changes = "link"
     target: Annotated[FaultyLink, BeforeValidator(FaultyLink.parse)]
+    network: OfNetwork = Field(default="any", description=_ON_ONE)
     _chance: np.random.Generator | None = PrivateAttr(default=None)  # from when it has begun
 
     @classmethod
@@ -174,11 +177,12 @@ class Flip(ChanceLinkFault):
 
 @dataclass(frozen=True, slots=True)
 class LineStretch:
-    """A stretch of line from a share of a section on, by rising kilometrage; its length, m."""
+    """A stretch of line from a share of a section on, by rising kilometrage; its length, m; for which network."""
 
     section_id: str
     from_share: float
     length_m: float
+    network: OfNetwork = "any"
 
 
 class DeadZone(Fault[tuple[LineStretch, ...]]):
@@ -193,6 +197,7 @@ class DeadZone(Fault[tuple[LineStretch, ...]]):
         description="where it begins, as a share of the section from its end of lower kilometrage on",
     )
     length_m: Distance = Field(description="its length, also beyond the section")
+    network: OfNetwork = Field(default="any", description=_ON_ONE)
 
     @classmethod
     def targets(cls, names: Names) -> tuple[str, ...]:
@@ -202,14 +207,21 @@ class DeadZone(Fault[tuple[LineStretch, ...]]):
         return ()
 
     def applied_to(self, dead: tuple[LineStretch, ...]) -> tuple[LineStretch, ...]:
-        return (*dead, LineStretch(self.target, self.from_share, self.length_m))
+        return (*dead, LineStretch(self.target, self.from_share, self.length_m, self.network))
 
 
-def disturbed(in_force: InForce, source: str, destination: str, deliveries: Telegram) -> Telegram:
-    """What the link faults in force make of a telegram on its way."""
-    return folded_value(
-        deliveries, [f for f in in_force.in_family(LinkFault) if f.target.joins(source, destination)]
-    )
+def is_of(fault_network: OfNetwork, network: str) -> bool:
+    """Whether a fault is in a network, one of `NETWORKS`."""
+    return fault_network in ("any", network)
+
+
+def disturbed(
+    in_force: InForce, source: str, destination: str, deliveries: Telegram, network: str = NETWORKS[0]
+) -> Telegram:
+    """What the link faults in force make of a telegram on its way in a network."""
+    faults = in_force.in_family(LinkFault)
+    on_its_way = [f for f in faults if is_of(f.network, network) and f.target.joins(source, destination)]
+    return folded_value(deliveries, on_its_way)
 
 
 def _later(delivery: Delivery, seconds: float) -> Delivery:

@@ -10,7 +10,6 @@ from host.devices import DeviceAdvance, Devices
 from host.parties import Parties
 from host.store import NotCommissioned
 from network.model import Line, Position
-from radio.air import Air
 from radio.envelope import header_of, noted_terms
 from radio.messages import RouteRequest
 from radio.noted import Lost, LostWhere, Sent
@@ -30,13 +29,12 @@ from simulation.events import (
     PowerOn,
     Uncommissioned,
 )
-from simulation.faults.fault import InForce
-from simulation.faults.links import disturbed
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world import point_machine
 from simulation.world.cable import Cable
 from simulation.world.point_machine import KeyBack, LockedByHand, PointMachine, Repaired
+from simulation.world.radio import Radio
 from wayside.config import MANAGER_ID
 from wayside.said import Input, Output, StartThrow
 
@@ -48,13 +46,11 @@ class WaysideWorld:
         self,
         line: Line,
         parties: Parties,
-        air: Air,
+        radio: Radio,
         agenda: Agenda,
         journal: Journal,
-        covered: Callable[[str], bool],
         cable: Cable,
         place_m: Callable[[str], float],
-        in_force: InForce,
     ) -> None:
         self.machines: dict[str, PointMachine] = {
             points.id: point_machine.machine_of(points) for points in line.points.values()
@@ -66,13 +62,11 @@ class WaysideWorld:
         self.device_ids: Final = (MANAGER_ID, *sorted({p.terminal_id for p in line.points.values()}))
         self._parties = parties
         self._devices = Devices(parties)
-        self._air = air
+        self._radio: Final = radio
         self._agenda = agenda
         self._journal = journal
-        self._covered = covered
         self.cable: Final = cable
         self._place_m = place_m
-        self._in_force: Final = in_force
         self._inputs: dict[str, list[Input]] = defaultdict(list)
         self._wakes: dict[str, int] = {}
         self.down: Final[set[str]] = set()  # devices without power
@@ -101,9 +95,7 @@ class WaysideWorld:
     def transmit(self, step: int, source: str, destination: str, data: bytes) -> None:
         """Send a telegram through the air."""
         unit_id, device_id = (destination, source) if source in self.device_ids else (source, destination)
-        covered = self._covered(unit_id)
-        deliveries = self._air.transmit(step, source, destination, data, covered)
-        deliveries = disturbed(self._in_force, source, destination, deliveries)
+        deliveries, covered = self._radio.transmit(step, source, destination, data, unit_id)
         terms = noted_terms(header_of(data))
         whole = not self.cable.severed or self.cable.carries(self._place_m(unit_id), device_id)
         if not whole:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from host.parties import Parties
 from host.units import Units
-from radio.air import Air
 from simulation.agenda import Agenda
 from simulation.carriers.carrier import Carrier
 from simulation.faults.fault import InForce
@@ -18,6 +17,7 @@ from simulation.world.cable import Cable
 from simulation.world.charging import Charging
 from simulation.world.on_board import OnBoard
 from simulation.world.points import WaysideWorld
+from simulation.world.radio import Radio
 from simulation.world.roster import Duty
 from simulation.world.signs import Signs
 from simulation.world.trains import Trains
@@ -50,10 +50,8 @@ def world_of(
 ) -> World:
     """The world before its day begins."""
     agenda, in_force, trains = Agenda(), InForce(), Trains(setup, carrier)
-    cable, air = Cable(setup.line, setup.operation), Air(setup.air, setup.seed)
-    wayside = WaysideWorld(
-        setup.line, parties, air, agenda, journal, trains.covered, cable, trains.place_m, in_force
-    )
+    cable, radio = Cable(setup.line, setup.operation), Radio(setup, trains.reached, in_force)
+    wayside = WaysideWorld(setup.line, parties, radio, agenda, journal, cable, trains.place_m)
     books = Books(trains)
     charging = None if setup.battery is None else Charging(setup, setup.battery, trains, books, drawn)
     on_board = OnBoard(setup, trains, units, charging)

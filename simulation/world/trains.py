@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from network.graph import next_pieces
 from network.model import Direction
 from network.path import Path, path_of
-from onboard.authority.coverage import covered_at
+from onboard.authority.coverage import covered_by
 from onboard.driving.laws.by_hand import by_hand
 from onboard.driving.laws.settings import choose_law, fit_law
 from onboard.driving.laws.table import LAW_NAMES, LawsRow
@@ -192,13 +192,17 @@ class Trains:
         duty = self.duties[slot]
         return math.nan if duty is None else duty.mission.path.kilometrage_m(0.0)
 
-    def covered(self, stock_id: str) -> bool:
-        """Whether the radio truly reaches the train."""
-        slot = self.slot_of.get(stock_id)
+    def reached(self, stock_id: str) -> tuple[bool, ...]:
+        """Which radio networks truly reach the train; off the line all do."""
+        slot, networks = self.slot_of.get(stock_id), self.setup.networks
         if slot is None or not self.truths[slot].active:
-            return True
+            return (True,) * len(networks)
         path, front_m = self.true_path(slot), float(self.truths[slot].position_m)
-        return covered_at(self.setup.line, path, front_m) and not self.dead_zones.hides(path, front_m)
+        covered = covered_by(self.setup.line, path, front_m, len(networks))
+        return tuple(
+            reaches and not self.dead_zones.hides(path, front_m, name)
+            for reaches, name in zip(covered, networks, strict=True)
+        )
 
     def radio_place(self, stock_id: str) -> tuple[str, float] | None:
         """Where the front of a train is as dead zones see it: alignment, kilometrage, m; None outside."""

@@ -163,12 +163,12 @@ def worth_of(setup: Setup, levers: Sequence[Lever] | None = None) -> tuple[Lever
 def with_delay(setup: Setup, delay_s: float) -> Setup:
     """Telegrams that are under way for so long, each."""
     air = setup.air.model_copy(update={"delay_min_s": delay_s, "delay_mean_s": delay_s})
-    return replace(setup, air=air)
+    return replace(setup, air=air, second_air=None)
 
 
 def with_loss(setup: Setup, share: float) -> Setup:
     """An air that loses such a share of telegrams."""
-    return replace(setup, air=setup.air.model_copy(update={"loss_good_p": share}))
+    return replace(setup, air=setup.air.model_copy(update={"loss_good_p": share}), second_air=None)
 
 
 def with_throw(setup: Setup, throw_s: float) -> Setup:

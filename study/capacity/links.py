@@ -1,6 +1,6 @@
 """What radio takes of a blocking time on average: from the parameters of the air and the repeats of the parties.
 
-A telegram is under way for `AirParameters.mean_delay_s`. One that is lost is sent again after `REPEAT_S`, until it is
+A telegram is under way for `OnAverage.delay_s`. One that is lost is sent again after `REPEAT_S`, until it is
 answered; with a share p of telegrams lost, a request gets through after `REPEAT_S * p / (1 - p)` on average. If its
 answer is lost, both ways must come again: `p * REPEAT_S / (1 - p)^2`. The machines themselves take no time.
 """
@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from onboard.authority.tables import REPEAT_S
-from radio.air import AirParameters
+from radio.air import OnAverage
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,10 +24,10 @@ class Links:
     answer_s: float = 0.0
 
     @staticmethod
-    def of_air(air: AirParameters) -> Links:
-        """Those of an air, away from places where it does not reach."""
-        lost = min(air.loss_p, 0.99)  # nothing gets through beyond that, and no mean says how long it takes
-        return Links(air.mean_delay_s(), REPEAT_S * lost / (1.0 - lost), lost * REPEAT_S / (1.0 - lost) ** 2)
+    def of(radio: OnAverage) -> Links:
+        """Those of telegrams as they are on average, away from places where no network reaches."""
+        lost = min(radio.loss_p, 0.99)  # nothing gets through beyond that, and no mean says how long it takes
+        return Links(radio.delay_s, REPEAT_S * lost / (1.0 - lost), lost * REPEAT_S / (1.0 - lost) ** 2)
 
     @property
     def ask_s(self) -> float:

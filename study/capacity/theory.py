@@ -49,7 +49,7 @@ class Theory:
     def __init__(self, setup: Setup, rules: Rules = AS_UNITS) -> None:
         self.setup: Final = setup
         self.rules: Final = rules
-        self.links: Final = Links.of_air(setup.air)
+        self.links: Final = Links.of(setup.radio_on_average)
         self._day: Final[PlannedDay] = planned_day(setup)
         self._driving: Final[dict[str, StockDriving]] = {
             stock_id: driving_of(setup, stock_id, rules, self.links) for stock_id in self._day.trains

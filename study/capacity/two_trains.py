@@ -77,7 +77,7 @@ def undisturbed_setup(setup: Setup) -> Setup:
 
     Units know their wheels from the first metre on as well as else after some stations.
     """
-    delay_s = max(STEP_S, round(setup.air.mean_delay_s() / STEP_S) * STEP_S)
+    delay_s = max(STEP_S, round(setup.radio_on_average.delay_s / STEP_S) * STEP_S)
     unit = setup.unit
     growth = min(2.0 * unit.wheel_varies_share, unit.wheel_error_share)
     return replace(
@@ -85,6 +85,7 @@ def undisturbed_setup(setup: Setup) -> Setup:
         unit=unit.model_copy(update={"wheel_error_share": growth, "wheel_scale_limit": 0.0}),
         sensors=setup.sensors.model_copy(update={"wheel_factor_sigma": 0.0}),
         air=AirParameters(delay_min_s=delay_s, delay_mean_s=delay_s, delay_shape=DelayShape.CONSTANT),
+        second_air=None,
         people=setup.people.model_copy(update={"sigma": 0.0}),
         load=setup.load.model_copy(update={"load_share_spread": 0.0}),
         dispatch=Dispatch(certificate=setup.grants_parts),
@@ -156,7 +157,7 @@ def _asks_late(setup: Setup, headway: Headway, second: SingleLegTrains, times: T
     Who asks sooner is refused, and asks again at fixed intervals: every unit asks so many of them sooner that the way
     of each can be set meanwhile. A train comes to its portal in time to sign on as late as it can.
     """
-    links, people = Links.of_air(setup.air), setup.people
+    links, people = Links.of(setup.radio_on_average), setup.people
     wants_s = [_wants_s(leg) for leg in headway.claims.behind]
     wants_s[deciding_leg(headway)] -= times.spared_s
     own_s = wants_s[deciding_leg(headway) if times.asks is None else times.asks]

@@ -54,7 +54,7 @@ class Entries:
     @property
     def report_s(self) -> float:
         """From its stand until the manager has its report, s."""
-        return self._setup.air.mean_delay_s()
+        return self._setup.radio_on_average.delay_s
 
     def leads_s(self, train: PlannedTrain, node: int) -> tuple[float, float]:
         """How long before it stands at this node, or is there, a train asks for leave, and needs it, s."""
@@ -75,7 +75,7 @@ class Entries:
         at_s = self._times.times_s(train.stock_id, mission.path, from_m, to_m, passed_m)
         there_s = at_s[len(looked_m) + 1]
         # leave asked for and had, points commanded, and their proof
-        set_s = 4.0 * setup.air.mean_delay_s() + throws_s
+        set_s = 4.0 * setup.radio_on_average.delay_s + throws_s
         needs_s = there_s - self._brakes_s(train, looked_m, at_s[1 : len(looked_m) + 1]) + set_s
         return max(there_s - at_s[0], needs_s), needs_s
 

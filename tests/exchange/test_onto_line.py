@@ -68,6 +68,28 @@ def test_a_train_is_cut_to_the_line_and_goes_beyond_it() -> None:
     assert onto.assumed == ()
 
 
+def test_trains_for_other_days_are_named_and_can_be_left_out() -> None:
+    way = call("宝積寺", "10:07"), call("烏山", "10:40 -")
+    later = call("宝積寺", "12:07"), call("烏山", "12:40 -")
+    trains = (
+        train("1M", *way),
+        train("1M", *later, said="土曜・休日運休"),
+        train("3M", *later, said="土曜・休日運休"),
+    )
+    remarks = put(*trains).remarks
+    assert "the source says of 1M-2, 3M: 土曜・休日運休" in remarks
+    assert any(
+        text.startswith("a number that the source has twice") and text.endswith(": 1M-2") for text in remarks
+    )
+    onto = put(*trains, train("9M", call("宇都宮", "12:00"), call("宝積寺", "12:15 -")), without=("1M-2",))
+    assert [one.number for one in onto.trains] == ["1M", "3M"]
+    assert "left out, as asked: 1M-2" in onto.remarks
+    assert onto.elsewhere == 1
+    with pytest.raises(InputError, match="'4M'") as raised:
+        put(*trains, without=("4M",))
+    assert raised.value.key == "--without"
+
+
 def test_the_direction_is_that_of_the_kilometrage() -> None:
     stations = STATIONS[::-1]
     trains = (train("1M", call("宝積寺", "10:07"), call("烏山", "10:40 -"), direction="up"),)

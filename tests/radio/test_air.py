@@ -9,7 +9,7 @@ import pytest
 
 from network.errors import InputError
 from network.files.toml_input import validate
-from radio.air import Air, AirEvent, AirParameters, DelayShape, Delivery
+from radio.air import Air, AirEvent, AirParameters, DelayShape, Delivery, combined, on_average
 
 N = 20_000
 
@@ -130,3 +130,49 @@ def test_parameters_that_cannot_be(wrong: dict[str, Any], key: str) -> None:
     with pytest.raises(InputError) as refused:
         validate(wrong, "s.toml", AirParameters)
     assert refused.value.key == key
+
+
+def both(first: AirParameters, second: AirParameters, seed: int = 1) -> list[tuple[Delivery, ...]]:
+    """Telegrams far apart, over two networks at once."""
+    one, other = Air(first, seed), Air(second, seed, stream="other")
+    data = b"x" * 40
+    return [
+        combined(*(air.transmit(at, "a", "b", data, True) for air in (one, other)), data)
+        for at in range(0, 1000 * N, 1000)
+    ]
+
+
+def test_two_networks_lose_what_both_lose() -> None:
+    lost = sum(not out for out in both(AirParameters(loss_good_p=0.3), AirParameters(loss_good_p=0.2))) / N
+    assert lost == pytest.approx(0.06, abs=sigma5(0.06))
+    assert on_average(AirParameters(loss_good_p=0.3), AirParameters(loss_good_p=0.2)).loss_p == pytest.approx(
+        0.06
+    )
+
+
+def test_of_two_networks_the_sooner_counts() -> None:
+    """Two exponential tails of mean t end, whichever comes first, after t / 2; rounding up adds half a step."""
+    slow = AirParameters(delay_min_s=0.2, delay_mean_s=4.2)
+    delays_s = [(out[0].step - at * 1000) * 0.1 for at, out in enumerate(both(slow, slow))]
+    assert {len(out) for out in both(slow, slow, 2)[:50]} == {1}
+    assert sum(delays_s) / N == pytest.approx(0.2 + 2.0 + 0.05, abs=5 * 2.0 / math.sqrt(N) + 1e-3)
+    assert on_average(slow, slow).delay_s == pytest.approx(2.25, abs=1e-3)
+
+
+def test_of_two_networks_one_that_loses_all_changes_nothing() -> None:
+    dead, slow = AirParameters(loss_good_p=1.0), AirParameters(delay_mean_s=2.0)
+    assert on_average(slow, dead) == pytest.approx(on_average(slow, None))
+
+    alone = Air(slow, 1)
+    assert [out[0].step for out in both(slow, dead)[:50]] == [
+        alone.transmit(at * 1000, "a", "b", b"x" * 40, True)[0].step for at in range(50)
+    ]
+
+
+def test_of_two_networks_a_damaged_copy_does_not_stand_in_for_a_whole_one() -> None:
+    soon, late = Delivery(3, b"damaged"), Delivery(9, b"whole")
+    assert combined((soon,), (late,), b"whole") == (late,)
+    assert combined((late,), (soon,), b"damaged") == (soon,)
+    assert combined((late,), (soon,), b"neither") == (soon, late)
+    twice = (Delivery(2, b"whole"), Delivery(4, b"whole"))
+    assert combined((late,), twice, b"whole") == twice

@@ -15,6 +15,7 @@ from radio.keys import MAC_BYTES
 from radio.messages import (
     HoldingReport,
 )
+from simulation.world import radio as world_radio
 from tests.system.switchboard import switch
 
 # envelope -----------------------------------------------------------------------------------------------------
@@ -101,3 +102,8 @@ def forges_a_report(patch: pytest.MonkeyPatch) -> None:
 @switch
 def believes_any_code(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(env, "mac_equal", lambda *_: True)
+
+
+@switch
+def hears_the_first_network_alone(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(world_radio, "combined", lambda first, _second, _sent: first)

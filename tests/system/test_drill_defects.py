@@ -291,6 +291,8 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
             "restarts_at_full_speed",
             "low speed until position and holdings are known",
         ),
+        "35_one_network_lost": ("hears_the_first_network_alone", "every telegram arrives over the other"),
+        "35b_both_networks_lost": ("does_not_wait_for_proof", "no invariant is broken"),
         "40_clock_wrong": (judges_no_time, "the terminal drops its commands as of a time that cannot be"),
         "41_clock_drifts": (judges_no_time, "it does not enter them"),
         "42_doors": (sees_no_vehicle, "it does not depart with a door open"),

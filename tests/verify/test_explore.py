@@ -104,3 +104,20 @@ def test_a_unit_that_is_barred_as_it_may_enter_is_spoken_for_by_what_it_shows(
     found = explored(line)
     assert found.broken == "free in a defined register, and a train stands in it"
     assert found.story[-1] == "u1 enters"
+
+
+@pytest.mark.nightly
+def test_two_persons_who_are_wrong_together_break_nothing_but_after_the_managers_power_has_failed() -> None:
+    """Of a unit that speaks no word counts; while nothing is known of any, two persons and nobody else say what is so.
+
+    A train that waits before the portal, allowed in, is off the line to the eye.
+    """
+    assert explored(ExploredLine(budgets=Budgets(word=1), agree=True)).holds
+    found = explored(ExploredLine(budgets=Budgets(power=1, word=1), agree=True))
+    assert found.broken == "free in a defined register, and a train stands in it"
+    assert "manager power fails" in found.story
+    assert found.story[-3:] == (
+        "manager Mori and Sato say that u1 is off the line",
+        "manager a person accepts the picture",
+        "u1 enters",
+    )

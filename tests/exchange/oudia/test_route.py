@@ -292,7 +292,6 @@ def test_what_does_not_run_is_left_and_said() -> None:
     assert found.left == (
         "1 trains that are cancelled (運休)",
         "1 trains that are at no station",
-        "1 remarks (備考)",
     )
     assert summary_of(read.dias[0])["trains"] == 3
 

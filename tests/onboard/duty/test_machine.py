@@ -19,6 +19,7 @@ from onboard.authority.records import (
     SendRequest,
     SignOnHeard,
 )
+from onboard.duty import on_sight
 from onboard.duty.machine import TABLE, step
 from onboard.duty.records import (
     LEAVE,
@@ -336,8 +337,8 @@ def test_who_is_given_its_whole_route_with_its_sign_on_throws_the_departure_poin
 def test_it_runs_on_sight_until_its_front_has_left_what_must_be_swept(unswept: str, sweeps: bool) -> None:
     """What lies behind its front it gives back much later, at an arrival tag."""
     held = replace(HOLDS_REST, held=("5", "6", "7", "8"), unswept=(unswept,), proven=(P7,))
-    on_sight = replace(RUNNING, authority=held, sweeps=True, limit=TO_THE_END)
-    after, _ = step(PLAN, TIMES, on_sight, Looked(), replace(ON_6, clear=1, clear_at_mark=1), NOW_S)
+    sweeping = replace(RUNNING, authority=held, sweeps=True, limit=TO_THE_END)
+    after, _ = step(PLAN, TIMES, sweeping, Looked(), replace(ON_6, clear=1, clear_at_mark=1), NOW_S)
     assert after.sweeps is sweeps
     assert after.limit == TO_THE_END  # what it has left does not stop it
     assert unswept in after.authority.unswept
@@ -376,10 +377,10 @@ def test_as_it_changes_ends_what_it_stands_in_is_not_ahead_of_its_place_on_the_w
     assert after.authority.held == HOLDS_8.held
 
 
-def booted_at(stop: int) -> Authority:
-    """What a unit goes on holding that is switched on at a stop and told that it holds its whole route."""
+def booted_at(stop: int, *beside: str) -> Authority:
+    """What a unit goes on holding that is switched on at a stop and told that it holds its whole route, and these."""
     state, _ = step(PLAN, TIMES, DutyState(), SwitchedOn(PLAN, stop, epoch=2), PlaceInJoints(), NOW_S)
-    told = TelegramHeard(SignOnHeard(("3", *SECTIONS), ("5", "7"), answers=True, newer=True))
+    told = TelegramHeard(SignOnHeard(("3", *SECTIONS, *beside), ("5", "7"), answers=True, newer=True))
     return step(PLAN, TIMES, state, told, PlaceInJoints(), NOW_S)[0].authority
 
 
@@ -389,6 +390,17 @@ def test_switched_on_at_its_mark_it_gives_back_what_is_behind_by_the_word_of_its
     """
     assert booted_at(1).held == ("8",)
     assert booted_at(0).held == ("3", *SECTIONS)
+
+
+@pytest.mark.parametrize("stop", [0, 1])
+def test_switched_on_at_a_mark_it_gives_back_what_lies_off_its_path(stop: int) -> None:
+    """By a false claim before it lost its power; nobody signs off with it, and no tag comes to a train that stands."""
+    assert booted_at(stop, "9").held == booted_at(stop).held
+
+
+def test_that_it_gives_that_back_is_what_frees_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(on_sight, "elsewhere", lambda _duty: ())
+    assert "9" in booted_at(1, "9").held
 
 
 def test_without_the_word_of_its_crew_it_keeps_all() -> None:

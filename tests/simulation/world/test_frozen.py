@@ -14,7 +14,6 @@ from onboard.duty.records import DrivingCommand, Looked, WheelsTurning
 from onboard.unit import UnitAnswer
 from simulation.agenda import Agenda
 from simulation.cabs import Cabs
-from simulation.faults.fault import InForce
 from simulation.journal import Journal
 from simulation.people import People
 from simulation.setup import Setup
@@ -50,9 +49,8 @@ def wayside(rtri_setup: Setup, agenda: Agenda) -> tuple[WaysideWorld, Parties]:
     line: Line = rtri_setup.line
     parties = Parties()
     cable = Cable(line, rtri_setup.operation)
-    reach: Any = lambda _unit: True, cable, lambda _unit: 0.0, InForce()
-    air: Any = SimpleNamespace()
-    return WaysideWorld(line, cast("Any", parties), air, agenda, Journal(), *reach), parties
+    radio: Any = SimpleNamespace()
+    return WaysideWorld(line, cast("Any", parties), radio, agenda, Journal(), cable, lambda _unit: 0.0), parties
 
 
 def go_on(world: WaysideWorld, agenda: Agenda, step: int) -> None:

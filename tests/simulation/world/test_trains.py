@@ -50,7 +50,7 @@ def test_a_stock_stands_at_its_first_mark(placed: Trains) -> None:
     assert placed.units[0].position_known == 0  # putting it there tells its unit nothing
     assert placed.kilometrage_m(0) == pytest.approx(440.0)
     assert placed.direction(0) is Direction.DOWN
-    assert placed.covered("K1")
+    assert placed.reached("K1") == (True,)
     assert (truth.front_boundary_m, truth.rear_boundary_m) == pytest.approx((110.0, 110.0))
     assert placed.pool.tag_ids[truth.tag_next] == 601  # those behind the front are passed
     assert placed.carrier.truth("K1").offset_m == pytest.approx(MARK_A_M)
@@ -60,7 +60,7 @@ def test_before_it_is_on_the_line(rtri_setup: Setup) -> None:
     trains = Trains(rtri_setup, plain(rtri_setup))
     with pytest.raises(RuntimeError, match="K1 is not on the line"):
         trains.true_path(0)
-    assert trains.covered("K1")  # who is not on the line is taken to be reached
+    assert trains.reached("K1") == (True,)  # who is not on the line is taken to be reached
 
 
 def test_the_carrier_is_the_judge_of_the_position(placed: Trains) -> None:
@@ -156,7 +156,7 @@ def test_a_section_is_occupied_by_what_truly_stands_there(placed: Trains) -> Non
 def test_leaving_the_line(placed: Trains) -> None:
     placed.remove(0)
     assert placed.active() == []
-    assert placed.covered("K1")
+    assert placed.reached("K1") == (True,)
     with pytest.raises(RuntimeError):
         placed.true_path(0)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from onboard.duty_parameters import ReleaseRule
-from radio.air import AirParameters, DelayShape
+from radio.air import AirParameters, DelayShape, on_average
 from scenario.scenario import load_scenario
 from simulation.people import Pause, People
 from simulation.setup import Setup
@@ -289,11 +289,11 @@ def test_charging_is_part_of_the_occupation() -> None:
 )
 def test_mean_delay_counts_whole_steps(air: AirParameters, mean_s: float) -> None:
     assert air.mean_delay_s() == pytest.approx(mean_s, abs=1e-6)
-    assert Links.of_air(air).delay_s == pytest.approx(mean_s, abs=1e-6)
+    assert Links.of(on_average(air, None)).delay_s == pytest.approx(mean_s, abs=1e-6)
 
 
 def test_lost_telegrams_cost_repeats() -> None:
-    half = Links.of_air(AirParameters(loss_good_p=0.5))
+    half = Links.of(on_average(AirParameters(loss_good_p=0.5), None))
     assert half.request_s == pytest.approx(2.0)  # as many again as get through, 2 s each
     assert half.answer_s == pytest.approx(4.0)
 
