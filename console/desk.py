@@ -29,13 +29,13 @@ from console.protocol import (
     Welcome,
 )
 from console.score import RefusedAct, score_json, score_of
-from console.seats import OF_OWN_UNIT, RIGHTS, Seat
+from console.seats import OF_OWN_UNIT, RIGHTS, Seat, may_be
 from console.session import AT_DESK, Session
 from console.shown import DeskMoment, moment_of, welcome_of
 from network.errors import InputError
 from network.files.names import IDENTIFIER_HELP, is_identifier
 from network.files.toml_input import one_of
-from simulation.faults.script import ActKind
+from simulation.faults.script import BY_ROLE, ActKind
 from simulation.setup import STEPS_PER_S, step_not_before
 
 STEPS_AT_ONCE: Final = 600  # gone on without looking who asks for something
@@ -163,12 +163,18 @@ class Desk:
 
 def _act_of(seat: Seat, table: Mapping[str, Any], unit: str) -> dict[str, Any]:
     """An act as that of whoever has the seat. InputError for one that is another's."""
-    rights, kind = RIGHTS[seat], table.get("kind")
-    own = sorted(act.value for act in rights.acts)
-    if kind not in own and kind in [act.value for act in ActKind]:
-        raise InputError(AT_DESK, "act.kind", kind, f"what the seat {seat.value} may do: {one_of(own)}")
-    if seat is Seat.DRIVER and ActKind(str(kind)) in OF_OWN_UNIT and table.get("target") != unit:
-        raise InputError(AT_DESK, "act.target", table.get("target"), f"{unit}, whose cab this is")
+    rights, target = RIGHTS[seat], table.get("target")
+    kind = next((act for act in ActKind if act.value == table.get("kind")), None)
+    if kind is not None and kind not in rights.acts:
+        own = one_of(sorted(act.value for act in rights.acts))
+        raise InputError(AT_DESK, "act.kind", kind.value, f"what the seat {seat.value} may do: {own}")
+    if seat is Seat.DRIVER and kind in OF_OWN_UNIT and target != unit:
+        raise InputError(AT_DESK, "act.target", target, f"{unit}, whose cab this is")
+    if kind in BY_ROLE and not may_be(seat, str(target), unit):
+        roles = one_of(post.value for post in rights.posts)
+        raise InputError(
+            AT_DESK, "act.target", target, f"a role that the seat {seat.value} may have: {roles}"
+        )
     person = table.get("person", rights.person)
     if person != rights.person and not rights.leads:
         raise InputError(AT_DESK, "act.person", person, f"{rights.person}, whose seat this is")

@@ -28,6 +28,7 @@ from simulation.events import (
     JournalEntry,
     PowerOff,
     PowerOn,
+    StepRefused,
     Unsafe,
 )
 from simulation.setup import Setup
@@ -40,6 +41,7 @@ from wayside.register import ReentryStage
 ALARMS: Final = (
     Unsafe,
     Collision,
+    StepRefused,
     said.Contradicted,
     said.NoOrderKnown,
     said.PointsUnproven,

@@ -204,9 +204,47 @@ class FaultKind(msgspec.Struct, frozen=True, kw_only=True):
     momentary: bool
 
 
+class StepDrawn(msgspec.Struct, frozen=True, kw_only=True):
+    """A step of substitute working as the table of a section or station has it; `{train}` stands for a train's number.
+
+    `part`: when it is due; `post`: the kind of role whose it is.
+    """
+
+    step: str
+    post: str
+    name_ja: str
+    part: str
+    who: str
+    who_ja: str
+    to: str
+    to_ja: str
+    says: str
+    says_ja: str
+    needs: tuple[str, ...]
+    waits: str
+    waits_ja: str
+
+
+class WorkDrawn(msgspec.Struct, frozen=True, kw_only=True):
+    """A section between stations, or a station, in substitute working: by which regime and table, with which trains."""
+
+    block: str
+    regime: str
+    rows: tuple[StepDrawn, ...]
+    trains: tuple[str, ...]
+
+
+class PostDrawn(msgspec.Struct, frozen=True, kw_only=True):
+    """A role of substitute working at its place, which the holder of this seat may take."""
+
+    post: str
+    name_ja: str
+
+
 class Welcome(Said, frozen=True, kw_only=True, tag="welcome"):
     """The seat is taken: what does not change while the run goes on. `acts` and `faults` are what this seat may do.
 
+    `works` and `posts`: substitute working, where the scenario has it, and which roles of it this seat may take.
     `leads`: it may say how fast time goes; `replay`: of a run that has ended, between those two times.
     """
 
@@ -223,6 +261,8 @@ class Welcome(Said, frozen=True, kw_only=True, tag="welcome"):
     plan: tuple[TrainOnPlan, ...]
     acts: tuple[str, ...]
     faults: tuple[FaultKind, ...]
+    works: tuple[WorkDrawn, ...] = ()
+    posts: tuple[PostDrawn, ...] = ()
     leads: bool = False
     replay: bool = False
     begin_s: float = 0.0
@@ -289,6 +329,36 @@ class BidShown(msgspec.Struct, frozen=True, kw_only=True):
     until_s: float
     behind: str = ""
     section: str = ""
+
+
+class StepState(Enum):
+    """How far a step of substitute working is."""
+
+    DONE = "done"
+    LEFT_OUT = "left out"
+    UNDER_WAY = "under way"
+    NEXT = "next"  # all that it needs is done, and the world lets it
+    WAITS = "waits"  # all that it needs is done
+    LATER = "later"
+
+
+class StepShown(msgspec.Struct, frozen=True, kw_only=True):
+    """A step of a section or station at present, and whose it is."""
+
+    step: str
+    state: StepState
+    posts: tuple[str, ...]
+
+
+class WorkShown(msgspec.Struct, frozen=True, kw_only=True):
+    """The book of a section or station while substitute working is in force: the train in it, where the pilot is by it
+    (a station, or the unit of the train that he rides), and each step of its table.
+    """
+
+    block: str
+    train: str
+    pilot: str
+    steps: tuple[StepShown, ...]
 
 
 class CabShown(msgspec.Struct, frozen=True, kw_only=True):
@@ -361,7 +431,8 @@ class State(Said, frozen=True, kw_only=True, tag="state"):
 
     `events` and `graph` go on from the last state that this connection had; a new `branch` begins anew. `deeds`,
     `rules`, `points` and `silent` (devices and units without power) are for seats that see the truth, `forecast` for
-    those and the dispatcher's, `cab` for a driver's; a `forecast` that is null is as it was.
+    those and the dispatcher's, `cab` for a driver's; a `forecast` that is null is as it was. `roles` of substitute
+    working are those that persons have taken, `works` its books, for a driver's seat those of the own train.
     """
 
     time_s: float
@@ -384,6 +455,8 @@ class State(Said, frozen=True, kw_only=True, tag="state"):
     messages: tuple[SeatMessage, ...] = ()
     deeds: tuple[DeedShown, ...] = ()
     rules: tuple[RuleShown, ...] = ()
+    roles: tuple[str, ...] = ()
+    works: tuple[WorkShown, ...] = ()
 
 
 Heard = Welcome | State | DeskAnswer

@@ -14,12 +14,15 @@ import msgspec
 
 from console.protocol import DeedShown, RuleShown, SeatMessage
 from console.session import Deed, Session
+from simulation.events import StepNoted, word_of
 from simulation.faults.script import Act, ActKind, ScriptedFault
 from simulation.judge.checkers import Checker
 from simulation.setup import STEPS_PER_S
 from study.drilling.replay_file import clock_of
 from study.measures.day_figures import day_figures
 from study.measures.recovery import LATE_S
+from study.wording.events import event_text
+from study.wording.phrase import names_of
 from study.wording.script import item_text
 from wayside.said import Refused
 
@@ -44,6 +47,18 @@ class RefusedAct(msgspec.Struct, frozen=True):
     time_s: float
     seat: str
     why: str
+
+
+class StepScore(msgspec.Struct, frozen=True):
+    """A step of substitute working that was not simply done, by a person or as the program plays: `what` is the
+    journal's word for it.
+    """
+
+    time_s: float
+    who: str
+    what: str
+    text: str
+    text_ja: str
 
 
 class FaultScore(msgspec.Struct, frozen=True, kw_only=True):
@@ -76,6 +91,7 @@ class DeskScore(msgspec.Struct, frozen=True, kw_only=True):
     refused_acts: tuple[RefusedAct, ...]
     refused_words: tuple[RefusedAct, ...]
     irregular: dict[str, int]
+    steps: tuple[StepScore, ...]
     rules: tuple[RuleShown, ...]
     messages: tuple[SeatMessage, ...]
 
@@ -114,6 +130,7 @@ def score_of(
                 if isinstance(act.item, Act) and act.item.kind in IRREGULAR
             )
         ),
+        steps=_steps(session),
         rules=tuple(RuleShown(rule=rule.value, broken=counts.get(rule.value, 0)) for rule in Checker),
         messages=messages,
     )
@@ -137,6 +154,14 @@ def _refused_words(session: Session, persons: set[str]) -> tuple[RefusedAct, ...
         for e in entries
         if isinstance(e.event, Refused) and e.event.why.partition(":")[0] in persons
     )
+
+
+def _steps(session: Session) -> tuple[StepScore, ...]:
+    names = names_of(session.scenario.setup.line)
+    told = [
+        (e, event_text(e.event, names)) for e in session.journal.entries if isinstance(e.event, StepNoted)
+    ]
+    return tuple(StepScore(e.t_s, e.who, word_of(type(e.event)), w.en, w.in_("ja")) for e, w in told)
 
 
 def _fault(session: Session, number: int, deed: Deed, refused: tuple[RefusedAct, ...]) -> FaultScore:

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
-from simulation.faults.script import ActKind
+from simulation.faults.script import BY_ROLE, ActKind
+from simulation.procedure import Post
+from simulation.substitute.work import is_post, place_of
 
 
 class Seat(Enum):
@@ -23,13 +25,15 @@ class Seat(Enum):
 @dataclass(frozen=True, slots=True)
 class SeatRights:
     """What a seat may do. `person`: who its acts are by in the journal, or of whoever `leads`, unless another is named;
-    `leads`: time, faults, and the truth; `sees_forecast`: how the day will go on.
+    `leads`: time, faults, and the truth; `sees_forecast`: how the day will go on; `posts`: which roles of substitute
+    working its holder may take, a driver that of the own unit.
     """
 
     person: str = ""
     acts: frozenset[ActKind] = frozenset()
     leads: bool = False
     sees_forecast: bool = False
+    posts: tuple[Post, ...] = ()
 
 
 _BY_TELEPHONE: Final = frozenset(
@@ -58,9 +62,20 @@ _ON_THE_SPOT: Final = frozenset(
     {ActKind.POWER_ON, ActKind.COMMISSION, ActKind.REPAIR_POINTS, ActKind.HAUL_AWAY}
 )
 RIGHTS: Final[Mapping[Seat, SeatRights]] = {
-    Seat.INSTRUCTOR: SeatRights("controller", frozenset(ActKind), leads=True, sees_forecast=True),
-    Seat.DISPATCHER: SeatRights("controller", _OF_DISPATCHER | _BY_TELEPHONE, sees_forecast=True),
-    Seat.STAFF: SeatRights("staff", _ON_THE_SPOT | _BY_TELEPHONE),
-    Seat.DRIVER: SeatRights("crew", OF_OWN_UNIT | {ActKind.REPAIR_POINTS}),
+    Seat.INSTRUCTOR: SeatRights(
+        "controller", frozenset(ActKind), leads=True, sees_forecast=True, posts=tuple(Post)
+    ),
+    Seat.DISPATCHER: SeatRights(
+        "controller", _OF_DISPATCHER | _BY_TELEPHONE | BY_ROLE, sees_forecast=True, posts=(Post.DISPATCHER,)
+    ),
+    Seat.STAFF: SeatRights(
+        "staff", _ON_THE_SPOT | _BY_TELEPHONE | BY_ROLE, posts=(Post.OPERATOR, Post.PILOT)
+    ),
+    Seat.DRIVER: SeatRights("crew", OF_OWN_UNIT | {ActKind.REPAIR_POINTS} | BY_ROLE, posts=(Post.DRIVER,)),
     Seat.GUEST: SeatRights(),
 }
+
+
+def may_be(seat: Seat, post: str, unit: str) -> bool:
+    """Whether the holder of a seat, a driver's that of this unit, may take a role of substitute working."""
+    return is_post(post, *RIGHTS[seat].posts) and (seat is not Seat.DRIVER or place_of(post) == unit)

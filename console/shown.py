@@ -8,6 +8,7 @@ from typing import Final
 
 import msgspec
 
+from console.books import posts_drawn, roles_taken, works_drawn, works_shown
 from console.cab import cab_of, wait_ja
 from console.line_seen import LineSeen, SeenEvent
 from console.protocol import (
@@ -32,6 +33,7 @@ from console.seats import RIGHTS, Seat
 from console.session import Session
 from network.model import Line, Section
 from simulation.faults.fault import Names
+from simulation.faults.script import BY_ROLE
 from simulation.faults.table import KINDS
 from simulation.judge.checkers import Checker
 from simulation.setup import STEPS_PER_S, Setup
@@ -97,11 +99,13 @@ def state_for(moment: DeskMoment, seat: Seat, had: SentSoFar, unit: str = "") ->
 
 def _of_cab(known: State, unit: str) -> State:
     """What the driver of a unit knows of it: the unit's own part."""
+    own = tuple(train for train in known.trains if train.unit == unit)
     return msgspec.structs.replace(
         known,
         sections=tuple(section for section in known.sections if section.unit == unit),
-        trains=tuple(train for train in known.trains if train.unit == unit),
+        trains=own,
         bids=(),
+        works=tuple(work for work in known.works if work.train in {train.train for train in own}),
     )
 
 
@@ -134,6 +138,8 @@ def moment_of(
         sections=line.sections,
         trains=line.trains,
         bids=line.bids(session.now_s),
+        roles=roles_taken(session),
+        works=works_shown(session),
     )
     truth = msgspec.structs.replace(
         known,
@@ -224,9 +230,12 @@ def welcome_of(session: Session, seat: Seat) -> Welcome:
     """What does not change while the run goes on, for a seat."""
     scenario, rights = session.scenario, RIGHTS[seat]
     drawn = drawn_line(scenario.setup, seat, scenario.id, scenario.name, session.names.units)
+    posts = posts_drawn(session, seat)
     return msgspec.structs.replace(
         drawn,
-        acts=tuple(sorted(kind.value for kind in rights.acts)),
+        acts=tuple(sorted(kind.value for kind in rights.acts - (frozenset() if posts else BY_ROLE))),
+        works=works_drawn(scenario.setup) if posts else (),
+        posts=posts,
         faults=_faults(session.names) if rights.leads else (),
         leads=rights.leads,
     )

@@ -36,6 +36,7 @@ ROOT: Final = Path(__file__).resolve().parents[1]
 FILE: Final = Path("docs/studies/accidents.md")
 LISTS: Final = ROOT / "documents/station_lists"
 UNCHECKED: Final = (SignalDeed.SEND_OFF.value, SignalDeed.SUBSTITUTE.value)  # by the machine
+SIGNS: Final = MappingProxyType({"o": "the accident, as published", "x": "trains collide in this run"})
 Change = Callable[[Setup], Setup]
 
 
@@ -150,7 +151,7 @@ def picture(accident: Accident, runs: Mapping[str, FinishedRun], file: Path) -> 
     shown = [
         (label, ReportedRun(line, run.scenario.setup.timetable, run.tables)) for label, run in runs.items()
     ]
-    train_graphs(file, shown, accident.window_s, marks=marks)
+    train_graphs(file, shown, accident.window_s, marks=marks, meanings=SIGNS)
 
 
 def sensitivity(accident: Accident) -> Iterator[str]:
@@ -281,7 +282,7 @@ BAD_AIBLING: Final = Accident(
     within_s=30.0,
     km=30.3,
     within_m=200.0,
-    window_s=(6 * 3600 + 42 * 60.0, 6 * 3600 + 58 * 60.0),
+    window_s=(6 * 3600 + 37 * 60.0, 6 * 3600 + 60 * 60.0),
 )
 ACCIDENTS: Final = (SHIGARAKI, BAD_AIBLING)
 

@@ -165,6 +165,24 @@ HAZARDS: Final = (
         ),
     ),
     Hazard(
+        "On a line with line signals and no units two trains are let into one section",
+        "a train is sent off past a signal at stop, or by the substitute aspect, which no machine checks",
+        "the machine clears one end of a section and counts trains in and out; where a train leaves at stop, a detector"
+        " of wrong departures holds the other end at stop. Nothing restrains the train that is sent off: by units or a"
+        " centre it has no authority",
+        ("simulation.line_signals.machine", "simulation.line_signals.working"),
+        (Checker.ONE_TRAIN_A_SECTION, Checker.SUMO_COLLISION),
+        (
+            "shigaraki/01_as_it_was",
+            "shigaraki/02_on_board",
+            "shigaraki/03_by_the_centre",
+            "shigaraki/04_detector_works",
+            "mangfall/01_as_it_was",
+            "mangfall/02_on_board",
+            "mangfall/03_by_the_centre",
+        ),
+    ),
+    Hazard(
         "A train that follows another in virtual blocks meets one that comes against it, or stands for ever",
         "a part of a way is granted, the rest of which is held",
         "only behind trains that run the same way, to a place where the radio reaches, and if it is proven that all can"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -28,6 +29,7 @@ from study.report.style import (
 
 DPI: Final = 110
 SHORT_S: Final = 3600.0  # of less than that, minutes are told apart
+FEW_MINUTES_S: Final = 1800.0  # of less than that, every other one is written
 _PANEL_IN: Final = 3.4
 _BAR: Final = 0.26
 _LEAST_S: Final = 0.5  # what is longer by less in every case is left out of the picture
@@ -51,13 +53,17 @@ def train_graphs(
     window_s: tuple[float, float],
     shaded_s: tuple[float, float] | None = None,
     marks: Sequence[Mapping[str, tuple[float, float]]] = (),
+    meanings: Mapping[str, str] = MappingProxyType({}),
 ) -> None:
     """As run over the plan (dashed), one panel a run; `shaded_s` is a stretch of the day to be told apart.
 
-    `marks`: for each run, signs at a time (s) and a place (m).
+    `marks`: for each run, signs at a time (s) and a place (m); `meanings`: what the first panel says of each sign.
     """
-    short = window_s[1] - window_s[0] < SHORT_S
-    band, grid = TimeBand(*window_s), TimeGrid(600, 300, 60) if short else TimeGrid(3600, 1800, 600)
+    lasts_s = window_s[1] - window_s[0]
+    of_day, of_hour = TimeGrid(3600, 1800, 600), TimeGrid(600, 300, 60)
+    of_minutes = TimeGrid(120, 60, 60)
+    grid = of_minutes if lasts_s < FEW_MINUTES_S else of_hour if lasts_s < SHORT_S else of_day
+    band = TimeBand(*window_s)
     with drawing():
         figure = Figure(figsize=(WIDTH_IN, _PANEL_IN * len(runs) + 0.2), layout="constrained")
         panels = figure.subplots(len(runs), 1, squeeze=False)[:, 0]
@@ -80,7 +86,10 @@ def train_graphs(
                 )
         for axes, signs in zip(panels, marks, strict=False):
             for sign, (at_s, place_m) in signs.items():
-                axes.plot(at_s, place_m, sign, color=RED, ms=11, mew=1.6, fillstyle="none")
+                name = {"label": meanings[sign]} if sign in meanings and axes is panels[0] else {}
+                axes.plot(at_s, place_m, sign, color=RED, ms=11, mew=1.6, fillstyle="none", **name)
+        if meanings:
+            panels[0].legend(loc="lower right", labelspacing=0.8, borderpad=0.7)
         laid_out(figure)
         for axes, run in zip(panels, shown, strict=True):
             write_numbers(axes, numbers_of(run, band))

@@ -9,7 +9,9 @@ from typing import Final
 
 from documents.page import write_page
 from simulation.people import Pause, People
-from simulation.procedure import PROCEDURES, WITHIN_STATION, ProcedureRow, Regime, before_entry
+from simulation.procedure import PROCEDURES, WITHIN_STATION, Post, ProcedureRow, Regime, before_entry
+from simulation.substitute.persons import NOT_YET_THERE
+from simulation.substitute.sight import REFUSALS
 
 FILE: Final = Path("docs/substitute-working.md")
 HEAD: Final = """\
@@ -43,6 +45,33 @@ its time includes. A step that is left out is written into the journal (`step_le
 but equipment: a unit that is not cut out does not let its train go, points do not lie for a train that nobody
 set them for. What cannot be done without it falls too: nobody agrees who was not asked, nobody acts at a
 station to which nobody came.
+"""
+PERSONS: Final = """
+## By persons
+
+{posts} are roles that a person can take over, at the desk ([desk.md](desk.md)) or in a drill; the program plays the
+others. A step in the tables waits for the person whose it is, of both operators for either, and takes the time that it
+takes the program. A role can be given back at any moment, and the program goes on from the book.
+
+```toml
+[[act]]
+kind = "take_role"
+target = "operator OGN"
+start = "06:45:00"
+
+[[act]]
+kind = "do_step"          # or leave_out_step
+target = "operator OGN"
+step = "ask"
+block = "OGN-KRS"
+train = "326M"
+start = "07:31:00"
+```
+
+A step may be done before what it needs, before what it waits for has come, or for another train than that in the book;
+the journal then has `step_out_of_order` before it. As a train is let go, what should have been done for it and was not
+counts as left out. Refused (`step_refused`) is only what equipment or bodies do not let be done: {refusals}
+([decision 184](decisions/184-persons-in-roles.md)).
 """
 TAIL: Final = """
 ## The pilot's rule
@@ -110,6 +139,9 @@ def document() -> str:
         "\n## Within a station, and between it and its portal\n\n" + "\n".join(_table(WITHIN_STATION)) + "\n"
     )
     needs = ", ".join(f"`{step.value}`" for step in before_entry(Regime.TELEPHONE))
+    posts = ", ".join(f"`{post.value}`" for post in Post)
+    refusals = "; ".join((*REFUSALS, NOT_YET_THERE))
+    parts.append(PERSONS.replace("{posts}", posts).replace("{refusals}", refusals))
     parts.append(TAIL.replace("{needs}", needs))
     return "".join(parts)
 

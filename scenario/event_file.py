@@ -34,9 +34,13 @@ from simulation.events import (
     FaultBegan,
     FaultOver,
     Outside,
+    ProcedureStep,
     SignalActed,
     SignalPassed,
     SignalShows,
+    StepLeftOut,
+    StepOutOfOrder,
+    StepRefused,
     authors_of,
     word_of,
 )
@@ -46,6 +50,7 @@ from simulation.faults.script import WORDS_HELP, ActKind, Matcher, matcher_of
 from simulation.faults.table import FAULTS
 from simulation.line_signals.machine import Aspect
 from simulation.line_signals_settings import SignalDeed
+from simulation.procedure import WorkingStep
 from wayside import said
 from wayside.config import MANAGER_ID
 from wayside.register import ReentryStage, UnitStanding
@@ -70,6 +75,7 @@ _NAMED: Final[Mapping[str, Callable[[Names], Collection[str]]]] = {
     "signal_id": lambda names: names.signals,
     "stops": lambda names: names.signals,
     "lever_id": lambda names: names.levers,
+    "block": lambda names: tuple(sorted({block for _, block in names.steps})),
 }
 
 
@@ -105,6 +111,10 @@ _WORDS: Final[Mapping[tuple[EventType, str], tuple[object, ...]]] = {
     (FaultBegan, "kind"): tuple(FAULTS),
     (FaultOver, "kind"): tuple(FAULTS),
     (Acted, "act"): tuple(kind.value for kind in ActKind),
+    **{
+        (event, "step"): tuple(step.value for step in WorkingStep)
+        for event in (ProcedureStep, StepLeftOut, StepOutOfOrder, StepRefused)
+    },
     (SignalActed, "does"): tuple(deed.value for deed in SignalDeed),
     (SignalShows, "aspect"): tuple(aspect.value for aspect in Aspect),
     (SignalPassed, "aspect"): tuple(aspect.value for aspect in Aspect),
@@ -204,7 +214,7 @@ def _check_target(file: str, key: str, event: EventType, data: Mapping[str, Any]
     if target is None or event not in (FaultBegan, FaultOver, Acted):
         return
     if event is Acted:
-        known = ("", *names.units, *names.devices, *names.points)
+        known = ("", *names.units, *names.devices, *names.points, *names.posts)
         if target not in known:
             raise InputError(file, f"{key}.target", target, one_of(known[1:], str(target)))
         return

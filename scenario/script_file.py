@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Annotated, Any, Final
 
 from pydantic import ConfigDict, Field
@@ -20,10 +21,13 @@ from network.files.quantities import DrillTime, Duration, Handle, Pace, SpeedFro
 from network.files.toml_input import Record, one_of, validate
 from scenario.event_file import matcher_in
 from scenario.fleet_file import PEOPLE
+from scenario.substitute_choice import steps_in
 from simulation.faults.fault import Fault, Names
 from simulation.faults.links import DeadZone, LinkFault
 from simulation.faults.script import (
+    BY_ROLE,
     DEFAULTS,
+    OF_STEP,
     Act,
     ActKind,
     Expectation,
@@ -59,7 +63,7 @@ class ActTable(Record):
 
     kind: Annotated[str, about("what is done")]
     start: Annotated[str | dict[str, Any], about("a time, or an event, in words or as a table")]
-    target: Annotated[str, about("unit, device or points concerned")] = ""
+    target: Annotated[str, about("unit, device or points concerned, or the role of substitute working")] = ""
     after_s: Annotated[DrillTime, about("delay after the start")] = 0.0
     person: Annotated[Title, about("who does it; some acts need two different persons")] = "controller"
     sections: Annotated[list[str], about("sections that are entered")] = Field(default_factory=list)
@@ -68,7 +72,11 @@ class ActTable(Record):
         str, about("portal by which the unit left the line; section that another is to have first")
     ] = ""
     behind: Annotated[str, about("unit that is to have that section first")] = ""
-    train: Annotated[str, about("later train of the set, as which it goes on")] = ""
+    train: Annotated[
+        str, about("later train of the set, as which it goes on; train for which a step is done")
+    ] = ""
+    step: Annotated[str, about("step of docs/substitute-working.md")] = ""
+    block: Annotated[str, about("section between stations, or station, where the step is done")] = ""
     notch: Annotated[Handle, about("above 0 power, below 0 brake; beyond the train's strongest, that")] = 0
     hold_s: Annotated[
         DrillTime, about("how long the unit then asks for no route, or is kept back at most")
@@ -104,7 +112,8 @@ class ExpectTable(Record):
 
 def names_of(setup: Setup, acts: Sequence[ActTable] = ()) -> Names:
     """Every name that a script of the scenario may use; people besides the usual ones are those who act in it."""
-    return names_in(setup, tuple(dict.fromkeys((*PEOPLE, *(act.person for act in acts)))))
+    named = names_in(setup, tuple(dict.fromkeys((*PEOPLE, *(act.person for act in acts)))))
+    return replace(named, steps=steps_in(setup))
 
 
 def script_of(
@@ -182,6 +191,10 @@ ACT_KEYS: Final[Mapping[ActKind, frozenset[str]]] = {
     ActKind.END_TRAIN: frozenset({"target", "train"}),
     ActKind.DRIVE: frozenset({"target", "notch"}),
     ActKind.DRIVE_BY_ATO: frozenset({"target"}),
+    ActKind.TAKE_ROLE: frozenset({"target"}),
+    ActKind.HAND_BACK_ROLE: frozenset({"target"}),
+    ActKind.DO_STEP: frozenset({"target", "step", "block", "train"}),
+    ActKind.LEAVE_OUT_STEP: frozenset({"target", "step", "block", "train"}),
 }
 
 
@@ -208,7 +221,10 @@ def act_of(file: str, key: str, table: ActTable, names: Names) -> Act:
         ActKind.END_TRAIN: names.units,
         ActKind.DRIVE: names.units,
         ActKind.DRIVE_BY_ATO: names.units,
+        **dict.fromkeys(BY_ROLE, names.posts),
     }
+    if kind in BY_ROLE and not names.posts:
+        raise InputError(file, f"{key}.kind", table.kind, "no such act without [substitute]")
     _check_keys(file, key, table, _ACT | ACT_KEYS[kind], kind.value)
     known = targets.get(kind)
     if known is not None and table.target not in known:
@@ -233,6 +249,8 @@ def act_of(file: str, key: str, table: ActTable, names: Names) -> Act:
         raise InputError(file, f"{key}.position", table.position, "normal or reverse")
     if kind in (ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION) and not table.sections:
         raise InputError(file, f"{key}.sections", table.sections, "the sections that are entered")
+    if kind in OF_STEP:
+        _check_step(file, key, table, names)
     trigger = _trigger(file, f"{key}.start", table.start, table.after_s, names)
     sections = tuple(table.sections)
     return Act(
@@ -248,7 +266,22 @@ def act_of(file: str, key: str, table: ActTable, names: Names) -> Act:
         table.behind,
         table.train,
         table.notch,
+        table.step,
+        table.block,
     )
+
+
+def _check_step(file: str, key: str, table: ActTable, names: Names) -> None:
+    """The role has this step in that section or station, and the train exists."""
+    blocks = [block for post, block in names.steps if post == table.target]
+    if table.block not in blocks:
+        raise InputError(file, f"{key}.block", table.block, one_of(blocks, table.block))
+    steps = names.steps[table.target, table.block]
+    if table.step not in steps:
+        expected = f"a step of {table.target} in {table.block}: {one_of(steps, table.step)}"
+        raise InputError(file, f"{key}.step", table.step, expected)
+    if table.train and table.train not in names.trains:
+        raise InputError(file, f"{key}.train", table.train, one_of(names.trains, table.train))
 
 
 def _expectation(file: str, key: str, table: ExpectTable, names: Names, setup: Setup) -> Expectation:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from network.errors import InputError
 from network.files.toml_input import one_of
 from simulation.procedure import PROCEDURES, WITHIN_STATION
 from simulation.setup import Setup
 from simulation.substitute.hops import RunsThrough, hops_of
+from simulation.substitute.work import steps_by_post
 from simulation.world.roster import drawn_up
 
 
@@ -46,3 +49,13 @@ def check_substitute(file: str, setup: Setup) -> None:
         if left.train and left.train not in setup.timetable.trains:
             expected = f"a train: {one_of(sorted(setup.timetable.trains), left.train)}"
             raise InputError(file, f"{key}.train", left.train, expected)
+
+
+def steps_in(setup: Setup) -> Mapping[tuple[str, str], tuple[str, ...]]:
+    """By post and section or station, the steps of substitute working that are that post's; none without it."""
+    if setup.substitute is None or setup.line_signals is not None:
+        return {}
+    try:
+        return steps_by_post(hops_of(drawn_up(setup, setup.line)), setup.substitute)
+    except RunsThrough:  # which `check_substitute` refuses
+        return {}

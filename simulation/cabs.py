@@ -24,6 +24,7 @@ from simulation.world.roster import Duty
 from simulation.world.stage import World
 
 CREW: Final = "crew "
+_SEES_TRAIN: Final = "the track ahead: the driver sees a train on it"
 _LOST: Final = "it has lost its durable state, and people must commission it"
 
 
@@ -41,6 +42,7 @@ class Cabs:
         self._about_to: set[tuple[Pause, int]] = set()  # what a crew is going to do, by its slot
         self._timer_steps: dict[int, int] = {}
         self._wakes: set[int] = set()  # slots whose unit has a timer running
+        self._cut_out: set[int] = set()
         self._frozen: dict[int, list[tuple[Sequence[Person | Sensed], Sequence[bytes]]]] = {}
 
     def tell(
@@ -130,6 +132,10 @@ class Cabs:
         """A driver whose unit is cut out looks out for trains, or no longer does."""
         (self._crew.on_sight.add if by_hand else self._crew.on_sight.discard)(slot)
 
+    def unit_cut_out(self, slot: int, *, out: bool) -> None:
+        """A driver has cut the unit out, and goes when people let him, or in again."""
+        (self._cut_out.add if out else self._cut_out.discard)(slot)
+
     # what is seen of a unit ----------------------------------------------------------------------------------------
 
     def answers(self, slot: int) -> bool:
@@ -143,8 +149,7 @@ class Cabs:
     def waits_for(self, slot: int) -> str:
         """What the train waits for by what its unit shows and its driver sees; what ails a unit that shows nothing."""
         if slot in self._on_board.unpowered:
-            lost = slot in self._on_board.uncommissioned
-            return f"its unit: {_LOST}" if lost else "its unit to be switched on"
+            return self._waits_without_unit(slot)
         if slot in self._frozen:
             return "its unit, which is frozen"
         if slot in self._on_board.numberless:
@@ -152,9 +157,16 @@ class Cabs:
         if self._charging is not None and self._charging.empty(slot):
             return "power: its battery is empty"
         if self._crew.sees_train(slot):
-            return "the track ahead: the driver sees a train on it"
+            return _SEES_TRAIN
         others = "".join(f"; {device}: {_LOST}" for device in sorted(self._wayside.uncommissioned))
         return self._on_board.shown_to_driver(slot).waits_for + others
+
+    def _waits_without_unit(self, slot: int) -> str:
+        if slot in self._cut_out:
+            sees = self._crew.sees_train(slot)
+            return _SEES_TRAIN if sees else "leave by people or a signal: its unit is cut out"
+        lost = slot in self._on_board.uncommissioned
+        return f"its unit: {_LOST}" if lost else "its unit to be switched on"
 
     # crews ----------------------------------------------------------------------------------------------------------
 

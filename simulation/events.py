@@ -175,14 +175,26 @@ class ProcedureStep(Noted, frozen=True, kw_only=True, tag="procedure_step"):
     train: str = ""
 
 
-class StepLeftOut(Noted, frozen=True, kw_only=True, tag="step_left_out"):
-    """A step of substitute working was left out, and people go on as though it had been done."""
+class StepNoted(Noted, frozen=True, kw_only=True):
+    """What is written of a step of substitute working that is not simply done; `why`: what is wrong with it."""
 
     block: str
     step: str
     why: str
     unit_id: str = ""
     train: str = ""
+
+
+class StepLeftOut(StepNoted, frozen=True, kw_only=True, tag="step_left_out"):
+    """A step of substitute working was left out, and people go on as though it had been done."""
+
+
+class StepOutOfOrder(StepNoted, frozen=True, kw_only=True, tag="step_out_of_order"):
+    """A person does the step of substitute working that is written next, before what its table has it wait for."""
+
+
+class StepRefused(StepNoted, frozen=True, kw_only=True, tag="step_refused"):
+    """A person wanted to do a step of substitute working, and it cannot be done."""
 
 
 class CutOut(Noted, frozen=True, kw_only=True, tag="cut_out"):
@@ -318,7 +330,9 @@ WorldEvent = (
     | SignalPassed
     | WrongDeparture
 )
-PersonEvent = Acted | PointsSetByHand | ProcedureStep | StepLeftOut | SignalActed
+PersonEvent = (
+    Acted | PointsSetByHand | ProcedureStep | StepLeftOut | StepOutOfOrder | StepRefused | SignalActed
+)
 Event = notes.Note | said.Note | WorldEvent | PersonEvent | Sent
 EventType = type[Noted]
 

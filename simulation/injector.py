@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -16,7 +16,16 @@ from simulation.events import WORLD, Acted, FaultBegan, FaultOver, JournalEntry
 from simulation.faults.commissioning import ServiceRecord
 from simulation.faults.devices import PowerFault
 from simulation.faults.points import PointsFault
-from simulation.faults.script import Act, ActKind, ItemCourse, Script, ScriptedFault, Trigger, TriggerWatch
+from simulation.faults.script import (
+    BY_ROLE,
+    Act,
+    ActKind,
+    ItemCourse,
+    Script,
+    ScriptedFault,
+    Trigger,
+    TriggerWatch,
+)
 from simulation.pauses import Pauses
 from simulation.people import Pause
 from simulation.platforms import Platforms
@@ -49,8 +58,15 @@ class Injector:
     """The script of one run; the loop hands it each script item that has come due."""
 
     def __init__(
-        self, script: Script, world: World, cabs: Cabs, duties: Duties, platforms: Platforms
+        self,
+        script: Script,
+        world: World,
+        cabs: Cabs,
+        duties: Duties,
+        platforms: Platforms,
+        by_role: Callable[[Act, int], None] | None = None,
     ) -> None:
+        self._by_role = by_role  # what persons do as those who work a line by substitute working
         self._faults = list(script.faults)
         self._acts = list(script.acts)  # and those added during the run
         self._step = 0  # the present one
@@ -197,6 +213,12 @@ class Injector:
     def _act(self, act: Act) -> None:
         acted = Acted(act=act.kind.value, target=act.target, section_ids=act.sections, notch=act.notch)
         self._journal.write(self._step / STEPS_PER_S, act.person, acted)
+        if act.kind not in BY_ROLE:
+            self._act_at_equipment(act)
+        elif self._by_role is not None:
+            self._by_role(act, self._step)
+
+    def _act_at_equipment(self, act: Act) -> None:
         match act.kind:
             case ActKind.BAR_UNIT | ActKind.UNBAR_UNIT:
                 said = BarUnit if act.kind is ActKind.BAR_UNIT else UnbarUnit

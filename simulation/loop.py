@@ -104,9 +104,10 @@ class Simulation:
         self._closed = False
         self._collisions: tuple[str, ...] = ()
         script = replace(setup.script, faults=(*setup.script.faults, *day.failures))
-        self.injector: Final = Injector(script, world, self._cabs, self._duties, self._platforms)
-        self.staff: Final = Staff(world, self.injector) if setup.people.react else None
         self.by_people: Final = worked_by_people(world, self._cabs, self._duties)
+        by_role = None if self.by_people is None else self.by_people.act
+        self.injector: Final = Injector(script, world, self._cabs, self._duties, self._platforms, by_role)
+        self.staff: Final = Staff(world, self.injector) if setup.people.react else None
 
     @property
     def step(self) -> int:

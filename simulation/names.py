@@ -2,29 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 from network.graph import all_routes
 from simulation.faults.cable import stretches_of
 from simulation.faults.fault import Names
 from simulation.setup import Setup
 from wayside.config import MANAGER_ID
 
-OF_LINE: Final = (
-    "tags",
-    "markers",
-    "points",
-    "sections",
-    "stations",
-    "pieces",
-)  # it has them under the same names
-
 
 def names_in(setup: Setup, people: tuple[str, ...] = ()) -> Names:
     """Every name that a script of the setup may use; `people` are those who act in it."""
     line, timetable, as_before = setup.line, setup.timetable, setup.line_signals
     terminals = sorted({points.terminal_id for points in line.points.values()})
-    of_line = {kind: tuple(map(str, getattr(line, kind))) for kind in OF_LINE}
     return Names(
         units=tuple(diagram.stock_id for diagram in timetable.diagrams),
         devices=(MANAGER_ID, *terminals),
@@ -36,5 +24,10 @@ def names_in(setup: Setup, people: tuple[str, ...] = ()) -> Names:
         cable=stretches_of(line),
         networks=setup.networks,
         chargers=() if setup.battery is None else tuple(line.chargers),
-        **of_line,
+        tags=tuple(map(str, line.tags)),
+        markers=tuple(map(str, line.markers)),
+        points=tuple(line.points),
+        sections=tuple(line.sections),
+        stations=tuple(line.stations),
+        pieces=tuple(line.pieces),
     )

@@ -42,6 +42,27 @@ class ActingRole(StrEnum):
     DRIVER = "driver"
 
 
+class Post(StrEnum):
+    """Who a person at the desk can be: a role at a place, of which the program plays all that nobody has taken."""
+
+    DISPATCHER = "dispatcher"
+    OPERATOR = "operator"  # at one end of a section
+    PILOT = "pilot"  # of one section
+    DRIVER = "driver"  # of one unit
+
+
+POST_OF: Final[Mapping[ActingRole, Post]] = MappingProxyType(
+    {
+        ActingRole.DISPATCHER: Post.DISPATCHER,
+        ActingRole.OPERATORS: Post.OPERATOR,
+        ActingRole.SENDING: Post.OPERATOR,
+        ActingRole.RECEIVING: Post.OPERATOR,
+        ActingRole.PILOT: Post.PILOT,
+        ActingRole.DRIVER: Post.DRIVER,
+    }
+)
+
+
 class Part(Enum):
     """When a step is due."""
 

@@ -1,6 +1,7 @@
 // A seat at the desk: who it is stands in the address (?seat=dispatcher&lang=ja), a token behind its #.
 import { cab } from "./driver.js";
 import { actForm, armForm, changeForm, faultForm, messageForm } from "./forms.js";
+import { procedure } from "./procedure.js";
 import { scorePage } from "./score.js";
 import { schematic, trainGraph } from "./schematic.js";
 import { element } from "./tables.js";
@@ -16,7 +17,7 @@ const say = (english, values = {}) => words.say(english, values, "desk");
 const make = (...parts) => element(document, ...parts);
 const paces = [0, 1, 5, 10, 60];
 const TOGETHER = ["pace", "one_step", "run_to", "go_back"]; // what both do of two runs side by side
-let ask, built = false, last = null, alarmed = 0, wasDefined = null, inCab = null, read = 0;
+let ask, built = false, last = null, alarmed = 0, wasDefined = null, inCab = null, steps = null, read = 0;
 document.documentElement.lang = lang;
 
 const address = (changed) => `?${new URLSearchParams({ seat: seat ?? "", ...(unit ? { unit } : {}), ...(run ? { run } : {}), lang, ...changed })}${location.hash}`;
@@ -93,8 +94,9 @@ function build(known) {
       : [button(say("save as a drill"), () => tell("save", { id: `desk_${welcome.run}`, title: welcome.name })), button(say("protocol"), protocol)]),
     make("span", { class: "grow" }), make("a", { href: address({ lang: lang === "ja" ? "en" : "ja" }), lang: lang === "ja" ? "en" : "ja" }, lang === "ja" ? "English" : "日本語"));
   inCab = seat === "driver" ? cab(welcome, words, tell) : null;
+  steps = welcome.posts.length ? procedure(welcome, words, tell, unit) : null;
   const side = make("section", { class: "side", "aria-label": say("what can be done") }, make("p", { class: "answer", role: "status", "aria-live": "polite" }),
-    ...(inCab ? [inCab.host] : []), ...(breaks ? [make("label", { for: "hit" }, say("Click a section, points, train or device to break it, or choose:")), anyTarget(welcome)] : []), make("div", { id: "fault" }),
+    ...(inCab ? [inCab.host] : []), ...(steps ? [steps.host] : []), ...(breaks ? [make("label", { for: "hit" }, say("Click a section, points, train or device to break it, or choose:")), anyTarget(welcome)] : []), make("div", { id: "fault" }),
     make("div", { id: "messages", role: "log", "aria-live": "polite" }),
     ...(welcome.acts.length ? [actForm(welcome, words, tell, lead)] : []), ...(breaks ? [messageForm(words, tell), armForm(welcome, words, tell)] : []), make("div", { id: "deeds" }));
   document.querySelector("main").replaceChildren(
@@ -194,6 +196,7 @@ function show(known, reason) {
   at(".graph").replaceChildren(trainGraph(known, words, run ? { width: 560, height: 160 } : {}));
   keptFocus(at(".trains"), trainTable(known));
   if (inCab && state.cab) inCab.show(state.cab);
+  if (steps) steps.show(state);
   if (state.messages.length !== read) at("#messages").replaceChildren(...state.messages.slice(-3).map((one) => make("p", { class: "said" }, `✉ ${clock(one.time_s, true)} ${one.text}`)));
   read = state.messages.length;
   at(".log").replaceChildren(eventList(known));

@@ -6,6 +6,7 @@ const ACT_FIELDS = {
   power_on: ["party"], commission: ["party"], repair_points: ["points", "position"], enter_section: ["unit?", "sections"],
   reenter_by_hand: ["pace"], reenter_assisted: ["pace"], bar_unit: ["unit"], unbar_unit: ["unit"], haul_away: ["unit"], give_back: ["unit", "hold"],
   hold_train: ["unit", "hold", "behind", "over"], let_go: ["unit"], end_train: ["unit", "train"], drive: ["unit", "notch"], drive_by_ato: ["unit"],
+  take_role: ["role"], hand_back_role: ["role"], do_step: ["role", "step", "block", "train?"], leave_out_step: ["role", "step", "block", "train?"],
 };
 // Acts under the name that a dispatcher has for them: a train is confirmed as stabled by what it holds, its track.
 const PRESETS = { confirm_stabled: { kind: "confirm_holding", fields: ["unit", "track"] } };
@@ -76,7 +77,9 @@ export function actForm(welcome, words, ask, lead) {
     hold: () => element(document, "input", { id: "act-hold_s", type: "number", value: 300, min: 0 }), pace: () => element(document, "input", { id: "act-pace_s", type: "number", min: 0, step: 0.1, placeholder: "–" }),
     person: () => choice("act-person", ["controller", "staff", "crew"]), behind: () => choice("act-behind", ["", ...welcome.units]),
     over: () => choice("act-place", ["", ...welcome.sections.map((s) => s.id)]), track: () => choice("act-sections", welcome.sections.filter((s) => s.kind === "track").map((s) => s.id)),
-    train: () => choice("act-train", welcome.plan.map((one) => one.train)), notch: () => element(document, "input", { id: "act-notch", type: "number", value: 0, min: -10, max: 10, step: 1 }),
+    train: () => choice("act-train", welcome.plan.map((one) => one.train)), "train?": () => choice("act-train", ["", ...welcome.plan.map((one) => one.train)]),
+    role: () => choice("act-target", welcome.posts.map((one) => one.post)), block: () => choice("act-block", welcome.works.map((one) => one.block)),
+    step: () => choice("act-step", [...new Set(welcome.works.flatMap((one) => one.rows.map((row) => row.step)))]), notch: () => element(document, "input", { id: "act-notch", type: "number", value: 0, min: -10, max: 10, step: 1 }),
   };
   const fill = () => rest.replaceChildren(...[...(PRESETS[kindBox.value]?.fields ?? ACT_FIELDS[kindBox.value]), ...(lead ? ["person"] : [])].map((name) => {
     const node = makes[name]();
@@ -94,7 +97,7 @@ export function actForm(welcome, words, ask, lead) {
       if (name === "sections") act.sections = [...node.selectedOptions].map((option) => option.value);
       else if (node.value !== "") act[name] = node.type === "number" ? Number(node.value) : node.value;
     }
-    const spoken = [actName(kindBox.value, words), act.target, ...(act.sections ?? []), act.position, act.behind, act.place, act.train, act.notch].filter(Boolean).join(" ");
+    const spoken = [actName(kindBox.value, words), act.target, ...(act.sections ?? []), act.position, act.behind, act.place, act.step, act.block, act.train, act.notch].filter(Boolean).join(" ");
     readBack(form, words.say("Read back: {what}", { what: spoken }, "desk"), words, () => ask("act", { act }));
   });
   return form;

@@ -19,6 +19,7 @@ export function scorePage(score, words) {
     ...table(say("what was done"), [say("time"), say("act")], score.deeds.map((one) => [clock(one.time_s, true), told(one)])),
     ...table(say("wrong entries"), [say("time"), say("seat"), say("why")], [...score.refused_acts, ...score.refused_words].map((one) => [clock(one.time_s, true), one.seat, one.why])),
     ...table(say("irregular acts"), [say("act"), say("times")], Object.entries(score.irregular).map(([kind, n]) => [words.say(kind, {}, "act"), n])),
+    ...table(say("steps left out, out of order or refused"), [say("time"), say("who"), say("step")], score.steps.map((one) => [clock(one.time_s, true), one.who, told(one)])),
     ...table(say("rules broken"), [say("checkers"), say("times")], broken.map((rule) => [rule.rule, rule.broken])),
     make("p", {}, `${say("digest")}: ${score.digest || "–"}`));
 }

@@ -10,8 +10,8 @@ set back; it is computed again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
@@ -44,6 +44,15 @@ class Names:
     levers: tuple[str, ...] = ()  # direction levers
     chargers: tuple[str, ...] = ()  # stations that have one, where sets run on batteries
     networks: tuple[str, ...] = ("first",)  # that trains have a radio of
+    # With substitute working: by post and section or station, the steps that are that post's there.
+    steps: Mapping[tuple[str, str], tuple[str, ...]] = field(
+        default_factory=dict[tuple[str, str], tuple[str, ...]]
+    )
+
+    @property
+    def posts(self) -> tuple[str, ...]:
+        """Those who work a line by substitute working, each at its place."""
+        return tuple(sorted({post for post, _ in self.steps}))
 
 
 @dataclass(frozen=True, slots=True)

@@ -51,6 +51,10 @@ class ActKind(Enum):
     END_TRAIN = "end_train"
     DRIVE = "drive"
     DRIVE_BY_ATO = "drive_by_ato"
+    TAKE_ROLE = "take_role"
+    HAND_BACK_ROLE = "hand_back_role"
+    DO_STEP = "do_step"
+    LEAVE_OUT_STEP = "leave_out_step"
 
 
 ACT_MEANINGS: Final[Mapping[ActKind, str]] = {
@@ -73,7 +77,16 @@ ACT_MEANINGS: Final[Mapping[ActKind, str]] = {
     ActKind.END_TRAIN: "controller: this unit's train ends where it stands, its set goes on as a later one",
     ActKind.DRIVE: "crew: drive by hand, with this notch",
     ActKind.DRIVE_BY_ATO: "crew: leave the driving to the law that the scenario has for the stock",
+    ActKind.TAKE_ROLE: "anybody: be this one of substitute working, whose steps then wait for the person",
+    ActKind.HAND_BACK_ROLE: "anybody: be this one no more; the program plays on",
+    ActKind.DO_STEP: "who has the role: do a step of substitute working, in its turn or not",
+    ActKind.LEAVE_OUT_STEP: "who has the role: go on as though a step had been done",
 }
+# What a person does as one of those who work a line by substitute working.
+BY_ROLE: Final = frozenset(
+    {ActKind.TAKE_ROLE, ActKind.HAND_BACK_ROLE, ActKind.DO_STEP, ActKind.LEAVE_OUT_STEP}
+)
+OF_STEP: Final = frozenset({ActKind.DO_STEP, ActKind.LEAVE_OUT_STEP})
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,6 +159,8 @@ class Act:
     behind: str = ""
     train: str = ""
     notch: int = 0
+    step: str = ""
+    block: str = ""
 
 
 class Property(Enum):

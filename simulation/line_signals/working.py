@@ -17,6 +17,7 @@ from simulation.agenda import AgendaKind
 from simulation.cabs import Cabs
 from simulation.duties import Duties
 from simulation.events import WORLD, SignalActed, SignalPassed, SignalShows, WrongDeparture
+from simulation.faults.script import Act
 from simulation.line_signals.machine import Aspect, Contact, SignalMachine, SignalsState
 from simulation.line_signals_settings import LineSignal, LineSignals, SignalAct, SignalDeed
 from simulation.setup import STEPS_PER_S, step_not_before
@@ -75,6 +76,9 @@ class LineSignalWorking:
         for slot, train in self._drivers.driven.items():
             self._see(slot, train, step)
         self._drivers.look(step)
+
+    def act(self, act: Act, step: int) -> None:
+        """Nobody has a role of substitute working here."""
 
     # people -----------------------------------------------------------------------------------------------------------
 

@@ -27,18 +27,26 @@ class BlockBook:
     pilot: str = ""
     ticket: bool = False
 
-    def next_row(self, rows: Sequence[ProcedureRow], *, ending: bool) -> ProcedureRow | None:
-        """The first step not in the book that is due now and has all that it needs; None: nothing is due."""
-        stands_in = self.done | self.of_train
-        parts = {Part.TRAIN} if self.hop is not None else {Part.END} if ending else {Part.BEGIN}
-        return next(
-            (
-                row
-                for row in rows
-                if row.part in parts and row.step not in stands_in and stands_in.issuperset(row.needs)
-            ),
-            None,
-        )
+    @property
+    def steps(self) -> frozenset[WorkingStep]:
+        """All that stands in it, done or left out."""
+        return self.done | self.of_train
+
+    def lacks(self, row: ProcedureRow, rows: Sequence[ProcedureRow]) -> tuple[WorkingStep, ...]:
+        """What a step needs, itself or by what it needs, and does not stand in the book; `rows`: the whole table."""
+        needed = set(row.needs)
+        for other in reversed(rows):
+            needed |= set(other.needs) if other.step in needed else set()
+        return tuple(other.step for other in rows if other.step in needed and other.step not in self.steps)
+
+    def due_rows(self, rows: Sequence[ProcedureRow], *, ending: bool) -> tuple[ProcedureRow, ...]:
+        """The steps not in the book that are due now and lack nothing, in the order of the table.
+
+        A train may be in it before all is done that begins the working, where persons have let it.
+        """
+        parts = {Part.BEGIN, Part.TRAIN} if self.hop is not None else {Part.END} if ending else {Part.BEGIN}
+        due = (row for row in rows if row.part in parts and row.step not in self.steps)
+        return tuple(row for row in due if not self.lacks(row, rows))
 
     def begun(self, rows: Sequence[ProcedureRow]) -> bool:
         """Whether trains may be taken up."""

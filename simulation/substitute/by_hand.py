@@ -63,6 +63,7 @@ class HandDriver:
         if slot in self.driven:
             return
         self._cabs.power_off(slot, step)
+        self._cabs.unit_cut_out(slot, out=True)
         if FORGETS:
             self._on_board.lose_store(slot)
         self._write(step, CutOut(unit_id=self._trains.stock_ids[slot]))
@@ -75,6 +76,7 @@ class HandDriver:
         """The driver cuts the unit in again; it has forgotten, and boots once staff have commissioned it."""
         del self.driven[slot]
         self._cabs.drives_by_hand(slot, by_hand=False)
+        self._cabs.unit_cut_out(slot, out=False)
         self._trains.truths[slot].powered = 0
         self._write(step, CutIn(unit_id=self._trains.stock_ids[slot]))
         self._duties.power_on(slot, step)

@@ -68,6 +68,8 @@ def _act(act: Act) -> dict[str, object]:
         "behind": act.behind,
         "train": act.train,
         "notch": act.notch,
+        "step": act.step,
+        "block": act.block,
     }
     table |= {key: value for key, value in own.items() if value}
     table |= {} if act.pace_s is None else {"pace_s": act.pace_s}

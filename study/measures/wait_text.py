@@ -80,6 +80,9 @@ _SENTENCES: Final[Mapping[Cause, Phrase]] = {
         "{train} stands {place} on sight until its crew sees that it can go on: its position is unknown."
     ),
     Cause.UNIT_OFF: phrase("{train} waits {place}: its on-board unit has no power."),
+    Cause.BY_HAND: phrase(
+        "{train} waits {place} for people or a signal to let it go: its on-board unit is cut out."
+    ),
     Cause.UNIT_FROZEN: phrase("{train} waits {place}: its on-board unit does nothing (frozen)."),
     Cause.ARRIVAL_BY_EYE: phrase(
         "{train} waits {place} for its driver to confirm that the whole train has arrived."

@@ -84,6 +84,7 @@ class StockView:
     emergency: bool = False
     mismatch: str = ""
     powered: bool = True
+    by_hand: bool = False  # its unit is cut out, and people let it go
     numberless: bool = False  # it has booted, and its crew has not entered the train number yet
     frozen: bool = False
     set_back: bool = False
@@ -331,6 +332,8 @@ _READERS: Final[Mapping[type[Noted], Callable[[StockView, float, Any], None]]] =
     TookEffect: _took_effect,
     events.PowerOff: _set(powered=False, numberless=False),
     events.PowerOn: _set(powered=True, emergency=True, numberless=True),
+    events.CutOut: _set(by_hand=True),
+    events.CutIn: _set(by_hand=False),
     events.FaultBegan: _fault,
     events.FaultOver: _fault_over,
 }
@@ -345,7 +348,12 @@ def subject_of(entry: JournalEntry) -> str:
             return target
         case TookEffect(receiver=receiver):
             return receiver
-        case events.DoorsHeld(unit_id=unit) | Lost(where=LostWhere.CABLE, source=str() as unit):
+        case (
+            events.CutOut(unit_id=unit)
+            | events.CutIn(unit_id=unit)
+            | events.DoorsHeld(unit_id=unit)
+            | Lost(where=LostWhere.CABLE, source=str() as unit)
+        ):
             return unit
         case said.Refused(unit_id=unit) if entry.who == MANAGER:
             return unit

@@ -204,6 +204,8 @@ class _Finder:
     def _no_unit(self) -> Cause | None:
         """Why the unit does nothing, if so."""
         view, number = self._view, Cause.NUMBER if self._view.numberless else None
+        if view.by_hand:
+            return Cause.BY_HAND
         return Cause.UNIT_OFF if not view.powered else Cause.UNIT_FROZEN if view.frozen else number
 
     def _out_of_order(self) -> tuple[Wait, float] | None:

@@ -60,6 +60,7 @@ CAUSE_COLOURS: Final[Mapping[Cause, str]] = {
     Cause.CONTRADICTION: "#5c0f0b",
     Cause.ON_SIGHT: "#009e73",
     Cause.UNIT_OFF: "#222222",
+    Cause.BY_HAND: "#6b5b95",
     Cause.UNIT_FROZEN: "#4b4b4b",
     Cause.ARRIVAL_BY_EYE: "#7fbf9f",
     Cause.QUEUE: "#e8b7a0",

@@ -40,6 +40,7 @@ class Cause(StrEnum):
     CONTRADICTION = "contradiction"  # register and unit contradict each other
     ON_SIGHT = "on sight"  # its position is unknown, and its crew looks before it goes on
     UNIT_OFF = "unit off"
+    BY_HAND = "leave by people"  # its unit is cut out, and its driver goes when people or a signal let him
     UNIT_FROZEN = "unit frozen"
     ARRIVAL_BY_EYE = "arrival by eye"  # its driver is to confirm that the whole train has arrived (到着確認)
     TURN_BACK = "turn back"  # its driver changes ends (折返し)

@@ -18,6 +18,7 @@ from simulation.judge.checkers import Checker
 from study.wording.catalogue import phrase
 from study.wording.outcome import checker_name, unsafe_text
 from study.wording.phrase import NOTHING, Names, Phrase
+from study.wording.procedure import says_text
 from study.wording.script import act_text, fault_text, value_text
 from study.wording.telegrams import telegram
 from wayside import said
@@ -45,6 +46,7 @@ _AT_POINTS: Final = {
     "token": phrase(", token {}"),
     **_WHY,
 }
+_OF_STEP: Final = {"train": phrase(" for train {}"), **_WHY}
 EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
     notes.Intervention: EventWording("intervention", phrase("{level}")),
     notes.EmergencyReleased: EventWording(
@@ -137,6 +139,19 @@ EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
         "stop",
         phrase("stands {beyond_m:.2f} m beyond the mark"),
     ),
+    events.ProcedureStep: EventWording("substitute working", phrase("to {to_whom}: {says}")),
+    events.StepLeftOut: EventWording(
+        "substitute working", phrase("{step} in {block}{train} left out{why}"), _OF_STEP
+    ),
+    events.StepOutOfOrder: EventWording(
+        "substitute working", phrase("{step} in {block}{train} out of order{why}"), _OF_STEP
+    ),
+    events.StepRefused: EventWording(
+        "substitute working", phrase("{step} in {block}{train} cannot be done{why}"), _OF_STEP
+    ),
+    events.UnitRestrains: EventWording(
+        "substitute working", phrase("{unit_id} is told to go, and its unit does not let it")
+    ),
     events.SignalActed: EventWording(
         "act",
         phrase("{does}{signal_id}{lever_id}"),
@@ -194,6 +209,8 @@ def _values(event: Noted, names: Names) -> dict[str, object]:
             return {"fault": fault_text(event.kind, event.target, event.parameters)}
         case events.Acted():
             return {"acted": act_text(event.act, "", event.target, event.section_ids, notch=event.notch)}
+        case events.ProcedureStep(step=step, block=block, train=train):
+            fields["says"] = says_text(step, block, train)
         case events.DoorsHeld():
             fields["until"] = clock(int(event.until_s))
         case events.Unsafe():

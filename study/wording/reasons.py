@@ -77,7 +77,7 @@ def reason(why: str) -> Phrase:
         return Phrase(f"{of.en} ({about.en})", f"{of.in_('ja')}（{about.in_('ja')}）")
     if "," in why:
         return joined_phrases(map(_said, why.split(",")))
-    return phrases_of("telegram").get(why) or party(why)
+    return phrases_of("telegram").get(why) or phrases_of("working step").get(why) or party(why)
 
 
 def _said(part: str) -> Phrase:

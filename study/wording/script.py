@@ -15,6 +15,7 @@ from study.wording.catalogue import phrase, phrase_or_name, phrases_of
 from study.wording.event_names import EVENT_NAMES
 from study.wording.parties import party
 from study.wording.phrase import NOTHING, Phrase, joined_phrases
+from study.wording.procedure import act_step, role_name, step_name
 from study.wording.reasons import reason
 
 LEVELS: Final[Mapping[int, Phrase]] = {
@@ -38,17 +39,24 @@ def fault_text(kind: str, target: object, parameters: Mapping[str, Any]) -> Phra
 
 
 def act_text(
-    act: str, person: str, target: str, sections: tuple[str, ...] = (), position: str = "", notch: int = 0
+    act: str,
+    person: str,
+    target: str,
+    sections: tuple[str, ...] = (),
+    position: str = "",
+    notch: int = 0,
+    step: Phrase = NOTHING,
 ) -> Phrase:
     """What a person does."""
     handle = phrase("notch {notch}").fill(notch=f"{notch:+d}") if notch else NOTHING
-    english = [f"{person}:" if person else "", act, target, " ".join(sections), position, handle.en]
+    english = [f"{person}:" if person else "", act, target, " ".join(sections), position, handle.en, step.en]
     name = phrase_or_name(act, "act").in_("ja")
     of = [
         _target(target) if target else "",
         "・".join(sections),
         _position(position).in_("ja"),
         handle.in_("ja"),
+        step.in_("ja"),
     ]
     by = f"{party(person).in_('ja')}：" if person else ""
     about = "、".join(filter(None, of))
@@ -58,7 +66,8 @@ def act_text(
 def item_text(item: ScriptedFault | Act) -> Phrase:
     """A fault or an act of a script."""
     if isinstance(item, Act):
-        return act_text(item.kind.value, item.person, item.target, item.sections, item.position, item.notch)
+        about = (item.sections, item.position, item.notch, act_step(item))
+        return act_text(item.kind.value, item.person, item.target, *about)
     return fault_text(item.fault.kind, item.fault.target, item.fault.parameters())
 
 
@@ -166,7 +175,8 @@ def _why(value: object) -> Phrase:
 
 
 def _signal(value: object) -> Phrase:
-    return phrase_or_name(str(value), "signal")
+    known = phrase_or_name(str(value), "signal")
+    return Phrase(known.en.replace("_", " "), known.ja)
 
 
 def _reader(value: object) -> Phrase:
@@ -192,6 +202,8 @@ _BY_FIELD: Final = {
     "aspect": _signal,
     "does": _signal,
     "after": _reader,
+    "step": step_name,
+    "to_whom": role_name,
     "by": _party,
     "target": _party,
     "source": _party,

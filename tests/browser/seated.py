@@ -4,24 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from contextlib import contextmanager
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 
 from scenario.scenario import Scenario
 from study.record.read_back import RunRead
 
+if TYPE_CHECKING:
+    from console.aside import ServedDesk
+
 WAIT_MS: Final = 500_000
 SIZE: Final = {"width": 1280, "height": 800}
 
 
 @contextmanager
-def served(what: Scenario | RunRead, beside: RunRead | None = None) -> Generator[str]:
-    """A desk, served: its address."""
+def served_desk(what: Scenario | RunRead, beside: RunRead | None = None) -> Generator[ServedDesk]:
+    """A desk, served."""
     pytest.importorskip("uvicorn", reason="the extra [console] is not installed")
     from console.aside import served as served_aside
 
     with served_aside(what, beside) as desk:
+        yield desk
+
+
+@contextmanager
+def served(what: Scenario | RunRead, beside: RunRead | None = None) -> Generator[str]:
+    """A desk, served: its address."""
+    with served_desk(what, beside) as desk:
         yield desk.page
 
 
@@ -29,6 +39,7 @@ class Seated:
     """A page at a seat."""
 
     def __init__(self, browser: Any, address: str, seat: str, language: str) -> None:  # noqa: ANN401
+        self.seat = seat
         self.page = browser.new_page(viewport=SIZE)
         self.said: list[str] = []
         self.page.on("console", lambda message: self.said.append(message.text))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from importlib.resources import files
 
-from console.protocol import SectionState, schema
+from console.protocol import SectionState, StepState, schema
 from console.seats import RIGHTS, Seat
 from simulation.faults.script import ActKind
 from study.wording.catalogue import phrases_of
@@ -15,7 +15,8 @@ BY_VALUE = {
     *(state.value for state in SectionState),
     *(seat.value for seat in Seat if seat is not Seat.GUEST),
     *("unit", "party", "points", "position", "place", "sections", "hold", "pace", "person"),
-    *("behind", "over", "track", "train", "notch", "confirm_stabled"),
+    *("behind", "over", "track", "train", "notch", "confirm_stabled", "role", "step", "block"),
+    *(state.value for state in StepState),
 }
 
 

@@ -16,7 +16,7 @@ from simulation.events import CutOut, ProcedureStep, StepLeftOut, UnitRestrains
 from simulation.judge.checkers import Checker
 from simulation.judge.log import Log
 from simulation.procedure import PROCEDURES, Regime, WorkingStep, rows_of_train
-from simulation.substitute import by_hand, players
+from simulation.substitute import by_hand, players, sight
 from simulation.substitute_settings import LeftOutStep
 from study.drilling.drill import find_drill, run_drill
 from study.runner.run import PartyLink, execute
@@ -80,7 +80,7 @@ def test_a_pilot_goes_by_road_to_where_no_train_brings_him(
     by_road: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By 指導指令式 there are no tickets: he has ridden with T1, and T3 waits for him where that came from."""
-    monkeypatch.setattr(players, "BY_ROAD", by_road)
+    monkeypatch.setattr(sight, "BY_ROAD", by_road)
     scenario = _scenario(Regime.DISPATCHER, "rtri/95b_pilots_ticket")
     setup = scenario.setup
     near = replace(setup, people=setup.people.model_copy(update={"reach_s": 300.0}))

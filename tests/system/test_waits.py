@@ -76,6 +76,7 @@ AGREES: Mapping[str, tuple[Cause, ...]] = {
     r"its crew to sign off": (Cause.SIGN_OFF,),
     r"its train to leave the line": (Cause.LEAVING,),
     r"its unit to be switched on": (Cause.UNIT_OFF,),
+    r"leave by people or a signal": (Cause.BY_HAND,),
     r"its unit, which is frozen": (Cause.UNIT_FROZEN,),
 }
 
@@ -127,6 +128,8 @@ DRILLS = (
     "rtri/52_unit_frozen",
     "rtri/53_word_without_a_place",
     "rtri/55_unit_dead_for_good",
+    "rtri/95_substitute_working",
+    "shigaraki/01_as_it_was",
     "karasuyama/28_unit_restart_out_of_coverage",
 )
 SHIPPED = (
