@@ -29,6 +29,7 @@ from simulation.events import (
     PowerOff,
     PowerOn,
     Unsafe,
+    VehicleStruck,
 )
 from simulation.setup import Setup
 from study.measures.recovery import LATE_S
@@ -40,6 +41,7 @@ from wayside.register import ReentryStage
 ALARMS: Final = (
     Unsafe,
     Collision,
+    VehicleStruck,
     said.Contradicted,
     said.NoOrderKnown,
     said.PointsUnproven,

@@ -22,11 +22,12 @@ from radio.noted import LostWhere
 from simulation.agenda import AgendaKind, Item
 from simulation.cabs import CREW, Cabs
 from simulation.carriers.carrier import Carrier, Truth
+from simulation.carriers.road import Road
 from simulation.duties import Duties, WrongEnd
 from simulation.events import WORLD, Collision, Danger, TagPassed, Unsafe
 from simulation.facts import checkers_of
 from simulation.faults.script import Act, Script, ScriptedFault
-from simulation.foreseen import ForeseenStretch, TrainMotion
+from simulation.foreseen import ForeseenStretch, Stretches, TrainMotion
 from simulation.injector import Injector
 from simulation.journal import Journal
 from simulation.late_day import late_day
@@ -38,21 +39,18 @@ from simulation.staff import Staff
 from simulation.vigil import Vigil
 from simulation.worked_by_people import worked_by_people
 from simulation.world.charging import Charging
-from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
+from simulation.world.kernel import STANDING_STEPS_MAX
 from simulation.world.records import (
     PASSED_FRONT,
     PASSED_REAR,
     PASSED_TAG,
     PASSED_TO_A_STAND,
-    TRACE,
 )
 from simulation.world.roster import drawn_up
 from simulation.world.stage import world_of
 from simulation.world.trains import SIGN
 from sumo_cfg.truth_map import NetMap
 
-TRACE_ROWS_FIRST: Final = 200_000
-SAMPLES_BACK: Final = 6000  # looked at for the last one of a train
 WATCHING_STEPS: Final = 5  # while drivers on sight look out for another train
 OPENING_S: Final = 600.0  # the run begins this long before the first thing planned
 
@@ -71,6 +69,7 @@ class Simulation:
         units: Units,
         link: str,
         journal: Journal | None = None,
+        road: Road | None = None,
     ) -> None:
         self.setup: Final = setup
         self.journal = journal or Journal()
@@ -80,7 +79,7 @@ class Simulation:
         self._limit_step = round(setup.latest_end_s / STEP_S)
         self._step = self._begin_step
         self._carrier = carrier_of(self._begin_step / STEPS_PER_S)
-        world = world_of(setup, duties, self.journal, self._carrier, parties, units)
+        world = world_of(setup, duties, self.journal, self._carrier, parties, units, road)
         self.trains: Final = world.trains
         self.wayside: Final = world.wayside
         self.on_board: Final = world.on_board
@@ -94,9 +93,8 @@ class Simulation:
         self._duties = Duties(world, self._cabs, self.checkers)
         day = late_day(setup)
         self._platforms = Platforms(world, self._cabs, day)
-        self._trace = np.zeros(TRACE_ROWS_FIRST, dtype=TRACE)
-        self._trace_used = 0
-        self._sheet = new_sheet(len(self.trains.stock_ids))
+        self._road = road
+        self._stretches = Stretches(self.trains)
         self._ahead: ForeseenStretch | None = None
         self._moved_step = self._begin_step
         self._broken: Ending | None = None
@@ -199,10 +197,7 @@ class Simulation:
 
     def sample_at(self, slot: int, step: int) -> np.void | None:
         """The last sample of a train's run until a step; None: it has not run for long, or not yet."""
-        first = max(0, self._trace_used - SAMPLES_BACK)
-        own = self._trace[first : self._trace_used]
-        own = own[(own["slot"] == slot) & (own["step"] <= step)]
-        return own[-1] if own.size else None
+        return self._stretches.sample_at(slot, step)
 
     @property
     def arrived(self) -> tuple[str, ...]:
@@ -264,7 +259,7 @@ class Simulation:
         the stretch there, as if it had been due when the stretch began; nothing else of a run depends on who foresees.
         """
         if self._ahead is None:
-            self._ahead = self._run_kernel(self._stretch_end(), self.trains.stock.copy())
+            self._ahead = self._stretches.run(self._step, self._stretch_end(), keep=True)
         return self._step + self._ahead.done
 
     def insert(self, item: ScriptedFault | Act, step: int) -> int:
@@ -291,7 +286,7 @@ class Simulation:
         """A train at a step of the stretch that was foreseen. ValueError where none was."""
         if self._ahead is None:
             raise ValueError("nobody foresees this stretch")
-        return self._ahead.motion_of(slot, step - self._step, self._sheet)
+        return self._ahead.motion_of(slot, step - self._step, self._stretches.sheet)
 
     def _check_free(self, step: int) -> None:
         if not self.is_free(step):
@@ -302,34 +297,40 @@ class Simulation:
         ahead = self._ahead
         if ahead is None or ahead.before is None or step >= self._step + ahead.done:
             return  # with nothing foreseen, what is due counts when the stretch begins
-        self.trains.stock[:] = ahead.before
-        self._trace_used = ahead.first_row
-        self._ahead = self._run_kernel(step, ahead.before)
+        self._ahead = self._stretches.again(ahead, self._step, step)
 
     def advance(self) -> None:
         """Let the kernel run to the next event, the carrier after it, then look at what happened."""
-        trains, sheet = self.trains, self._sheet
-        ahead = self._ahead or self._run_kernel(self._stretch_end(), None)
+        trains, sheet, road = self.trains, self._stretches.sheet, self._road
+        ahead = self._ahead or self._stretches.run(self._step, self._stretch_end(), keep=road is not None)
         self._ahead = None
-        done, count = ahead.done, ahead.movers
-        moving: list[int] = sheet.movers[:count].tolist()
+        hit, carried = 0, 0
+        if (
+            road is not None
+        ):  # before points are looked up for the last step, to which a stretch cut short never comes
+            carried = ahead.done - 1
+            hit = self._carry(ahead, 0, carried)
+            if hit and not self._carrier.collisions():
+                ahead, hit, carried = self._stretches.again(ahead, self._step, self._step + hit), 0, hit
+        done = ahead.done
+        moving = ahead.moving(sheet)
         both = zip(sheet.passed.tolist(), sheet.events.tolist(), strict=True)
         bits = [(slot, passed, events) for slot, (passed, events) in enumerate(both) if passed or events]
         for slot, passed, _ in bits:
-            if passed & PASSED_FRONT and trains.at_end_of_track(slot):
+            if passed & PASSED_FRONT and not hit and trains.at_end_of_track(slot):
                 self._unsafe(slot, Danger.END_OF_TRACK)
                 self._broken = Ending.END_OF_TRACK
                 return
-            if passed & PASSED_FRONT:
+            if passed & PASSED_FRONT and not hit:
                 self._cross_points(slot)
-        speeds = sheet.speeds_mps[:count, :done].tolist()
-        hit = self._carrier.run(
-            [(trains.stock_ids[s], row) for s, row in zip(moving, speeds, strict=True)], done
-        )
+        if not hit:
+            hit = self._carry(ahead, carried, done)
         self._step += hit or done
         if moving and not (self._charging is not None and self._charging.stranded(moving)):
             self._moved_step = self._step
-        if hit:  # the kernel may have run on beyond it, so its sums are no measure any more
+        if (
+            hit and self._carrier.collisions()
+        ):  # the kernel may have run on beyond it, so its sums are no measure any more
             self._observe(trains.active())
             self._collided()
             return
@@ -339,20 +340,20 @@ class Simulation:
             self._report(slot, passed, events)
         if self._charging is not None:
             self._look_at_pantographs(self._charging)
+        if road is not None:
+            road.tell()
+
+    def _carry(self, ahead: ForeseenStretch, first: int, last: int) -> int:
+        """Let the carrier run steps `first` to `last` - 1 of a stretch: after how many of it somebody must look; or 0."""
+        hit = self._carrier.run(
+            ahead.columns(self._stretches.sheet, self.trains.stock_ids, first, last), last - first
+        )
+        return first + hit if hit else 0
 
     def _stretch_end(self) -> int:
         """Where the stretch that begins now ends at the latest."""
         watched_step = self._step + WATCHING_STEPS
         return min(self.horizon_step, watched_step) if self._cabs.watch_out() else self.horizon_step
-
-    def _run_kernel(self, end_step: int, before: NDArray[np.void] | None) -> ForeseenStretch:
-        trains, steps, first_row = self.trains, end_step - self._step, self._trace_used
-        if first_row + steps * len(trains.stock_ids) > self._trace.size:
-            self._trace = np.concatenate([self._trace, np.zeros(self._trace.size, dtype=TRACE)])
-        done, self._trace_used, movers = advance(
-            trains.stock, trains.pool.track, self._sheet, self._trace, first_row, self._step, steps
-        )
-        return ForeseenStretch(done, movers, first_row, before)
 
     def _look_at_pantographs(self, charging: Charging) -> None:
         """Who moved with it up; who is on sight at a stop and held until it is down has no timer to look again."""
@@ -376,14 +377,17 @@ class Simulation:
         """The carrier's positions against the kernel's, then the worst moment of each unit's bounds to the checkers."""
         trains = self.trains
         trains.compare(slots, seen)
-        for slot, (out_m, step, *stated) in zip(slots, self._sheet.worst[: len(slots)].tolist(), strict=True):
+        for slot, (out_m, step, *stated) in zip(
+            slots, self._stretches.sheet.worst[: len(slots)].tolist(), strict=True
+        ):
             believes = slot not in self.on_board.unpowered and not trains.premises.is_false(slot)
             if believes and out_m != -math.inf:
                 self.checkers.bounds(step / STEPS_PER_S, trains.stock_ids[slot], *stated)
 
     def _collided(self) -> None:
+        struck = {} if self._road is None else {each.text: each for each in self._road.struck}
         for text in self._carrier.collisions():
-            self.journal.write(self.now_s, WORLD, Collision(text=text))
+            self.journal.write(self.now_s, WORLD, struck.get(text) or Collision(text=text))
         self._broken = Ending.COLLISION
 
     def _cross_points(self, slot: int) -> None:
@@ -462,7 +466,7 @@ class Simulation:
         cut = {stop.number for stop in self._books.stops if stop.cancelled}
         judged = () if because.of_part else tuple(n for n in (*planned, *empty) if n not in cut)
         self.checkers.finish(self.now_s, {number: number in arrived for number in judged})
-        trace = self._trace[: self._trace_used].copy()
+        trace = self._stretches.trace()
         units = (self.trains.stock_ids[slot] for slot in self.on_board.uncommissioned)
         self.journal.add_to_digest(trace.tobytes())
         return RunResult(
@@ -494,5 +498,6 @@ class Simulation:
             learned=self.on_board.learned(),
             learned_from=self.on_board.learned_from(),
             fixes=self.trains.fixes(),
+            road={} if self._road is None else self._road.totals.of,
             battery=() if self._charging is None else tuple(self._charging.records),
         )

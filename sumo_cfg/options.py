@@ -29,11 +29,11 @@ TYPE_ACCELERATION_MPS2: Final = 100.0
 TYPE_SPEED_MPS: Final = 200.0
 
 
-def sumo_command(net: Path, step_s: float = STEP_S) -> tuple[str, ...]:
+def sumo_command(net: Path, step_s: float = STEP_S, routes: Path | None = None) -> tuple[str, ...]:
     """The command for `libsumo.start`: exact motion, own authority, collisions only reported.
 
     Warnings are off: those of interest are collisions, which come from `getCollisions`, and stdout and stderr
-    stay the caller's. Errors still raise.
+    stay the caller's. Errors still raise. `routes`: a file of road vehicles.
     """
     options = {
         "net-file": str(net),
@@ -52,6 +52,8 @@ def sumo_command(net: Path, step_s: float = STEP_S) -> tuple[str, ...]:
         "xml-validation": "never",
         "xml-validation.net": "never",
     }
+    if routes is not None:
+        options |= {"route-files": str(routes), "xml-validation.routes": "never"}
     return ("sumo", *(part for name, value in options.items() for part in (f"--{name}", value)))
 
 

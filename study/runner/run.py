@@ -26,6 +26,7 @@ from radio.keys import KEY_BYTES
 from scenario.fleet_file import learned_json
 from scenario.scenario import Scenario
 from simulation.carriers.carrier import Carrier
+from simulation.carriers.road import Road
 from simulation.carriers.sumo_api import STEP_DELAY_MS, GuiWindow
 from simulation.journal import Journal
 from simulation.loop import Progress, Simulation
@@ -33,6 +34,7 @@ from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup, unit_configs
 from simulation.world.roster import drawn_up
 from study.collect.battery import battery_summary, battery_tables
+from study.collect.road import road_table
 from study.collect.energy import StockMake
 from study.collect.late import late_part, late_summary
 from study.collect.tables_of_run import tables_of
@@ -242,6 +244,7 @@ def execute(
         comparisons=opinions,
         waits=make_table("waits", waits_of(result, setup, holds)),
         **battery_tables(result.battery, setup),
+        road=road_table(result.road),
     )
     failures = broken_said(result, setup)
     summary = {
@@ -413,11 +416,15 @@ def specs_of(setup: Setup, master_key: bytes) -> tuple[PartySpec, ...]:
 
 
 def carrier_factory(
-    kind: CarrierKind, line: Line, net: Path, window: GuiWindow | None = None
+    kind: CarrierKind,
+    line: Line,
+    net: Path,
+    window: GuiWindow | None = None,
+    road: Road | None = None,
 ) -> Callable[[float], Carrier]:
     """How the loop makes its carrier, given the time at which the run begins (s).
 
-    Where the kind is `shown`, the scenery of the line is written where `window` has it.
+    Where the kind is `shown`, the scenery of the line is written where `window` has it. Plain track has no `road`.
     """
     if kind is CarrierKind.SUMO_GUI:
         from simulation.carriers.window import WindowCarrier
@@ -425,10 +432,13 @@ def carrier_factory(
         shown = window or GuiWindow()
         if shown.scenery is not None:
             shown.scenery.write_bytes(scenery_xml(line))
-        return lambda begin_s: WindowCarrier(net, begin_s, shown)
+        return lambda begin_s: WindowCarrier(net, begin_s, shown, road)
     if kind is CarrierKind.SUMO:
         from simulation.carriers.sumo import SumoCarrier
+        from simulation.carriers.sumo_road import SumoRoadCarrier
 
+        if road is not None:
+            return lambda begin_s: SumoRoadCarrier(net, begin_s, road)
         return lambda begin_s: SumoCarrier(net, begin_s)
     from simulation.carriers.plain_track import PlainTrack
 
