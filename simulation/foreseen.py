@@ -39,13 +39,6 @@ class ForeseenStretch:
         movers: list[int] = sheet.movers[: self.movers].tolist()
         return movers
 
-    def columns(
-        self, sheet: Sheet, stock_ids: Sequence[str], first: int, last: int
-    ) -> list[tuple[str, Sequence[float]]]:
-        """Their speeds, m/s, in steps `first` to `last` - 1."""
-        speeds = sheet.speeds_mps[: self.movers, first:last].tolist()
-        return [(stock_ids[slot], row) for slot, row in zip(self.moving(sheet), speeds, strict=True)]
-
     def motion_of(self, slot: int, steps: int, sheet: Sheet) -> TrainMotion:
         """A train after so many steps of the stretch, of which `sheet` tells. ValueError where it is not foreseen."""
         if self.before is None:
@@ -89,6 +82,12 @@ class Stretches:
             trains.stock, trains.pool.track, self.sheet, self._trace, first_row, step, steps
         )
         return ForeseenStretch(done, movers, first_row, before)
+
+    def columns(self, ahead: ForeseenStretch, first: int, last: int) -> list[tuple[str, Sequence[float]]]:
+        """Who moves in the stretch that was run last, and his speeds, m/s, in its steps `first` to `last` - 1."""
+        speeds = self.sheet.speeds_mps[: ahead.movers, first:last].tolist()
+        stock_ids = [self._trains.stock_ids[slot] for slot in ahead.moving(self.sheet)]
+        return list(zip(stock_ids, speeds, strict=True))
 
     def sample_at(self, slot: int, step: int) -> np.void | None:
         """The last sample of a train's run until a step; None: it has not run for long, or not yet."""

@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from host.parties import Parties
 from host.units import Units
@@ -344,10 +343,8 @@ class Simulation:
             road.tell()
 
     def _carry(self, ahead: ForeseenStretch, first: int, last: int) -> int:
-        """Let the carrier run steps `first` to `last` - 1 of a stretch: after how many of it somebody must look; or 0."""
-        hit = self._carrier.run(
-            ahead.columns(self._stretches.sheet, self.trains.stock_ids, first, last), last - first
-        )
+        """Let the carrier run a part of a stretch; after how many steps of the stretch somebody must look, or 0."""
+        hit = self._carrier.run(self._stretches.columns(ahead, first, last), last - first)
         return first + hit if hit else 0
 
     def _stretch_end(self) -> int:

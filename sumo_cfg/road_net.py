@@ -34,7 +34,7 @@ class RoadWay(Enum):
 
     @property
     def sign(self) -> int:
-        """1 to the right of DOWN, and there the lanes lie beyond the middle in the direction of DOWN (left-hand traffic)."""
+        """1 towards the right of DOWN: its lanes then lie on the DOWN side of the middle, as one drives on the left."""
         return 1 if self is RoadWay.RIGHT else -1
 
 

@@ -1,7 +1,7 @@
 """A day's road vehicles as SUMO's own: types, routes, departures, and stops of those that stall on the crossing.
 
-Nothing is left to SUMO's chance (`sigma` 0, each vehicle has its own share of the limit), so what a vehicle does follows
-from what was drawn for it, from the signals and from those ahead of it.
+Nothing is left to SUMO's chance (`sigma` 0, each vehicle has its own share of the limit), so what a vehicle does
+follows from what was drawn for it, from the signals and from those ahead of it.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _NEVER: Final = "1000000"  # s
 
 @dataclass(frozen=True, slots=True)
 class RoadVehicle:
-    """One passage. `stall_s`: how long it stands on the crossing; `patience_s`: until it drives round; 0: it does not."""
+    """One passage. `stall_s`: how long it stands on the crossing; `patience_s`: until it drives round; 0: never."""
 
     id: str
     at: RoadAt
@@ -49,7 +49,7 @@ class RoadVehicle:
 
     @property
     def free_s(self) -> float:
-        """From where its front appears, its own length into the approach, to the end of the road, if nothing stops it."""
+        """From where its front appears, its own length into the approach, to the end of the road, unhindered."""
         return (self.at.way_m - self.length_m) / (self.speed_share * self.at.road.speed_mps)
 
 

@@ -1,10 +1,10 @@
 """The road at level crossings in SUMO: vehicles stop at barriers and at nothing else, and a train may strike one.
 
-Every `LOOK_STEPS` steps of the day, whatever the trains do, each signal at a stop line is set by what the crossing shows,
-queues are counted, drivers at half barriers decide, and the detector looks at a closed crossing. While lamps flash or
-barriers move down, who can stop with his service brake does; behind lowered or rising barriers everybody stops as hard
-as it takes. Trains see nothing of it: whether a train touches a vehicle is judged from SUMO's positions of both, in every
-step in which a train is near.
+Every `LOOK_STEPS` steps of the day, whatever the trains do, each signal at a stop line is set by what the crossing
+shows, queues are counted, drivers at half barriers decide, and the detector looks at a closed crossing. While lamps
+flash or barriers move down, who can stop with his service brake does; before lowered or rising barriers everybody stops
+as hard as it takes. Trains see nothing of it: whether one touches a vehicle is judged from SUMO's positions of both, in
+every step in which it is near.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from simulation.carriers.road_totals import RoadTotals
 from simulation.carriers.sumo_api import SumoApi
 from simulation.carriers.trail import Trail
 from simulation.events import VehicleStruck
-from sumo_cfg.options import LANE_CHANGE_MODE, SPEED_MODE, STEP_S
+from sumo_cfg.options import LANE_CHANGE_MODE, STEP_S
 from sumo_cfg.road_net import RoadAt, RoadPart, RoadWay
 from sumo_cfg.road_traffic import CAR, LENGTH_M, ROUND, WIDTH_M, RoadVehicle, road_routes_xml, stall_at_m
 
@@ -62,7 +62,8 @@ class Road:
         today: Sequence[str] = (),
         detectors: ObstacleDetectors | None = None,
     ) -> None:
-        self._line, self._roads, self._shown, self._folder = line, tuple(roads), shown, folder
+        self._line, self._shown, self._folder = line, shown, folder
+        self.roads: Final = tuple(roads)
         self._seed, self._end_s, self._today = seed, end_s, tuple(today)
         self._detectors: Final = detectors
         self._known: dict[str, RoadVehicle] = {}
@@ -81,11 +82,11 @@ class Road:
 
     def routes(self, begin_s: float) -> Path:
         """Draw the vehicles of the run and write SUMO's file of them."""
-        vehicles = road_vehicles(self._roads, self._seed, self._today, begin_s, self._end_s)
+        vehicles = road_vehicles(self.roads, self._seed, self._today, begin_s, self._end_s)
         vehicles = tuple(vehicle for vehicle in vehicles if vehicle.depart_s >= begin_s)
         self._known = {vehicle.id: vehicle for vehicle in vehicles}
         path = self._folder / "road.rou.xml"
-        path.write_bytes(road_routes_xml(self._roads, vehicles))
+        path.write_bytes(road_routes_xml(self.roads, vehicles))
         return path
 
     def begin(self, api: SumoApi, begin_s: float) -> None:
@@ -120,7 +121,7 @@ class Road:
         self._near.clear()
         for unit_id, trail in self._trails.items():
             run_m = runs_m.get(unit_id, 0.0) + NEAR_M
-            for at in self._roads:
+            for at in self.roads:
                 middle_m = trail.reaches(at.piece_id, at.position_m, run_m)
                 if middle_m is None:
                     continue
@@ -134,12 +135,14 @@ class Road:
     # each step ----------------------------------------------------------------------------------------------------
 
     def stepped(self) -> bool:
-        """SUMO has made a step: whether somebody must hear of it at once, since a train struck or a detector changed."""
+        """SUMO has made a step. Whether somebody must hear of it: a train struck a vehicle, or a detector changed."""
         self._step += 1
         for vehicle_id in self._sumo.arrived():
             if (vehicle := self._known.pop(vehicle_id, None)) is not None:
                 self.totals.passed(vehicle, self._step * STEP_S)
-        hit = any([self._meets(near) for near in self._near])
+        hit = False
+        for near in self._near:
+            hit |= self._meets(near)
         if self._step % LOOK_STEPS == 0:
             self._look()
         return hit or bool(self._noticed)
@@ -155,7 +158,7 @@ class Road:
         """A vehicle stalls with its middle on the track, one that is there or another; or the one that did goes on."""
         if stands is (crossing_id in self._stalled):
             return
-        at = next(at for at in self._roads if at.crossing_id == crossing_id)
+        at = next(at for at in self.roads if at.crossing_id == crossing_id)
         vehicle, way = self._sumo.vehicle, RoadWay.RIGHT
         if not stands:
             vehicle.setSpeed(self._stalled.pop(crossing_id), GO_AHEAD_MPS)
@@ -172,7 +175,7 @@ class Road:
         self._stalled[crossing_id] = vehicle_id
 
     def _look(self) -> None:
-        for at in self._roads:
+        for at in self.roads:
             shown = self._shown.shown(at.crossing_id, self._step)
             if shown != self._shows.get(at.crossing_id):
                 self._shows[at.crossing_id] = shown

@@ -1,7 +1,7 @@
 """Which vehicles come to a crossing, when, and what their drivers do: drawn for each crossing, way and hour by itself.
 
-Arrivals are a Poisson process with the rate of the hour. Every quantity of a vehicle is drawn whether a setting asks for
-it or not, so that no setting moves another's draws.
+Arrivals are a Poisson process with the rate of the hour. Every quantity of a vehicle is drawn whether a setting asks
+for it or not, so that no setting moves another's draws.
 """
 
 from __future__ import annotations

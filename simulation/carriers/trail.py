@@ -1,4 +1,4 @@
-"""Where a train lies along its way: the pieces from its rear to its front, in metres from where it was put on the line."""
+"""Where a train lies along its way: the pieces from its rear to its front, in metres from where it was put there."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Trail:
         self.direction = self.direction.opposite
 
     def reaches(self, piece_id: str, position_m: float, run_m: float) -> float | None:
-        """Where on the way a kilometrage of a piece is, m; None where the train neither lies nor will within `run_m`."""
+        """Where on the way a kilometrage of a piece is, m; None where it neither lies nor comes within `run_m`."""
         for each in reversed(self._lies):
             if each.piece_id == piece_id:
                 return each.entry_m + along_m(self._line.pieces[piece_id], self.direction, position_m)

@@ -34,9 +34,9 @@ from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup, unit_configs
 from simulation.world.roster import drawn_up
 from study.collect.battery import battery_summary, battery_tables
-from study.collect.road import road_table
 from study.collect.energy import StockMake
 from study.collect.late import late_part, late_summary
+from study.collect.road import road_table
 from study.collect.tables_of_run import tables_of
 from study.feasibility.check import feasibility
 from study.measures.driving import driving_table
@@ -279,15 +279,20 @@ def execute(
 
 
 @contextmanager
-def simulation_of(setup: Setup) -> Generator[Simulation]:
-    """A simulation on SUMO with all parties in this process, ready to `begin`; its carrier is released at the end."""
+def simulation_of(setup: Setup, road_in: Callable[[Path], Road] | None = None) -> Generator[Simulation]:
+    """A simulation on SUMO with all parties in this process, ready to `begin`; its carrier is released at the end.
+
+    `road_in` makes the road that is carried too, with its files in a folder.
+    """
     with scratch(TEMPORARY) as folder:
-        net = net_for(setup.line, folder)
+        road = None if road_in is None else road_in(folder)
+        net = net_for(setup.line, folder, () if road is None else road.roads)
         master_key = secrets.token_bytes(KEY_BYTES)
         units = LocalUnits(unit_configs(setup, master_key))
         with parties_of(PartyLink.SIMULATED, setup.line.id, specs_of(setup, master_key), folder) as parties:
-            make = carrier_factory(CarrierKind.SUMO, setup.line, net)
-            simulation = Simulation(setup, make, parties, read_net(net), units, PartyLink.SIMULATED.value)
+            make = carrier_factory(CarrierKind.SUMO, setup.line, net, road=road)
+            link = PartyLink.SIMULATED.value
+            simulation = Simulation(setup, make, parties, read_net(net), units, link, road=road)
             try:
                 yield simulation
             finally:
