@@ -23,6 +23,7 @@ from sumo_cfg.truth_map import OF_ROAD
 from sumo_cfg.writer import PlainXml
 
 LANE_WIDTH_M: Final = 3.0
+AWAY_M: Final = 100.0  # road behind the crossing: in it a lorry that stood is as fast as the others again
 CLASSES: Final = "passenger truck"
 
 
@@ -63,7 +64,7 @@ class RoadAt:
     @property
     def way_m(self) -> float:
         """All three edges of a way, m."""
-        return 2.0 * self.road.approach_m + self.over_m
+        return self.road.approach_m + self.over_m + AWAY_M
 
     def edge(self, way: RoadWay, part: RoadPart) -> str:
         """SUMO's edge."""
@@ -96,15 +97,15 @@ class RoadAt:
         middle = alignment.positions(axis, at_m, float(lateral_m(line, piece, at_m)[0]))[0]
         right = alignment.positions(axis, at_m, 1.0)[0] - alignment.positions(axis, at_m, 0.0)[0]
         down = np.array([-right[1], right[0], 0.0])
-        far_m = self.road.stop_line_m + self.road.approach_m
+        line_m, lengths_m = self.road.stop_line_m, (self.road.approach_m, self.over_m, AWAY_M)
+        ends_m = (-line_m - self.road.approach_m, -line_m, line_m, line_m + AWAY_M)
         for way in RoadWay:
             centre = middle + way.sign * down * self.road.lanes * LANE_WIDTH_M / 2
-            for index, beyond_m in enumerate((-far_m, -self.road.stop_line_m, self.road.stop_line_m, far_m)):
+            for index, beyond_m in enumerate(ends_m):
                 x, y, z = (f"{value:.3f}" for value in centre + way.sign * right * beyond_m)
                 kind = "traffic_light" if index == 1 else "unregulated"
                 ET.SubElement(nodes, "node", id=self._node(way, index), x=x, y=y, z=z, type=kind)
             for index, part in enumerate(RoadPart):
-                over = part is RoadPart.OVER
                 attributes = {
                     "id": self.edge(way, part),
                     "from": self._node(way, index),
@@ -114,7 +115,7 @@ class RoadAt:
                     "allow": CLASSES,
                     "spreadType": "center",
                     "speed": f"{self.road.speed_mps:.3f}",
-                    "length": f"{self.over_m if over else self.road.approach_m:.3f}",
+                    "length": f"{lengths_m[index]:.3f}",
                 }
                 edge = ET.SubElement(edges, "edge", attributes)
                 ET.SubElement(edge, "param", key=OF_ROAD, value=self.crossing_id)

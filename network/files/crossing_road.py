@@ -30,7 +30,7 @@ class CrossingRoad(Record):
     speed_kmh: Annotated[SpeedKmh, about("limit of the road", "assumed: a road through villages")] = 40.0
     approach_m: Annotated[
         ApproachM,
-        about("road before the crossing, and behind it; a queue that is longer waits outside", "assumed"),
+        about("road before the crossing; a queue that is longer waits outside", "assumed: forty cars"),
     ] = 300.0
     stop_line_m: Annotated[
         StopLineM,

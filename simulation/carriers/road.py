@@ -22,11 +22,12 @@ from simulation.carriers.road_totals import RoadTotals
 from simulation.carriers.sumo_api import SumoApi
 from simulation.carriers.trail import Trail
 from simulation.events import VehicleStruck
-from sumo_cfg.options import LANE_CHANGE_MODE, STEP_S
+from sumo_cfg.options import STEP_S
 from sumo_cfg.road_net import RoadAt, RoadPart, RoadWay
-from sumo_cfg.road_traffic import CAR, LENGTH_M, ROUND, WIDTH_M, RoadVehicle, road_routes_xml, stall_at_m
+from sumo_cfg.road_traffic import CAR, ROUND, WIDTH_M, RoadVehicle, road_routes_xml, stall_at_m
 
 LOOK_STEPS: Final = 5
+COUNT_STEPS: Final = 50  # at an open crossing without a queue
 TRAIN_HALF_WIDTH_M: Final = 1.4  # half of a narrow-gauge car's 2.8 m
 NEAR_M: Final = 15.0  # beyond the middle of a crossing: its lanes, and what a train runs in a step
 STANDS_MPS: Final = 0.1  # SUMO's own bound of a halt
@@ -94,6 +95,14 @@ class Road:
         self._sumo = api
         self._step = round(begin_s / STEP_S)
         self._look()
+
+    def finish(self) -> None:
+        """The run is over: those count who have not come through too, with what they have waited until now."""
+        now_s, there = self._step * STEP_S, set(self._sumo.vehicle.getIDList())
+        for vehicle in self._known.values():
+            if vehicle.depart_s <= now_s:
+                run_m = self._sumo.vehicle.getDistance(vehicle.id) if vehicle.id in there else 0.0
+                self.totals.waited(vehicle, now_s - vehicle.depart_s - run_m / vehicle.free_mps)
 
     # trains -------------------------------------------------------------------------------------------------------
 
@@ -169,8 +178,8 @@ class Road:
         if not there:
             self._sumo.route.add(vehicle_id, at.edges(way)[1:])
             vehicle.add(vehicle_id, vehicle_id, typeID=CAR, departPos="0", departSpeed="0")
-            vehicle.moveTo(vehicle_id, lane_id, stall_at_m(at, LENGTH_M[CAR]))
-            vehicle.setLaneChangeMode(vehicle_id, LANE_CHANGE_MODE)
+        vehicle.moveTo(vehicle_id, lane_id, stall_at_m(at, vehicle.getLength(vehicle_id)))
+        vehicle.setPreviousSpeed(vehicle_id, 0.0)
         vehicle.setSpeed(vehicle_id, 0.0)
         self._stalled[crossing_id] = vehicle_id
 
@@ -179,10 +188,9 @@ class Road:
             shown = self._shown.shown(at.crossing_id, self._step)
             if shown != self._shows.get(at.crossing_id):
                 self._shows[at.crossing_id] = shown
-                self._signal(
-                    at, _SIGNAL[shown.barriers] if shown.barriers in _SIGNAL else "yG"[not shown.lamps]
-                )
-            if self._signals[at.crossing_id] != "G" or self.totals.queues(at):
+                self._signal(at, _state_for(shown))
+            counts = self.totals.queues(at) or self._step % COUNT_STEPS == 0
+            if counts or self._signals[at.crossing_id] != "G":
                 self._count(at)
             closed = shown.barriers is BarrierPosition.LOWERED
             if closed and at.road.half_barriers:
@@ -265,8 +273,8 @@ class Road:
         return math.sqrt(max(0.0, was_mps**2 + (now_mps**2 - was_mps**2) * (at_m - before_m) / run_m))
 
 
-_SIGNAL: Final = {
-    BarrierPosition.LOWERING: "y",
-    BarrierPosition.LOWERED: "r",
-    BarrierPosition.RISING: "r",
-}
+def _state_for(shown: CrossingShown) -> str:
+    """What SUMO's signal at the stop lines is then."""
+    if shown.barriers in (BarrierPosition.LOWERED, BarrierPosition.RISING):
+        return "r"
+    return "y" if shown.lamps or shown.barriers is BarrierPosition.LOWERING else "G"

@@ -31,10 +31,13 @@ class RoadTotals:
 
     def passed(self, vehicle: RoadVehicle, at_s: float) -> None:
         """A vehicle has come to the end of its road; it counts in the hour in which it wanted to come."""
+        self._total(vehicle.at.crossing_id, vehicle.depart_s).passages += 1
+        self.waited(vehicle, at_s - vehicle.depart_s - vehicle.free_s)
+
+    def waited(self, vehicle: RoadVehicle, waited_s: float) -> None:
+        """A vehicle has come so much later to where it is than if nothing had hindered it."""
         total = self._total(vehicle.at.crossing_id, vehicle.depart_s)
-        waited_s = max(0.0, at_s - vehicle.depart_s - vehicle.free_s)
-        total.passages += 1
-        total.waited_s += waited_s
+        total.waited_s += max(0.0, waited_s)
         total.waited_s_max = max(total.waited_s_max, waited_s)
 
     def queue(self, at: RoadAt, standing: Sequence[int], at_s: float) -> None:

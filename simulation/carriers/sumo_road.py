@@ -65,6 +65,12 @@ class SumoRoadCarrier(SumoCarrier):
         super().remove(unit_id)
         self._road.remove(unit_id)
 
+    def close(self) -> None:
+        """End the simulation. May be called more than once."""
+        if self._open:
+            self._road.finish()
+        super().close()
+
     def collisions(self) -> tuple[str, ...]:
         """What SUMO's own check found of trains, and which of them struck a road vehicle."""
         return (*super().collisions(), *(each.text for each in self._road.struck))

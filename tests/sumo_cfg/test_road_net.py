@@ -111,6 +111,8 @@ def test_plain_sumo_runs_the_road(roads: tuple[RoadAt, ...], net: Path, tmp_path
             net,
             "-r",
             routes,
+            "--step-method.ballistic",
+            "true",
             "--step-length",
             "0.1",
             "--tripinfo-output",

@@ -223,6 +223,22 @@ def test_a_detector_hears_of_a_vehicle_on_a_closed_crossing_alone(with_road: Wit
     assert 300 < second[1] <= 350  # in five seconds it has run clear of the track
 
 
+def test_a_vehicle_that_is_there_stalls_at_once_and_drives_on_in_the_end(with_road: WithRoad) -> None:
+    """Nobody is put there then, and whoever comes behind it waits, as it does, for what the fault lasts."""
+    run = with_road(road_of(vehicles_per_h=(900.0,), heavy_share=0.0))
+    while not (there := {v for v in run.over() if ".right." in v}):
+        run.run([], 1)
+    run.road.stall(CROSSING, stands=True)
+    run.run([], 600)
+    assert {v for v in run.over() if ".right." in v} >= there
+    run.road.stall(CROSSING, stands=False)
+    run.run([], 600)
+    assert run.over().isdisjoint(there)
+    total = run.road.totals.of[CROSSING, 0]
+    assert 60.0 < total.waited_s_max < 70.0
+    assert total.queue >= 3  # of 450 an hour, in a minute seven or eight come
+
+
 @pytest.mark.parametrize("half", [True, False])
 def test_drivers_go_round_half_barriers_when_their_patience_is_over(with_road: WithRoad, half: bool) -> None:
     road = road_of(vehicles_per_h=(300.0,), half_barriers=half, round_share=1.0, round_after_s=10.0)
