@@ -1,7 +1,7 @@
 """How SUMO is run: the one place of its options and of the vehicle type that trains have.
 
 SUMO carries trains and judges collisions, nothing else: no lane changes, no car following, no right of way,
-no teleports, no chance. What it was seen to do (1.28):
+no teleports, no chance. Road vehicles, if any, follow each other and their signals. What it was seen to do (1.28):
 
 - A standing train reverses in place in the step after its route continues on the bidi edge. The route must
   run back over every edge under the train, else it stays; the new front stands 1 mm ahead of the former rear.
