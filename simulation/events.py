@@ -114,6 +114,15 @@ class PointsSetByHand(Noted, frozen=True, kw_only=True, tag="points_set_by_hand"
     position: Position
 
 
+class BarrierState(Enum):
+    """Where the barriers of a level crossing are."""
+
+    RAISED = "raised"
+    LOWERING = "lowering"
+    LOWERED = "lowered"
+    RISING = "rising"
+
+
 class PowerOff(Noted, frozen=True, kw_only=True, tag="power_off"):
     """A device or unit lost its power."""
 

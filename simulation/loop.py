@@ -14,7 +14,6 @@ import numpy as np
 
 from host.parties import Parties
 from host.units import Units
-from network.model import PointsLeg
 from onboard.duty.records import FoundByOtherSensor, Looked, TagBelieved
 from onboard.records import EVENT_STOPPED
 from radio.noted import LostWhere
@@ -22,6 +21,7 @@ from simulation.agenda import AgendaKind, Item
 from simulation.cabs import CREW, Cabs
 from simulation.carriers.carrier import Carrier, Truth
 from simulation.carriers.road import Road
+from simulation.carriers.road_shown import ObstacleDetectors
 from simulation.duties import Duties, WrongEnd
 from simulation.events import WORLD, Collision, Danger, TagPassed, Unsafe
 from simulation.facts import checkers_of
@@ -35,6 +35,7 @@ from simulation.platforms import Platforms
 from simulation.result import Ending, RunResult, numbers_due
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.staff import Staff
+from simulation.toes import Toes
 from simulation.vigil import Vigil
 from simulation.worked_by_people import worked_by_people
 from simulation.world.charging import Charging
@@ -69,6 +70,7 @@ class Simulation:
         link: str,
         journal: Journal | None = None,
         road: Road | None = None,
+        detectors: ObstacleDetectors | None = None,
     ) -> None:
         self.setup: Final = setup
         self.journal = journal or Journal()
@@ -92,7 +94,8 @@ class Simulation:
         self._duties = Duties(world, self._cabs, self.checkers)
         day = late_day(setup)
         self._platforms = Platforms(world, self._cabs, day)
-        self._road = road
+        self._toes = Toes(world, self._unsafe)
+        self._road, self._detectors = road, detectors
         self._stretches = Stretches(self.trains)
         self._ahead: ForeseenStretch | None = None
         self._moved_step = self._begin_step
@@ -321,7 +324,7 @@ class Simulation:
                 self._broken = Ending.END_OF_TRACK
                 return
             if passed & PASSED_FRONT and not hit:
-                self._cross_points(slot)
+                self._toes.cross(slot, self._step)
         if not hit:
             hit = self._carry(ahead, carried, done)
         self._step += hit or done
@@ -340,7 +343,7 @@ class Simulation:
         if self._charging is not None:
             self._look_at_pantographs(self._charging)
         if road is not None:
-            road.tell()
+            road.tell(self._detectors)
 
     def _carry(self, ahead: ForeseenStretch, first: int, last: int) -> int:
         """Let the carrier run a part of a stretch; after how many steps of the stretch somebody must look, or 0."""
@@ -386,32 +389,6 @@ class Simulation:
         for text in self._carrier.collisions():
             self.journal.write(self.now_s, WORLD, struck.get(text) or Collision(text=text))
         self._broken = Ending.COLLISION
-
-    def _cross_points(self, slot: int) -> None:
-        """The front is about to leave its piece: over points it goes where the blades really lie."""
-        line = self.setup.line
-        before, expected = self.trains.crossing(slot)
-        leaving, entering = line.pieces[before], line.pieces[expected]
-        if leaving.leg is PointsLeg.STEM and leaving.points_id == entering.points_id and leaving.points_id:
-            points = line.points[leaving.points_id]
-            position = self.wayside.position_of(points.id)
-            if position is None:
-                self._unsafe(slot, Danger.NO_POSITION, points.id)
-                return
-            onto = points.normal_piece if position.value == "normal" else points.reverse_piece
-            if onto != expected:
-                self._unsafe(slot, Danger.WRONG_WAY, points.id)
-                self.trains.divert(slot, onto)
-                self._signs.look_ahead(slot)
-        elif (
-            leaving.points_id
-            and leaving.leg in (PointsLeg.NORMAL, PointsLeg.REVERSE)
-            and entering.leg is PointsLeg.STEM
-        ):
-            position = self.wayside.position_of(leaving.points_id)
-            if position is None or position.value != leaving.leg.value:
-                self._unsafe(slot, Danger.SET_AGAINST, leaving.points_id)
-                self.wayside.force(self._step, leaving.points_id)
 
     def _rail_is(self, slot: int, share: float) -> None:
         self.checkers.rail(self.now_s, self.trains.stock_ids[slot], share)

@@ -49,12 +49,16 @@ class RoadPart(Enum):
 
 @dataclass(frozen=True, slots=True)
 class RoadAt:
-    """A road that crosses a piece of track at a right angle; `position_m` is the kilometrage (m) of its middle."""
+    """A road that crosses a piece of track at a right angle; `position_m` is the kilometrage (m) of its middle.
+
+    `has_detector`: something sees what stands on the crossing while it is closed.
+    """
 
     crossing_id: str
     piece_id: str
     position_m: float
     road: CrossingRoad
+    has_detector: bool = False
 
     @property
     def over_m(self) -> float:

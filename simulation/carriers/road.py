@@ -17,11 +17,11 @@ from typing import Final, NamedTuple
 from network.model import Direction, Line
 from simulation.carriers.carrier import Truth
 from simulation.carriers.road_demand import road_vehicles
-from simulation.carriers.road_shown import BarrierPosition, CrossingShown, CrossingsShown, ObstacleDetectors
+from simulation.carriers.road_shown import OPEN, CrossingShown, ObstacleDetectors
 from simulation.carriers.road_totals import RoadTotals
 from simulation.carriers.sumo_api import SumoApi
 from simulation.carriers.trail import Trail
-from simulation.events import VehicleStruck
+from simulation.events import BarrierState, VehicleStruck
 from sumo_cfg.options import STEP_S
 from sumo_cfg.road_net import RoadAt, RoadPart, RoadWay
 from sumo_cfg.road_traffic import CAR, ROUND, WIDTH_M, RoadVehicle, road_routes_xml, stall_at_m
@@ -49,29 +49,29 @@ class _Near(NamedTuple):
 
 
 class Road:
-    """The roads of a run, which its carrier drives. `folder` is for SUMO's files, `detectors` for who is told."""
+    """The roads of a run, which its carrier drives; all crossings are open until they show something else.
+
+    `folder` is for SUMO's files.
+    """
 
     def __init__(
         self,
         line: Line,
         roads: Sequence[RoadAt],
-        shown: CrossingsShown,
         folder: Path,
         *,
         seed: int,
         end_s: float,
         today: Sequence[str] = (),
-        detectors: ObstacleDetectors | None = None,
     ) -> None:
-        self._line, self._shown, self._folder = line, shown, folder
+        self._line, self._folder = line, folder
         self.roads: Final = tuple(roads)
         self._seed, self._end_s, self._today = seed, end_s, tuple(today)
-        self._detectors: Final = detectors
         self._known: dict[str, RoadVehicle] = {}
         self._trails: dict[str, Trail] = {}
         self._signals: dict[str, str] = {}
-        self._shows: dict[str, CrossingShown] = {}
-        self._on_it: dict[str, bool] = {at.crossing_id: False for at in roads}
+        self._on_it = {at.crossing_id: False for at in roads}
+        self._shows: dict[str, CrossingShown] = dict.fromkeys(self._on_it, OPEN)
         self._stalled: dict[str, str] = {}  # the vehicle by crossing
         self._near: list[_Near] = []
         self._noticed: list[Noticed] = []
@@ -156,12 +156,17 @@ class Road:
             self._look()
         return hit or bool(self._noticed)
 
-    def tell(self) -> None:
+    def tell(self, detectors: ObstacleDetectors | None) -> None:
         """Tell the detectors what was noticed in the present step."""
         for crossing_id, present in self._noticed:
-            if self._detectors is not None:
-                self._detectors.obstacle(crossing_id, self._step, present=present)
+            if detectors is not None:
+                detectors.obstacle(crossing_id, self._step, present=present)
         self._noticed.clear()
+
+    def show(self, crossing_id: str, shown: CrossingShown) -> None:
+        """From now on drivers see this of a crossing; of one without a road nobody sees it."""
+        if crossing_id in self._shows:
+            self._shows[crossing_id] = shown
 
     def stall(self, crossing_id: str, *, stands: bool) -> None:
         """A vehicle stalls with its middle on the track, one that is there or another; or the one that did goes on."""
@@ -185,14 +190,12 @@ class Road:
 
     def _look(self) -> None:
         for at in self.roads:
-            shown = self._shown.shown(at.crossing_id, self._step)
-            if shown != self._shows.get(at.crossing_id):
-                self._shows[at.crossing_id] = shown
-                self._signal(at, _state_for(shown))
+            shown = self._shows[at.crossing_id]
+            self._signal(at, _state_for(shown))
             counts = self.totals.queues(at) or self._step % COUNT_STEPS == 0
             if counts or self._signals[at.crossing_id] != "G":
                 self._count(at)
-            closed = shown.barriers is BarrierPosition.LOWERED
+            closed = shown.barriers is BarrierState.LOWERED
             if closed and at.road.half_barriers:
                 self._drive_round(at)
             self._detect(at, closed=closed)
@@ -221,7 +224,7 @@ class Road:
                     vehicle.setType(first.id, first.type_id + ROUND)
 
     def _detect(self, at: RoadAt, *, closed: bool) -> None:
-        if self._detectors is None:
+        if not at.has_detector:
             return
         present = closed and any(True for _ in self._on_the_way(at))
         if present is not self._on_it[at.crossing_id]:
@@ -275,6 +278,6 @@ class Road:
 
 def _state_for(shown: CrossingShown) -> str:
     """What SUMO's signal at the stop lines is then."""
-    if shown.barriers in (BarrierPosition.LOWERED, BarrierPosition.RISING):
+    if shown.barriers in (BarrierState.LOWERED, BarrierState.RISING):
         return "r"
-    return "y" if shown.lamps or shown.barriers is BarrierPosition.LOWERING else "G"
+    return "y" if shown.lamps or shown.barriers is BarrierState.LOWERING else "G"

@@ -2,36 +2,23 @@
 
 from __future__ import annotations
 
-from enum import Enum
-from typing import NamedTuple, Protocol
+from typing import Final, NamedTuple, Protocol
 
-
-class BarrierPosition(Enum):
-    """Where the barriers (遮断かん) of a crossing are; one without barriers has them always raised."""
-
-    RAISED = "raised"
-    LOWERING = "lowering"
-    LOWERED = "lowered"
-    RISING = "rising"
+from simulation.events import BarrierState
 
 
 class CrossingShown(NamedTuple):
-    """What drivers see: barriers, and whether the lamps flash."""
+    """What drivers see: barriers, which are always raised where there are none, and whether the lamps flash."""
 
-    barriers: BarrierPosition
+    barriers: BarrierState
     lamps: bool
 
 
-class CrossingsShown(Protocol):
-    """All crossings' equipment, as it is seen from the road."""
-
-    def shown(self, crossing_id: str, step: int) -> CrossingShown:
-        """What a crossing shows at a step."""
-        ...
+OPEN: Final = CrossingShown(BarrierState.RAISED, lamps=False)
 
 
 class ObstacleDetectors(Protocol):
-    """What is told of a closed crossing: the input of its obstacle detector (障害物検知装置)."""
+    """The inputs of obstacle detectors (障害物検知装置)."""
 
     def obstacle(self, crossing_id: str, at_step: int, *, present: bool) -> None:
         """At the present step a vehicle is on the closed crossing, or is no longer."""

@@ -27,6 +27,7 @@ from scenario.fleet_file import learned_json
 from scenario.scenario import Scenario
 from simulation.carriers.carrier import Carrier
 from simulation.carriers.road import Road
+from simulation.carriers.road_shown import ObstacleDetectors
 from simulation.carriers.sumo_api import STEP_DELAY_MS, GuiWindow
 from simulation.journal import Journal
 from simulation.loop import Progress, Simulation
@@ -279,10 +280,14 @@ def execute(
 
 
 @contextmanager
-def simulation_of(setup: Setup, road_in: Callable[[Path], Road] | None = None) -> Generator[Simulation]:
+def simulation_of(
+    setup: Setup,
+    road_in: Callable[[Path], Road] | None = None,
+    detectors: ObstacleDetectors | None = None,
+) -> Generator[Simulation]:
     """A simulation on SUMO with all parties in this process, ready to `begin`; its carrier is released at the end.
 
-    `road_in` makes the road that is carried too, with its files in a folder.
+    `road_in` makes the road that is carried too, with its files in a folder; its `detectors` hear of obstacles.
     """
     with scratch(TEMPORARY) as folder:
         road = None if road_in is None else road_in(folder)
@@ -292,7 +297,9 @@ def simulation_of(setup: Setup, road_in: Callable[[Path], Road] | None = None) -
         with parties_of(PartyLink.SIMULATED, setup.line.id, specs_of(setup, master_key), folder) as parties:
             make = carrier_factory(CarrierKind.SUMO, setup.line, net, road=road)
             link = PartyLink.SIMULATED.value
-            simulation = Simulation(setup, make, parties, read_net(net), units, link, road=road)
+            simulation = Simulation(
+                setup, make, parties, read_net(net), units, link, road=road, detectors=detectors
+            )
             try:
                 yield simulation
             finally:

@@ -22,7 +22,7 @@ from simulation.world.trains import CarrierDisagrees
 from study.collect.road import road_table
 from study.runner.run import CarrierKind, PartyLink, execute, simulation_of
 from sumo_cfg.road_net import RoadAt
-from tests.simulation.carriers.roads import CROSSING, Closures, Detected, road_of
+from tests.simulation.carriers.roads import CROSSING, Closures, Detected, RoadByList, road_of
 
 pytestmark = pytest.mark.system
 
@@ -30,7 +30,7 @@ SCENARIO: Final = "rtri_test_line"
 TEN_S: Final = 36_000.0  # T1's departure
 ON_THE_WAY: Final = RoadAt(CROSSING, "6", 700.0, road_of(vehicles_per_h=(1200.0,)))
 ROUND: Final = road_of(vehicles_per_h=(900.0,), half_barriers=True, round_share=1.0, round_after_s=2.0)
-BEYOND: Final = RoadAt(CROSSING, "11", 1200.0, ROUND)
+BEYOND: Final = RoadAt(CROSSING, "11", 1200.0, ROUND, has_detector=True)
 
 
 @pytest.fixture(scope="module")
@@ -45,22 +45,15 @@ class RoadOfRun:
     at: RoadAt
     closures: Sequence[tuple[float, float]]
     setup: Setup
-    detectors: Detected | None = None
 
     def __call__(self, folder: Path) -> Road:
-        return Road(
-            self.setup.line,
-            [self.at],
-            Closures(self.closures),
-            folder,
-            seed=1,
-            end_s=self.setup.latest_end_s,
-            detectors=self.detectors,
-        )
+        made = RoadByList(self.setup.line, [self.at], folder, seed=1, end_s=self.setup.latest_end_s)
+        made.closures = Closures(self.closures)
+        return made
 
 
-def run_with(road: RoadOfRun) -> RunResult:
-    with simulation_of(road.setup, road) as simulation:
+def run_with(road: RoadOfRun, detectors: Detected | None = None) -> RunResult:
+    with simulation_of(road.setup, road, detectors) as simulation:
         return simulation.run()
 
 
@@ -118,7 +111,7 @@ def noticed(setup: Setup) -> tuple[RunResult, list[int]]:
     """A run with drivers who go round barriers where no train comes, and the steps at which the detector changed."""
     detected = Detected()
     closed = [(TEN_S - 30.0, TEN_S + 70.0)]
-    result = run_with(RoadOfRun(BEYOND, closed, setup, detected))
+    result = run_with(RoadOfRun(BEYOND, closed, setup), detected)
     return result, [step for _, step, _ in detected.told]
 
 

@@ -12,8 +12,9 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.model import Line
 from simulation.carriers.road import Road
-from simulation.carriers.road_shown import BarrierPosition, CrossingShown
+from simulation.carriers.road_shown import OPEN, CrossingShown
 from simulation.carriers.sumo_road import SumoRoadCarrier
+from simulation.events import BarrierState
 from sumo_cfg.build import net_for
 from sumo_cfg.road_net import RoadAt
 
@@ -30,7 +31,7 @@ def road_of(**settings: object) -> CrossingRoad:
 
 
 def road_at(road: CrossingRoad) -> RoadAt:
-    return RoadAt(CROSSING, PIECE, POSITION_M, road)
+    return RoadAt(CROSSING, PIECE, POSITION_M, road, has_detector=True)
 
 
 @dataclass
@@ -39,18 +40,28 @@ class Closures:
 
     times_s: Sequence[tuple[float, float]]
 
-    def shown(self, _crossing_id: str, step: int) -> CrossingShown:
-        now_s = step / 10.0
+    def shown(self, now_s: float) -> CrossingShown:
         for shut_s, until_s in self.times_s:
             if shut_s - LOWERING_S - WARNING_S <= now_s < shut_s - LOWERING_S:
-                return CrossingShown(BarrierPosition.RAISED, lamps=True)
+                return CrossingShown(BarrierState.RAISED, lamps=True)
             if shut_s - LOWERING_S <= now_s < shut_s:
-                return CrossingShown(BarrierPosition.LOWERING, lamps=True)
+                return CrossingShown(BarrierState.LOWERING, lamps=True)
             if shut_s <= now_s < until_s:
-                return CrossingShown(BarrierPosition.LOWERED, lamps=True)
+                return CrossingShown(BarrierState.LOWERED, lamps=True)
             if until_s <= now_s < until_s + RISING_S:
-                return CrossingShown(BarrierPosition.RISING, lamps=False)
-        return CrossingShown(BarrierPosition.RAISED, lamps=False)
+                return CrossingShown(BarrierState.RISING, lamps=False)
+        return OPEN
+
+
+class RoadByList(Road):
+    """A road whose crossings show what a list of times says, at each look."""
+
+    closures: Closures = Closures(())
+
+    def _look(self) -> None:
+        for at in self.roads:
+            self.show(at.crossing_id, self.closures.shown(self._step / 10.0))
+        super()._look()
 
 
 @dataclass
@@ -69,6 +80,7 @@ class Carried:
 
     road: Road
     carrier: SumoRoadCarrier
+    detectors: Detected
     steps: int = 0
 
     def run(self, columns: Sequence[tuple[str, Sequence[float]]], steps: int) -> None:
@@ -77,7 +89,7 @@ class Carried:
         while done < steps:
             left = [(unit_id, speeds[done:]) for unit_id, speeds in columns]
             done += self.carrier.run(left, steps - done) or steps - done
-            self.road.tell()
+            self.road.tell(self.detectors)
         self.steps += steps
 
     def over(self) -> set[str]:
@@ -89,13 +101,10 @@ class Carried:
 
 
 def carried(
-    folder: Path,
-    road: CrossingRoad,
-    closures: Sequence[tuple[float, float]] = (),
-    detectors: Detected | None = None,
-    end_s: float = 3600.0,
+    folder: Path, road: CrossingRoad, closures: Sequence[tuple[float, float]] = (), end_s: float = 3600.0
 ) -> Carried:
     """From midnight on; close the carrier."""
     at = road_at(road)
-    made = Road(LINE, [at], Closures(closures), folder, seed=1, end_s=end_s, detectors=detectors)
-    return Carried(made, SumoRoadCarrier(net_for(LINE, folder, [at]), 0.0, made))
+    made = RoadByList(LINE, [at], folder, seed=1, end_s=end_s)
+    made.closures = Closures(closures)
+    return Carried(made, SumoRoadCarrier(net_for(LINE, folder, [at]), 0.0, made), Detected())

@@ -22,7 +22,6 @@ from tests.simulation.carriers.roads import (
     RISING_S,
     WARNING_S,
     Carried,
-    Detected,
     carried,
     road_at,
     road_of,
@@ -41,7 +40,6 @@ class WithRoad(Protocol):
         self,
         road: CrossingRoad,
         closures: Sequence[tuple[float, float]] = (),
-        detectors: Detected | None = None,
         end_s: float = 3600.0,
     ) -> Carried: ...
 
@@ -53,12 +51,11 @@ def with_road(tmp_path: Path) -> Iterator[WithRoad]:
     def make(
         road: CrossingRoad,
         closures: Sequence[tuple[float, float]] = (),
-        detectors: Detected | None = None,
         end_s: float = 3600.0,
     ) -> Carried:
         for one in made:
             one.carrier.close()
-        made.append(carried(tmp_path, road, closures, detectors, end_s))
+        made.append(carried(tmp_path, road, closures, end_s))
         return made[-1]
 
     yield make
@@ -155,8 +152,7 @@ def test_a_vehicle_that_stands_is_struck_at_the_trains_speed(
     with_road: WithRoad, first_m: float, speed_mps: float, brake_mps2: float
 ) -> None:
     """From `first_m` on, the train brakes evenly: v^2 = u^2 - 2 b s as it comes to the near side of the vehicle."""
-    detected = Detected()
-    run = with_road(road_of(), [(1.0, 1000.0)], detected)
+    run = with_road(road_of(), [(1.0, 1000.0)])
     run.carrier.insert("T", WAY, Direction.DOWN, 220.0, 40.0)  # its front at 300 m
     speeds = [min(0.2 * k, speed_mps) for k in range(1, 200)]
     run.run([("T", speeds)], len(speeds))
@@ -211,13 +207,12 @@ def test_a_train_on_the_crossing_is_there_to_its_rear_after_it_has_turned(
 
 
 def test_a_detector_hears_of_a_vehicle_on_a_closed_crossing_alone(with_road: WithRoad) -> None:
-    detected = Detected()
-    run = with_road(road_of(), [(20.0, 60.0)], detected)
+    run = with_road(road_of(), [(20.0, 60.0)])
     run.road.stall(CROSSING, stands=True)
     run.run([], 300)
     run.road.stall(CROSSING, stands=False)
     run.run([], 300)
-    (first, second) = detected.told
+    (first, second) = run.detectors.told
     assert first == (CROSSING, 200, True)  # as the barriers are down
     assert second[0::2] == (CROSSING, False)
     assert 300 < second[1] <= 350  # in five seconds it has run clear of the track
