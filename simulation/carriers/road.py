@@ -1,10 +1,10 @@
 """The road at level crossings in SUMO: vehicles stop at barriers and at nothing else, and a train may strike one.
 
 Every `LOOK_STEPS` steps of the day, whatever the trains do, each signal at a stop line is set by what the crossing
-shows, queues are counted, drivers at half barriers decide, and the detector looks at a closed crossing. While lamps
-flash or barriers move down, who can stop with his service brake does; before lowered or rising barriers everybody stops
-as hard as it takes. Trains see nothing of it: whether one touches a vehicle is judged from SUMO's positions of both, in
-every step in which it is near.
+shows, queues are counted, drivers at half barriers decide, and the detector looks at a closed crossing; seldom where it
+is open and nobody stands. While lamps flash or barriers move down, who can stop with his service brake does; before
+lowered or rising barriers everybody stops as hard as it takes. Trains see nothing of it: whether one touches a vehicle
+is judged from SUMO's positions of both, in every step in which it is near.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from sumo_cfg.road_net import RoadAt, RoadPart, RoadWay
 from sumo_cfg.road_traffic import CAR, ROUND, WIDTH_M, RoadVehicle, road_routes_xml, stall_at_m
 
 LOOK_STEPS: Final = 5
-COUNT_STEPS: Final = 50  # at an open crossing without a queue
+LOOK_ROUND_STEPS: Final = 50  # at crossings that are open and without a queue
 TRAIN_HALF_WIDTH_M: Final = 1.4  # half of a narrow-gauge car's 2.8 m
 NEAR_M: Final = 15.0  # beyond the middle of a crossing: its lanes, and what a train runs in a step
 STANDS_MPS: Final = 0.1  # SUMO's own bound of a halt
@@ -67,9 +67,13 @@ class Road:
         self._line, self._folder = line, folder
         self.roads: Final = tuple(roads)
         self._seed, self._end_s, self._today = seed, end_s, tuple(today)
+        self._over: dict[str, list[RoadAt]] = {}  # by piece of track
+        for at in self.roads:
+            self._over.setdefault(at.piece_id, []).append(at)
         self._known: dict[str, RoadVehicle] = {}
         self._trails: dict[str, Trail] = {}
         self._signals: dict[str, str] = {}
+        self._watched = {at.crossing_id for at in roads}
         self._on_it = {at.crossing_id: False for at in roads}
         self._shows: dict[str, CrossingShown] = dict.fromkeys(self._on_it, OPEN)
         self._stalled: dict[str, str] = {}  # the vehicle by crossing
@@ -130,12 +134,11 @@ class Road:
         self._near.clear()
         for unit_id, trail in self._trails.items():
             run_m = runs_m.get(unit_id, 0.0) + NEAR_M
-            for at in self.roads:
-                middle_m = trail.reaches(at.piece_id, at.position_m, run_m)
-                if middle_m is None:
-                    continue
-                if trail.front_m + run_m > middle_m > trail.front_m - trail.length_m - NEAR_M:
-                    self._near.append(_Near(trail, unit_id, at, middle_m))
+            for entered in trail.within(run_m):
+                for at in self._over.get(entered.piece_id, ()):
+                    middle_m = trail.place_m(entered, at.position_m)
+                    if trail.front_m + run_m > middle_m > trail.front_m - trail.length_m - NEAR_M:
+                        self._near.append(_Near(trail, unit_id, at, middle_m))
 
     def follow(self, unit_id: str, truth: Truth) -> None:
         """Where the front of a train that ran now is."""
@@ -167,12 +170,15 @@ class Road:
         """From now on drivers see this of a crossing; of one without a road nobody sees it."""
         if crossing_id in self._shows:
             self._shows[crossing_id] = shown
+            self._watched.add(crossing_id)
 
     def stall(self, crossing_id: str, *, stands: bool) -> None:
-        """A vehicle stalls with its middle on the track, one that is there or another; or the one that did goes on."""
-        if stands is (crossing_id in self._stalled):
+        """A vehicle stalls with its middle on the track, in the first lane towards the right of DOWN: one that is there
+        or another. Or the one that did goes on. Nothing happens where a crossing has no road here.
+        """
+        at = next((at for at in self.roads if at.crossing_id == crossing_id), None)
+        if at is None or stands is (crossing_id in self._stalled):
             return
-        at = next(at for at in self.roads if at.crossing_id == crossing_id)
         vehicle, way = self._sumo.vehicle, RoadWay.RIGHT
         if not stands:
             vehicle.setSpeed(self._stalled.pop(crossing_id), GO_AHEAD_MPS)
@@ -189,16 +195,24 @@ class Road:
         self._stalled[crossing_id] = vehicle_id
 
     def _look(self) -> None:
+        everywhere = self._step % LOOK_ROUND_STEPS == 0
         for at in self.roads:
-            shown = self._shows[at.crossing_id]
-            self._signal(at, _state_for(shown))
-            counts = self.totals.queues(at) or self._step % COUNT_STEPS == 0
-            if counts or self._signals[at.crossing_id] != "G":
-                self._count(at)
-            closed = shown.barriers is BarrierState.LOWERED
-            if closed and at.road.half_barriers:
-                self._drive_round(at)
-            self._detect(at, closed=closed)
+            if everywhere or at.crossing_id in self._watched:
+                self._look_at(at)
+
+    def _look_at(self, at: RoadAt) -> None:
+        """What it shows reaches the drivers; it is watched on unless it is open and nobody stands there."""
+        shown = self._shows[at.crossing_id]
+        self._signal(at, _state_for(shown))
+        self._count(at)
+        closed = shown.barriers is BarrierState.LOWERED
+        if closed and at.road.half_barriers:
+            self._drive_round(at)
+        self._detect(at, closed=closed)
+        if self._signals[at.crossing_id] == "G" and not self.totals.queues(at):
+            self._watched.discard(at.crossing_id)
+        else:
+            self._watched.add(at.crossing_id)
 
     def _signal(self, at: RoadAt, state: str) -> None:
         if state != self._signals.get(at.crossing_id):

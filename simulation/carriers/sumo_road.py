@@ -32,11 +32,12 @@ class SumoRoadCarrier(SumoCarrier):
 
     def run(self, columns: Sequence[tuple[str, Sequence[float]]], steps: int) -> int:
         """Execute the speeds step by step, watching for collisions and for what detectors see."""
+        if steps <= 0:
+            return 0
         self._road.expect(columns, steps)
         hit = super().run(columns, steps)
-        if steps > 0:
-            for unit_id, _ in columns:
-                self._road.follow(unit_id, self.truth(unit_id))
+        for unit_id, _ in columns:
+            self._road.follow(unit_id, self.truth(unit_id))
         return hit
 
     def _run_steps(self, columns: Sequence[tuple[str, Sequence[float]]], first: int, last: int) -> int:

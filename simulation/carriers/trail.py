@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from network.graph import next_pieces
@@ -18,7 +18,7 @@ class PieceEntered(NamedTuple):
 
 
 class Trail:
-    """The way of one train. `front_m` is on the way; so is all that `reaches` tells."""
+    """The way of one train. `front_m` is on the way; so is all that is told of places."""
 
     def __init__(
         self, line: Line, pieces: Sequence[str], direction: Direction, offset_m: float, length_m: float
@@ -57,19 +57,19 @@ class Trail:
         self._ahead = list(pieces[1:])
         self.direction = self.direction.opposite
 
-    def reaches(self, piece_id: str, position_m: float, run_m: float) -> float | None:
-        """Where on the way a kilometrage of a piece is, m; None where it neither lies nor comes within `run_m`."""
-        for each in reversed(self._lies):
-            if each.piece_id == piece_id:
-                return each.entry_m + along_m(self._line.pieces[piece_id], self.direction, position_m)
+    def within(self, run_m: float) -> Iterator[PieceEntered]:
+        """Pieces that the train lies on, and those that it comes onto within `run_m`."""
+        yield from self._lies
         last = self._lies[-1]
         for ahead_id in self._ahead:
             last = PieceEntered(ahead_id, self._end_m(last))
             if last.entry_m > self.front_m + run_m:
-                break
-            if ahead_id == piece_id:
-                return last.entry_m + along_m(self._line.pieces[piece_id], self.direction, position_m)
-        return None
+                return
+            yield last
+
+    def place_m(self, entered: PieceEntered, position_m: float) -> float:
+        """Where on the way a kilometrage of such a piece is, m."""
+        return entered.entry_m + along_m(self._line.pieces[entered.piece_id], self.direction, position_m)
 
     def _end_m(self, each: PieceEntered) -> float:
         return each.entry_m + self._line.pieces[each.piece_id].length_m

@@ -132,7 +132,7 @@ def test_the_road_is_the_same_with_a_train_elsewhere(with_road: WithRoad) -> Non
     """A train runs to 250 m before the crossing and back; SUMO's road is the same to the last step."""
     seen = []
     for train in (False, True):
-        run = with_road(road_of(vehicles_per_h=(1200.0,), stall_share=0.02), [(300.0, 400.0)])
+        run = with_road(road_of(vehicles_per_h=(1200.0,), lanes=2, stall_share=0.02), [(300.0, 400.0)])
         speeds = [10.0] * 250 + [0.0] * 100
         if train:
             run.carrier.insert("T", WAY, Direction.DOWN, 120.0, 40.0)
