@@ -70,6 +70,12 @@ class Road:
         self._over: dict[str, list[RoadAt]] = {}  # by piece of track
         for at in self.roads:
             self._over.setdefault(at.piece_id, []).append(at)
+        self._lanes: Final = {
+            (at.crossing_id, way, part): at.lanes(way, part)
+            for at in self.roads
+            for way in RoadWay
+            for part in RoadPart
+        }
         self._known: dict[str, RoadVehicle] = {}
         self._trails: dict[str, Trail] = {}
         self._signals: dict[str, str] = {}
@@ -183,7 +189,7 @@ class Road:
         if not stands:
             vehicle.setSpeed(self._stalled.pop(crossing_id), GO_AHEAD_MPS)
             return
-        lane_id = at.lanes(way, RoadPart.OVER)[0]
+        lane_id = self._lanes[crossing_id, way, RoadPart.OVER][0]
         there = self._sumo.lane.getLastStepVehicleIDs(lane_id)
         vehicle_id = there[-1] if there else f"{at.edge(way, RoadPart.OVER)}.{self._step}"
         if not there:
@@ -222,14 +228,14 @@ class Road:
 
     def _count(self, at: RoadAt) -> None:
         halting = self._sumo.lane.getLastStepHaltingNumber
-        lanes = (lane for way in RoadWay for lane in at.lanes(way, RoadPart.APPROACH))
+        lanes = (lane for way in RoadWay for lane in self._lanes[at.crossing_id, way, RoadPart.APPROACH])
         self.totals.queue(at, [halting(lane) for lane in lanes], self._step * STEP_S)
 
     def _drive_round(self, at: RoadAt) -> None:
         """Those first at a barrier go round it whose patience is over."""
         vehicle = self._sumo.vehicle
         for way in RoadWay:
-            for lane in at.lanes(way, RoadPart.APPROACH):
+            for lane in self._lanes[at.crossing_id, way, RoadPart.APPROACH]:
                 waiting = self._sumo.lane.getLastStepVehicleIDs(lane)
                 first = self._known.get(waiting[-1]) if waiting else None
                 if first is None or first.patience_s == 0.0:
@@ -253,7 +259,7 @@ class Road:
         vehicle, over_m = self._sumo.vehicle, at.over_m
         for way in RoadWay:
             for part, begins_m in ((RoadPart.OVER, 0.0), (RoadPart.AWAY, over_m)):
-                for index, lane in enumerate(at.lanes(way, part)):
+                for index, lane in enumerate(self._lanes[at.crossing_id, way, part]):
                     for vehicle_id in self._sumo.lane.getLastStepVehicleIDs(lane):
                         front_m = begins_m + vehicle.getLanePosition(vehicle_id)
                         if front_m > near_m and front_m - vehicle.getLength(vehicle_id) < far_m:
