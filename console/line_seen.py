@@ -30,6 +30,7 @@ from simulation.events import (
     PowerOn,
     StepRefused,
     Unsafe,
+    VehicleStruck,
 )
 from simulation.setup import Setup
 from study.measures.recovery import LATE_S
@@ -42,6 +43,7 @@ ALARMS: Final = (
     Unsafe,
     Collision,
     StepRefused,
+    VehicleStruck,
     said.Contradicted,
     said.NoOrderKnown,
     said.PointsUnproven,

@@ -124,7 +124,7 @@ CAUGHT: Final = (
     ),
     GuardedRule(
         "running onto points in no position is noted",
-        "simulation.loop",
+        "simulation.toes",
         "simulation/test_cross_points.py::test_towards_the_blades",
     ),
     GuardedRule(

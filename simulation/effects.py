@@ -16,6 +16,7 @@ from simulation.duties import Duties
 from simulation.faults.cable import CableCut, CableFault
 from simulation.faults.chargers import ChargerFault
 from simulation.faults.clocks import ClockFault
+from simulation.faults.crossing_road import CrossingRoadFault
 from simulation.faults.devices import Frozen, LostStore, PowerFault
 from simulation.faults.fault import Fault
 from simulation.faults.points import Condition, PointsFault
@@ -32,6 +33,7 @@ class Effects:
 
     def __init__(self, world: World, cabs: Cabs, duties: Duties, platforms: Platforms) -> None:
         self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
+        self._road = world.road
         self._charging, self._cabs, self._duties, self._platforms = world.charging, cabs, duties, platforms
 
     @singledispatchmethod
@@ -100,6 +102,11 @@ class Effects:
             self._charging.charger_is(fault.target, works=works, step=step)
             for slot in self._trains.active():
                 self._cabs.tell(slot, step, (Looked(),))
+
+    @put_effect.register
+    def _crossing(self, fault: CrossingRoadFault, stands: bool, _step: int) -> None:
+        if self._road is not None:
+            self._road.stall(fault.target, stands=stands)
 
     @put_effect.register
     def _doors(self, fault: DoorsFault, closed: bool, step: int) -> None:

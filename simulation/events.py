@@ -114,6 +114,15 @@ class PointsSetByHand(Noted, frozen=True, kw_only=True, tag="points_set_by_hand"
     position: Position
 
 
+class BarrierState(Enum):
+    """Where the barriers of a level crossing are."""
+
+    RAISED = "raised"
+    LOWERING = "lowering"
+    LOWERED = "lowered"
+    RISING = "rising"
+
+
 class PowerOff(Noted, frozen=True, kw_only=True, tag="power_off"):
     """A device or unit lost its power."""
 
@@ -295,6 +304,21 @@ class DoorsHeld(Noted, frozen=True, kw_only=True, tag="doors_held"):
     doors_s: float
 
 
+class VehicleStruck(Noted, frozen=True, kw_only=True, tag="vehicle_struck"):
+    """A train and a road vehicle are in one place on a level crossing; the speed is the train's as they met."""
+
+    unit_id: str
+    crossing_id: str
+    vehicle_id: str
+    speed_mps: float
+
+    @property
+    def text(self) -> str:
+        """The same in words."""
+        at = f"{3.6 * self.speed_mps:.1f} km/h"
+        return f"collision of {self.unit_id} with the road vehicle {self.vehicle_id} at {self.crossing_id}, at {at}"
+
+
 class Collision(Noted, frozen=True, kw_only=True, tag="collision"):
     """The carrier found two trains in one place."""
 
@@ -322,6 +346,7 @@ WorldEvent = (
     | CameLate
     | DoorsHeld
     | Unsafe
+    | VehicleStruck
     | Collision
     | CutOut
     | CutIn

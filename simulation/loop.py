@@ -11,22 +11,22 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from host.parties import Parties
 from host.units import Units
-from network.model import PointsLeg
 from onboard.duty.records import FoundByOtherSensor, Looked, TagBelieved
 from onboard.records import EVENT_STOPPED
 from radio.noted import LostWhere
 from simulation.agenda import AgendaKind, Item
 from simulation.cabs import CREW, Cabs
 from simulation.carriers.carrier import Carrier, Truth
+from simulation.carriers.road import Road
+from simulation.carriers.road_shown import ObstacleDetectors
 from simulation.duties import Duties, WrongEnd
 from simulation.events import WORLD, Collision, Danger, TagPassed, Unsafe
 from simulation.facts import checkers_of
 from simulation.faults.script import Act, Script, ScriptedFault
-from simulation.foreseen import ForeseenStretch, TrainMotion
+from simulation.foreseen import ForeseenStretch, Stretches, TrainMotion
 from simulation.injector import Injector
 from simulation.journal import Journal
 from simulation.late_day import late_day
@@ -35,24 +35,22 @@ from simulation.platforms import Platforms
 from simulation.result import Ending, RunResult, numbers_due
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.staff import Staff
+from simulation.toes import Toes
 from simulation.vigil import Vigil
 from simulation.worked_by_people import worked_by_people
 from simulation.world.charging import Charging
-from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
+from simulation.world.kernel import STANDING_STEPS_MAX
 from simulation.world.records import (
     PASSED_FRONT,
     PASSED_REAR,
     PASSED_TAG,
     PASSED_TO_A_STAND,
-    TRACE,
 )
 from simulation.world.roster import drawn_up
 from simulation.world.stage import world_of
 from simulation.world.trains import SIGN
 from sumo_cfg.truth_map import NetMap
 
-TRACE_ROWS_FIRST: Final = 200_000
-SAMPLES_BACK: Final = 6000  # looked at for the last one of a train
 WATCHING_STEPS: Final = 5  # while drivers on sight look out for another train
 OPENING_S: Final = 600.0  # the run begins this long before the first thing planned
 
@@ -71,6 +69,8 @@ class Simulation:
         units: Units,
         link: str,
         journal: Journal | None = None,
+        road: Road | None = None,
+        detectors: ObstacleDetectors | None = None,
     ) -> None:
         self.setup: Final = setup
         self.journal = journal or Journal()
@@ -80,7 +80,7 @@ class Simulation:
         self._limit_step = round(setup.latest_end_s / STEP_S)
         self._step = self._begin_step
         self._carrier = carrier_of(self._begin_step / STEPS_PER_S)
-        world = world_of(setup, duties, self.journal, self._carrier, parties, units)
+        world = world_of(setup, duties, self.journal, self._carrier, parties, units, road)
         self.trains: Final = world.trains
         self.wayside: Final = world.wayside
         self.on_board: Final = world.on_board
@@ -94,9 +94,9 @@ class Simulation:
         self._duties = Duties(world, self._cabs, self.checkers)
         day = late_day(setup)
         self._platforms = Platforms(world, self._cabs, day)
-        self._trace = np.zeros(TRACE_ROWS_FIRST, dtype=TRACE)
-        self._trace_used = 0
-        self._sheet = new_sheet(len(self.trains.stock_ids))
+        self._toes = Toes(world, self._unsafe)
+        self._road, self._detectors = road, detectors
+        self._stretches = Stretches(self.trains)
         self._ahead: ForeseenStretch | None = None
         self._moved_step = self._begin_step
         self._broken: Ending | None = None
@@ -200,10 +200,7 @@ class Simulation:
 
     def sample_at(self, slot: int, step: int) -> np.void | None:
         """The last sample of a train's run until a step; None: it has not run for long, or not yet."""
-        first = max(0, self._trace_used - SAMPLES_BACK)
-        own = self._trace[first : self._trace_used]
-        own = own[(own["slot"] == slot) & (own["step"] <= step)]
-        return own[-1] if own.size else None
+        return self._stretches.sample_at(slot, step)
 
     @property
     def arrived(self) -> tuple[str, ...]:
@@ -265,7 +262,7 @@ class Simulation:
         the stretch there, as if it had been due when the stretch began; nothing else of a run depends on who foresees.
         """
         if self._ahead is None:
-            self._ahead = self._run_kernel(self._stretch_end(), self.trains.stock.copy())
+            self._ahead = self._stretches.run(self._step, self._stretch_end(), keep=True)
         return self._step + self._ahead.done
 
     def insert(self, item: ScriptedFault | Act, step: int) -> int:
@@ -292,7 +289,7 @@ class Simulation:
         """A train at a step of the stretch that was foreseen. ValueError where none was."""
         if self._ahead is None:
             raise ValueError("nobody foresees this stretch")
-        return self._ahead.motion_of(slot, step - self._step, self._sheet)
+        return self._ahead.motion_of(slot, step - self._step, self._stretches.sheet)
 
     def _check_free(self, step: int) -> None:
         if not self.is_free(step):
@@ -303,34 +300,40 @@ class Simulation:
         ahead = self._ahead
         if ahead is None or ahead.before is None or step >= self._step + ahead.done:
             return  # with nothing foreseen, what is due counts when the stretch begins
-        self.trains.stock[:] = ahead.before
-        self._trace_used = ahead.first_row
-        self._ahead = self._run_kernel(step, ahead.before)
+        self._ahead = self._stretches.again(ahead, self._step, step)
 
     def advance(self) -> None:
         """Let the kernel run to the next event, the carrier after it, then look at what happened."""
-        trains, sheet = self.trains, self._sheet
-        ahead = self._ahead or self._run_kernel(self._stretch_end(), None)
+        trains, sheet, road = self.trains, self._stretches.sheet, self._road
+        ahead = self._ahead or self._stretches.run(self._step, self._stretch_end(), keep=road is not None)
         self._ahead = None
-        done, count = ahead.done, ahead.movers
-        moving: list[int] = sheet.movers[:count].tolist()
+        hit, carried = 0, 0
+        if (
+            road is not None
+        ):  # before points are looked up for the last step, to which a stretch cut short never comes
+            carried = ahead.done - 1
+            hit = self._carry(ahead, 0, carried)
+            if hit and not self._carrier.collisions():
+                ahead, hit, carried = self._stretches.again(ahead, self._step, self._step + hit), 0, hit
+        done = ahead.done
+        moving = ahead.moving(sheet)
         both = zip(sheet.passed.tolist(), sheet.events.tolist(), strict=True)
         bits = [(slot, passed, events) for slot, (passed, events) in enumerate(both) if passed or events]
         for slot, passed, _ in bits:
-            if passed & PASSED_FRONT and trains.at_end_of_track(slot):
+            if passed & PASSED_FRONT and not hit and trains.at_end_of_track(slot):
                 self._unsafe(slot, Danger.END_OF_TRACK)
                 self._broken = Ending.END_OF_TRACK
                 return
-            if passed & PASSED_FRONT:
-                self._cross_points(slot)
-        speeds = sheet.speeds_mps[:count, :done].tolist()
-        hit = self._carrier.run(
-            [(trains.stock_ids[s], row) for s, row in zip(moving, speeds, strict=True)], done
-        )
+            if passed & PASSED_FRONT and not hit:
+                self._toes.cross(slot, self._step)
+        if not hit:
+            hit = self._carry(ahead, carried, done)
         self._step += hit or done
         if moving and not (self._charging is not None and self._charging.stranded(moving)):
             self._moved_step = self._step
-        if hit:  # the kernel may have run on beyond it, so its sums are no measure any more
+        if (
+            hit and self._carrier.collisions()
+        ):  # the kernel may have run on beyond it, so its sums are no measure any more
             self._observe(trains.active())
             self._collided()
             return
@@ -340,20 +343,18 @@ class Simulation:
             self._report(slot, passed, events)
         if self._charging is not None:
             self._look_at_pantographs(self._charging)
+        if road is not None:
+            road.tell(self._detectors)
+
+    def _carry(self, ahead: ForeseenStretch, first: int, last: int) -> int:
+        """Let the carrier run a part of a stretch; after how many steps of the stretch somebody must look, or 0."""
+        hit = self._carrier.run(self._stretches.columns(ahead, first, last), last - first)
+        return first + hit if hit else 0
 
     def _stretch_end(self) -> int:
         """Where the stretch that begins now ends at the latest."""
         watched_step = self._step + WATCHING_STEPS
         return min(self.horizon_step, watched_step) if self._cabs.watch_out() else self.horizon_step
-
-    def _run_kernel(self, end_step: int, before: NDArray[np.void] | None) -> ForeseenStretch:
-        trains, steps, first_row = self.trains, end_step - self._step, self._trace_used
-        if first_row + steps * len(trains.stock_ids) > self._trace.size:
-            self._trace = np.concatenate([self._trace, np.zeros(self._trace.size, dtype=TRACE)])
-        done, self._trace_used, movers = advance(
-            trains.stock, trains.pool.track, self._sheet, self._trace, first_row, self._step, steps
-        )
-        return ForeseenStretch(done, movers, first_row, before)
 
     def _look_at_pantographs(self, charging: Charging) -> None:
         """Who moved with it up; who is on sight at a stop and held until it is down has no timer to look again."""
@@ -377,41 +378,18 @@ class Simulation:
         """The carrier's positions against the kernel's, then the worst moment of each unit's bounds to the checkers."""
         trains = self.trains
         trains.compare(slots, seen)
-        for slot, (out_m, step, *stated) in zip(slots, self._sheet.worst[: len(slots)].tolist(), strict=True):
+        for slot, (out_m, step, *stated) in zip(
+            slots, self._stretches.sheet.worst[: len(slots)].tolist(), strict=True
+        ):
             believes = slot not in self.on_board.unpowered and not trains.premises.is_false(slot)
             if believes and out_m != -math.inf:
                 self.checkers.bounds(step / STEPS_PER_S, trains.stock_ids[slot], *stated)
 
     def _collided(self) -> None:
+        struck = {} if self._road is None else {each.text: each for each in self._road.struck}
         for text in self._carrier.collisions():
-            self.journal.write(self.now_s, WORLD, Collision(text=text))
+            self.journal.write(self.now_s, WORLD, struck.get(text) or Collision(text=text))
         self._broken = Ending.COLLISION
-
-    def _cross_points(self, slot: int) -> None:
-        """The front is about to leave its piece: over points it goes where the blades really lie."""
-        line = self.setup.line
-        before, expected = self.trains.crossing(slot)
-        leaving, entering = line.pieces[before], line.pieces[expected]
-        if leaving.leg is PointsLeg.STEM and leaving.points_id == entering.points_id and leaving.points_id:
-            points = line.points[leaving.points_id]
-            position = self.wayside.position_of(points.id)
-            if position is None:
-                self._unsafe(slot, Danger.NO_POSITION, points.id)
-                return
-            onto = points.normal_piece if position.value == "normal" else points.reverse_piece
-            if onto != expected:
-                self._unsafe(slot, Danger.WRONG_WAY, points.id)
-                self.trains.divert(slot, onto)
-                self._signs.look_ahead(slot)
-        elif (
-            leaving.points_id
-            and leaving.leg in (PointsLeg.NORMAL, PointsLeg.REVERSE)
-            and entering.leg is PointsLeg.STEM
-        ):
-            position = self.wayside.position_of(leaving.points_id)
-            if position is None or position.value != leaving.leg.value:
-                self._unsafe(slot, Danger.SET_AGAINST, leaving.points_id)
-                self.wayside.force(self._step, leaving.points_id)
 
     def _rail_is(self, slot: int, share: float) -> None:
         self.checkers.rail(self.now_s, self.trains.stock_ids[slot], share)
@@ -463,7 +441,7 @@ class Simulation:
         cut = {stop.number for stop in self._books.stops if stop.cancelled}
         judged = () if because.of_part else tuple(n for n in (*planned, *empty) if n not in cut)
         self.checkers.finish(self.now_s, {number: number in arrived for number in judged})
-        trace = self._trace[: self._trace_used].copy()
+        trace = self._stretches.trace()
         units = (self.trains.stock_ids[slot] for slot in self.on_board.uncommissioned)
         self.journal.add_to_digest(trace.tobytes())
         return RunResult(
@@ -495,5 +473,6 @@ class Simulation:
             learned=self.on_board.learned(),
             learned_from=self.on_board.learned_from(),
             fixes=self.trains.fixes(),
+            road={} if self._road is None else self._road.totals.of,
             battery=() if self._charging is None else tuple(self._charging.records),
         )

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from network.timetable import CallKind, Timetable
 from onboard.driving.tuning import Learned, StopDecelerations
+from simulation.carriers.road_totals import RoadTotal
 from simulation.faults.script import ItemCourse
 from simulation.journal import Journal
 from simulation.judge.checkers import Violation
@@ -210,6 +211,8 @@ class RunResult:
     # By stock id, empty where no train learned; then the waves of the last stop that counted.
     learned: Mapping[str, Learned] = field(default_factory=dict[str, Learned])
     learned_from: Mapping[str, StopDecelerations] = field(default_factory=dict[str, StopDecelerations])
+    # By crossing and hour of the day, where a road was carried.
+    road: Mapping[tuple[str, int], RoadTotal] = field(default_factory=dict[tuple[str, int], RoadTotal])
     battery: tuple[BatteryRecord, ...] = ()  # of sets that run on one, in order of time
     # How many fixes each reader of a stock took, by stock id and reader; tags are not among them.
     fixes: Mapping[str, Mapping[str, int]] = field(default_factory=dict[str, Mapping[str, int]])

@@ -12,7 +12,7 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import resources
 from importlib.util import find_spec
 from pathlib import Path
@@ -21,6 +21,7 @@ from typing import Final
 
 from network.errors import InputError
 from network.model import Line
+from sumo_cfg.road_net import RoadAt, with_roads
 from sumo_cfg.writer import PlainXml, write_plain
 
 NETCONVERT_OPTIONS: Final = (
@@ -97,12 +98,13 @@ def committed_net(line_id: str) -> Path:
     return path
 
 
-def net_for(line: Line, cache_dir: Path) -> Path:
+def net_for(line: Line, cache_dir: Path, roads: Sequence[RoadAt] = ()) -> Path:
     """A net that belongs to this very line: the shipped one, one built before, or a new one in `cache_dir`.
 
+    With `roads` over its crossings it is never a shipped one; its track is the same.
     Raises InputError when the line differs from the shipped one and netconvert is not installed.
     """
-    plain = write_plain(line)
+    plain = with_roads(write_plain(line), line, roads) if roads else write_plain(line)
     shipped = _shipped(line.id)
     if shipped is not None and net_digest(shipped) == plain.digest:
         return shipped

@@ -1,7 +1,7 @@
 """How SUMO is run: the one place of its options and of the vehicle type that trains have.
 
 SUMO carries trains and judges collisions, nothing else: no lane changes, no car following, no right of way,
-no teleports, no chance. What it was seen to do (1.28):
+no teleports, no chance. Road vehicles, if any, follow each other and their signals. What it was seen to do (1.28):
 
 - A standing train reverses in place in the step after its route continues on the bidi edge. The route must
   run back over every edge under the train, else it stays; the new front stands 1 mm ahead of the former rear.
@@ -29,11 +29,11 @@ TYPE_ACCELERATION_MPS2: Final = 100.0
 TYPE_SPEED_MPS: Final = 200.0
 
 
-def sumo_command(net: Path, step_s: float = STEP_S) -> tuple[str, ...]:
+def sumo_command(net: Path, step_s: float = STEP_S, routes: Path | None = None) -> tuple[str, ...]:
     """The command for `libsumo.start`: exact motion, own authority, collisions only reported.
 
     Warnings are off: those of interest are collisions, which come from `getCollisions`, and stdout and stderr
-    stay the caller's. Errors still raise.
+    stay the caller's. Errors still raise. `routes`: a file of road vehicles.
     """
     options = {
         "net-file": str(net),
@@ -52,6 +52,8 @@ def sumo_command(net: Path, step_s: float = STEP_S) -> tuple[str, ...]:
         "xml-validation": "never",
         "xml-validation.net": "never",
     }
+    if routes is not None:
+        options |= {"route-files": str(routes), "xml-validation.routes": "never"}
     return ("sumo", *(part for name, value in options.items() for part in (f"--{name}", value)))
 
 

@@ -11,8 +11,11 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from network.errors import InputError
+
+OF_ROAD: Final = "crossing"  # parameter of the edges of a road, which no train runs on
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,15 +70,16 @@ def read_net(path: Path) -> NetMap:
             root = ET.parse(file).getroot()
     except (OSError, ET.ParseError) as error:
         raise InputError(str(path), "", str(error), "a SUMO net") from error
-    bidi = {e.attrib["id"]: e.get("bidi", "") for e in root.iterfind("edge")}
+    track = [e for e in root.iterfind("edge") if e.find(f"param[@key='{OF_ROAD}']") is None]
+    bidi = {e.attrib["id"]: e.get("bidi", "") for e in track}
     following: dict[str, list[str]] = {edge_id: [] for edge_id in bidi}
     for connection in root.iterfind("connection"):
         origin, target = connection.attrib["from"], connection.attrib["to"]
-        if bidi[origin] != target:
+        if origin in bidi and bidi[origin] != target:
             following[origin].append(target)
     edges = {
         edge_id: _edge(path, element, tuple(sorted(following[edge_id])))
-        for edge_id, element in ((e.attrib["id"], e) for e in root.iterfind("edge"))
+        for edge_id, element in ((e.attrib["id"], e) for e in track)
     }
     if not edges:
         raise InputError(str(path), "edge", None, "a SUMO net with edges")

@@ -35,6 +35,18 @@ SHAPE: Final = Quantity(
     "shape of a distribution", "", ((0.1, 50.0),), "assumed: nearly all at once to nearly none scattered"
 )
 DELAY_FACTOR: Final = Quantity("factor of a delay", "", ((0.0, 100.0),), "assumed: none to a hundred times")
+ROAD_VEHICLES: Final = Quantity(
+    "road vehicles an hour", "", ((0.0, 5000.0),), "assumed: none; more than a road of four lanes takes"
+)
+ROAD_TIME: Final = Quantity(
+    "time that a road vehicle waits or stands", "s", ((1.0, 7200.0),), "assumed: a moment to two hours"
+)
+APPROACH: Final = Quantity(
+    "road before a crossing", "m", ((50.0, 5000.0),), "assumed: seven cars; queues end in a town"
+)
+STOP_LINE: Final = Quantity(
+    "stop line to track", "m", ((2.5, 30.0),), "assumed: just clear of a train; a crossing at a sharp angle"
+)
 
 SweepDays = Annotated[int, SWEEP_DAYS]
 PerDay = Annotated[float, PER_DAY]
@@ -48,3 +60,7 @@ PeopleSigma = Annotated[float, PEOPLE_SIGMA]
 PersonTime = Annotated[float, PERSON_TIME]
 Shape = Annotated[float, SHAPE]
 DelayFactor = Annotated[float, DELAY_FACTOR]
+RoadVehicles = Annotated[float, ROAD_VEHICLES]
+RoadTime = Annotated[float, ROAD_TIME]
+ApproachM = Annotated[float, APPROACH]
+StopLineM = Annotated[float, STOP_LINE]

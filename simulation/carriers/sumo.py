@@ -22,12 +22,16 @@ def edge_id(piece_id: str, direction: Direction) -> str:
 
 
 class SumoCarrier:
-    """One SUMO simulation; libsumo allows one a process. `api` may be another way to it than libsumo."""
+    """One SUMO simulation; libsumo allows one a process. `api` may be another way to it than libsumo, `routes` a file
+    of road vehicles.
+    """
 
-    def __init__(self, net: Path, begin_s: float, api: SumoApi | None = None) -> None:
+    def __init__(
+        self, net: Path, begin_s: float, api: SumoApi | None = None, routes: Path | None = None
+    ) -> None:
         self._sumo = in_process() if api is None else api
         self._open = True
-        self._sumo.start([*sumo_command(net), "--begin", f"{begin_s:.1f}"])
+        self._sumo.start([*sumo_command(net, routes=routes), "--begin", f"{begin_s:.1f}"])
         self._collisions: dict[tuple[str, str], str] = {}
         self._lengths_m: dict[str, float] = {}
         self._routes = 0
@@ -104,8 +108,9 @@ class SumoCarrier:
         return 0
 
     def _note_collisions(self) -> int:
-        """Write down pairs that collide and were not seen before; returns their number."""
-        found = (sorted((c.collider, c.victim)) for c in self._sumo.simulation.getCollisions())
+        """Write down trains that collide and did not before; returns the number of pairs."""
+        pairs = (sorted((c.collider, c.victim)) for c in self._sumo.simulation.getCollisions())
+        found = (pair for pair in pairs if self._lengths_m.keys() >= set(pair))
         new = {(one_id, other_id) for one_id, other_id in found} - self._collisions.keys()
         self._collisions |= dict.fromkeys(sorted(new), "")
         return len(new)

@@ -34,12 +34,14 @@ class SumoApi:
     step: Callable[..., object]
     set_speed: Callable[[str, float], object]
     colliding: Callable[[], int]
+    arrived: Callable[[], Sequence[str]]
     close: Callable[[], None]
     simulation: type[libsumo.simulation]
     lane: type[libsumo.lane]
     route: type[libsumo.route]
     vehicle: type[libsumo.vehicle]
     vehicletype: type[libsumo.vehicletype]
+    trafficlight: type[libsumo.trafficlight]
 
 
 def in_process() -> SumoApi:
@@ -52,12 +54,14 @@ def in_process() -> SumoApi:
         _libsumo.simulation_step,
         _libsumo.vehicle_setSpeed,
         _libsumo.simulation_getCollidingVehiclesNumber,
+        _libsumo.simulation_getArrivedIDList,
         libsumo.close,
         libsumo.simulation,
         libsumo.lane,
         libsumo.route,
         libsumo.vehicle,
         libsumo.vehicletype,
+        libsumo.trafficlight,
     )
 
 
@@ -97,12 +101,14 @@ def in_window(window: GuiWindow) -> SumoApi:
         api.simulationStep,
         api.vehicle.setSpeed,
         api.simulation.getCollidingVehiclesNumber,
+        api.simulation.getArrivedIDList,
         api.close,
         api.simulation,
         api.lane,
         api.route,
         api.vehicle,
         api.vehicletype,
+        api.trafficlight,
     )
 
 

@@ -10,8 +10,10 @@ from pathlib import Path
 from network.model import Direction
 from simulation.carriers.carrier import Truth
 from simulation.carriers.lost import CarrierLostError
+from simulation.carriers.road import Road
 from simulation.carriers.sumo import SumoCarrier
 from simulation.carriers.sumo_api import GuiWindow, in_window
+from simulation.carriers.sumo_road import SumoRoadCarrier
 
 
 @contextmanager
@@ -27,10 +29,12 @@ def _window_open() -> Generator[None]:
 class WindowCarrier:
     """A SUMO simulation in sumo-gui. Each method is that of `SumoCarrier`."""
 
-    def __init__(self, net: Path, begin_s: float, window: GuiWindow) -> None:
+    def __init__(self, net: Path, begin_s: float, window: GuiWindow, road: Road | None = None) -> None:
         api = in_window(window)
         with _window_open():
-            self._inner = SumoCarrier(net, begin_s, api)
+            self._inner = (
+                SumoCarrier(net, begin_s, api) if road is None else SumoRoadCarrier(net, begin_s, road, api)
+            )
 
     def insert(
         self, unit_id: str, pieces: Sequence[str], direction: Direction, offset_m: float, length_m: float

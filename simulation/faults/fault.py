@@ -42,6 +42,7 @@ class Names:
     cable: tuple[str, ...] = ()  # its stretches, each between two neighbouring stations
     signals: tuple[str, ...] = ()  # line signals
     levers: tuple[str, ...] = ()  # direction levers
+    crossings: tuple[str, ...] = ()  # with a road
     chargers: tuple[str, ...] = ()  # stations that have one, where sets run on batteries
     networks: tuple[str, ...] = ("first",)  # that trains have a radio of
     # With substitute working: by post and section or station, the steps that are that post's there.

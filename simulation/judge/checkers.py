@@ -39,6 +39,7 @@ from simulation.events import (
     TookEffect,
     UnitRestarted,
     Unsafe,
+    VehicleStruck,
 )
 from simulation.judge.body import RESOLUTION_M, Body, Heights, NetTrack
 from simulation.judge.entering import EntryWatch, TrackOverlap
@@ -349,6 +350,8 @@ class Checkers:
                     text = f"{unit_id} {event.text}"
                     self._log.note_outside(t_s, "unsafe", text, text)
             case Collision(text=text):  # `sumo-collision`: SUMO's own check found two trains in one place
+                self._log.note(t_s, Checker.SUMO_COLLISION, text, text)
+            case VehicleStruck(text=text):
                 self._log.note(t_s, Checker.SUMO_COLLISION, text, text)
             case _:
                 pass

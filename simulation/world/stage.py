@@ -9,6 +9,7 @@ from host.parties import Parties
 from host.units import Units
 from simulation.agenda import Agenda
 from simulation.carriers.carrier import Carrier
+from simulation.carriers.road import Road
 from simulation.faults.fault import InForce
 from simulation.journal import Journal
 from simulation.setup import Setup
@@ -38,6 +39,7 @@ class World:
     charging: Charging | None  # None: all trains run from a wire
     on_board: OnBoard
     signs: Signs
+    road: Road | None  # None: none is carried
 
 
 def world_of(
@@ -47,6 +49,7 @@ def world_of(
     carrier: Carrier,
     parties: Parties,
     units: Units,
+    road: Road | None = None,
 ) -> World:
     """The world before its day begins."""
     agenda, in_force, trains = Agenda(), InForce(), Trains(setup, carrier)
@@ -56,4 +59,6 @@ def world_of(
     charging = None if setup.battery is None else Charging(setup, setup.battery, trains, books, drawn)
     on_board = OnBoard(setup, trains, units, charging)
     signs = Signs(trains, books.next_target)
-    return World(setup, drawn, journal, agenda, in_force, trains, wayside, books, charging, on_board, signs)
+    return World(
+        setup, drawn, journal, agenda, in_force, trains, wayside, books, charging, on_board, signs, road
+    )

@@ -22,6 +22,7 @@ from study.record.energy import HourOfEnergy, LayoverEnergy, LegEnergy, TrainEne
 from study.record.figure import added_to, columns_of, schema_of
 from study.record.journal_rows import ComparedFigure, EventInWords, TelegramsOfWay
 from study.record.margins import HopMargin
+from study.record.road import RoadHour
 from study.record.sections import SectionHeld, SliceOfBlocking
 from study.record.wait import Wait
 
@@ -48,6 +49,7 @@ class RunTables:
     waits: Annotated[pl.DataFrame, Wait]
     battery: Annotated[pl.DataFrame, BatteryMoment]
     charges: Annotated[pl.DataFrame, ChargeTaken]
+    road: Annotated[pl.DataFrame, RoadHour]
     events: Annotated[pl.DataFrame, EventInWords]
 
     def __post_init__(self) -> None:

@@ -26,6 +26,8 @@ from radio.keys import KEY_BYTES
 from scenario.fleet_file import learned_json
 from scenario.scenario import Scenario
 from simulation.carriers.carrier import Carrier
+from simulation.carriers.road import Road
+from simulation.carriers.road_shown import ObstacleDetectors
 from simulation.carriers.sumo_api import STEP_DELAY_MS, GuiWindow
 from simulation.journal import Journal
 from simulation.loop import Progress, Simulation
@@ -35,6 +37,7 @@ from simulation.world.roster import drawn_up
 from study.collect.battery import battery_summary, battery_tables
 from study.collect.energy import StockMake
 from study.collect.late import late_part, late_summary
+from study.collect.road import road_table
 from study.collect.tables_of_run import tables_of
 from study.feasibility.check import feasibility
 from study.measures.driving import driving_table
@@ -242,6 +245,7 @@ def execute(
         comparisons=opinions,
         waits=make_table("waits", waits_of(result, setup, holds)),
         **battery_tables(result.battery, setup),
+        road=road_table(result.road),
     )
     failures = broken_said(result, setup)
     summary = {
@@ -276,15 +280,26 @@ def execute(
 
 
 @contextmanager
-def simulation_of(setup: Setup) -> Generator[Simulation]:
-    """A simulation on SUMO with all parties in this process, ready to `begin`; its carrier is released at the end."""
+def simulation_of(
+    setup: Setup,
+    road_in: Callable[[Path], Road] | None = None,
+    detectors: ObstacleDetectors | None = None,
+) -> Generator[Simulation]:
+    """A simulation on SUMO with all parties in this process, ready to `begin`; its carrier is released at the end.
+
+    `road_in` makes the road that is carried too, with its files in a folder; its `detectors` hear of obstacles.
+    """
     with scratch(TEMPORARY) as folder:
-        net = net_for(setup.line, folder)
+        road = None if road_in is None else road_in(folder)
+        net = net_for(setup.line, folder, () if road is None else road.roads)
         master_key = secrets.token_bytes(KEY_BYTES)
         units = LocalUnits(unit_configs(setup, master_key))
         with parties_of(PartyLink.SIMULATED, setup.line.id, specs_of(setup, master_key), folder) as parties:
-            make = carrier_factory(CarrierKind.SUMO, setup.line, net)
-            simulation = Simulation(setup, make, parties, read_net(net), units, PartyLink.SIMULATED.value)
+            make = carrier_factory(CarrierKind.SUMO, setup.line, net, road=road)
+            link = PartyLink.SIMULATED.value
+            simulation = Simulation(
+                setup, make, parties, read_net(net), units, link, road=road, detectors=detectors
+            )
             try:
                 yield simulation
             finally:
@@ -413,11 +428,15 @@ def specs_of(setup: Setup, master_key: bytes) -> tuple[PartySpec, ...]:
 
 
 def carrier_factory(
-    kind: CarrierKind, line: Line, net: Path, window: GuiWindow | None = None
+    kind: CarrierKind,
+    line: Line,
+    net: Path,
+    window: GuiWindow | None = None,
+    road: Road | None = None,
 ) -> Callable[[float], Carrier]:
     """How the loop makes its carrier, given the time at which the run begins (s).
 
-    Where the kind is `shown`, the scenery of the line is written where `window` has it.
+    Where the kind is `shown`, the scenery of the line is written where `window` has it. Plain track has no `road`.
     """
     if kind is CarrierKind.SUMO_GUI:
         from simulation.carriers.window import WindowCarrier
@@ -425,10 +444,13 @@ def carrier_factory(
         shown = window or GuiWindow()
         if shown.scenery is not None:
             shown.scenery.write_bytes(scenery_xml(line))
-        return lambda begin_s: WindowCarrier(net, begin_s, shown)
+        return lambda begin_s: WindowCarrier(net, begin_s, shown, road)
     if kind is CarrierKind.SUMO:
         from simulation.carriers.sumo import SumoCarrier
+        from simulation.carriers.sumo_road import SumoRoadCarrier
 
+        if road is not None:
+            return lambda begin_s: SumoRoadCarrier(net, begin_s, road)
         return lambda begin_s: SumoCarrier(net, begin_s)
     from simulation.carriers.plain_track import PlainTrack
 

@@ -163,6 +163,9 @@ EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
         "signal", phrase("wrong departure of {unit_id} past signal {signal_id}")
     ),
     events.Unsafe: EventWording("unsafe", phrase("{unit_id} {how}")),
+    events.VehicleStruck: EventWording(
+        "unsafe", phrase("{unit_id} strikes a road vehicle at crossing {crossing_id} at {speed_mps:.1f} m/s")
+    ),
     events.Collision: EventWording("unsafe", Phrase("{text}", checker_name(Checker.SUMO_COLLISION.value).ja)),
     events.PointsForced: EventWording("unsafe", phrase("points {points_id} were run through")),
     TelegramDropped: EventWording(

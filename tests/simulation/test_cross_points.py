@@ -9,19 +9,19 @@ import pytest
 
 from network.model import Position
 from simulation.events import Danger, Unsafe
-from simulation.loop import Simulation
 from simulation.setup import Setup
+from simulation.toes import Toes
 
 
 class World:
-    """Stands for the loop: a train about to go from one piece to the next, over P7 as it lies."""
+    """Stands for the world: a train about to go from one piece to the next, over P7 as it lies."""
 
     def __init__(self, setup: Setup, before: str, expected: str, position: Position | None) -> None:
         self.setup = setup
         self.texts: list[str] = []
         self.forced: list[str] = []
         self.diverted: list[str] = []
-        self._step, self._signs = 1, SimpleNamespace(look_ahead=lambda _slot: None)
+        self.signs = SimpleNamespace(look_ahead=lambda _slot: None)
         self.trains = SimpleNamespace(
             crossing=lambda _slot: (before, expected),
             divert=lambda _slot, onto: self.diverted.append(onto),
@@ -30,13 +30,13 @@ class World:
             position_of=lambda _points: position, force=lambda _step, points_id: self.forced.append(points_id)
         )
 
-    def _unsafe(self, _slot: int, danger: Danger, points_id: str) -> None:
+    def unsafe(self, _slot: int, danger: Danger, points_id: str) -> None:
         self.texts.append(Unsafe(unit_id="K1", danger=danger, points_id=points_id).text)
 
 
 def crossed(setup: Setup, before: str, expected: str, position: Position | None) -> World:
     world: Any = World(setup, before, expected, position)
-    Simulation._cross_points(world, 0)
+    Toes(world, world.unsafe).cross(0, 1)
     found: World = world
     return found
 

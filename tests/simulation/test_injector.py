@@ -105,6 +105,7 @@ class World:
             wayside=self.wayside,
             on_board=on_board,
             charging=None,
+            road=None,
         )
         cabs: Any = SimpleNamespace(
             power_off=lambda slot, _step: self.switched.append((trains.stock_ids[slot], False)),

@@ -87,6 +87,7 @@ class World:
             wayside=self.wayside,
             on_board=SimpleNamespace(),
             charging=None,
+            road=None,
         )
         shown = self.vehicle
         cabs: Any = SimpleNamespace(

@@ -1,0 +1,34 @@
+"""The road at level crossings: the rows of the table `road`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from study.record.columns import seconds
+from study.record.figure import Adds, Figure, Kind, ShownIn
+from study.wording.catalogue import phrase
+
+
+@dataclass(frozen=True, slots=True)
+class RoadHour:
+    """A crossing and an hour of the day in which vehicles came, or stood."""
+
+    crossing: Annotated[str, Figure(phrase("crossing"), seen=ShownIn.REPORT, kind=Kind.PLACE)]
+    hour: Annotated[int, "from midnight"]
+    passages: Annotated[
+        int,
+        Figure(phrase("passages"), "", 0, Adds.SUM, seen=ShownIn.REPORT),
+        "of vehicles that wanted to come in it",
+    ]
+    waited_h: Annotated[
+        float,
+        Figure(phrase("waiting time of the road"), "h", 2, Adds.SUM, seen=ShownIn.REPORT),
+        "vehicle-hours, over passages that nothing hinders",
+    ]
+    waited_s_max: Annotated[float, seconds("longest wait of a vehicle")]
+    queue: Annotated[
+        int,
+        Figure(phrase("longest queue"), "", 0, seen=ShownIn.REPORT),
+        "vehicles that stand in one lane",
+    ]
