@@ -370,6 +370,47 @@ class ThrowDenied(Noted, frozen=True, kw_only=True, tag="points_refused"):
     why: str
 
 
+# level crossings -----------------------------------------------------------------------------------------------
+
+
+class CrossingAsked(Noted, frozen=True, kw_only=True, tag="crossing_asked"):
+    """The unit has announced itself to a level crossing: its front can be there in `arrives_s`."""
+
+    crossing_id: str
+    arrives_s: float
+
+
+class CrossingHeardClosed(Noted, frozen=True, kw_only=True, tag="crossing_heard_closed"):
+    """The unit has the proof that a level crossing is closed."""
+
+    crossing_id: str
+
+
+class CrossingProofLost(Noted, frozen=True, kw_only=True, tag="crossing_proof_lost"):
+    """The proof that a level crossing is closed does not hold any more."""
+
+    crossing_id: str
+    why: str
+
+
+class CrossingCreep(Noted, frozen=True, kw_only=True, tag="crossing_creep"):
+    """The driver has leave to creep over a level crossing that has not proved closed, whistling, on sight."""
+
+    crossing_id: str
+
+
+class CrossingPassed(Noted, frozen=True, kw_only=True, tag="crossing_passed"):
+    """The rear is surely beyond a level crossing, and the unit says so."""
+
+    crossing_id: str
+
+
+class CrossingGivenUp(Noted, frozen=True, kw_only=True, tag="crossing_given_up"):
+    """The train does not come onto a level crossing to which it was announced, and the unit says so."""
+
+    crossing_id: str
+
+
 # its crew ------------------------------------------------------------------------------------------------------
 
 
@@ -439,6 +480,12 @@ Note = (
     | Proven
     | ProofDropped
     | ThrowDenied
+    | CrossingAsked
+    | CrossingHeardClosed
+    | CrossingProofLost
+    | CrossingCreep
+    | CrossingPassed
+    | CrossingGivenUp
     | CrewCheckedPoints
     | CrewWaitsAtPoints
     | TelegramDropped

@@ -85,6 +85,7 @@ class Cabs:
         (self._crew.on_sight.add if shown.on_sight or shown.sweeps else self._crew.on_sight.discard)(slot)
         self._crew.look_ahead(slot)
         self._keep_looking(slot, step)
+        self._wait_at_crossing(slot, step)
         self._signs.look_ahead(slot)
 
     def timer(self, slot: int, step: int) -> None:
@@ -169,6 +170,7 @@ class Cabs:
         if self._crew.has_to_look(slot):
             self._crew.look_ahead(slot)
             self._begins(Pause.STAND, slot, step)
+            self._wait_at_crossing(slot, step)
 
     def crew_due(self, pause: Pause, slot: int, step: int) -> None:
         """A crew does what it took its time for."""
@@ -176,10 +178,19 @@ class Cabs:
         match pause:
             case Pause.STAND:
                 self._look_out(slot, step)
+            case Pause.CROSSING:
+                happened = self._crew.creep(slot, step / STEPS_PER_S)
+                if happened:
+                    self.tell(slot, step, happened)
             case Pause.KEY:
                 self._crew.give_keys_back(slot, step / STEPS_PER_S)
             case _:
                 raise ValueError(f"{pause} is not for the crew of a train that runs")
+
+    def _wait_at_crossing(self, slot: int, step: int) -> None:
+        """A driver whose train waits for a level crossing to close asks for leave to creep over it."""
+        if self._crew.waits_at_crossing(slot):
+            self._begins(Pause.CROSSING, slot, step)
 
     def _begins(self, pause: Pause, slot: int, step: int) -> None:
         """A crew begins to do something, unless it is at it."""

@@ -16,6 +16,7 @@ from simulation.duties import Duties
 from simulation.faults.cable import CableCut, CableFault
 from simulation.faults.chargers import ChargerFault
 from simulation.faults.clocks import ClockFault
+from simulation.faults.crossings import CrossingCondition, CrossingFault
 from simulation.faults.devices import Frozen, LostStore, PowerFault
 from simulation.faults.fault import Fault
 from simulation.faults.points import Condition, PointsFault
@@ -82,6 +83,10 @@ class Effects:
     @put_effect.register
     def _cable(self, _fault: CableFault, cuts: tuple[CableCut, ...], step: int) -> None:
         self._wayside.cable.cut(cuts, step / STEPS_PER_S)
+
+    @put_effect.register
+    def _crossing(self, fault: CrossingFault, condition: CrossingCondition, step: int) -> None:
+        self._wayside.crossings.put_condition(step, fault.target, condition)
 
     @put_effect.register
     def _points(self, fault: PointsFault, condition: Condition, step: int) -> None:

@@ -81,6 +81,8 @@ def _reasons(plan: DutyPlan, state: DutyState) -> Iterator[str]:
         yield f"points {command.needed.points_id}: {command.refusal or 'not proven'}"
     if state.place.unfit:
         yield f"vehicle: {state.place.unfit}"
+    if state.place.crossing:
+        yield f"level crossing {state.place.crossing} to be proved closed"
     if state.place.emergency:
         yield "release of the emergency brake"
     if state.unable is not None:

@@ -29,7 +29,7 @@ class Names:
     """Everything on a line that a fault, an act or an expectation may name."""
 
     units: tuple[str, ...] = ()
-    devices: tuple[str, ...] = ()  # the block manager and the terminals
+    devices: tuple[str, ...] = ()  # the block manager, the terminals, level crossings
     tags: tuple[str, ...] = ()
     markers: tuple[str, ...] = ()  # groups of them
     points: tuple[str, ...] = ()
@@ -43,6 +43,7 @@ class Names:
     signals: tuple[str, ...] = ()  # line signals
     levers: tuple[str, ...] = ()  # direction levers
     chargers: tuple[str, ...] = ()  # stations that have one, where sets run on batteries
+    crossings: tuple[str, ...] = ()  # level crossings that have a device
 
 
 @dataclass(frozen=True, slots=True)

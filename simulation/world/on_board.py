@@ -132,7 +132,12 @@ class OnBoard:
         if self._charging is not None:
             self._charging.unit_looks(slot, own_s)
         by_eye = [told for event in happened if isinstance(event, AtMark) for told in motion.at_mark(event)]
-        report = Report(motion.place(), (*happened, *by_eye), self.claims_besides.get(slot, ()))
+        report = Report(
+            motion.place(),
+            (*happened, *by_eye),
+            self.claims_besides.get(slot, ()),
+            motion.crossings.places(motion.load_share),
+        )
         answer = self._units.advance(self._trains.stock_ids[slot], own_s, telegrams, report)
         motion.obey(answer.command, own_s)
         laid = motion.taken_plan()

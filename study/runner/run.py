@@ -72,7 +72,7 @@ from study.wording.phrase import Phrase
 from sumo_cfg.build import net_for
 from sumo_cfg.scenery import scenery_xml
 from sumo_cfg.truth_map import NetMap, read_net
-from wayside.config import manager_config, terminal_configs
+from wayside.config import crossing_configs, manager_config, terminal_configs
 
 TEMPORARY: Final = "branchline-"
 TRAJECTORY_ROOM_BPS: Final = 50  # bytes of the trajectory a second; 41 on the weekday of the Karasuyama line
@@ -409,6 +409,7 @@ def specs_of(setup: Setup, master_key: bytes) -> tuple[PartySpec, ...]:
         ),
         terminal_configs(line),
         master_key,
+        crossing_configs(line),
     )
 
 
