@@ -6,6 +6,8 @@ the world writes. A `station` is a station's id, or a section's where the target
 
 from __future__ import annotations
 
+from enum import Enum
+
 import msgspec
 
 from network.model import Position, TagPurpose
@@ -386,11 +388,18 @@ class CrossingHeardClosed(Noted, frozen=True, kw_only=True, tag="crossing_heard_
     crossing_id: str
 
 
+class WhyProofLost(Enum):
+    """Why the proof of a level crossing does not hold any more."""
+
+    SILENCE = "silence"
+    NOT_CLOSED = "not closed"
+
+
 class CrossingProofLost(Noted, frozen=True, kw_only=True, tag="crossing_proof_lost"):
     """The proof that a level crossing is closed does not hold any more."""
 
     crossing_id: str
-    why: str
+    why: WhyProofLost
 
 
 class CrossingCreep(Noted, frozen=True, kw_only=True, tag="crossing_creep"):
@@ -399,16 +408,11 @@ class CrossingCreep(Noted, frozen=True, kw_only=True, tag="crossing_creep"):
     crossing_id: str
 
 
-class CrossingPassed(Noted, frozen=True, kw_only=True, tag="crossing_passed"):
-    """The rear is surely beyond a level crossing, and the unit says so."""
+class CrossingLeftBehind(Noted, frozen=True, kw_only=True, tag="crossing_left"):
+    """The unit says that nothing of its train is on a level crossing any more (`passed`), or comes onto it now."""
 
     crossing_id: str
-
-
-class CrossingGivenUp(Noted, frozen=True, kw_only=True, tag="crossing_given_up"):
-    """The train does not come onto a level crossing to which it was announced, and the unit says so."""
-
-    crossing_id: str
+    passed: bool
 
 
 # its crew ------------------------------------------------------------------------------------------------------
@@ -484,8 +488,7 @@ Note = (
     | CrossingHeardClosed
     | CrossingProofLost
     | CrossingCreep
-    | CrossingPassed
-    | CrossingGivenUp
+    | CrossingLeftBehind
     | CrewCheckedPoints
     | CrewWaitsAtPoints
     | TelegramDropped

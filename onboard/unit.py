@@ -30,12 +30,11 @@ from onboard.duty.records import (
     DrivingOrder,
     DutyState,
     Event,
+    Happening,
     Looked,
     NoSuchWay,
     OffTheLine,
-    Person,
     PlaceInJoints,
-    Sensed,
     SetTimerAt,
     SwitchedOn,
     TakeUpWay,
@@ -60,7 +59,7 @@ class Report(msgspec.Struct, frozen=True):
     """
 
     place: PlaceInJoints
-    happened: tuple[Person | Sensed, ...] = ()
+    happened: tuple[Happening, ...] = ()
     claims_besides: tuple[str, ...] = ()
     crossings: tuple[CrossingPlace, ...] | None = ()
 
@@ -124,7 +123,10 @@ class OnboardUnit:
         elapsed_s = self._elapsed.at(now_s)
         place = self._at_crossing(sensed.place, elapsed_s)
         for event in sensed.happened:
-            self._take(event, place, now_s)
+            if isinstance(event, CreepOver):
+                self._crossings.creep(event.crossing_id, elapsed_s)
+            else:
+                self._take(event, place, now_s)
         for data in telegrams:
             self._open(data, place, now_s)
         while (timer := self._next_due(now_s)) is not None:
@@ -175,8 +177,6 @@ class OnboardUnit:
     def _take(self, event: Event, place: PlaceInJoints, now_s: float) -> None:
         if DrivingOrder.LOSE in self._orders:  # its driving part has yet to obey
             place = msgspec.structs.replace(place, known=False, emergency=True)
-        if isinstance(event, CreepOver):
-            self._crossings.creep(event.crossing_id, self._elapsed.at(now_s))
         if isinstance(event, OffTheLine):
             self._crossings.off_the_line(self._elapsed.at(now_s))
         if isinstance(event, TakeUpWay) and not leads_on(self.plan, self.state, event.plan):

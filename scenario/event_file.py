@@ -70,6 +70,7 @@ _NAMED: Final[Mapping[str, Callable[[Names], Collection[str]]]] = {
     "signal_id": lambda names: names.signals,
     "stops": lambda names: names.signals,
     "lever_id": lambda names: names.levers,
+    "crossing_id": lambda names: names.crossings,
 }
 
 
@@ -244,4 +245,6 @@ def _author(who: str, names: Names) -> Author:
         return Author.MANAGER
     if who in names.units:
         return Author.UNIT
+    if who in names.crossings:
+        return Author.CROSSING
     return Author.TERMINAL if who in names.devices else Author.PERSON

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from onboard.duty.records import Person, Sensed, SetBack, Told
+from onboard.duty.records import Happening, SetBack, Told
 from simulation.agenda import AgendaKind
 from simulation.clock import Clock
 from simulation.events import WORLD, Commissioned, PowerOff, PowerOn, Uncommissioned
@@ -41,10 +41,10 @@ class Cabs:
         self._about_to: set[tuple[Pause, int]] = set()  # what a crew is going to do, by its slot
         self._timer_steps: dict[int, int] = {}
         self._wakes: set[int] = set()  # slots whose unit has a timer running
-        self._frozen: dict[int, list[tuple[Sequence[Person | Sensed], Sequence[bytes]]]] = {}
+        self._frozen: dict[int, list[tuple[Sequence[Happening], Sequence[bytes]]]] = {}
 
     def tell(
-        self, slot: int, step: int, happened: Sequence[Person | Sensed] = (), telegrams: Sequence[bytes] = ()
+        self, slot: int, step: int, happened: Sequence[Happening] = (), telegrams: Sequence[bytes] = ()
     ) -> None:
         """Put what happened to a unit, and do what it says.
 

@@ -122,11 +122,20 @@ class CrossingLamps(Noted, frozen=True, kw_only=True, tag="crossing_lamps"):
     lit: bool
 
 
+class BarrierState(Enum):
+    """Where the barriers of a level crossing are."""
+
+    RAISED = "raised"
+    LOWERING = "lowering"
+    LOWERED = "lowered"
+    RISING = "rising"
+
+
 class CrossingBarriers(Noted, frozen=True, kw_only=True, tag="crossing_barriers"):
-    """The barriers of a level crossing are now so: raised, lowering, lowered or rising."""
+    """The barriers of a level crossing are now so."""
 
     crossing_id: str
-    state: str
+    state: BarrierState
 
 
 class CrossingEntered(Noted, frozen=True, kw_only=True, tag="crossing_entered"):

@@ -6,6 +6,8 @@ rule; `wayside.said` has them among those of the other devices.
 
 from __future__ import annotations
 
+from enum import Enum
+
 import msgspec
 
 from radio.noted import Noted
@@ -49,10 +51,17 @@ class CrossingProven(Noted, frozen=True, kw_only=True, tag="crossing_proven"):
     """A level crossing is closed, as detected."""
 
 
+class WhyUnproven(Enum):
+    """Why a level crossing does not prove closed."""
+
+    LATE = "not detected in time"
+    LOST = "lost"
+
+
 class CrossingUnproven(Noted, frozen=True, kw_only=True, tag="crossing_unproven"):
     """A level crossing that is commanded closed is not, or no longer, detected so."""
 
-    why: str
+    why: WhyUnproven
 
 
 class CrossingOpens(Noted, frozen=True, kw_only=True, tag="crossing_opens"):

@@ -37,6 +37,7 @@ from wayside.crossing_said import (
     CrossingUnproven,
     CrossingWarns,
     OpenCrossing,
+    WhyUnproven,
 )
 
 VALID_S: Final = 12.0  # assumed: three of a unit's repeats
@@ -252,7 +253,7 @@ def _detect_closed(device: CrossingDevice, event: CrossingDetected, now_s: float
         closed_s=math.inf,
         deadline_s=now_s + device.config.closing_s + TELEGRAM_S,
     )
-    return device, (Show(CrossingUnproven(why="lost")), *_proofs(device, now_s))
+    return device, (Show(CrossingUnproven(why=WhyUnproven.LOST)), *_proofs(device, now_s))
 
 
 def _expire(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) -> CrossingStep:
@@ -260,7 +261,7 @@ def _expire(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) -> Cr
     actions: tuple[Action, ...] = ()
     if device.deadline_s is not None and now_s >= device.deadline_s - _TIME_TOLERANCE_S:
         device = replace(device, deadline_s=math.inf)
-        actions = (Show(CrossingUnproven(why="not detected in time")),)
+        actions = (Show(CrossingUnproven(why=WhyUnproven.LATE)),)
     device, opened = _open_if_free(device, now_s)
     return device, (*actions, *opened)
 

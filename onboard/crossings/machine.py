@@ -180,8 +180,8 @@ def _repeats(view: CrossingView, place: CrossingPlace | None, now_s: float, ever
 
 def _gives_up(view: CrossingView, now_s: float, *, passed: bool) -> CrossingStep:
     fresh = CrossingView(view.crossing_id, CrossingPhase.LEAVING, now_s, passed=passed)
-    note = notes.CrossingPassed if passed else notes.CrossingGivenUp
-    return fresh, (note(crossing_id=view.crossing_id), CrossingOver(passed))
+    left = notes.CrossingLeftBehind(crossing_id=view.crossing_id, passed=passed)
+    return fresh, (left, CrossingOver(passed))
 
 
 def _look_ahead(view: CrossingView, event: CrossingSeen, now_s: float) -> CrossingStep:
@@ -223,7 +223,7 @@ def _look_proven(view: CrossingView, event: CrossingSeen, now_s: float) -> Cross
         return _asks(replace(view, phase=CrossingPhase.PASSING), place, now_s)
     if now_s >= view.until_s:
         lost, said = _look_asked(_unproven(view), event, now_s)
-        return lost, (notes.CrossingProofLost(crossing_id=view.crossing_id, why="silence"), *said)
+        return lost, (notes.CrossingProofLost(crossing_id=view.crossing_id, why=notes.WhyProofLost.SILENCE), *said)
     if place is None or (place.stands and not math.isfinite(place.arrives_s)):
         return _look_asked(_unproven(view), event, now_s)
     return _repeats(view, place, now_s, REFRESH_S)
@@ -269,7 +269,7 @@ def _proof_again(view: CrossingView, event: CrossingAnswered, now_s: float) -> C
     """Still closed: it holds on; not closed any more: it is dropped at once."""
     if event.closed:
         return replace(view, since_s=min(view.since_s, event.since_s), until_s=event.until_s), ()
-    note = notes.CrossingProofLost(crossing_id=view.crossing_id, why="not closed")
+    note = notes.CrossingProofLost(crossing_id=view.crossing_id, why=notes.WhyProofLost.NOT_CLOSED)
     return replace(_unproven(view), said_s=now_s), (note,)
 
 

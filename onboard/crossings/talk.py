@@ -108,10 +108,9 @@ class CrossingTalk:
 
     def kept_standing_by(self, now_s: float) -> str:
         """The crossing for which a train stands that would go on now; empty: none."""
-        place = self._places.get(self.held_before(now_s))
-        if place is None or not place.stands or not self._goes_on:
-            return ""
-        return place.crossing_id if place.entered or math.isfinite(place.arrives_s) else ""
+        place = self._places.get(self.start_held_by(now_s))
+        goes_on = place is not None and self._goes_on and math.isfinite(place.arrives_s)
+        return place.crossing_id if place is not None and goes_on else ""
 
     @property
     def creeps(self) -> bool:

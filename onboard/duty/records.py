@@ -282,7 +282,6 @@ Person = (
     | AtMark
     | NotAtMark
     | EndOfHeld
-    | CreepOver
 )
 Sensed = (
     TagBelieved
@@ -294,6 +293,7 @@ Sensed = (
     | Looked
     | VehicleChecked
 )
+Happening = Person | Sensed | CreepOver  # the last for the unit's crossings alone
 Event = Person | Sensed | TimerDue | TelegramHeard | Ordered
 
 

@@ -7,13 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from simulation.events import CrossingBarriers, CrossingCreep, CrossingLamps, JournalEntry
+from simulation.events import BarrierState, CrossingBarriers, CrossingCreep, CrossingLamps, JournalEntry
 from simulation.judge.body import RESOLUTION_M, Body
 from simulation.judge.log import Checker, Log
 
 TIME_TOLERANCE_S: Final = 0.11  # a front is seen at the end of a step
 CREEP_MARGIN_MPS: Final = 0.6
-LOWERED: Final = "lowered"
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +54,7 @@ class CrossingWatch:
             case CrossingLamps(crossing_id=crossing_id, lit=lit):
                 self._roads[crossing_id].lit_s = entry.t_s if lit else math.inf
             case CrossingBarriers(crossing_id=crossing_id, state=state):
-                self._roads[crossing_id].lowered_s = entry.t_s if state == LOWERED else math.inf
+                self._roads[crossing_id].lowered_s = entry.t_s if state is BarrierState.LOWERED else math.inf
             case CrossingCreep(crossing_id=crossing_id):
                 self._leave.add((entry.who, crossing_id))
             case _:

@@ -147,7 +147,7 @@ class Crew:
         crossing_id, stops_m = self._open_crossing(slot)
         return crossing_id if stops_m - float(self._trains.truths[slot].position_m) < SEES_M else ""
 
-    def creep(self, slot: int, now_s: float) -> list[Person]:
+    def creep(self, slot: int, now_s: float) -> list[CreepOver]:
         """The driver has leave to creep over the crossing at which the train waits: his unit, if it drives, is told."""
         crossing_id = self.waits_at_crossing(slot)
         if not crossing_id:

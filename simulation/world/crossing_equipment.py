@@ -11,23 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from enum import Enum
 from types import MappingProxyType
 from typing import Any, Final
 
 from network.model import CrossingClass, LevelCrossing
 from radio.table import TableCell, rows
+from simulation.events import BarrierState
 from simulation.faults.crossings import IN_ORDER, CrossingCondition
 from wayside.crossing_said import CloseCrossing, CrossingDetected, OpenCrossing
-
-
-class BarrierState(Enum):
-    """Where the barriers are."""
-
-    RAISED = "raised"
-    LOWERING = "lowering"
-    LOWERED = "lowered"
-    RISING = "rising"
 
 
 @dataclass(frozen=True, slots=True)

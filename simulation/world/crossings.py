@@ -15,13 +15,12 @@ from typing import Final
 from network.model import CrossingControl, LevelCrossing, Line
 from network.path import Path
 from simulation.agenda import Agenda, AgendaKind
-from simulation.events import WORLD, CrossingBarriers, CrossingEntered, CrossingLamps
+from simulation.events import WORLD, BarrierState, CrossingBarriers, CrossingEntered, CrossingLamps
 from simulation.faults.crossings import CrossingCondition
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world import crossing_equipment
 from simulation.world.crossing_equipment import (
-    BarrierState,
     ConditionChanged,
     CrossingEquipment,
     EquipmentEvent,
@@ -82,7 +81,7 @@ class CrossingsOnTrack:
         if after.lit is not before.lit:
             self._journal.write(now_s, WORLD, CrossingLamps(crossing_id=crossing_id, lit=after.lit))
         if after.barriers is not before.barriers and after.has_barriers:
-            barriers = CrossingBarriers(crossing_id=crossing_id, state=after.barriers.value)
+            barriers = CrossingBarriers(crossing_id=crossing_id, state=after.barriers)
             self._journal.write(now_s, WORLD, barriers)
         if after.due_s is not None and after.due_s != before.due_s:
             self._agenda.put(step_not_before(after.due_s), AgendaKind.POINTS, crossing_id)

@@ -23,6 +23,7 @@ from onboard.duty.records import (
     Begin,
     ChangeEnds,
     DrivingCommand,
+    Happening,
     Person,
     Sensed,
     SwitchedOn,
@@ -114,7 +115,7 @@ class OnBoard:
         self,
         slot: int,
         now_s: float,
-        happened: Sequence[Person | Sensed] = (),
+        happened: Sequence[Happening] = (),
         telegrams: Sequence[bytes] = (),
     ) -> tuple[UnitAnswer, list[Note]] | None:
         """Put what happened to the unit; its answer, and all lines for the journal. None while it has no power.
