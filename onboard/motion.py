@@ -131,7 +131,7 @@ class UnitMotion:
         self._due_m = math.inf  # place of the tag that is expected, also once it is overdue
         self._laws: Final = laws
         self._pace: Final = Pace(parameters, row, train, behaviour, laws, planning)
-        self.crossings: Final = CrossingsAhead(line, parameters, row, train, behaviour, self._pace)
+        self.crossings: Final = CrossingsAhead(line, parameters, self.row, train, behaviour, self._pace)
         self._stood_m: float | None = None  # the tachometer at the last stand, while it stands
         self._look_for_sign(None)
 

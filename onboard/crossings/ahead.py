@@ -9,8 +9,10 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,13 +29,13 @@ from vehicle.records import TrainRow
 from vehicle.running_time import predicted_run
 
 STOPS_SHORT_M: Final = 2.0  # the movement limit lies so far before the road
-LOOKS_M: Final = 4000.0  # further ahead nobody asks
+LOOKS_S: Final = 90.0  # what is further ahead at full speed all the way is not looked at closely
 PREDICTION_STEP_S: Final = 0.5
 PATTERN_RESERVE_S: Final = 2.0  # assumed: dead time and lag of the brake, and a tick or two
 STARTS_MPS2: Final = 1.0  # assumed: no train here gains more from a stand
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class CrossingOnPath:
     """A crossing between two path coordinates (m), in which span, and after which stop of the mission."""
 
@@ -42,6 +44,23 @@ class CrossingOnPath:
     end_m: float
     span: int
     stop: int
+
+    @cached_property
+    def behind(self) -> CrossingPlace:
+        """What a unit is told of it when its safe rear has left it."""
+        crossing, least_s = self.crossing, least_closed_s(self.crossing)
+        return CrossingPlace(
+            crossing.id,
+            self.span,
+            self.stop,
+            crossing.warning_s,
+            crossing.closing_s,
+            least_s,
+            entered=True,
+            under=True,
+            beyond=True,
+            clear=True,
+        )
 
 
 class CrossingsAhead:
@@ -67,6 +86,7 @@ class CrossingsAhead:
         self._front_m = 0.0
         settings = behaviour.settings
         self._beyond_mps: Final = float(settings.driving_margin_mps + settings.service_margin_mps)
+        self._top_mps = 1.0
         self._fastest_mps: NDArray[np.float64] = np.zeros(1)
 
     def take_up(self, mission: Mission) -> None:
@@ -76,6 +96,7 @@ class CrossingsAhead:
         if not self._by_radio:
             return
         self._fastest_mps = self._pace.driving_mps + self._beyond_mps
+        self._top_mps = max(float(self._fastest_mps.max()), 1.0)
         path, starts_m = mission.path, [span.start_m for span in mission.spans]
         marks_m = [target.mark_m for target in mission.targets]
         found: list[CrossingOnPath] = []
@@ -90,7 +111,8 @@ class CrossingsAhead:
         if was is not None:
             turned = was.path.direction is not path.direction
             found += [self._under(one, turned=turned) for one in before if one.crossing.id not in known]
-        self._on_path = tuple(one for one in found if one.crossing.id in known or one.end_m > self._rear_m())
+        kept = (one for one in found if one.crossing.id in known or one.end_m > self._rear_m())
+        self._on_path = tuple(sorted(kept, key=lambda one: one.start_m))
         self._front_m = float(self._row.position_m)
 
     def _rear_m(self) -> float:
@@ -118,39 +140,46 @@ class CrossingsAhead:
         return min(limit_m, next(starts_m, math.inf) - STOPS_SHORT_M)
 
     def places(self, load_share: float) -> tuple[CrossingPlace, ...] | None:
-        """How the train is to each of them now, in order; None while its position is unknown."""
+        """How the train is to each of them now, by place, as far as the first that is far ahead; None while its position
+        is unknown.
+        """
         row, mission = self._row, self._mission
         if mission is None or not row.position_known:
             return None
-        self._front_m = float(row.position_m)
-        return tuple(self._place(one, mission, load_share) for one in self._on_path)
+        self._front_m, rear_m = float(row.position_m), self._rear_m()
+        found: list[CrossingPlace] = []
+        for one in self._on_path:
+            if one.end_m < rear_m:
+                found.append(one.behind)
+                continue
+            found.append(self._place(one, mission, load_share))
+            if found[-1].fastest_s >= LOOKS_S:
+                break
+        return tuple(found)
 
     def _place(self, one: CrossingOnPath, mission: Mission, load_share: float) -> CrossingPlace:
-        row, crossing = self._row, one.crossing
-        ahead_m, behind_m = row.position_m + row.bound_ahead_m, row.position_m - row.bound_behind_m
-        entered, clear = bool(ahead_m >= one.start_m - STOPS_SHORT_M), bool(self._rear_m() > one.end_m)
-        arrives_s = fastest_s = proof_s = 0.0 if entered else math.inf
-        if not entered and one.start_m - ahead_m < LOOKS_M:
+        row, position_m = self._row, self._front_m
+        ahead_m, behind_m = position_m + float(row.bound_ahead_m), position_m - float(row.bound_behind_m)
+        entered, way_m = ahead_m >= one.start_m - STOPS_SHORT_M, one.start_m - ahead_m
+        speed_mps = float(row.speed_mps)
+        arrives_s = fastest_s = proof_s = 0.0 if entered else way_m / self._top_mps
+        if not entered and fastest_s < LOOKS_S:
             cruise_mps = min(float(row.cruise_mps), float(row.restricted_mps))
-            meant_mps, from_m = self._pace.driving_mps, float(ahead_m)
-            arrives_s = self._run_s(one, mission, load_share, from_m, meant_mps, cruise_mps)
-            fastest_s = self._run_s(one, mission, load_share, from_m, self._fastest_mps, math.inf)
-            proof_s = arrives_s - self._brakes_s(one.start_m, one.start_m - float(ahead_m), cruise_mps)
-        return CrossingPlace(
-            crossing.id,
-            one.span,
-            one.stop,
-            crossing.warning_s,
-            crossing.closing_s,
-            least_closed_s(crossing),
-            arrives_s,
-            fastest_s,
-            proof_s,
-            entered,
-            bool(behind_m >= one.start_m),
-            bool(behind_m >= one.end_m),
-            clear,
-            bool(row.speed_mps == 0.0),
+            meant_mps = self._pace.driving_mps
+            arrives_s = self._run_s(one, mission, load_share, ahead_m, meant_mps, cruise_mps)
+            fastest_s = self._run_s(one, mission, load_share, ahead_m, self._fastest_mps, math.inf)
+            proof_s = arrives_s - self._brakes_s(one.start_m, way_m, cruise_mps)
+        return msgspec.structs.replace(
+            one.behind,
+            arrives_s=arrives_s,
+            fastest_s=fastest_s,
+            proof_s=proof_s,
+            clears_s=(one.end_m - self._rear_m()) / speed_mps if entered and speed_mps > 0.0 else math.inf,
+            entered=entered,
+            under=behind_m >= one.start_m,
+            beyond=behind_m >= one.end_m,
+            clear=False,
+            stands=speed_mps == 0.0,
         )
 
     def _run_s(

@@ -47,6 +47,7 @@ class CrossingPlace(msgspec.Struct, frozen=True):
 
     From now on, s: `arrives_s` until its front is there by the run that it means, `fastest_s` by the fastest possible,
     `proof_s` until it must know the crossing closed so that it need not brake; infinite: it does not come there yet.
+    `clears_s`: until its rear is beyond at the present speed.
     `warning_s`, `closing_s` and `least_s` are the line's: the whole warning, its part until closed, and from closed to
     the front at least. `span` and `stop`: in which span of the plan it lies, and which stop is the last before it. `entered`: the front may be on it,
     `under`: surely is, or was, `beyond`: surely has left it, `clear`: the rear too. `stands`: the train does.
@@ -61,6 +62,7 @@ class CrossingPlace(msgspec.Struct, frozen=True):
     arrives_s: float = math.inf
     fastest_s: float = math.inf
     proof_s: float = math.inf
+    clears_s: float = math.inf
     entered: bool = False
     under: bool = False
     beyond: bool = False
@@ -76,7 +78,8 @@ class CrossingPlace(msgspec.Struct, frozen=True):
 class CrossingView(msgspec.Struct, frozen=True):
     """What the unit knows of one crossing. `said_s`: when it spoke to it last; `since_s`, `until_s`: since when it is
     closed at the latest, and how long the proof holds; `idle_s`: since when it stands without going on there. `creeps`:
-    it may creep over it unproven. `forgot`: a boot before this one may have announced it there.
+    it may creep over it unproven. `forgot`: a boot before this one may have announced it there. `answered`: the
+    crossing knows of it.
     """
 
     crossing_id: str
@@ -88,6 +91,7 @@ class CrossingView(msgspec.Struct, frozen=True):
     creeps: bool = False
     passed: bool = False
     forgot: bool = False
+    answered: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,9 +165,10 @@ def wake_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> flo
         case CrossingPhase.PROVEN:
             return min(view.said_s + REFRESH_S, view.until_s)
         case CrossingPhase.PASSING:
-            return view.said_s + REFRESH_S
+            clears_s = math.inf if place is None else max(place.clears_s, 0.1)
+            return min(view.said_s + REFRESH_S, now_s + clears_s)
         case _:
-            return view.said_s + REPEAT_S
+            return view.said_s + (REFRESH_S if view.answered else REPEAT_S)
 
 
 def _asks(view: CrossingView, place: CrossingPlace | None, now_s: float) -> CrossingStep:
@@ -211,7 +216,8 @@ def _look_asked(view: CrossingView, event: CrossingSeen, now_s: float) -> Crossi
         return _asks(replace(view, phase=CrossingPhase.PASSING), place, now_s)
     if math.isfinite(place.arrives_s) or not place.stands or place.entered:
         view = replace(view, idle_s=math.inf)
-        return _repeats(view, place, now_s, REPEAT_S) if math.isfinite(place.arrives_s) else (view, ())
+        every_s = REFRESH_S if view.answered else REPEAT_S
+        return _repeats(view, place, now_s, every_s) if math.isfinite(place.arrives_s) else (view, ())
     view = replace(view, idle_s=min(view.idle_s, now_s))
     return _gives_up(view, now_s, passed=False) if now_s >= view.idle_s + GIVE_UP_S else (view, ())
 
@@ -258,7 +264,8 @@ def _unproven(view: CrossingView) -> CrossingView:
 
 
 def _proof(view: CrossingView, event: CrossingAnswered, _now_s: float) -> CrossingStep:
-    """Closed: proven, as long as that holds."""
+    """Closed: proven, as long as that holds; not closed yet: it knows of the train."""
+    view = replace(view, answered=True)
     if not event.closed:
         return view, ()
     proven = replace(view, phase=CrossingPhase.PROVEN, since_s=event.since_s, until_s=event.until_s)
@@ -285,7 +292,7 @@ def _off_line(view: CrossingView, _event: CrossingOffLine, now_s: float) -> Cros
 
 def _say_again(view: CrossingView, _event: CrossingBooted, _now_s: float) -> CrossingStep:
     """What was said is due again; a proof of the boot before holds as long as it did."""
-    return replace(view, said_s=-math.inf), ()
+    return replace(view, said_s=-math.inf, answered=False), ()
 
 
 def _creep(view: CrossingView, _event: CreepAllowed, _now_s: float) -> CrossingStep:

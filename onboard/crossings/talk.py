@@ -59,12 +59,18 @@ class CrossingTalk:
             self._places = {}
             return
         self._goes_on = state.phase is DutyPhase.RUNNING or leaves_in_s <= 0.0
-        self._places = {place.crossing_id: _as_it_runs(place, state, leaves_in_s) for place in places}
+        self._places = {
+            place.crossing_id: _as_it_runs(place, state, leaves_in_s)
+            for place in places
+            if not place.clear or self._is_due_to_say(place.crossing_id)
+        }
         for crossing_id in self._places:
             if crossing_id not in self._views:
                 self._views[crossing_id] = CrossingView(crossing_id, forgot=self._forgot)
-        for crossing_id in list(self._views):
-            self._take(crossing_id, CrossingSeen(self._places.get(crossing_id)), now_s)
+        for crossing_id, view in list(self._views.items()):
+            place = self._places.get(crossing_id)
+            if place is not None or view.phase is not CrossingPhase.AHEAD:
+                self._take(crossing_id, CrossingSeen(place), now_s)
 
     def hear(self, heard: Received, now_s: float) -> bool:
         """Take a telegram, if it is a level crossing's; whether it was."""
@@ -124,6 +130,11 @@ class CrossingTalk:
             said = (view.said_s for view in self._views.values() if view.phase is CrossingPhase.LEAVING)
             return min((max(at_s + 2.0, now_s + 0.1) for at_s in said), default=math.inf)
         return min((wake_s(view, seen.get(id_), now_s) for id_, view in self._views.items()), default=math.inf)
+
+    def _is_due_to_say(self, crossing_id: str) -> bool:
+        """Whether a crossing behind has yet to hear so."""
+        view = self._views.get(crossing_id)
+        return self._forgot if view is None else view.forgot or view.phase is not CrossingPhase.AHEAD
 
     def _may_pass(self, place: CrossingPlace, now_s: float) -> bool:
         return may_pass(self._views[place.crossing_id], place, now_s)
