@@ -81,7 +81,7 @@ class Checkers:
         self._liveness = LivenessWatch(self._log)
         self._entries = EntryWatch(net, overlaps, {facts.section_id for facts in points.values()}, self._log)
         self._pilots = PilotWatch(pilots_needs, self._log)
-        self._crossings = CrossingWatch(crossings, creep_mps, self._log)
+        self._crossings = CrossingWatch(crossings, creep_mps, brakes, self._log)
         self._unit_ids = tuple(unit_ids)  # registered on the line, whatever the manager says of them
         self._bodies: dict[str, Body] = {}
         self._occupants: dict[str, set[str]] = {}
@@ -296,7 +296,7 @@ class Checkers:
             self._judge_changes()
         t_s, who, event = entry.t_s, entry.who, entry.event
         self._pilots.see(event)
-        self._crossings.see(entry)
+        self._crossings.see(entry, self._bodies.values())
         if isinstance(event, CutIn) and event.unit_id in self._bodies:  # as where it was put on the line
             self._bodies[event.unit_id].excepted = self._bodies[event.unit_id].sections
             self._forgets(event.unit_id)

@@ -1,18 +1,24 @@
-"""Level crossings: what the road truly shows when a front comes onto them, as SUMO has it, and for how long it has."""
+"""Level crossings: what the road truly shows when a front comes onto them, as SUMO has it, and for how long it has.
+
+A road that ceases to be closed when a train can no longer stop before it, by its guaranteed emergency brake, is outside
+the design: told, and no breach of a rule.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 from simulation.events import BarrierState, CrossingBarriers, CrossingCreep, CrossingLamps, JournalEntry
 from simulation.judge.body import RESOLUTION_M, Body
+from simulation.judge.locking import GuaranteedBrake
 from simulation.judge.log import Checker, Log
 
 TIME_TOLERANCE_S: Final = 0.11  # a front is seen at the end of a step
 CREEP_MARGIN_MPS: Final = 0.6
+TOLD_WITHIN_S: Final = 2.0  # the device, the air and the unit: until a train knows that a proof is taken back
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,8 +44,14 @@ class CrossingWatch:
     times, unless its driver has leave to creep over it and does.
     """
 
-    def __init__(self, crossings: Mapping[str, CrossingFacts], creep_mps: float, log: Log) -> None:
-        self._facts, self._creep_mps, self._log = crossings, creep_mps, log
+    def __init__(
+        self,
+        crossings: Mapping[str, CrossingFacts],
+        creep_mps: float,
+        brakes: Mapping[str, GuaranteedBrake],
+        log: Log,
+    ) -> None:
+        self._facts, self._creep_mps, self._brakes, self._log = crossings, creep_mps, brakes, log
         self._roads = {crossing_id: _WatchedRoad() for crossing_id in crossings}
         self._on_edge: dict[str, list[tuple[float, str]]] = {}
         for crossing_id, facts in crossings.items():
@@ -47,18 +59,34 @@ class CrossingWatch:
                 self._on_edge.setdefault(edge_id, []).append((begins_m, crossing_id))
         self._seen: dict[str, tuple[str, float]] = {}
         self._leave: set[tuple[str, str]] = set()
+        self._too_late: set[tuple[str, str]] = set()  # who could not stop when which road ceased to be closed
 
-    def see(self, entry: JournalEntry) -> None:
+    def see(self, entry: JournalEntry, bodies: Iterable[Body]) -> None:
         """Lamps and barriers change; a driver has leave to creep over a crossing, once."""
         match entry.event:
             case CrossingLamps(crossing_id=crossing_id, lit=lit):
-                self._roads[crossing_id].lit_s = entry.t_s if lit else math.inf
+                self._ceases(crossing_id, bodies)
+                road = self._roads[crossing_id]
+                if lit or road.lowered_s == math.inf:  # barriers that are down hold who has been warned
+                    road.lit_s = entry.t_s if lit else math.inf
             case CrossingBarriers(crossing_id=crossing_id, state=state):
+                self._ceases(crossing_id, bodies)
                 self._roads[crossing_id].lowered_s = entry.t_s if state is BarrierState.LOWERED else math.inf
             case CrossingCreep(crossing_id=crossing_id):
                 self._leave.add((entry.who, crossing_id))
             case _:
                 pass
+
+    def _ceases(self, crossing_id: str, bodies: Iterable[Body]) -> None:
+        """Who cannot stop any more before a road that perhaps ceases to be closed now."""
+        begins_m = self._facts[crossing_id].begins_m
+        for body in bodies:
+            room_m = begins_m.get(body.edge_id, -math.inf) - body.front_m
+            brake = self._brakes.get(body.unit_id)
+            if brake is not None and room_m > 0.0:
+                late_m = body.speed_mps * (brake.reaction_s + TOLD_WITHIN_S)
+                if room_m <= late_m + body.speed_mps**2 / (2.0 * brake.deceleration_mps2):
+                    self._too_late.add((body.unit_id, crossing_id))
 
     def forget(self, unit_id: str) -> None:
         """The train has turned, or is off the line: where its front was says nothing any more."""
@@ -87,13 +115,16 @@ class CrossingWatch:
         pair = (body.unit_id, crossing_id)
         creeps = pair in self._leave and body.speed_mps <= self._creep_mps + CREEP_MARGIN_MPS
         self._leave.discard(pair)
+        outside = pair in self._too_late
+        self._too_late.discard(pair)
         if creeps:
             return
         closed_s = road.lowered_s if facts.has_barriers else road.lit_s
         who = f"{body.unit_id} came onto level crossing {crossing_id} at {body.speed_mps:.1f} m/s"
         subject = f"{crossing_id} {body.unit_id}"
         if closed_s > t_s:
-            self._log.note(t_s, Checker.CROSSING_OPEN, subject, f"{who}, which was not closed")
+            text = f"{who}, which was not closed"
+            self._log.note(t_s, Checker.CROSSING_OPEN, subject, text, outside=outside)
             return
         warned_s, shut_s = t_s - road.lit_s, t_s - closed_s
         short = warned_s < facts.least_warning_s - TIME_TOLERANCE_S
