@@ -314,13 +314,13 @@ class CrossingRequest(Message, frozen=True, array_like=True, tag=26):
 
 
 class CrossingProof(Message, frozen=True, array_like=True, tag=27):
-    """Level crossing to unit: whether it is closed, as detected, and for how long it has been. It holds for `valid_s`.
+    """Level crossing to unit: whether it is closed, as detected. It holds for `valid_s`.
 
-    Only `closed` is a proof; not closed takes back the one before. Lost, or late, it only restricts.
+    Only `closed` is a proof; not closed takes back the one before. Lost, or late, it only restricts: the unit counts
+    from when it first heard it, by its own clock.
     """
 
     closed: bool
-    closed_for_s: float
     valid_s: float
 
 

@@ -69,7 +69,7 @@ class Approach(msgspec.Struct, frozen=True, array_like=True):
 
 
 class CrossingDevice(msgspec.Struct, frozen=True):
-    """State of the device. `deadline_s`: when what was commanded must be detected; `held_s`: closed until then, since
+    """State of the device. `lit_s`: since when lamps are detected; `deadline_s`: when what was commanded must be detected; `held_s`: closed until then, since
     the memory was lost (negative infinity: it was not, infinity: and nothing has happened yet).
     """
 
@@ -78,7 +78,7 @@ class CrossingDevice(msgspec.Struct, frozen=True):
     state: CrossingState = CrossingState.OPEN
     approaches: Mapping[str, Approach] = msgspec.field(default_factory=dict[str, Approach])
     detected: CrossingDetected = CrossingDetected(lamps=False, lowered=False, raised=False)
-    closed_s: float = math.inf
+    lit_s: float = math.inf
     deadline_s: float | None = None
     held_s: float = -math.inf
 
@@ -136,6 +136,8 @@ def wake_at_s(device: CrossingDevice) -> float | None:
     times_s = [device.held_s] if device.state is not CrossingState.OPEN and not _wanted(device) else []
     if device.state is CrossingState.OPEN:
         times_s += [approach.starts_s for approach in device.approaches.values()]
+    elif device.state is CrossingState.CLOSING and _shuts(device):
+        times_s.append(device.lit_s + device.config.closing_s)
     elif device.deadline_s is not None:
         times_s.append(device.deadline_s)
     return min((time_s for time_s in times_s if math.isfinite(time_s)), default=None)
@@ -146,8 +148,21 @@ def _wanted(device: CrossingDevice) -> bool:
     return bool(device.approaches or device.memory.counted)
 
 
-def _shows_closed(device: CrossingDevice, detected: CrossingDetected) -> bool:
-    return detected.lamps and (detected.lowered or not device.config.barriers)
+def _seen(device: CrossingDevice, detected: CrossingDetected, now_s: float) -> CrossingDevice:
+    """What its contacts show now."""
+    begins = detected.lamps and not device.detected.lamps
+    lit_s = now_s if begins else device.lit_s if detected.lamps else math.inf
+    return replace(device, detected=detected, lit_s=lit_s)
+
+
+def _shuts(device: CrossingDevice) -> bool:
+    """Whether lamps shine and barriers are down, as detected."""
+    return device.detected.lamps and (device.detected.lowered or not device.config.barriers)
+
+
+def _shows_closed(device: CrossingDevice, now_s: float) -> bool:
+    """Whether they do, and the warning has been given for its time until closed: lamps may have failed meanwhile."""
+    return _shuts(device) and now_s >= device.lit_s + device.config.closing_s - _TIME_TOLERANCE_S
 
 
 def _starts_s(config: CrossingConfig, request: CrossingRequest, now_s: float) -> float:
@@ -157,16 +172,15 @@ def _starts_s(config: CrossingConfig, request: CrossingRequest, now_s: float) ->
     return now_s + min(before_front_s, before_proof_s)
 
 
-def _proof(device: CrossingDevice, unit_id: str, now_s: float) -> Send:
-    closed = device.state is CrossingState.CLOSED
-    closed_for_s = round(now_s - device.closed_s, 3) if closed else 0.0
-    return Send(unit_id, CrossingProof(closed, closed_for_s, VALID_S), device.approaches[unit_id].correlation)
+def _proof(device: CrossingDevice, unit_id: str) -> Send:
+    proof = CrossingProof(device.state is CrossingState.CLOSED, VALID_S)
+    return Send(unit_id, proof, device.approaches[unit_id].correlation)
 
 
-def _proofs(device: CrossingDevice, now_s: float) -> tuple[Send, ...]:
+def _proofs(device: CrossingDevice) -> tuple[Send, ...]:
     """To everyone who has been heard since the last restart."""
     heard = (unit_id for unit_id, approach in device.approaches.items() if approach.starts_s > -math.inf)
-    return tuple(_proof(device, unit_id, now_s) for unit_id in heard)
+    return tuple(_proof(device, unit_id) for unit_id in heard)
 
 
 def _announced(device: CrossingDevice, event: CrossingAsked, now_s: float) -> CrossingDevice:
@@ -178,7 +192,6 @@ def _close(device: CrossingDevice, unit_id: str, now_s: float) -> CrossingStep:
     closing = replace(
         device,
         state=CrossingState.CLOSING,
-        closed_s=math.inf,
         deadline_s=now_s + 1.5 * device.config.closing_s + TELEGRAM_S,
     )
     return closing, (Show(CrossingWarns(unit_id=unit_id)), Drive(CloseCrossing(device.config.device_id)))
@@ -188,13 +201,13 @@ def _ask_open(device: CrossingDevice, event: CrossingAsked, now_s: float) -> Cro
     """Announced: the warning begins in its time, which the unit may still put off or bring forward."""
     device = _announced(device, event, now_s)
     device, actions = _begin_due(device, CrossingTimeDue(), now_s)
-    return device, (*actions, _proof(device, event.unit_id, now_s))
+    return device, (*actions, _proof(device, event.unit_id))
 
 
 def _ask_closing(device: CrossingDevice, event: CrossingAsked, now_s: float) -> CrossingStep:
     """Announced: closed for it, too; it is told whether that is detected, and since when."""
     device = _announced(device, event, now_s)
-    return device, (_proof(device, event.unit_id, now_s),)
+    return device, (_proof(device, event.unit_id),)
 
 
 def _begin_due(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) -> CrossingStep:
@@ -223,42 +236,47 @@ def _leave_closed(device: CrossingDevice, event: CrossingLeft, now_s: float) -> 
 def _open_if_free(device: CrossingDevice, now_s: float) -> CrossingStep:
     if _wanted(device) or now_s < device.held_s - _TIME_TOLERANCE_S:
         return device, ()
-    opened = replace(device, state=CrossingState.OPEN, closed_s=math.inf, deadline_s=None, held_s=-math.inf)
+    opened = replace(device, state=CrossingState.OPEN, deadline_s=None, held_s=-math.inf)
     return opened, (Show(CrossingOpens()), Drive(OpenCrossing(device.config.device_id)))
 
 
-def _detect_open(device: CrossingDevice, event: CrossingDetected, _now_s: float) -> CrossingStep:
+def _detect_open(device: CrossingDevice, event: CrossingDetected, now_s: float) -> CrossingStep:
     """Remembered; what is not raised, as after a power cut, is opened."""
-    device = replace(device, detected=event)
+    device = _seen(device, event, now_s)
     return device, () if event.raised else (Drive(OpenCrossing(device.config.device_id)),)
 
 
 def _detect_closing(device: CrossingDevice, event: CrossingDetected, now_s: float) -> CrossingStep:
     """Closed, as detected: the proof goes to all that have announced themselves."""
-    device = replace(device, detected=event)
-    if not _shows_closed(device, event):
-        return _close(device, "", now_s) if device.deadline_s is None else (device, ())
-    device = replace(device, state=CrossingState.CLOSED, closed_s=now_s, deadline_s=None)
-    return device, (Show(CrossingProven()), *_proofs(device, now_s))
+    return _prove(_seen(device, event, now_s), now_s)
+
+
+def _prove(device: CrossingDevice, now_s: float) -> CrossingStep:
+    if not _shows_closed(device, now_s):
+        commanded = device.deadline_s is not None or _shuts(device)
+        return (device, ()) if commanded else _close(device, "", now_s)
+    device = replace(device, state=CrossingState.CLOSED, deadline_s=None)
+    return device, (Show(CrossingProven()), *_proofs(device))
 
 
 def _detect_closed(device: CrossingDevice, event: CrossingDetected, now_s: float) -> CrossingStep:
     """A proof that no longer holds is withdrawn at once, unasked."""
-    device = replace(device, detected=event)
-    if _shows_closed(device, event):
+    device = _seen(device, event, now_s)
+    if _shuts(device):
         return device, ()
     device = replace(
         device,
         state=CrossingState.CLOSING,
-        closed_s=math.inf,
         deadline_s=now_s + device.config.closing_s + TELEGRAM_S,
     )
-    return device, (Show(CrossingUnproven(why=WhyUnproven.LOST)), *_proofs(device, now_s))
+    return device, (Show(CrossingUnproven(why=WhyUnproven.LOST)), *_proofs(device))
 
 
 def _expire(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) -> CrossingStep:
     """Not detected in time is noted, and stays commanded; a lost memory holds the crossing for a time only."""
     actions: tuple[Action, ...] = ()
+    if device.state is CrossingState.CLOSING and _shows_closed(device, now_s):
+        device, actions = _prove(device, now_s)
     if device.deadline_s is not None and now_s >= device.deadline_s - _TIME_TOLERANCE_S:
         device = replace(device, deadline_s=math.inf)
         actions = (Show(CrossingUnproven(why=WhyUnproven.LATE)),)

@@ -76,8 +76,8 @@ class CrossingPlace(msgspec.Struct, frozen=True):
 
 
 class CrossingView(msgspec.Struct, frozen=True):
-    """What the unit knows of one crossing. `said_s`: when it spoke to it last; `since_s`, `until_s`: since when it is
-    closed at the latest, and how long the proof holds; `idle_s`: since when it stands without going on there. `creeps`:
+    """What the unit knows of one crossing. `said_s`: when it spoke to it last; `since_s`, `until_s`: since when it
+    has proved closed without a break, and how long that holds; `idle_s`: since when it stands without going on there. `creeps`:
     it may creep over it unproven. `forgot`: a boot before this one may have announced it there. `answered`: the
     crossing knows of it.
     """
@@ -103,10 +103,9 @@ class CrossingSeen:
 
 @dataclass(frozen=True, slots=True)
 class CrossingAnswered:
-    """Event: the crossing says whether it is closed, since when at the latest (s), and how long that holds (s)."""
+    """Event: the crossing says whether it is closed, and until when (s) that holds."""
 
     closed: bool
-    since_s: float
     until_s: float
 
 
@@ -263,19 +262,19 @@ def _unproven(view: CrossingView) -> CrossingView:
     return replace(view, phase=CrossingPhase.ASKED, since_s=math.inf, until_s=-math.inf)
 
 
-def _proof(view: CrossingView, event: CrossingAnswered, _now_s: float) -> CrossingStep:
+def _proof(view: CrossingView, event: CrossingAnswered, now_s: float) -> CrossingStep:
     """Closed: proven, as long as that holds; not closed yet: it knows of the train."""
     view = replace(view, answered=True)
     if not event.closed:
         return view, ()
-    proven = replace(view, phase=CrossingPhase.PROVEN, since_s=event.since_s, until_s=event.until_s)
+    proven = replace(view, phase=CrossingPhase.PROVEN, since_s=now_s, until_s=event.until_s)
     return replace(proven, creeps=False), (notes.CrossingHeardClosed(crossing_id=view.crossing_id),)
 
 
 def _proof_again(view: CrossingView, event: CrossingAnswered, now_s: float) -> CrossingStep:
     """Still closed: it holds on; not closed any more: it is dropped at once."""
     if event.closed:
-        return replace(view, since_s=min(view.since_s, event.since_s), until_s=event.until_s), ()
+        return replace(view, until_s=event.until_s), ()
     note = notes.CrossingProofLost(crossing_id=view.crossing_id, why=notes.WhyProofLost.NOT_CLOSED)
     return replace(_unproven(view), said_s=now_s), (note,)
 

@@ -78,9 +78,9 @@ class CrossingTalk:
         if crossing_id not in self._views:
             return False
         match heard.message:
-            case CrossingProof(closed, closed_for_s, valid_s):
+            case CrossingProof(closed, valid_s):
                 if heard.fresh and heard.correlation == self._correlations.get(crossing_id):
-                    answered = CrossingAnswered(closed, now_s - closed_for_s, now_s + valid_s)
+                    answered = CrossingAnswered(closed, now_s + valid_s)
                     self._take(crossing_id, answered, now_s)
             case CrossingOverHeard():
                 if heard.correlation == self._correlations.get(crossing_id):

@@ -124,7 +124,9 @@ class Crew:
         return self._on_board.shown_to_driver(slot).target is not None and ends
 
     def _open_crossing(self, slot: int) -> tuple[str, float]:
-        """The first level crossing ahead whose road the driver sees is not closed, and where he stops before it, m."""
+        """The first level crossing ahead at which a driver on sight stops, and where, m: one that his unit would have
+        asked, or whose road he sees is not closed.
+        """
         path, truth = self._trains.true_path(slot), self._trains.truths[slot]
         found = ("", math.inf)
         for crossing in self._trains.setup.line.crossings.values():
@@ -133,7 +135,8 @@ class Crew:
             road_m = path.to_path_m(crossing.piece_id, crossing.edge_m(path.direction))
             ahead = truth.position_m < road_m < found[1] + CROSSING_STOPS_SHORT_M
             leave = self._creeps.get(slot) == crossing.id
-            if ahead and not leave and not self._wayside.crossings.is_closed(crossing.id):
+            stops = crossing.by_radio or not self._wayside.crossings.is_closed(crossing.id)
+            if ahead and stops and not leave:
                 found = (crossing.id, road_m - CROSSING_STOPS_SHORT_M)
         return found
 

@@ -66,9 +66,9 @@ class CrossingsOnTrack:
         self.take(step, crossing_id, crossing_equipment.BarrierTimeOver())
 
     def is_closed(self, crossing_id: str) -> bool:
-        """Whether the road is truly closed: barriers down, or without them lamps lit."""
+        """Whether the road is truly closed: lamps lit, and barriers down where it has some."""
         equipment = self.equipment[crossing_id]
-        return equipment.barriers is BarrierState.LOWERED if equipment.has_barriers else equipment.lit
+        return equipment.lit and equipment.barriers is BarrierState.LOWERED
 
     def put_condition(self, step: int, crossing_id: str, condition: CrossingCondition) -> None:
         """Something of it fails, or is mended."""

@@ -40,7 +40,7 @@ EXAMPLES: list[m.AnyMessage] = [
     m.TrainOrdered("R", "2M"),
     m.NextTrainReport(("A",), 7, (), "2M"),
     m.CrossingRequest(40.0, 22.5),
-    m.CrossingProof(True, 3.5, 12.0),
+    m.CrossingProof(True, 12.0),
     m.CrossingOver(True),
     m.CrossingOverHeard(),
 ]

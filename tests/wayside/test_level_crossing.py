@@ -83,6 +83,7 @@ def closed_for(*units: str) -> Box:
     box.do(UP)
     for unit in units:
         box.do(asks(35.0, unit=unit))
+    box.do(MOVING)
     box.do(DOWN, 15.0)
     return box
 
@@ -97,7 +98,7 @@ def test_the_warning_begins_so_long_before_the_front_as_the_line_has_it() -> Non
     """50 s before the front, that is 15 + 20 s before it: in 15 s."""
     box = Box()
     box.do(UP)
-    assert box.do(asks(50.0), 100.0) == [("u", CrossingProof(False, 0.0, VALID_S), 1)]
+    assert box.do(asks(50.0), 100.0) == [("u", CrossingProof(False, VALID_S), 1)]
     assert (box.state, box.drives, wake_at_s(box.device)) == (OPEN, [], 115.0)
     box.do(CrossingTimeDue(), 114.9)
     assert box.state is OPEN
@@ -125,18 +126,28 @@ def test_a_unit_may_say_another_time_while_it_is_open(later_s: float, begins_s: 
 
 def test_a_later_time_does_not_open_it() -> None:
     box = closed_for("u")
-    assert box.do(asks(600.0, correlation=2), 20.0) == [("u", CrossingProof(True, 5.0, VALID_S), 2)]
+    assert box.do(asks(600.0, correlation=2), 20.0) == [("u", CrossingProof(True, VALID_S), 2)]
     assert (box.state, box.drives) == (CLOSED, [])
 
 
 def test_the_proof_is_sent_once_it_is_detected_and_taken_back_at_once() -> None:
     box = Box()
     box.do(asks(35.0))
-    assert box.do(MOVING, 8.0) == []
-    assert box.do(DOWN, 15.0) == [("u", CrossingProof(True, 0.0, VALID_S), 1)]
-    assert box.do(DARK, 18.0) == [("u", CrossingProof(False, 0.0, VALID_S), 1)]
+    assert box.do(MOVING) == []
+    assert box.do(DOWN, 15.0) == [("u", CrossingProof(True, VALID_S), 1)]
+    assert box.do(DARK, 18.0) == [("u", CrossingProof(False, VALID_S), 1)]
     assert box.notes == [CrossingUnproven(why=WhyUnproven.LOST)]
-    assert box.do(DOWN, 20.0) == [("u", CrossingProof(True, 0.0, VALID_S), 1)]
+
+
+def test_lamps_that_shine_again_must_have_warned_for_their_time() -> None:
+    """Lit at 20 s, with the barriers down: 15 s later it is proved closed."""
+    box = closed_for("u")
+    box.do(DARK, 18.0)
+    assert box.do(DOWN, 20.0) == []
+    assert wake_at_s(box.device) == 35.0
+    box.do(CrossingTimeDue(), 34.9)
+    assert box.state is CLOSING
+    assert box.do(CrossingTimeDue(), 35.0) == [("u", CrossingProof(True, VALID_S), 1)]
 
 
 def test_what_is_not_detected_in_time_is_noted_once_and_stays_commanded() -> None:
@@ -169,7 +180,7 @@ def test_silence_opens_nothing() -> None:
 def test_without_barriers_lamps_close_it() -> None:
     box = Box(LAMPS)
     box.do(asks(30.0))
-    assert box.do(MOVING) == [("u", CrossingProof(True, 0.0, VALID_S), 1)]
+    assert box.do(MOVING) == [("u", CrossingProof(True, VALID_S), 1)]
 
 
 def test_after_a_restart_it_is_closed_until_each_that_had_announced_itself_says_so() -> None:
@@ -178,9 +189,10 @@ def test_after_a_restart_it_is_closed_until_each_that_had_announced_itself_says_
     assert again.state is CLOSING
     assert again.do(UP) == []
     assert again.drives == [CloseCrossing("C")]
+    again.do(MOVING)
     assert again.do(DOWN, 15.0) == []  # nobody has been heard
     again.do(leaves("u"), 16.0)
-    assert again.do(asks(3.0, unit="v"), 17.0) == [("v", CrossingProof(True, 2.0, VALID_S), 1)]
+    assert again.do(asks(3.0, unit="v"), 17.0) == [("v", CrossingProof(True, VALID_S), 1)]
     assert again.state is CLOSED
     again.do(leaves("v"), 30.0)
     assert again.state is OPEN
@@ -189,7 +201,8 @@ def test_after_a_restart_it_is_closed_until_each_that_had_announced_itself_says_
 def test_one_that_has_lost_its_memory_stays_closed_until_all_that_come_have_said_so_again() -> None:
     box = Box(lost=True)
     box.do(DOWN, 100.0)
-    assert wake_at_s(box.device) == 100.0 + REANNOUNCED_S
+    box.do(CrossingTimeDue(), 115.0)
+    assert (box.state, wake_at_s(box.device)) == (CLOSED, 100.0 + REANNOUNCED_S)
     box.do(CrossingTimeDue(), 129.0)
     assert box.state is CLOSED
     box.do(CrossingTimeDue(), 130.0)
@@ -209,6 +222,7 @@ def test_contacts_count_fronts_in_and_rears_out() -> None:
     assert box.state is OPEN
     box.do(COMES)
     assert (box.state, box.drives) == (CLOSING, [CloseCrossing("C")])
+    box.do(MOVING)
     box.do(DOWN, 15.0)
     box.do(COMES, 20.0)
     box.do(GONE, 30.0)
