@@ -190,7 +190,7 @@ class _LevelCrossing:
             case None:
                 step = level_crossing.CrossingTimeDue()
             case Received(message=CrossingRequest() as request):
-                step = level_crossing.CrossingAsked(event.source, event.correlation, request)
+                step = level_crossing.ClosureAsked(event.source, event.correlation, request)
             case Received(message=CrossingOver() as over):
                 step = level_crossing.CrossingLeft(event.source, event.correlation, over)
             case Received():

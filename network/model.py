@@ -206,7 +206,7 @@ class MarkerGroup:
 
 
 class CrossingClass(Enum):
-    """Class of a level crossing (踏切種別): with barriers, with a warning alone, without any device; 第2種 is no more."""
+    """Class of a level crossing (踏切種別): with barriers, with a warning alone, without a device; 第2種 is no more."""
 
     BARRIERS = "1"
     WARNING = "3"
@@ -231,11 +231,11 @@ class LevelCrossing:
 
     id: str
     name: str
+    kind: CrossingClass
+    control: CrossingControl
     piece_id: str
     position_m: float
     width_m: float
-    kind: CrossingClass
-    control: CrossingControl
     lowering_s: float
     closing_s: float
     closed_s: float

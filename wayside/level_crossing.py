@@ -69,8 +69,10 @@ class Approach(msgspec.Struct, frozen=True, array_like=True):
 
 
 class CrossingDevice(msgspec.Struct, frozen=True):
-    """State of the device. `lit_s`: since when lamps are detected; `deadline_s`: when what was commanded must be detected; `held_s`: closed until then, since
-    the memory was lost (negative infinity: it was not, infinity: and nothing has happened yet).
+    """State of the device.
+
+    `lit_s`: since when lamps are detected; `deadline_s`: when what was commanded must be detected; `held_s`: closed
+    until then, since the memory was lost (negative infinity: it was not, infinity: and nothing has happened yet).
     """
 
     config: CrossingConfig
@@ -84,7 +86,7 @@ class CrossingDevice(msgspec.Struct, frozen=True):
 
 
 @dataclass(frozen=True, slots=True)
-class CrossingAsked:
+class ClosureAsked:
     """Event: a request passed the envelope's checks."""
 
     unit_id: str
@@ -106,7 +108,7 @@ class CrossingTimeDue:
     """Event: look at the times at which warnings must begin, and at the limit of what was commanded."""
 
 
-CrossingEvent = CrossingAsked | CrossingLeft | CrossingDetected | CrossingContact | CrossingTimeDue
+CrossingEvent = ClosureAsked | CrossingLeft | CrossingDetected | CrossingContact | CrossingTimeDue
 CrossingStep = tuple[CrossingDevice, tuple[Action, ...]]
 
 
@@ -183,7 +185,7 @@ def _proofs(device: CrossingDevice) -> tuple[Send, ...]:
     return tuple(_proof(device, unit_id) for unit_id in heard)
 
 
-def _announced(device: CrossingDevice, event: CrossingAsked, now_s: float) -> CrossingDevice:
+def _announced(device: CrossingDevice, event: ClosureAsked, now_s: float) -> CrossingDevice:
     approach = Approach(_starts_s(device.config, event.message, now_s), event.correlation)
     return replace(device, approaches={**device.approaches, event.unit_id: approach})
 
@@ -197,14 +199,14 @@ def _close(device: CrossingDevice, unit_id: str, now_s: float) -> CrossingStep:
     return closing, (Show(CrossingWarns(unit_id=unit_id)), Drive(CloseCrossing(device.config.device_id)))
 
 
-def _ask_open(device: CrossingDevice, event: CrossingAsked, now_s: float) -> CrossingStep:
+def _ask_open(device: CrossingDevice, event: ClosureAsked, now_s: float) -> CrossingStep:
     """Announced: the warning begins in its time, which the unit may still put off or bring forward."""
     device = _announced(device, event, now_s)
     device, actions = _begin_due(device, CrossingTimeDue(), now_s)
     return device, (*actions, _proof(device, event.unit_id))
 
 
-def _ask_closing(device: CrossingDevice, event: CrossingAsked, now_s: float) -> CrossingStep:
+def _ask_closing(device: CrossingDevice, event: ClosureAsked, now_s: float) -> CrossingStep:
     """Announced: closed for it, too; it is told whether that is detected, and since when."""
     device = _announced(device, event, now_s)
     return device, (_proof(device, event.unit_id),)
@@ -299,26 +301,26 @@ def _contact_closed(device: CrossingDevice, event: CrossingContact, now_s: float
     return (device, ()) if event.first else _open_if_free(device, now_s)
 
 
-TABLE: Final[
-    Mapping[tuple[CrossingState, type], Callable[[CrossingDevice, Any, float], CrossingStep]]
-] = MappingProxyType(
-    {
-        (CrossingState.OPEN, CrossingAsked): _ask_open,
-        (CrossingState.OPEN, CrossingLeft): _leave_open,
-        (CrossingState.OPEN, CrossingDetected): _detect_open,
-        (CrossingState.OPEN, CrossingContact): _contact_open,
-        (CrossingState.OPEN, CrossingTimeDue): _begin_due,
-        (CrossingState.CLOSING, CrossingAsked): _ask_closing,
-        (CrossingState.CLOSING, CrossingLeft): _leave_closed,
-        (CrossingState.CLOSING, CrossingDetected): _detect_closing,
-        (CrossingState.CLOSING, CrossingContact): _contact_closed,
-        (CrossingState.CLOSING, CrossingTimeDue): _expire,
-        (CrossingState.CLOSED, CrossingAsked): _ask_closing,
-        (CrossingState.CLOSED, CrossingLeft): _leave_closed,
-        (CrossingState.CLOSED, CrossingDetected): _detect_closed,
-        (CrossingState.CLOSED, CrossingContact): _contact_closed,
-        (CrossingState.CLOSED, CrossingTimeDue): _expire,
-    }
+TABLE: Final[Mapping[tuple[CrossingState, type], Callable[[CrossingDevice, Any, float], CrossingStep]]] = (
+    MappingProxyType(
+        {
+            (CrossingState.OPEN, ClosureAsked): _ask_open,
+            (CrossingState.OPEN, CrossingLeft): _leave_open,
+            (CrossingState.OPEN, CrossingDetected): _detect_open,
+            (CrossingState.OPEN, CrossingContact): _contact_open,
+            (CrossingState.OPEN, CrossingTimeDue): _begin_due,
+            (CrossingState.CLOSING, ClosureAsked): _ask_closing,
+            (CrossingState.CLOSING, CrossingLeft): _leave_closed,
+            (CrossingState.CLOSING, CrossingDetected): _detect_closing,
+            (CrossingState.CLOSING, CrossingContact): _contact_closed,
+            (CrossingState.CLOSING, CrossingTimeDue): _expire,
+            (CrossingState.CLOSED, ClosureAsked): _ask_closing,
+            (CrossingState.CLOSED, CrossingLeft): _leave_closed,
+            (CrossingState.CLOSED, CrossingDetected): _detect_closed,
+            (CrossingState.CLOSED, CrossingContact): _contact_closed,
+            (CrossingState.CLOSED, CrossingTimeDue): _expire,
+        }
+    )
 )
 
 

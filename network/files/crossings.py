@@ -70,11 +70,11 @@ def _crossing(
     crossing = LevelCrossing(
         table.id,
         table.name or table.id,
+        kind,
+        control,
         piece.id,
         middle_m,
         table.width_m,
-        kind,
-        control,
         table.lowering_s,
         closing_s,
         closed_s,
@@ -90,11 +90,11 @@ def _times(file: str, key: str, table: CrossingTable, kind: CrossingClass) -> tu
     """From the start of the warning to closed, and from there to the train, s."""
     barriers = kind is CrossingClass.BARRIERS
     if not barriers and table.closing_s is not None:
-        raise InputError(file, f"{key}.closing_s", table.closing_s, 'only where kind = "1": nothing else closes')
+        raise InputError(
+            file, f"{key}.closing_s", table.closing_s, 'only where kind = "1": nothing else closes'
+        )
     closing_s = (CLOSING_S if table.closing_s is None else table.closing_s) if barriers else 0.0
-    usual_s, least_s = (
-        (CLOSED_S, LEAST_CLOSED_S) if barriers else (WARNING_ALONE_S, LEAST_WARNING_ALONE_S)
-    )
+    usual_s, least_s = (CLOSED_S, LEAST_CLOSED_S) if barriers else (WARNING_ALONE_S, LEAST_WARNING_ALONE_S)
     closed_s = usual_s if table.closed_s is None else table.closed_s
     if barriers and closing_s < max(LEAST_CLOSING_S, table.lowering_s):
         expected = f"at least {LEAST_CLOSING_S:g} s, and lowering_s = {table.lowering_s:g}"

@@ -279,15 +279,17 @@ class MarkersTable(OnTrackTable):
 class CrossingTable(OnTrackTable):
     """`[[crossings]]`: level crossings; `km` is the middle of the road, which crosses one track."""
 
-    directions: Annotated[list[DirectionName], about("both: trains of either direction cross the road")] = Field(
-        default=["down", "up"], min_length=2, max_length=2
+    directions: Annotated[list[DirectionName], about("both: trains of either direction cross the road")] = (
+        Field(default=["down", "up"], min_length=2, max_length=2)
     )
     id: Annotated[Identifier, about("name of the crossing (踏切), and of the device at it")]
     name: Annotated[Title, about("display name")] = ""
     width_m: Annotated[CrossingWidth, about("extent along the track", "assumed: a road of two lanes")] = 6.0
     kind: Annotated[
         Literal["1", "3", "4"],
-        about("class: with barriers, with a warning alone, without any device", "most crossings are of class 1"),
+        about(
+            "class: with barriers, with a warning alone, without any device", "most crossings are of class 1"
+        ),
     ] = "1"
     control: Annotated[
         Literal["radio", "contacts"],
@@ -308,11 +310,12 @@ class CrossingTable(OnTrackTable):
     start_down_km: Annotated[Kilometrage | None, about("contact that down trains start it by")] = None
     start_up_km: Annotated[Kilometrage | None, about("contact that up trains start it by")] = None
     end_down_km: Annotated[
-        Kilometrage | None, about("contact that down trains end it by; left out: the edge that they leave last")
+        Kilometrage | None,
+        about("contact that down trains end it by; left out: the edge that they leave last"),
     ] = None
-    end_up_km: Annotated[Kilometrage | None, about("contact that up trains end it by; left out: likewise")] = (
-        None
-    )
+    end_up_km: Annotated[
+        Kilometrage | None, about("contact that up trains end it by; left out: likewise")
+    ] = None
     sight_m: Annotated[
         Distance | None, about("without a device, from how far its users see a train; left out: nobody knows")
     ] = None

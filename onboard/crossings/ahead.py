@@ -140,9 +140,7 @@ class CrossingsAhead:
         return min(limit_m, next(starts_m, math.inf) - STOPS_SHORT_M)
 
     def places(self, load_share: float) -> tuple[CrossingPlace, ...] | None:
-        """How the train is to each of them now, by place, as far as the first that is far ahead; None while its position
-        is unknown.
-        """
+        """How the train is to each of them now, up to the first that is far ahead; None: its position is unknown."""
         row, mission = self._row, self._mission
         if mission is None or not row.position_known:
             return None
@@ -171,15 +169,15 @@ class CrossingsAhead:
             proof_s = arrives_s - self._brakes_s(one.start_m, way_m, cruise_mps)
         return msgspec.structs.replace(
             one.behind,
+            stands=speed_mps == 0.0,
+            clears_s=(one.end_m - self._rear_m()) / speed_mps if entered and speed_mps > 0.0 else math.inf,
+            entered=entered,
             arrives_s=arrives_s,
             fastest_s=fastest_s,
             proof_s=proof_s,
-            clears_s=(one.end_m - self._rear_m()) / speed_mps if entered and speed_mps > 0.0 else math.inf,
-            entered=entered,
+            clear=False,
             under=behind_m >= one.start_m,
             beyond=behind_m >= one.end_m,
-            clear=False,
-            stands=speed_mps == 0.0,
         )
 
     def _run_s(

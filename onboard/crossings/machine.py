@@ -47,10 +47,10 @@ class CrossingPlace(msgspec.Struct, frozen=True):
 
     From now on, s: `arrives_s` until its front is there by the run that it means, `fastest_s` by the fastest possible,
     `proof_s` until it must know the crossing closed so that it need not brake; infinite: it does not come there yet.
-    `clears_s`: until its rear is beyond at the present speed.
-    `warning_s`, `closing_s` and `least_s` are the line's: the whole warning, its part until closed, and from closed to
-    the front at least. `span` and `stop`: in which span of the plan it lies, and which stop is the last before it. `entered`: the front may be on it,
-    `under`: surely is, or was, `beyond`: surely has left it, `clear`: the rear too. `stands`: the train does.
+    `clears_s`: until its rear is beyond at the present speed. `warning_s`, `closing_s` and `least_s` are the line's:
+    the whole warning, its part until closed, and from closed to the front at least. `span` and `stop`: in which span of
+    the plan it lies, and which stop is the last before it. `entered`: the front may be on it, `under`: surely is, or
+    was, `beyond`: surely has left it, `clear`: the rear too. `stands`: the train does.
     """
 
     crossing_id: str
@@ -76,10 +76,11 @@ class CrossingPlace(msgspec.Struct, frozen=True):
 
 
 class CrossingView(msgspec.Struct, frozen=True):
-    """What the unit knows of one crossing. `said_s`: when it spoke to it last; `since_s`, `until_s`: since when it
-    has proved closed without a break, and how long that holds; `idle_s`: since when it stands without going on there. `creeps`:
-    it may creep over it unproven. `forgot`: a boot before this one may have announced it there. `answered`: the
-    crossing knows of it.
+    """What the unit knows of one crossing.
+
+    `said_s`: when it spoke to it last; `since_s`, `until_s`: since when it has proved closed without a break, and how
+    long that holds; `idle_s`: since when it stands without going on there. `creeps`: it may creep over it unproven.
+    `forgot`: a boot before this one may have announced it there. `answered`: the crossing knows of it.
     """
 
     crossing_id: str
@@ -189,7 +190,7 @@ def _gives_up(view: CrossingView, now_s: float, *, passed: bool) -> CrossingStep
 
 
 def _look_ahead(view: CrossingView, event: CrossingSeen, now_s: float) -> CrossingStep:
-    """Asks it to close in time; of one that it may have asked before a boot, says that it is over it, or gives it up."""
+    """Asks it to close in time; one that it may have asked before a boot it tells that it is over it, or gives up."""
     place = event.place
     if place is None:
         return view, ()
@@ -228,7 +229,10 @@ def _look_proven(view: CrossingView, event: CrossingSeen, now_s: float) -> Cross
         return _asks(replace(view, phase=CrossingPhase.PASSING), place, now_s)
     if now_s >= view.until_s:
         lost, said = _look_asked(_unproven(view), event, now_s)
-        return lost, (notes.CrossingProofLost(crossing_id=view.crossing_id, why=notes.WhyProofLost.SILENCE), *said)
+        return lost, (
+            notes.CrossingProofLost(crossing_id=view.crossing_id, why=notes.WhyProofLost.SILENCE),
+            *said,
+        )
     if place is None or (place.stands and not math.isfinite(place.arrives_s)):
         return _look_asked(_unproven(view), event, now_s)
     return _repeats(view, place, now_s, REFRESH_S)
@@ -302,24 +306,24 @@ def _creep(view: CrossingView, _event: CreepAllowed, _now_s: float) -> CrossingS
 
 
 _ANNOUNCED: Final = (CrossingPhase.ASKED, CrossingPhase.PROVEN, CrossingPhase.PASSING)
-TABLE: Final[
-    Mapping[tuple[CrossingPhase, type], Callable[[CrossingView, Any, float], CrossingStep]]
-] = MappingProxyType(
-    {
-        (CrossingPhase.AHEAD, CrossingSeen): _look_ahead,
-        (CrossingPhase.ASKED, CrossingSeen): _look_asked,
-        (CrossingPhase.PROVEN, CrossingSeen): _look_proven,
-        (CrossingPhase.PASSING, CrossingSeen): _look_passing,
-        (CrossingPhase.LEAVING, CrossingSeen): _look_leaving,
-        (CrossingPhase.ASKED, CrossingAnswered): _proof,
-        (CrossingPhase.PROVEN, CrossingAnswered): _proof_again,
-        (CrossingPhase.LEAVING, CrossingOverAnswered): _over_heard,
-        **dict.fromkeys(((phase, CrossingBooted) for phase in _ANNOUNCED), _say_again),
-        (CrossingPhase.LEAVING, CrossingBooted): _say_again,
-        **dict.fromkeys(((phase, CrossingOffLine) for phase in _ANNOUNCED), _off_line),
-        (CrossingPhase.AHEAD, CreepAllowed): _creep,
-        (CrossingPhase.ASKED, CreepAllowed): _creep,
-    }
+TABLE: Final[Mapping[tuple[CrossingPhase, type], Callable[[CrossingView, Any, float], CrossingStep]]] = (
+    MappingProxyType(
+        {
+            (CrossingPhase.AHEAD, CrossingSeen): _look_ahead,
+            (CrossingPhase.ASKED, CrossingSeen): _look_asked,
+            (CrossingPhase.PROVEN, CrossingSeen): _look_proven,
+            (CrossingPhase.PASSING, CrossingSeen): _look_passing,
+            (CrossingPhase.LEAVING, CrossingSeen): _look_leaving,
+            (CrossingPhase.ASKED, CrossingAnswered): _proof,
+            (CrossingPhase.PROVEN, CrossingAnswered): _proof_again,
+            (CrossingPhase.LEAVING, CrossingOverAnswered): _over_heard,
+            **dict.fromkeys(((phase, CrossingBooted) for phase in _ANNOUNCED), _say_again),
+            (CrossingPhase.LEAVING, CrossingBooted): _say_again,
+            **dict.fromkeys(((phase, CrossingOffLine) for phase in _ANNOUNCED), _off_line),
+            (CrossingPhase.AHEAD, CreepAllowed): _creep,
+            (CrossingPhase.ASKED, CreepAllowed): _creep,
+        }
+    )
 )
 
 

@@ -129,7 +129,9 @@ class CrossingTalk:
         if not seen:
             said = (view.said_s for view in self._views.values() if view.phase is CrossingPhase.LEAVING)
             return min((max(at_s + 2.0, now_s + 0.1) for at_s in said), default=math.inf)
-        return min((wake_s(view, seen.get(id_), now_s) for id_, view in self._views.items()), default=math.inf)
+        return min(
+            (wake_s(view, seen.get(id_), now_s) for id_, view in self._views.items()), default=math.inf
+        )
 
     def _is_due_to_say(self, crossing_id: str) -> bool:
         """Whether a crossing behind has yet to hear so."""

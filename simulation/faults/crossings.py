@@ -1,5 +1,6 @@
-"""Faults of the equipment of level crossings (踏切); their devices have the faults of any device, their links those of any
-link. `target` is the crossing. They end when they are over, or when staff mend them.
+"""Faults of the equipment of level crossings (踏切); their devices and links have the faults of any other.
+
+`target` is the crossing. They end when they are over.
 """
 
 from __future__ import annotations

@@ -40,8 +40,8 @@ class _WatchedRoad:
 
 
 class CrossingWatch:
-    """Checks `crossing-open` and `crossing-warning`: no front comes onto a road that is not closed, or not for the least
-    times, unless its driver has leave to creep over it and does.
+    """Checks `crossing-open` and `crossing-warning`: no front comes onto a road that is not closed, or not for its
+    least times, unless its driver has leave to creep over it and does.
     """
 
     def __init__(

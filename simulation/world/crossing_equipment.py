@@ -1,10 +1,10 @@
-"""Invariant: what `barriers` and `lit` say is so: barriers move in their time and stop where they are stuck, and a dead lamp
-does not shine.
+"""Invariant: what `barriers` and `lit` say is so: barriers move in their time and stop where they are stuck, and a dead
+lamp does not shine.
 
-Lamps and barriers of a level crossing (踏切警報機, 遮断機) in the simulated world: the truth, apart from what its device
-knows. The simulator owns it, gives it the device's outputs, returns `detection` as the device's input at each change,
-and looks at it at `due_s`. `TABLE` is the state of the barriers and the event; without barriers they are raised when
-no warning is given, and lowered when one is.
+Lamps and barriers of a level crossing (踏切警報機, 遮断機) in the simulated world: the truth, apart from what its
+device knows. The simulator owns it, gives it the device's outputs, returns `detection` as the device's input at each
+change, and looks at it at `due_s`. `TABLE` is the state of the barriers and the event; where there are none they are
+raised when no warning is given, and lowered when one is.
 """
 
 from __future__ import annotations

@@ -147,7 +147,7 @@ class CrossingLookout:
         return max(math.floor(takes_s * STEPS_PER_S), 1)
 
     def _follow(self, slot: int) -> None:
-        """Take up the path that the train is on, if it is another than before; who stands on a road has come onto it."""
+        """Take up the path that the train is on, if it is another; who stands on a road has come onto it before."""
         path, before = self._trains.true_path(slot), self._paths.get(slot)
         if path is before:
             return

@@ -1,5 +1,5 @@
-"""Level crossings in whole runs of the paper's line: whatever fails, no train comes onto an open road, and all arrive; by
-contacts the warning lasts as long as the train takes from there.
+"""Level crossings in whole runs of the paper's line: whatever fails, no train comes onto an open road, and all arrive;
+by contacts the warning lasts as long as the train takes from there.
 """
 
 from __future__ import annotations
@@ -104,9 +104,7 @@ def test_by_contacts_the_warning_lasts_as_long_as_the_way_from_the_first_of_them
     entries = list(result.journal.entries)
     lit = next(e for e in entries if isinstance(e.event, CrossingLamps) and e.event.lit)
     closed = next(
-        e
-        for e in entries
-        if isinstance(e.event, CrossingBarriers) and e.event.state is BarrierState.LOWERED
+        e for e in entries if isinstance(e.event, CrossingBarriers) and e.event.state is BarrierState.LOWERED
     )
     entered = next(e for e in entries if isinstance(e.event, CrossingEntered))
     assert lit.t_s == pytest.approx(contact_s, abs=2.0 * STEP_S)

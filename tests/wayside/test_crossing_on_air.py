@@ -1,5 +1,5 @@
-"""A unit, the device of a level crossing and its equipment, over an air that loses, delays and doubles, with power cuts:
-no front comes onto a road that is not closed, or has not been for its least time, whatever happens.
+"""A unit, the device of a level crossing and its equipment, over a bad air and with power cuts: no
+front comes onto a road that is not closed, or has not been for its least time, whatever happens.
 
 The train is a point that runs at what speed the case says, never over 20 m/s, and stops at the road unless its unit may
 pass; all that the unit is told of it is true, but that it may come sooner than it meant.
@@ -27,10 +27,10 @@ from wayside import level_crossing
 from wayside.actions import Action, Drive, Send
 from wayside.config import CrossingConfig
 from wayside.crossing_said import CloseCrossing
-from wayside.level_crossing import CrossingAsked, CrossingLeft, CrossingMemory, CrossingTimeDue
+from wayside.level_crossing import ClosureAsked, CrossingLeft, CrossingMemory, CrossingTimeDue
 
 CROSSING = LevelCrossing(
-    "C", "C", "6", 600.0, 6.0, CrossingClass.BARRIERS, CrossingControl.RADIO, 8.0, 15.0, 20.0
+    "C", "C", CrossingClass.BARRIERS, CrossingControl.RADIO, "6", 600.0, 6.0, 8.0, 15.0, 20.0
 )
 CONFIG = CrossingConfig("line", "C", barriers=True, closing_s=15.0, closed_s=20.0)
 ROAD_M, LENGTH_M, FASTEST_MPS = 600.0, 40.0, 20.0
@@ -46,7 +46,7 @@ class Ride:
     front_m: float = 0.0
     speed_mps: float = 20.0
     talk: CrossingTalk = field(default_factory=lambda: CrossingTalk(forgot=False))
-    memory: CrossingMemory = CrossingMemory()
+    memory: CrossingMemory = field(default_factory=CrossingMemory)
     powered: bool = True
     boots: int = 1
     known_boots: int = 1  # of the device, to the unit
@@ -106,7 +106,9 @@ class Ride:
 
     # the air --------------------------------------------------------------------------------------------------------
 
-    def say(self, source: str, correlation: int, message: AnyMessage, delays_s: tuple[float, ...] = ()) -> None:
+    def say(
+        self, source: str, correlation: int, message: AnyMessage, delays_s: tuple[float, ...] = ()
+    ) -> None:
         self.sent += 1
         for delay_s in delays_s or self.delays_s:
             self.on_air.append((self.now_s + delay_s, self.sent, source, correlation, message))
@@ -128,7 +130,7 @@ class Ride:
                 self.known_boots = self.boots
                 self.say("C", 0, Restarted())
             elif isinstance(message, CrossingRequest):
-                self._device(CrossingAsked("U", correlation, message))
+                self._device(ClosureAsked("U", correlation, message))
             elif isinstance(message, CrossingOver):
                 self._device(CrossingLeft("U", correlation, message))
 

@@ -22,7 +22,7 @@ from wayside.level_crossing import (
     REANNOUNCED_S,
     TABLE,
     VALID_S,
-    CrossingAsked,
+    ClosureAsked,
     CrossingDevice,
     CrossingEvent,
     CrossingLeft,
@@ -45,8 +45,8 @@ OPEN, CLOSING, CLOSED = CrossingState.OPEN, CrossingState.CLOSING, CrossingState
 COMES, GONE = CrossingContact(first=True), CrossingContact(first=False)
 
 
-def asks(arrives_s: float, proof_s: float = math.inf, unit: str = "u", correlation: int = 1) -> CrossingAsked:
-    return CrossingAsked(unit, correlation, CrossingRequest(arrives_s, proof_s))
+def asks(arrives_s: float, proof_s: float = math.inf, unit: str = "u", correlation: int = 1) -> ClosureAsked:
+    return ClosureAsked(unit, correlation, CrossingRequest(arrives_s, proof_s))
 
 
 def leaves(unit: str = "u", correlation: int = 1) -> CrossingLeft:
@@ -89,7 +89,7 @@ def closed_for(*units: str) -> Box:
 
 
 def test_every_state_takes_every_event() -> None:
-    events = (CrossingAsked, CrossingLeft, CrossingDetected, CrossingContact, CrossingTimeDue)
+    events = (ClosureAsked, CrossingLeft, CrossingDetected, CrossingContact, CrossingTimeDue)
     assert set(TABLE) == {(state, event) for state in CrossingState for event in events}
     assert len(table_rows()) == len(TABLE)
 

@@ -11,8 +11,8 @@ import pytest
 from network.model import Position
 from simulation.events import (
     WORLD,
-    Collision,
     BarrierState,
+    Collision,
     CrossingBarriers,
     CrossingCreep,
     CrossingLamps,
@@ -27,7 +27,15 @@ from simulation.events import (
 )
 from simulation.judge.checkers import Checker
 from simulation.judge.liveness import LOOKS_EVERY_S, STANDS_S
-from tests.simulation.judge.stage import Stage, at_crossings, authorised, in_track, on_points, restarted, second
+from tests.simulation.judge.stage import (
+    Stage,
+    at_crossings,
+    authorised,
+    in_track,
+    on_points,
+    restarted,
+    second,
+)
 
 Act = Callable[[Stage], Stage]
 

@@ -23,7 +23,7 @@ from simulation.world.crossing_equipment import (
 from wayside.crossing_said import CloseCrossing, CrossingDetected, OpenCrossing
 
 LINE = LevelCrossing(
-    "C", "C", "6", 700.0, 6.0, CrossingClass.BARRIERS, CrossingControl.RADIO, 8.0, 15.0, 20.0
+    "C", "C", CrossingClass.BARRIERS, CrossingControl.RADIO, "6", 700.0, 6.0, 8.0, 15.0, 20.0
 )
 CLOSE, OPENS, OVER = CloseCrossing("C"), OpenCrossing("C"), BarrierTimeOver()
 RAISED, LOWERING, LOWERED, RISING = BarrierState
