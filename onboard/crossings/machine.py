@@ -225,7 +225,7 @@ def _look_asked(view: CrossingView, event: CrossingSeen, now_s: float) -> Crossi
 def _look_proven(view: CrossingView, event: CrossingSeen, now_s: float) -> CrossingStep:
     """On it by a proof that holds, it passes; a proof that nobody has said again is none."""
     place = event.place
-    if place is not None and place.entered and may_pass(view, place, now_s):
+    if place is not None and place.entered and (place.under or may_pass(view, place, now_s)):
         return _asks(replace(view, phase=CrossingPhase.PASSING), place, now_s)
     if now_s >= view.until_s:
         lost, said = _look_asked(_unproven(view), event, now_s)
