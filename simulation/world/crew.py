@@ -127,10 +127,10 @@ class Crew:
         """The first level crossing ahead at which a driver on sight stops, and where, m: one that his unit would have
         asked, or whose road he sees is not closed.
         """
-        path, truth = self._trains.true_path(slot), self._trains.truths[slot]
         found = ("", math.inf)
-        for crossing in self._trains.setup.line.crossings.values():
-            if crossing.piece_id not in path or not crossing.has_device:
+        for crossing in self._wayside.crossings.on_line:
+            path, truth = self._trains.true_path(slot), self._trains.truths[slot]
+            if crossing.piece_id not in path:
                 continue
             road_m = path.to_path_m(crossing.piece_id, crossing.edge_m(path.direction))
             ahead = truth.position_m < road_m < found[1] + CROSSING_STOPS_SHORT_M

@@ -38,10 +38,9 @@ class CrossingsOnTrack:
     """The equipment of all crossings that have a device, by id."""
 
     def __init__(self, line: Line, agenda: Agenda, journal: Journal, shows: ShowsDevice) -> None:
+        self.on_line: Final = tuple(c for c in line.crossings.values() if c.has_device)
         self.equipment: Final[dict[str, CrossingEquipment]] = {
-            crossing.id: crossing_equipment.equipment_of(crossing)
-            for crossing in line.crossings.values()
-            if crossing.has_device
+            crossing.id: crossing_equipment.equipment_of(crossing) for crossing in self.on_line
         }
         self._agenda, self._journal, self._shows = agenda, journal, shows
 

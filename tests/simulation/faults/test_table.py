@@ -19,6 +19,7 @@ NAMES = Names(
     tags=("602",),
     points=("P7",),
     chargers=("KRS",),
+    crossings=("C1",),
     sections=("OGN.1",),
     markers=("1",),
     cable=("A - B",),
