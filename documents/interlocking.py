@@ -18,11 +18,12 @@ from documents.interlocking_runs import restart_rows, run_without_failure, seque
 from documents.page import write_page
 from documents.state_diagrams import machine_diagram
 from onboard.authority import machine as authority
+from onboard.crossings import machine as crossings
 from onboard.duty import machine as duty
 from radio.table import TableCell
 from simulation.judge.checkers import Checker
-from simulation.world import point_machine
-from wayside import block_manager, point_terminal
+from simulation.world import crossing_equipment, point_machine
+from wayside import block_manager, level_crossing, point_terminal
 
 FILE: Final = Path("docs/interlocking.md")
 _RUN_HEAD: Final = "## A run"
@@ -35,6 +36,8 @@ INVARIANTS: Final = (
     ("wayside.entering", "leave to come in (不同時進入)"),
     ("wayside.point_terminal", "point terminal (制御端末装置)"),
     ("simulation.world.point_machine", "point machine (電気転てつ機)"),
+    ("wayside.level_crossing", "level crossing (踏切制御装置)"),
+    ("simulation.world.crossing_equipment", "lamps and barriers of a level crossing (踏切警報機, 遮断機)"),
     ("onboard.duty.machine", "on-board unit (車上装置): its duty"),
     ("onboard.duty.on_sight", "on-board unit: running on sight"),
     ("onboard.authority.machine", "on-board unit: sections and points"),
@@ -42,6 +45,7 @@ INVARIANTS: Final = (
     ("onboard.authority.route", "on-board unit: routes"),
     ("onboard.authority.points", "on-board unit: points"),
     ("onboard.authority.report", "on-board unit: giving back"),
+    ("onboard.crossings.machine", "on-board unit: level crossings"),
     ("onboard.duty.arrival", "on-board unit: what lies behind"),
     ("onboard.duty.entering", "on-board unit: coming in"),
     ("onboard.authority.agreement", "on-board unit: contradictions with the register"),
@@ -70,8 +74,11 @@ def document(runs: str | None = None) -> str:
         ("Block manager", block_manager.table_rows()),
         ("Point terminal", point_terminal.table_rows()),
         ("Point machine", point_machine.table_rows()),
+        ("Level crossing", level_crossing.table_rows()),
+        ("Barriers of a level crossing", crossing_equipment.table_rows()),
         ("On-board unit: duty", duty.table_rows()),
         ("On-board unit: authority", authority.table_rows()),
+        ("On-board unit: level crossings", crossings.table_rows()),
     ):
         parts += [f"### {title}", machine_diagram(title), _machine(rows)]
     parts += [_shown_by_runs() if runs is None else runs]

@@ -26,6 +26,32 @@ class Hazard:
 
 HAZARDS: Final = (
     Hazard(
+        "A train on a level crossing whose road is open",
+        "the device, its link, its lamps or barriers fail, or it is asked late",
+        "the movement limit lies before the road until the device proves it closed, and again when a proof is taken"
+        " back or not said again; over it unproven only by a driver's leave, from a stand and on sight",
+        ("onboard.crossings.machine", "onboard.crossings.talk", "wayside.level_crossing"),
+        (Checker.CROSSING_OPEN,),
+        (
+            "rtri/100_crossing",
+            "rtri/101_crossing_power",
+            "rtri/102_crossing_link",
+            "rtri/103_crossing_barriers_stuck",
+            "rtri/104_crossing_undetected",
+            "rtri/106_crossing_two_trains",
+            "rtri/107_crossing_contacts",
+            "rtri/108_crossing_unit_power",
+        ),
+    ),
+    Hazard(
+        "A road that is closed just before the train",
+        "the train comes sooner than its unit said, or the crossing was asked late",
+        "a proof counts only where even at full speed the front comes no sooner than the least time after it",
+        ("onboard.crossings.machine", "onboard.crossings.ahead"),
+        (Checker.CROSSING_WARNING,),
+        ("rtri/105_crossing_asked_late",),
+    ),
+    Hazard(
         "Two trains in one section",
         "the block manager grants what another unit holds",
         "the register maps a section to one holder, so that two cannot be written down",

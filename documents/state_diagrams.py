@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Hashable, Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, Final
 
+from documents import crossing_diagrams
 from network.model import Position
 from onboard.authority import machine as authority
 from onboard.authority import records as auth
@@ -29,7 +29,7 @@ from radio.messages import (
 )
 from simulation.world import point_machine
 from simulation.world.point_machine import PointMachine
-from verify.breadth import Explored, explore
+from verify.breadth import Explored, Keyed, explore
 from verify.lone_unit import events_from, first, phase_name
 from wayside import block_manager, point_terminal
 from wayside.config import ManagerConfig, PointsEntry, RouteEntry, SectionEntry, TerminalConfig
@@ -40,14 +40,6 @@ from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, PointsDe
 DUTY_STATES_MAX: Final = 2000
 STATES_MAX: Final = 900
 _LATER_S: Final = 100.0
-
-
-@dataclass(frozen=True)
-class Keyed:
-    """A state that has mappings in it, compared by what `key` says of it."""
-
-    key: Hashable
-    state: Any = field(compare=False)
 
 
 def duty() -> Explored[Any]:
@@ -215,8 +207,11 @@ DIAGRAMS: Final[dict[str, tuple[Callable[[], Explored[Any]], str]]] = {
     "Block manager": (standings, "unknown"),
     "Point terminal": (points, "free"),
     "Point machine": (machines, "at rest"),
+    "Level crossing": (crossing_diagrams.devices, "open"),
+    "Barriers of a level crossing": (crossing_diagrams.barriers, "raised"),
     "On-board unit: duty": (duty, "off"),
     "On-board unit: authority": (authorities, "off the line"),
+    "On-board unit: level crossings": (crossing_diagrams.views, "ahead"),
 }
 
 

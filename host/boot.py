@@ -13,7 +13,7 @@ def boot(spec: PartySpec, store: PartyStore, file: str = "config.json") -> Party
     commissioned(store, spec.called)
     match spec.role:
         # Imported here: a process loads its own role and nothing of the others.
-        case Role.BLOCK_MANAGER | Role.POINT_TERMINAL:
+        case Role.BLOCK_MANAGER | Role.POINT_TERMINAL | Role.LEVEL_CROSSING:
             from host.device import DeviceParty
 
             return DeviceParty(spec, store, file)

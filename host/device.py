@@ -20,11 +20,13 @@ from network.errors import InputError
 from radio.elapsed import Elapsed
 from radio.envelope import Dropped, DropReason, Endpoint, Received
 from radio.keys import KeyRing
-from radio.messages import PointsCommand, Restarted
-from wayside import block_manager, point_terminal
+from radio.messages import CrossingOver, CrossingRequest, PointsCommand, Restarted
+from wayside import block_manager, level_crossing, point_terminal
 from wayside.actions import Action, Drive, Send, Show
 from wayside.barring import NO_BARS, bars_kept
-from wayside.config import DeviceConfig, ManagerConfig, TerminalConfig, decode_config
+from wayside.config import CrossingConfig, DeviceConfig, ManagerConfig, TerminalConfig, decode_config
+from wayside.crossing_said import CrossingContact, CrossingDetected
+from wayside.level_crossing import CrossingDevice, CrossingMemory
 from wayside.point_terminal import Commanded, Expired, Terminal, TerminalMemory
 from wayside.register import Register
 from wayside.register import start as start_register
@@ -40,6 +42,7 @@ from wayside.said import (
     UnbarUnit,
 )
 
+DeviceState = Register | Terminal | CrossingDevice
 PARTS_KEPT = True  # off: a manager that starts again has forgotten who has a part of its way
 
 
@@ -47,7 +50,7 @@ class _ProtocolMachine(Protocol):
     """What the host needs of a protocol machine: the actions for one event, in order."""
 
     @property
-    def state(self) -> Register | Terminal: ...
+    def state(self) -> DeviceState: ...
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
         """An input, a telegram, or None: look at the timers."""
@@ -109,7 +112,7 @@ class _Manager:
                 step = block_manager.Heard(
                     event.source, event.epoch, event.fresh, event.correlation, event.message
                 )
-            case PointsDetected():
+            case PointsDetected() | CrossingDetected() | CrossingContact():
                 return _not_for_device(event)
             case _:
                 step = event
@@ -168,6 +171,44 @@ class _Terminal:
         return msgspec.structs.replace(before, vital=msgspec.msgpack.encode(self.terminal.memory))
 
 
+class _LevelCrossing:
+    def __init__(self, config: CrossingConfig, durable: Durable) -> None:
+        kept, lost = durable.vital, not durable.vital and durable.epoch > 1
+        try:
+            memory = msgspec.msgpack.decode(kept, type=CrossingMemory) if kept else CrossingMemory()
+        except msgspec.MsgspecError:
+            memory, lost = CrossingMemory(), True
+        self.device = level_crossing.start(config, memory, lost=lost)
+
+    @property
+    def state(self) -> CrossingDevice:
+        return self.device
+
+    def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
+        step: level_crossing.CrossingEvent
+        match event:
+            case None:
+                step = level_crossing.CrossingTimeDue()
+            case Received(message=CrossingRequest() as request):
+                step = level_crossing.ClosureAsked(event.source, event.correlation, request)
+            case Received(message=CrossingOver() as over):
+                step = level_crossing.CrossingLeft(event.source, event.correlation, over)
+            case Received():
+                return (Show(Refused(unit_id=event.source, why=type(event.message).__name__)),)
+            case CrossingDetected() | CrossingContact():
+                step = event
+            case _:
+                return _not_for_device(event)
+        self.device, actions = level_crossing.step(self.device, step, now_s)
+        return actions
+
+    def wake_at_s(self) -> float | None:
+        return level_crossing.wake_at_s(self.device)
+
+    def kept(self, before: Durable) -> Durable:
+        return msgspec.structs.replace(before, vital=msgspec.msgpack.encode(self.device.memory))
+
+
 def _memory(kept: bytes) -> TerminalMemory:
     """What a terminal must not have forgotten; one that never ran has nothing to remember."""
     try:
@@ -204,6 +245,8 @@ class DeviceHost:
         self._machine: _ProtocolMachine
         if isinstance(config, ManagerConfig):
             self._machine = _Manager(config, keys, self._durable)
+        elif isinstance(config, CrossingConfig):
+            self._machine = _LevelCrossing(config, self._durable)
         else:
             self._machine = _Terminal(config, keys, self._durable)
         self._elapsed = Elapsed()
@@ -215,7 +258,7 @@ class DeviceHost:
         return self._durable.epoch
 
     @property
-    def state(self) -> Register | Terminal:
+    def state(self) -> DeviceState:
         """The state of its protocol machine."""
         return self._machine.state
 
@@ -284,7 +327,7 @@ class DeviceParty:
         return self._host.epoch
 
     @property
-    def state(self) -> Register | Terminal:
+    def state(self) -> DeviceState:
         """The state of its protocol machine."""
         return self._host.state
 

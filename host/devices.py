@@ -14,7 +14,7 @@ import msgspec
 from host.parties import Parties
 from host.party import Codec, PartySpec, Role
 from radio.keys import key_ring
-from wayside.config import ManagerConfig, TerminalConfig, encode_config
+from wayside.config import CrossingConfig, ManagerConfig, TerminalConfig, encode_config
 from wayside.said import Input, Note, Output
 
 
@@ -62,7 +62,10 @@ class Devices:
 
 
 def device_specs(
-    manager: ManagerConfig, terminals: Sequence[TerminalConfig], master_key: bytes
+    manager: ManagerConfig,
+    terminals: Sequence[TerminalConfig],
+    master_key: bytes,
+    crossings: Sequence[CrossingConfig] = (),
 ) -> tuple[PartySpec, ...]:
     """What is needed to start all devices: each with the keys of its own pairs only."""
     ids = [terminal.device_id for terminal in terminals]
@@ -73,4 +76,8 @@ def device_specs(
         ring = key_ring(master_key, terminal.device_id, manager.unit_ids, [terminal.device_id])
         own = encode_config(terminal)
         specs.append(PartySpec(terminal.line_id, terminal.device_id, Role.POINT_TERMINAL, own, ring))
+    for crossing in crossings:
+        ring = key_ring(master_key, crossing.device_id, manager.unit_ids)
+        own = encode_config(crossing)
+        specs.append(PartySpec(crossing.line_id, crossing.device_id, Role.LEVEL_CROSSING, own, ring))
     return tuple(specs)

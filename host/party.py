@@ -25,12 +25,14 @@ class Role(Enum):
 
     BLOCK_MANAGER = "block-manager"
     POINT_TERMINAL = "point-terminal"
+    LEVEL_CROSSING = "level-crossing"
     UNIT = "unit"
 
 
 _CALLED: Final = {
     Role.BLOCK_MANAGER: "block manager",
     Role.POINT_TERMINAL: "point terminal {}",
+    Role.LEVEL_CROSSING: "level crossing {}",
     Role.UNIT: "on-board unit {}",
 }
 

@@ -205,6 +205,64 @@ class MarkerGroup:
     directions: tuple[Direction, ...]
 
 
+class CrossingClass(Enum):
+    """Class of a level crossing (踏切種別): with barriers, with a warning alone, without a device; 第2種 is no more."""
+
+    BARRIERS = "1"
+    WARNING = "3"
+    NO_DEVICE = "4"
+
+
+class CrossingControl(Enum):
+    """What starts the warning at a level crossing: the unit's telegrams, or contacts that trains pass (踏切制御子)."""
+
+    RADIO = "radio"
+    CONTACTS = "contacts"
+
+
+@dataclass(frozen=True, slots=True)
+class LevelCrossing:
+    """A level crossing (踏切). `position_m` is the kilometrage (m) of its middle, `width_m` its extent along the track.
+
+    `lowering_s`: that the barriers take; `closing_s`: from the start of the warning to closed, `closed_s`: from closed
+    to the train; without barriers it counts as closed once its lamps are lit. `starts_m`, `ends_m`: kilometrages (m) of
+    contacts by direction of travel. `sight_m`: from how far (m) its users see a train, if that is known.
+    """
+
+    id: str
+    name: str
+    kind: CrossingClass
+    control: CrossingControl
+    piece_id: str
+    position_m: float
+    width_m: float
+    lowering_s: float
+    closing_s: float
+    closed_s: float
+    starts_m: Mapping[Direction, float] = field(default_factory=dict[Direction, float])
+    ends_m: Mapping[Direction, float] = field(default_factory=dict[Direction, float])
+    sight_m: float | None = None
+
+    @property
+    def has_device(self) -> bool:
+        """Whether anything warns its users of a train."""
+        return self.kind is not CrossingClass.NO_DEVICE
+
+    @property
+    def by_radio(self) -> bool:
+        """Whether units ask it to close, and may not pass before it has proved closed."""
+        return self.has_device and self.control is CrossingControl.RADIO
+
+    @property
+    def warning_s(self) -> float:
+        """From the start of the warning to the train, s."""
+        return self.closing_s + self.closed_s
+
+    def edge_m(self, direction: Direction) -> float:
+        """Kilometrage (m) of the edge that trains of this direction meet first."""
+        return self.position_m - direction * self.width_m / 2.0
+
+
 @dataclass(frozen=True, slots=True)
 class Gradient:
     """Gradient between two kilometrages, permille, positive where DOWN climbs."""
@@ -317,3 +375,4 @@ class Line:
     chargers: Mapping[str, Charger] = field(default_factory=dict[str, Charger])  # by station id
     beacons: Mapping[int, Beacon] = field(default_factory=dict[int, Beacon])
     markers: Mapping[int, MarkerGroup] = field(default_factory=dict[int, MarkerGroup])
+    crossings: Mapping[str, LevelCrossing] = field(default_factory=dict[str, LevelCrossing])

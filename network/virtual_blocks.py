@@ -111,6 +111,10 @@ def _rebuilt(line: Line, section: Section, sections: list[Section], pieces: list
             one.id: replace(one, piece_id=at(one.position_m).id) if one.piece_id == old_id else one
             for one in line.markers.values()
         },
+        crossings={
+            one.id: replace(one, piece_id=at(one.position_m).id) if one.piece_id == old_id else one
+            for one in line.crossings.values()
+        },
     )
 
 

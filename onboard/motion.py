@@ -19,6 +19,7 @@ from onboard import notes
 from onboard.ability import Ability, Means, WayAhead
 from onboard.authority.coverage import covered_at, next_coverage_m
 from onboard.charge import ChargeWatch
+from onboard.crossings.ahead import CrossingsAhead
 from onboard.driving.laws.table import LawsRow, note_of_run
 from onboard.driving.pace import Pace
 from onboard.driving.planner.plan import PlanOnPath
@@ -125,12 +126,12 @@ class UnitMotion:
         self._doubt: Final = TagDoubt(self.row, parameters, row)
         self._ability: Final = Ability()
         self._fixes: Final = Fixes(self._doubt, row, self.readers, parameters, self._length_m, self.notes)
-        self._found = False
+        self._found = self._off_plan = False
         self._held_short = False  # stands as at a stop: its own bounds keep it from a mark that it may go to
-        self._off_plan = False
         self._due_m = math.inf  # place of the tag that is expected, also once it is overdue
         self._laws: Final = laws
         self._pace: Final = Pace(parameters, row, train, behaviour, laws, planning)
+        self.crossings: Final = CrossingsAhead(line, parameters, self.row, train, behaviour, self._pace)
         self._stood_m: float | None = None  # the tachometer at the last stand, while it stands
         self._look_for_sign(None)
 
@@ -139,9 +140,7 @@ class UnitMotion:
     def stand_at_start(self, mission: Mission, path: PathData, odometer_m: float) -> None:
         """The crew has entered a train number at its first mark: that is where the train stands."""
         row = self.row
-        row.odometer_m = odometer_m
-        if not row.odometer_scale:
-            row.odometer_scale = 1.0
+        row.odometer_m, row.odometer_scale = odometer_m, row.odometer_scale or 1.0
         self._doubt.position_told()
         row.position_m = mission.targets[0].mark_m
         row.bound_ahead_m = row.bound_behind_m = self._parameters.tag_accuracy_m + row.pulse_m
@@ -171,8 +170,7 @@ class UnitMotion:
         """A unit that boots: position forgotten, the emergency brake applied, its sensors as they show now."""
         row = self.row
         row.odometer_m, row.odometer_scale = odometer_m, 1.0
-        row.speed_mps = speed_mps
-        row.boots += 1
+        row.speed_mps, row.boots = speed_mps, row.boots + 1
         self._doubt.position_told()
         row.tag_window_m = self._parameters.tag_window_m
         self._take_up(mission, path)
@@ -192,6 +190,7 @@ class UnitMotion:
         row.paths_taken_up += 1
         self._fixes.take_up(mission, virtual=not self.reads_tags)
         self._pace.take_up(path.rows)
+        self.crossings.take_up(mission)
         row.mode = MODE_HOLD
         row.target_stop_m = row.mark_m = row.position_m
         self._expect_tag()
@@ -368,7 +367,7 @@ class UnitMotion:
 
     def _stands_idle(self) -> list[Sensed]:
         """It may go on to its mark and does not: it is there, or its own bounds leave no room, which nothing mends."""
-        row, target = self.row, self._next_target()
+        row, target = self.row, None if self.command.before_crossing else self._next_target()
         if target is None or self.command.target is None or not row.position_known:
             return []
         tight = bool(row.position_m + row.bound_ahead_m + ROOM_M >= row.stop_limit_m)
@@ -379,7 +378,8 @@ class UnitMotion:
 
     def _stands_at_limit_of(self, target: Target) -> bool:
         """Whether the train went as far as it may on the track where it calls, and the mark lies beyond that."""
-        if self._mission is None or not limit_is_short(self._record, target.mark_m):
+        short = limit_is_short(self._record, target.mark_m) and not self.command.before_crossing
+        if self._mission is None or not short:
             return False
         return self._mission.span_at(self.row.position_m).section_id == target.section_id
 
@@ -437,7 +437,7 @@ class UnitMotion:
             row.intervention = EMERGENCY_INTERVENTION
         if DrivingOrder.LOSE in command.orders:
             self._lose(NO_ROOM)
-        restricted = command.on_sight or command.sweeps or not row.position_known
+        restricted = command.on_sight or command.sweeps or command.creeps or not row.position_known
         row.restricted_mps = self._parameters.restricted_mps if restricted else math.inf
         if command.on_sight:
             self._run_on_sight(command)
@@ -471,7 +471,7 @@ class UnitMotion:
         row, mission = self.row, self._mission
         if mission is None:
             return
-        limit_m = self._joint_m(command.limit.joint)
+        limit_m = self.crossings.nearer(self._joint_m(command.limit.joint), command.before_crossing)
         moved = limit_m != row.stop_limit_m and row.speed_mps == 0.0
         row.stop_limit_m = limit_m
         row.mode = MODE_DRIVE if command.drive else MODE_HOLD

@@ -8,6 +8,7 @@ metres and draws no chance: what it says is a function of what it was told.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
@@ -16,19 +17,24 @@ import msgspec
 from onboard import notes
 from onboard.authority import records as auth
 from onboard.authority.letters import Letters
+from onboard.crossings.machine import CrossingPlace
+from onboard.crossings.talk import CrossingTalk
 from onboard.duty.duty_step import NEVER_S, Action
 from onboard.duty.machine import step
 from onboard.duty.orders import leads_on
 from onboard.duty.records import (
+    LEAVE,
     Begin,
+    CreepOver,
     DrivingCommand,
     DrivingOrder,
     DutyState,
     Event,
+    Happening,
+    Looked,
     NoSuchWay,
-    Person,
+    OffTheLine,
     PlaceInJoints,
-    Sensed,
     SetTimerAt,
     SwitchedOn,
     TakeUpWay,
@@ -48,12 +54,14 @@ TIMES_ALIKE_S: Final = 1e-6
 class Report(msgspec.Struct, frozen=True):
     """What reaches the unit besides telegrams: where the train is now, and what happened, in order.
 
-    `claims_besides`: for its host alone, what a fault has it claim that it does not hold.
+    `claims_besides`: for its host alone, what a fault has it claim that it does not hold. `crossings`: the level
+    crossings of its path; None: it does not know where it is.
     """
 
     place: PlaceInJoints
-    happened: tuple[Person | Sensed, ...] = ()
+    happened: tuple[Happening, ...] = ()
     claims_besides: tuple[str, ...] = ()
+    crossings: tuple[CrossingPlace, ...] | None = ()
 
 
 class Telegram(msgspec.Struct, frozen=True):
@@ -102,6 +110,7 @@ class OnboardUnit:
         self._parameters: Final = parameters
         self._endpoint: Final = endpoint
         self._letters: Final = Letters(unit_id, manager_id)
+        self._crossings: Final = CrossingTalk(forgot=unsure)
         self._elapsed: Final = Elapsed()
         self._timers: dict[auth.Timer, _RunsOut] = {}
         self._telegrams: list[Telegram] = []
@@ -111,27 +120,65 @@ class OnboardUnit:
 
     def advance(self, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> UnitAnswer:
         """Act at `now_s` on what happened, on telegrams, on timers, in this order."""
-        self._elapsed.at(now_s)
+        elapsed_s = self._elapsed.at(now_s)
+        place = self._at_crossing(sensed.place, elapsed_s)
         for event in sensed.happened:
-            self._take(event, sensed.place, now_s)
+            if isinstance(event, CreepOver):
+                self._crossings.creep(event.crossing_id, elapsed_s)
+            else:
+                self._take(event, place, now_s)
         for data in telegrams:
-            self._open(data, sensed.place, now_s)
+            self._open(data, place, now_s)
         while (timer := self._next_due(now_s)) is not None:
             del self._timers[timer]
-            self._take(TimerDue(timer), sensed.place, now_s)
+            self._take(TimerDue(timer), place, now_s)
+        self._look_at_crossings(sensed, now_s)
+        command = msgspec.structs.replace(
+            command_of(self.plan, self.state),
+            orders=tuple(self._orders),
+            before_crossing=self._crossings.held_before(elapsed_s),
+            at_crossing=self._crossings.kept_standing_by(elapsed_s),
+            creeps=self._crossings.creeps,
+        )
+        wakes_s = [*map(self._shown_at, self._timers.values())]
+        if (wake_s := self._crossings.wake_s(elapsed_s)) < math.inf:
+            wakes_s.append(self._elapsed.shown_at(wake_s))
         answer = UnitAnswer(
             tuple(self._telegrams),
-            msgspec.structs.replace(command_of(self.plan, self.state), orders=tuple(self._orders)),
+            command,
             tuple(self._told),
             tuple(self._notes),
-            min(map(self._shown_at, self._timers.values()), default=None),
+            min(wakes_s, default=None),
         )
         self._telegrams, self._told, self._notes, self._orders = [], [], [], []
         return answer
 
+    def _at_crossing(self, place: PlaceInJoints, elapsed_s: float) -> PlaceInJoints:
+        """The place with the level crossing that the train, if it stands, waits for."""
+        waits_at = self._crossings.start_held_by(elapsed_s)
+        return msgspec.structs.replace(place, crossing=waits_at) if waits_at else place
+
+    def _look_at_crossings(self, sensed: Report, now_s: float) -> None:
+        """How the train is to level crossings now; who waits at its stop for one that has proved closed leaves."""
+        elapsed_s, leave = self._elapsed.at(now_s), self._timers.get(LEAVE)
+        unset_s = 0.0 if self.state.may_leave else math.inf
+        leaves_in_s = unset_s if leave is None else self._shown_at(leave) - now_s
+        self._crossings.look(sensed.crossings, self.state, leaves_in_s, elapsed_s)
+        place = self._at_crossing(sensed.place, elapsed_s)
+        if place.crossing != self.state.place.crossing:
+            self._take(Looked(), place, now_s)
+        for letter in self._crossings.letters:
+            data = self._endpoint.seal(letter.crossing_id, letter.message, now_s, letter.correlation)
+            self._telegrams.append(Telegram(letter.crossing_id, data))
+        self._notes += self._crossings.notes
+        self._crossings.letters.clear()
+        self._crossings.notes.clear()
+
     def _take(self, event: Event, place: PlaceInJoints, now_s: float) -> None:
         if DrivingOrder.LOSE in self._orders:  # its driving part has yet to obey
             place = msgspec.structs.replace(place, known=False, emergency=True)
+        if isinstance(event, OffTheLine):
+            self._crossings.off_the_line(self._elapsed.at(now_s))
         if isinstance(event, TakeUpWay) and not leads_on(self.plan, self.state, event.plan):
             event = NoSuchWay()
         if isinstance(event, Begin | SwitchedOn | TakeUpWay):
@@ -149,6 +196,8 @@ class OnboardUnit:
             self._notes.append(opened.noted(self.unit_id))
             return
         self._notes.append(opened.noted(self.unit_id))
+        if self._crossings.hear(opened, self._elapsed.at(now_s)):
+            return
         event = self._letters.read(opened)
         if isinstance(event, auth.Ordered):
             self._take(event, place, now_s)

@@ -302,6 +302,41 @@ class NextTrainReport(Message, frozen=True, array_like=True, tag=23):
     train: str
 
 
+class CrossingRequest(Message, frozen=True, array_like=True, tag=26):
+    """Unit to level crossing: my front can be on it in `arrives_s`, no sooner; I must know it closed in `proof_s`, or I
+    brake. Both count from when it is sent.
+
+    Repeated until the unit is over it, so that the crossing knows the time as it is now; lost, no proof comes.
+    """
+
+    arrives_s: float
+    proof_s: float
+
+
+class CrossingProof(Message, frozen=True, array_like=True, tag=27):
+    """Level crossing to unit: whether it is closed, as detected. It holds for `valid_s`.
+
+    Only `closed` is a proof; not closed takes back the one before. Lost, or late, it only restricts: the unit counts
+    from when it first heard it, by its own clock.
+    """
+
+    closed: bool
+    valid_s: float
+
+
+class CrossingOver(Message, frozen=True, array_like=True, tag=28):
+    """Unit to level crossing: nothing of my train is on it or comes onto it by what you told me; `passed`: it was.
+
+    Repeated until it is heard; until then the crossing stays closed.
+    """
+
+    passed: bool
+
+
+class CrossingOverHeard(Message, frozen=True, array_like=True, tag=29):
+    """Level crossing to unit: you are not announced any more. Lost, the unit says it again and is answered again."""
+
+
 AnyMessage = (
     RouteRequest
     | RouteGranted
@@ -327,4 +362,8 @@ AnyMessage = (
     | LeavingClaim
     | TrainOrdered
     | NextTrainReport
+    | CrossingRequest
+    | CrossingProof
+    | CrossingOver
+    | CrossingOverHeard
 )

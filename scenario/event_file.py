@@ -76,6 +76,7 @@ _NAMED: Final[Mapping[str, Callable[[Names], Collection[str]]]] = {
     "stops": lambda names: names.signals,
     "lever_id": lambda names: names.levers,
     "block": lambda names: tuple(sorted({block for _, block in names.steps})),
+    "crossing_id": lambda names: names.crossings,
 }
 
 
@@ -254,4 +255,6 @@ def _author(who: str, names: Names) -> Author:
         return Author.MANAGER
     if who in names.units:
         return Author.UNIT
+    if who in names.crossings:
+        return Author.CROSSING
     return Author.TERMINAL if who in names.devices else Author.PERSON

@@ -13,7 +13,7 @@ EARLY_MAX: Final = 1_000_000  # items that may be put in first
 class AgendaKind(IntEnum):
     """Kinds of events; within a step lower ones come first."""
 
-    POINTS = 0  # a point machine reaches its end
+    POINTS = 0  # a point machine, or the barriers of a level crossing, reach their end
     TO_DEVICE = 1  # telegrams and inputs reach a wayside device, or its timer is due
     TO_UNIT = 2  # a telegram reaches an on-board unit
     UNIT_TIMER = 3

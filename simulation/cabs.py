@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from onboard.duty.records import Person, Sensed, SetBack, Told
+from onboard.duty.records import Happening, SetBack, Told
 from simulation.agenda import AgendaKind
 from simulation.clock import Clock
 from simulation.events import WORLD, Commissioned, PowerOff, PowerOn, Uncommissioned
@@ -43,10 +43,10 @@ class Cabs:
         self._timer_steps: dict[int, int] = {}
         self._wakes: set[int] = set()  # slots whose unit has a timer running
         self._cut_out: set[int] = set()
-        self._frozen: dict[int, list[tuple[Sequence[Person | Sensed], Sequence[bytes]]]] = {}
+        self._frozen: dict[int, list[tuple[Sequence[Happening], Sequence[bytes]]]] = {}
 
     def tell(
-        self, slot: int, step: int, happened: Sequence[Person | Sensed] = (), telegrams: Sequence[bytes] = ()
+        self, slot: int, step: int, happened: Sequence[Happening] = (), telegrams: Sequence[bytes] = ()
     ) -> None:
         """Put what happened to a unit, and do what it says.
 
@@ -87,6 +87,7 @@ class Cabs:
         (self._crew.on_sight.add if shown.on_sight or shown.sweeps else self._crew.on_sight.discard)(slot)
         self._crew.look_ahead(slot)
         self._keep_looking(slot, step)
+        self._wait_at_crossing(slot, step)
         self._signs.look_ahead(slot)
 
     def timer(self, slot: int, step: int) -> None:
@@ -181,6 +182,7 @@ class Cabs:
         if self._crew.has_to_look(slot):
             self._crew.look_ahead(slot)
             self._begins(Pause.STAND, slot, step)
+            self._wait_at_crossing(slot, step)
 
     def crew_due(self, pause: Pause, slot: int, step: int) -> None:
         """A crew does what it took its time for."""
@@ -188,10 +190,19 @@ class Cabs:
         match pause:
             case Pause.STAND:
                 self._look_out(slot, step)
+            case Pause.CROSSING:
+                happened = self._crew.creep(slot, step / STEPS_PER_S)
+                if happened:
+                    self.tell(slot, step, happened)
             case Pause.KEY:
                 self._crew.give_keys_back(slot, step / STEPS_PER_S)
             case _:
                 raise ValueError(f"{pause} is not for the crew of a train that runs")
+
+    def _wait_at_crossing(self, slot: int, step: int) -> None:
+        """A driver whose train waits for a level crossing to close asks for leave to creep over it."""
+        if self._crew.waits_at_crossing(slot):
+            self._begins(Pause.CROSSING, slot, step)
 
     def _begins(self, pause: Pause, slot: int, step: int) -> None:
         """A crew begins to do something, unless it is at it."""

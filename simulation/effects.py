@@ -17,6 +17,7 @@ from simulation.faults.cable import CableCut, CableFault
 from simulation.faults.chargers import ChargerFault
 from simulation.faults.clocks import ClockFault
 from simulation.faults.crossing_road import CrossingRoadFault
+from simulation.faults.crossings import CrossingCondition, CrossingFault
 from simulation.faults.devices import Frozen, LostStore, PowerFault
 from simulation.faults.fault import Fault
 from simulation.faults.points import Condition, PointsFault
@@ -86,6 +87,10 @@ class Effects:
         self._wayside.cable.cut(cuts, step / STEPS_PER_S)
 
     @put_effect.register
+    def _crossing(self, fault: CrossingFault, condition: CrossingCondition, step: int) -> None:
+        self._wayside.crossings.put_condition(step, fault.target, condition)
+
+    @put_effect.register
     def _points(self, fault: PointsFault, condition: Condition, step: int) -> None:
         changed = replace(
             self._wayside.machines[fault.target],
@@ -104,7 +109,7 @@ class Effects:
                 self._cabs.tell(slot, step, (Looked(),))
 
     @put_effect.register
-    def _crossing(self, fault: CrossingRoadFault, stands: bool, _step: int) -> None:
+    def _crossing_road(self, fault: CrossingRoadFault, stands: bool, _step: int) -> None:
         if self._road is not None:
             self._road.stall(fault.target, stands=stands)
 

@@ -15,7 +15,7 @@ import msgspec
 
 from network.model import Position
 from onboard import notes
-from onboard.notes import Holds, ProofDropped, Proven, Reported, UnitRestarted
+from onboard.notes import CrossingCreep, Holds, ProofDropped, Proven, Reported, UnitRestarted
 from radio.noted import Lost, Noted, Sent, TookEffect
 from wayside import said
 from wayside.said import Accepted, ConfirmedByHand, Freed, Granted, Outside, Started
@@ -24,6 +24,7 @@ from wayside.said import Accepted, ConfirmedByHand, Freed, Granted, Outside, Sta
 __all__ = [
     "Accepted",
     "ConfirmedByHand",
+    "CrossingCreep",
     "Freed",
     "Granted",
     "Holds",
@@ -114,6 +115,13 @@ class PointsSetByHand(Noted, frozen=True, kw_only=True, tag="points_set_by_hand"
     position: Position
 
 
+class CrossingLamps(Noted, frozen=True, kw_only=True, tag="crossing_lamps"):
+    """The lamps of a level crossing begin or cease to shine."""
+
+    crossing_id: str
+    lit: bool
+
+
 class BarrierState(Enum):
     """Where the barriers of a level crossing are."""
 
@@ -121,6 +129,21 @@ class BarrierState(Enum):
     LOWERING = "lowering"
     LOWERED = "lowered"
     RISING = "rising"
+
+
+class CrossingBarriers(Noted, frozen=True, kw_only=True, tag="crossing_barriers"):
+    """The barriers of a level crossing are now so."""
+
+    crossing_id: str
+    state: BarrierState
+
+
+class CrossingEntered(Noted, frozen=True, kw_only=True, tag="crossing_entered"):
+    """The front of a train came onto a level crossing."""
+
+    unit_id: str
+    crossing_id: str
+    speed_mps: float
 
 
 class PowerOff(Noted, frozen=True, kw_only=True, tag="power_off"):
@@ -337,6 +360,9 @@ WorldEvent = (
     | PointsForced
     | PointsLockedByHand
     | PointsKeyBack
+    | CrossingLamps
+    | CrossingBarriers
+    | CrossingEntered
     | PowerOff
     | PowerOn
     | Uncommissioned
@@ -381,6 +407,7 @@ class Author(Enum):
     UNIT = "unit"
     MANAGER = "block manager"
     TERMINAL = "point terminal"
+    CROSSING = "level crossing"
     WORLD = "the world"
     PERSON = "a person"
 
@@ -389,6 +416,7 @@ _WRITES: Final = (
     (Author.UNIT, notes.Note | Sent),
     (Author.MANAGER, said.ManagerNote | Sent),
     (Author.TERMINAL, said.TerminalNote | Sent),
+    (Author.CROSSING, said.CrossingNote | Sent),
     (Author.WORLD, WorldEvent),
     (Author.PERSON, PersonEvent),
 )

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from network.model import Direction, Line, SectionKind
+from network.files.crossings import least_closed_s, least_warning_s
+from network.model import CrossingClass, Direction, Line, SectionKind
 from network.profile import heights_of
 from simulation.judge.body import Heights
 from simulation.judge.checkers import Checkers, GuaranteedBrake, PointsFacts
+from simulation.judge.crossings import CrossingFacts
 from simulation.judge.entering import TrackOverlap
 from simulation.procedure import WorkingStep, before_entry
 from simulation.setup import Setup, behaviour_row
@@ -26,7 +28,26 @@ def checkers_of(setup: Setup, net: NetMap, stock_ids: Collection[str]) -> Checke
     brakes = {stock_id: brake_of(setup, stock_id) for stock_id in stock_ids}
     share = setup.driving.design_adhesion_share
     heights, overlaps = edge_heights(line), track_overlaps(line)
-    return Checkers(net, points, stock_ids, brakes, heights, share, overlaps, pilots_needs(setup))
+    needs, crossings = pilots_needs(setup), crossing_facts(line)
+    creep_mps = setup.unit.restricted_mps
+    return Checkers(net, points, stock_ids, brakes, heights, share, overlaps, needs, crossings, creep_mps)
+
+
+def crossing_facts(line: Line) -> dict[str, CrossingFacts]:
+    """The level crossings that have a device, by SUMO's edges."""
+    found: dict[str, CrossingFacts] = {}
+    for crossing in (crossing for crossing in line.crossings.values() if crossing.has_device):
+        piece, barriers = line.pieces[crossing.piece_id], crossing.kind is CrossingClass.BARRIERS
+        begins_m = {
+            crossing.piece_id + SIGN[direction]: abs(
+                crossing.edge_m(direction) - (piece.from_m if direction is Direction.DOWN else piece.to_m)
+            )
+            for direction in Direction
+        }
+        found[crossing.id] = CrossingFacts(
+            begins_m, barriers, least_warning_s(crossing), least_closed_s(crossing)
+        )
+    return found
 
 
 def pilots_needs(setup: Setup) -> dict[str, tuple[WorkingStep, ...]]:

@@ -85,7 +85,7 @@ class Simulation:
         self.wayside: Final = world.wayside
         self.on_board: Final = world.on_board
         self._agenda, self._books = world.agenda, world.books
-        self._charging, self._signs = world.charging, world.signs
+        self._charging, self._signs, self._lookout = world.charging, world.signs, world.lookout
         self.checkers = checkers_of(setup, net, self.trains.stock_ids)
         self.journal.watch(self.checkers.journal)
         self.trains.rail_is.add(self._rail_is)
@@ -173,6 +173,7 @@ class Simulation:
 
     def settle(self) -> Ending | None:
         """Do what is due now. Returns why the run is over; None while it goes on."""
+        self._lookout.look(self._step)
         if self.staff is not None and not (self.by_people is not None and self.by_people.busy):
             self.staff.look(self._step)
         while (item := self._agenda.pop_due(self._step)) is not None:
@@ -190,7 +191,8 @@ class Simulation:
     @property
     def horizon_step(self) -> int:
         """No stretch that begins now goes beyond this step."""
-        horizon = min(self._step + STANDING_STEPS_MAX, self._limit_step)
+        beyond = self._lookout.horizon_step(self._step)
+        horizon = int(min(self._step + STANDING_STEPS_MAX, self._limit_step, beyond))
         next_due = self._agenda.next_step()
         return horizon if next_due is None else min(horizon, next_due)
 

@@ -13,9 +13,11 @@ def names_in(setup: Setup, people: tuple[str, ...] = ()) -> Names:
     """Every name that a script of the setup may use; `people` are those who act in it."""
     line, timetable, as_before = setup.line, setup.timetable, setup.line_signals
     terminals = sorted({points.terminal_id for points in line.points.values()})
+    crossings = tuple(crossing.id for crossing in line.crossings.values() if crossing.has_device)
     return Names(
         units=tuple(diagram.stock_id for diagram in timetable.diagrams),
-        devices=(MANAGER_ID, *terminals),
+        devices=(MANAGER_ID, *terminals, *crossings),
+        crossings=crossings,
         trains=tuple(timetable.trains),
         people=people if as_before is None else (*people, *dict.fromkeys(act.who for act in as_before.act)),
         signals=() if as_before is None else tuple(signal.id for signal in as_before.signal),

@@ -79,6 +79,14 @@ class People(Record):
             "assumed: a few words by telephone",
         ),
     ] = 15.0
+    crossing_s: Annotated[
+        PersonTime,
+        about(
+            "mean time from when a train waits for a level crossing that has not proved closed until its driver has"
+            " leave to creep over it",
+            "assumed: seen, reported to the dispatcher, answered",
+        ),
+    ] = 60.0
     word_s: Annotated[
         PersonTime,
         about(
@@ -174,6 +182,7 @@ class Pause(Enum):
     LEAVE = "leave_s"
     STAND = "stand_s"
     KEY = "key_s"
+    CROSSING = "crossing_s"
     WORD = "word_s"
     POWER = "power_s"
     POINTS = "points_s"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Hashable, Iterable
-from dataclasses import dataclass
-from typing import Generic, TypeVar
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar
 
 S = TypeVar("S", bound=Hashable)
 
@@ -18,6 +18,14 @@ class Explored(Generic[S]):
     steps: int
     edges: frozenset[tuple[str, str, str]]  # from, event, to: by name
     complete: bool
+
+
+@dataclass(frozen=True)
+class Keyed:
+    """A state that has mappings in it, compared by what `key` says of it."""
+
+    key: Hashable
+    state: Any = field(compare=False)
 
 
 def explore(

@@ -165,7 +165,7 @@ class TerminalModel:
         state = state._replace(kept=plain(terminal))
         sends = self._sealed(state, actions)
         for action in actions:
-            if isinstance(action, Drive):
+            if isinstance(action, Drive) and isinstance(action.output, StartThrow | StopThrow):
                 moved = self._driven(state, action.output)
                 state, sends = moved.state, (*sends, *moved.sends)
         return TerminalStep(state, sends)

@@ -13,7 +13,7 @@ from typing import Final
 import msgspec
 
 from network.errors import InputError
-from network.model import Line, Route, SectionKind
+from network.model import CrossingClass, Line, Route, SectionKind
 from network.virtual_blocks import radio_reaches
 from radio.envelope import AGE_MAX_S
 
@@ -192,7 +192,20 @@ class TerminalConfig(msgspec.Struct, frozen=True, tag="point-terminal"):
     telegram_age_max_s: float = AGE_MAX_S
 
 
-DeviceConfig = ManagerConfig | TerminalConfig
+class CrossingConfig(msgspec.Struct, frozen=True, tag="level-crossing"):
+    """Fixed data of the device of a level crossing: from the start of the warning to closed, and from there to the
+    train, s; without `barriers` lamps alone close it.
+    """
+
+    line_id: str
+    device_id: str
+    barriers: bool
+    closing_s: float
+    closed_s: float
+    telegram_age_max_s: float = AGE_MAX_S
+
+
+DeviceConfig = ManagerConfig | TerminalConfig | CrossingConfig
 
 
 def encode_config(config: DeviceConfig) -> bytes:
@@ -255,4 +268,20 @@ def terminal_configs(line: Line, age_max_s: float = AGE_MAX_S) -> tuple[Terminal
     return tuple(
         TerminalConfig(line.id, terminal_id, tuple(entries[terminal_id]), age_max_s)
         for terminal_id in sorted(entries)
+    )
+
+
+def crossing_configs(line: Line, age_max_s: float = AGE_MAX_S) -> tuple[CrossingConfig, ...]:
+    """Fixed data of the device of every level crossing that has one."""
+    return tuple(
+        CrossingConfig(
+            line.id,
+            crossing.id,
+            crossing.kind is CrossingClass.BARRIERS,
+            crossing.closing_s,
+            crossing.closed_s,
+            age_max_s,
+        )
+        for crossing in line.crossings.values()
+        if crossing.has_device
     )

@@ -11,6 +11,16 @@ import msgspec
 
 from network.model import Position
 from radio.noted import Noted, TelegramDropped, TookEffect
+from wayside.crossing_said import (
+    CloseCrossing,
+    CrossingContact,
+    CrossingDetected,
+    CrossingOpens,
+    CrossingProven,
+    CrossingUnproven,
+    CrossingWarns,
+    OpenCrossing,
+)
 
 
 class ConfirmOutside(msgspec.Struct, frozen=True, array_like=True, tag=1):
@@ -119,6 +129,8 @@ Input = (
     | LetWait
     | LetGo
     | EndTrain
+    | CrossingDetected
+    | CrossingContact
 )
 
 
@@ -135,7 +147,7 @@ class StopThrow(msgspec.Struct, frozen=True, array_like=True, tag=2):
     points_id: str
 
 
-Output = StartThrow | StopThrow
+Output = StartThrow | StopThrow | CloseCrossing | OpenCrossing
 
 
 class Started(Noted, frozen=True, kw_only=True, tag="started"):
@@ -469,4 +481,15 @@ TerminalNote = (
     | TelegramDropped
     | TookEffect
 )
-Note = ManagerNote | TerminalNote
+CrossingNote = (
+    Started
+    | InputRefused
+    | Refused
+    | CrossingWarns
+    | CrossingProven
+    | CrossingUnproven
+    | CrossingOpens
+    | TelegramDropped
+    | TookEffect
+)
+Note = ManagerNote | TerminalNote | CrossingNote

@@ -15,6 +15,7 @@ from network.errors import InputError
 from network.files import line_checks as check
 from network.files import line_schema as schema
 from network.files.chargers import chargers_of
+from network.files.crossings import crossings_of
 from network.files.joints import Joiner, PieceDraft
 from network.files.line_schema import DIRECTIONS, LineFile
 from network.files.toml_input import one_of, parse_toml, read_text
@@ -27,6 +28,7 @@ from network.model import (
     Curve,
     Direction,
     Gradient,
+    LevelCrossing,
     Line,
     MarkerGroup,
     Piece,
@@ -86,6 +88,7 @@ def line_of(entry: LineFile, file: str) -> Line:
         chargers=chargers_of(file, entry.chargers, stations),
         beacons=_beacons(file, entry, pieces),
         markers=_markers(file, entry, pieces),
+        crossings=_crossings(file, entry, pieces),
     )
     keys = {s.id: f"sections[{i}]" for i, s in enumerate(entry.sections)}
     check.check_overlaps(file, line, {draft.id: draft.key for draft in drafts.values()})
@@ -357,6 +360,12 @@ def _markers(file: str, entry: LineFile, pieces: Mapping[str, Piece]) -> dict[in
         group.id: MarkerGroup(group.id, group.pattern, piece_id, at_m, to)
         for group, piece_id, at_m, to in laid
     }
+
+
+def _crossings(file: str, entry: LineFile, pieces: Mapping[str, Piece]) -> dict[str, LevelCrossing]:
+    _unique(file, "crossings", [c.id for c in entry.crossings])
+    laid = _laid(file, "crossings", entry.crossings, _kinds(entry), pieces)
+    return crossings_of(file, [(table, pieces[piece_id]) for table, piece_id, _, _ in laid], entry)
 
 
 def _kinds(entry: LineFile) -> dict[str, str]:

@@ -17,7 +17,9 @@ from network.files.quantities import (
     BlockCount,
     CantMm,
     Coordinate,
+    CrossingWidth,
     CurrentA,
+    Distance,
     GradientPermille,
     Height,
     Kilometrage,
@@ -279,6 +281,51 @@ class MarkersTable(OnTrackTable):
     ] = Field(min_length=1, max_length=1)
 
 
+class CrossingTable(OnTrackTable):
+    """`[[crossings]]`: level crossings; `km` is the middle of the road, which crosses one track."""
+
+    directions: Annotated[list[DirectionName], about("both: trains of either direction cross the road")] = (
+        Field(default=["down", "up"], min_length=2, max_length=2)
+    )
+    id: Annotated[Identifier, about("name of the crossing (踏切), and of the device at it")]
+    name: Annotated[Title, about("display name")] = ""
+    width_m: Annotated[CrossingWidth, about("extent along the track", "assumed: a road of two lanes")] = 6.0
+    kind: Annotated[
+        Literal["1", "3", "4"],
+        about(
+            "class: with barriers, with a warning alone, without any device", "most crossings are of class 1"
+        ),
+    ] = "1"
+    control: Annotated[
+        Literal["radio", "contacts"],
+        about("what starts the warning: the units' telegrams, or contacts that trains pass"),
+    ] = "radio"
+    lowering_s: Annotated[Wait, about("time that the barriers take from end to end", "assumed: 遮断機")] = 8.0
+    closing_s: Annotated[
+        Wait | None,
+        about("with barriers, from the start of the warning to closed", "interpretation of article 62: 15 s"),
+    ] = None
+    closed_s: Annotated[
+        Wait | None,
+        about(
+            "from closed to the train, without barriers from the start of the warning",
+            "interpretation of article 62: 20 s, without barriers 30 s",
+        ),
+    ] = None
+    start_down_km: Annotated[Kilometrage | None, about("contact that down trains start it by")] = None
+    start_up_km: Annotated[Kilometrage | None, about("contact that up trains start it by")] = None
+    end_down_km: Annotated[
+        Kilometrage | None,
+        about("contact that down trains end it by; left out: the edge that they leave last"),
+    ] = None
+    end_up_km: Annotated[
+        Kilometrage | None, about("contact that up trains end it by; left out: likewise")
+    ] = None
+    sight_m: Annotated[
+        Distance | None, about("without a device, from how far its users see a train; left out: nobody knows")
+    ] = None
+
+
 class LineFile(Record):
     """A whole line file."""
 
@@ -307,4 +354,7 @@ class LineFile(Record):
     )
     markers: Annotated[
         list[MarkersTable], Field(max_length=ROWS_MAX), about("groups of reflective markers")
+    ] = Field(default_factory=list)
+    crossings: Annotated[
+        list[CrossingTable], Field(max_length=TABLES_MAX), about("level crossings (踏切)")
     ] = Field(default_factory=list)

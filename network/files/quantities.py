@@ -174,6 +174,9 @@ HEIGHT: Final = Quantity(
 )
 BEARING: Final = Quantity("bearing", "degrees", ((-360.0, 360.0),), "a whole turn either way")
 OFFSET: Final = Quantity("lateral offset", "m", ((-500.0, 500.0),), "assumed: the widest yards")
+CROSSING_WIDTH: Final = Quantity(
+    "extent of a level crossing along the track", "m", ((0.5, 100.0),), "assumed: a path; the widest roads"
+)
 OVERLAP: Final = Quantity(
     "overlap beyond a stop", "m", ((0.0, 400.0),), "assumed: twice the 200 m that main lines keep"
 )
@@ -419,6 +422,7 @@ Coordinate = Annotated[float, COORDINATE]
 Height = Annotated[float, HEIGHT]
 Bearing = Annotated[float, BEARING]
 Offset = Annotated[float, OFFSET]
+CrossingWidth = Annotated[float, CROSSING_WIDTH]
 OverlapM = Annotated[float, OVERLAP]
 ThrowTime = Annotated[float, THROW_TIME]
 TagId = Annotated[int, TAG_ID]

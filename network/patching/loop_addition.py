@@ -110,6 +110,7 @@ def with_loop(entry: LineFile, station_id: str, file: str, key: str) -> LineFile
             "stations": [_station(station, loop) for station in entry.stations],
             "beacons": list(_moved(entry.beacons, loop)),
             "markers": list(_moved(entry.markers, loop)),
+            "crossings": list(_moved(entry.crossings, loop)),
             "tags": [tag for tag in entry.tags if tag.section != section.id],
         }
     )

@@ -33,7 +33,7 @@ from network.patching.loop_addition import with_loop
 from network.patching.track_removal import without_loop, without_track
 
 KEY: Final = "patch.line"
-_TABLES: Final = ("sections", "points", "joints", "stations", "tags", "beacons", "markers")
+_TABLES: Final = ("sections", "points", "joints", "stations", "tags", "beacons", "markers", "crossings")
 # Gradients are missing because they always cover the whole alignment: they are set, not added to.
 _ON_ALIGNMENT: Final = ("limits", "curves", "coverage", "second_coverage", "tunnels", "obstructed")
 

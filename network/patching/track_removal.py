@@ -96,6 +96,7 @@ def without_track(entry: LineFile, track_id: str, file: str, key: str) -> LineFi
             "tags": [tag for tag in entry.tags if track_id not in (tag.section, tag.piece)],
             "beacons": [b for b in entry.beacons if track_id not in (b.section, b.piece)],
             "markers": [m for m in entry.markers if track_id not in (m.section, m.piece)],
+            "crossings": [c for c in entry.crossings if track_id not in (c.section, c.piece)],
         }
     )
     for points_id, lost in lost_legs.items():
@@ -179,6 +180,7 @@ def _as_plain_track(entry: LineFile, points: PointsTable, lost: LegName, asked: 
             "tags": list(_moved(entry.tags, now, f"{points.id}.{lost}")),
             "beacons": list(_moved(entry.beacons, now, f"{points.id}.{lost}")),
             "markers": list(_moved(entry.markers, now, f"{points.id}.{lost}")),
+            "crossings": list(_moved(entry.crossings, now, f"{points.id}.{lost}")),
         }
     )
 

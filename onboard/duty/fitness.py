@@ -69,10 +69,12 @@ def look_again(duty: DutyStep) -> None:
 
 
 def way_is_free(duty: DutyStep) -> bool:
-    """The vehicle is in order and the stop limit beyond the train's track: no start towards points not proven."""
+    """The vehicle is in order and the stop limit beyond the train's track: no start towards points, or a level crossing
+    near by, that are not proven.
+    """
     limit, place = duty.state.limit, duty.state.place
     own = duty.stop(duty.state.at).span
     beyond = limit.joint > own + 1 or limit.before is None
     on_track = duty.leg_from_stop(duty.state.at) is not None
-    way = limit.joint >= place.reach and (beyond or not on_track)
+    way = limit.joint >= place.reach and (beyond or not on_track) and not place.crossing
     return place.known and way and not place.unfit and not duty.state.halted

@@ -50,7 +50,8 @@ class PlaceInJoints(msgspec.Struct, frozen=True):
     is wrong with the vehicle, wherever it is; empty: nothing. `unable`: at a stop, why the train could not reach the
     next one if it left now. `unsure`: its bounds leave open whether it stands at its mark, as it reads no
     tags or they keep it short of it, and it waits for the driver's word. `untold`, of a train without a reader of tags:
-    it was found by what does not tell tracks apart, so that the register must have it there, too.
+    it was found by what does not tell tracks apart, so that the register must have it there, too. `crossing`: the level
+    crossing ahead that a train that stands waits for; its unit fills it in.
     """
 
     known: bool = False
@@ -69,6 +70,7 @@ class PlaceInJoints(msgspec.Struct, frozen=True):
     unable: Unable | None = None
     unsure: bool = False
     untold: bool = False
+    crossing: str = ""
 
 
 class StopLimit(msgspec.Struct, frozen=True):
@@ -191,6 +193,12 @@ class NotAtMark(msgspec.Struct, frozen=True, tag=True):
     """Asked whether the whole train is at its mark, the driver sees that it is not."""
 
 
+class CreepOver(msgspec.Struct, frozen=True, tag=True):
+    """The driver, standing before a level crossing that has not proved closed, has leave to creep over it."""
+
+    crossing_id: str
+
+
 # events: localisation and driving --------------------------------------------------------------------------------
 
 
@@ -285,6 +293,7 @@ Sensed = (
     | Looked
     | VehicleChecked
 )
+Happening = Person | Sensed | CreepOver  # the last for the unit's crossings alone
 Event = Person | Sensed | TimerDue | TelegramHeard | Ordered
 
 
@@ -349,7 +358,8 @@ class DrivingCommand(msgspec.Struct, frozen=True):
     `target`: the stop to run to; None: none. `rear`: the span that the safe rear is to leave next. What is held
     and proven, and what the train waits for, is shown to the driver. `sweeps`: what is held must first be passed on
     sight; `confirm`: the driver is asked whether the whole train is at its mark; `unable`: told why the train may not
-    leave. `orders` are given once.
+    leave. `before_crossing`: the level crossing before which the limit lies, `at_crossing`: the one that keeps it
+    standing; `creeps`: over one on sight. `orders` are given once.
     """
 
     drive: bool = False
@@ -369,3 +379,6 @@ class DrivingCommand(msgspec.Struct, frozen=True):
     sweeps: bool = False
     confirm: bool = False
     unable: Unable | None = None
+    before_crossing: str = ""
+    at_crossing: str = ""
+    creeps: bool = False

@@ -66,6 +66,14 @@ def waits_for(plan: DutyPlan, state: DutyState) -> str:
     return next(_reasons(plan, state))
 
 
+def _brakes(state: DutyState) -> Iterator[str]:
+    """What holds a train whose vehicle is in order and whose route is free."""
+    if state.place.crossing:
+        yield f"level crossing {state.place.crossing} to be proved closed"
+    if state.place.emergency:
+        yield "release of the emergency brake"
+
+
 def _reasons(plan: DutyPlan, state: DutyState) -> Iterator[str]:
     authority = state.authority
     if authority.mismatch:
@@ -81,8 +89,7 @@ def _reasons(plan: DutyPlan, state: DutyState) -> Iterator[str]:
         yield f"points {command.needed.points_id}: {command.refusal or 'not proven'}"
     if state.place.unfit:
         yield f"vehicle: {state.place.unfit}"
-    if state.place.emergency:
-        yield "release of the emergency brake"
+    yield from _brakes(state)
     if state.unable is not None:
         yield f"what takes it to {plan.stops[state.at + 1].place}: {state.unable.words}"
     if state.phase in AT_A_MARK and state.place.unsure:

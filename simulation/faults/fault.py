@@ -29,7 +29,7 @@ class Names:
     """Everything on a line that a fault, an act or an expectation may name."""
 
     units: tuple[str, ...] = ()
-    devices: tuple[str, ...] = ()  # the block manager and the terminals
+    devices: tuple[str, ...] = ()  # the block manager, the terminals, level crossings
     tags: tuple[str, ...] = ()
     markers: tuple[str, ...] = ()  # groups of them
     points: tuple[str, ...] = ()
@@ -42,7 +42,7 @@ class Names:
     cable: tuple[str, ...] = ()  # its stretches, each between two neighbouring stations
     signals: tuple[str, ...] = ()  # line signals
     levers: tuple[str, ...] = ()  # direction levers
-    crossings: tuple[str, ...] = ()  # with a road
+    crossings: tuple[str, ...] = ()  # level crossings that have a device
     chargers: tuple[str, ...] = ()  # stations that have one, where sets run on batteries
     networks: tuple[str, ...] = ("first",)  # that trains have a radio of
     # With substitute working: by post and section or station, the steps that are that post's there.

@@ -42,6 +42,7 @@ from simulation.events import (
     VehicleStruck,
 )
 from simulation.judge.body import RESOLUTION_M, Body, Heights, NetTrack
+from simulation.judge.crossings import CrossingFacts, CrossingWatch
 from simulation.judge.entering import EntryWatch, TrackOverlap
 from simulation.judge.liveness import LivenessWatch, TrainAndDisplay
 from simulation.judge.locking import GuaranteedBrake, RouteLocking
@@ -69,6 +70,8 @@ class Checkers:
         design_share: float,
         overlaps: Mapping[str, TrackOverlap],
         pilots_needs: Mapping[str, Sequence[WorkingStep]] = MappingProxyType({}),
+        crossings: Mapping[str, CrossingFacts] = MappingProxyType({}),
+        creep_mps: float = 0.0,
     ) -> None:
         self._log = Log()
         self._track = NetTrack(net, heights)
@@ -79,6 +82,7 @@ class Checkers:
         self._liveness = LivenessWatch(self._log)
         self._entries = EntryWatch(net, overlaps, {facts.section_id for facts in points.values()}, self._log)
         self._pilots = PilotWatch(pilots_needs, self._log)
+        self._crossings = CrossingWatch(crossings, creep_mps, brakes, self._log)
         self._unit_ids = tuple(unit_ids)  # registered on the line, whatever the manager says of them
         self._bodies: dict[str, Body] = {}
         self._occupants: dict[str, set[str]] = {}
@@ -132,6 +136,7 @@ class Checkers:
             self._occupants[section_id].discard(unit_id)
         self._own.pop(unit_id, None)
         self._proofs.pop(unit_id, None)
+        self._crossings.forget(unit_id)
         self._locking.forget_losses(unit_id)
         self._forgetful.discard(unit_id)
 
@@ -142,6 +147,7 @@ class Checkers:
         """
         body = self._bodies[unit_id]
         self._proofs.pop(unit_id, None)
+        self._crossings.forget(unit_id)
         self._locking.forget_losses(unit_id)
         if body.speed_mps > 0.0:
             text = f"{unit_id} changed ends at {body.speed_mps:.1f} m/s"
@@ -156,6 +162,7 @@ class Checkers:
         if t_s > body.seen_s:
             body.acceleration_mps2 = (speed_mps - body.speed_mps) / (t_s - body.seen_s)
         body.seen_s, body.speed_mps = t_s, speed_mps
+        self._crossings.observe(t_s, body, edge_id, lane_position_m)
         if edge_id == body.edge_id and body.front_m <= lane_position_m < body.still_to_m:
             body.front_m = lane_position_m
         elif edge_id != body.turned_from:
@@ -290,6 +297,7 @@ class Checkers:
             self._judge_changes()
         t_s, who, event = entry.t_s, entry.who, entry.event
         self._pilots.see(event)
+        self._crossings.see(entry, self._bodies.values())
         if isinstance(event, CutIn) and event.unit_id in self._bodies:  # as where it was put on the line
             self._bodies[event.unit_id].excepted = self._bodies[event.unit_id].sections
             self._forgets(event.unit_id)

@@ -28,6 +28,8 @@ class Checker(StrEnum):
     NO_DEAD_STATE = "no-dead-state"
     ONE_COMES_IN = "one-comes-in"
     PILOTS_LEAVE = "pilots-leave"
+    CROSSING_OPEN = "crossing-open"
+    CROSSING_WARNING = "crossing-warning"
 
 
 @dataclass(frozen=True, slots=True)

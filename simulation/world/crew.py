@@ -15,9 +15,18 @@ from dataclasses import dataclass
 from typing import Final
 
 from network.model import SectionKind
-from onboard.duty.records import AtMark, DrivingCommand, EndOfHeld, NotAtMark, Person, PointsSeen, PointsWrong
+from onboard.duty.records import (
+    AtMark,
+    CreepOver,
+    DrivingCommand,
+    EndOfHeld,
+    NotAtMark,
+    Person,
+    PointsSeen,
+    PointsWrong,
+)
 from onboard.mission import Mission
-from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
+from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints, CrossingCreep
 from onboard.plan import ARRIVED_ON_SIGHT_WITHIN_M, DutyPlan, PointsNeeded
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S
@@ -27,6 +36,7 @@ from simulation.world.points import WaysideWorld
 from simulation.world.trains import Trains
 
 LOOKS_AGAIN_S: Final = 20.0
+CROSSING_STOPS_SHORT_M: Final = 5.0  # of a road that is not closed
 SEES_M: Final = 12.0  # stood this near, the crew sees how the points lie
 STOPS_SHORT_M: Final = 5.0  # of the end of a track
 SEES_TRAIN_M: Final = (
@@ -57,6 +67,7 @@ class Crew:
         self._journal = journal
         self.on_sight: set[int] = set()  # slots of trains that run on sight, or sweep
         self._passages: dict[str, KeyPassage] = {}  # by points
+        self._creeps: dict[int, str] = {}  # by slot: the level crossing that a train on sight may creep over
 
     def look_ahead(self, slot: int) -> None:
         """Set where the driver will stop: before points not proven, at the mark, at the end of what is held."""
@@ -73,6 +84,7 @@ class Crew:
         if stands and self._mark_reached(duty.mission, shown, front_m) is not None:
             stops.append(front_m)  # until the driver has said that it stands there
         stops.append(self._held_end_m(slot, shown))
+        stops.append(self._open_crossing(slot)[1])
         truth.sight_m = min(truth.sight_m, *stops)
 
     def sees_train(self, slot: int) -> bool:
@@ -110,6 +122,45 @@ class Crew:
         truth = self._trains.truths[slot]
         ends = bool(truth.track_end_m - truth.position_m < STOPS_SHORT_M)
         return self._on_board.shown_to_driver(slot).target is not None and ends
+
+    def _open_crossing(self, slot: int) -> tuple[str, float]:
+        """The first level crossing ahead at which a driver on sight stops, and where, m: one that his unit would have
+        asked, or whose road he sees is not closed.
+        """
+        found = ("", math.inf)
+        for crossing in self._wayside.crossings.on_line:
+            path, truth = self._trains.true_path(slot), self._trains.truths[slot]
+            if crossing.piece_id not in path:
+                continue
+            road_m = path.to_path_m(crossing.piece_id, crossing.edge_m(path.direction))
+            ahead = truth.position_m < road_m < found[1] + CROSSING_STOPS_SHORT_M
+            leave = self._creeps.get(slot) == crossing.id
+            stops = crossing.by_radio or not self._wayside.crossings.is_closed(crossing.id)
+            if ahead and stops and not leave:
+                found = (crossing.id, road_m - CROSSING_STOPS_SHORT_M)
+        return found
+
+    def waits_at_crossing(self, slot: int) -> str:
+        """The level crossing that keeps a train standing, by its unit or by its driver's eye; empty: none."""
+        shown, plant = self._on_board.shown_to_driver(slot), self._trains.plants[slot]
+        if plant.speed_mps > 0.0 or not self._trains.truths[slot].active:
+            return ""
+        if not self._on_board.drives_on_sight(slot):
+            return shown.at_crossing
+        crossing_id, stops_m = self._open_crossing(slot)
+        return crossing_id if stops_m - float(self._trains.truths[slot].position_m) < SEES_M else ""
+
+    def creep(self, slot: int, now_s: float) -> list[CreepOver]:
+        """The driver has leave to creep over the crossing at which the train waits: his unit, if it drives, is told."""
+        crossing_id = self.waits_at_crossing(slot)
+        if not crossing_id:
+            return []
+        if not self._on_board.drives_on_sight(slot):
+            return [CreepOver(crossing_id)]
+        self._creeps[slot] = crossing_id
+        self._journal.write(now_s, self._trains.stock_ids[slot], CrossingCreep(crossing_id=crossing_id))
+        self.look_ahead(slot)
+        return []
 
     def stand(self, slot: int, now_s: float) -> list[Person]:
         """A train on sight stands: what the crew finds, and enters. It looks again every `LOOKS_AGAIN_S`."""

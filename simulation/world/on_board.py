@@ -23,6 +23,7 @@ from onboard.duty.records import (
     Begin,
     ChangeEnds,
     DrivingCommand,
+    Happening,
     Person,
     Sensed,
     SwitchedOn,
@@ -114,7 +115,7 @@ class OnBoard:
         self,
         slot: int,
         now_s: float,
-        happened: Sequence[Person | Sensed] = (),
+        happened: Sequence[Happening] = (),
         telegrams: Sequence[bytes] = (),
     ) -> tuple[UnitAnswer, list[Note]] | None:
         """Put what happened to the unit; its answer, and all lines for the journal. None while it has no power.
@@ -132,7 +133,12 @@ class OnBoard:
         if self._charging is not None:
             self._charging.unit_looks(slot, own_s)
         by_eye = [told for event in happened if isinstance(event, AtMark) for told in motion.at_mark(event)]
-        report = Report(motion.place(), (*happened, *by_eye), self.claims_besides.get(slot, ()))
+        report = Report(
+            motion.place(),
+            (*happened, *by_eye),
+            self.claims_besides.get(slot, ()),
+            motion.crossings.places(motion.load_share),
+        )
         answer = self._units.advance(self._trains.stock_ids[slot], own_s, telegrams, report)
         motion.obey(answer.command, own_s)
         laid = motion.taken_plan()

@@ -33,9 +33,11 @@ from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world import point_machine
 from simulation.world.cable import Cable
+from simulation.world.crossings import CrossingsOnTrack
 from simulation.world.point_machine import KeyBack, LockedByHand, PointMachine, Repaired
 from simulation.world.radio import Radio
 from wayside.config import MANAGER_ID
+from wayside.crossing_said import CloseCrossing, OpenCrossing
 from wayside.said import Input, Output, StartThrow
 
 
@@ -60,6 +62,8 @@ class WaysideWorld:
         self.sections_of: Final = _sections_with_points(line)
         self._terminal_of: Final = {points.id: points.terminal_id for points in line.points.values()}
         self.device_ids: Final = (MANAGER_ID, *sorted({p.terminal_id for p in line.points.values()}))
+        self.crossings: Final = CrossingsOnTrack(line, agenda, journal, self.input)
+        self.party_ids: Final = (*self.device_ids, *self.crossings.equipment)
         self._parties = parties
         self._devices = Devices(parties)
         self._radio: Final = radio
@@ -80,6 +84,7 @@ class WaysideWorld:
         """Power on: every terminal sees its points."""
         for machine in self.machines.values():
             self.input(step, self._terminal_of[machine.points_id], point_machine.detection(machine))
+        self.crossings.start(step)
         self._agenda.put(step, AgendaKind.TO_DEVICE, MANAGER_ID)
 
     def input(self, step: int, device_id: str, value: Input) -> None:
@@ -88,16 +93,17 @@ class WaysideWorld:
         self._agenda.put(step, AgendaKind.TO_DEVICE, device_id)
 
     def input_all(self, step: int, value: Input) -> None:
-        """Something an operator enters at every device."""
+        """Something an operator enters at the block manager and every terminal."""
         for device_id in self.device_ids:
             self.input(step, device_id, value)
 
     def transmit(self, step: int, source: str, destination: str, data: bytes) -> None:
         """Send a telegram through the air."""
-        unit_id, device_id = (destination, source) if source in self.device_ids else (source, destination)
+        unit_id, device_id = (destination, source) if source in self.party_ids else (source, destination)
         deliveries, covered = self._radio.transmit(step, source, destination, data, unit_id)
         terms = noted_terms(header_of(data))
-        whole = not self.cable.severed or self.cable.carries(self._place_m(unit_id), device_id)
+        local = not self.cable.severed or device_id in self.crossings.equipment
+        whole = local or self.cable.carries(self._place_m(unit_id), device_id)
         if not whole:
             asks_route = terms["kind"] == RouteRequest.__name__
             whole = self.cable.worked_locally(step / STEPS_PER_S, unit_id, asks_route=asks_route)
@@ -118,7 +124,7 @@ class WaysideWorld:
         if not deliveries:
             of_air = LostWhere.AIR if covered else LostWhere.NO_COVERAGE
             self.lost(step, destination, data, of_air if whole or not covered else LostWhere.CABLE)
-        due = AgendaKind.TO_DEVICE if destination in self.device_ids else AgendaKind.TO_UNIT
+        due = AgendaKind.TO_DEVICE if destination in self.party_ids else AgendaKind.TO_UNIT
         for delivery in deliveries:
             self._agenda.put(delivery.step, due, destination, delivery.data)
 
@@ -148,7 +154,10 @@ class WaysideWorld:
         self._take(step, device_id, self._devices.advance(device_id, own_s, telegrams, inputs))
 
     def points_due(self, step: int, points_id: str) -> None:
-        """A point machine's motor may have reached its end."""
+        """A point machine's motor, or the barriers of a crossing, may have reached their end."""
+        if points_id in self.crossings.equipment:
+            self.crossings.barriers_due(step, points_id)
+            return
         self._moved(step, point_machine.advance(self.machines[points_id], step / STEPS_PER_S))
 
     def force(self, step: int, points_id: str) -> None:
@@ -176,6 +185,9 @@ class WaysideWorld:
                 self._agenda.put(wake_step, AgendaKind.TO_DEVICE, device_id)
 
     def _output(self, step: int, output: Output) -> None:
+        if isinstance(output, CloseCrossing | OpenCrossing):
+            self.crossings.take(step, output.crossing_id, output)
+            return
         machine = self.machines[output.points_id]
         self._moved(step, point_machine.step(machine, output, step / STEPS_PER_S))
 
@@ -247,6 +259,7 @@ class WaysideWorld:
             self._frozen[device_id].clear()
             self._inputs.pop(device_id, None)
         self._journal.write(step / STEPS_PER_S, WORLD, PowerOff(device_id=device_id))
+        self.crossings.power_off(step, device_id)
 
     def power_on(self, step: int, device_id: str) -> None:
         """A device boots: a new epoch; terminals are shown their points. It stays down if it lost its durable state."""
@@ -263,6 +276,7 @@ class WaysideWorld:
         for points_id, terminal_id in self._terminal_of.items():
             if terminal_id == device_id:
                 self.input(step, device_id, point_machine.detection(self.machines[points_id]))
+        self.crossings.show(step, device_id)
         self._agenda.put(step, AgendaKind.TO_DEVICE, device_id)
 
     def lose_store(self, device_id: str) -> None:

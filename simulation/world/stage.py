@@ -16,6 +16,7 @@ from simulation.setup import Setup
 from simulation.world.books import Books
 from simulation.world.cable import Cable
 from simulation.world.charging import Charging
+from simulation.world.crossings import CrossingLookout
 from simulation.world.on_board import OnBoard
 from simulation.world.points import WaysideWorld
 from simulation.world.radio import Radio
@@ -40,6 +41,7 @@ class World:
     on_board: OnBoard
     signs: Signs
     road: Road | None  # None: none is carried
+    lookout: CrossingLookout
 
 
 def world_of(
@@ -59,6 +61,19 @@ def world_of(
     charging = None if setup.battery is None else Charging(setup, setup.battery, trains, books, drawn)
     on_board = OnBoard(setup, trains, units, charging)
     signs = Signs(trains, books.next_target)
+    lookout = CrossingLookout(setup.line, trains, journal, wayside.input)
     return World(
-        setup, drawn, journal, agenda, in_force, trains, wayside, books, charging, on_board, signs, road
+        setup,
+        drawn,
+        journal,
+        agenda,
+        in_force,
+        trains,
+        wayside,
+        books,
+        charging,
+        on_board,
+        signs,
+        road,
+        lookout,
     )

@@ -12,6 +12,7 @@ from simulation.setup import Setup
 from study.feasibility.charge import charge_of
 from study.feasibility.climbs import climbs_of
 from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of
+from study.feasibility.crossings import crossings_of
 from study.feasibility.entries import entries_of
 from study.feasibility.equipment import equipment_of
 from study.feasibility.finding import (
@@ -57,6 +58,7 @@ def feasibility(setup: Setup) -> Feasibility:
         *passed,
         *equipment_of(setup, day),
         *charge_of(setup, day),
+        *crossings_of(setup, day),
     ]
     paper = frozenset(frozenset(pair) for pair, found in pairs.items() if on_paper(found))
     sure = [f for f in findings if f.severity is Severity.IMPOSSIBLE and not _by_blocks(f, paper)]

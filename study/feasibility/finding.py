@@ -44,6 +44,7 @@ class FindingKind(Enum):
     STOP = "stop off its mark"
     COVERAGE = "no radio"
     CHARGE = "charge"  # of a battery
+    LEVEL_CROSSING = "level crossing"
     CIRCLE = "trains wait for each other"
     LATE = "lateness"  # what adds up
 

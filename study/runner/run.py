@@ -75,7 +75,7 @@ from study.wording.phrase import Phrase
 from sumo_cfg.build import net_for
 from sumo_cfg.scenery import scenery_xml
 from sumo_cfg.truth_map import NetMap, read_net
-from wayside.config import manager_config, terminal_configs
+from wayside.config import crossing_configs, manager_config, terminal_configs
 
 TEMPORARY: Final = "branchline-"
 TRAJECTORY_ROOM_BPS: Final = 50  # bytes of the trajectory a second; 41 on the weekday of the Karasuyama line
@@ -414,17 +414,9 @@ def specs_of(setup: Setup, master_key: bytes) -> tuple[PartySpec, ...]:
     """What is needed to start the wayside devices of a run."""
     line = setup.line
     unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
-    return device_specs(
-        manager_config(
-            line,
-            all_routes(line),
-            unit_ids,
-            reentry=setup.operation.reentry,
-            dispatch=dispatch_of(setup),
-        ),
-        terminal_configs(line),
-        master_key,
-    )
+    reentry, dispatch = setup.operation.reentry, dispatch_of(setup)
+    manager = manager_config(line, all_routes(line), unit_ids, reentry=reentry, dispatch=dispatch)
+    return device_specs(manager, terminal_configs(line), master_key, crossing_configs(line))
 
 
 def carrier_factory(

@@ -29,5 +29,5 @@ def test_a_row_has_author_keys_types_units_and_meaning() -> None:
     assert "`sections`: list of texts" in row("granted")
     assert "`other`: text, optional" in row("refused")
     assert "`by_crew`: yes or no, optional" in row("proven")
-    assert "| unit, block manager, point terminal |" in row("took_effect")
+    assert "| unit, block manager, point terminal, level crossing |" in row("took_effect")
     assert "`arrives_s`: list of numbers in s" in row("sent")

@@ -6,13 +6,14 @@ import pytest
 
 from documents.state_diagrams import DIAGRAMS, diagram, machine_diagram
 from onboard.authority import machine as authority
+from onboard.crossings import machine as crossings
 from onboard.duty import machine as duty
 from onboard.duty.records import AtMark, DutyPhase
 from radio.table import TableCell
-from simulation.world import point_machine
+from simulation.world import crossing_equipment, point_machine
 from verify.breadth import explore
 from verify.lone_unit import event_name, events_from, phase_name, steps
-from wayside import block_manager, point_terminal
+from wayside import block_manager, level_crossing, point_terminal
 from wayside.register import UnitStanding
 
 TABLES: dict[str, tuple[TableCell, ...]] = {
@@ -20,6 +21,9 @@ TABLES: dict[str, tuple[TableCell, ...]] = {
     "Point terminal": point_terminal.table_rows(),
     "Point machine": point_machine.table_rows(),
     "On-board unit: authority": authority.table_rows(),
+    "Level crossing": level_crossing.table_rows(),
+    "Barriers of a level crossing": crossing_equipment.table_rows(),
+    "On-board unit: level crossings": crossings.table_rows(),
 }
 NOT_IN_THE_TABLE = {"restart", "Expired", "AcceptPicture", "ConfirmOutside", "ConfirmHolding"}
 

@@ -39,6 +39,10 @@ EXAMPLES: list[m.AnyMessage] = [
     m.OrderRefused("R", m.OrderRefusalReason.NOT_HELD),
     m.TrainOrdered("R", "2M"),
     m.NextTrainReport(("A",), 7, (), "2M"),
+    m.CrossingRequest(40.0, 22.5),
+    m.CrossingProof(True, 12.0),
+    m.CrossingOver(True),
+    m.CrossingOverHeard(),
 ]
 
 

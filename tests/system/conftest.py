@@ -14,7 +14,12 @@ from scenario.scenario import load_scenario
 from study.drilling.drill import find_drill, shipped_drills
 from study.drilling.verdict import judge
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
-from tests.system import switches_on_board, switches_radio, switches_wayside  # noqa: F401 - they enter themselves
+from tests.system import (  # noqa: F401 - they enter themselves
+    switches_crossings,
+    switches_on_board,
+    switches_radio,
+    switches_wayside,
+)
 from tests.system.switchboard import FOLDER, SWITCHES, Switch
 
 

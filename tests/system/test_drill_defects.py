@@ -381,6 +381,18 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "92d_ends_early_report_lost": (orders_nothing, "T1 ends at A"),
         "95_substitute_working": (remembers_while_cut_out, "no invariant is broken"),
         "95b_pilots_ticket": (gives_no_tickets, "T1 goes by the pilot's ticket"),
+        "100_crossing": ("asks_no_crossing_in_time", "it has warned for no less than 34 s"),
+        "101_crossing_power": ("passes_unproven_crossings", "the train stops before it"),
+        "102_crossing_link": ("passes_unproven_crossings", Checker.CROSSING_OPEN),
+        "103_crossing_barriers_stuck": (
+            "proves_lamps_alone",
+            "the train does not come onto the road while they are up",
+        ),
+        "104_crossing_undetected": ("proves_what_it_commands", "the device takes its proof back"),
+        "105_crossing_asked_late": ("keeps_no_least_time", "closed, the road has its least time"),
+        "106_crossing_two_trains": ("closes_once", "so does T3"),
+        "107_crossing_contacts": ("counts_no_rear", "the rear opens it"),
+        "108_crossing_unit_power": ("opens_in_silence", "the road stays closed"),
     }
 )
 
@@ -409,6 +421,7 @@ EVERY_RUN: Final = (
     "58_portal_answer_lost",
     "59b_unit_claims_falsely",
     "80_cable_cut_central",
+    "102_crossing_link",
 )
 
 

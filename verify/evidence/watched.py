@@ -67,8 +67,8 @@ class WatchedParties:
 
     def _state(self, party_id: str) -> PartyState:
         match self._parties.running(party_id):
-            case DeviceParty() as device:
-                return device.state
+            case DeviceParty(state=(Register() | Terminal()) as state):
+                return state
             case UnitParty() as unit:
                 return unit.on_duty
             case _:

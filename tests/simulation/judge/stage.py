@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
+from types import MappingProxyType
 
 from network.model import Position
 from simulation.events import (
     MANAGER,
     WORLD,
     Accepted,
+    BarrierState,
     ConfirmedByHand,
+    CrossingBarriers,
+    CrossingLamps,
     Event,
     Freed,
     Granted,
@@ -21,6 +26,7 @@ from simulation.events import (
     TookEffect,
 )
 from simulation.judge.checkers import Checkers, GuaranteedBrake, PointsFacts
+from simulation.judge.crossings import CrossingFacts
 from simulation.judge.entering import TrackOverlap
 from simulation.judge.liveness import LOOKS_EVERY_S, TrainAndDisplay
 from simulation.procedure import Regime, before_entry
@@ -44,6 +50,12 @@ OVERLAPS = {
     "T1+": TrackOverlap(stops_at_m=200.0, overlap_m=100.0)
 }  # points 2 begin 60 m beyond a train's stop on T1
 PILOTS = {"B": before_entry(Regime.TELEPHONE)}
+CROSSINGS = {  # in W and E, each 6 m of road, with barriers and without
+    "W": CrossingFacts({"W+": 250.0, "W-": 44.0}, True, 25.0, 15.0),
+    "E": CrossingFacts({"E+": 50.0, "E-": 244.0}, False, 20.0, 20.0),
+}
+NO_CROSSINGS: Mapping[str, CrossingFacts] = MappingProxyType({})
+CREEP_MPS = 15.0 / 3.6
 BRAKE = GuaranteedBrake(deceleration_mps2=1.0, reaction_s=1.0, gravity_mps2=9.0)
 
 
@@ -61,9 +73,20 @@ def net() -> NetMap:
 class Stage:
     """Checkers and a clock; each act takes one second."""
 
-    def __init__(self, unit_ids: tuple[str, ...] = ("A", "B")) -> None:
+    def __init__(
+        self, unit_ids: tuple[str, ...] = ("A", "B"), crossings: Mapping[str, CrossingFacts] = NO_CROSSINGS
+    ) -> None:
         self.checkers = Checkers(
-            net(), POINTS, unit_ids, dict.fromkeys(unit_ids, BRAKE), {}, DESIGN, OVERLAPS, PILOTS
+            net(),
+            POINTS,
+            unit_ids,
+            dict.fromkeys(unit_ids, BRAKE),
+            {},
+            DESIGN,
+            OVERLAPS,
+            PILOTS,
+            crossings,
+            CREEP_MPS,
         )
         self.t_s = 0.0
         self.token = 0
@@ -98,6 +121,15 @@ class Stage:
 
     def holds(self, unit: str, *sections: str) -> Stage:
         return self.entry(unit, Holds(section_ids=sections, token=self.token))
+
+    def shut(self, crossing: str, closing_s: float, closed_s: float) -> Stage:
+        """A level crossing warns, is closed after that time, and has been for the other when the next act begins."""
+        self.world(CrossingLamps(crossing_id=crossing, lit=True))
+        if closing_s:
+            self.t_s += closing_s - 1.0
+            self.world(CrossingBarriers(crossing_id=crossing, state=BarrierState.LOWERED))
+        self.t_s += closed_s - 1.0
+        return self
 
     def see(self, unit: str, *places: tuple[str, float], speed_mps: float = 10.0) -> Stage:
         for edge, front_m in places:
@@ -168,6 +200,13 @@ def authorised(unit_ids: tuple[str, ...] = ("A", "B")) -> Stage:
     """A stands in the portal W and may run to T1, points 1 proven in normal."""
     stage = Stage(unit_ids).put("A", "W+").sign_on("A", "W").grant("A", "P1", "T1")
     return stage.holds("A", "W", "P1", "T1").prove("A", "1", "normal")
+
+
+def at_crossings() -> Stage:
+    """A may run on in W up to T1; B stands in E, and may run within it."""
+    stage = Stage(("A", "B"), CROSSINGS).put("A", "W+").sign_on("A", "W").grant("A", "P1", "T1")
+    stage.holds("A", "W", "P1", "T1").prove("A", "1", "normal")
+    return second(stage)
 
 
 def on_points() -> Stage:

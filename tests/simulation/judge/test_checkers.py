@@ -11,7 +11,11 @@ import pytest
 from network.model import Position
 from simulation.events import (
     WORLD,
+    BarrierState,
     Collision,
+    CrossingBarriers,
+    CrossingCreep,
+    CrossingLamps,
     CutOut,
     PointsForced,
     PointsLocked,
@@ -23,7 +27,15 @@ from simulation.events import (
 )
 from simulation.judge.checkers import Checker
 from simulation.judge.liveness import LOOKS_EVERY_S, STANDS_S
-from tests.simulation.judge.stage import Stage, authorised, in_track, on_points, restarted, second
+from tests.simulation.judge.stage import (
+    Stage,
+    at_crossings,
+    authorised,
+    in_track,
+    on_points,
+    restarted,
+    second,
+)
 
 Act = Callable[[Stage], Stage]
 
@@ -301,6 +313,59 @@ CASES = (
         lambda: on_points().world(CutOut(unit_id="A")),
         lambda s: s.see("A", ("T1+", 50.0), ("normal2+", 5.0), ("stem2+", 5.0), ("B+", 5.0)),
         lambda s: s.see("A", ("T1+", 50.0)),
+    ),
+    Case(
+        "a road with its barriers still coming down",
+        Checker.CROSSING_OPEN,
+        at_crossings,
+        lambda s: s.world(CrossingLamps(crossing_id="W", lit=True)).see("A", ("W+", 255.0)),
+        lambda s: s.shut("W", 15.0, 20.0).see("A", ("W+", 255.0)),
+    ),
+    Case(
+        "a road whose barriers have risen again",
+        Checker.CROSSING_OPEN,
+        at_crossings,
+        lambda s: (
+            s.shut("W", 15.0, 20.0)
+            .world(CrossingBarriers(crossing_id="W", state=BarrierState.RISING))
+            .see("A", ("W+", 255.0))
+        ),
+        lambda s: s.shut("W", 15.0, 20.0).see("A", ("W+", 255.0)),
+    ),
+    Case(
+        "a road without barriers, unlit",
+        Checker.CROSSING_OPEN,
+        at_crossings,
+        lambda s: s.see("B", ("E-", 250.0)),
+        lambda s: s.shut("E", 0.0, 21.0).see("B", ("E-", 250.0)),
+    ),
+    Case(
+        "by leave to creep, and faster",
+        Checker.CROSSING_OPEN,
+        at_crossings,
+        lambda s: s.entry("A", CrossingCreep(crossing_id="W")).see("A", ("W+", 255.0), speed_mps=5.0),
+        lambda s: s.entry("A", CrossingCreep(crossing_id="W")).see("A", ("W+", 255.0), speed_mps=4.0),
+    ),
+    Case(
+        "by leave to creep over another",
+        Checker.CROSSING_OPEN,
+        at_crossings,
+        lambda s: s.entry("B", CrossingCreep(crossing_id="W")).see("B", ("E-", 250.0), speed_mps=4.0),
+        lambda s: s.entry("B", CrossingCreep(crossing_id="E")).see("B", ("E-", 250.0), speed_mps=4.0),
+    ),
+    Case(
+        "14 s after it was closed",
+        Checker.CROSSING_WARNING,
+        at_crossings,
+        lambda s: s.shut("W", 15.0, 12.0).see("A", ("W+", 255.0)),
+        lambda s: s.shut("W", 10.0, 15.0).see("A", ("W+", 255.0)),
+    ),
+    Case(
+        "23 s after its lamps were lit",
+        Checker.CROSSING_WARNING,
+        at_crossings,
+        lambda s: s.shut("W", 5.0, 17.0).see("A", ("W+", 255.0)),
+        lambda s: s.shut("W", 10.0, 15.0).see("A", ("W+", 255.0)),
     ),
     Case(
         "to an edge that does not follow",

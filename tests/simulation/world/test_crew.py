@@ -65,6 +65,7 @@ class Cab:
         )
         self.duties = trains.duties
         self.machine = PointMachine("P7", 6.0, Position.NORMAL)
+        self.crossings: Any = SimpleNamespace(on_line=())
         self.crew = Crew(trains, on_board, cast("Any", self), self.journal)
 
     @property

@@ -50,6 +50,7 @@ def test_every_drill_on_the_test_line_is_met(name: str) -> None:
     writers = {
         **dict.fromkeys(drill.run.result.stock_ids, Author.UNIT),
         **dict.fromkeys(terminals_of(setup.line), Author.TERMINAL),
+        **dict.fromkeys(setup.line.crossings, Author.CROSSING),
         MANAGER: Author.MANAGER,
         WORLD: Author.WORLD,
     }

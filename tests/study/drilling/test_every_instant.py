@@ -16,6 +16,7 @@ import pytest
 
 from network.errors import InputError
 from scenario.scenario import Scenario, load_scenario
+from simulation.faults.crossings import CrossingFault
 from simulation.faults.devices import Restart
 from simulation.faults.script import ActKind, ScriptedFault, Trigger
 from simulation.faults.table import FAULTS
@@ -204,8 +205,11 @@ def test_every_kind_of_fault_is_swept_alone(two_trains: Scenario) -> None:
     names = [variation.name for variation in variations]
     assert len(set(names)) == len(names)
     assert not two_trains.setup.line.chargers
+    assert not two_trains.setup.line.crossings
+    of_crossings = {kind for kind, fault in FAULTS.items() if issubclass(fault, CrossingFault)}
+    nowhere = {"charger_dead", "marker_missing", *of_crossings}
     assert not two_trains.setup.line.markers
-    assert {name.split()[0] for name in names} == set(FAULTS) - {"charger_dead", "marker_missing"}
+    assert {name.split()[0] for name in names} == set(FAULTS) - nowhere
     for target in ("K1", "K2", "block-manager"):
         assert {f"power_off {target}", f"restart {target}", f"frozen {target}"} <= set(names)
     tags = [variation for variation in variations if variation.name.startswith("miss")]

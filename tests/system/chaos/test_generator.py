@@ -12,6 +12,7 @@ from pydantic import Field
 from network.timetable import seconds_of
 from scenario.scenario import load_scenario
 from simulation.faults.chargers import ChargerDead
+from simulation.faults.crossings import CrossingFault
 from simulation.faults.lidar import MarkerMissing
 from simulation.faults.points import PointsFault
 from simulation.faults.script import ScriptedFault
@@ -42,7 +43,10 @@ def test_a_case_follows_from_its_seed(nets: Path, cases: list[Case]) -> None:
 
 def test_every_kind_and_every_number_of_faults_is_drawn(cases: list[Case]) -> None:
     drawn = Counter(str(fault["kind"]) for case in cases for fault in case.faults)
-    nothing_there = {ChargerDead.kind, MarkerMissing.kind}  # the test line has no charger and no markers
+    # The test line has no charger, no markers and no level crossing.
+    nothing_there = {ChargerDead.kind, MarkerMissing.kind} | {
+        kind.kind for kind in KINDS if issubclass(kind, CrossingFault)
+    }
     assert set(drawn) == {kind.kind for kind in KINDS} - nothing_there
     assert {len(case.faults) for case in cases} == set(range(1, FAULTS_MAX + 1))
 

@@ -93,6 +93,7 @@ def _line() -> Data:
     axis["limits"] = [{"from_km": 0.55, "to_km": 0.85, "speed_kmh": 40.0, "directions": ["down"]}]
     data["points"][0]["offset_m"] = 0.0
     next(section for section in data["sections"] if section["kind"] == "between")["virtual_blocks"] = 1
+    data["crossings"] = [{"id": "C1", "section": "6", "km": 0.7, "width_m": 6.0}]
     data["chargers"] = [
         {
             "station": "B",

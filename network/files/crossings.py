@@ -1,0 +1,127 @@
+"""`[[crossings]]` of a line file, checked against its tracks; the figures are those of the ministry's interpretation of
+article 62 of the technical standards (鉄道に関する技術上の基準を定める省令の解釈基準, 踏切保安設備).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from network.errors import InputError
+from network.files.line_schema import CrossingTable, LineFile
+from network.model import (
+    CrossingClass,
+    CrossingControl,
+    Direction,
+    LevelCrossing,
+    Piece,
+)
+from network.units import metres
+
+CLOSING_S: Final = 15.0  # from the start of the warning to closed
+CLOSED_S: Final = 20.0  # from closed to the train
+WARNING_ALONE_S: Final = 30.0  # without barriers, from the start of the warning to the train
+LEAST_CLOSING_S: Final = 10.0
+LEAST_CLOSED_S: Final = 15.0
+LEAST_WARNING_ALONE_S: Final = 20.0
+LONG_S: Final = 60.0  # a longer warning is reported
+
+
+def least_closed_s(crossing: LevelCrossing) -> float:
+    """From closed to the train at least, s; without barriers it is closed from the start of the warning."""
+    return LEAST_CLOSED_S if crossing.kind is CrossingClass.BARRIERS else LEAST_WARNING_ALONE_S
+
+
+def least_warning_s(crossing: LevelCrossing) -> float:
+    """From the start of the warning to the train at least, s."""
+    alone = crossing.kind is CrossingClass.WARNING
+    return LEAST_WARNING_ALONE_S if alone else LEAST_CLOSING_S + LEAST_CLOSED_S
+
+
+def crossings_of(
+    file: str, laid: Sequence[tuple[CrossingTable, Piece]], entry: LineFile
+) -> dict[str, LevelCrossing]:
+    """Crossings by id, each with the piece that its row names. InputError for one in points or a portal, for times
+    under the least, a crossing that overlaps the end of its track, and contacts that are missing or not before it.
+    """
+    kinds = {section.id: section.kind for section in entry.sections}
+    taken = {points.terminal for points in entry.points}
+    return {
+        table.id: _crossing(file, f"crossings[{i}]", table, piece, kinds[piece.section_id], taken)
+        for i, (table, piece) in enumerate(laid)
+    }
+
+
+def _crossing(
+    file: str, key: str, table: CrossingTable, piece: Piece, section_kind: str, taken: set[str]
+) -> LevelCrossing:
+    if table.id in taken:
+        raise InputError(file, f"{key}.id", table.id, "an id that no terminal has")
+    if section_kind in ("points", "portal"):
+        where = "piece" if table.section is None else "section"
+        expected = "a platform track or a section between stations: no crossing in points or a portal"
+        raise InputError(file, f"{key}.{where}", table.piece or table.section, expected)
+    middle_m, half_m = metres(table.km), table.width_m / 2.0
+    if middle_m - half_m < piece.from_m or middle_m + half_m > piece.to_m:
+        room_m = 2.0 * min(middle_m - piece.from_m, piece.to_m - middle_m)
+        raise InputError(file, f"{key}.width_m", table.width_m, f"at most {room_m:g}, inside {piece.id}")
+    kind, control = CrossingClass(table.kind), CrossingControl(table.control)
+    closing_s, closed_s = _times(file, key, table, kind)
+    crossing = LevelCrossing(
+        table.id,
+        table.name or table.id,
+        kind,
+        control,
+        piece.id,
+        middle_m,
+        table.width_m,
+        table.lowering_s,
+        closing_s,
+        closed_s,
+        _contacts(table.start_down_km, table.start_up_km),
+        _contacts(table.end_down_km, table.end_up_km),
+        table.sight_m,
+    )
+    _check_contacts(file, key, crossing)
+    return crossing
+
+
+def _times(file: str, key: str, table: CrossingTable, kind: CrossingClass) -> tuple[float, float]:
+    """From the start of the warning to closed, and from there to the train, s."""
+    barriers = kind is CrossingClass.BARRIERS
+    if not barriers and table.closing_s is not None:
+        raise InputError(
+            file, f"{key}.closing_s", table.closing_s, 'only where kind = "1": nothing else closes'
+        )
+    closing_s = (CLOSING_S if table.closing_s is None else table.closing_s) if barriers else 0.0
+    usual_s, least_s = (CLOSED_S, LEAST_CLOSED_S) if barriers else (WARNING_ALONE_S, LEAST_WARNING_ALONE_S)
+    closed_s = usual_s if table.closed_s is None else table.closed_s
+    if barriers and closing_s < max(LEAST_CLOSING_S, table.lowering_s):
+        expected = f"at least {LEAST_CLOSING_S:g} s, and lowering_s = {table.lowering_s:g}"
+        raise InputError(file, f"{key}.closing_s", closing_s, expected)
+    if closed_s < least_s:
+        raise InputError(file, f"{key}.closed_s", closed_s, f"at least {least_s:g} s")
+    return closing_s, closed_s
+
+
+def _contacts(down_km: float | None, up_km: float | None) -> dict[Direction, float]:
+    both = {Direction.DOWN: down_km, Direction.UP: up_km}
+    return {direction: metres(km) for direction, km in both.items() if km is not None}
+
+
+def _check_contacts(file: str, key: str, crossing: LevelCrossing) -> None:
+    by_contacts = crossing.has_device and crossing.control is CrossingControl.CONTACTS
+    for direction in Direction:
+        name, start_m = direction.name.lower(), crossing.starts_m.get(direction)
+        if by_contacts and start_m is None:
+            raise InputError(
+                file, f"{key}.start_{name}_km", None, f"a place: {name} trains start the warning by a contact"
+            )
+        edge_m, end_m = crossing.edge_m(direction), crossing.ends_m.get(direction)
+        if start_m is not None and direction * (edge_m - start_m) <= 0.0:
+            expected = f"a place before {edge_m / 1000.0:g}, as {name} trains run"
+            raise InputError(file, f"{key}.start_{name}_km", start_m / 1000.0, expected)
+        leaves_m = crossing.edge_m(direction.opposite)
+        if end_m is not None and direction * (end_m - leaves_m) < 0.0:
+            expected = f"a place from {leaves_m / 1000.0:g} on, as {name} trains run"
+            raise InputError(file, f"{key}.end_{name}_km", end_m / 1000.0, expected)

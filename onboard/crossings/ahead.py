@@ -1,0 +1,218 @@
+"""The level crossings on a train's path in metres and seconds of running, by its unit's own localisation.
+
+The front may be as far ahead as its bound; how soon it can then be on a crossing is predicted with the unit's model of
+its train: at the speed that it means to run, and at full power up to the limit, which no run is faster than.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from network.files.crossings import least_closed_s
+from network.model import LevelCrossing, Line
+from onboard.crossings.machine import CrossingPlace
+from onboard.driving.pace import Pace
+from onboard.driving.stopping import LIMIT_MARGIN_M
+from onboard.driving.supervision import RESERVE_M
+from onboard.mission import Mission
+from onboard.records import BehaviourRow, UnitRow
+from onboard.unit_records import UnitParameters
+from vehicle.records import TrainRow
+from vehicle.running_time import predicted_run
+
+STOPS_SHORT_M: Final = 2.0  # the movement limit lies so far before the road
+LOOKS_S: Final = 90.0  # what is further ahead at full speed all the way is not looked at closely
+PREDICTION_STEP_S: Final = 0.5
+PATTERN_RESERVE_S: Final = 2.0  # assumed: dead time and lag of the brake, and a tick or two
+STARTS_MPS2: Final = 1.0  # assumed: no train here gains more from a stand
+
+
+@dataclass(frozen=True)
+class CrossingOnPath:
+    """A crossing between two path coordinates (m), in which span, and after which stop of the mission."""
+
+    crossing: LevelCrossing
+    start_m: float
+    end_m: float
+    span: int
+    stop: int
+
+    @cached_property
+    def behind(self) -> CrossingPlace:
+        """What a unit is told of it when its safe rear has left it."""
+        crossing, least_s = self.crossing, least_closed_s(self.crossing)
+        return CrossingPlace(
+            crossing.id,
+            self.span,
+            self.stop,
+            crossing.warning_s,
+            crossing.closing_s,
+            least_s,
+            entered=True,
+            under=True,
+            beyond=True,
+            clear=True,
+        )
+
+
+class CrossingsAhead:
+    """The crossings of one unit's path that are asked by radio. `row` is its row of UNIT."""
+
+    def __init__(
+        self,
+        line: Line,
+        parameters: UnitParameters,
+        row: UnitRow,
+        train: TrainRow,
+        behaviour: BehaviourRow,
+        pace: Pace,
+    ) -> None:
+        self._by_radio: Final = [crossing for crossing in line.crossings.values() if crossing.by_radio]
+        self._parameters: Final = parameters
+        self._row: Final = row
+        self._train: Final = train
+        self._deceleration_mps2: Final = float(behaviour.settings.stop_deceleration_mps2)
+        self._pace: Final = pace
+        self._on_path: tuple[CrossingOnPath, ...] = ()
+        self._mission: Mission | None = None
+        self._front_m = 0.0
+        settings = behaviour.settings
+        self._beyond_mps: Final = float(settings.driving_margin_mps + settings.service_margin_mps)
+        self._top_mps = 1.0
+        self._fastest_mps: NDArray[np.float64] = np.zeros(1)
+
+    def take_up(self, mission: Mission) -> None:
+        """Another path; what of a crossing is under the train and not on this path stays under it."""
+        before, was = self._on_path, self._mission
+        self._mission = mission
+        if not self._by_radio:
+            return
+        self._fastest_mps = self._pace.driving_mps + self._beyond_mps
+        self._top_mps = max(float(self._fastest_mps.max()), 1.0)
+        path, starts_m = mission.path, [span.start_m for span in mission.spans]
+        marks_m = [target.mark_m for target in mission.targets]
+        found: list[CrossingOnPath] = []
+        for crossing in self._by_radio:
+            if crossing.piece_id not in path:
+                continue
+            edge_m = crossing.edge_m(path.direction)
+            start_m = path.to_path_m(crossing.piece_id, edge_m)
+            span, stop = bisect_right(starts_m, start_m) - 1, bisect_right(marks_m, start_m) - 1
+            found.append(CrossingOnPath(crossing, start_m, start_m + crossing.width_m, span, stop))
+        known = {one.crossing.id for one in found}
+        if was is not None:
+            turned = was.path.direction is not path.direction
+            found += [self._under(one, turned=turned) for one in before if one.crossing.id not in known]
+        kept = (one for one in found if one.crossing.id in known or one.end_m > self._rear_m())
+        self._on_path = tuple(sorted(kept, key=lambda one: one.start_m))
+        self._front_m = float(self._row.position_m)
+
+    def _rear_m(self) -> float:
+        """The safe rear, m."""
+        row = self._row
+        return float(row.position_m - row.bound_behind_m) - float(self._train.length_m)
+
+    def _under(self, one: CrossingOnPath, *, turned: bool) -> CrossingOnPath:
+        """A crossing of the path before, by where it lies along the train, in metres of this path."""
+        front_m, length_m = float(self._row.position_m), float(self._train.length_m)
+        if turned:
+            old_rear_m = self._front_m - length_m
+            ends_m = (front_m + old_rear_m - one.end_m, front_m + old_rear_m - one.start_m)
+        else:
+            ends_m = (one.start_m + front_m - self._front_m, one.end_m + front_m - self._front_m)
+        within = ends_m[0] < front_m + float(self._row.bound_ahead_m)
+        gone_m = -math.inf
+        return CrossingOnPath(one.crossing, ends_m[0], ends_m[1] if within else gone_m, 0, 0)
+
+    def nearer(self, limit_m: float, crossing_id: str) -> float:
+        """The movement limit, m: as it is, or before this crossing if that comes first; empty: before none."""
+        if not crossing_id:
+            return limit_m
+        starts_m = (one.start_m for one in self._on_path if one.crossing.id == crossing_id)
+        return min(limit_m, next(starts_m, math.inf) - STOPS_SHORT_M)
+
+    def places(self, load_share: float) -> tuple[CrossingPlace, ...] | None:
+        """How the train is to each of them now, up to the first that is far ahead; None: its position is unknown."""
+        row, mission = self._row, self._mission
+        if mission is None or not row.position_known:
+            return None
+        self._front_m, rear_m = float(row.position_m), self._rear_m()
+        found: list[CrossingPlace] = []
+        for one in self._on_path:
+            if one.end_m < rear_m:
+                found.append(one.behind)
+                continue
+            found.append(self._place(one, mission, load_share))
+            if found[-1].fastest_s >= LOOKS_S:
+                break
+        return tuple(found)
+
+    def _place(self, one: CrossingOnPath, mission: Mission, load_share: float) -> CrossingPlace:
+        row, position_m = self._row, self._front_m
+        ahead_m, behind_m = position_m + float(row.bound_ahead_m), position_m - float(row.bound_behind_m)
+        entered, way_m = ahead_m >= one.start_m - STOPS_SHORT_M, one.start_m - ahead_m
+        speed_mps = float(row.speed_mps)
+        arrives_s = fastest_s = proof_s = 0.0 if entered else way_m / self._top_mps
+        if not entered and fastest_s < LOOKS_S:
+            cruise_mps = min(float(row.cruise_mps), float(row.restricted_mps))
+            meant_mps = self._pace.driving_mps
+            arrives_s = self._run_s(one, mission, load_share, ahead_m, meant_mps, cruise_mps)
+            fastest_s = self._run_s(one, mission, load_share, ahead_m, self._fastest_mps, math.inf)
+            proof_s = arrives_s - self._brakes_s(one.start_m, way_m, cruise_mps)
+        return msgspec.structs.replace(
+            one.behind,
+            stands=speed_mps == 0.0,
+            clears_s=(one.end_m - self._rear_m()) / speed_mps if entered and speed_mps > 0.0 else math.inf,
+            entered=entered,
+            arrives_s=arrives_s,
+            fastest_s=fastest_s,
+            proof_s=proof_s,
+            clear=False,
+            under=behind_m >= one.start_m,
+            beyond=behind_m >= one.end_m,
+        )
+
+    def _run_s(
+        self,
+        one: CrossingOnPath,
+        mission: Mission,
+        load_share: float,
+        from_m: float,
+        limit_mps: NDArray[np.float64],
+        cruise_mps: float,
+    ) -> float:
+        """Until the front is on the crossing, s, on its run to the next stop behind it."""
+        following = one.stop + 1
+        stop_m = mission.targets[following].mark_m if following < len(mission.targets) else math.inf
+        stop_m = max(min(stop_m, len(limit_mps) - 1.0), one.start_m)
+        return predicted_run(
+            self._train,
+            load_share,
+            self._pace.climb_m,
+            limit_mps,
+            max(from_m, 0.0),
+            stop_m,
+            cruise_mps,
+            self._deceleration_mps2,
+            PREDICTION_STEP_S,
+            float(self._row.speed_mps),
+            one.start_m,
+        )[0]
+
+    def _brakes_s(self, start_m: float, way_m: float, cruise_mps: float) -> float:
+        """How long before the crossing a train at its speed there would begin to brake for it, s."""
+        row, pace = self._row, self._pace
+        limit_mps = float(pace.driving_mps[min(int(start_m), len(pace.driving_mps) - 1)])
+        gained_mps = math.sqrt(float(row.speed_mps) ** 2 + 2.0 * STARTS_MPS2 * max(way_m, 0.0))
+        speed_mps = max(min(limit_mps, cruise_mps, gained_mps), 1.0)
+        room_m = STOPS_SHORT_M + self._parameters.standoff_m + LIMIT_MARGIN_M + RESERVE_M
+        room_m += float(row.bound_ahead_m)
+        return speed_mps / (2.0 * self._deceleration_mps2) + PATTERN_RESERVE_S + room_m / speed_mps

@@ -1,0 +1,332 @@
+"""Invariant: no front goes onto a crossing that its unit asks to close, but by a proof that holds and is as old as the
+least time when the front could first be there, or by leave to creep over it; and a unit gives a crossing up only with
+its train standing, surely short of it or with its rear surely beyond.
+
+A pure machine, one view for each crossing: `step(view, event, now_s) -> (view, actions)`, with `now_s` as time that has
+passed. `TABLE` is where the unit stands with the crossing and the kind of event. What lies in metres and seconds of
+running comes as a `CrossingPlace` from `onboard.crossings.ahead`. What a unit says to a crossing it says again until
+it is over it: the crossing then knows the time as it is now, and the unit that the proof still holds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from types import MappingProxyType
+from typing import Any, Final
+
+import msgspec
+from msgspec.structs import replace
+
+from onboard import notes
+from radio.messages import CrossingOver, CrossingRequest
+from radio.table import TableCell, rows
+
+EARLY_S: Final = 10.0  # asked so long before its warning must begin: time for telegrams that are lost
+HELD_FROM_S: Final = 60.0  # nearer than this by its fastest run, a crossing ends the movement limit
+REPEAT_S: Final = 2.0
+REFRESH_S: Final = 4.0  # a proof is asked for again so often; it holds three times as long
+GIVE_UP_S: Final = 30.0  # assumed: who stands so long without going on there lets the road go
+KEEPS_LEAST_TIME = True  # off: a proof counts at once, however near the train is
+
+
+class CrossingPhase(Enum):
+    """Where the unit stands with a crossing."""
+
+    AHEAD = "ahead"  # not announced there, or behind
+    ASKED = "asked"
+    PROVEN = "proven"
+    PASSING = "passing"  # the front is on it, or may be
+    LEAVING = "leaving"  # over it, or given up, until that is heard
+
+
+class CrossingPlace(msgspec.Struct, frozen=True):
+    """How the train is to a crossing on its path, by its own localisation.
+
+    From now on, s: `arrives_s` until its front is there by the run that it means, `fastest_s` by the fastest possible,
+    `proof_s` until it must know the crossing closed so that it need not brake; infinite: it does not come there yet.
+    `clears_s`: until its rear is beyond at the present speed. `warning_s`, `closing_s` and `least_s` are the line's:
+    the whole warning, its part until closed, and from closed to the front at least. `span` and `stop`: in which span of
+    the plan it lies, and which stop is the last before it. `entered`: the front may be on it, `under`: surely is, or
+    was, `beyond`: surely has left it, `clear`: the rear too. `stands`: the train does.
+    """
+
+    crossing_id: str
+    span: int
+    stop: int
+    warning_s: float
+    closing_s: float
+    least_s: float
+    arrives_s: float = math.inf
+    fastest_s: float = math.inf
+    proof_s: float = math.inf
+    clears_s: float = math.inf
+    entered: bool = False
+    under: bool = False
+    beyond: bool = False
+    clear: bool = False
+    stands: bool = False
+
+    @property
+    def due_s(self) -> float:
+        """When the crossing is to be asked, s from now; not positive: it is time."""
+        return min(self.arrives_s - self.warning_s, self.proof_s - self.closing_s) - EARLY_S
+
+
+class CrossingView(msgspec.Struct, frozen=True):
+    """What the unit knows of one crossing.
+
+    `said_s`: when it spoke to it last; `since_s`, `until_s`: since when it has proved closed without a break, and how
+    long that holds; `idle_s`: since when it stands without going on there. `creeps`: it may creep over it unproven.
+    `forgot`: a boot before this one may have announced it there. `answered`: the crossing knows of it.
+    """
+
+    crossing_id: str
+    phase: CrossingPhase = CrossingPhase.AHEAD
+    said_s: float = -math.inf
+    since_s: float = math.inf
+    until_s: float = -math.inf
+    idle_s: float = math.inf
+    creeps: bool = False
+    passed: bool = False
+    forgot: bool = False
+    answered: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class CrossingSeen:
+    """Event: how the train is to it now; None: it is not on the path."""
+
+    place: CrossingPlace | None
+
+
+@dataclass(frozen=True, slots=True)
+class CrossingAnswered:
+    """Event: the crossing says whether it is closed, and until when (s) that holds."""
+
+    closed: bool
+    until_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class CrossingOverAnswered:
+    """Event: the crossing has heard that the unit is over it, or has given it up."""
+
+
+@dataclass(frozen=True, slots=True)
+class CrossingBooted:
+    """Event: the device has started again: nothing that was sent is known to have arrived."""
+
+
+@dataclass(frozen=True, slots=True)
+class CrossingOffLine:
+    """Event: the whole train is off the line."""
+
+
+@dataclass(frozen=True, slots=True)
+class CreepAllowed:
+    """Event: its driver has leave to creep over it, on sight and whistling."""
+
+
+CrossingEvent = (
+    CrossingSeen | CrossingAnswered | CrossingOverAnswered | CrossingBooted | CrossingOffLine | CreepAllowed
+)
+CrossingAction = CrossingRequest | CrossingOver | notes.Note
+CrossingStep = tuple[CrossingView, tuple[CrossingAction, ...]]
+
+
+def step(view: CrossingView, event: CrossingEvent, now_s: float) -> CrossingStep:
+    """The next view and what to say or note. An event that does not fit changes nothing."""
+    handler = TABLE.get((view.phase, type(event)))
+    return (view, ()) if handler is None else handler(view, event, now_s)
+
+
+def may_pass(view: CrossingView, place: CrossingPlace, now_s: float) -> bool:
+    """Whether the front may go onto the crossing."""
+    far = view.phase is CrossingPhase.AHEAD and place.fastest_s > HELD_FROM_S
+    if far or place.clear or view.phase is CrossingPhase.PASSING or view.creeps:
+        return True
+    old_enough = now_s + place.fastest_s >= view.since_s + place.least_s or not KEEPS_LEAST_TIME
+    return view.phase is CrossingPhase.PROVEN and now_s < view.until_s and old_enough
+
+
+def wake_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> float:
+    """When to look again, s; infinite: not before something happens."""
+    match view.phase:
+        case CrossingPhase.AHEAD:
+            if place is None or place.clear or (place.stands and not math.isfinite(place.arrives_s)):
+                return math.inf
+            held_in_s = place.fastest_s - HELD_FROM_S
+            return now_s + min((s for s in (place.due_s, held_in_s) if s > 0.0), default=math.inf)
+        case CrossingPhase.PROVEN if place is not None and not may_pass(view, place, now_s):
+            return now_s + 1.0
+        case CrossingPhase.PROVEN:
+            return min(view.said_s + REFRESH_S, view.until_s)
+        case CrossingPhase.PASSING:
+            clears_s = math.inf if place is None else max(place.clears_s, 0.1)
+            return min(view.said_s + REFRESH_S, now_s + clears_s)
+        case _:
+            return view.said_s + (REFRESH_S if view.answered else REPEAT_S)
+
+
+def _asks(view: CrossingView, place: CrossingPlace | None, now_s: float) -> CrossingStep:
+    """Say how soon the front can be there; of one that does not come there yet, later than anything counts."""
+    arrives_s = 0.0 if place is None or place.entered else place.arrives_s
+    proof_s = arrives_s if place is None else min(place.proof_s, arrives_s)
+    request = CrossingRequest(round(arrives_s, 1), round(max(proof_s, 0.0), 1))
+    return replace(view, said_s=now_s), (request,)
+
+
+def _repeats(view: CrossingView, place: CrossingPlace | None, now_s: float, every_s: float) -> CrossingStep:
+    return _asks(view, place, now_s) if now_s >= view.said_s + every_s else (view, ())
+
+
+def _gives_up(view: CrossingView, now_s: float, *, passed: bool) -> CrossingStep:
+    fresh = CrossingView(view.crossing_id, CrossingPhase.LEAVING, now_s, passed=passed)
+    left = notes.CrossingLeftBehind(crossing_id=view.crossing_id, passed=passed)
+    return fresh, (left, CrossingOver(passed))
+
+
+def _look_ahead(view: CrossingView, event: CrossingSeen, now_s: float) -> CrossingStep:
+    """Asks it to close in time; one that it may have asked before a boot it tells that it is over it, or gives up."""
+    place = event.place
+    if place is None:
+        return view, ()
+    if place.under and not place.clear:
+        return _asks(replace(view, phase=CrossingPhase.PASSING, forgot=False), place, now_s)
+    if view.forgot and (place.clear or place.stands):
+        return _gives_up(view, now_s, passed=place.clear)
+    if place.clear or place.due_s > 0.0:
+        return view, ()
+    asked, said = _asks(replace(view, phase=CrossingPhase.ASKED), place, now_s)
+    note = notes.CrossingAsked(crossing_id=view.crossing_id, arrives_s=round(place.arrives_s, 1))
+    return asked, (note, *said)
+
+
+def _look_asked(view: CrossingView, event: CrossingSeen, now_s: float) -> CrossingStep:
+    """Says again how soon the front can be there; gives it up off its path, or standing without going on there."""
+    place = event.place
+    if place is None:
+        return _gives_up(view, now_s, passed=False)
+    if place.clear:
+        return _gives_up(view, now_s, passed=True)
+    if place.under or (place.entered and view.creeps):  # standing on it nobody is safer
+        return _asks(replace(view, phase=CrossingPhase.PASSING), place, now_s)
+    if math.isfinite(place.arrives_s) or not place.stands or place.entered:
+        view = replace(view, idle_s=math.inf)
+        every_s = REFRESH_S if view.answered else REPEAT_S
+        return _repeats(view, place, now_s, every_s) if math.isfinite(place.arrives_s) else (view, ())
+    view = replace(view, idle_s=min(view.idle_s, now_s))
+    return _gives_up(view, now_s, passed=False) if now_s >= view.idle_s + GIVE_UP_S else (view, ())
+
+
+def _look_proven(view: CrossingView, event: CrossingSeen, now_s: float) -> CrossingStep:
+    """On it by a proof that holds, it passes; a proof that nobody has said again is none."""
+    place = event.place
+    if place is not None and place.entered and (place.under or may_pass(view, place, now_s)):
+        return _asks(replace(view, phase=CrossingPhase.PASSING), place, now_s)
+    if now_s >= view.until_s:
+        lost, said = _look_asked(_unproven(view), event, now_s)
+        return lost, (
+            notes.CrossingProofLost(crossing_id=view.crossing_id, why=notes.WhyProofLost.SILENCE),
+            *said,
+        )
+    if place is None or (place.stands and not math.isfinite(place.arrives_s)):
+        return _look_asked(_unproven(view), event, now_s)
+    return _repeats(view, place, now_s, REFRESH_S)
+
+
+def _look_passing(view: CrossingView, event: CrossingSeen, now_s: float) -> CrossingStep:
+    """Keeps it closed until the safe rear has left it."""
+    place = event.place
+    if place is None:
+        return _repeats(view, place, now_s, REFRESH_S)
+    if place.clear:
+        return _gives_up(view, now_s, passed=True)
+    if not place.entered and place.stands:  # the train has turned: it is ahead again
+        return _look_ahead(CrossingView(view.crossing_id, forgot=True), event, now_s)
+    if view.creeps and place.beyond:
+        view = replace(view, creeps=False)
+    return _repeats(view, place, now_s, REFRESH_S)
+
+
+def _look_leaving(view: CrossingView, event: CrossingSeen, now_s: float) -> CrossingStep:
+    """Says so until it is heard; announces itself anew where it comes there again."""
+    place = event.place
+    if place is not None and not place.clear and place.due_s <= 0.0:
+        return _look_ahead(CrossingView(view.crossing_id), event, now_s)
+    if now_s < view.said_s + REPEAT_S:
+        return view, ()
+    return replace(view, said_s=now_s), (CrossingOver(view.passed),)
+
+
+def _unproven(view: CrossingView) -> CrossingView:
+    return replace(view, phase=CrossingPhase.ASKED, since_s=math.inf, until_s=-math.inf)
+
+
+def _proof(view: CrossingView, event: CrossingAnswered, now_s: float) -> CrossingStep:
+    """Closed: proven, as long as that holds; not closed yet: it knows of the train."""
+    view = replace(view, answered=True)
+    if not event.closed:
+        return view, ()
+    proven = replace(view, phase=CrossingPhase.PROVEN, since_s=now_s, until_s=event.until_s)
+    return replace(proven, creeps=False), (notes.CrossingHeardClosed(crossing_id=view.crossing_id),)
+
+
+def _proof_again(view: CrossingView, event: CrossingAnswered, now_s: float) -> CrossingStep:
+    """Still closed: it holds on; not closed any more: it is dropped at once."""
+    if event.closed:
+        return replace(view, until_s=event.until_s), ()
+    note = notes.CrossingProofLost(crossing_id=view.crossing_id, why=notes.WhyProofLost.NOT_CLOSED)
+    return replace(_unproven(view), said_s=now_s), (note,)
+
+
+def _over_heard(view: CrossingView, _event: CrossingOverAnswered, _now_s: float) -> CrossingStep:
+    """The crossing does not wait for this train any more."""
+    return CrossingView(view.crossing_id), ()
+
+
+def _off_line(view: CrossingView, _event: CrossingOffLine, now_s: float) -> CrossingStep:
+    """Nothing of the train is on it, nor comes."""
+    return _gives_up(view, now_s, passed=True)
+
+
+def _say_again(view: CrossingView, _event: CrossingBooted, _now_s: float) -> CrossingStep:
+    """What was said is due again; a proof of the boot before holds as long as it did."""
+    return replace(view, said_s=-math.inf, answered=False), ()
+
+
+def _creep(view: CrossingView, _event: CreepAllowed, _now_s: float) -> CrossingStep:
+    """May creep over it, unless a proof comes first."""
+    if view.creeps:
+        return view, ()
+    return replace(view, creeps=True), (notes.CrossingCreep(crossing_id=view.crossing_id),)
+
+
+_ANNOUNCED: Final = (CrossingPhase.ASKED, CrossingPhase.PROVEN, CrossingPhase.PASSING)
+TABLE: Final[Mapping[tuple[CrossingPhase, type], Callable[[CrossingView, Any, float], CrossingStep]]] = (
+    MappingProxyType(
+        {
+            (CrossingPhase.AHEAD, CrossingSeen): _look_ahead,
+            (CrossingPhase.ASKED, CrossingSeen): _look_asked,
+            (CrossingPhase.PROVEN, CrossingSeen): _look_proven,
+            (CrossingPhase.PASSING, CrossingSeen): _look_passing,
+            (CrossingPhase.LEAVING, CrossingSeen): _look_leaving,
+            (CrossingPhase.ASKED, CrossingAnswered): _proof,
+            (CrossingPhase.PROVEN, CrossingAnswered): _proof_again,
+            (CrossingPhase.LEAVING, CrossingOverAnswered): _over_heard,
+            **dict.fromkeys(((phase, CrossingBooted) for phase in _ANNOUNCED), _say_again),
+            (CrossingPhase.LEAVING, CrossingBooted): _say_again,
+            **dict.fromkeys(((phase, CrossingOffLine) for phase in _ANNOUNCED), _off_line),
+            (CrossingPhase.AHEAD, CreepAllowed): _creep,
+            (CrossingPhase.ASKED, CreepAllowed): _creep,
+        }
+    )
+)
+
+
+def table_rows() -> tuple[TableCell, ...]:
+    """Where the unit stands with the crossing and event, for the documentation."""
+    return rows(TABLE)

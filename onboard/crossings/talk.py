@@ -1,0 +1,170 @@
+"""What one boot of a unit has to do with the level crossings of its path: their views, and the telegrams to and fro."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Final, NamedTuple
+
+from msgspec.structs import replace
+
+from onboard import notes
+from onboard.crossings.machine import (
+    CreepAllowed,
+    CrossingAnswered,
+    CrossingBooted,
+    CrossingEvent,
+    CrossingOffLine,
+    CrossingOverAnswered,
+    CrossingPhase,
+    CrossingPlace,
+    CrossingSeen,
+    CrossingView,
+    may_pass,
+    step,
+    wake_s,
+)
+from onboard.duty.records import DutyPhase, DutyState
+from radio.envelope import Received
+from radio.messages import CrossingOver, CrossingOverHeard, CrossingProof, CrossingRequest, Restarted
+
+_ANNOUNCED: Final = (CrossingPhase.ASKED, CrossingPhase.PROVEN, CrossingPhase.PASSING)
+
+
+class CrossingLetter(NamedTuple):
+    """A telegram for a level crossing."""
+
+    crossing_id: str
+    message: CrossingRequest | CrossingOver
+    correlation: int
+
+
+class CrossingTalk:
+    """All crossings of one unit; `forgot`: an earlier boot may have announced it anywhere."""
+
+    def __init__(self, *, forgot: bool) -> None:
+        self.letters: list[CrossingLetter] = []
+        self.notes: list[notes.Note] = []
+        self._forgot: Final = forgot
+        self._views: dict[str, CrossingView] = {}
+        self._places: Mapping[str, CrossingPlace] = {}
+        self._goes_on = False
+        self._correlations: dict[str, int] = {}
+
+    def look(
+        self, places: Sequence[CrossingPlace] | None, state: DutyState, leaves_in_s: float, now_s: float
+    ) -> None:
+        """See where the train is now; None: it does not know. A stop is left in `leaves_in_s` at the soonest."""
+        if places is None:
+            self._places = {}
+            return
+        self._goes_on = state.phase is DutyPhase.RUNNING or leaves_in_s <= 0.0
+        self._places = {
+            place.crossing_id: _as_it_runs(place, state, leaves_in_s)
+            for place in places
+            if not place.clear or self._is_due_to_say(place.crossing_id)
+        }
+        for crossing_id in self._places:
+            if crossing_id not in self._views:
+                self._views[crossing_id] = CrossingView(crossing_id, forgot=self._forgot)
+        for crossing_id, view in list(self._views.items()):
+            place = self._places.get(crossing_id)
+            if place is not None or view.phase is not CrossingPhase.AHEAD:
+                self._take(crossing_id, CrossingSeen(place), now_s)
+
+    def hear(self, heard: Received, now_s: float) -> bool:
+        """Take a telegram, if it is a level crossing's; whether it was."""
+        crossing_id = heard.source
+        if crossing_id not in self._views:
+            return False
+        match heard.message:
+            case CrossingProof(closed, valid_s):
+                if heard.fresh and heard.correlation == self._correlations.get(crossing_id):
+                    answered = CrossingAnswered(closed, now_s + valid_s)
+                    self._take(crossing_id, answered, now_s)
+            case CrossingOverHeard():
+                if heard.correlation == self._correlations.get(crossing_id):
+                    self._take(crossing_id, CrossingOverAnswered(), now_s)
+            case Restarted():
+                self._take(crossing_id, CrossingBooted(), now_s)
+            case _:
+                return False
+        return True
+
+    def creep(self, crossing_id: str, now_s: float) -> None:
+        """Its driver has leave to creep over a crossing."""
+        if crossing_id in self._views:
+            self._take(crossing_id, CreepAllowed(), now_s)
+
+    def off_the_line(self, now_s: float) -> None:
+        """The whole train is off the line."""
+        for crossing_id in list(self._views):
+            self._take(crossing_id, CrossingOffLine(), now_s)
+
+    def held_before(self, now_s: float) -> str:
+        """The first crossing that the front may not go onto; empty: none."""
+        ahead = (place for place in self._places.values() if not self._may_pass(place, now_s))
+        return min(ahead, key=lambda place: place.fastest_s, default=_NOWHERE).crossing_id
+
+    def start_held_by(self, now_s: float) -> str:
+        """The crossing so near that a train that stands does not start for it; empty: none."""
+        place = self._places.get(self.held_before(now_s))
+        near = place is not None and place.stands and place.fastest_s < place.least_s
+        return place.crossing_id if place is not None and near else ""
+
+    def kept_standing_by(self, now_s: float) -> str:
+        """The crossing for which a train stands that would go on now; empty: none."""
+        place = self._places.get(self.start_held_by(now_s))
+        goes_on = place is not None and self._goes_on and math.isfinite(place.arrives_s)
+        return place.crossing_id if place is not None and goes_on else ""
+
+    @property
+    def creeps(self) -> bool:
+        """Whether the train runs on sight over a crossing that has not proved closed."""
+        return any(view.creeps for view in self._views.values())
+
+    def wake_s(self, now_s: float) -> float:
+        """When to look again; infinite: not before something happens."""
+        seen = self._places
+        if not seen:
+            said = (view.said_s for view in self._views.values() if view.phase is CrossingPhase.LEAVING)
+            return min((max(at_s + 2.0, now_s + 0.1) for at_s in said), default=math.inf)
+        return min(
+            (wake_s(view, seen.get(id_), now_s) for id_, view in self._views.items()), default=math.inf
+        )
+
+    def _is_due_to_say(self, crossing_id: str) -> bool:
+        """Whether a crossing behind has yet to hear so."""
+        view = self._views.get(crossing_id)
+        return self._forgot if view is None else view.forgot or view.phase is not CrossingPhase.AHEAD
+
+    def _may_pass(self, place: CrossingPlace, now_s: float) -> bool:
+        return may_pass(self._views[place.crossing_id], place, now_s)
+
+    def _take(self, crossing_id: str, event: CrossingEvent, now_s: float) -> None:
+        before = self._views[crossing_id]
+        after, actions = step(before, event, now_s)
+        self._views[crossing_id] = after
+        if after.phase in _ANNOUNCED and before.phase not in _ANNOUNCED:
+            self._correlations[crossing_id] = self._correlations.get(crossing_id, 0) + 1
+        for action in actions:
+            if isinstance(action, CrossingRequest | CrossingOver):
+                correlation = self._correlations.get(crossing_id, 0)
+                self.letters.append(CrossingLetter(crossing_id, action, correlation))
+            else:
+                self.notes.append(action)
+
+
+_NOWHERE: Final = CrossingPlace("", 0, 0, 0.0, 0.0, 0.0)
+
+
+def _as_it_runs(place: CrossingPlace, state: DutyState, leaves_in_s: float) -> CrossingPlace:
+    """The place with the times of a train that runs or leaves towards it; of another they are infinite."""
+    held = state.limit.joint > place.span and not state.halted and state.unable is None
+    comes = held and state.at == place.stop
+    if comes and state.phase is DutyPhase.RUNNING:
+        return place
+    if comes and state.phase is DutyPhase.STANDING:
+        leaves_in_s = max(leaves_in_s, 0.0)
+        return replace(place, arrives_s=place.arrives_s + leaves_in_s, proof_s=place.proof_s + leaves_in_s)
+    return replace(place, arrives_s=math.inf, proof_s=math.inf)

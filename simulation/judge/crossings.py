@@ -1,0 +1,133 @@
+"""Level crossings: what the road truly shows when a front comes onto them, as SUMO has it, and for how long it has.
+
+A road that ceases to be closed when a train can no longer stop before it, by its guaranteed emergency brake, is outside
+the design: told, and no breach of a rule.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from simulation.events import BarrierState, CrossingBarriers, CrossingCreep, CrossingLamps, JournalEntry
+from simulation.judge.body import RESOLUTION_M, Body
+from simulation.judge.locking import GuaranteedBrake
+from simulation.judge.log import Checker, Log
+
+TIME_TOLERANCE_S: Final = 0.11  # a front is seen at the end of a step
+CREEP_MARGIN_MPS: Final = 0.6
+TOLD_WITHIN_S: Final = 2.0  # the device, the air and the unit: until a train knows that a proof is taken back
+
+
+@dataclass(frozen=True, slots=True)
+class CrossingFacts:
+    """A crossing with a device: where its road begins along SUMO's edges (m), and its least times (s)."""
+
+    begins_m: Mapping[str, float]
+    has_barriers: bool
+    least_warning_s: float
+    least_closed_s: float
+
+
+@dataclass(slots=True)
+class _WatchedRoad:
+    """Since when (s) lamps shine and barriers are down; infinite: they do not, are not."""
+
+    lit_s: float = math.inf
+    lowered_s: float = math.inf
+
+
+class CrossingWatch:
+    """Checks `crossing-open` and `crossing-warning`: no front comes onto a road that is not closed, or not for its
+    least times, unless its driver has leave to creep over it and does.
+    """
+
+    def __init__(
+        self,
+        crossings: Mapping[str, CrossingFacts],
+        creep_mps: float,
+        brakes: Mapping[str, GuaranteedBrake],
+        log: Log,
+    ) -> None:
+        self._facts, self._creep_mps, self._brakes, self._log = crossings, creep_mps, brakes, log
+        self._roads = {crossing_id: _WatchedRoad() for crossing_id in crossings}
+        self._on_edge: dict[str, list[tuple[float, str]]] = {}
+        for crossing_id, facts in crossings.items():
+            for edge_id, begins_m in facts.begins_m.items():
+                self._on_edge.setdefault(edge_id, []).append((begins_m, crossing_id))
+        self._seen: dict[str, tuple[str, float]] = {}
+        self._leave: set[tuple[str, str]] = set()
+        self._too_late: set[tuple[str, str]] = set()  # who could not stop when which road ceased to be closed
+
+    def see(self, entry: JournalEntry, bodies: Iterable[Body]) -> None:
+        """Lamps and barriers change; a driver has leave to creep over a crossing, once."""
+        match entry.event:
+            case CrossingLamps(crossing_id=crossing_id, lit=lit):
+                self._ceases(crossing_id, bodies)
+                road = self._roads[crossing_id]
+                if lit or road.lowered_s == math.inf:  # barriers that are down hold who has been warned
+                    road.lit_s = entry.t_s if lit else math.inf
+            case CrossingBarriers(crossing_id=crossing_id, state=state):
+                self._ceases(crossing_id, bodies)
+                self._roads[crossing_id].lowered_s = entry.t_s if state is BarrierState.LOWERED else math.inf
+            case CrossingCreep(crossing_id=crossing_id):
+                self._leave.add((entry.who, crossing_id))
+            case _:
+                pass
+
+    def _ceases(self, crossing_id: str, bodies: Iterable[Body]) -> None:
+        """Who cannot stop any more before a road that perhaps ceases to be closed now."""
+        begins_m = self._facts[crossing_id].begins_m
+        for body in bodies:
+            room_m = begins_m.get(body.edge_id, -math.inf) - body.front_m
+            brake = self._brakes.get(body.unit_id)
+            if brake is not None and room_m > 0.0:
+                late_m = body.speed_mps * (brake.reaction_s + TOLD_WITHIN_S)
+                if room_m <= late_m + body.speed_mps**2 / (2.0 * brake.deceleration_mps2):
+                    self._too_late.add((body.unit_id, crossing_id))
+
+    def forget(self, unit_id: str) -> None:
+        """The train has turned, or is off the line: where its front was says nothing any more."""
+        self._seen.pop(unit_id, None)
+
+    def observe(self, t_s: float, body: Body, edge_id: str, front_m: float) -> None:
+        """Where SUMO has a train's front now."""
+        if not self._on_edge:
+            return
+        before = self._seen.get(body.unit_id)
+        self._seen[body.unit_id] = (edge_id, front_m)
+        if before is None:
+            return
+        was_edge, was_m = before
+        for begins_m, crossing_id in self._on_edge.get(edge_id, ()):
+            from_m = was_m if was_edge == edge_id else -math.inf
+            if from_m < begins_m - RESOLUTION_M <= front_m:
+                self._entered(t_s, body, crossing_id)
+        if was_edge != edge_id:
+            for begins_m, crossing_id in self._on_edge.get(was_edge, ()):
+                if was_m < begins_m - RESOLUTION_M:
+                    self._entered(t_s, body, crossing_id)
+
+    def _entered(self, t_s: float, body: Body, crossing_id: str) -> None:
+        facts, road = self._facts[crossing_id], self._roads[crossing_id]
+        pair = (body.unit_id, crossing_id)
+        creeps = pair in self._leave and body.speed_mps <= self._creep_mps + CREEP_MARGIN_MPS
+        self._leave.discard(pair)
+        outside = pair in self._too_late
+        self._too_late.discard(pair)
+        if creeps:
+            return
+        closed_s = road.lowered_s if facts.has_barriers else road.lit_s
+        who = f"{body.unit_id} came onto level crossing {crossing_id} at {body.speed_mps:.1f} m/s"
+        subject = f"{crossing_id} {body.unit_id}"
+        if closed_s > t_s:
+            text = f"{who}, which was not closed"
+            self._log.note(t_s, Checker.CROSSING_OPEN, subject, text, outside=outside)
+            return
+        warned_s, shut_s = t_s - road.lit_s, t_s - closed_s
+        short = warned_s < facts.least_warning_s - TIME_TOLERANCE_S
+        if short or shut_s < facts.least_closed_s - TIME_TOLERANCE_S:
+            text = f"{who}, which had warned for {warned_s:.1f} s and been closed for {shut_s:.1f} s"
+            self._log.note(t_s, Checker.CROSSING_WARNING, subject, text)

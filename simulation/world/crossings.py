@@ -1,0 +1,191 @@
+"""Level crossings in the simulated world: their equipment, and the fronts and rears that pass contacts and roads.
+
+The equipment of each is `crossing_equipment`; a device without power lets it close, as relays fall. `CrossingLookout`
+follows the true fronts and rears: no stretch goes beyond the step in which one can first pass a place that matters.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final
+
+from network.model import CrossingControl, LevelCrossing, Line
+from network.path import Path
+from simulation.agenda import Agenda, AgendaKind
+from simulation.events import WORLD, BarrierState, CrossingBarriers, CrossingEntered, CrossingLamps
+from simulation.faults.crossings import CrossingCondition
+from simulation.journal import Journal
+from simulation.setup import STEPS_PER_S, step_not_before
+from simulation.world import crossing_equipment
+from simulation.world.crossing_equipment import (
+    ConditionChanged,
+    CrossingEquipment,
+    EquipmentEvent,
+)
+from simulation.world.trains import Trains
+from wayside.crossing_said import CloseCrossing, CrossingContact
+from wayside.said import Input
+
+GAINS_MPS2: Final = 1.5  # no train gains speed faster, downhill either
+
+ShowsDevice = Callable[[int, str, Input], None]
+
+
+class CrossingsOnTrack:
+    """The equipment of all crossings that have a device, by id."""
+
+    def __init__(self, line: Line, agenda: Agenda, journal: Journal, shows: ShowsDevice) -> None:
+        self.on_line: Final = tuple(c for c in line.crossings.values() if c.has_device)
+        self.equipment: Final[dict[str, CrossingEquipment]] = {
+            crossing.id: crossing_equipment.equipment_of(crossing) for crossing in self.on_line
+        }
+        self._agenda, self._journal, self._shows = agenda, journal, shows
+
+    def start(self, step: int) -> None:
+        """Every device is shown its equipment."""
+        for crossing_id in self.equipment:
+            self.show(step, crossing_id)
+
+    def show(self, step: int, crossing_id: str) -> None:
+        """What its contacts show the device; nothing where there is no such crossing."""
+        equipment = self.equipment.get(crossing_id)
+        if equipment is not None:
+            self._shows(step, crossing_id, crossing_equipment.detection(equipment))
+
+    def power_off(self, step: int, crossing_id: str) -> None:
+        """Its device is dead: relays fall, and it closes; nothing where there is no such crossing."""
+        if crossing_id in self.equipment:
+            self.take(step, crossing_id, CloseCrossing(crossing_id))
+
+    def barriers_due(self, step: int, crossing_id: str) -> None:
+        """Barriers may have reached their end."""
+        self.take(step, crossing_id, crossing_equipment.BarrierTimeOver())
+
+    def is_closed(self, crossing_id: str) -> bool:
+        """Whether the road is truly closed: lamps lit, and barriers down where it has some."""
+        equipment = self.equipment[crossing_id]
+        return equipment.lit and equipment.barriers is BarrierState.LOWERED
+
+    def put_condition(self, step: int, crossing_id: str, condition: CrossingCondition) -> None:
+        """Something of it fails, or is mended."""
+        self.take(step, crossing_id, ConditionChanged(condition))
+
+    def take(self, step: int, crossing_id: str, event: EquipmentEvent) -> None:
+        """What happens to it: written down, shown to its device, and remembered when barriers are due."""
+        before, now_s = self.equipment[crossing_id], step / STEPS_PER_S
+        after = self.equipment[crossing_id] = crossing_equipment.step(before, event, now_s)
+        if after.lit is not before.lit:
+            self._journal.write(now_s, WORLD, CrossingLamps(crossing_id=crossing_id, lit=after.lit))
+        if after.barriers is not before.barriers and after.has_barriers:
+            barriers = CrossingBarriers(crossing_id=crossing_id, state=after.barriers)
+            self._journal.write(now_s, WORLD, barriers)
+        if after.due_s is not None and after.due_s != before.due_s:
+            self._agenda.put(step_not_before(after.due_s), AgendaKind.POINTS, crossing_id)
+        if crossing_equipment.detection(after) != crossing_equipment.detection(before):
+            self.show(step, crossing_id)
+
+
+class PlaceKind(Enum):
+    """What a train passes at a crossing, and with what."""
+
+    ROAD = "the front comes onto the road"
+    FIRST_CONTACT = "the front passes the first contact"
+    LAST_CONTACT = "the rear passes the last contact"
+
+
+@dataclass(frozen=True, slots=True)
+class CrossingPlaceAhead:
+    """A place that matters: passed when the front is `at_m` along the path."""
+
+    at_m: float
+    kind: PlaceKind
+    crossing_id: str
+
+
+class CrossingLookout:
+    """Follows all trains past roads and contacts."""
+
+    def __init__(self, line: Line, trains: Trains, journal: Journal, shows: ShowsDevice) -> None:
+        self._crossings: Final = [c for c in line.crossings.values() if c.has_device]
+        self._line, self._trains, self._journal, self._shows = line, trains, journal, shows
+        self._paths: dict[int, Path] = {}
+        self._ahead: dict[int, list[CrossingPlaceAhead]] = {}
+        self._front_m: dict[int, float] = {}
+
+    def horizon_step(self, step: int) -> float:
+        """The step in which a train can first pass a place; infinite where none is ahead of any."""
+        if not self._crossings:
+            return math.inf
+        return min((step + self._steps_to(slot) for slot in self._trains.active()), default=math.inf)
+
+    def look(self, step: int) -> None:
+        """Who has passed what by now."""
+        if not self._crossings:
+            return
+        active = self._trains.active()
+        for slot in [slot for slot in self._paths if slot not in active]:
+            del self._paths[slot], self._ahead[slot]
+        for slot in active:
+            self._follow(slot)
+            front_m = self._front_m[slot] = float(self._trains.truths[slot].position_m)
+            ahead = self._ahead[slot]
+            while ahead and ahead[0].at_m <= front_m:
+                self._passed(slot, step, ahead.pop(0))
+
+    def _steps_to(self, slot: int) -> int:
+        """Steps within which the train cannot have passed the next place, and one more."""
+        self._follow(slot)
+        if not self._ahead[slot]:
+            return 2**31
+        way_m = self._ahead[slot][0].at_m - float(self._trains.truths[slot].position_m)
+        speed_mps = float(self._trains.plants[slot].speed_mps)
+        takes_s = (math.sqrt(speed_mps**2 + 2.0 * GAINS_MPS2 * max(way_m, 0.0)) - speed_mps) / GAINS_MPS2
+        return max(math.floor(takes_s * STEPS_PER_S), 1)
+
+    def _follow(self, slot: int) -> None:
+        """Take up the path that the train is on, if it is another; who stands on a road has come onto it before."""
+        path, before = self._trains.true_path(slot), self._paths.get(slot)
+        if path is before:
+            return
+        front_m = float(self._trains.truths[slot].position_m)
+        places = [place for c in self._crossings for place in self._places_of(c, slot, path)]
+        ahead = [place for place in places if place.at_m > front_m]
+        if before is not None and before.direction is path.direction:
+            on_path = {crossing.id for crossing in self._crossings if crossing.piece_id in path}
+            moved_m = front_m - self._front_m[slot]
+            ahead += [
+                CrossingPlaceAhead(place.at_m + moved_m, place.kind, place.crossing_id)
+                for place in self._ahead[slot]
+                if place.kind is PlaceKind.LAST_CONTACT and place.crossing_id not in on_path
+            ]
+        self._paths[slot], self._front_m[slot] = path, front_m
+        self._ahead[slot] = sorted(ahead, key=lambda place: place.at_m)
+
+    def _places_of(self, crossing: LevelCrossing, slot: int, path: Path) -> list[CrossingPlaceAhead]:
+        if crossing.piece_id not in path:
+            return []
+        road_m = path.to_path_m(crossing.piece_id, crossing.edge_m(path.direction))
+        found = [CrossingPlaceAhead(road_m, PlaceKind.ROAD, crossing.id)]
+        if crossing.control is CrossingControl.CONTACTS:
+            first_m = road_m - abs(crossing.starts_m[path.direction] - crossing.edge_m(path.direction))
+            leaves_m = crossing.edge_m(path.direction.opposite)
+            beyond_m = abs(crossing.ends_m.get(path.direction, leaves_m) - leaves_m)
+            last_m = road_m + crossing.width_m + beyond_m + float(self._trains.bodies[slot].length_m)
+            found.append(CrossingPlaceAhead(first_m, PlaceKind.FIRST_CONTACT, crossing.id))
+            found.append(CrossingPlaceAhead(last_m, PlaceKind.LAST_CONTACT, crossing.id))
+        return found
+
+    def _passed(self, slot: int, step: int, place: CrossingPlaceAhead) -> None:
+        if place.kind is not PlaceKind.ROAD:
+            first = place.kind is PlaceKind.FIRST_CONTACT
+            self._shows(step, place.crossing_id, CrossingContact(first))
+            return
+        entered = CrossingEntered(
+            unit_id=self._trains.stock_ids[slot],
+            crossing_id=place.crossing_id,
+            speed_mps=round(float(self._trains.plants[slot].speed_mps), 2),
+        )
+        self._journal.write(step / STEPS_PER_S, WORLD, entered)

@@ -1,0 +1,104 @@
+"""`[[crossings]]`: the times of the ministry's interpretation where a line says nothing, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from network.errors import InputError
+from network.files.crossings import least_closed_s, least_warning_s
+from network.files.line_file import parse_line
+from network.model import CrossingClass, Direction, LevelCrossing
+from network.virtual_blocks import with_blocks_of
+
+TEST_LINE = Path("network/lines/rtri_test_line.toml").read_text(encoding="utf-8")
+
+
+def crossing(*keys: str) -> LevelCrossing:
+    """The crossing of these keys, on section 6 (0.53 to 0.88 km) at 0.7 km unless they say otherwise."""
+    own = {key.split(" ")[0] for key in keys}
+    usual = [key for key in ('id = "C"', 'section = "6"', "km = 0.7") if key.split(" ")[0] not in own]
+    if "piece" in own:
+        usual.remove('section = "6"')
+    text = "\n".join((TEST_LINE, "[[crossings]]", *usual, *keys))
+    (found,) = parse_line(text, "line.toml").crossings.values()
+    return found
+
+
+@pytest.mark.parametrize(
+    ("kind", "closing_s", "closed_s", "warning_s", "least_warning", "least_closed"),
+    [("1", 15.0, 20.0, 35.0, 25.0, 15.0), ("3", 0.0, 30.0, 30.0, 20.0, 20.0)],
+)
+def test_the_times_of_article_62(
+    kind: str,
+    closing_s: float,
+    closed_s: float,
+    warning_s: float,
+    least_warning: float,
+    least_closed: float,
+) -> None:
+    found = crossing(f'kind = "{kind}"')
+    assert (found.closing_s, found.closed_s, found.warning_s) == (closing_s, closed_s, warning_s)
+    assert (least_warning_s(found), least_closed_s(found)) == (least_warning, least_closed)
+    assert found.by_radio
+
+
+def test_one_without_a_device_asks_nobody() -> None:
+    found = crossing('kind = "4"')
+    assert found.kind is CrossingClass.NO_DEVICE
+    assert not (found.has_device or found.by_radio)
+
+
+def test_each_direction_meets_its_own_edge_first() -> None:
+    found = crossing("width_m = 8.0")
+    assert (found.edge_m(Direction.DOWN), found.edge_m(Direction.UP)) == (696.0, 704.0)
+
+
+def test_it_goes_with_its_block() -> None:
+    """Three blocks of 350 m / 3: 0.7 km lies in the second, which begins at 0.6467 km."""
+    text = f'{TEST_LINE}\n[[crossings]]\nid = "C"\nsection = "6"\nkm = 0.7\n'
+    line = with_blocks_of(parse_line(text, "line.toml"), {"6": 3})
+    assert line.crossings["C"].piece_id == "6_2"
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        (['id = "B-W"'], "crossings[0].id is 'B-W'; expected an id that no terminal has"),
+        (
+            ['piece = "P7.stem"', "km = 0.885"],
+            "crossings[0].piece is 'P7.stem'; expected a platform track or a section between stations: no crossing in"
+            " points or a portal",
+        ),
+        (
+            ['section = "PW"', "km = 0.04"],
+            "crossings[0].section is 'PW'; expected a platform track or a section between stations: no crossing in"
+            " points or a portal",
+        ),
+        (["km = 0.879"], "crossings[0].width_m is 6.0; expected at most 2, inside 6"),
+        (["closing_s = 9.0"], "crossings[0].closing_s is 9.0; expected at least 10 s, and lowering_s = 8"),
+        (["closed_s = 14.0"], "crossings[0].closed_s is 14.0; expected at least 15 s"),
+        (['kind = "3"', "closed_s = 19.0"], "crossings[0].closed_s is 19.0; expected at least 20 s"),
+        (
+            ['kind = "3"', "closing_s = 15.0"],
+            'crossings[0].closing_s is 15.0; expected only where kind = "1": nothing else closes',
+        ),
+        (
+            ['control = "contacts"', "start_down_km = 0.3"],
+            "crossings[0].start_up_km; expected a place: up trains start the warning by a contact",
+        ),
+        (
+            ['control = "contacts"', "start_down_km = 0.75", "start_up_km = 1.0"],
+            "crossings[0].start_down_km is 0.75; expected a place before 0.697, as down trains run",
+        ),
+        (
+            ["end_up_km = 0.7"],
+            "crossings[0].end_up_km is 0.7; expected a place from 0.697 on, as up trains run",
+        ),
+    ],
+)
+def test_what_is_refused(keys: list[str], message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        crossing(*keys)
+    assert str(caught.value) == f"line.toml: {message}"

@@ -1,0 +1,90 @@
+"""What a unit takes from a level crossing's telegrams: answers to what it has said now, and nothing older."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from msgspec.structs import replace
+
+from onboard.crossings.machine import CrossingPlace
+from onboard.crossings.talk import CrossingTalk
+from onboard.duty.records import DutyPhase, DutyState, StopLimit
+from radio.envelope import Received
+from radio.messages import AnyMessage, CrossingOverHeard, CrossingProof, CrossingRequest, Restarted
+
+RUNS = DutyState(phase=DutyPhase.RUNNING, limit=StopLimit(3, None, "end of the path"))
+NEAR = CrossingPlace("C", 2, 0, 35.0, 15.0, 15.0, arrives_s=40.0, fastest_s=32.0, proof_s=28.0)
+PROOF = CrossingProof(True, 12.0)
+
+
+def heard(message: AnyMessage, correlation: int, *, fresh: bool = True) -> Received:
+    return Received("C", 1, 1, fresh, correlation, 0.0, None, 0, message)
+
+
+def asked() -> CrossingTalk:
+    """A unit that has asked once, under correlation 1."""
+    talk = CrossingTalk(forgot=False)
+    talk.look((NEAR,), RUNS, math.inf, 0.0)
+    assert [(each.message, each.correlation) for each in talk.letters] == [(CrossingRequest(40.0, 28.0), 1)]
+    return talk
+
+
+@pytest.mark.parametrize(
+    ("correlation", "fresh", "held"), [(1, True, ""), (0, True, "C"), (2, True, "C"), (1, False, "C")]
+)
+def test_only_the_answer_to_its_own_request_is_a_proof(correlation: int, fresh: bool, held: str) -> None:
+    talk = asked()
+    assert talk.held_before(1.0) == "C"
+    assert talk.hear(heard(PROOF, correlation, fresh=fresh), 1.0)
+    assert talk.held_before(1.0) == held
+
+
+def test_announced_anew_it_takes_no_proof_of_before() -> None:
+    """Off its path it gives the crossing up; on it again, the old answer comes late."""
+    talk = asked()
+    talk.look((), RUNS, math.inf, 10.0)
+    assert talk.hear(heard(CrossingOverHeard(), 1), 11.0)
+    talk.look((NEAR,), RUNS, math.inf, 20.0)
+    assert talk.hear(heard(PROOF, 1), 21.0)
+    assert talk.held_before(21.0) == "C"
+    assert talk.hear(heard(PROOF, 2), 22.0)
+    assert talk.held_before(22.0) == ""
+
+
+@pytest.mark.parametrize(
+    "state",
+    [
+        replace(RUNS, limit=StopLimit(2, "6", "not held")),  # its way ends before the crossing's section
+        replace(RUNS, at=1),  # it has yet to call at a stop before the crossing
+        replace(RUNS, phase=DutyPhase.FINISHED),
+        replace(RUNS, halted=True),
+    ],
+)
+def test_a_train_that_does_not_come_there_yet_asks_nothing_and_may_not_pass(state: DutyState) -> None:
+    talk = CrossingTalk(forgot=False)
+    talk.look((replace(NEAR, stop=0),), state, math.inf, 0.0)
+    assert talk.letters == []
+    assert talk.held_before(0.0) == "C"
+
+
+def test_at_a_stop_the_time_counts_from_its_departure() -> None:
+    """It leaves in 5 s: 45 s are just in time to ask."""
+    talk = CrossingTalk(forgot=False)
+    standing = replace(RUNS, phase=DutyPhase.STANDING)
+    talk.look((replace(NEAR, stands=True),), standing, 8.0, 0.0)
+    assert talk.letters == []
+    talk.look((replace(NEAR, stands=True),), standing, 5.0, 3.0)
+    assert [each.message for each in talk.letters] == [CrossingRequest(45.0, 33.0)]
+
+
+def test_a_device_that_has_booted_hears_it_again() -> None:
+    talk = asked()
+    talk.letters.clear()
+    assert talk.hear(heard(Restarted(), 0), 0.5)
+    talk.look((NEAR,), RUNS, math.inf, 0.5)
+    assert len(talk.letters) == 1
+
+
+def test_others_telegrams_are_not_its() -> None:
+    assert not CrossingTalk(forgot=False).hear(heard(PROOF, 1), 0.0)

@@ -1,0 +1,74 @@
+"""What `check` says of level crossings, by hand: 12.5 m/s all along the test line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scenario.scenario import load_scenario
+from study.feasibility.check import feasibility
+from study.feasibility.finding import Finding, FindingKind, Severity
+
+HEAD = """extends = "rtri_test_line"
+id = "crossed"
+name = "With a crossing"
+[[patch.line.add.crossings]]
+id = "C1"
+section = "6"
+km = 0.803
+"""
+
+
+def found(folder: Path, *keys: str, before: str = "") -> list[Finding]:
+    """Findings about a road whose edge lies at 0.8 km for down trains, with these keys."""
+    file = folder / "crossed.toml"
+    file.write_text("\n".join((HEAD.replace("[[patch", f"{before}\n[[patch", 1), *keys)), encoding="utf-8")
+    findings = feasibility(load_scenario(str(file)).setup).findings
+    return [finding for finding in findings if finding.kind is FindingKind.LEVEL_CROSSING]
+
+
+def test_one_by_radio_under_radio_is_well(tmp_path: Path) -> None:
+    assert found(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("start_km", "severity", "short_s"),
+    [
+        (0.5, Severity.IMPOSSIBLE, 1.0),  # 300 m at 12.5 m/s: 24 s, where 25 s are the least
+        (0.4875, None, None),  # 25 s
+    ],
+)
+def test_contacts_lie_far_enough_out_for_the_fastest_train(
+    tmp_path: Path, start_km: float, severity: Severity | None, short_s: float | None
+) -> None:
+    contacts = ('control = "contacts"', f"start_down_km = {start_km}", "start_up_km = 1.3")
+    findings = found(tmp_path, *contacts)
+    assert [finding.severity for finding in findings] == ([] if severity is None else [severity])
+    if severity is not None:
+        assert findings[0].short_s == pytest.approx(short_s, abs=0.01)
+        assert findings[0].trains == ("T1",)
+        assert "for 24 s" in findings[0].text
+
+
+def test_more_than_a_minute_is_reported(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "closed_s = 46.0")
+    assert (finding.severity, finding.text) == (Severity.TIGHT, "level crossing C1 warns for 61 s")
+
+
+def test_units_need_radio_where_they_ask(tmp_path: Path) -> None:
+    """45 s at 12.5 m/s are 562.5 m: it is asked from 0.24 km on, before T1's path begins at 0.36 km."""
+    parts = "{ from_km = 0.0, to_km = 0.6 }, { from_km = 0.9, to_km = 1.41 }"
+    dead = f'patch.line.set = {{ "alignments.main.coverage" = [{parts}] }}'
+    (finding,) = found(tmp_path, before=dead)
+    assert finding.severity is Severity.TIGHT
+    assert "does not reach at km 0.6" in finding.text
+    assert "563 m before it" in finding.remedy
+
+
+@pytest.mark.parametrize(("sight_m", "wrong"), [(112.0, True), (113.0, False)])
+def test_without_a_device_its_users_see_what_comes_while_they_cross(
+    tmp_path: Path, sight_m: float, wrong: bool
+) -> None:
+    """6 m at 1 m/s and 3 s: 9 s at 12.5 m/s are 112.5 m."""
+    assert bool(found(tmp_path, 'kind = "4"', f"sight_m = {sight_m}")) is wrong

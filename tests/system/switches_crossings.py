@@ -1,0 +1,101 @@
+"""Switches of level crossings: device and unit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from onboard.crossings import machine as crossings
+from onboard.crossings import talk
+from radio.messages import CrossingOver
+from tests.system.switchboard import switch
+from wayside import level_crossing
+from wayside.crossing_said import CrossingContact
+from wayside.level_crossing import ClosureAsked, CrossingDevice, CrossingLeft, CrossingState
+
+
+@switch
+def passes_unproven_crossings(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(talk, "may_pass", lambda *_: True)
+
+
+@switch
+def asks_no_crossing_in_time(patch: pytest.MonkeyPatch) -> None:
+    """Announces itself when its front could be there at once."""
+    patch.setattr(crossings.CrossingPlace, "due_s", property(lambda self: self.fastest_s - 10.0))
+
+
+@switch
+def keeps_no_least_time(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(crossings, "KEEPS_LEAST_TIME", False)
+
+
+@switch
+def proves_lamps_alone(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(level_crossing, "_shuts", lambda device: device.detected.lamps)
+
+
+@switch
+def proves_what_it_commands(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(level_crossing, "_shuts", lambda _device: True)
+
+
+@switch
+def counts_no_rear(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(
+        level_crossing,
+        "TABLE",
+        {
+            **level_crossing.TABLE,
+            (CrossingState.CLOSED, CrossingContact): lambda device, _event, _now_s: (device, ()),
+        },
+    )
+
+
+@switch
+def opens_in_silence(patch: pytest.MonkeyPatch) -> None:
+    """Who has not been heard for a proof's time is not announced any more."""
+    step = level_crossing.step
+    heard_s: dict[str, float] = {}
+
+    def stepped(
+        device: CrossingDevice, event: level_crossing.CrossingEvent, now_s: float
+    ) -> level_crossing.CrossingStep:
+        if isinstance(event, ClosureAsked):
+            heard_s[event.unit_id] = now_s
+        silent = [unit_id for unit_id in device.approaches if now_s > heard_s.get(unit_id, now_s) + 12.0]
+        actions: tuple[Any, ...] = ()
+        for unit_id in silent:
+            left = CrossingLeft(unit_id, 0, CrossingOver(passed=False))
+            device, more = step(device, left, now_s)
+            actions += more
+        device, more = step(device, event, now_s)
+        return device, (*actions, *more)
+
+    patch.setattr(level_crossing, "step", stepped)
+    patch.setattr(level_crossing, "wake_at_s", lambda _device: max(heard_s.values(), default=0.0) + 13.0)
+
+
+@switch
+def closes_once(patch: pytest.MonkeyPatch) -> None:
+    """A device that does not close again once it has opened."""
+    opened: list[float] = []
+    leave, ask = (
+        level_crossing.TABLE[CrossingState.CLOSED, CrossingLeft],
+        level_crossing.TABLE[CrossingState.OPEN, ClosureAsked],
+    )
+
+    def left(device: CrossingDevice, event: CrossingLeft, now_s: float) -> level_crossing.CrossingStep:
+        opened.append(now_s)
+        return leave(device, event, now_s)
+
+    def asked(device: CrossingDevice, event: ClosureAsked, now_s: float) -> level_crossing.CrossingStep:
+        return (device, ()) if opened else ask(device, event, now_s)
+
+    table = {
+        **level_crossing.TABLE,
+        (CrossingState.CLOSED, CrossingLeft): left,
+        (CrossingState.OPEN, ClosureAsked): asked,
+    }
+    patch.setattr(level_crossing, "TABLE", table)

@@ -1,0 +1,231 @@
+"""The rules of a level crossing's device, state by state, and its times by hand."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from radio.messages import AnyMessage, CrossingOver, CrossingOverHeard, CrossingProof, CrossingRequest
+from wayside.actions import Drive, Send, Show
+from wayside.config import CrossingConfig
+from wayside.crossing_said import (
+    CloseCrossing,
+    CrossingContact,
+    CrossingDetected,
+    CrossingOpens,
+    CrossingUnproven,
+    OpenCrossing,
+    WhyUnproven,
+)
+from wayside.level_crossing import (
+    REANNOUNCED_S,
+    TABLE,
+    VALID_S,
+    ClosureAsked,
+    CrossingDevice,
+    CrossingEvent,
+    CrossingLeft,
+    CrossingMemory,
+    CrossingState,
+    CrossingTimeDue,
+    start,
+    step,
+    table_rows,
+    wake_at_s,
+)
+
+BARRIERS = CrossingConfig("line", "C", barriers=True, closing_s=15.0, closed_s=20.0)
+LAMPS = CrossingConfig("line", "C", barriers=False, closing_s=0.0, closed_s=30.0)
+UP = CrossingDetected(lamps=False, lowered=False, raised=True)
+MOVING = CrossingDetected(lamps=True, lowered=False, raised=False)
+DOWN = CrossingDetected(lamps=True, lowered=True, raised=False)
+DARK = CrossingDetected(lamps=False, lowered=True, raised=False)
+OPEN, CLOSING, CLOSED = CrossingState.OPEN, CrossingState.CLOSING, CrossingState.CLOSED
+COMES, GONE = CrossingContact(first=True), CrossingContact(first=False)
+
+
+def asks(arrives_s: float, proof_s: float = math.inf, unit: str = "u", correlation: int = 1) -> ClosureAsked:
+    return ClosureAsked(unit, correlation, CrossingRequest(arrives_s, proof_s))
+
+
+def leaves(unit: str = "u", correlation: int = 1) -> CrossingLeft:
+    return CrossingLeft(unit, correlation, CrossingOver(passed=True))
+
+
+class Box:
+    """A device and what it did last."""
+
+    def __init__(
+        self, config: CrossingConfig = BARRIERS, memory: CrossingMemory | None = None, *, lost: bool = False
+    ) -> None:
+        self.device: CrossingDevice = start(config, memory or CrossingMemory(), lost=lost)
+        self.drives: list[object] = []
+        self.notes: list[object] = []
+        self.now_s = 0.0
+
+    def do(self, event: CrossingEvent, at_s: float | None = None) -> list[tuple[str, AnyMessage, int]]:
+        self.now_s = self.now_s if at_s is None else at_s
+        self.device, actions = step(self.device, event, self.now_s)
+        self.drives = [action.output for action in actions if isinstance(action, Drive)]
+        self.notes = [action.note for action in actions if isinstance(action, Show)]
+        sends = [action for action in actions if isinstance(action, Send)]
+        return [(send.destination, send.message, send.correlation) for send in sends]
+
+    @property
+    def state(self) -> CrossingState:
+        return self.device.state
+
+
+def closed_for(*units: str) -> Box:
+    """Asked at 0 by each, closed at 15."""
+    box = Box()
+    box.do(UP)
+    for unit in units:
+        box.do(asks(35.0, unit=unit))
+    box.do(MOVING)
+    box.do(DOWN, 15.0)
+    return box
+
+
+def test_every_state_takes_every_event() -> None:
+    events = (ClosureAsked, CrossingLeft, CrossingDetected, CrossingContact, CrossingTimeDue)
+    assert set(TABLE) == {(state, event) for state in CrossingState for event in events}
+    assert len(table_rows()) == len(TABLE)
+
+
+def test_the_warning_begins_so_long_before_the_front_as_the_line_has_it() -> None:
+    """50 s before the front, that is 15 + 20 s before it: in 15 s."""
+    box = Box()
+    box.do(UP)
+    assert box.do(asks(50.0), 100.0) == [("u", CrossingProof(False, VALID_S), 1)]
+    assert (box.state, box.drives, wake_at_s(box.device)) == (OPEN, [], 115.0)
+    box.do(CrossingTimeDue(), 114.9)
+    assert box.state is OPEN
+    box.do(CrossingTimeDue(), 115.0)
+    assert (box.state, box.drives) == (CLOSING, [CloseCrossing("C")])
+
+
+def test_it_begins_earlier_for_a_train_that_would_have_to_brake() -> None:
+    """It must know in 24 s: 15 s to close and 1 s for the telegram leave 8 s."""
+    box = Box()
+    box.do(asks(60.0, 24.0))
+    assert wake_at_s(box.device) == 8.0
+
+
+@pytest.mark.parametrize(("later_s", "begins_s"), [(80.0, 45.0), (40.0, 5.0), (20.0, None)])
+def test_a_unit_may_say_another_time_while_it_is_open(later_s: float, begins_s: float | None) -> None:
+    box = Box()
+    box.do(asks(50.0))
+    box.do(asks(later_s))
+    if begins_s is None:
+        assert (box.state, box.drives) == (CLOSING, [CloseCrossing("C")])
+    else:
+        assert (box.state, wake_at_s(box.device)) == (OPEN, begins_s)
+
+
+def test_a_later_time_does_not_open_it() -> None:
+    box = closed_for("u")
+    assert box.do(asks(600.0, correlation=2), 20.0) == [("u", CrossingProof(True, VALID_S), 2)]
+    assert (box.state, box.drives) == (CLOSED, [])
+
+
+def test_the_proof_is_sent_once_it_is_detected_and_taken_back_at_once() -> None:
+    box = Box()
+    box.do(asks(35.0))
+    assert box.do(MOVING) == []
+    assert box.do(DOWN, 15.0) == [("u", CrossingProof(True, VALID_S), 1)]
+    assert box.do(DARK, 18.0) == [("u", CrossingProof(False, VALID_S), 1)]
+    assert box.notes == [CrossingUnproven(why=WhyUnproven.LOST)]
+
+
+def test_lamps_that_shine_again_must_have_warned_for_their_time() -> None:
+    """Lit at 20 s, with the barriers down: 15 s later it is proved closed."""
+    box = closed_for("u")
+    box.do(DARK, 18.0)
+    assert box.do(DOWN, 20.0) == []
+    assert wake_at_s(box.device) == 35.0
+    box.do(CrossingTimeDue(), 34.9)
+    assert box.state is CLOSING
+    assert box.do(CrossingTimeDue(), 35.0) == [("u", CrossingProof(True, VALID_S), 1)]
+
+
+def test_what_is_not_detected_in_time_is_noted_once_and_stays_commanded() -> None:
+    """15 s and half as much, and a second."""
+    box = Box()
+    box.do(asks(35.0))
+    assert wake_at_s(box.device) == 23.5
+    box.do(CrossingTimeDue(), 23.5)
+    assert (box.state, box.notes) == (CLOSING, [CrossingUnproven(why=WhyUnproven.LATE)])
+    box.do(CrossingTimeDue(), 60.0)
+    assert (box.notes, wake_at_s(box.device)) == ([], None)
+
+
+def test_it_opens_behind_the_last_of_several() -> None:
+    box = closed_for("u", "v")
+    assert box.do(leaves("u", 7), 40.0) == [("u", CrossingOverHeard(), 7)]
+    assert (box.state, box.drives) == (CLOSED, [])
+    box.do(leaves("v"), 50.0)
+    assert (box.state, box.drives, box.notes) == (OPEN, [OpenCrossing("C")], [CrossingOpens()])
+    assert box.do(leaves("v"), 52.0) == [("v", CrossingOverHeard(), 1)]
+    assert box.drives == []
+
+
+def test_silence_opens_nothing() -> None:
+    box = closed_for("u")
+    box.do(CrossingTimeDue(), 36_000.0)
+    assert (box.state, box.drives) == (CLOSED, [])
+
+
+def test_without_barriers_lamps_close_it() -> None:
+    box = Box(LAMPS)
+    box.do(asks(30.0))
+    assert box.do(MOVING) == [("u", CrossingProof(True, VALID_S), 1)]
+
+
+def test_after_a_restart_it_is_closed_until_each_that_had_announced_itself_says_so() -> None:
+    box = closed_for("u", "v")
+    again = Box(memory=box.device.memory)
+    assert again.state is CLOSING
+    assert again.do(UP) == []
+    assert again.drives == [CloseCrossing("C")]
+    again.do(MOVING)
+    assert again.do(DOWN, 15.0) == []  # nobody has been heard
+    again.do(leaves("u"), 16.0)
+    assert again.do(asks(3.0, unit="v"), 17.0) == [("v", CrossingProof(True, VALID_S), 1)]
+    assert again.state is CLOSED
+    again.do(leaves("v"), 30.0)
+    assert again.state is OPEN
+
+
+def test_one_that_has_lost_its_memory_stays_closed_until_all_that_come_have_said_so_again() -> None:
+    box = Box(lost=True)
+    box.do(DOWN, 100.0)
+    box.do(CrossingTimeDue(), 115.0)
+    assert (box.state, wake_at_s(box.device)) == (CLOSED, 100.0 + REANNOUNCED_S)
+    box.do(CrossingTimeDue(), 129.0)
+    assert box.state is CLOSED
+    box.do(CrossingTimeDue(), 130.0)
+    assert (box.state, box.drives) == (OPEN, [OpenCrossing("C")])
+
+
+def test_after_a_power_cut_without_trains_it_is_opened() -> None:
+    box = Box()
+    box.do(DOWN)
+    assert box.drives == [OpenCrossing("C")]
+
+
+def test_contacts_count_fronts_in_and_rears_out() -> None:
+    box = Box()
+    box.do(UP)
+    box.do(GONE)  # nobody had come
+    assert box.state is OPEN
+    box.do(COMES)
+    assert (box.state, box.drives) == (CLOSING, [CloseCrossing("C")])
+    box.do(MOVING)
+    box.do(DOWN, 15.0)
+    box.do(COMES, 20.0)
+    box.do(GONE, 30.0)
+    assert (box.state, box.device.memory.counted) == (CLOSED, 1)
+    box.do(GONE, 60.0)
+    assert (box.state, box.drives) == (OPEN, [OpenCrossing("C")])

@@ -1,0 +1,68 @@
+"""What the device of a level crossing is told and says besides telegrams: inputs, outputs, lines of the journal.
+
+Lamps and barriers stand in the simulated world; the device drives and senses them as by relays. Pure data, without any
+rule; `wayside.said` has them among those of the other devices.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+
+import msgspec
+
+from radio.noted import Noted
+
+
+class CrossingDetected(msgspec.Struct, frozen=True, array_like=True, tag=13):
+    """World to level crossing: what its contacts show, at each change and after a restart: lamps lit, barriers at
+    either end. What is not detected shows neither.
+    """
+
+    lamps: bool
+    lowered: bool
+    raised: bool
+
+
+class CrossingContact(msgspec.Struct, frozen=True, array_like=True, tag=14):
+    """World to level crossing: a front has passed the `first` contact of its direction, or a rear the last one."""
+
+    first: bool
+
+
+class CloseCrossing(msgspec.Struct, frozen=True, array_like=True, tag=3):
+    """Level crossing to world: lamps on, barriers down."""
+
+    crossing_id: str
+
+
+class OpenCrossing(msgspec.Struct, frozen=True, array_like=True, tag=4):
+    """Level crossing to world: barriers up, lamps off."""
+
+    crossing_id: str
+
+
+class CrossingWarns(Noted, frozen=True, kw_only=True, tag="crossing_warns"):
+    """A level crossing begins to close: for this unit, or since a contact was passed."""
+
+    unit_id: str = ""
+
+
+class CrossingProven(Noted, frozen=True, kw_only=True, tag="crossing_proven"):
+    """A level crossing is closed, as detected."""
+
+
+class WhyUnproven(Enum):
+    """Why a level crossing does not prove closed."""
+
+    LATE = "not detected in time"
+    LOST = "lost"
+
+
+class CrossingUnproven(Noted, frozen=True, kw_only=True, tag="crossing_unproven"):
+    """A level crossing that is commanded closed is not, or no longer, detected so."""
+
+    why: WhyUnproven
+
+
+class CrossingOpens(Noted, frozen=True, kw_only=True, tag="crossing_opens"):
+    """A level crossing opens: no train is announced any more."""

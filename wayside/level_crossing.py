@@ -1,0 +1,329 @@
+"""Invariant: from when a unit is told that the crossing is closed until that unit has said that it is over it, or has
+given it up, the crossing is commanded closed; a proof is sent only while lamps and barriers are detected so.
+
+The device of a level crossing (踏切制御装置) as a pure machine: `step(device, event, now_s) -> (device, actions)`, with
+`now_s` as time that has passed, not as a clock shows it. A unit says how soon its front can be there; the warning
+begins so much before that as the line has it, so that it lasts as long for slow trains as for fast ones
+(踏切警報時間の定時間化). It says so again and again: a proof holds for `VALID_S`, and silence takes it away, but never
+opens the crossing. A unit may put its time off while the crossing is still open; once that is closing, only the
+unit's word that it is over it, or has given it up, counts. Which units have announced themselves is its durable
+memory: after a restart the crossing stays closed until each of them has said so. Controlled by contacts it closes
+when a front passes the first and opens when as many rears have passed the last; no unit is told anything.
+`TABLE` is the state of the crossing and the kind of event.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from types import MappingProxyType
+from typing import Any, Final
+
+import msgspec
+from msgspec.structs import replace
+
+from radio.messages import CrossingOver, CrossingOverHeard, CrossingProof, CrossingRequest
+from radio.table import TableCell, rows
+from wayside.actions import Action, Drive, Send, Show
+from wayside.config import CrossingConfig
+from wayside.crossing_said import (
+    CloseCrossing,
+    CrossingContact,
+    CrossingDetected,
+    CrossingOpens,
+    CrossingProven,
+    CrossingUnproven,
+    CrossingWarns,
+    OpenCrossing,
+    WhyUnproven,
+)
+
+VALID_S: Final = 12.0  # assumed: three of a unit's repeats
+TELEGRAM_S: Final = 1.0  # assumed: a proof under way
+REANNOUNCED_S: Final = 30.0  # units that are heard at all have said again by then that they come
+_TIME_TOLERANCE_S: Final = 1e-9
+
+
+class CrossingState(Enum):
+    """What the device has commanded, and knows."""
+
+    OPEN = "open"
+    CLOSING = "closing"  # commanded, not (or no longer) detected
+    CLOSED = "closed"  # as detected
+
+
+class CrossingMemory(msgspec.Struct, frozen=True, array_like=True):
+    """Durable state: units that have announced themselves, trains that contacts have counted in and not out."""
+
+    units: tuple[str, ...] = ()
+    counted: int = 0
+
+
+class Approach(msgspec.Struct, frozen=True, array_like=True):
+    """A unit that comes: its warning must begin then (s); one known from before a restart is due at once."""
+
+    starts_s: float = -math.inf
+    correlation: int = 0
+
+
+class CrossingDevice(msgspec.Struct, frozen=True):
+    """State of the device.
+
+    `lit_s`: since when lamps are detected; `deadline_s`: when what was commanded must be detected; `held_s`: closed
+    until then, since the memory was lost (negative infinity: it was not, infinity: and nothing has happened yet).
+    """
+
+    config: CrossingConfig
+    memory: CrossingMemory
+    state: CrossingState = CrossingState.OPEN
+    approaches: Mapping[str, Approach] = msgspec.field(default_factory=dict[str, Approach])
+    detected: CrossingDetected = CrossingDetected(lamps=False, lowered=False, raised=False)
+    lit_s: float = math.inf
+    deadline_s: float | None = None
+    held_s: float = -math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class ClosureAsked:
+    """Event: a request passed the envelope's checks."""
+
+    unit_id: str
+    correlation: int
+    message: CrossingRequest
+
+
+@dataclass(frozen=True, slots=True)
+class CrossingLeft:
+    """Event: a unit's word that it is over it, or has given it up, passed the envelope's checks."""
+
+    unit_id: str
+    correlation: int
+    message: CrossingOver
+
+
+@dataclass(frozen=True, slots=True)
+class CrossingTimeDue:
+    """Event: look at the times at which warnings must begin, and at the limit of what was commanded."""
+
+
+CrossingEvent = ClosureAsked | CrossingLeft | CrossingDetected | CrossingContact | CrossingTimeDue
+CrossingStep = tuple[CrossingDevice, tuple[Action, ...]]
+
+
+def start(config: CrossingConfig, memory: CrossingMemory, *, lost: bool = False) -> CrossingDevice:
+    """A device after a (re)start: closed, for whoever had announced itself; `lost`: nobody knows who had."""
+    wanted = bool(memory.units or memory.counted or lost)
+    return CrossingDevice(
+        config,
+        memory,
+        CrossingState.CLOSING if wanted else CrossingState.OPEN,
+        dict.fromkeys(memory.units, Approach()),
+        held_s=math.inf if lost else -math.inf,
+    )
+
+
+def step(device: CrossingDevice, event: CrossingEvent, now_s: float) -> CrossingStep:
+    """The next state and what to do. Never raises for what a unit sends."""
+    if device.held_s == math.inf:
+        device = replace(device, held_s=now_s + REANNOUNCED_S)
+    after, actions = TABLE[device.state, type(event)](device, event, now_s)
+    kept = CrossingMemory(tuple(sorted(after.approaches)), after.memory.counted)
+    return (after if kept == after.memory else replace(after, memory=kept)), actions
+
+
+def wake_at_s(device: CrossingDevice) -> float | None:
+    """When the next warning must begin, or what was commanded must be detected, or a lost memory holds no more."""
+    times_s = [device.held_s] if device.state is not CrossingState.OPEN and not _wanted(device) else []
+    if device.state is CrossingState.OPEN:
+        times_s += [approach.starts_s for approach in device.approaches.values()]
+    elif device.state is CrossingState.CLOSING and _shuts(device):
+        times_s.append(device.lit_s + device.config.closing_s)
+    elif device.deadline_s is not None:
+        times_s.append(device.deadline_s)
+    return min((time_s for time_s in times_s if math.isfinite(time_s)), default=None)
+
+
+def _wanted(device: CrossingDevice) -> bool:
+    """Whether any train is announced, or was counted in."""
+    return bool(device.approaches or device.memory.counted)
+
+
+def _seen(device: CrossingDevice, detected: CrossingDetected, now_s: float) -> CrossingDevice:
+    """What its contacts show now."""
+    begins = detected.lamps and not device.detected.lamps
+    lit_s = now_s if begins else device.lit_s if detected.lamps else math.inf
+    return replace(device, detected=detected, lit_s=lit_s)
+
+
+def _shuts(device: CrossingDevice) -> bool:
+    """Whether lamps shine and barriers are down, as detected."""
+    return device.detected.lamps and (device.detected.lowered or not device.config.barriers)
+
+
+def _shows_closed(device: CrossingDevice, now_s: float) -> bool:
+    """Whether they do, and the warning has been given for its time until closed: lamps may have failed meanwhile."""
+    return _shuts(device) and now_s >= device.lit_s + device.config.closing_s - _TIME_TOLERANCE_S
+
+
+def _starts_s(config: CrossingConfig, request: CrossingRequest, now_s: float) -> float:
+    """When the warning must begin: constant before the front, or earlier for one that must brake before that."""
+    before_front_s = request.arrives_s - config.closing_s - config.closed_s
+    before_proof_s = request.proof_s - config.closing_s - TELEGRAM_S
+    return now_s + min(before_front_s, before_proof_s)
+
+
+def _proof(device: CrossingDevice, unit_id: str) -> Send:
+    proof = CrossingProof(device.state is CrossingState.CLOSED, VALID_S)
+    return Send(unit_id, proof, device.approaches[unit_id].correlation)
+
+
+def _proofs(device: CrossingDevice) -> tuple[Send, ...]:
+    """To everyone who has been heard since the last restart."""
+    heard = (unit_id for unit_id, approach in device.approaches.items() if approach.starts_s > -math.inf)
+    return tuple(_proof(device, unit_id) for unit_id in heard)
+
+
+def _announced(device: CrossingDevice, event: ClosureAsked, now_s: float) -> CrossingDevice:
+    approach = Approach(_starts_s(device.config, event.message, now_s), event.correlation)
+    return replace(device, approaches={**device.approaches, event.unit_id: approach})
+
+
+def _close(device: CrossingDevice, unit_id: str, now_s: float) -> CrossingStep:
+    closing = replace(
+        device,
+        state=CrossingState.CLOSING,
+        deadline_s=now_s + 1.5 * device.config.closing_s + TELEGRAM_S,
+    )
+    return closing, (Show(CrossingWarns(unit_id=unit_id)), Drive(CloseCrossing(device.config.device_id)))
+
+
+def _ask_open(device: CrossingDevice, event: ClosureAsked, now_s: float) -> CrossingStep:
+    """Announced: the warning begins in its time, which the unit may still put off or bring forward."""
+    device = _announced(device, event, now_s)
+    device, actions = _begin_due(device, CrossingTimeDue(), now_s)
+    return device, (*actions, _proof(device, event.unit_id))
+
+
+def _ask_closing(device: CrossingDevice, event: ClosureAsked, now_s: float) -> CrossingStep:
+    """Announced: closed for it, too; it is told whether that is detected, and since when."""
+    device = _announced(device, event, now_s)
+    return device, (_proof(device, event.unit_id),)
+
+
+def _begin_due(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) -> CrossingStep:
+    """The warning begins for the first unit whose time has come."""
+    due = [
+        (approach.starts_s, unit_id)
+        for unit_id, approach in device.approaches.items()
+        if approach.starts_s <= now_s + _TIME_TOLERANCE_S
+    ]
+    return _close(device, min(due)[1], now_s) if due else (device, ())
+
+
+def _leave_open(device: CrossingDevice, event: CrossingLeft, _now_s: float) -> CrossingStep:
+    """Not announced any more; confirmed, as often as it is said."""
+    left = {unit_id: each for unit_id, each in device.approaches.items() if unit_id != event.unit_id}
+    return replace(device, approaches=left), (Send(event.unit_id, CrossingOverHeard(), event.correlation),)
+
+
+def _leave_closed(device: CrossingDevice, event: CrossingLeft, now_s: float) -> CrossingStep:
+    """Not announced any more; opens behind the last one. Confirmed, as often as it is said."""
+    device, confirmed = _leave_open(device, event, now_s)
+    device, opened = _open_if_free(device, now_s)
+    return device, (*confirmed, *opened)
+
+
+def _open_if_free(device: CrossingDevice, now_s: float) -> CrossingStep:
+    if _wanted(device) or now_s < device.held_s - _TIME_TOLERANCE_S:
+        return device, ()
+    opened = replace(device, state=CrossingState.OPEN, deadline_s=None, held_s=-math.inf)
+    return opened, (Show(CrossingOpens()), Drive(OpenCrossing(device.config.device_id)))
+
+
+def _detect_open(device: CrossingDevice, event: CrossingDetected, now_s: float) -> CrossingStep:
+    """Remembered; what is not raised, as after a power cut, is opened."""
+    device = _seen(device, event, now_s)
+    return device, () if event.raised else (Drive(OpenCrossing(device.config.device_id)),)
+
+
+def _detect_closing(device: CrossingDevice, event: CrossingDetected, now_s: float) -> CrossingStep:
+    """Closed, as detected: the proof goes to all that have announced themselves."""
+    return _prove(_seen(device, event, now_s), now_s)
+
+
+def _prove(device: CrossingDevice, now_s: float) -> CrossingStep:
+    if not _shows_closed(device, now_s):
+        commanded = device.deadline_s is not None or _shuts(device)
+        return (device, ()) if commanded else _close(device, "", now_s)
+    device = replace(device, state=CrossingState.CLOSED, deadline_s=None)
+    return device, (Show(CrossingProven()), *_proofs(device))
+
+
+def _detect_closed(device: CrossingDevice, event: CrossingDetected, now_s: float) -> CrossingStep:
+    """A proof that no longer holds is withdrawn at once, unasked."""
+    device = _seen(device, event, now_s)
+    if _shuts(device):
+        return device, ()
+    device = replace(
+        device,
+        state=CrossingState.CLOSING,
+        deadline_s=now_s + device.config.closing_s + TELEGRAM_S,
+    )
+    return device, (Show(CrossingUnproven(why=WhyUnproven.LOST)), *_proofs(device))
+
+
+def _expire(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) -> CrossingStep:
+    """Not detected in time is noted, and stays commanded; a lost memory holds the crossing for a time only."""
+    actions: tuple[Action, ...] = ()
+    if device.state is CrossingState.CLOSING and _shows_closed(device, now_s):
+        device, actions = _prove(device, now_s)
+    if device.deadline_s is not None and now_s >= device.deadline_s - _TIME_TOLERANCE_S:
+        device = replace(device, deadline_s=math.inf)
+        actions = (Show(CrossingUnproven(why=WhyUnproven.LATE)),)
+    device, opened = _open_if_free(device, now_s)
+    return device, (*actions, *opened)
+
+
+def _contact_open(device: CrossingDevice, event: CrossingContact, now_s: float) -> CrossingStep:
+    """A front at the first contact: closes. A rear at the last one, that nobody counted in, means nothing."""
+    if not event.first:
+        return device, ()
+    counted = replace(device, memory=replace(device.memory, counted=device.memory.counted + 1))
+    return _close(counted, "", now_s)
+
+
+def _contact_closed(device: CrossingDevice, event: CrossingContact, now_s: float) -> CrossingStep:
+    """Another front counted in, or a rear counted out: opens behind the last one."""
+    counted = max(device.memory.counted + (1 if event.first else -1), 0)
+    device = replace(device, memory=replace(device.memory, counted=counted))
+    return (device, ()) if event.first else _open_if_free(device, now_s)
+
+
+TABLE: Final[Mapping[tuple[CrossingState, type], Callable[[CrossingDevice, Any, float], CrossingStep]]] = (
+    MappingProxyType(
+        {
+            (CrossingState.OPEN, ClosureAsked): _ask_open,
+            (CrossingState.OPEN, CrossingLeft): _leave_open,
+            (CrossingState.OPEN, CrossingDetected): _detect_open,
+            (CrossingState.OPEN, CrossingContact): _contact_open,
+            (CrossingState.OPEN, CrossingTimeDue): _begin_due,
+            (CrossingState.CLOSING, ClosureAsked): _ask_closing,
+            (CrossingState.CLOSING, CrossingLeft): _leave_closed,
+            (CrossingState.CLOSING, CrossingDetected): _detect_closing,
+            (CrossingState.CLOSING, CrossingContact): _contact_closed,
+            (CrossingState.CLOSING, CrossingTimeDue): _expire,
+            (CrossingState.CLOSED, ClosureAsked): _ask_closing,
+            (CrossingState.CLOSED, CrossingLeft): _leave_closed,
+            (CrossingState.CLOSED, CrossingDetected): _detect_closed,
+            (CrossingState.CLOSED, CrossingContact): _contact_closed,
+            (CrossingState.CLOSED, CrossingTimeDue): _expire,
+        }
+    )
+)
+
+
+def table_rows() -> tuple[TableCell, ...]:
+    """State of the crossing and event, for the documentation."""
+    return rows(TABLE)
