@@ -87,6 +87,12 @@ def draw_frame(axes: Axes, run: ReportedRun, band: TimeBand, grid: TimeGrid) -> 
     axes.set_ylim(high_m + margin_m, low_m - margin_m)
     for station in run.stations:
         axes.axhline(station.position_m, color=PALE, lw=0.4 if station.is_halt else 0.9, zorder=0.6)
+    for crossing in run.line.crossings.values():
+        layer = TRAIN_GRAPH.layers["crossing"]
+        axes.axhline(crossing.position_m, **layer.line(), zorder=0.6)
+        at = (1.0, crossing.position_m)
+        where = ("axes fraction", "data")
+        beside(axes, crossing.name, at, (-2, 0), 5.0, xycoords=where, color=layer.colour)
     labels_m = spread([station.position_m for station in run.stations], _LABEL_GAP_MIN * (high_m - low_m))
     axes.set_yticks([])
     for station, label_m in zip(run.stations, labels_m, strict=True):
