@@ -15,6 +15,11 @@ from study.wording.catalogue import phrase
 
 # The road's closed time is shown in minutes.
 _CLOSED: Final = {"closed_min": replace(figures_of(CrossingHour)["closed_s"], unit="min")}
+# Of a crossing over the day: who began to move within the approach, and how long it warned for all others.
+_STANDS: Final = {
+    "from_stand": Figure(phrase("from a stand within the approach")),
+    "warned_s_running": Figure(phrase("mean warning of the others"), "s", 1),
+}
 _NAME: Final = {"crossing": figures_of(CrossingHour)["crossing"]}
 _WHEN: Final = {**_NAME, "hour": figures_of(CrossingHour)["hour"]}
 
@@ -28,21 +33,24 @@ def crossing_tables_shown(run: ReportedRun) -> tuple[Table, ...]:
     figures = {**_CLOSED, **_shown(CrossingHour), **(_shown(RoadHour) if vehicles else {})}
     known = run.line.crossings
     crossings = sorted({it.crossing for it in hours}, key=lambda name: (known[name].position_m, name))
+    fronts: dict[str, list[CrossingPassage]] = {crossing: [] for crossing in crossings}
+    for front in rows_in(CrossingPassage, run.tables.warnings):
+        fronts[front.crossing].append(front)
     by_crossing: list[dict[str, Any]] = []
     by_hour: list[dict[str, Any]] = []
     for crossing in crossings:
         own = [it for it in hours if it.crossing == crossing]
         name, met = known[crossing].name, [it for it in vehicles.values() if it.crossing == crossing]
-        by_crossing.append({"crossing": name, **_row(own, met, figures)})
+        by_crossing.append({"crossing": name, **_row(own, met, figures), **_stands(fronts[crossing])})
         for it in own:
             here = [vehicles[crossing, it.hour]] if (crossing, it.hour) in vehicles else []
             by_hour.append({"crossing": name, "hour": it.hour, **_row([it], here, figures)})
-    passages = [{**row, "crossing": known[row["crossing"]].name} for row in run.tables.warnings.to_dicts()]
-    words = ("no", "yes")
-    for row in passages:
-        row["from_stand"] = words[row["from_stand"]]
+    passages = [
+        {**row, "crossing": known[row["crossing"]].name, "from_stand": "yes" if row["from_stand"] else "no"}
+        for row in run.tables.warnings.to_dicts()
+    ]
     return (
-        table_of("crossings", phrase("Level crossings"), by_crossing, {**_NAME, **figures}),
+        table_of("crossings", phrase("Level crossings"), by_crossing, {**_NAME, **figures, **_STANDS}),
         table_of("crossing_hours", phrase("Level crossings by hour"), by_hour, {**_WHEN, **figures}),
         table_of("warnings", phrase("Every warning"), passages, seen_in(CrossingPassage, ShownIn.REPORT)),
     )
@@ -54,6 +62,14 @@ def _shown(row: type) -> dict[str, Figure]:
         name: said
         for name, said in seen_in(row, ShownIn.REPORT).items()
         if name not in _WHEN and name != "closed_s"
+    }
+
+
+def _stands(fronts: Sequence[CrossingPassage]) -> dict[str, float | None]:
+    others_s = [front.warned_s for front in fronts if not front.from_stand]
+    return {
+        "from_stand": len(fronts) - len(others_s),
+        "warned_s_running": sum(others_s) / len(others_s) if others_s else None,
     }
 
 

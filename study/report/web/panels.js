@@ -336,7 +336,7 @@ export function crossingsPaper(host, context) {
   const closed = columnOf(table, "closed_min");
   chart(host, context, 260, words.said(closed.heading), (canvas, width, height) => drawBars(canvas, width, height, {
     labels: valuesOf(table, "crossing"), unit: words.said(closed.heading), tops: closed.values.map((min) => min.toFixed(1)),
-    series: [{ label: words.said(closed.heading), colour: COLOURS.traction, values: closed.values }],
+    series: [{ label: words.said(closed.heading), colour: day.pictures.train_graph.layers.crossing.colour, values: closed.values }],
   }));
   tables(host, context, ["crossings"], true);
   tables(host, context, ["crossing_hours", "warnings"]);

@@ -1,5 +1,5 @@
 // The train graph (列車ダイヤ): time across, stations down at true distances, plan thin and run thick.
-import { drawCrossingLines, drawCrossingNames } from "./crossings.js";
+import { drawCrossings } from "./crossings.js";
 import { lastBefore, valueAt } from "./data.js";
 import { COLOURS, dress, font, unitColour } from "./layer.js";
 import { drawEvents, drawFaultNumbers, drawFaults, drawStrip, stripHeight } from "./marks.js";
@@ -72,7 +72,7 @@ export function drawTrainGraph(context, day, view, options, width, height) {
   if (options.stairway) drawStairway(context, day, view, scale, options.chosen);
   drawClockLines(context, view, scale, plot, grid);
   drawStationLines(context, day, scale, plot);
-  drawCrossingLines(context, day, scale, plot);
+  drawCrossings(context, day, scale, plot);
   drawTurns(context, day, view, scale);
   if (options.beside && day.beside) drawBeside(context, day.beside, day.pictures.train_graph.layers, view, scale);
   if (options.run) drawRuns(context, day, view, scale);
@@ -82,7 +82,6 @@ export function drawTrainGraph(context, day, view, options, width, height) {
   drawNumbers(context, day, view, scale, plot, options);
   drawEvents(context, day, view, scale, plot, options);
   drawFaultNumbers(context, day, scale, plot);
-  drawCrossingNames(context, day, scale, plot);
   drawMoment(context, scale, plot, options.moment);
   context.restore();
   drawStationNames(context, day, scale, plot, options, width);
