@@ -240,7 +240,14 @@ def _on_hop(side: ComparedRun, margins: pl.DataFrame) -> Phrase:
     return joined_phrases((Phrase(margins["train"][0]), ends), " ", " ")
 
 
-TABLES: Final = ("margins", "energy", "driving", "telegrams", "crossings", "stops")  # what is compared row by row
+TABLES: Final = (
+    "margins",
+    "energy",
+    "driving",
+    "telegrams",
+    "crossings",
+    "stops",
+)  # what is compared row by row
 
 
 def names_in(table: str) -> Mapping[str, Said]:

@@ -29,7 +29,9 @@ LIMITS_S: Final = (
     300.0,
 )  # on time to the minute; UIC's and a common limit of punctuality, assumed
 # Of the journal, what figures are made from.
-EVENTS: Final[tuple[EventType, ...]] = tuple(dict.fromkeys((*delays.READS, *deadlock.READS, *road_closures.READS)))
+EVENTS: Final[tuple[EventType, ...]] = tuple(
+    dict.fromkeys((*delays.READS, *deadlock.READS, *road_closures.READS))
+)
 
 
 class DayFigures(msgspec.Struct, frozen=True):
@@ -92,7 +94,9 @@ def day_figures(result: RunResult, setup: Setup) -> DayFigures:
     begun_s = [one.at_s for one in grown if one.primary_s >= LATE_S]
     recoveries = recoveries_s(begun_s, stretches)
     lengths_s = [stretch.length_s for stretch in stretches]
-    closed_min, warned_s = _roads(result, setup, cut=bool(figures.missing or figures.cancelled or figures.shortened))
+    closed_min, warned_s = _roads(
+        result, setup, cut=bool(figures.missing or figures.cancelled or figures.shortened)
+    )
     return msgspec.structs.replace(
         figures,
         primary_s=_sum(grown, "primary_s"),

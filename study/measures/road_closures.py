@@ -1,4 +1,4 @@
-"""When the road at level crossings was closed (踏切遮断時間), and for how long each had warned as a front came (警報時間).
+"""When the road at level crossings was closed (遮断時間), and for how long each had warned as a front came (警報時間).
 
 From the journal alone, as the road sees it: a crossing is closed while its lamps shine or its barriers are not raised,
 by radio and by contacts alike. A crossing without any device says nothing, and is none here.

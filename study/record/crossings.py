@@ -38,7 +38,9 @@ class CrossingHour:
         "of those, with what of it lies in later hours",
     ]
     trains: Annotated[
-        int, Figure(phrase("trains over it"), "", 0, Adds.SUM, seen=_LISTED | _TOTALS), "whose front came in this hour"
+        int,
+        Figure(phrase("trains over it"), "", 0, Adds.SUM, seen=_LISTED | _TOTALS),
+        "whose front came in this hour",
     ]
     warned_s_mean: Annotated[
         float | None,

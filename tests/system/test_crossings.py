@@ -119,7 +119,7 @@ def test_by_contacts_the_warning_lasts_as_long_as_the_way_from_the_first_of_them
 
 
 def test_tables_and_figures_of_a_day_say_how_long_the_road_was_closed_and_warned() -> None:
-    """By contacts from 0.5 km to the rear at 0.853 km, and 8 s until the barriers are up; by radio 35 s before the front."""
+    """By contacts from 0.5 km to the rear at 0.853 km, and 8 s until the barriers are up; by radio for 35 s."""
     setup, result = drill("107_crossing_contacts"), run("107_crossing_contacts")
     length_m = setup.lengths_m["K1"]
     contact_s, road_s, rear_s = times_s(result, setup, 500.0, 847.0, 853.0 + length_m)

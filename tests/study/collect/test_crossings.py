@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -88,4 +90,4 @@ def test_hours_add_up_to_the_closures_and_none_has_more_than_its_seconds(
     assert sum(it.trains for it in hours) == len(roads.fronts)
     for crossing in ("C1", "C2"):
         own = [one for one in roads.closures if one.crossing_id == crossing]
-        assert all(before.to_s <= after.from_s for before, after in zip(own, own[1:], strict=False))
+        assert all(before.to_s <= after.from_s for before, after in pairwise(own))
