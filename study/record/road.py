@@ -18,7 +18,7 @@ class RoadHour:
     hour: Hour
     passages: Annotated[
         int,
-        Figure(phrase("passages"), "", 0, Adds.SUM, seen=ShownIn.REPORT),
+        Figure(phrase("road vehicles"), "", 0, Adds.SUM, seen=ShownIn.REPORT),
         "of vehicles that wanted to come in it",
     ]
     waited_h: Annotated[
