@@ -127,6 +127,8 @@ HAZARDS: Final = (
         (Checker.INSIDE_HOLDING,),
         (
             "rtri/06_unit_manager_link",
+            "rtri/35_one_network_lost",
+            "rtri/35b_both_networks_lost",
             "rtri/10_manager_link",
             "rtri/24_manager_frozen",
             "rtri/80_cable_cut_central",

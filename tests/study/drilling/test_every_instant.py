@@ -181,7 +181,7 @@ def test_without_being_told_the_carrier_disagrees(
         done, used, _ = kernel.advance(stock, track, sheet, *rest)
         return done, used, told
 
-    monkeypatch.setattr("simulation.loop.advance", untold)
+    monkeypatch.setattr("simulation.foreseen.advance", untold)
     at_once = replace(two_trains, setup=replace(two_trains.setup, people=People(times=0.0)))
     swept = sweep_of(at_once, restart("K1"), every_s=0.4, from_s=TEN, to_s=TEN + 2.8)
     assert "crash CarrierDisagrees" in {outcome.label for outcome in swept.outcomes["restart K1"].values()}
