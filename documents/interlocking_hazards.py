@@ -42,6 +42,7 @@ HAZARDS: Final = (
             "rtri/107_crossing_contacts",
             "rtri/108_crossing_unit_power",
         ),
+        ("a unit runs over a level crossing that has not proved closed",),
     ),
     Hazard(
         "A road that is closed just before the train",
@@ -50,6 +51,7 @@ HAZARDS: Final = (
         ("onboard.crossings.machine", "onboard.crossings.ahead"),
         (Checker.CROSSING_WARNING,),
         ("rtri/105_crossing_asked_late",),
+        ("a unit comes onto a level crossing as soon as that has proved closed",),
     ),
     Hazard(
         "Two trains in one section",
