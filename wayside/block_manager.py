@@ -386,16 +386,14 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
         register, token = register.next_token()
     standing = leaving.claimed_standing(register, heard.message, held)
     # A unit that has started again numbers its requests anew, so its old request cannot be repeated.
-    same_boot = heard.epoch == unit.epoch
-    after = RegisteredUnit(standing, heard.epoch, token, unit.route_id, unit.correlation if same_boot else 0)
-    more = isinstance(heard.message, Claim) and bool(claimed) and len(held) > len(claimed)
-    after = replace(after, silent=more)  # asked until it has given back what it does not claim
+    correlation = unit.correlation if heard.epoch == unit.epoch else 0
+    after = RegisteredUnit(standing, heard.epoch, token, unit.route_id, correlation)
     unproven = not held and (bool(shown) or unit.unproven)
-    after = entering.carried_over(unit, replace(after, unproven=unproven), held)
+    more = isinstance(heard.message, Claim) and 0 < len(claimed) < len(held)  # asked until it has given that back
+    after = entering.carried_over(unit, replace(after, unproven=unproven, silent=more), held)
     register = register.with_unit(unit_id, after)
-    actions: list[Action] = [*shown]
+    actions, was = list[Action](shown), unit.standing.value
     if added or after.standing is not unit.standing or after.epoch != unit.epoch:
-        was = unit.standing.value
         taken = Accepted(unit_id=unit_id, section_ids=held, token=token, was=was)
         actions.append(Show(taken if held else Outside(unit_id=unit_id, token=token, was=was)))
         actions += reentry.shown_against(register, unit_id)
