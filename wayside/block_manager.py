@@ -389,7 +389,9 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     correlation = unit.correlation if heard.epoch == unit.epoch else 0
     after = RegisteredUnit(standing, heard.epoch, token, unit.route_id, correlation)
     unproven = not held and (bool(shown) or unit.unproven)
-    more = isinstance(heard.message, Claim) and 0 < len(claimed) < len(held)  # asked until it has given that back
+    more = isinstance(heard.message, Claim) and 0 < len(claimed) < len(
+        held
+    )  # asked until it has given that back
     after = entering.carried_over(unit, replace(after, unproven=unproven, silent=more), held)
     register = register.with_unit(unit_id, after)
     actions, was = list[Action](shown), unit.standing.value
