@@ -282,6 +282,19 @@ def tells_no_unit_what_persons_added(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
+def staff_unbar_at_once(patch: pytest.MonkeyPatch) -> None:
+    """Whether or not it is known by then what the unit holds."""
+    see = staff.Staff._see_to_bars
+
+    def whoever_is_awaited(self: staff.Staff, t_s: float) -> None:
+        awaited, self._awaited = self._awaited, {}
+        see(self, t_s)
+        self._awaited = awaited
+
+    patch.setattr(staff.Staff, "_see_to_bars", whoever_is_awaited)
+
+
+@switch
 def overtakes_before_a_portal(patch: pytest.MonkeyPatch) -> None:
     """Of those that stand behind each other outside, whoever looks first comes in."""
     patch.setattr(duties, "is_behind", lambda _slot, _queue: False)

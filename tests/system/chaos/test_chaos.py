@@ -44,9 +44,9 @@ WITHOUT: Final = {  # what some were mended by
     "test_4299": "departs_before_the_driver_has_looked",
     "test_20034": "goes_on_as_if_it_had_been_on",
     "test_20271": "staff_say_no_more_than_what_is_so",
-    "test_80079": "keeps_what_others_say_that_it_holds",
     "test_80700": "tells_no_unit_what_persons_added",
     "test_81142": "keeps_what_others_say_that_it_holds",
+    "test_90273": "staff_unbar_at_once",
     "swarm_test_93": "overtakes_before_a_portal",
 }
 NOT_BY_TRAINS: Final[dict[str, str]] = {  # what sees that which the trains that come do not show
