@@ -391,7 +391,7 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     unproven = not held and (bool(shown) or unit.unproven)
     more = isinstance(heard.message, Claim) and 0 < len(claimed) < len(
         held
-    )  # asked until it has given that back
+    )  # asked on, until it gives it back
     after = entering.carried_over(unit, replace(after, unproven=unproven, silent=more), held)
     register = register.with_unit(unit_id, after)
     actions, was = list[Action](shown), unit.standing.value
