@@ -10,12 +10,12 @@ is judged from SUMO's positions of both, in every step in which it is near.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
 from network.model import Direction, Line
-from simulation.carriers.carrier import Truth
+from simulation.carriers.carrier import Carrier, Truth
 from simulation.carriers.road_demand import road_vehicles
 from simulation.carriers.road_shown import OPEN, CrossingShown, ObstacleDetectors
 from simulation.carriers.road_totals import RoadTotals
@@ -113,6 +113,10 @@ class Road:
             if vehicle.depart_s <= now_s:
                 run_m = self._sumo.vehicle.getDistance(vehicle.id) if vehicle.id in there else 0.0
                 self.totals.waited(vehicle, now_s - vehicle.depart_s - run_m / vehicle.free_mps)
+
+    def occupied(self, crossing_id: str) -> bool:
+        """Whether a vehicle stands where a train comes, for who looks before he lets one go on."""
+        return any(any(self._on_the_way(at)) for at in self.roads if at.crossing_id == crossing_id)
 
     # trains -------------------------------------------------------------------------------------------------------
 
@@ -294,6 +298,10 @@ class Road:
             return now_mps  # the vehicle came to the train
         was_mps = 2.0 * run_m / STEP_S - now_mps
         return math.sqrt(max(0.0, was_mps**2 + (now_mps**2 - was_mps**2) * (at_m - before_m) / run_m))
+
+
+# How a carrier is made, given the time at which the run begins, s, and the road, if that is carried too.
+CarrierOf = Callable[[float, Road | None], Carrier]
 
 
 def _state_for(shown: CrossingShown) -> str:
