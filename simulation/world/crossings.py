@@ -82,9 +82,14 @@ class CrossingsOnTrack:
         if crossing_id in self.equipment:
             self.take(at_step, crossing_id, ObstacleDetected(present))
 
-    def is_occupied(self, crossing_id: str) -> bool:
+    def is_blocked(self, crossing_id: str) -> bool:
         """Whether a vehicle stands on the road, as who is there sees; never where no road is carried."""
-        return self._road is not None and self._road.occupied(crossing_id)
+        return self._road is not None and self._road.blocked(crossing_id)
+
+    def creeps_over(self, crossing_id: str, unit_id: str) -> None:
+        """A train has leave to creep over it, and is seen by who drives on its road."""
+        if self._road is not None:
+            self._road.creeps_over(crossing_id, unit_id)
 
     def take(self, step: int, crossing_id: str, event: EquipmentEvent) -> None:
         """What happens to it: written down, shown to its device, and remembered when barriers are due."""
