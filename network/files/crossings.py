@@ -116,7 +116,7 @@ def _check_road(file: str, key: str, table: CrossingTable) -> None:
     if road is None:
         return
     if CrossingClass(table.kind) is CrossingClass.NO_DEVICE:
-        expected = 'kind = "1" or "3": drivers stop for lamps and barriers alone, and there are none'
+        expected = 'kind = "1" or "3": drivers stop for lamps and barriers, and there are none'
         raise InputError(file, f"{key}.road", None, expected)
     if road.half_barriers and not barriers:
         raise InputError(file, f"{key}.road.half_barriers", True, 'false, or kind = "1"')
