@@ -42,6 +42,7 @@ HAZARDS: Final = (
             "rtri/107_crossing_contacts",
             "rtri/108_crossing_unit_power",
         ),
+        ("a unit runs over a level crossing that has not proved closed",),
     ),
     Hazard(
         "A road vehicle on a level crossing before the train",
@@ -59,6 +60,7 @@ HAZARDS: Final = (
         ("onboard.crossings.machine", "onboard.crossings.ahead"),
         (Checker.CROSSING_WARNING,),
         ("rtri/105_crossing_asked_late",),
+        ("a unit comes onto a level crossing as soon as that has proved closed",),
     ),
     Hazard(
         "Two trains in one section",
@@ -136,6 +138,8 @@ HAZARDS: Final = (
         (Checker.INSIDE_HOLDING,),
         (
             "rtri/06_unit_manager_link",
+            "rtri/35_one_network_lost",
+            "rtri/35b_both_networks_lost",
             "rtri/10_manager_link",
             "rtri/24_manager_frozen",
             "rtri/80_cable_cut_central",

@@ -175,12 +175,8 @@ class Staff:
         self._injector.add(act, at_s)
 
     def _see_to_bars(self, t_s: float) -> None:
-        """Two persons bar a unit, or unbar it once it is known what it holds, and say it again where a device does not
-        know it.
-        """
+        """Two persons bar a unit, or unbar it, and where a device does not know it they say it again."""
         for kind, unit_id in self._mad.due(t_s, self._setup.people.mean_s(Pause.SILENT)):
-            if kind is ActKind.UNBAR_UNIT and unit_id in self._awaited:
-                continue  # their word was too early: the register would have of it what it claimed falsely
             for person in (CONTROLLER, STAFF):
                 self._act(t_s, kind, unit_id, person)
         for unit_id, words in self._bars.items():

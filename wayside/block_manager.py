@@ -388,6 +388,8 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     # A unit that has started again numbers its requests anew, so its old request cannot be repeated.
     same_boot = heard.epoch == unit.epoch
     after = RegisteredUnit(standing, heard.epoch, token, unit.route_id, unit.correlation if same_boot else 0)
+    more = isinstance(heard.message, Claim) and bool(claimed) and len(held) > len(claimed)
+    after = replace(after, silent=more)  # asked until it has given back what it does not claim
     unproven = not held and (bool(shown) or unit.unproven)
     after = entering.carried_over(unit, replace(after, unproven=unproven), held)
     register = register.with_unit(unit_id, after)

@@ -43,6 +43,8 @@ from wayside.said import ConfirmedByHand, Contradicted, Outside, PictureChanged,
 
 Step = tuple[Register, tuple[Action, ...]]
 
+TELLS_OF_MORE = True  # off: a unit is not told what persons have entered for it beyond its claim
+
 
 class PictureClash(Enum):
     """What does not fit together in the picture."""
@@ -295,6 +297,8 @@ def _define(register: Register, now_s: float) -> Step:
         if unit.standing is UnitStanding.UNKNOWN:
             register, token = register.next_token()
             unit = RegisteredUnit(UnitStanding.BY_HAND, unit.epoch, token, by=said_by, silent=True)
+        else:  # it is asked, so that it hears of that, and gives back what it does not hold
+            unit = replace(unit, silent=TELLS_OF_MORE)
         register = register.with_held(unit_id, (*before, *entered.difference(before)))
         register = register.with_unit(unit_id, unit)
         held = register.held_by(unit_id)

@@ -21,7 +21,7 @@ from onboard.authority.records import (
     RequestKind,
     SignOnHeard,
 )
-from onboard.authority.tables import Result, SignOnStanding, Table, disagrees
+from onboard.authority.tables import Result, SignOnStanding, Table, disagrees, report_now
 
 
 def contested(state: Authority, event: ContestHeard) -> Result:
@@ -62,9 +62,17 @@ def refused_signing_off(state: Authority, event: RefusalHeard) -> Result:
 
 
 def claim_accepted(state: Authority, event: SignOnHeard) -> Result:
-    """To a claim: takes a greater token, never sections; if it has less than the unit holds, the train is stopped."""
+    """To a claim: takes a greater token, never sections; if it has less than the unit holds, the train is stopped.
+
+    If it has more, as persons have entered for the unit or as it claimed falsely, that is given back by a report.
+    """
     taken, actions = sign_on.claim_accepted(state, event)
-    if set(state.held) <= set(event.section_ids):
+    held, has = set(state.held), set(event.section_ids)
+    waits = any(taken.open(ask) for ask in (RequestKind.ROUTE, RequestKind.REPORT))
+    if held and held < has and not waits:
+        reporting, more = report_now(taken)
+        return reporting, (*actions, *more)
+    if held <= has:
         return taken, actions
     stopped, more = disagrees(taken, "the register has less")
     return stopped, (*actions, *more)

@@ -18,11 +18,7 @@ from onboard.plan import PointsNeeded
 from radio import messages as radio
 from radio.envelope import Received
 
-LOST_SIGHT: Final = (
-    radio.RefusalReason.NOT_SIGNED_ON,
-    radio.RefusalReason.STALE_TOKEN,
-    radio.RefusalReason.STILL_HOLDING,  # persons have entered more for it than it holds
-)
+LOST_SIGHT: Final = (radio.RefusalReason.NOT_SIGNED_ON, radio.RefusalReason.STALE_TOKEN)
 NOT_THE_NEWEST: Final = (
     radio.PointsRefusalReason.BAD_CAPABILITY,
     radio.PointsRefusalReason.OLD_TOKEN,

@@ -122,7 +122,9 @@ class Road:
         """Whether a vehicle stands where a train comes, for who looks before he drives on."""
         here = (at for at in self.roads if at.crossing_id == crossing_id)
         speed_mps = self._sumo.vehicle.getSpeed
-        return any(speed_mps(vehicle_id) < STANDS_MPS for at in here for vehicle_id, _ in self._on_the_way(at))
+        return any(
+            speed_mps(vehicle_id) < STANDS_MPS for at in here for vehicle_id, _ in self._on_the_way(at)
+        )
 
     # trains -------------------------------------------------------------------------------------------------------
 

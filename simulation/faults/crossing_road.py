@@ -11,7 +11,7 @@ from simulation.faults.fault import Fault, Names
 class CrossingRoadFault(Fault[bool]):
     """Whether a vehicle has stalled on a crossing; `target` is the crossing."""
 
-    aims_at = "crossing"
+    aims_at = "level crossing"
     changes = "stalled vehicle"
     target: str
 

@@ -17,6 +17,7 @@ from simulation.setup import STEPS_PER_S
 from simulation.world.roster import Duty
 from study.capacity.blocking_table import blocking_table, blocks_table
 from study.capacity.observed import occupations_run
+from study.collect.crossings import crossing_tables
 from study.collect.energy import StockMake, energy_tables
 from study.collect.energy_hours import energy_hours_of
 from study.collect.margins import margins_of
@@ -54,6 +55,7 @@ def tables_of(
         **energy_tables(result.energy, fleet),
         energy_hours=energy_hours_of(result.energy, fleet),
         margins=margins_of(legs, stops),
+        **crossing_tables(result),
         events=_events(result, names_of(line)),
     )
 

@@ -16,8 +16,9 @@ from study.compare.times import CallEvent
 from study.measures.driving import driving_sums
 from study.measures.missing import planned_times
 from study.measures.summary import arrived_trains, cut_trains, energy_summary
+from study.record.crossings import CrossingHour
 from study.record.driving import EARLY, DrivenHop
-from study.record.figure import Adds, ShownIn, rows_in, seen_in
+from study.record.figure import Adds, ShownIn, rows_in, seen_in, summed_figures
 from study.record.figure import Figure as Said
 from study.record.journal_rows import TelegramsOfWay
 from study.record.tables import ROWS
@@ -35,6 +36,7 @@ _COUNTED: Final = {
     "refusal": "refusals",
     "fault": "faults",
 }  # kinds of events
+_CROSSINGS: Final = "level crossings"  # a group that is left out where no run has any
 Value: TypeAlias = float | None
 
 
@@ -87,6 +89,7 @@ class ComparedRow:
 def measures_of(sides: Sequence[ComparedRun]) -> tuple[Measure, ...]:
     """Every figure of all runs."""
     columns = [tuple(figures_of(side)) for side in sides]
+    without = () if any(_has_crossings(side) for side in sides) else (_CROSSINGS,)
     return tuple(
         Measure(
             row[0].group,
@@ -97,6 +100,7 @@ def measures_of(sides: Sequence[ComparedRun]) -> tuple[Measure, ...]:
             tuple(figure.where for figure in row),
         )
         for row in zip(*columns, strict=True)
+        if row[0].group not in without
     )
 
 
@@ -123,6 +127,7 @@ def figures_of(side: ComparedRun) -> Iterator[RunFigure]:
         )
     yield RunFigure("telegrams", "volume", "kB", 1, float(tables.telegrams["bytes"].sum()) / 1000.0)
     yield from _stop_errors(side)
+    yield from _crossings(side)
     for kind, name in _COUNTED.items():
         yield RunFigure("events", name, "", 0, float(tables.events.filter(pl.col("kind") == kind).height))
     for key, name in (("invariants_broken", "invariants broken"), ("collisions", "collisions")):
@@ -190,6 +195,20 @@ def _driving(side: ComparedRun) -> Iterator[RunFigure]:
         yield RunFigure("driving", figure.name.en, figure.unit, figure.digits, value)
 
 
+def _has_crossings(side: ComparedRun) -> bool:
+    return any(crossing.has_device for crossing in side.run.line.crossings.values())
+
+
+def _crossings(side: ComparedRun) -> Iterator[RunFigure]:
+    """Of all level crossings together; none on a line without any that has a device."""
+    hours = rows_in(CrossingHour, side.run.tables.crossings)
+    whole = summed_figures(hours) if hours else {}
+    closed_s = whole.get("closed_s", 0.0 if _has_crossings(side) else None)
+    yield RunFigure(_CROSSINGS, "road closed", "min", 1, None if closed_s is None else closed_s / 60.0)
+    for name, said in seen_in(CrossingHour, ShownIn.TOTALS_COMPARED).items():
+        yield RunFigure(_CROSSINGS, said.name.en, said.unit, said.digits, whole.get(name))
+
+
 def _stop_errors(side: ComparedRun) -> Iterator[RunFigure]:
     stops = side.run.tables.stops
     error_m = stops["stop_error_m"].drop_nulls()
@@ -221,7 +240,14 @@ def _on_hop(side: ComparedRun, margins: pl.DataFrame) -> Phrase:
     return joined_phrases((Phrase(margins["train"][0]), ends), " ", " ")
 
 
-TABLES: Final = ("margins", "energy", "driving", "telegrams", "stops")  # what is compared row by row
+TABLES: Final = (
+    "margins",
+    "energy",
+    "driving",
+    "telegrams",
+    "crossings",
+    "stops",
+)  # what is compared row by row
 
 
 def names_in(table: str) -> Mapping[str, Said]:

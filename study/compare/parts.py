@@ -49,6 +49,10 @@ _ROWS: Final = {
         phrase("Energy by train"),
         phrase("What differs, the largest difference first."),
     ),
+    "crossings": (
+        phrase("Level crossings by hour"),
+        phrase("What differs, the largest difference first."),
+    ),
     "driving": (
         phrase("Driving by hop"),
         phrase("Traction less what came back, notches, coasting and arrival; the largest difference first."),

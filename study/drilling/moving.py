@@ -139,6 +139,7 @@ SINGLES: Final[Mapping[str, LoneFault]] = {
     "slow": LoneFault(60.0, {"factor": 3.0}),
     "charger_dead": LoneFault(600.0, {}),
     "barriers_stuck": LoneFault(60.0, {}),
+    "stalled_vehicle": LoneFault(60.0, {}),
     "lamps_dead": LoneFault(60.0, {}),
     "crossing_undetected": LoneFault(60.0, {}),
     "gnss_antenna": LoneFault(60.0, {}),

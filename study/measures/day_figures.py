@@ -19,8 +19,8 @@ from network.timetable import Timetable
 from simulation.events import EventType
 from simulation.late_day import counts_of, late_day
 from simulation.result import RunResult, StopRecord
-from simulation.setup import Setup, latest_end_s
-from study.measures import deadlock, delays
+from simulation.setup import STEP_S, Setup, latest_end_s
+from study.measures import deadlock, delays, road_closures
 from study.measures.recovery import LATE_S, late_stretches, recoveries_s
 
 LIMITS_S: Final = (
@@ -29,7 +29,9 @@ LIMITS_S: Final = (
     300.0,
 )  # on time to the minute; UIC's and a common limit of punctuality, assumed
 # Of the journal, what figures are made from.
-EVENTS: Final[tuple[EventType, ...]] = tuple(dict.fromkeys((*delays.READS, *deadlock.READS)))
+EVENTS: Final[tuple[EventType, ...]] = tuple(
+    dict.fromkeys((*delays.READS, *deadlock.READS, *road_closures.READS))
+)
 
 
 class DayFigures(msgspec.Struct, frozen=True):
@@ -47,6 +49,11 @@ class DayFigures(msgspec.Struct, frozen=True):
     any more, `recovery_s`: the longest time without a moment in which none was, `late_time_s`: all such time;
     `recovered`: whether the day ended so. `drawn`: how many things were drawn, by key path of their table. `deadlock`:
     trains that wait for one another in a ring at the end. `mean_delay_s`: as `mean_late_s`, what is early as on time.
+
+    `closed_road_min`: minutes in which the roads of level crossings were closed, added up over them, and
+    `least_warned_s`: the shortest warning before a front came onto one; None on a line without a crossing that has a
+    device. On a day on which a train does not run all of its way all roads count as closed throughout, and one as
+    crossed without a warning: roads are open where trains do not come.
     """
 
     planned_trains: int
@@ -75,6 +82,8 @@ class DayFigures(msgspec.Struct, frozen=True):
     mean_delay_s: float | None = None
     cancelled: tuple[str, ...] = ()
     shortened: tuple[str, ...] = ()
+    closed_road_min: float | None = None
+    least_warned_s: float | None = None
 
 
 def day_figures(result: RunResult, setup: Setup) -> DayFigures:
@@ -85,6 +94,9 @@ def day_figures(result: RunResult, setup: Setup) -> DayFigures:
     begun_s = [one.at_s for one in grown if one.primary_s >= LATE_S]
     recoveries = recoveries_s(begun_s, stretches)
     lengths_s = [stretch.length_s for stretch in stretches]
+    closed_min, warned_s = _roads(
+        result, setup, cut=bool(figures.missing or figures.cancelled or figures.shortened)
+    )
     return msgspec.structs.replace(
         figures,
         primary_s=_sum(grown, "primary_s"),
@@ -97,6 +109,8 @@ def day_figures(result: RunResult, setup: Setup) -> DayFigures:
         recovered=all(stretch.over for stretch in stretches),
         drawn=tuple(counts_of(late_day(setup)).items()),
         deadlock=deadlock.deadlocked(result),
+        closed_road_min=closed_min,
+        least_warned_s=warned_s,
     )
 
 
@@ -150,6 +164,17 @@ def figures_of_stops(
         shortened=tuple(number for number, _ in ends if number in cut and number in ran),
         mean_delay_s=_rounded(float(np.maximum(late_s, 0.0).mean())) if late else None,
     )
+
+
+def _roads(result: RunResult, setup: Setup, *, cut: bool) -> tuple[float | None, float | None]:
+    """`closed_road_min` and `least_warned_s`; `cut`: a train did not run all of its way."""
+    crossings = sum(crossing.has_device for crossing in setup.line.crossings.values())
+    if not crossings:
+        return None, None
+    if cut:
+        return _rounded(crossings * (result.end_step - result.begin_step) * STEP_S / 60.0), 0.0
+    roads = road_closures.roads_closed(result.journal.entries, result.end_step * STEP_S)
+    return _rounded(roads.closed_s / 60.0), roads.least_warned_s
 
 
 def _sum(found: Sequence[delays.LatenessGrowth], name: str) -> float:

@@ -192,6 +192,13 @@ _KINDS: Final = (
         _TIME,
     ),
     PlotKind(
+        "level-crossings",
+        phrase("Closed minutes of level crossings by hour"),
+        _drawn_by("plot.crossings", "crossings_table"),
+        _drawn_by("plot.crossings", "draw_crossings"),
+        _TIME,
+    ),
+    PlotKind(
         "battery",
         phrase("State of charge of each set"),
         _drawn_by("plot.battery", "battery_table"),

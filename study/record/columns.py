@@ -16,12 +16,16 @@ STATION: Final = Figure(phrase("station"), seen=ShownIn.REPORT, kind=Kind.PLACE)
 FROM: Final = Figure(phrase("from", "place"), seen=ShownIn.REPORT | ShownIn.ROWS_NAMED, kind=Kind.PLACE)
 TO: Final = Figure(phrase("to", "place"), seen=ShownIn.REPORT | ShownIn.ROWS_NAMED, kind=Kind.PLACE)
 TRAINS: Final = Figure(phrase("trains", "count"))
+_CROSSING: Final = Figure(phrase("crossing"), seen=ShownIn.REPORT | ShownIn.ROWS_NAMED, kind=Kind.TEXT)
+_HOUR: Final = Figure(phrase("hour"), seen=ShownIn.REPORT | ShownIn.ROWS_NAMED)
 
 Unit: TypeAlias = Annotated[str, UNIT]
 Train: TypeAlias = Annotated[str, TRAIN]
 Station: TypeAlias = Annotated[str, STATION]
 From: TypeAlias = Annotated[str, FROM, "station, or portal's section"]
 To: TypeAlias = Annotated[str, TO, "station, or portal's section"]
+Crossing: TypeAlias = Annotated[str, _CROSSING]
+Hour: TypeAlias = Annotated[int, _HOUR, "from midnight"]
 Way: TypeAlias = Annotated[Direction, pl.Int8]
 Revenue: TypeAlias = Annotated[bool, Figure(phrase("passengers"), kind=Kind.WORD), "carries passengers"]
 

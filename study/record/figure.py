@@ -42,6 +42,7 @@ class Adds(Enum):
     SUM = auto()
     MEAN = auto()
     LARGEST = auto()
+    SMALLEST = auto()
     WEIGHED_MEAN = auto()
     WEIGHED_ROOT_MEAN_SQUARE = auto()
 
@@ -179,6 +180,8 @@ def _added(rows: Sequence[object], name: str, said: Figure) -> float | None:
             return sum(values) / len(values)
         case Adds.LARGEST:
             return max(values)
+        case Adds.SMALLEST:
+            return min(values)
         case _:
             weights: list[float] = [getattr(row, said.over) for row in known]
             return _weighed(values, weights, 2 if said.adds is Adds.WEIGHED_ROOT_MEAN_SQUARE else 1)

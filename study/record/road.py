@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from study.record.columns import seconds
-from study.record.figure import Adds, Figure, Kind, ShownIn
+from study.record.columns import Crossing, Hour
+from study.record.figure import Adds, Figure, ShownIn
 from study.wording.catalogue import phrase
 
 
@@ -14,11 +14,11 @@ from study.wording.catalogue import phrase
 class RoadHour:
     """A crossing and an hour of the day in which vehicles came, or stood."""
 
-    crossing: Annotated[str, Figure(phrase("crossing"), seen=ShownIn.REPORT, kind=Kind.PLACE)]
-    hour: Annotated[int, "from midnight"]
+    crossing: Crossing
+    hour: Hour
     passages: Annotated[
         int,
-        Figure(phrase("passages"), "", 0, Adds.SUM, seen=ShownIn.REPORT),
+        Figure(phrase("road vehicles"), "", 0, Adds.SUM, seen=ShownIn.REPORT),
         "of vehicles that wanted to come in it",
     ]
     waited_h: Annotated[
@@ -26,9 +26,11 @@ class RoadHour:
         Figure(phrase("waiting time of the road"), "h", 2, Adds.SUM, seen=ShownIn.REPORT),
         "vehicle-hours, over passages that nothing hinders",
     ]
-    waited_s_max: Annotated[float, seconds("longest wait of a vehicle")]
+    waited_s_max: Annotated[
+        float, Figure(phrase("longest wait of a vehicle"), "s", 0, Adds.LARGEST, seen=ShownIn.REPORT)
+    ]
     queue: Annotated[
         int,
-        Figure(phrase("longest queue"), "", 0, seen=ShownIn.REPORT),
+        Figure(phrase("longest queue"), "", 0, Adds.LARGEST, seen=ShownIn.REPORT),
         "vehicles that stand in one lane",
     ]

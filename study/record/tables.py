@@ -17,6 +17,7 @@ import polars as pl
 from network.errors import InputError
 from study.record.battery import BatteryMoment, ChargeTaken
 from study.record.calls import CallAsRun, TracePoint
+from study.record.crossings import CrossingHour, CrossingPassage
 from study.record.driving import DrivenHop
 from study.record.energy import HourOfEnergy, LayoverEnergy, LegEnergy, TrainEnergy
 from study.record.figure import added_to, columns_of, schema_of
@@ -50,6 +51,8 @@ class RunTables:
     battery: Annotated[pl.DataFrame, BatteryMoment]
     charges: Annotated[pl.DataFrame, ChargeTaken]
     road: Annotated[pl.DataFrame, RoadHour]
+    crossings: Annotated[pl.DataFrame, CrossingHour]
+    warnings: Annotated[pl.DataFrame, CrossingPassage]
     events: Annotated[pl.DataFrame, EventInWords]
 
     def __post_init__(self) -> None:
@@ -117,6 +120,8 @@ def make_table(name: str, rows: Sequence[object] | Mapping[str, Any] = ()) -> pl
     return pl.DataFrame({column: columns[column] for column in schema}, schema=schema)
 
 
+# Tables that directories written before them lack: empty, as no crossing was recorded then.
+_ADDED: Final = ("road", "crossings", "warnings")
 _OF_BEFORE: Final = (
     "which this command needs and a run of an earlier version does not have: run the scenario again"
 )
@@ -129,6 +134,8 @@ def _file(directory: Path, name: str) -> Path:
 def _read(directory: Path, name: str) -> pl.DataFrame:
     path, row = _file(directory, name), ROWS[name]
     if not path.exists():
+        if name in _ADDED:
+            return make_table(name)
         raise InputError(str(path), "", None, f"this table, {_OF_BEFORE}")
     try:
         frame = pl.read_parquet(path)

@@ -259,8 +259,15 @@ def line_shown(line: Line) -> dict[str, Any]:
             }
             for station in stations
         ],
+        **_crossings(line),
         "axes": [_axis(line, alignment) for alignment in line.alignments.values()],
     }
+
+
+def _crossings(line: Line) -> dict[str, Any]:
+    """Level crossings by kilometrage; a line without any says nothing."""
+    along = sorted(line.crossings.values(), key=lambda crossing: crossing.position_m)
+    return {"crossings": [{"id": c.id, "name": c.name, "m": c.position_m} for c in along]} if along else {}
 
 
 def _axis(line: Line, alignment: Alignment) -> dict[str, Any]:

@@ -43,6 +43,7 @@ _PANEL_IN: Final = 3.7
 _TURN_S_MAX: Final = 3 * 3600  # a set that stands longer than this is stabled, not turning round
 _NUMBER_ROOM_SHARE: Final = 0.008  # a run seen for less of the panel than this carries no number
 _NUMBER_PT: Final = 6.5
+_CROSSING_GAP_MIN: Final = 0.025  # least distance of the names of level crossings, likewise
 _LABEL_GAP_MIN: Final = 0.055  # least distance of station labels, share of the panel's height
 
 
@@ -87,6 +88,7 @@ def draw_frame(axes: Axes, run: ReportedRun, band: TimeBand, grid: TimeGrid) -> 
     axes.set_ylim(high_m + margin_m, low_m - margin_m)
     for station in run.stations:
         axes.axhline(station.position_m, color=PALE, lw=0.4 if station.is_halt else 0.9, zorder=0.6)
+    _draw_crossings(axes, run, _CROSSING_GAP_MIN * (high_m - low_m))
     labels_m = spread([station.position_m for station in run.stations], _LABEL_GAP_MIN * (high_m - low_m))
     axes.set_yticks([])
     for station, label_m in zip(run.stations, labels_m, strict=True):
@@ -100,6 +102,18 @@ def draw_frame(axes: Axes, run: ReportedRun, band: TimeBand, grid: TimeGrid) -> 
             color="#666666" if station.is_halt else INK,
         )
     axes.spines[:].set_color(RULE)
+
+
+def _draw_crossings(axes: Axes, run: ReportedRun, room_m: float) -> None:
+    """A thin line at each level crossing, with its name where that has `room_m`."""
+    layer, named_m = TRAIN_GRAPH.layers["crossing"], -np.inf
+    for crossing in sorted(run.line.crossings.values(), key=lambda crossing: crossing.position_m):
+        at_m = crossing.position_m
+        axes.axhline(at_m, **layer.line(), zorder=0.6)
+        if at_m - named_m >= room_m:
+            where = ("axes fraction", "data")
+            beside(axes, crossing.name, (1.0, at_m), (-2, 0), 5.0, xycoords=where, color=layer.colour)
+            named_m = at_m
 
 
 def station_label(station: Station) -> str:

@@ -22,6 +22,7 @@ from study.record.marks import DrillShown, Mark, MarkKind
 from study.record.sections import SectionHeld
 from study.record.shown import LearnedTrain
 from study.report.battery import battery_tables
+from study.report.crossings import crossing_tables_shown
 from study.report.data import ReportedRun, place_said
 from study.report.driving import driving_tables
 from study.report.energy import energy_tables
@@ -52,6 +53,7 @@ def tables_shown(
         *energy_tables(run, facts),
         *driving_tables(run),
         *battery_tables(run, facts),
+        *crossing_tables_shown(run),
         *_margins(run),
         *_learned(tuned),
         *_telegrams(run.tables.telegrams),

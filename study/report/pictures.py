@@ -122,6 +122,7 @@ DRILL: Final = PictureDesign(
 # Lines of trains, by direction, and what else links or compares them. `empty`: the dashes of trains without passengers.
 TRAIN_GRAPH: Final = PictureDesign(
     {
+        "crossing": Layer(NOTHING, "#7a6a3a", width_pt=0.5, dashes=(2, 3)),
         "turn": Layer(NOTHING, PALE, width_pt=0.75, dashes=(1.5, 2.5)),
         "run_down": Layer(NOTHING, DIRECTION_COLOUR[Direction.DOWN], opacity=0.6, width_pt=2.0),
         "run_up": Layer(NOTHING, DIRECTION_COLOUR[Direction.UP], opacity=0.6, width_pt=2.0),

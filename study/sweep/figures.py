@@ -61,6 +61,16 @@ _ALL: Final = (
     ),
     DayFigure("shortened_trains", "trains cut by the dispatcher", "", lambda day: float(len(day.shortened))),
     DayFigure("missing_trains", "trains that never arrive", "", lambda day: float(len(day.missing))),
+    DayFigure(
+        "closed_road_min", "closed road at level crossings, together", "min", lambda day: day.closed_road_min
+    ),
+    DayFigure(
+        "least_warned_s",
+        "shortest warning of a level crossing before a train",
+        "s",
+        lambda day: day.least_warned_s,
+        more_is_better=True,
+    ),
 )
 FIGURES: Final[Mapping[str, DayFigure]] = {figure.name: figure for figure in _ALL}
 

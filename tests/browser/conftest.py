@@ -16,6 +16,7 @@ from network.timetable import load_timetable
 from study.report.data import ReportedRun
 from study.report.report import write_report
 from tests.study.conftest import make_run
+from tests.study.crossed_day import with_crossing
 from tests.study.report.many_trains import busy_day
 
 BROWSER = os.environ.get("BRANCHLINE_BROWSER") or which("chromium") or which("chromium-browser")
@@ -56,12 +57,23 @@ def report_of(run: ReportedRun, folder: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
-def weekday_report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def weekday() -> ReportedRun:
     """27 trains of a real line."""
     line = load_line(shipped_line("karasuyama"))
     timetable = load_timetable(shipped_timetable("karasuyama_weekday"), line)
-    run = ReportedRun(line, timetable, make_run(line, timetable))
-    return report_of(run, tmp_path_factory.mktemp("weekday"))
+    return ReportedRun(line, timetable, make_run(line, timetable))
+
+
+@pytest.fixture(scope="session")
+def weekday_report(weekday: ReportedRun, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same as a page."""
+    return report_of(weekday, tmp_path_factory.mktemp("weekday"))
+
+
+@pytest.fixture(scope="session")
+def crossed_report(weekday: ReportedRun, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same with a level crossing and its road."""
+    return report_of(with_crossing(weekday, vehicles=True), tmp_path_factory.mktemp("crossed"))
 
 
 @pytest.fixture(scope="session")

@@ -10,7 +10,7 @@ import pytest
 from host import device, store
 from host.store import PartyStore
 from network.model import Position
-from onboard.authority import letters
+from onboard.authority import agreement, letters
 from onboard.authority import records as sym
 from onboard.authority.letters import Letters
 from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
@@ -271,22 +271,14 @@ def staff_say_no_more_than_what_is_so(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
-def staff_unbar_at_once(patch: pytest.MonkeyPatch) -> None:
-    """Whether or not it is known by then what the unit holds."""
-    see = staff.Staff._see_to_bars
-
-    def whoever_is_awaited(self: staff.Staff, t_s: float) -> None:
-        awaited, self._awaited = self._awaited, {}
-        see(self, t_s)
-        self._awaited = awaited
-
-    patch.setattr(staff.Staff, "_see_to_bars", whoever_is_awaited)
+def keeps_what_others_say_that_it_holds(patch: pytest.MonkeyPatch) -> None:
+    """A unit that hears that the register has more than it holds does not give that back."""
+    patch.setattr(agreement, "report_now", lambda state: (state, ()))
 
 
 @switch
-def asks_to_leave_whatever_the_register_has(patch: pytest.MonkeyPatch) -> None:
-    """A unit that may not sign off, as it has more by the register than it holds, asks again and says no more."""
-    patch.setattr(letters, "LOST_SIGHT", letters.LOST_SIGHT[:2])
+def tells_no_unit_what_persons_added(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(reentry, "TELLS_OF_MORE", False)
 
 
 @switch

@@ -1,5 +1,5 @@
 """Level crossings in whole runs of the paper's line: whatever fails, no train comes onto an open road, and all arrive;
-by contacts the warning lasts as long as the train takes from there.
+by contacts the warning lasts as long as the train takes from there. Tables and figures of a day say so.
 """
 
 from __future__ import annotations
@@ -24,7 +24,10 @@ from simulation.faults.links import Cut, Delay, Duplicate, FaultyLink, Loss
 from simulation.faults.script import Script, ScriptedFault, Trigger
 from simulation.result import RunResult
 from simulation.setup import Setup
+from study.collect.crossings import crossing_tables
 from study.drilling.drill import find_drill
+from study.measures.day_figures import EVENTS, day_figures
+from study.measures.road_closures import roads_closed
 from study.runner.outcome import broken_rules, unfinished
 from study.runner.run import simulation_of
 from tests.nightly import A_FIFTH
@@ -114,6 +117,38 @@ def test_by_contacts_the_warning_lasts_as_long_as_the_way_from_the_first_of_them
     assert entered.t_s == pytest.approx(road_s, abs=2.0 * STEP_S)
     assert closed.t_s - lit.t_s == pytest.approx(15.0, abs=STEP_S)
     assert entered.t_s - lit.t_s == pytest.approx(road_s - contact_s, abs=2.0 * STEP_S)
+
+
+def test_tables_and_figures_of_a_day_say_how_long_the_road_was_closed_and_warned() -> None:
+    """By contacts from 0.5 km to the rear at 0.853 km, and 8 s until the barriers are up; by radio for 35 s."""
+    setup, result = drill("107_crossing_contacts"), run("107_crossing_contacts")
+    length_m = setup.lengths_m["K1"]
+    contact_s, road_s, rear_s = times_s(result, setup, 500.0, 847.0, 853.0 + length_m)
+    made = crossing_tables(result)
+    (hour,), (passage,) = made["crossings"].to_dicts(), made["warnings"].to_dicts()
+    assert passage["warned_s"] == pytest.approx(road_s - contact_s, abs=2.0 * STEP_S)
+    assert passage["closed_s"] == pytest.approx(road_s - contact_s - 15.0, abs=2.0 * STEP_S)
+    assert (passage["train"], passage["from_stand"], hour["hour"]) == ("T1", False, 10)
+    assert hour["closed_s"] == pytest.approx(rear_s + 8.0 - contact_s, abs=4.0 * STEP_S)
+    assert (hour["closures"], hour["trains"], hour["warned_s_min"]) == (1, 1, passage["warned_s"])
+    figures = day_figures(result, setup)
+    assert figures.closed_road_min == pytest.approx(hour["closed_s"] / 60.0, abs=1e-3)
+    assert figures.least_warned_s == passage["warned_s"]
+    kept = [
+        entry for entry in result.journal.entries if isinstance(entry.event, EVENTS)
+    ]  # as a sweep keeps them
+    end_s = result.end_step * STEP_S
+    assert roads_closed(kept, end_s) == roads_closed(result.journal.entries, end_s)
+    by_radio = crossing_tables(run("100_crossing"))["warnings"].to_dicts()
+    assert [row["warned_s"] for row in by_radio] == [pytest.approx(35.0, abs=1.0)]
+
+
+def test_roads_are_not_open_for_longer_by_trains_that_do_not_come() -> None:
+    setup, result = drill("107_crossing_contacts"), run("107_crossing_contacts")
+    figures = day_figures(replace(result, stops=[]), setup)
+    day_min = (result.end_step - result.begin_step) * STEP_S / 60.0
+    assert figures.missing == ("T1",)
+    assert (figures.closed_road_min, figures.least_warned_s) == (pytest.approx(day_min, abs=1e-3), 0.0)
 
 
 @pytest.mark.nightly

@@ -404,3 +404,22 @@ def test_inputs_that_make_no_sense_are_refused_and_counted(act: Act) -> None:
     assert desk.act(act) == [Refused]
     assert desk.register.reentry.entries == {}
     assert desk.register.inputs == 1
+
+
+def test_what_persons_enter_beyond_a_units_claim_it_hears_of_until_it_has_given_it_back() -> None:
+    """It has no reason to report by itself: one that has finished kept the line closed to others for ever."""
+    desk = Desk(ReentryMode.BY_HAND)
+    desk.claim(*HELD)
+    desk.enter({"D": "u2"})
+    desk.accept()
+    assert desk.register.held_by("u2") == ("D", "E")
+    assert "u2" in desk.register.units_asked()
+    for _ in range(2):  # the answer may be lost
+        told = desk.hear("u2", Claim(("E",), 7))
+        assert isinstance(told, SignOnAccepted)
+        assert told.section_ids == ("D", "E")
+        assert "u2" in desk.register.units_asked()
+    desk.hear("u2", HoldingReport(("E",), desk.register.unit("u2").token))
+    assert desk.register.held_by("u2") == ("E",)
+    desk.hear("u2", Claim(("E",), 7))
+    assert "u2" not in desk.register.units_asked()

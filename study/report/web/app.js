@@ -11,6 +11,7 @@ const STANDING = { summary: "summary", compared: "compared" };
 const PAPERS = [
   ["graph", "Train graph", null], ["summary", "Summary", null], ["compared", "What changed", null], ["curve", "Run curve", panels.curvePaper], ["stations", "Stations", panels.stationsPaper],
   ["punctuality", "Punctuality", panels.punctualityPaper], ["energy", "Energy", panels.energyPaper], ["margins", "Margins", panels.marginsPaper],
+  ["crossings", "Level crossings", panels.crossingsPaper],
   ["stopping", "Stopping", panels.stoppingPaper], ["sections", "Sections", panels.sectionsPaper], ["trains", "Trains", panels.trainsPaper], ["events", "Events and telegrams", panels.eventsPaper],
 ];
 
@@ -23,7 +24,7 @@ export function start(doc, data) {
     state: { lang: firstLanguage(doc), paper: "graph", graph: { plan: true, run: true, sections: false, stairway: false, lesser: false, beside: true, chosen: null, moment: null }, chosen: null, station: null },
   };
   page.standing = new Map(Object.entries(STANDING).map(([id, name]) => [id, doc.getElementById(name)]).filter(([, found]) => found));
-  page.papers = PAPERS.filter(([id]) => !(id in STANDING) || page.standing.has(id));
+  page.papers = PAPERS.filter(([id]) => (id in STANDING ? page.standing.has(id) : id !== "crossings" || day.tables.has(id)));
   const asked = doc.defaultView.location.hash.slice(1);
   if (page.papers.some(([id]) => id === asked)) page.state.paper = asked;
   build(page);

@@ -328,6 +328,20 @@ export function marginsPaper(host, context) {
   tables(host, context, ["legs"]);
 }
 
+/** Level crossings: closed minutes and warnings of each, then by hour and by passage. */
+export function crossingsPaper(host, context) {
+  const { day, words } = context;
+  const table = day.tables.get("crossings");
+  host.append(element(host.ownerDocument, "p", { class: "caption" }, words.say("Closed: lamps lit or barriers not raised, as the road sees it. Warning: from the lamps to the front on the road; a front without any counts as 0 s, and the second train in one closure from when the first was warned of.")));
+  const closed = columnOf(table, "closed_min");
+  chart(host, context, 260, words.said(closed.heading), (canvas, width, height) => drawBars(canvas, width, height, {
+    labels: valuesOf(table, "crossing"), unit: words.said(closed.heading), tops: closed.values.map((min) => min.toFixed(1)),
+    series: [{ label: words.said(closed.heading), colour: day.pictures.train_graph.layers.crossing.colour, values: closed.values }],
+  }));
+  tables(host, context, ["crossings"], true);
+  tables(host, context, ["crossing_hours", "warnings"]);
+}
+
 /** Stops at the mark: errors, the last 400 m, what trains have learned. */
 export function stoppingPaper(host, context) {
   const { day, words } = context;

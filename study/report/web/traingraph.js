@@ -1,4 +1,5 @@
 // The train graph (列車ダイヤ): time across, stations down at true distances, plan thin and run thick.
+import { drawCrossings } from "./crossings.js";
 import { lastBefore, valueAt } from "./data.js";
 import { COLOURS, dress, font, unitColour } from "./layer.js";
 import { drawEvents, drawFaultNumbers, drawFaults, drawStrip, stripHeight } from "./marks.js";
@@ -71,6 +72,7 @@ export function drawTrainGraph(context, day, view, options, width, height) {
   if (options.stairway) drawStairway(context, day, view, scale, options.chosen);
   drawClockLines(context, view, scale, plot, grid);
   drawStationLines(context, day, scale, plot);
+  drawCrossings(context, day, scale, plot);
   drawTurns(context, day, view, scale);
   if (options.beside && day.beside) drawBeside(context, day.beside, day.pictures.train_graph.layers, view, scale);
   if (options.run) drawRuns(context, day, view, scale);

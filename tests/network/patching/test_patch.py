@@ -172,7 +172,7 @@ def test_a_loop_taken_out_is_its_further_tracks_taken_out() -> None:
         (
             "add.curbs = [{}]",
             "what_if.toml: patch.line.add is 'curbs'; expected one of curves, crossings, tunnels, markers, beacons, "
-            "sections, points, joints, stations, tags, limits, coverage, obstructed",
+            "sections, points, joints, stations, tags, limits, coverage, second_coverage, obstructed",
         ),
         (
             'add.limits = [{ alignment = "branch", from_km = 0.0, to_km = 0.1, speed_kmh = 5 }]',

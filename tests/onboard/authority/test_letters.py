@@ -213,7 +213,7 @@ def test_a_grant_from_before_this_boot_is_not_fresh(letters: Letters) -> None:
 @pytest.mark.parametrize(
     ("reason", "lost_sight"),
     [
-        (reason, reason.name in ("NOT_SIGNED_ON", "STALE_TOKEN", "STILL_HOLDING"))
+        (reason, reason in (radio.RefusalReason.NOT_SIGNED_ON, radio.RefusalReason.STALE_TOKEN))
         for reason in radio.RefusalReason
     ],
 )

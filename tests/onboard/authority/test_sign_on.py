@@ -55,6 +55,9 @@ SIGNED_OFF: Final = Authority(held=("PE",), leaving=True)
 SIGNING_OFF: Final = replace(ON_LINE, requests=(LEAVING,))
 
 
+GIVING_BACK: Final = OpenRequest(RequestKind.REPORT, sent=True)  # all that is not said
+
+
 def holds(*section_ids: str) -> Write:
     return Write(notes.Holds(section_ids=section_ids, token=0))
 
@@ -67,6 +70,11 @@ def said(request: OpenRequest) -> tuple[Action, ...]:
     return SendRequest(replace(request, sent=False)), SetTimer(request.timer, REPEAT_S)
 
 
+REPORTED: Final[tuple[Action, ...]] = (
+    Renew(RequestKind.REPORT),
+    *said(replace(GIVING_BACK, section_ids=HOLDING.held)),
+    Write(notes.Reported(section_ids=HOLDING.held, token=0)),
+)
 CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] = {
     "a train that stands somewhere counts that as held and says so": (
         OFF,
@@ -118,8 +126,8 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     "an answer to a claim brings a newer token and capabilities, never sections": (
         replace(HOLDING, commandable=()),
         SignOnHeard(("3", "5", "6", "7"), ("5", "7"), answers=False, newer=True),
-        HOLDING,
-        (Take(()),),
+        replace(HOLDING, requests=(GIVING_BACK,)),
+        (Take(()), *REPORTED),
     ),
     "with a newer token what is open is asked anew": (
         replace(HOLDING, requests=(ASKED,)),
@@ -147,7 +155,13 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     "an answer to a claim says what of it must be swept, and no more": (
         replace(HOLDING, unswept=("3",)),
         SignOnHeard(("3", "5", "6", "7"), (), answers=False, newer=False, on_sight=("6", "7")),
-        replace(HOLDING, unswept=("6",)),
+        replace(HOLDING, unswept=("6",), requests=(GIVING_BACK,)),
+        REPORTED,
+    ),
+    "an answer to a claim that has more says nothing while a route is asked for": (
+        replace(HOLDING, requests=(ASKED,)),
+        SignOnHeard(("3", "5", "6", "7"), (), answers=False, newer=False),
+        replace(HOLDING, requests=(ASKED,)),
         (),
     ),
     "accepted, an older contradiction is over": (

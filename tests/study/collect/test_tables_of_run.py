@@ -26,6 +26,7 @@ from study.collect.energy import StockMake
 from study.collect.tables_of_run import tables_of
 from study.measures.register_holds import section_holds
 from study.record.tables import RunTables
+from tests.study.collect.crossed import crossed
 from vehicle.train_file import RegenerationReceiver
 from wayside.said import Accepted, Freed, Granted, Refused
 
@@ -121,9 +122,24 @@ def occupation(made: RunTables) -> dict[tuple[str, str], tuple[Any, ...]]:
     }
 
 
+def test_a_front_on_a_crossing_is_that_of_the_train_that_its_unit_then_is() -> None:
+    """K1 is T1, and T2 from 3650 s on."""
+    spans = [span(0, at, number, "3", "8", Direction.DOWN) for at, number in ((0, "T1"), (36_500, "T2"))]
+    made = tables(result(spans=spans, journal=crossed()))
+    assert [(row["unit"], row["train"]) for row in made.warnings.iter_rows(named=True)] == [
+        ("K1", "T1"),
+        ("K2", ""),
+        ("K1", "T2"),
+        ("K2", ""),
+        ("K2", ""),
+        ("K1", "T2"),
+    ]
+    assert made.crossings["closed_s"].to_list()[:4] == [20.0, 156.0, 10.0, 40.0]
+
+
 def test_an_empty_run_has_empty_tables() -> None:
     made = tables(result())
-    for name in ("trajectory", "stops", "blocks", "telegrams", "energy", "events"):
+    for name in ("trajectory", "stops", "blocks", "telegrams", "energy", "crossings", "warnings", "events"):
         assert getattr(made, name).is_empty()
 
 

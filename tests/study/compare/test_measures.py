@@ -14,6 +14,7 @@ from study.measures.missing import planned_times
 from study.measures.summary import energy_summary
 from study.report.data import ReportedRun
 from tests.study.compare.sides import side, with_tables
+from tests.study.crossed_day import with_crossing
 
 
 def figure(run: ReportedRun, group: str, name: str, unit: str = "") -> float | None:
@@ -163,3 +164,38 @@ def test_every_grid_has_as_many_cells_as_headings(weekday: ReportedRun) -> None:
         assert all(len(row) == len(grid.header) for row in grid.rows)
     matrix = moved_matrix(pair, new)
     assert {cell for row in matrix.rows for cell in row[2:]} <= {"· / +9", ""}
+
+
+def test_level_crossings_of_a_day_are_one_group_which_lines_without_any_leave_out(
+    weekday: ReportedRun,
+) -> None:
+    """60 s and 180 s closed; one train was warned of for 30 s, and three for 38 s on average: 36 s."""
+    crossed = with_crossing(weekday)
+    found = {
+        (one.name, one.unit): one.values
+        for one in measures_of((side(weekday), side(crossed)))
+        if one.group == "level crossings"
+    }
+    assert found == {
+        ("road closed", "min"): (None, 4.0),
+        ("closures", ""): (None, 3),
+        ("longest closure", "s"): (None, 120.0),
+        ("trains over it", ""): (None, 4),
+        ("mean warning", "s"): (None, 36.0),
+        ("least warning", "s"): (None, 30.0),
+        ("longest warning", "s"): (None, 44.0),
+    }
+    assert all(one.group != "level crossings" for one in measures_of((side(weekday), side(weekday))))
+
+
+def test_hours_of_a_crossing_are_compared_one_by_one(weekday: ReportedRun) -> None:
+    crossed = with_crossing(weekday)
+    hours = crossed.tables.crossings
+    longer = with_tables(
+        crossed,
+        crossings=hours.with_columns(
+            closed_s=pl.when(pl.col("hour") == 8).then(200.0).otherwise(pl.col("closed_s"))
+        ),
+    )
+    (row,) = compare_rows(side(crossed), side(longer), "crossings")
+    assert (row.names, row.by("closed_s"), row.by("trains")) == (("C1", "8"), 20.0, 0.0)

@@ -16,7 +16,6 @@ import pytest
 
 from network.errors import InputError
 from scenario.scenario import Scenario, load_scenario
-from simulation.faults.crossings import CrossingFault
 from simulation.faults.devices import Restart
 from simulation.faults.script import ActKind, ScriptedFault, Trigger
 from simulation.faults.table import FAULTS
@@ -181,7 +180,7 @@ def test_without_being_told_the_carrier_disagrees(
         done, used, _ = kernel.advance(stock, track, sheet, *rest)
         return done, used, told
 
-    monkeypatch.setattr("simulation.loop.advance", untold)
+    monkeypatch.setattr("simulation.foreseen.advance", untold)
     at_once = replace(two_trains, setup=replace(two_trains.setup, people=People(times=0.0)))
     swept = sweep_of(at_once, restart("K1"), every_s=0.4, from_s=TEN, to_s=TEN + 2.8)
     assert "crash CarrierDisagrees" in {outcome.label for outcome in swept.outcomes["restart K1"].values()}
@@ -206,7 +205,7 @@ def test_every_kind_of_fault_is_swept_alone(two_trains: Scenario) -> None:
     assert len(set(names)) == len(names)
     assert not two_trains.setup.line.chargers
     assert not two_trains.setup.line.crossings
-    of_crossings = {kind for kind, fault in FAULTS.items() if issubclass(fault, CrossingFault)}
+    of_crossings = {kind for kind, fault in FAULTS.items() if fault.aims_at == "level crossing"}
     nowhere = {"charger_dead", "marker_missing", *of_crossings}
     assert not two_trains.setup.line.markers
     assert {name.split()[0] for name in names} == set(FAULTS) - nowhere

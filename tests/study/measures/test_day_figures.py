@@ -44,6 +44,7 @@ THREE = plan(
 )
 
 
+OF_CROSSINGS = ("closed_road_min", "least_warned_s")  # of the journal, tests/system/test_crossings.py
 END_S = 500.0 + 3600.0  # an hour after the last planned time
 
 
@@ -94,6 +95,8 @@ def test_no_figure_is_better_for_arrivals_that_do_not_come(data: st.DataObject) 
     fewer = [one for one in stops if data.draw(st.booleans())]
     before, after = figures_of_stops(stops, THREE), figures_of_stops(fewer, THREE)
     for name, figure in FIGURES.items():
+        if name in OF_CROSSINGS:
+            continue
         was, is_now = figure.of(before), figure.of(after)
         assert was is not None and is_now is not None, name
         assert is_now <= was if figure.more_is_better else is_now >= was, name

@@ -33,6 +33,11 @@ id = "karasuyama_round_trip"
 name = "a round trip on a battery"
 
 [battery]
+
+[patch.line]
+add.crossings = [
+  { id = "C1", section = "HSK-OGN", km = 5.0, control = "contacts", start_down_km = 4.3, start_up_km = 5.7 },
+]
 """
 OF_ONE_TRAIN = {"rtri_test_line": ("T1", "A"), "karasuyama_round_trip": ("321M", "OGN")}
 
@@ -65,6 +70,8 @@ def kind_for(read: RunRead, name: str) -> PlotKind:
     """The kind of plot, of a run that has something to show by it."""
     if name == "battery" and read.tables.battery.is_empty():
         pytest.skip("a run without batteries, which the other has")
+    if name == "level-crossings" and read.tables.crossings.is_empty():
+        pytest.skip("a run without level crossings, which the other has")
     if name == "headway":
         pytest.skip("runs of one set have no headways; tests/branchline/test_capacity_commands.py has two")
     return kind_of(name)

@@ -232,6 +232,13 @@ def test_events_of_a_run_before_they_had_japanese_are_read_with_the_english(tmp_
     assert RunTables.read(tmp_path).events.columns == list(schema_of(ROWS["events"]))
 
 
+def test_tables_that_a_run_of_before_them_lacks_are_empty(tmp_path: Path) -> None:
+    RunTables(**empty()).write(tmp_path)
+    for name in ("road", "crossings", "warnings"):
+        (tmp_path / f"{name}.parquet").unlink()
+        assert getattr(RunTables.read(tmp_path), name).equals(make_table(name))
+
+
 def test_what_a_later_version_has_besides_is_left_out(tmp_path: Path) -> None:
     tables = RunTables(**empty())
     tables.write(tmp_path)
@@ -248,6 +255,7 @@ class Drop:
     summed: Annotated[float | None, Figure(Phrase("s"), "", 0, Adds.SUM)]
     mean: Annotated[float | None, Figure(Phrase("m"), "", 0, Adds.MEAN)]
     largest: Annotated[float | None, Figure(Phrase("l"), "", 0, Adds.LARGEST)]
+    smallest: Annotated[float | None, Figure(Phrase("n"), "", 0, Adds.SMALLEST)]
     weighed: Annotated[float | None, Figure(Phrase("w"), "", 0, Adds.WEIGHED_MEAN, "weight")]
     square: Annotated[float | None, Figure(Phrase("q"), "", 0, Adds.WEIGHED_ROOT_MEAN_SQUARE, "weight")]
     alone: Annotated[float | None, Figure(Phrase("a"), "", 0)]
@@ -255,16 +263,18 @@ class Drop:
 
 def test_rows_add_up_as_their_figures_say() -> None:
     rows = (
-        Drop(1.0, 1.0, 2.0, 3.0, 4.0, 3.0, 9.0),
-        Drop(3.0, 5.0, 6.0, 1.0, 8.0, 5.0, 9.0),
-        Drop(7.0, *[None] * 6),
+        Drop(1.0, 1.0, 2.0, 3.0, 3.0, 4.0, 3.0, 9.0),
+        Drop(3.0, 5.0, 6.0, 1.0, 1.0, 8.0, 5.0, 9.0),
+        Drop(7.0, *[None] * 7),
     )
     assert summed_figures(rows) == {
         "summed": 6.0,
         "mean": 4.0,
         "largest": 3.0,
+        "smallest": 1.0,
         "weighed": 7.0,  # (4 + 3 * 8) / 4
         "square": pytest.approx((84.0 / 4.0) ** 0.5),  # (9 + 3 * 25) / 4
     }
-    assert summed_figures(rows[2:]) == dict.fromkeys(("summed", "mean", "largest", "weighed", "square"))
+    names = ("summed", "mean", "largest", "smallest", "weighed", "square")
+    assert summed_figures(rows[2:]) == dict.fromkeys(names)
     assert Figure(Phrase("late", "遅れ"), "s", 1).heading == Phrase("late, s", "遅れ 秒")

@@ -14,10 +14,19 @@ from study.measures.summary import summarise
 from study.record.energy import PARTS
 from study.record.tables import ROWS, RunTables, make_table
 from study.report.beside import Beside
-from study.report.courses import FINEST_FIRST, Fineness, blocks_shown, courses_shown, trains_shown
+from study.report.courses import (
+    FINEST_FIRST,
+    Fineness,
+    blocks_shown,
+    courses_shown,
+    line_shown,
+    trains_shown,
+)
+from study.report.crossings import crossing_tables_shown
 from study.report.data import ReportedRun
 from study.report.packing import unpacked
 from study.report.payload import PageContents, courses_of, payload_of
+from tests.study.crossed_day import with_crossing
 from tests.study.report.page import table_in
 
 
@@ -155,3 +164,55 @@ def test_of_a_run_beside_only_what_moved_or_is_gone_is_drawn(weekday: ReportedRu
     assert (shown["label"], shown["gone"]) == ("before", ["322M"])
     assert {course["train"] for course in shown["courses"]} == {"321M", "322M"}
     assert courses_of(weekday, FINEST_FIRST[0])["beside"] is None
+
+
+def shown_of_crossings(run: ReportedRun) -> dict[str, list[dict[str, Any]]]:
+    """The tables of level crossings, as rows."""
+    return {
+        table.id: [
+            {column.label: value for column, value in zip(table.columns, values, strict=True)}
+            for values in zip(*(column.values for column in table.columns), strict=True)
+        ]
+        for table in crossing_tables_shown(run)
+    }
+
+
+def test_closed_minutes_and_warnings_of_a_crossing_are_added_up_over_its_hours(weekday: ReportedRun) -> None:
+    shown = shown_of_crossings(with_crossing(weekday))
+    (whole,) = shown["crossings"]
+    assert whole == {
+        "crossing": "Mill lane",
+        "closed_min": 4.0,
+        "closures": 3,
+        "closure_s_max": 120.0,
+        "trains": 4,
+        "warned_s_mean": 36.0,
+        "warned_s_min": 30.0,
+        "warned_s_max": 44.0,
+        "from_stand": 1,
+        "warned_s_running": 38.0,
+    }
+    assert [(row["hour"], row["closed_min"], row["trains"]) for row in shown["crossing_hours"]] == [
+        (7, 1.0, 1),
+        (8, 3.0, 3),
+    ]
+    assert [row["from_stand"] for row in shown["warnings"]] == ["yes", "no", "no", "no"]
+
+
+def test_the_road_stands_beside_the_crossing_where_there_is_one(weekday: ReportedRun) -> None:
+    shown = shown_of_crossings(with_crossing(weekday, vehicles=True))
+    (whole,) = shown["crossings"]
+    assert (whole["passages"], whole["waited_h"], whole["waited_s_max"], whole["queue"]) == (
+        40,
+        0.5,
+        100.0,
+        7,
+    )
+    assert [row["queue"] for row in shown["crossing_hours"]] == [None, 7]
+
+
+def test_a_line_without_crossings_has_no_part_of_them(weekday: ReportedRun) -> None:
+    assert crossing_tables_shown(weekday) == ()
+    assert "crossings" not in line_shown(weekday.line)
+    crossed = line_shown(with_crossing(weekday).line)
+    assert crossed["crossings"] == [{"id": "C1", "name": "Mill lane", "m": 5000.0}]

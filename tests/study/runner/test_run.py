@@ -41,7 +41,7 @@ from study.runner.run import (
 TABLES = (
     *("trajectory", "stops", "blocks", "blocking", "telegrams", "events"),
     *("energy", "energy_legs", "energy_hours", "layovers", "margins", "comparisons", "waits"),
-    *("driving", "battery", "charges"),
+    *("driving", "battery", "charges", "road", "crossings", "warnings"),
 )
 TEXTS = ("summary.json", "inputs.json", "shown.json", "journal.jsonl", "report.html")
 WRITTEN = {*TEXTS, *(f"{name}.parquet" for name in TABLES)}

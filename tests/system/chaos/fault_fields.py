@@ -64,6 +64,8 @@ def _value(
     low, high = RANGES.get((kind.kind, name), (*bounds_of(kind, name), ""))[:2]
     if name == "section":
         return draw.one_of(names.sections)
+    if name == "network":  # where there is one radio, whichever it is of is that one
+        return draw.one_of(("any", *names.networks)) if len(names.networks) > 1 else "any"
     if info.annotation is bool:
         return draw.chance(0.5)
     if info.annotation is int:

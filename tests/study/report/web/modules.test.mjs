@@ -14,6 +14,7 @@ const { searched } = await from("app.js");
 const { wordsIn } = await from("words.js");
 const { whereIs, latenessAt } = await from("graphpaper.js");
 const { drawStairway, partsOf } = await from("stairway.js");
+const { drawCrossings } = await from("crossings.js");
 const { standsOf, onAxis } = await from("runcurve.js");
 
 const packed = (values, k = 1) => {
@@ -210,4 +211,22 @@ test("blocking times are boxes of their section; those of others than the train 
   assert.deepEqual(drawn(null), [["#c7e9c0", 5, 0, 15, 90, 0.6], ["#41ab5d", 20, 0, 20, 90, 0.6]]);
   assert.deepEqual(drawn("T2"), [["#c7e9c0", 5, 0, 15, 90, 0.2], ["#41ab5d", 20, 0, 20, 90, 0.2]]);
   assert.deepEqual(drawn("T2", { ...view, x1: 1000 }).map((box) => box.at(-1)), [0.2, 0.2, 0.6]);
+});
+
+test("level crossings in view have a line, and a name where there is room", () => {
+  const day = {
+    line: { crossings: [100, 104, 150, 900].map((m, i) => ({ id: `C${i}`, name: `c${i}`, m })) },
+    pictures: { train_graph: { layers: { crossing: { colour: "#111111", width: 1, dashes: [2, 3] } } } },
+  };
+  const [lines, names] = [[], []];
+  const context = {
+    beginPath: () => {}, setLineDash: () => {}, stroke: () => {}, strokeText: () => {},
+    moveTo: (x, y) => lines.push([x, y]), lineTo: (x) => lines.at(-1).push(x), fillText: (text) => names.push(text),
+  };
+  const plot = { left: 10, top: 20, width: 300, height: 400 };
+  drawCrossings(context, day, { y: (m) => m }, plot);
+  assert.deepEqual(lines, [[10, 100.5, 310], [10, 104.5, 310], [10, 150.5, 310]]);
+  assert.deepEqual(names, ["c0", "c2"]);
+  drawCrossings(context, { ...day, line: {} }, { y: (m) => m }, plot);
+  assert.equal(lines.length, 3);
 });
