@@ -45,6 +45,15 @@ HAZARDS: Final = (
         ("a unit runs over a level crossing that has not proved closed",),
     ),
     Hazard(
+        "A road vehicle on a level crossing before the train",
+        "it stalls on the road that is closed, or drives over one that cannot be closed",
+        "what a detector sees takes the proof away; nobody creeps onto a road on which he sees something stand, and for"
+        " a train that creeps drivers stop. Inside braking distance it is struck",
+        ("wayside.level_crossing", "onboard.crossings.talk"),
+        (Checker.SUMO_COLLISION,),
+        ("rtri/109_crossing_obstacle", "rtri/110_crossing_busy_road"),
+    ),
+    Hazard(
         "A road that is closed just before the train",
         "the train comes sooner than its unit said, or the crossing was asked late",
         "a proof counts only where even at full speed the front comes no sooner than the least time after it",

@@ -227,6 +227,7 @@ class LevelCrossing:
     `lowering_s`: that the barriers take; `closing_s`: from the start of the warning to closed, `closed_s`: from closed
     to the train; without barriers it counts as closed once its lamps are lit. `starts_m`, `ends_m`: kilometrages (m) of
     contacts by direction of travel. `sight_m`: from how far (m) its users see a train, if that is known.
+    `has_detector`: its device sees what stands on the road while it is closed (障害物検知装置).
     """
 
     id: str
@@ -242,6 +243,7 @@ class LevelCrossing:
     starts_m: Mapping[Direction, float] = field(default_factory=dict[Direction, float])
     ends_m: Mapping[Direction, float] = field(default_factory=dict[Direction, float])
     sight_m: float | None = None
+    has_detector: bool = False
 
     @property
     def has_device(self) -> bool:

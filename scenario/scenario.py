@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from network.errors import InputError
+from network.files.crossing_road import roads_of
 from network.files.edits import Change, Data
 from network.files.quantities import SEED
 from network.files.shipped import find_file, shipped_line, shipped_timetable
@@ -145,6 +146,7 @@ def _loaded(path: Path, layers: ScenarioLayers, seed: int | None) -> Scenario:
         curvature_map=curvature_map_of(_folders(path, "curvature", layers), tables.curvature, believed),
         learned=learned_of(path, tables.tuning, trains),
         load=model.trains,
+        roads=roads_of(line_data, str(line_file)),
         **run_tables(tables, timetable),
     )
     check_late(str(path), setup)

@@ -19,8 +19,8 @@ from onboard.records import EVENT_STOPPED
 from radio.noted import LostWhere
 from simulation.agenda import AgendaKind, Item
 from simulation.cabs import CREW, Cabs
-from simulation.carriers.carrier import Carrier, Truth
-from simulation.carriers.road import Road
+from simulation.carriers.carrier import Truth
+from simulation.carriers.road import CarrierOf, Road
 from simulation.carriers.road_shown import ObstacleDetectors
 from simulation.duties import Duties, WrongEnd
 from simulation.events import WORLD, Collision, Danger, TagPassed, Unsafe
@@ -63,7 +63,7 @@ class Simulation:
     def __init__(
         self,
         setup: Setup,
-        carrier_of: Callable[[float], Carrier],
+        carrier_of: CarrierOf,
         parties: Parties,
         net: NetMap,
         units: Units,
@@ -79,7 +79,7 @@ class Simulation:
         self._begin_step = round(math.floor((first_s - OPENING_S) / 60.0) * 60.0 / STEP_S)
         self._limit_step = round(setup.latest_end_s / STEP_S)
         self._step = self._begin_step
-        self._carrier = carrier_of(self._begin_step / STEPS_PER_S)
+        self._carrier = carrier_of(self._begin_step / STEPS_PER_S, road)
         world = world_of(setup, duties, self.journal, self._carrier, parties, units, road)
         self.trains: Final = world.trains
         self.wayside: Final = world.wayside
@@ -95,7 +95,7 @@ class Simulation:
         day = late_day(setup)
         self._platforms = Platforms(world, self._cabs, day)
         self._toes = Toes(world, self._unsafe)
-        self._road, self._detectors = road, detectors
+        self._road, self._detectors = road, detectors or self.wayside.crossings
         self._stretches = Stretches(self.trains)
         self._ahead: ForeseenStretch | None = None
         self._moved_step = self._begin_step

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.unit import UnitConfig
+from network.files.crossing_road import CrossingRoad
 from network.model import Line
 from network.timetable import Timetable
 from onboard.driving.tuning import Learned
@@ -62,6 +63,8 @@ class Setup(Tables):
     learned: Mapping[str, Learned] = field(default_factory=dict[str, Learned])
     day: int = 1  # what passes is drawn anew each day; what belongs to a train is not
     load: Load = field(default_factory=Load)
+    # By crossing, those that something drives over.
+    roads: Mapping[str, CrossingRoad] = field(default_factory=dict[str, CrossingRoad])
     until_s: float = math.inf  # only the part of the day before it is run
 
     @property

@@ -16,13 +16,12 @@ from typing import Final
 import numpy as np
 
 from network import alignment
-from network.files.crossing_road import CrossingRoad
+from network.files.crossing_road import LANE_WIDTH_M, CrossingRoad
 from network.model import Line
 from network.offsets import lateral_m
 from sumo_cfg.truth_map import OF_ROAD
 from sumo_cfg.writer import PlainXml
 
-LANE_WIDTH_M: Final = 3.0
 AWAY_M: Final = 100.0  # road behind the crossing: in it a lorry that stood is as fast as the others again
 CLASSES: Final = "passenger truck"
 

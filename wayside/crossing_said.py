@@ -15,12 +15,13 @@ from radio.noted import Noted
 
 class CrossingDetected(msgspec.Struct, frozen=True, array_like=True, tag=13):
     """World to level crossing: what its contacts show, at each change and after a restart: lamps lit, barriers at
-    either end. What is not detected shows neither.
+    either end, something on the closed road. What is not detected shows neither end.
     """
 
     lamps: bool
     lowered: bool
     raised: bool
+    obstacle: bool = False
 
 
 class CrossingContact(msgspec.Struct, frozen=True, array_like=True, tag=14):
@@ -56,6 +57,7 @@ class WhyUnproven(Enum):
 
     LATE = "not detected in time"
     LOST = "lost"
+    OBSTACLE = "something is on it"
 
 
 class CrossingUnproven(Noted, frozen=True, kw_only=True, tag="crossing_unproven"):

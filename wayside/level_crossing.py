@@ -1,5 +1,6 @@
 """Invariant: from when a unit is told that the crossing is closed until that unit has said that it is over it, or has
-given it up, the crossing is commanded closed; a proof is sent only while lamps and barriers are detected so.
+given it up, the crossing is commanded closed; a proof is sent only while lamps and barriers are detected so and nothing
+is on the road.
 
 The device of a level crossing (踏切制御装置) as a pure machine: `step(device, event, now_s) -> (device, actions)`, with
 `now_s` as time that has passed, not as a clock shows it. A unit says how soon its front can be there; the warning
@@ -158,8 +159,9 @@ def _seen(device: CrossingDevice, detected: CrossingDetected, now_s: float) -> C
 
 
 def _shuts(device: CrossingDevice) -> bool:
-    """Whether lamps shine and barriers are down, as detected."""
-    return device.detected.lamps and (device.detected.lowered or not device.config.barriers)
+    """Whether lamps shine, barriers are down and nothing is on the road, as detected."""
+    seen = device.detected
+    return seen.lamps and (seen.lowered or not device.config.barriers) and not seen.obstacle
 
 
 def _shows_closed(device: CrossingDevice, now_s: float) -> bool:
@@ -271,7 +273,8 @@ def _detect_closed(device: CrossingDevice, event: CrossingDetected, now_s: float
         state=CrossingState.CLOSING,
         deadline_s=now_s + device.config.closing_s + TELEGRAM_S,
     )
-    return device, (Show(CrossingUnproven(why=WhyUnproven.LOST)), *_proofs(device))
+    why = WhyUnproven.OBSTACLE if device.detected.obstacle else WhyUnproven.LOST
+    return device, (Show(CrossingUnproven(why=why)), *_proofs(device))
 
 
 def _expire(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) -> CrossingStep:

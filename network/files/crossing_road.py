@@ -6,16 +6,18 @@ Where a figure is `assumed`, nothing of the road's own is known: counts of a roa
 
 from __future__ import annotations
 
-from typing import Annotated, Final
+from collections.abc import Mapping
+from typing import Annotated, Any, Final
 
 from pydantic import Field, field_validator
 
 from network.files.chances import ApproachM, RoadTime, RoadVehicles, StopLineM
 from network.files.kinds import about
 from network.files.quantities import Share, SpeedKmh
-from network.files.toml_input import Record
+from network.files.toml_input import Record, validate
 
 HOURS: Final = 24
+LANE_WIDTH_M: Final = 3.0
 
 
 class CrossingRoad(Record):
@@ -72,3 +74,14 @@ class CrossingRoad(Record):
     def speed_mps(self) -> float:
         """Limit of the road, m/s."""
         return self.speed_kmh / 3.6
+
+    @property
+    def width_m(self) -> float:
+        """All lanes together, along the track."""
+        return 2.0 * self.lanes * LANE_WIDTH_M
+
+
+def roads_of(data: Mapping[str, Any], file: str) -> dict[str, CrossingRoad]:
+    """The roads in the tables of a line file that was found right, by id of the crossing; `file` names it."""
+    rows = data.get("crossings", ())
+    return {row["id"]: validate(row["road"], file, CrossingRoad) for row in rows if "road" in row}

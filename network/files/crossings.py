@@ -81,8 +81,10 @@ def _crossing(
         _contacts(table.start_down_km, table.start_up_km),
         _contacts(table.end_down_km, table.end_up_km),
         table.sight_m,
+        table.detector,
     )
     _check_contacts(file, key, crossing)
+    _check_road(file, key, table)
     return crossing
 
 
@@ -102,6 +104,25 @@ def _times(file: str, key: str, table: CrossingTable, kind: CrossingClass) -> tu
     if closed_s < least_s:
         raise InputError(file, f"{key}.closed_s", closed_s, f"at least {least_s:g} s")
     return closing_s, closed_s
+
+
+def _check_road(file: str, key: str, table: CrossingTable) -> None:
+    """What looks at the road, and the road itself, belong to the crossing's class and lie within it."""
+    barriers, road = CrossingClass(table.kind) is CrossingClass.BARRIERS, table.road
+    if table.detector and not barriers:
+        raise InputError(
+            file, f"{key}.detector", True, 'false, or kind = "1": it looks while barriers are down'
+        )
+    if road is None:
+        return
+    if CrossingClass(table.kind) is CrossingClass.NO_DEVICE:
+        expected = 'kind = "1" or "3": drivers stop for lamps and barriers, and there are none'
+        raise InputError(file, f"{key}.road", None, expected)
+    if road.half_barriers and not barriers:
+        raise InputError(file, f"{key}.road.half_barriers", True, 'false, or kind = "1"')
+    if road.width_m > table.width_m:
+        expected = f"at least {road.width_m:g}: lanes = {road.lanes} each way"
+        raise InputError(file, f"{key}.width_m", table.width_m, expected)
 
 
 def _contacts(down_km: float | None, up_km: float | None) -> dict[Direction, float]:

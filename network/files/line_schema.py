@@ -9,6 +9,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import Field
 
+from network.files.crossing_road import CrossingRoad
 from network.files.kinds import ROWS_MAX, TABLES_MAX, TEXTS_MAX, about
 from network.files.names import Identifier, Prose, Title
 from network.files.quantities import (
@@ -323,6 +324,13 @@ class CrossingTable(OnTrackTable):
     ] = None
     sight_m: Annotated[
         Distance | None, about("without a device, from how far its users see a train; left out: nobody knows")
+    ] = None
+    detector: Annotated[
+        bool,
+        about("with barriers, whether a detector (障害物検知装置) sees what stands on it while it is closed"),
+    ] = False
+    road: Annotated[
+        CrossingRoad | None, about("the road, which SUMO carries; left out: nothing drives over it")
     ] = None
 
 

@@ -10,12 +10,12 @@ is judged from SUMO's positions of both, in every step in which it is near.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
 from network.model import Direction, Line
-from simulation.carriers.carrier import Truth
+from simulation.carriers.carrier import Carrier, Truth
 from simulation.carriers.road_demand import road_vehicles
 from simulation.carriers.road_shown import OPEN, CrossingShown, ObstacleDetectors
 from simulation.carriers.road_totals import RoadTotals
@@ -29,6 +29,7 @@ from sumo_cfg.road_traffic import CAR, ROUND, WIDTH_M, RoadVehicle, road_routes_
 LOOK_STEPS: Final = 5
 LOOK_ROUND_STEPS: Final = 50  # at crossings that are open and without a queue
 TRAIN_HALF_WIDTH_M: Final = 1.4  # half of a narrow-gauge car's 2.8 m
+SEEN_M: Final = 100.0  # ahead of a train that drivers see come: it has stood less far from the crossing
 NEAR_M: Final = 15.0  # beyond the middle of a crossing: its lanes, and what a train runs in a step
 STANDS_MPS: Final = 0.1  # SUMO's own bound of a halt
 GO_AHEAD_MPS: Final = -1.0  # setSpeed: the vehicle drives by itself again
@@ -83,6 +84,9 @@ class Road:
         self._on_it = {at.crossing_id: False for at in roads}
         self._shows: dict[str, CrossingShown] = dict.fromkeys(self._on_it, OPEN)
         self._stalled: dict[str, str] = {}  # the vehicle by crossing
+        self._creeping: dict[
+            str, str
+        ] = {}  # by crossing: the train that drivers see come, until it is over it
         self._near: list[_Near] = []
         self._noticed: list[Noticed] = []
         self._step = 0
@@ -114,6 +118,14 @@ class Road:
                 run_m = self._sumo.vehicle.getDistance(vehicle.id) if vehicle.id in there else 0.0
                 self.totals.waited(vehicle, now_s - vehicle.depart_s - run_m / vehicle.free_mps)
 
+    def blocked(self, crossing_id: str) -> bool:
+        """Whether a vehicle stands where a train comes, for who looks before he drives on."""
+        here = (at for at in self.roads if at.crossing_id == crossing_id)
+        speed_mps = self._sumo.vehicle.getSpeed
+        return any(
+            speed_mps(vehicle_id) < STANDS_MPS for at in here for vehicle_id, _ in self._on_the_way(at)
+        )
+
     # trains -------------------------------------------------------------------------------------------------------
 
     def put(
@@ -140,11 +152,15 @@ class Road:
         self._near.clear()
         for unit_id, trail in self._trails.items():
             run_m = runs_m.get(unit_id, 0.0) + NEAR_M
-            for entered in trail.within(run_m):
-                for at in self._over.get(entered.piece_id, ()):
-                    middle_m = trail.place_m(entered, at.position_m)
-                    if trail.front_m + run_m > middle_m > trail.front_m - trail.length_m - NEAR_M:
-                        self._near.append(_Near(trail, unit_id, at, middle_m))
+            self._near += [_Near(trail, unit_id, at, middle_m) for at, middle_m in self._met(trail, run_m)]
+
+    def _met(self, trail: Trail, run_m: float) -> Iterator[tuple[RoadAt, float]]:
+        """Crossings that a train is on or comes to within `run_m`, and where on its way they are, m."""
+        for entered in trail.within(run_m):
+            for at in self._over.get(entered.piece_id, ()):
+                middle_m = trail.place_m(entered, at.position_m)
+                if trail.front_m + run_m > middle_m > trail.front_m - trail.length_m - NEAR_M:
+                    yield at, middle_m
 
     def follow(self, unit_id: str, truth: Truth) -> None:
         """Where the front of a train that ran now is."""
@@ -178,6 +194,12 @@ class Road:
             self._shows[crossing_id] = shown
             self._watched.add(crossing_id)
 
+    def creeps_over(self, crossing_id: str, unit_id: str) -> None:
+        """A train that stood before a crossing creeps over it: drivers see it, and stop until it is gone."""
+        if crossing_id in self._shows:
+            self._creeping[crossing_id] = unit_id
+            self._watched.add(crossing_id)
+
     def stall(self, crossing_id: str, *, stands: bool) -> None:
         """A vehicle stalls with its middle on the track, in the first lane towards the right of DOWN: one that is there
         or another. Or the one that did goes on. Nothing happens where a crossing has no road here.
@@ -209,7 +231,7 @@ class Road:
     def _look_at(self, at: RoadAt) -> None:
         """What it shows reaches the drivers; it is watched on unless it is open and nobody stands there."""
         shown = self._shows[at.crossing_id]
-        self._signal(at, _state_for(shown))
+        self._signal(at, "r" if self._sees_train(at) else _state_for(shown))
         self._count(at)
         closed = shown.barriers is BarrierState.LOWERED
         if closed and at.road.half_barriers:
@@ -219,6 +241,14 @@ class Road:
             self._watched.discard(at.crossing_id)
         else:
             self._watched.add(at.crossing_id)
+
+    def _sees_train(self, at: RoadAt) -> bool:
+        """Whether the train that creeps over it is not yet beyond: as it was at the end of its last stretch."""
+        trail = self._trails.get(self._creeping.get(at.crossing_id, ""))
+        comes = trail is not None and any(each is at for each, _ in self._met(trail, SEEN_M))
+        if not comes:
+            self._creeping.pop(at.crossing_id, None)
+        return comes
 
     def _signal(self, at: RoadAt, state: str) -> None:
         if state != self._signals.get(at.crossing_id):
@@ -294,6 +324,10 @@ class Road:
             return now_mps  # the vehicle came to the train
         was_mps = 2.0 * run_m / STEP_S - now_mps
         return math.sqrt(max(0.0, was_mps**2 + (now_mps**2 - was_mps**2) * (at_m - before_m) / run_m))
+
+
+# How a carrier is made, given the time at which the run begins, s, and the road, if that is carried too.
+CarrierOf = Callable[[float, Road | None], Carrier]
 
 
 def _state_for(shown: CrossingShown) -> str:

@@ -151,10 +151,13 @@ class Crew:
         return crossing_id if stops_m - float(self._trains.truths[slot].position_m) < SEES_M else ""
 
     def creep(self, slot: int, now_s: float) -> list[CreepOver]:
-        """The driver has leave to creep over the crossing at which the train waits: his unit, if it drives, is told."""
+        """The driver has leave to creep over the crossing at which the train waits: his unit, if it drives, is told.
+        He has none while he sees that something stands on it.
+        """
         crossing_id = self.waits_at_crossing(slot)
-        if not crossing_id:
+        if not crossing_id or self._wayside.crossings.is_blocked(crossing_id):
             return []
+        self._wayside.crossings.creeps_over(crossing_id, self._trains.stock_ids[slot])
         if not self._on_board.drives_on_sight(slot):
             return [CreepOver(crossing_id)]
         self._creeps[slot] = crossing_id

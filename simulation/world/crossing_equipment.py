@@ -16,6 +16,7 @@ from typing import Any, Final
 
 from network.model import CrossingClass, LevelCrossing
 from radio.table import TableCell, rows
+from simulation.carriers.road_shown import CrossingShown
 from simulation.events import BarrierState
 from simulation.faults.crossings import IN_ORDER, CrossingCondition
 from wayside.crossing_said import CloseCrossing, CrossingDetected, OpenCrossing
@@ -35,6 +36,7 @@ class CrossingEquipment:
     closes: bool = False
     due_s: float | None = None
     condition: CrossingCondition = IN_ORDER
+    obstacle: bool = False  # as the detector has it
 
     @property
     def lit(self) -> bool:
@@ -54,7 +56,14 @@ class ConditionChanged:
     condition: CrossingCondition
 
 
-EquipmentEvent = CloseCrossing | OpenCrossing | BarrierTimeOver | ConditionChanged
+@dataclass(frozen=True, slots=True)
+class ObstacleDetected:
+    """Event: the detector (障害物検知装置) sees something on the closed road, or no longer does."""
+
+    present: bool
+
+
+EquipmentEvent = CloseCrossing | OpenCrossing | BarrierTimeOver | ConditionChanged | ObstacleDetected
 
 
 def equipment_of(crossing: LevelCrossing) -> CrossingEquipment:
@@ -74,7 +83,14 @@ def detection(equipment: CrossingEquipment) -> CrossingDetected:
     if equipment.condition.detection_fault:
         return CrossingDetected(lamps=False, lowered=False, raised=False)
     at = equipment.barriers
-    return CrossingDetected(equipment.lit, at is BarrierState.LOWERED, at is BarrierState.RAISED)
+    lowered, raised = at is BarrierState.LOWERED, at is BarrierState.RAISED
+    return CrossingDetected(equipment.lit, lowered, raised, equipment.obstacle)
+
+
+def shown(equipment: CrossingEquipment) -> CrossingShown:
+    """What it shows to drivers."""
+    barriers = equipment.barriers if equipment.has_barriers else BarrierState.RAISED
+    return CrossingShown(barriers, equipment.lit)
 
 
 def _moved(equipment: CrossingEquipment, now_s: float) -> CrossingEquipment:
@@ -115,6 +131,11 @@ def _change(equipment: CrossingEquipment, event: ConditionChanged, now_s: float)
     return equipment if stuck is event.condition.stuck else _moved(equipment, now_s)
 
 
+def _detect(equipment: CrossingEquipment, event: ObstacleDetected, _now_s: float) -> CrossingEquipment:
+    """Shown to the device."""
+    return replace(equipment, obstacle=event.present)
+
+
 def _stay(equipment: CrossingEquipment, _event: EquipmentEvent, _now_s: float) -> CrossingEquipment:
     """Nothing happens."""
     return equipment
@@ -137,6 +158,7 @@ TABLE: Final[
         (BarrierState.LOWERED, OpenCrossing): _open,
         (BarrierState.LOWERED, BarrierTimeOver): _stay,
         **dict.fromkeys(((at, ConditionChanged) for at in BarrierState), _change),
+        **dict.fromkeys(((at, ObstacleDetected) for at in BarrierState), _detect),
     }
 )
 

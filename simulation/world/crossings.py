@@ -15,6 +15,7 @@ from typing import Final
 from network.model import CrossingControl, LevelCrossing, Line
 from network.path import Path
 from simulation.agenda import Agenda, AgendaKind
+from simulation.carriers.road import Road
 from simulation.events import WORLD, BarrierState, CrossingBarriers, CrossingEntered, CrossingLamps
 from simulation.faults.crossings import CrossingCondition
 from simulation.journal import Journal
@@ -24,6 +25,7 @@ from simulation.world.crossing_equipment import (
     ConditionChanged,
     CrossingEquipment,
     EquipmentEvent,
+    ObstacleDetected,
 )
 from simulation.world.trains import Trains
 from wayside.crossing_said import CloseCrossing, CrossingContact
@@ -37,12 +39,14 @@ ShowsDevice = Callable[[int, str, Input], None]
 class CrossingsOnTrack:
     """The equipment of all crossings that have a device, by id."""
 
-    def __init__(self, line: Line, agenda: Agenda, journal: Journal, shows: ShowsDevice) -> None:
+    def __init__(
+        self, line: Line, agenda: Agenda, journal: Journal, shows: ShowsDevice, road: Road | None = None
+    ) -> None:
         self.on_line: Final = tuple(c for c in line.crossings.values() if c.has_device)
         self.equipment: Final[dict[str, CrossingEquipment]] = {
             crossing.id: crossing_equipment.equipment_of(crossing) for crossing in self.on_line
         }
-        self._agenda, self._journal, self._shows = agenda, journal, shows
+        self._agenda, self._journal, self._shows, self._road = agenda, journal, shows, road
 
     def start(self, step: int) -> None:
         """Every device is shown its equipment."""
@@ -73,6 +77,20 @@ class CrossingsOnTrack:
         """Something of it fails, or is mended."""
         self.take(step, crossing_id, ConditionChanged(condition))
 
+    def obstacle(self, crossing_id: str, at_step: int, *, present: bool) -> None:
+        """Its detector sees something on the closed road, or no longer does; nothing where it has no device here."""
+        if crossing_id in self.equipment:
+            self.take(at_step, crossing_id, ObstacleDetected(present))
+
+    def is_blocked(self, crossing_id: str) -> bool:
+        """Whether a vehicle stands on the road, as who is there sees; never where no road is carried."""
+        return self._road is not None and self._road.blocked(crossing_id)
+
+    def creeps_over(self, crossing_id: str, unit_id: str) -> None:
+        """A train has leave to creep over it, and is seen by who drives on its road."""
+        if self._road is not None:
+            self._road.creeps_over(crossing_id, unit_id)
+
     def take(self, step: int, crossing_id: str, event: EquipmentEvent) -> None:
         """What happens to it: written down, shown to its device, and remembered when barriers are due."""
         before, now_s = self.equipment[crossing_id], step / STEPS_PER_S
@@ -82,6 +100,8 @@ class CrossingsOnTrack:
         if after.barriers is not before.barriers and after.has_barriers:
             barriers = CrossingBarriers(crossing_id=crossing_id, state=after.barriers)
             self._journal.write(now_s, WORLD, barriers)
+        if self._road is not None:
+            self._road.show(crossing_id, crossing_equipment.shown(after))
         if after.due_s is not None and after.due_s != before.due_s:
             self._agenda.put(step_not_before(after.due_s), AgendaKind.POINTS, crossing_id)
         if crossing_equipment.detection(after) != crossing_equipment.detection(before):

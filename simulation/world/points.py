@@ -14,6 +14,7 @@ from radio.envelope import header_of, noted_terms
 from radio.messages import RouteRequest
 from radio.noted import Lost, LostWhere, Sent
 from simulation.agenda import Agenda, AgendaKind
+from simulation.carriers.road import Road
 from simulation.clock import Clock
 from simulation.events import (
     WORLD,
@@ -53,6 +54,7 @@ class WaysideWorld:
         journal: Journal,
         cable: Cable,
         place_m: Callable[[str], float],
+        road: Road | None = None,
     ) -> None:
         self.machines: dict[str, PointMachine] = {
             points.id: point_machine.machine_of(points) for points in line.points.values()
@@ -62,7 +64,7 @@ class WaysideWorld:
         self.sections_of: Final = _sections_with_points(line)
         self._terminal_of: Final = {points.id: points.terminal_id for points in line.points.values()}
         self.device_ids: Final = (MANAGER_ID, *sorted({p.terminal_id for p in line.points.values()}))
-        self.crossings: Final = CrossingsOnTrack(line, agenda, journal, self.input)
+        self.crossings: Final = CrossingsOnTrack(line, agenda, journal, self.input, road)
         self.party_ids: Final = (*self.device_ids, *self.crossings.equipment)
         self._parties = parties
         self._devices = Devices(parties)

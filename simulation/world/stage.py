@@ -56,7 +56,7 @@ def world_of(
     """The world before its day begins."""
     agenda, in_force, trains = Agenda(), InForce(), Trains(setup, carrier)
     cable, radio = Cable(setup.line, setup.operation), Radio(setup, trains.reached, in_force)
-    wayside = WaysideWorld(setup.line, parties, radio, agenda, journal, cable, trains.place_m)
+    wayside = WaysideWorld(setup.line, parties, radio, agenda, journal, cable, trains.place_m, road)
     books = Books(trains)
     charging = None if setup.battery is None else Charging(setup, setup.battery, trains, books, drawn)
     on_board = OnBoard(setup, trains, units, charging)

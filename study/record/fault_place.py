@@ -8,6 +8,8 @@ from typing import Any
 from network.model import Line, Piece
 from simulation.faults.cable import BETWEEN, WHOLE, CableFault
 from simulation.faults.chargers import ChargerFault
+from simulation.faults.crossing_road import CrossingRoadFault
+from simulation.faults.crossings import CrossingFault
 from simulation.faults.fault import Fault
 from simulation.faults.lidar import MarkerMissing
 from simulation.faults.links import DeadZone, LinkFault
@@ -31,6 +33,8 @@ def place_of_fault(fault: Fault[Any], line: Line, unit_ids: Iterable[str]) -> Ma
         case CableFault():
             ends = target.split(BETWEEN)
             found = MarkPlace() if target == WHOLE else _over_m(line.stations[end].position_m for end in ends)
+        case CrossingFault() | CrossingRoadFault():
+            found = _at(line.crossings[target].position_m)
         case PointsFault():
             found = _over(piece for piece in line.pieces.values() if piece.points_id == target)
         case TagFault():

@@ -26,7 +26,8 @@ from radio.keys import KEY_BYTES
 from scenario.fleet_file import learned_json
 from scenario.scenario import Scenario
 from simulation.carriers.carrier import Carrier
-from simulation.carriers.road import Road
+from simulation.carriers.road import CarrierOf, Road
+from simulation.carriers.road_of_run import road_of, roads_at
 from simulation.carriers.road_shown import ObstacleDetectors
 from simulation.carriers.sumo_api import STEP_DELAY_MS, GuiWindow
 from simulation.journal import Journal
@@ -73,6 +74,7 @@ from study.runner.journeys import dispatch_of
 from study.runner.outcome import missing_said, outside_design, rules_said, unfinished, waiting_said
 from study.wording.phrase import Phrase
 from sumo_cfg.build import net_for
+from sumo_cfg.road_net import RoadAt
 from sumo_cfg.scenery import scenery_xml
 from sumo_cfg.truth_map import NetMap, read_net
 from wayside.config import crossing_configs, manager_config, terminal_configs
@@ -108,6 +110,10 @@ class CarrierKind(Enum):
         """Whether a window shows the run."""
         return self is CarrierKind.SUMO_GUI
 
+    def roads(self, setup: Setup) -> tuple[RoadAt, ...]:
+        """The roads that it carries: plain track has none."""
+        return () if self is CarrierKind.PLAIN else roads_at(setup)
+
 
 @dataclass(frozen=True, slots=True)
 class FinishedRun:
@@ -137,15 +143,16 @@ class RunOptions:
     `make` makes the carrier of the last day, `make_before` that of the days of learning before it (None: the same).
     """
 
-    make: Callable[[float], Carrier]
+    make: CarrierOf
     net: NetMap
     folder: Path
     link: PartyLink = PartyLink.SIMULATED
     units: UnitsAt = UnitsAt.SIMULATOR
-    make_before: Callable[[float], Carrier] | None = None
+    make_before: CarrierOf | None = None
     watch: Callable[[Parties], Parties] | None = None
     journal: Callable[[], Journal] = Journal
     stop: Callable[[], bool] | None = None
+    roads: tuple[RoadAt, ...] = ()  # those in the net
 
 
 def run_to_end(
@@ -177,6 +184,7 @@ def run_to_end(
                 PartyUnits(parties) if apart else LocalUnits(on_board),
                 course.link.value,
                 course.journal(),
+                road_of(setup, course.roads, state),
             )
             with bugs_named(scenario.id, simulation, processes=course.link is PartyLink.ZENOH):
                 result = simulation.run(progress, course.stop)
@@ -211,15 +219,15 @@ def execute(
     """
     with scratch(TEMPORARY) as folder:
         setup = scenario.setup
-        net = net_for(setup.line, folder)
+        roads = carrier.roads(setup)
+        net = net_for(setup.line, folder, roads)
         window = GuiWindow(folder / SCENERY_FILE, delay_ms)
         make = carrier_factory(carrier, setup.line, net, window)
         # Days of learning pass without a window.
         make_before = carrier_factory(CarrierKind.SUMO, setup.line, net) if carrier.shown else make
-        wrapped = wrap or _as_it_is
         started = time.perf_counter()
         course = RunOptions(
-            lambda begin_s: wrapped(make(begin_s)),
+            make if wrap is None else lambda begin_s, road: wrap(make(begin_s, road)),
             read_net(net),
             folder,
             link,
@@ -228,6 +236,7 @@ def execute(
             watch,
             lambda: Journal(journal),
             stop,
+            roads,
         )
         setup, result = run_to_end(scenario, course, progress)
         wall_s = time.perf_counter() - started
@@ -287,15 +296,15 @@ def simulation_of(
 ) -> Generator[Simulation]:
     """A simulation on SUMO with all parties in this process, ready to `begin`; its carrier is released at the end.
 
-    `road_in` makes the road that is carried too, with its files in a folder; its `detectors` hear of obstacles.
+    `road_in` makes another road than the line's, with its files in a folder, and other `detectors` hear of obstacles.
     """
     with scratch(TEMPORARY) as folder:
-        road = None if road_in is None else road_in(folder)
+        road = road_of(setup, roads_at(setup), folder) if road_in is None else road_in(folder)
         net = net_for(setup.line, folder, () if road is None else road.roads)
         master_key = secrets.token_bytes(KEY_BYTES)
         units = LocalUnits(unit_configs(setup, master_key))
         with parties_of(PartyLink.SIMULATED, setup.line.id, specs_of(setup, master_key), folder) as parties:
-            make = carrier_factory(CarrierKind.SUMO, setup.line, net, road=road)
+            make = carrier_factory(CarrierKind.SUMO, setup.line, net)
             link = PartyLink.SIMULATED.value
             simulation = Simulation(
                 setup, make, parties, read_net(net), units, link, road=road, detectors=detectors
@@ -308,10 +317,6 @@ def simulation_of(
 
 def _in_silence(_stage: str) -> None:
     """Nobody is told."""
-
-
-def _as_it_is(carrier: Carrier) -> Carrier:
-    return carrier
 
 
 @dataclass(frozen=True, slots=True)
@@ -424,11 +429,10 @@ def carrier_factory(
     line: Line,
     net: Path,
     window: GuiWindow | None = None,
-    road: Road | None = None,
-) -> Callable[[float], Carrier]:
-    """How the loop makes its carrier, given the time at which the run begins (s).
+) -> CarrierOf:
+    """How the loop makes its carrier. The `net` has the roads that this is given; plain track is given none.
 
-    Where the kind is `shown`, the scenery of the line is written where `window` has it. Plain track has no `road`.
+    Where the kind is `shown`, the scenery of the line is written where `window` has it.
     """
     if kind is CarrierKind.SUMO_GUI:
         from simulation.carriers.window import WindowCarrier
@@ -436,17 +440,17 @@ def carrier_factory(
         shown = window or GuiWindow()
         if shown.scenery is not None:
             shown.scenery.write_bytes(scenery_xml(line))
-        return lambda begin_s: WindowCarrier(net, begin_s, shown, road)
+        return lambda begin_s, road: WindowCarrier(net, begin_s, shown, road)
     if kind is CarrierKind.SUMO:
         from simulation.carriers.sumo import SumoCarrier
         from simulation.carriers.sumo_road import SumoRoadCarrier
 
-        if road is not None:
-            return lambda begin_s: SumoRoadCarrier(net, begin_s, road)
-        return lambda begin_s: SumoCarrier(net, begin_s)
+        return lambda begin_s, road: (
+            SumoCarrier(net, begin_s) if road is None else SumoRoadCarrier(net, begin_s, road)
+        )
     from simulation.carriers.plain_track import PlainTrack
 
-    return lambda _begin_s: PlainTrack.of_line(line, STEP_S)
+    return lambda _begin_s, _road: PlainTrack.of_line(line, STEP_S)
 
 
 @contextmanager

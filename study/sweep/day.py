@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import shlex
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +21,7 @@ from network.errors import InputError
 from network.model import Line
 from scenario.scenario import Scenario, load_scenario, with_seed
 from simulation.carriers.carrier import Carrier
+from simulation.carriers.road import Road
 from simulation.events import EventType, Unsafe
 from simulation.journal import Journal
 from simulation.judge.checkers import Checker
@@ -33,6 +34,7 @@ from study.runner.outcome import broken_rules, unfinished, waiting_said
 from study.runner.run import TEMPORARY, CarrierKind, RunOptions, carrier_factory, run_to_end
 from study.sweep.records import DayOutcome, DayRecord, DaySpec
 from sumo_cfg.build import net_for
+from sumo_cfg.road_net import RoadAt
 from sumo_cfg.truth_map import NetMap, read_net
 
 SCENARIOS_KEPT: Final = 4  # a worker is given days of one point after the other
@@ -73,7 +75,7 @@ class ProcessCache:
         self.replay_of: Final = replay_of
         self._scenario_of = scenario_of
         self._scenarios: OrderedDict[tuple[object, ...], Scenario] = OrderedDict()
-        self._nets: OrderedDict[int, tuple[Line, _BuiltNet]] = OrderedDict()
+        self._nets: OrderedDict[tuple[int, bool], tuple[Line, _BuiltNet]] = OrderedDict()
         self._stack = ExitStack()
         self._folder: Path | None = None
 
@@ -105,14 +107,15 @@ class ProcessCache:
                 self._scenarios.popitem(last=False)
         return with_seed(found, spec.seed)
 
-    def net(self, line: Line) -> tuple[Path, NetMap]:
-        """The net of a line, and what it says of itself."""
-        held = self._nets.get(id(line))  # the line is held too, so that its number stays its own
+    def net(self, line: Line, roads: Sequence[RoadAt] = ()) -> tuple[Path, NetMap]:
+        """The net of a line, with `roads` or without, and what it says of itself."""
+        key = (id(line), bool(roads))  # the line is held too, so that its number stays its own
+        held = self._nets.get(key)
         if held is None:
-            file = net_for(line, self.folder)
+            file = net_for(line, self.folder, roads)
             known = next((net for _, net in self._nets.values() if net.file == file), None)
             held = (line, known or _BuiltNet(file, read_net(file)))
-            self._nets[id(line)] = held
+            self._nets[key] = held
             if len(self._nets) > SCENARIOS_KEPT:
                 self._nets.popitem(last=False)
         return held[1].file, held[1].map
@@ -135,15 +138,17 @@ def run_day(spec: DaySpec, index: int, warm: ProcessCache) -> DayRecord:
 
 def _run(spec: DaySpec, index: int, warm: ProcessCache, carriers: list[Carrier]) -> DayRecord:
     scenario = warm.scenario(spec)
-    net, seen = warm.net(scenario.setup.line)
-    make = carrier_factory(CarrierKind(spec.carrier), scenario.setup.line, net)
+    kind = CarrierKind(spec.carrier)
+    roads = kind.roads(scenario.setup)
+    net, seen = warm.net(scenario.setup.line, roads)
+    make = carrier_factory(kind, scenario.setup.line, net)
 
-    def noted(begin_s: float) -> Carrier:
-        carriers.append(make(begin_s))
+    def noted(begin_s: float, road: Road | None) -> Carrier:
+        carriers.append(make(begin_s, road))
         return carriers[-1]
 
     with scratch(TEMPORARY) as folder:
-        course = RunOptions(noted, seen, folder, journal=lambda: Journal(kept=KEPT_EVENTS))
+        course = RunOptions(noted, seen, folder, journal=lambda: Journal(kept=KEPT_EVENTS), roads=roads)
         setup, result = run_to_end(scenario, course)
     return record_of(spec, index, result, setup)
 

@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from network.files.crossing_road import CrossingRoad
+from network.files.crossing_road import LANE_WIDTH_M, CrossingRoad
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.model import Line
 from sumo_cfg.build import committed_net, net_for
-from sumo_cfg.road_net import LANE_WIDTH_M, RoadAt, RoadPart, RoadWay
+from sumo_cfg.road_net import RoadAt, RoadPart, RoadWay
 from sumo_cfg.road_traffic import CAR, HEAVY, RoadVehicle, road_routes_xml
 from sumo_cfg.truth_map import read_net
 

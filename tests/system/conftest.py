@@ -32,11 +32,12 @@ def switch_names() -> frozenset[str]:
 def run_with(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[FinishedRun, set[str]]]:
     """Run a scenario or drill with switches thrown; the run, and who objects: checkers, unmet expectations.
 
-    On plain track, which takes half of the time: that SUMO carries the same run is `test_defects`' to say.
+    On plain track, which takes half of the time: that SUMO carries the same run is `test_defects`' to say. With a road,
+    which SUMO alone carries, on that.
     """
 
     def run(
-        scenario: str, *switches: str | Switch, carrier: CarrierKind = CarrierKind.PLAIN
+        scenario: str, *switches: str | Switch, carrier: CarrierKind | None = None
     ) -> tuple[FinishedRun, set[str]]:
         for given in switches:
             if given:
@@ -45,7 +46,8 @@ def run_with(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[FinishedRun
         file = FOLDER / f"{scenario}.toml"
         name = str(file) if file.is_file() else scenario
         loaded = load_scenario(find_drill(name) if name in shipped_drills() else name)
-        done = execute(loaded, PartyLink.SIMULATED, carrier=carrier)
+        usual = CarrierKind.SUMO if loaded.setup.roads else CarrierKind.PLAIN
+        done = execute(loaded, PartyLink.SIMULATED, carrier=carrier or usual)
         verdicts = judge(loaded.setup.script.expectations, done.result, done.tables)
         return done, {v.checker for v in done.result.violations} | {v.text for v in verdicts if not v.passed}
 

@@ -9,6 +9,7 @@ import pytest
 from onboard.crossings import machine as crossings
 from onboard.crossings import talk
 from radio.messages import CrossingOver
+from simulation.world.crossings import CrossingsOnTrack
 from tests.system.switchboard import switch
 from wayside import level_crossing
 from wayside.crossing_said import CrossingContact
@@ -39,6 +40,18 @@ def proves_lamps_alone(patch: pytest.MonkeyPatch) -> None:
 @switch
 def proves_what_it_commands(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(level_crossing, "_shuts", lambda _device: True)
+
+
+@switch
+def creeps_without_looking(patch: pytest.MonkeyPatch) -> None:
+    """A driver with leave to creep, who does not see what stands on the road."""
+    patch.setattr(CrossingsOnTrack, "is_blocked", lambda *_: False)
+
+
+@switch
+def is_not_seen_on_the_road(patch: pytest.MonkeyPatch) -> None:
+    """A train for which no driver on the road stops."""
+    patch.setattr(CrossingsOnTrack, "creeps_over", lambda *_: None)
 
 
 @switch

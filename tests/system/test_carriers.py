@@ -130,7 +130,7 @@ def test_a_train_that_moves_in_the_step_in_which_it_turns_keeps_what_it_ran(tmp_
     (track,) = (s for s in line.sections.values() if s.id == "3")
     seen: list[Truth] = []
     for kind in (CarrierKind.SUMO, CarrierKind.PLAIN):
-        carrier = carrier_factory(kind, line, net_for(line, tmp_path))(0.0)
+        carrier = carrier_factory(kind, line, net_for(line, tmp_path))(0.0, None)
         carrier.insert("K1", track.piece_ids, Direction.DOWN, 60.0, 40.0)
         carrier.run([], 1)
         carrier.reverse("K1", track.piece_ids, Direction.UP)

@@ -393,6 +393,8 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "106_crossing_two_trains": ("closes_once", "so does T3"),
         "107_crossing_contacts": ("counts_no_rear", "the rear opens it"),
         "108_crossing_unit_power": ("opens_in_silence", "the road stays closed"),
+        "109_crossing_obstacle": ("creeps_without_looking", Checker.SUMO_COLLISION),
+        "110_crossing_busy_road": ("is_not_seen_on_the_road", Checker.SUMO_COLLISION),
     }
 )
 

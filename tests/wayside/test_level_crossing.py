@@ -40,6 +40,7 @@ LAMPS = CrossingConfig("line", "C", barriers=False, closing_s=0.0, closed_s=30.0
 UP = CrossingDetected(lamps=False, lowered=False, raised=True)
 MOVING = CrossingDetected(lamps=True, lowered=False, raised=False)
 DOWN = CrossingDetected(lamps=True, lowered=True, raised=False)
+BLOCKED = CrossingDetected(lamps=True, lowered=True, raised=False, obstacle=True)
 DARK = CrossingDetected(lamps=False, lowered=True, raised=False)
 OPEN, CLOSING, CLOSED = CrossingState.OPEN, CrossingState.CLOSING, CrossingState.CLOSED
 COMES, GONE = CrossingContact(first=True), CrossingContact(first=False)
@@ -137,6 +138,25 @@ def test_the_proof_is_sent_once_it_is_detected_and_taken_back_at_once() -> None:
     assert box.do(DOWN, 15.0) == [("u", CrossingProof(True, VALID_S), 1)]
     assert box.do(DARK, 18.0) == [("u", CrossingProof(False, VALID_S), 1)]
     assert box.notes == [CrossingUnproven(why=WhyUnproven.LOST)]
+
+
+def test_what_is_on_the_road_takes_the_proof_away_until_it_is_gone() -> None:
+    """It has warned on meanwhile: the proof is there again at once."""
+    box = closed_for("u")
+    assert box.do(BLOCKED, 18.0) == [("u", CrossingProof(False, VALID_S), 1)]
+    assert (box.state, box.drives) == (CLOSING, [])
+    assert box.notes == [CrossingUnproven(why=WhyUnproven.OBSTACLE)]
+    assert box.do(asks(12.0, correlation=2), 20.0) == [("u", CrossingProof(False, VALID_S), 2)]
+    assert box.do(DOWN, 40.0) == [("u", CrossingProof(True, VALID_S), 2)]
+
+
+def test_a_road_that_is_blocked_as_it_closes_is_not_proved_closed() -> None:
+    box = Box()
+    box.do(asks(35.0))
+    box.do(MOVING)
+    assert box.do(BLOCKED, 15.0) == []
+    assert box.state is CLOSING
+    assert box.do(DOWN, 19.0) == [("u", CrossingProof(True, VALID_S), 1)]
 
 
 def test_lamps_that_shine_again_must_have_warned_for_their_time() -> None:

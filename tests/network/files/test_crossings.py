@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from network.errors import InputError
+from network.files.crossing_road import roads_of
 from network.files.crossings import least_closed_s, least_warning_s
 from network.files.line_file import parse_line
 from network.model import CrossingClass, Direction, LevelCrossing
@@ -62,6 +63,15 @@ def test_it_goes_with_its_block() -> None:
     assert line.crossings["C"].piece_id == "6_2"
 
 
+def test_roads_are_read_from_the_tables_that_were_found_right() -> None:
+    """By id of the crossing; one without a road has none, and a single figure counts for every hour."""
+    rows = [{"id": "C1"}, {"id": "C2", "road": {"vehicles_per_h": [60.0], "lanes": 2}}]
+    roads = roads_of({"crossings": rows}, "line.toml")
+    assert list(roads) == ["C2"]
+    assert (roads["C2"].per_h(23), roads["C2"].width_m) == (60.0, 12.0)
+    assert roads_of({}, "line.toml") == {}
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
@@ -91,6 +101,26 @@ def test_it_goes_with_its_block() -> None:
         (
             ['control = "contacts"', "start_down_km = 0.75", "start_up_km = 1.0"],
             "crossings[0].start_down_km is 0.75; expected a place before 0.697, as down trains run",
+        ),
+        (
+            ['kind = "3"', "detector = true"],
+            'crossings[0].detector is true; expected false, or kind = "1": it looks while barriers are down',
+        ),
+        (
+            ['kind = "4"', "road = { vehicles_per_h = [60.0] }"],
+            'crossings[0].road; expected kind = "1" or "3": drivers stop for lamps and barriers, and there are none',
+        ),
+        (
+            ['kind = "3"', "road = { vehicles_per_h = [60.0], half_barriers = true }"],
+            'crossings[0].road.half_barriers is true; expected false, or kind = "1"',
+        ),
+        (
+            ["road = { vehicles_per_h = [60.0], lanes = 2 }"],
+            "crossings[0].width_m is 6.0; expected at least 12: lanes = 2 each way",
+        ),
+        (
+            ["road = { vehicles_per_h = [60.0, 70.0] }"],
+            "crossings[0].road.vehicles_per_h is [60.0, 70.0]; expected one figure, or 24",
         ),
         (
             ["end_up_km = 0.7"],

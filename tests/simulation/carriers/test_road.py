@@ -218,6 +218,44 @@ def test_a_detector_hears_of_a_vehicle_on_a_closed_crossing_alone(with_road: Wit
     assert 300 < second[1] <= 350  # in five seconds it has run clear of the track
 
 
+def test_who_looks_sees_what_stands_there_whatever_is_closed(with_road: WithRoad) -> None:
+    run = with_road(road_of())
+    assert not run.road.blocked(CROSSING)
+    run.road.stall(CROSSING, stands=True)
+    run.run([], 10)
+    assert run.road.blocked(CROSSING)
+    run.road.stall(CROSSING, stands=False)
+    run.run([], 50)
+    assert not run.road.blocked(CROSSING)
+
+
+def test_who_drives_over_it_blocks_nothing(with_road: WithRoad) -> None:
+    run = with_road(road_of(vehicles_per_h=(900.0,)))
+    while not run.over():
+        run.run([], 1)
+    for _ in range(20):
+        run.run([], 1)
+        assert not run.road.blocked(CROSSING)
+
+
+def test_drivers_stop_for_a_train_that_creeps_over_an_open_crossing_until_it_is_gone(
+    with_road: WithRoad,
+) -> None:
+    """It stands 30 m before the middle for 20 s, and its rear, 40 m long, is 15 m beyond after 85 m at 5 m/s."""
+    run = with_road(road_of(vehicles_per_h=(1200.0,), heavy_share=0.0))
+    run.carrier.insert("T", WAY[6:], Direction.DOWN, POSITION_M - 530.0 - 30.0, 40.0)
+    run.run([], 600)
+    run.road.creeps_over(CROSSING, "T")
+    run.run([("T", [0.0] * 200)], 200)
+    assert run.over() == set()
+    for _ in range(16):
+        run.run([("T", [5.0] * 10)], 10)
+        assert run.over() == set()
+    run.run([("T", [5.0] * 60)], 60)
+    assert run.over() != set()
+    assert run.road.struck == []
+
+
 def test_a_vehicle_that_is_there_stalls_at_once_and_drives_on_in_the_end(with_road: WithRoad) -> None:
     """Nobody is put there then, and whoever comes behind it waits, as it does, for what the fault lasts."""
     run = with_road(road_of(vehicles_per_h=(900.0,), heavy_share=0.0))

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from network.model import CrossingClass, CrossingControl, LevelCrossing
+from simulation.carriers.road_shown import CrossingShown
 from simulation.events import BarrierState
 from simulation.faults.crossings import CrossingCondition
 from simulation.world.crossing_equipment import (
@@ -15,8 +16,10 @@ from simulation.world.crossing_equipment import (
     ConditionChanged,
     CrossingEquipment,
     EquipmentEvent,
+    ObstacleDetected,
     detection,
     equipment_of,
+    shown,
     step,
     table_rows,
 )
@@ -39,7 +42,7 @@ def after(*happened: tuple[float, EquipmentEvent]) -> CrossingEquipment:
 
 
 def test_every_state_takes_every_event() -> None:
-    events = (CloseCrossing, OpenCrossing, BarrierTimeOver, ConditionChanged)
+    events = (CloseCrossing, OpenCrossing, BarrierTimeOver, ConditionChanged, ObstacleDetected)
     assert set(TABLE) == {(state, event) for state in BarrierState for event in events}
     assert len(table_rows()) == len(TABLE)
 
@@ -83,6 +86,9 @@ def test_contacts_show_what_is_so_or_nothing() -> None:
     assert detection(equipment_of(LINE)) == CrossingDetected(lamps=False, lowered=False, raised=True)
     dark = step(down, ConditionChanged(CrossingCondition(lamps_dead=True)), 116.0)
     assert detection(dark) == CrossingDetected(lamps=False, lowered=True, raised=False)
+    blocked = step(down, ObstacleDetected(present=True), 116.0)
+    assert detection(blocked) == CrossingDetected(lamps=True, lowered=True, raised=False, obstacle=True)
+    assert detection(step(blocked, ObstacleDetected(present=False), 117.0)) == detection(down)
     blind = step(down, ConditionChanged(CrossingCondition(detection_fault=True)), 116.0)
     assert detection(blind) == CrossingDetected(lamps=False, lowered=False, raised=False)
 
@@ -92,3 +98,11 @@ def test_without_barriers_lamps_are_all() -> None:
     lit = step(lamps, CLOSE, 100.0)
     assert (lit.lit, lit.barriers, lit.due_s) == (True, LOWERED, None)
     assert step(lit, OPENS, 130.0).barriers is RAISED
+
+
+def test_drivers_see_lamps_and_barriers() -> None:
+    """The class alone decides whether there are barriers to be seen."""
+    assert shown(after((100.0, CLOSE))) == CrossingShown(LOWERING, lamps=True)
+    assert shown(after((100.0, CLOSE), (115.0, OVER))) == CrossingShown(LOWERED, lamps=True)
+    lamps = equipment_of(replace(LINE, kind=CrossingClass.WARNING, closing_s=0.0, closed_s=30.0))
+    assert shown(step(lamps, CLOSE, 100.0)) == CrossingShown(RAISED, lamps=True)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
+from network.model import CrossingClass, CrossingControl, LevelCrossing
 from simulation.faults.table import FAULTS
 from study.record.fault_place import TO_SEE_M, place_of_fault
 from study.record.marks import MarkPlace
@@ -50,3 +52,13 @@ def test_a_dead_zone_has_its_length_and_the_manager_the_whole_line() -> None:
     ((low_m, high_m),) = place("dead_zone", section.id, length_m=250.0).stretches_m
     assert low_m == min(piece.from_m for piece in pieces) and high_m - low_m == 250.0
     assert place("power_off", "block-manager") == MarkPlace() == place("cable_cut", "*")
+
+
+@pytest.mark.parametrize("kind", ["barriers_stuck", "lamps_dead", "crossing_undetected", "stalled_vehicle"])
+def test_what_fails_at_a_crossing_is_where_the_crossing_is(kind: str) -> None:
+    crossing = LevelCrossing(
+        "C", "C", CrossingClass.BARRIERS, CrossingControl.RADIO, "HSK-OGN", 4900.0, 6.0, 8.0, 15.0, 20.0
+    )
+    line = replace(LINE, crossings={"C": crossing})
+    found = place_of_fault(FAULTS[kind](target="C"), line, ("V1",))
+    assert found == MarkPlace(stretches_m=((4900.0 - TO_SEE_M / 2, 4900.0 + TO_SEE_M / 2),))

@@ -18,6 +18,7 @@ from simulation.journal import Journal
 from simulation.judge.checkers import Checker, Violation
 from simulation.result import Ending, RunResult, Waiting
 from simulation.setup import Setup
+from study.drilling.drill import find_drill
 from study.runner.run import CarrierKind, PartyLink, execute
 from study.sweep.day import ProcessCache, outcome_of_day, run_day, scenario_of
 from study.sweep.records import DayOutcome, DaySpec
@@ -50,6 +51,14 @@ def test_a_day_is_the_run_of_its_seed_whatever_ran_before(warm: ProcessCache, ca
         assert (record.outcome, record.why, record.index) == (DayOutcome.GOOD, "", 3)
         assert record.figures is not None
         assert record.figures.arrived_trains == run.summary["trains_arrived"]
+
+
+def test_a_day_on_sumo_carries_the_roads_of_its_crossings(warm: ProcessCache) -> None:
+    """In the drill a vehicle stalls on one; on plain track, which this process has run before, none does."""
+    drill = str(find_drill("rtri/109_crossing_obstacle"))
+    plain, sumo = (run_day(spec(1, carrier, drill), 0, warm) for carrier in (PLAIN, SUMO))
+    run = execute(load_scenario(drill, 1), PartyLink.SIMULATED)
+    assert sumo.digest == run.summary["digest"] != plain.digest
 
 
 def test_a_scenario_is_loaded_once_and_its_net_read_once() -> None:

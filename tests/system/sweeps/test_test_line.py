@@ -29,11 +29,12 @@ WORDS: Final = frozenset({ActKind.CONFIRM_OUTSIDE, ActKind.CONFIRM_HOLDING, ActK
 def _is_movable(name: str, scenario: Scenario) -> bool:
     """Whether something fails in a drill, and nobody says, or must say, what is true at its own time alone.
 
-    Where manager and units fail together (row 14), persons must say what a unit holds that stands before no tag.
+    Where manager and units fail together (row 14), persons must say what a unit holds that stands before no tag. A
+    vehicle that stalls close before a train (row 109) is struck.
     """
     script = scenario.setup.script
     words = WORDS.isdisjoint(act.kind for act in script.acts)
-    return bool(script.faults) and words and not name.startswith("rtri/14")
+    return bool(script.faults) and words and not name.startswith(("rtri/14", "rtri/109"))
 
 
 @pytest.fixture
@@ -56,6 +57,15 @@ def test_every_drill_at_every_second(name: str, bad_in: Sweeps) -> None:
     if not _is_movable(name, scenario):
         pytest.skip("nothing fails in it, or somebody says what is true at its own time alone")
     assert bad_in(scenario, (what_is_moved(scenario).variation,), InstantWindow(1.0)) == []
+
+
+def test_a_vehicle_that_stalls_is_struck_inside_braking_distance_alone(bad_in: Sweeps) -> None:
+    """At 10:00:47 the front is 37 m before the vehicle at 7.2 m/s, and takes 34 m: 1 s until the brake is commanded,
+    0.9 s until it acts, then 20 m. A second later it has 30 m. From 10:00:59 on its rear is beyond.
+    """
+    scenario = load_scenario(find_drill("rtri/109_crossing_obstacle"))
+    bad = bad_in(scenario, (what_is_moved(scenario).variation,), InstantWindow(1.0))
+    assert [int(found.split("1 at 10:00:")[1][:2]) for found in bad] == list(range(48, 59))
 
 
 @pytest.mark.parametrize("departure_s", [36_000.0, 36_300.0, 36_420.0])
