@@ -389,10 +389,8 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     correlation = unit.correlation if heard.epoch == unit.epoch else 0
     after = RegisteredUnit(standing, heard.epoch, token, unit.route_id, correlation)
     unproven = not held and (bool(shown) or unit.unproven)
-    more = isinstance(heard.message, Claim) and 0 < len(claimed) < len(
-        held
-    )  # asked on, until it gives it back
-    after = entering.carried_over(unit, replace(after, unproven=unproven, silent=more), held)
+    to_give_back = isinstance(heard.message, Claim) and 0 < len(claimed) < len(held)
+    after = entering.carried_over(unit, replace(after, unproven=unproven, silent=to_give_back), held)
     register = register.with_unit(unit_id, after)
     actions, was = list[Action](shown), unit.standing.value
     if added or after.standing is not unit.standing or after.epoch != unit.epoch:
