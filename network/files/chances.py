@@ -44,6 +44,7 @@ ROAD_TIME: Final = Quantity(
 APPROACH: Final = Quantity(
     "road before a crossing", "m", ((50.0, 5000.0),), "assumed: seven cars; queues end in a town"
 )
+LANES: Final = Quantity("lanes each way", "", ((1, 2),), "assumed: no branch line is crossed by a wider road")
 STOP_LINE: Final = Quantity(
     "stop line to track", "m", ((2.5, 30.0),), "assumed: just clear of a train; a crossing at a sharp angle"
 )
@@ -64,3 +65,4 @@ RoadVehicles = Annotated[float, ROAD_VEHICLES]
 RoadTime = Annotated[float, ROAD_TIME]
 ApproachM = Annotated[float, APPROACH]
 StopLineM = Annotated[float, STOP_LINE]
+Lanes = Annotated[int, LANES]

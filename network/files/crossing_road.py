@@ -11,7 +11,7 @@ from typing import Annotated, Any, Final
 
 from pydantic import Field, field_validator
 
-from network.files.chances import ApproachM, RoadTime, RoadVehicles, StopLineM
+from network.files.chances import ApproachM, Lanes, RoadTime, RoadVehicles, StopLineM
 from network.files.kinds import about
 from network.files.quantities import Share, SpeedKmh
 from network.files.toml_input import Record, validate
@@ -23,7 +23,7 @@ LANE_WIDTH_M: Final = 3.0
 class CrossingRoad(Record):
     """A road with as many lanes one way as the other; vehicles drive on the left."""
 
-    lanes: Annotated[int, Field(ge=1, le=2), about("lanes each way", "assumed: a road of two lanes")] = 1
+    lanes: Annotated[Lanes, about("lanes each way", "assumed: a road of two lanes")] = 1
     vehicles_per_h: Annotated[
         tuple[RoadVehicles, ...],
         Field(strict=False, min_length=1, max_length=HOURS),

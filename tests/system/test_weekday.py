@@ -208,7 +208,7 @@ def test_the_run_directory_is_whole_and_its_report_opens_offline(simulated: Day)
     names = {path.name for path in simulated.folder.iterdir()}
     tables = {"trajectory", "stops", "blocks", "blocking", "telegrams", "events"}
     tables |= {"energy", "energy_legs", "energy_hours", "layovers", "margins", "comparisons", "waits"}
-    tables |= {"driving", "battery", "charges", "road"}
+    tables |= {"driving", "battery", "charges", "road", "crossings", "warnings"}
     texts = {"summary.json", "inputs.json", "shown.json", "journal.jsonl", "report.html"}
     assert names == texts | {f"{t}.parquet" for t in tables}
     html = (simulated.folder / "report.html").read_text("utf-8")

@@ -93,7 +93,8 @@ def _line() -> Data:
     axis["limits"] = [{"from_km": 0.55, "to_km": 0.85, "speed_kmh": 40.0, "directions": ["down"]}]
     data["points"][0]["offset_m"] = 0.0
     next(section for section in data["sections"] if section["kind"] == "between")["virtual_blocks"] = 1
-    data["crossings"] = [{"id": "C1", "section": "6", "km": 0.7, "width_m": 6.0}]
+    road = {"lanes": 1, "vehicles_per_h": [60.0], "approach_m": 200.0, "stop_line_m": 4.0, "stall_s": 60.0}
+    data["crossings"] = [{"id": "C1", "section": "6", "km": 0.7, "width_m": 6.0, "road": road}]
     data["chargers"] = [
         {
             "station": "B",
