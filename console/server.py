@@ -316,12 +316,15 @@ class _Connection:
 
 
 def listening_on(host: str, port: int) -> socket.socket:
-    """A socket on an address. InputError where that cannot be had."""
+    """A socket on an address, on which whoever comes before the server has begun waits. InputError where that cannot be
+    had.
+    """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     bound = socket.socket(family)
     try:
         bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         bound.bind((host, port))
+        bound.listen()
     except OSError as error:
         bound.close()
         expected = f"an address and port of this machine that are free: {error.strerror}"

@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from socket import create_connection
 from typing import Any, Final
 
 import pytest
@@ -17,11 +18,11 @@ pytest.importorskip("httpx2", reason="starlette's test client needs it")
 from starlette.testclient import TestClient, WebSocketTestSession
 from starlette.websockets import WebSocketDisconnect
 
-from console.access import SOCKETS_MAX, AccessRules, Refusal, on_loopback, with_tokens, write_tokens
+from console.access import LOOPBACK, SOCKETS_MAX, AccessRules, Refusal, on_loopback, with_tokens, write_tokens
 from console.desk import Desk
 from console.protocol import MESSAGE_BYTES_MAX, DeskAnswer, Request, Welcome
 from console.seats import Seat
-from console.server import FULL_CODE, REFUSED_CODE, SOCKET_PATH, DeskServer
+from console.server import FULL_CODE, REFUSED_CODE, SOCKET_PATH, DeskServer, listening_on
 from console.session import Session
 from console.shown import DeskMoment
 from network.errors import InputError
@@ -150,6 +151,14 @@ def test_a_seat_opens_with_its_own_token_alone(door: Door) -> None:
     assert visit.server.refused == {Refusal.TOKEN: 3}
     with visit.connect() as socket:
         assert sit(socket, "dispatcher", token=rules.tokens[Seat.DISPATCHER])["seat"] == "dispatcher"
+
+
+def test_who_comes_before_the_server_has_begun_waits_for_it() -> None:
+    """A browser is opened on the address that is printed, and may be quicker than the server."""
+    with listening_on(LOOPBACK, 0) as bound, create_connection(bound.getsockname(), timeout=5.0) as early:
+        accepted, address = bound.accept()
+        accepted.close()
+        assert address == early.getsockname()
 
 
 def test_tokens_are_written_for_their_owner_alone_and_over_no_file(tmp_path: Path) -> None:
