@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from network.graph import next_pieces
-from network.model import Direction, Line
+from network.model import Direction, LevelCrossing, Line
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +68,10 @@ class Path:
     def to_path_m(self, piece_id: str, kilometrage_m: float) -> float:
         """Path coordinate (m) of a kilometrage (m) on a piece. Raises KeyError when it is not on the path."""
         return self._by_piece[piece_id].to_path_m(kilometrage_m)
+
+    def to_road_m(self, crossing: LevelCrossing) -> float:
+        """Path coordinate (m) where trains come onto the road of a level crossing. Raises KeyError as `to_path_m`."""
+        return self.to_path_m(crossing.piece_id, crossing.edge_m(self.direction))
 
     def step_at(self, path_m: float) -> PathStep:
         """The step at a path coordinate (m); at a joint the one being entered."""

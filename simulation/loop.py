@@ -310,9 +310,8 @@ class Simulation:
         ahead = self._ahead or self._stretches.run(self._step, self._stretch_end(), keep=road is not None)
         self._ahead = None
         hit, carried = 0, 0
-        if (
-            road is not None
-        ):  # before points are looked up for the last step, to which a stretch cut short never comes
+        if road is not None:
+            # Before points are looked up for the last step, to which a stretch that is cut short never comes.
             carried = ahead.done - 1
             hit = self._carry(ahead, 0, carried)
             if hit and not self._carrier.collisions():
@@ -333,9 +332,8 @@ class Simulation:
         self._step += hit or done
         if moving and not (self._charging is not None and self._charging.stranded(moving)):
             self._moved_step = self._step
-        if (
-            hit and self._carrier.collisions()
-        ):  # the kernel may have run on beyond it, so its sums are no measure any more
+        if hit and self._carrier.collisions():
+            # The kernel may have run on beyond it, so its sums are no measure any more.
             self._observe(trains.active())
             self._collided()
             return

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-from network.model import Line
+from network.model import Alignment, Coverage, Line
 from network.path import Path
 
 WELL_INSIDE_M = 1.0  # beyond the edge by this much, so that rounding cannot put the train outside
@@ -12,21 +13,25 @@ WELL_INSIDE_M = 1.0  # beyond the edge by this much, so that rounding cannot put
 
 def covered_at(line: Line, path: Path, position_m: float) -> bool:
     """Whether the radio reaches a train whose front is at a path coordinate, m."""
-    step = path.step_at(position_m)
-    kilometrage_m = step.kilometrage_m(position_m)
-    alignment = line.alignments[line.pieces[step.piece_id].alignment_id]
-    return any(stretch.from_m <= kilometrage_m <= stretch.to_m for stretch in alignment.coverage)
+    alignment, at_m = _on_alignment(line, path, position_m)
+    return _holds(alignment.coverage, at_m)
 
 
 def covered_by(line: Line, path: Path, position_m: float, networks: int) -> tuple[bool, ...]:
     """Which of one or two networks reaches it there."""
     if networks == 1:
         return (covered_at(line, path, position_m),)
+    alignment, at_m = _on_alignment(line, path, position_m)
+    return tuple(_holds(reach, at_m) for reach in alignment.of_networks or (alignment.coverage, ()))
+
+
+def _on_alignment(line: Line, path: Path, position_m: float) -> tuple[Alignment, float]:
     step = path.step_at(position_m)
-    at_m = step.kilometrage_m(position_m)
-    alignment = line.alignments[line.pieces[step.piece_id].alignment_id]
-    every = alignment.of_networks or (alignment.coverage, ())
-    return tuple(any(one.from_m <= at_m <= one.to_m for one in reach) for reach in every)
+    return line.alignments[line.pieces[step.piece_id].alignment_id], step.kilometrage_m(position_m)
+
+
+def _holds(stretches: Sequence[Coverage], at_m: float) -> bool:
+    return any(stretch.from_m <= at_m <= stretch.to_m for stretch in stretches)
 
 
 def next_coverage_m(line: Line, path: Path, position_m: float) -> float:

@@ -103,8 +103,7 @@ class CrossingsAhead:
         for crossing in self._by_radio:
             if crossing.piece_id not in path:
                 continue
-            edge_m = crossing.edge_m(path.direction)
-            start_m = path.to_path_m(crossing.piece_id, edge_m)
+            start_m = path.to_road_m(crossing)
             span, stop = bisect_right(starts_m, start_m) - 1, bisect_right(marks_m, start_m) - 1
             found.append(CrossingOnPath(crossing, start_m, start_m + crossing.width_m, span, stop))
         known = {one.crossing.id for one in found}

@@ -84,9 +84,8 @@ class Road:
         self._on_it = {at.crossing_id: False for at in roads}
         self._shows: dict[str, CrossingShown] = dict.fromkeys(self._on_it, OPEN)
         self._stalled: dict[str, str] = {}  # the vehicle by crossing
-        self._creeping: dict[
-            str, str
-        ] = {}  # by crossing: the train that drivers see come, until it is over it
+        # By crossing: the train that drivers see come, until it is over it.
+        self._creeping: dict[str, str] = {}
         self._near: list[_Near] = []
         self._noticed: list[Noticed] = []
         self._step = 0

@@ -132,7 +132,7 @@ class Crew:
             path, truth = self._trains.true_path(slot), self._trains.truths[slot]
             if crossing.piece_id not in path:
                 continue
-            road_m = path.to_path_m(crossing.piece_id, crossing.edge_m(path.direction))
+            road_m = path.to_road_m(crossing)
             ahead = truth.position_m < road_m < found[1] + CROSSING_STOPS_SHORT_M
             leave = self._creeps.get(slot) == crossing.id
             stops = crossing.by_radio or not self._wayside.crossings.is_closed(crossing.id)

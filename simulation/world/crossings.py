@@ -187,7 +187,7 @@ class CrossingLookout:
     def _places_of(self, crossing: LevelCrossing, slot: int, path: Path) -> list[CrossingPlaceAhead]:
         if crossing.piece_id not in path:
             return []
-        road_m = path.to_path_m(crossing.piece_id, crossing.edge_m(path.direction))
+        road_m = path.to_road_m(crossing)
         found = [CrossingPlaceAhead(road_m, PlaceKind.ROAD, crossing.id)]
         if crossing.control is CrossingControl.CONTACTS:
             first_m = road_m - abs(crossing.starts_m[path.direction] - crossing.edge_m(path.direction))

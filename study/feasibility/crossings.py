@@ -68,7 +68,7 @@ def _radio(
 ) -> Iterator[Finding]:
     """Where the unit asks, hears and says that it is over it, the radio must reach: until then no proof holds."""
     path = trains[0].duty.mission.path
-    road_m = path.to_path_m(crossing.piece_id, crossing.edge_m(direction))
+    road_m = path.to_road_m(crossing)
     asks_m = road_m - _way_m(line, crossing, direction, crossing.warning_s + EARLY_S)
     count = max(math.ceil((road_m - asks_m) / LOOK_EVERY_M), 1)
     looked_m = [asks_m + (road_m - asks_m) * i / count for i in range(count + 1)]
