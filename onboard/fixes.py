@@ -121,10 +121,10 @@ class Fixes:
     @property
     def unsure(self) -> bool:
         """Whether the bounds leave open whether the train is at its mark, and the driver may be asked."""
-        return self._virtual and not self._narrow
+        return self._virtual and not self.narrow
 
     @property
-    def _narrow(self) -> bool:
+    def narrow(self) -> bool:
         """Whether the bounds are as narrow as the driver's eye leaves them, wherever in them the estimate is."""
         return bool(self._row.bound_ahead_m + self._row.bound_behind_m <= 2.0 * UNSURE_OVER_M)
 
@@ -211,7 +211,7 @@ class Fixes:
         Otherwise the train would stand where it is, or be asked again whether it is at its mark.
         """
         row, mission = self._row, self._mission
-        if not self._tight or mission is None or self._narrow:
+        if not self._tight or mission is None or self.narrow:
             return True
         following, joint = command.at + 1, command.limit.joint
         mark_m = mission.targets[following].mark_m if following < len(mission.targets) else -math.inf

@@ -127,7 +127,7 @@ class UnitMotion:
         self._ability: Final = Ability()
         self._fixes: Final = Fixes(self._doubt, row, self.readers, parameters, self._length_m, self.notes)
         self._found = self._off_plan = False
-        self._held_short = False  # stands as at a stop: its own bounds keep it from a mark that it may go to
+        self._to_be_seen = False  # stands as at a stop, and only its driver sees whether that is one
         self._due_m = math.inf  # place of the tag that is expected, also once it is overdue
         self._laws: Final = laws
         self._pace: Final = Pace(parameters, row, train, behaviour, laws, planning)
@@ -235,7 +235,7 @@ class UnitMotion:
             passed=max((i for i, mark_m in enumerate(marks_m) if mark_m <= position_m + within_m), default=0),
             unfit=self.vehicle.unfit,
             unable=self._unable(mission, near) if stands and near >= 0 else None,
-            unsure=stands and (self._held_short or (near >= 0 and self._fixes.unsure)),
+            unsure=stands and (self._to_be_seen or (near >= 0 and self._fixes.unsure)),
             untold=self._fixes.untold,
         )
 
@@ -261,7 +261,7 @@ class UnitMotion:
 
     def at_mark(self, event: AtMark) -> list[Sensed]:
         """The driver's eye has told where the train stands, which a unit that reads tags does not go by."""
-        self._held_short = False
+        self._to_be_seen = False
         return self._taken_up(self._fixes.at_mark(event, self.command))
 
     def _taken_up(self, of_fixes: list[Sensed]) -> list[Sensed]:
@@ -356,10 +356,12 @@ class UnitMotion:
             return self._lose(NO_ROOM)
         if away_m < -WEAK_TOLERANCE_M and self._stands_at_limit_of(target):
             self._impossible(StopVerdict.SIGN_BEYOND_LIMIT)
-            self._held_short = target.mark_m < row.stop_limit_m - ROOM_M
+            self._to_be_seen = target.mark_m < row.stop_limit_m - ROOM_M
         elif away_m < -ARRIVED_WITHIN_M:
             row.braking_to_stop = 0
             return [Stopped(MarkRelation.SHORT, away_m)]
+        if target.station_id is not None and not self._fixes.narrow:  # it would leave passengers behind unawares
+            self._to_be_seen = True
         run = None if self._laws is None else note_of_run(self._laws)
         learned = self.keeper.learn_from_stop(self._train, self._behaviour, self.load_share)
         self.notes.extend(note for note in (run, learned) if note is not None)
@@ -418,7 +420,7 @@ class UnitMotion:
         self._doubt.begin_doubt(wheels)
         self._fixes.doubt(tight=why == NO_ROOM)
         row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = math.inf
-        row.position_known, self._held_short = 0, False
+        row.position_known, self._to_be_seen = 0, False
         row.restricted_mps = self._parameters.restricted_mps
         row.intervention = EMERGENCY_INTERVENTION
         self._pace.give_up_plan()

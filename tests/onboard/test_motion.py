@@ -242,6 +242,21 @@ def test_held_short_of_it_by_its_own_bounds_it_is_unsure_until_the_driver_has_lo
     assert not motion.place().unsure
 
 
+@pytest.mark.parametrize(("bound_m", "asked"), [(6.9, False), (7.1, True)])
+def test_with_bounds_wider_than_the_eye_it_is_unsure_until_the_driver_has_looked(
+    motion: UnitMotion, bound_m: float, asked: bool
+) -> None:
+    """The eye tells to 6 m; a metre wider on either side and it is worth a look, whatever the estimate says."""
+    motion.obey(RUN, 0.0)
+    row = motion.row
+    row.position_m, row.speed_mps = MARK_B_M, 0.0
+    row.bound_ahead_m = row.bound_behind_m = bound_m
+    assert motion.events(EVENT_STOPPED) == [Stopped(MarkRelation.AT, pytest.approx(0.0))]
+    assert motion.place().unsure is asked
+    motion.at_mark(AtMark(1))
+    assert not motion.place().unsure
+
+
 @pytest.mark.parametrize(("away_m", "bound"), [(-200.0, "bound_ahead_m"), (655.0, "bound_behind_m")])
 def test_bounds_too_wide_towards_the_mark_are_a_position_fault(
     motion: UnitMotion, away_m: float, bound: str

@@ -48,6 +48,7 @@ WITHOUT: Final = {  # what some were mended by
     "test_81142": "keeps_what_others_say_that_it_holds",
     "test_90273": "staff_unbar_at_once",
     "test_100127": "staff_unbar_nobody_while_restoring",
+    "test_100434": "departs_before_the_driver_has_looked",
     "swarm_test_93": "overtakes_before_a_portal",
 }
 NOT_BY_TRAINS: Final[dict[str, str]] = {  # what sees that which the trains that come do not show
