@@ -246,6 +246,7 @@ HAZARDS: Final = (
             "rtri/90_other_track",
             "rtri/90b_other_track_lost",
             "rtri/90c_other_track_doubled",
+            "rtri/90d_other_track_refused",
             "rtri/91_route_back",
             "rtri/91b_route_back_lost",
             "rtri/91c_route_back_doubled",

@@ -21,6 +21,7 @@ from onboard.authority.tables import Result, SignOnStanding
 from onboard.duty import entering as duty_entering
 from onboard.duty import fitness
 from onboard.duty import machine as duty_machine
+from onboard.duty import orders as duty_orders
 from onboard.duty.records import DrivingCommand, Sensed
 from onboard.fixes import Fixes
 from onboard.localisation.fix import Fix, RefusedFix, TakenFix, take_interval
@@ -118,6 +119,11 @@ def gives_points_back_running(patch: pytest.MonkeyPatch) -> None:
 
 def grants_no_part(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(dispatch, "free_part", lambda *_: ())
+
+
+def refuses_in_silence(patch: pytest.MonkeyPatch) -> None:
+    """A unit that does not do what was ordered tells nobody."""
+    patch.setattr(duty_orders, "refuse", lambda *_: None)
 
 
 def orders_nothing(patch: pytest.MonkeyPatch) -> None:
@@ -371,6 +377,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "90_other_track": (orders_nothing, "T3 is ordered to track 2 of B"),
         "90b_other_track_lost": (orders_nothing, "then it is let on to the other track"),
         "90c_other_track_doubled": (orders_nothing, "T3 stands on track 2 of B"),
+        "90d_other_track_refused": (refuses_in_silence, "the manager knows that nothing came of it"),
         "91_route_back": (orders_nothing, "a minute after its time, T1 is asked for its route"),
         "91b_route_back_lost": (orders_nothing, "asked again it gives it back"),
         "91c_route_back_doubled": (orders_nothing, "T2 comes to A while T1 stands there"),
