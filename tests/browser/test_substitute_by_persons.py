@@ -55,6 +55,7 @@ class AtSeat(Seated):
         return step
 
 
+@pytest.mark.nightly
 def test_two_hours_of_substitute_working_from_two_seats(browser: Any, tmp_path: Path) -> None:  # noqa: ANN401
     with served_desk(load_scenario(find_drill("karasuyama/95_substitute_working"))) as desk:
         seats = [AtSeat(browser, desk.page, seat, "en") for seat in ROLES]
