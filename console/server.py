@@ -18,7 +18,7 @@ from typing import Final, Protocol
 import msgspec
 from starlette.applications import Starlette
 from starlette.requests import Request as PageRequest
-from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
@@ -37,6 +37,7 @@ from console.protocol import (
 from console.seats import Seat
 from console.shown import DeskMoment, SentSoFar, is_behind, state_for
 from network.errors import COMMAND_LINE, InputError
+from study.report.face import FAMILY, japanese_font
 from study.wording.catalogue import phrases_of
 
 SOCKET_PATH: Final = "/desk"
@@ -99,6 +100,7 @@ class DeskServer:
                 Route("/words.json", self._words),
                 Route("/library.json", self._library),
                 Route("/open", self._open, methods=["POST"]),
+                Route(f"/{FAMILY}.ttf", self._face),
                 Route("/{name:path}", self._page),
             ]
         )
@@ -118,6 +120,13 @@ class DeskServer:
     def _refuse(self, why: Refusal) -> None:
         self.refused[why] += 1
 
+    def _turned_away(self, request: PageRequest) -> Response | None:
+        """The answer to who asks for a page from where it may not be had."""
+        if (why := self._rules.refused(request.headers.get("host", ""), None)) is None:
+            return None
+        self._refuse(why)
+        return PlainTextResponse(why.value, 403)
+
     async def _words(self, _request: PageRequest) -> Response:
         """The Japanese of what the pages say, by English and context as gettext joins them."""
         words = {
@@ -129,9 +138,8 @@ class DeskServer:
 
     async def _library(self, request: PageRequest) -> Response:
         """What can be opened, and whether something is."""
-        if (why := self._rules.refused(request.headers.get("host", ""), None)) is not None:
-            self._refuse(why)
-            return PlainTextResponse(why.value, 403)
+        if (refusal := self._turned_away(request)) is not None:
+            return refusal
         entries = () if self.opens is None else library()
         body = msgspec.json.encode({"running": self.desk is not None, "entries": entries})
         return Response(body, media_type="application/json", headers=HEADERS)
@@ -157,10 +165,18 @@ class DeskServer:
             await connection.send_away()
         return JSONResponse({}, headers=HEADERS)
 
+    async def _face(self, request: PageRequest) -> Response:
+        """The Japanese font, for browsers whose machine has none; they keep it."""
+        if (refusal := self._turned_away(request)) is not None:
+            return refusal
+        path = japanese_font()
+        if path is None:
+            return PlainTextResponse("its package is not installed", 404)
+        return FileResponse(path, media_type="font/ttf", headers=HEADERS | {"Cache-Control": "max-age=86400"})
+
     async def _page(self, request: PageRequest) -> Response:
-        if (why := self._rules.refused(request.headers.get("host", ""), None)) is not None:
-            self._refuse(why)
-            return PlainTextResponse(why.value, 403)
+        if (refusal := self._turned_away(request)) is not None:
+            return refusal
         name = request.path_params["name"] or "index.html"
         for folder in (files("console") / "web", files("study") / "report" / "web"):
             file = folder / name

@@ -6,6 +6,7 @@ import asyncio
 import json
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from io import BytesIO
 from pathlib import Path
 from socket import create_connection
 from typing import Any, Final
@@ -27,6 +28,7 @@ from console.session import Session
 from console.shown import DeskMoment
 from network.errors import InputError
 from scenario.scenario import Scenario
+from study.report.face import FIRST_JAPANESE
 
 pytestmark = pytest.mark.system
 
@@ -268,6 +270,20 @@ def test_pages_come_from_two_folders_and_from_nowhere_else(door: Door) -> None:
     for name in ("session.py", "..%2fsession.py", "%2e%2e/session.py", "a/b.js"):
         assert client.get(f"/{name}").status_code == 404
     assert "default-src 'self'" in client.get("/graphpaper.js").headers["content-security-policy"]
+
+
+def test_the_japanese_font_comes_with_the_pages_and_is_kept(door: Door) -> None:
+    """Every character of the catalogue's Japanese is in it, so no browser shows boxes."""
+    from fontTools.ttLib import TTFont
+
+    client = Visit(door).client
+    assert '"branchline-ja.ttf"' in client.get("/desk.css").text
+    font = client.get("/branchline-ja.ttf")
+    assert (font.headers["content-type"], font.headers["cache-control"]) == ("font/ttf", "max-age=86400")
+    drawn = set(TTFont(BytesIO(font.content))["cmap"].getBestCmap())
+    said = {ord(c) for word in client.get("/words.json").json().values() for c in word}
+    assert {c for c in said if c >= FIRST_JAPANESE} <= drawn
+    assert client.get("/branchline-ja.ttf", headers={"host": "elsewhere.example"}).status_code == 403
 
 
 def test_a_connection_that_takes_nothing_holds_up_itself_alone(door: Door) -> None:
