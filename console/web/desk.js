@@ -205,7 +205,7 @@ function show(known, reason) {
     deed.ends ? make("button", { type: "button", tabindex: 0, "aria-label": `${say("end")} ${deed.deed}`, onclick: () => tell("end_fault", { deed: deed.deed }) }, say("end")) : null, " ",
     deed.ends ? make("button", { type: "button", tabindex: 0, "aria-label": `${say("change")} ${deed.deed}`, onclick: () => at("#fault").replaceChildren(changeForm(deed, words, tell)) }, say("change")) : null))));
   at("#lamps").replaceChildren(...(state.rules.length ? [make("h2", {}, say("checkers")), make("div", { class: "lamps" }, ...state.rules.map((rule) =>
-    make("span", { class: rule.broken ? "bad" : null, title: rule.first }, `${rule.broken ? "✕" : "○"} ${rule.rule}`)))] : []));
+    make("span", { class: rule.broken ? "bad" : null, title: rule.first }, `${rule.broken ? "✕" : "○"} ${words.say(rule.rule, {}, "rule")}`)))] : []));
   alarm(known);
 }
 

@@ -12,8 +12,8 @@ const ACT_FIELDS = {
 const PRESETS = { confirm_stabled: { kind: "confirm_holding", fields: ["unit", "track"] } };
 const field = (name, node, id) => [element(document, "label", { for: id }, name), node];
 
-function choice(id, values) {
-  return element(document, "select", { id, name: id }, ...values.map((value) => element(document, "option", { value }, value)));
+function choice(id, values, called = (value) => value) {
+  return element(document, "select", { id, name: id }, ...values.map((value) => element(document, "option", { value }, called(value))));
 }
 
 /** The faults that may hit something of this name, as a form; `ask` begins one. */
@@ -75,7 +75,7 @@ export function actForm(welcome, words, ask, lead) {
     position: () => choice("act-position", ["normal", "reverse"]), place: () => choice("act-place", ["", ...welcome.sections.filter((s) => s.kind === "portal").map((s) => s.id)]),
     sections: () => element(document, "select", { id: "act-sections", multiple: true, size: 4 }, ...welcome.sections.map((s) => element(document, "option", { value: s.id }, s.id))),
     hold: () => element(document, "input", { id: "act-hold_s", type: "number", value: 300, min: 0 }), pace: () => element(document, "input", { id: "act-pace_s", type: "number", min: 0, step: 0.1, placeholder: "–" }),
-    person: () => choice("act-person", ["controller", "staff", "crew"]), behind: () => choice("act-behind", ["", ...welcome.units]),
+    person: () => choice("act-person", ["controller", "staff", "crew"], (value) => words.say(value, {}, "party")), behind: () => choice("act-behind", ["", ...welcome.units]),
     over: () => choice("act-place", ["", ...welcome.sections.map((s) => s.id)]), track: () => choice("act-sections", welcome.sections.filter((s) => s.kind === "track").map((s) => s.id)),
     train: () => choice("act-train", welcome.plan.map((one) => one.train)), "train?": () => choice("act-train", ["", ...welcome.plan.map((one) => one.train)]),
     role: () => choice("act-target", welcome.posts.map((one) => one.post)), block: () => choice("act-block", welcome.works.map((one) => one.block)),
