@@ -360,7 +360,9 @@ class UnitMotion:
         elif away_m < -ARRIVED_WITHIN_M:
             row.braking_to_stop = 0
             return [Stopped(MarkRelation.SHORT, away_m)]
-        if target.station_id is not None and not self._fixes.narrow:  # it would leave passengers behind unawares
+        if (
+            target.station_id is not None and not self._fixes.narrow
+        ):  # it would leave passengers behind unawares
             self._to_be_seen = True
         run = None if self._laws is None else note_of_run(self._laws)
         learned = self.keeper.learn_from_stop(self._train, self._behaviour, self.load_share)

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from onboard import notes
 from onboard.authority import machine as authority
 from onboard.authority.records import Action as AuthorityAction
-from onboard.authority.records import AskRoute, Cleared, RequestKind, SetTimer, Write
+from onboard.authority.records import AskRoute, Cleared, RepeatDue, RequestKind, SetTimer, Write
 from onboard.authority.records import Event as AuthorityEvent
 from onboard.duty.records import ABLE, ASK, LEAVE, RELEASE, DrivingOrder, DutyState, SetTimerAt, Told
 from onboard.duty.stop_limit import cleared_sections
@@ -46,6 +46,11 @@ class DutyStep:
         if after is not self.state.authority:
             self.state = replace(self.state, authority=after)
         self.actions += actions
+
+    def say_what_waits(self) -> None:
+        """Send what waits for the radio, where that reaches or, without a position, may reach."""
+        if self.state.authority.waits_for_radio:
+            self.authority(RepeatDue(None))
 
     def timer(self, timer: str, after_s: float, at_s: float = NEVER_S) -> bool:
         """Start a timer, unless its time has passed and its clock time has come; returns whether they have."""

@@ -210,8 +210,7 @@ def emergency_stopped(duty: DutyStep, _event: Stopped) -> None:
 
 def looked(duty: DutyStep, _event: Looked) -> None:
     """Sends what is due where the radio reaches again, frees what the safe rear has left."""
-    if duty.state.authority.waits_for_radio:
-        duty.authority(RepeatDue(None))
+    duty.say_what_waits()
 
 
 # time and radio ----------------------------------------------------------------------------------------------------

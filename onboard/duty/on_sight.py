@@ -65,10 +65,13 @@ def lose(duty: DutyStep, _event: PositionLost) -> None:
 
 
 def lose_elsewhere(duty: DutyStep, _event: PositionLost) -> None:
-    """Keeps its phase; the emergency stop is acknowledged after a time. Throws still open are given up."""
+    """Keeps its phase; the emergency stop is acknowledged after a time. Throws still open are given up, and what
+    waited for the radio is tried: no place tells any more where it reaches.
+    """
     under_way = {command.needed.section_id for command in duty.state.authority.commands}
     if under_way:  # the front may be anywhere, so on them too
         duty.authority(Withdrawn(tuple(sorted(under_way))))
+    duty.say_what_waits()
     if duty.state.place.stands:
         duty.await_release()
 
@@ -88,7 +91,7 @@ def not_in_its_portal(duty: DutyStep, event: NotAtMark) -> None:
 def give_up_position(duty: DutyStep) -> None:
     """The position is of no use where the train stands: goes on on sight from here."""
     duty.actions.append(DrivingOrder.LOSE)
-    duty.set(place=replace(duty.state.place, known=False, emergency=True))
+    duty.set(place=replace(duty.state.place, known=False, covered=True, emergency=True))
     lose(duty, PositionLost())
 
 

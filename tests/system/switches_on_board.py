@@ -114,6 +114,13 @@ def departs_before_the_driver_has_looked(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
+def waits_for_the_radio_without_a_position(patch: pytest.MonkeyPatch) -> None:
+    """What could not be sent is sent where the radio reaches again, which a unit that is lost never sees."""
+    say = DutyStep.say_what_waits
+    patch.setattr(DutyStep, "say_what_waits", lambda self: say(self) if self.state.place.known else None)
+
+
+@switch
 def asks_no_driver(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(shown, "to_confirm", lambda *_: False)
     patch.setattr(duty_machine, "to_confirm", lambda *_: False)

@@ -256,6 +256,13 @@ SENSED: Final[dict[str, Case]] = {
         ),
         (StopTimer(Timer("points", "P7")),),
     ),
+    "position lost under way where no radio reached: what waited for it is tried": (
+        replace(RUNNING, authority=replace(HOLDS_REST, requests=(replace(ROUTE_OPEN, sent=False),))),
+        PositionLost(),
+        LOST,
+        replace(ON_SIGHT, authority=replace(HOLDS_REST, requests=(ROUTE_OPEN,)), entered=frozenset({"5"})),
+        sent(ROUTE_OPEN),
+    ),
     "the wheels turn": (RUNNING, WheelsTurning(), ON_6, RUNNING, (Write(notes.Moving()),)),
     "stopped short of points, with all that it needs: it throws them": (
         replace(RUNNING, authority=HOLDS_PASSED),
