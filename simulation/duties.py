@@ -83,6 +83,9 @@ class Duties:
         self._next = dict.fromkeys(world.trains.stock_ids, 0)
         self._stage = [StockStage.OUTSIDE] * len(world.trains.stock_ids)
         self._becoming: list[Duty] = []
+        self._begun_again: set[int] = (
+            set()
+        )  # slots whose unit has not finished its last train again since a boot
         self._outside: dict[str, list[int]] = {}  # who stands behind another before a portal, in order
         sections = world.setup.line.sections.values()
         self._portals: Final = {section.id for section in sections if section.kind is SectionKind.PORTAL}
@@ -177,8 +180,10 @@ class Duties:
         if self._stage[slot] is StockStage.WAITING:  # accepted, but its portal was not free
             self._enter(slot, self._duties[stock_id][self._next[stock_id] - 1], step)
             return
-        duty = self._duties[stock_id][self._next[stock_id]]
         on_line = self._stage[slot] is StockStage.ON_LINE
+        if self._is_yet_to_finish(slot):
+            return
+        duty = self._duties[stock_id][self._next[stock_id]]
         turns = on_line and duty.mission.direction is not self._trains.direction(slot)
         if turns and not self._trains.can_turn(slot, duty):
             raise WrongEnd
@@ -202,14 +207,27 @@ class Duties:
             else:
                 self._trains.continue_as(slot, duty)
             self._begin(slot, duty, step)
-        if slot in self._on_board.unpowered:
-            return
+        if slot not in self._on_board.unpowered:
+            self._number_follows(slot, step, duty, on_line=on_line, turned=turns)
+
+    def _number_follows(self, slot: int, step: int, duty: Duty, *, on_line: bool, turned: bool) -> None:
         if self._stage[slot] is StockStage.WAITING:
             self._on_board.await_number(slot)
             self._begins(Pause.SIGN_ON, slot, step)
         elif not on_line or slot not in self._on_board.numberless:  # else its crew will enter this one
-            happened = self._on_board.enter_number(slot, duty, comes_on_line=not on_line, turned=turns)
+            happened = self._on_board.enter_number(slot, duty, comes_on_line=not on_line, turned=turned)
             self._cabs.tell(slot, step, happened)
+
+    def _is_yet_to_finish(self, slot: int) -> bool:
+        """Whether its unit has booted and been given the number of the train that it had finished: when it has finished
+        again it takes the next one. Without power, or a number, it will be given the next one itself.
+        """
+        duty, lacks = self._trains.duties[slot], self._on_board.unpowered | self._on_board.numberless
+        waits = slot in self._begun_again and slot not in lacks
+        self._begun_again.discard(slot)
+        if waits and duty is not None:
+            self._becoming.remove(duty)
+        return waits
 
     def _queues(self, slot: int, duty: Duty) -> bool:
         """Whether another stock waits before the same portal: on the track outside one stands behind the other."""
@@ -267,8 +285,8 @@ class Duties:
                 happened = self._on_board.enter_number(slot, following, comes_on_line=True, turned=False)
                 self._cabs.tell(slot, step, happened)
             case Pause.BOOT:
-                duty = self._trains.duties[slot]
-                if duty is not None:
+                if (duty := self._trains.duties[slot]) is not None:
+                    self._begun_again |= {slot} if duty in self._becoming else set()
                     self._cabs.crew_enters_number(slot, step, duty)
             case Pause.ENTRY:
                 self._enter(slot, following, step)
@@ -402,10 +420,10 @@ class Duties:
 
     def _finish(self, slot: int, step: int) -> None:
         """The journey is done: turn back, leave the line, or stand."""
-        stock_id = self._trains.stock_ids[slot]
-        duty = self._trains.duties[slot]
+        stock_id, duty = self._trains.stock_ids[slot], self._trains.duties[slot]
         if duty is None:
             return
+        self._begun_again.discard(slot)
         self._journal.write(step / STEPS_PER_S, stock_id, MissionDone(train=duty.train.number))
         if duty.leaves:
             self._begins(Pause.SIGN_OFF, slot, step)
@@ -446,9 +464,8 @@ class Duties:
         """It leaves the line by the portal where it stands."""
         duty = self._trains.duties[slot]
         if duty is not None:
-            self._journal.write(
-                step / STEPS_PER_S, self._trains.stock_ids[slot], MissionDone(train=duty.train.number)
-            )
+            stock_id, number = self._trains.stock_ids[slot], duty.train.number
+            self._journal.write(step / STEPS_PER_S, stock_id, MissionDone(train=number))
         self._leave(slot, step)
 
     def haul_away(self, slot: int, step: int) -> None:

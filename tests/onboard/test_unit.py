@@ -12,6 +12,7 @@ import pytest
 from network.model import Coverage, Line, Position
 from onboard import motion as driving
 from onboard.duty.records import (
+    Begin,
     DutyPhase,
     Event,
     Finished,
@@ -385,6 +386,17 @@ def test_switched_on_again_it_knows_nothing_and_stands_braked(running: Bench) ->
     assert running.row.restricted_mps == math.inf
     assert running.held == ("6", "7", "8")
     assert running.commanded == [PointsCommand("P7", Position.NORMAL, "7", TOKEN, b"seven")]
+
+
+@pytest.mark.parametrize("phase", DutyPhase)
+def test_a_train_number_is_taken_before_the_first_train_and_when_one_is_over(
+    running: Bench, phase: DutyPhase
+) -> None:
+    """At any other time the plan stays: what its spans and stops are numbered by is the train that it runs."""
+    plan, taken = running.plan, {DutyPhase.OFF, DutyPhase.FINISHED, DutyPhase.GONE}
+    running.unit.state = msgspec.structs.replace(running.unit.state, phase=phase)
+    running.tell([Begin(msgspec.structs.replace(plan, number="another"), signs_on=False)])
+    assert running.unit.plan.number == ("another" if phase in taken else plan.number)
 
 
 # radio ----------------------------------------------------------------------------------------------------------

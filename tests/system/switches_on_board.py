@@ -40,6 +40,7 @@ from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
 from radio.messages import (
     PointsCommand,
 )
+from simulation.duties import Duties
 from simulation.setup import Setup, behaviour_rows
 from simulation.world.crew import Crew
 from simulation.world.on_board import OnBoard
@@ -118,6 +119,12 @@ def waits_for_the_radio_without_a_position(patch: pytest.MonkeyPatch) -> None:
     """What could not be sent is sent where the radio reaches again, which a unit that is lost never sees."""
     say = DutyStep.say_what_waits
     patch.setattr(DutyStep, "say_what_waits", lambda self: say(self) if self.state.place.known else None)
+
+
+@switch
+def crews_enter_the_next_number_in_any_case(patch: pytest.MonkeyPatch) -> None:
+    """Also where the unit, since a boot, has not finished its train again."""
+    patch.setattr(Duties, "_is_yet_to_finish", lambda *_: False)
 
 
 @switch

@@ -49,6 +49,7 @@ WITHOUT: Final = {  # what some were mended by
     "test_90273": "staff_unbar_at_once",
     "test_100127": "staff_unbar_nobody_while_restoring",
     "test_100434": "departs_before_the_driver_has_looked",
+    "test_101114": "crews_enter_the_next_number_in_any_case",
     "hour_101049": "waits_for_the_radio_without_a_position",
     "swarm_test_93": "overtakes_before_a_portal",
 }
