@@ -354,16 +354,14 @@ class UnitMotion:
         to_mark_m = row.bound_ahead_m if away_m < 0.0 else row.bound_behind_m
         if abs(away_m) > ARRIVED_WITHIN_M and to_mark_m > self._parameters.doubt_bound_max_m:
             return self._lose(NO_ROOM)
+        held_short = False
         if away_m < -WEAK_TOLERANCE_M and self._stands_at_limit_of(target):
             self._impossible(StopVerdict.SIGN_BEYOND_LIMIT)
-            self._to_be_seen = target.mark_m < row.stop_limit_m - ROOM_M
+            held_short = target.mark_m < row.stop_limit_m - ROOM_M
         elif away_m < -ARRIVED_WITHIN_M:
             row.braking_to_stop = 0
             return [Stopped(MarkRelation.SHORT, away_m)]
-        if (
-            target.station_id is not None and not self._fixes.narrow
-        ):  # it would leave passengers behind unawares
-            self._to_be_seen = True
+        self._to_be_seen = held_short or (target.station_id is not None and not self._fixes.narrow)
         run = None if self._laws is None else note_of_run(self._laws)
         learned = self.keeper.learn_from_stop(self._train, self._behaviour, self.load_share)
         self.notes.extend(note for note in (run, learned) if note is not None)
@@ -381,17 +379,16 @@ class UnitMotion:
         return self._lose(NO_ROOM) if tight else []
 
     def _stands_at_limit_of(self, target: Target) -> bool:
-        """Whether the train went as far as it may on the track where it calls, and the mark lies beyond that."""
-        short = limit_is_short(self._record, target.mark_m) and not self.command.before_crossing
-        if self._mission is None or not short:
+        """Whether it went as far as it may on the track where it calls, short of the mark; not beyond a late limit."""
+        if self._mission is None or self.command.before_crossing:
             return False
-        return self._mission.span_at(self.row.position_m).section_id == target.section_id
+        here, limit_m = self._mission.span_at(self.row.position_m), float(self.row.stop_limit_m)
+        short = limit_is_short(self._record, target.mark_m) and limit_m > here.start_m
+        return short and here.section_id == target.section_id
 
     def _next_target(self) -> Target | None:
-        following = self.command.at + 1
-        if self._mission is None or following >= len(self._mission.targets):
-            return None
-        return self._mission.targets[following]
+        targets = () if self._mission is None else self._mission.targets[self.command.at + 1 :]
+        return targets[0] if targets else None
 
     def _impossible(self, verdict: StopVerdict) -> None:
         """The stop at the next mark cannot be made as it should; the first reason found stands."""
@@ -401,8 +398,7 @@ class UnitMotion:
             self._note_impossible()
 
     def _note_impossible(self) -> None:
-        target = self._next_target()
-        if target is not None:
+        if (target := self._next_target()) is not None:
             why = self.keeper.verdict().name.lower().replace("_", " ")
             self.notes.append(notes.StopImpossible(why=why, station=target.place_id))
 

@@ -228,6 +228,15 @@ def test_a_mark_beyond_the_limit_of_its_own_track_cannot_be_reached(motion: Unit
     assert not motion.place().unsure
 
 
+def test_a_limit_before_its_track_that_came_too_late_is_no_stop(motion: UnitMotion, mission: Mission) -> None:
+    """The train stands beyond the joint before which it was to stop, 10 m short of its mark: it goes on to that."""
+    motion.obey(RUN, 0.0)
+    row = motion.row
+    row.position_m, row.speed_mps = MARK_B_M - 10.0, 0.0
+    row.stop_limit_m = mission.span_at(MARK_B_M).start_m
+    assert motion.events(EVENT_STOPPED) == [Stopped(MarkRelation.SHORT, pytest.approx(-10.0))]
+
+
 def test_held_short_of_it_by_its_own_bounds_it_is_unsure_until_the_driver_has_looked(
     motion: UnitMotion,
 ) -> None:
