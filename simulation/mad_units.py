@@ -41,7 +41,7 @@ class MadUnits:
             case Accepted(unit_id=unit_id, section_ids=section_ids) if unit_id in self._mad:
                 if set(section_ids) <= set(self._held(self._slot_of[unit_id])):
                     self._wrong_s.pop(unit_id, None)
-                else:
+                elif self._mad[unit_id] > 0:  # else it gives back what people have entered for it beyond that
                     self._wrong_s.setdefault(unit_id, entry.t_s)
             case Freed(unit_id=unit_id):
                 self._wrong_s.pop(unit_id, None)
