@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from documents.studies_pictures import DPI
 from network.model import CrossingControl, LevelCrossing
 from study.record.read_back import RunRead
+from study.report.data import ReportedRun
 from study.report.style import DIRECTION_COLOUR, RED, WIDTH_IN, drawing
 
 CASES: Final = ("by_tags", "by_curvature", "by_gnss", "by_all", "by_contacts", "networks_lost")
@@ -46,7 +47,8 @@ class WarningBefore:
     from_stand: bool
     beyond_m: float
     run_s: float | None
-    alone: bool  # no other front came since the warning began
+    crossing_id: str
+    at_s: float
 
     @property
     def may_differ_s(self) -> float:
@@ -59,10 +61,9 @@ class WarningBefore:
         return -CONSTANT_S <= self.warned_s - self.wanted_s <= self.may_differ_s
 
 
-def warnings_of(run: RunRead) -> list[WarningBefore]:
+def warnings_of(run: RunRead | ReportedRun) -> list[WarningBefore]:
     """All of a run."""
     courses = {unit: rows for (unit,), rows in run.tables.trajectory.group_by(["unit"], maintain_order=True)}
-    fronts_s: dict[str, list[float]] = defaultdict(list)
     found: list[WarningBefore] = []
     for row in run.tables.warnings.iter_rows(named=True):
         crossing, course = run.line.crossings[row["crossing"]], courses[row["unit"]]
@@ -74,14 +75,14 @@ def warnings_of(run: RunRead) -> list[WarningBefore]:
                 row["warned_s"],
                 crossing.warning_s,
                 row["speed_mps"],
-                row["ran_s"] is not None and row["ran_s"] >= SETTLED_S,
+                row["ran_s"] is not None and row["ran_s"] >= SETTLED_S and not row["from_stand"],
                 row["from_stand"],
                 max(ahead_m, 0.0),
                 _run_s(crossing, course, t_s, row["at_s"]),
-                alone=all(other_s < row["at_s"] - row["warned_s"] for other_s in fronts_s[crossing.id]),
+                crossing.id,
+                row["at_s"],
             )
         )
-        fronts_s[crossing.id].append(row["at_s"])
     return found
 
 
@@ -114,9 +115,10 @@ def table(run_named: Callable[[str], RunRead]) -> Iterator[str]:
     """Warnings and closed roads of the day in every case."""
     yield (
         "| case | passages | warning of those that had run for 45 s, s | constant to 1 s and bound over speed"
-        " | bound over speed, mean and largest, s | of starts within the approach, s | roads closed a day, min |"
+        " | bound over speed, mean and largest, s | of starts within the approach, s | without any"
+        " | roads closed a day, min |"
     )
-    yield "|---|---|---|---|---|---|---|"
+    yield "|---|---|---|---|---|---|---|---|"
     for name in CASES:
         run = run_named(f"level_crossings/{name}")
         found = warnings_of(run)
@@ -129,19 +131,24 @@ def table(run_named: Callable[[str], RunRead]) -> Iterator[str]:
         yield (
             f"| {STATED[name]} | {len(found)} | {_stated([one.warned_s for one in settled])}"
             f" | {'–' if by_contacts else constant} | {'–' if by_contacts else bounds}"
-            f" | {_stated([one.warned_s for one in found if one.from_stand])} | {closed_min:.0f} |"
+            f" | {_stated([one.warned_s for one in found if one.from_stand])}"
+            f" | {sum(one.warned_s == 0.0 for one in found)} | {closed_min:.0f} |"
         )
 
 
 def by_hand(run_named: Callable[[str], RunRead]) -> Iterator[str]:
-    """Warnings by contacts, and the time that the front took from there to the road."""
-    yield "| by contacts | passages | largest difference of warning and run from the contact, s |"
+    """Warnings by contacts, beside what they must be: each begins as the first train of a closure is at its contact."""
+    yield "| trains in one closure | passages | largest difference of warning and run from the contact, s |"
     yield "|---|---|---|"
-    found = warnings_of(run_named("level_crossings/by_contacts"))
-    for alone, what in ((True, "closed for this train"), (False, "closed since a train before")):
-        both = [(one.warned_s, one.run_s) for one in found if one.run_s is not None and one.alone is alone]
-        largest_s = max((abs(warned_s - run_s) for warned_s, run_s in both), default=0.0)
-        yield f"| {what} | {len(both)} | {largest_s:.1f} |"
+    closures: dict[tuple[str, float], list[WarningBefore]] = defaultdict(list)
+    for one in warnings_of(run_named("level_crossings/by_contacts")):
+        closures[one.crossing_id, round(one.at_s - one.warned_s, 1)].append(one)
+    for count in sorted({len(trains) for trains in closures.values()}):
+        differ_s: list[float] = []
+        for trains in (each for each in closures.values() if len(each) == count):
+            begins_s = min(one.at_s - one.run_s for one in trains if one.run_s is not None)
+            differ_s += [abs(one.at_s - begins_s - one.warned_s) for one in trains]
+        yield f"| {count} | {len(differ_s)} | {max(differ_s):.2f} |"
 
 
 def picture(file: Path, run_named: Callable[[str], RunRead]) -> None:
