@@ -69,7 +69,8 @@ def warnings_of(run: RunRead | ReportedRun) -> list[WarningBefore]:
         crossing, course = run.line.crossings[row["crossing"]], courses[row["unit"]]
         t_s = course["t_s"].to_numpy()
         begun = max(int(np.searchsorted(t_s, row["at_s"] - row["warned_s"], "right")) - 1, 0)
-        ahead_m = float(course["bound_ahead_m"][begun] + course["estimate_error_m"][begun])
+        then = course.row(begun, named=True)
+        ahead_m = float(then["bound_ahead_m"]) + float(then["estimate_error_m"])
         found.append(
             WarningBefore(
                 row["warned_s"],
