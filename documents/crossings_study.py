@@ -68,7 +68,7 @@ def warnings_of(run: RunRead | ReportedRun) -> list[WarningBefore]:
     for row in run.tables.warnings.iter_rows(named=True):
         crossing, course = run.line.crossings[row["crossing"]], courses[row["unit"]]
         t_s = course["t_s"].to_numpy()
-        begun = max(int(np.searchsorted(t_s, row["at_s"] - row["warned_s"], "right")) - 1, 0)
+        begun = max(int(np.searchsorted(t_s, float(row["at_s"] - row["warned_s"]), "right")) - 1, 0)
         then = course.row(begun, named=True)
         ahead_m = float(then["bound_ahead_m"]) + float(then["estimate_error_m"])
         found.append(
