@@ -89,7 +89,7 @@ pictures: install
 	$(BIN)/python -m documents.pictures
 	$(BIN)/python -m documents.desk_pictures $(or $(DESK_PICTURES),runs/desk-pictures)
 
-# The figures and pictures of docs/studies, from eleven days, which are run where RUNS does not have them: minutes.
+# The figures and pictures of docs/studies, from seventeen days, which are run where RUNS does not have them: minutes.
 RUNS ?= runs
 studies: install
 	$(BIN)/python -m documents.studies $(RUNS)

@@ -39,6 +39,10 @@ def new_line(
     limits: Annotated[
         Path | None, typer.Option("--limits", help="CSV of from_km, to_km, speed_kmh, directions.")
     ] = None,
+    crossings: Annotated[
+        Path | None,
+        typer.Option("--crossings", help="CSV of km, id, name, kind, width_m: level crossings by radio."),
+    ] = None,
     max_speed: Annotated[
         float | None, typer.Option("--max-speed", help="Maximum speed, km/h; default 85, assumed.")
     ] = None,
@@ -69,7 +73,16 @@ def new_line(
     if scenario is not None:
         sample_timetable(out, scenario)
     asked = NewLineOptions(
-        line_id, name, name_ja, max_speed, train_length, polyline, stations_geometry, gradients, limits
+        line_id,
+        name,
+        name_ja,
+        max_speed,
+        train_length,
+        polyline,
+        stations_geometry,
+        gradients,
+        limits,
+        crossings,
     )
     with said_if_long(
         "fitting the line to its stations" if polyline is None else "fitting curves to the polyline"

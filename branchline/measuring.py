@@ -21,7 +21,8 @@ def bench(
         list[str] | None,
         typer.Option(
             "--part",
-            help="Of links, laws, collation, certificate, sweep, start and serve; may be repeated. Default: links.",
+            help="Of links, laws, collation, certificate, sweep, crossings, start and serve; may be repeated."
+            " Default: links.",
         ),
     ] = None,
     as_json: Json = False,
@@ -53,6 +54,10 @@ _HEADS: Final = {
     "of_simulated_links": "of simulated",
     "of_execute": "of execute",
     "cpu_s": "cpu s",
+    "of_without": "of without",
+    "carrier_s": "carrier s",
+    "trains_s": "trains' side s",
+    "carried": "carrier's runs",
     "cpu_s_min": "min",
     "cpu_s_max": "max",
     "peak_mb": "peak MB",

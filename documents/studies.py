@@ -18,7 +18,7 @@ from typing import Final
 import numpy as np
 import polars as pl
 
-from documents import order_of_trains, second_loop, studies_pictures
+from documents import crossings_study, order_of_trains, second_loop, studies_pictures
 from documents.studies_pictures import HeadwayByCase
 from network.timetable import Timetable, seconds_of
 from scenario.scenario import load_scenario
@@ -258,7 +258,14 @@ THEORY: Final[Mapping[str, Callable[[], Iterator[str]]]] = MappingProxyType(
     {"choices": choices, "occupation": occupation, "headways": headways, "orders": order_of_trains.table}
 )
 OF_RUNS: Final[Mapping[str, Callable[[StudyRuns], Iterator[str]]]] = MappingProxyType(
-    {"loop-runs": loop_runs, "radio-runs": radio_runs, "dense-runs": dense_runs, "cable-runs": cable_runs}
+    {
+        "loop-runs": loop_runs,
+        "radio-runs": radio_runs,
+        "dense-runs": dense_runs,
+        "cable-runs": cable_runs,
+        "crossing-runs": lambda runs: crossings_study.table(runs.run_named),
+        "crossings-by-hand": lambda runs: crossings_study.by_hand(runs.run_named),
+    }
 )
 
 
@@ -309,6 +316,7 @@ def main(arguments: Sequence[str]) -> None:
         (10 * 3600.0, 19.5 * 3600.0),
         CUT_S,
     )
+    crossings_study.picture(FOLDER / "level_crossings" / "warnings.png", runs.run_named)
 
 
 if __name__ == "__main__":

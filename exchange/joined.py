@@ -23,6 +23,7 @@ from network.files.kinds import ROWS_MAX
 from network.files.line_schema import DIRECTIONS, GradientTable, LimitTable
 from network.files.text_input import read_text
 from network.files.toml_input import Record, validate
+from network.making.crossing_list import CrossingListFile, CrossingRow, ListedCrossings
 from network.making.kana import romanised
 from network.making.station_list import ListedStation, StationList, csv_tables, number_of
 from network.making.station_names import spellings
@@ -140,6 +141,20 @@ def read_gradients(file: Path, from_m: float, to_m: float) -> tuple[tuple[Gradie
         found.append(Gradient(at_m, to_m, 0.0))
     remarks = (f"{name}: what lies beyond the ends of the line is left out",) if cut else ()
     return tuple(found), remarks
+
+
+def read_crossings(file: Path) -> ListedCrossings:
+    """Level crossings of a CSV with the columns of `CrossingRow`, of which km alone is needed. Raises InputError."""
+    name = str(file)
+    tables = csv_tables(read_text(file), name, tuple(CrossingRow.model_fields), ("km",))
+    rows = [
+        {
+            key: number_of(name, f"crossings[{i}].{key}", cell) if key in ("km", "width_m") else cell
+            for key, cell in table.items()
+        }
+        for i, table in enumerate(tables)
+    ]
+    return ListedCrossings(name, tuple(validate({"crossings": rows}, name, CrossingListFile).crossings))
 
 
 def read_limits(file: Path, from_m: float, to_m: float) -> tuple[tuple[SpeedLimit, ...], tuple[str, ...]]:

@@ -13,6 +13,8 @@ from enum import Enum
 from functools import cached_property
 from itertools import pairwise
 
+from network.model import CrossingClass
+
 Place = tuple[float, float]  # east and north on the plane, m
 KmRow = tuple[float, float]  # offset on a track and kilometrage there, both m
 
@@ -146,6 +148,16 @@ class Milestone:
     position_m: float
 
 
+@dataclass(frozen=True, slots=True)
+class LayoutCrossing:
+    """A level crossing (踏切) of one track; None where the source does not say with what it is protected."""
+
+    name: str
+    track_id: str
+    offset_m: float
+    kind: CrossingClass | None
+
+
 @dataclass(frozen=True)
 class ForeignLayout:
     """All of a source that is taken. Ids are the source's, each kind in its own order there."""
@@ -162,6 +174,7 @@ class ForeignLayout:
     assumed: tuple[str, ...]
     left: tuple[str, ...]
     origin_deg: Place | None = None  # longitude and latitude of the plane's (0, 0)
+    crossings: tuple[LayoutCrossing, ...] = ()
 
     @cached_property
     def track_of(self) -> Mapping[str, LayoutTrack]:

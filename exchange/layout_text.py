@@ -8,7 +8,15 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any, Final
 
-from exchange.layout import ForeignLayout, LayoutNode, LayoutStation, LayoutTrack, NodeKind, count_text
+from exchange.layout import (
+    ForeignLayout,
+    LayoutCrossing,
+    LayoutNode,
+    LayoutStation,
+    LayoutTrack,
+    NodeKind,
+    count_text,
+)
 from network.files.names import is_identifier, title_of
 
 SHOWN_MAX: Final = 5  # places that one sentence names
@@ -93,7 +101,36 @@ def station_list_toml(layout: ForeignLayout) -> str:
                 lines.append(f"track_names = {_text(' '.join(names))}")
         if index in (0, len(stations) - 1) and _goes_on(layout, station, first=index == 0):
             lines.append('end = "portal"')
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *_crossings(layout)]) + "\n"
+
+
+def crossings_to_list(layout: ForeignLayout) -> tuple[tuple[float, LayoutCrossing], ...]:
+    """Level crossings with a kilometrage, m, by it, between the first station and the last where one track lies."""
+    ends_m = [_position_m(station) for station in stations_in_order(layout)]
+    found: list[tuple[float, LayoutCrossing]] = []
+    for crossing in layout.crossings:
+        at_m = layout.km_of(crossing.track_id, crossing.offset_m)
+        if at_m is None or not ends_m or not ends_m[0] < at_m < ends_m[-1]:
+            continue
+        if sum(_covers(track, at_m) for track in layout.tracks) == 1:
+            found.append((at_m, crossing))
+    return tuple(sorted(found, key=lambda one: one[0]))
+
+
+def _crossings(layout: ForeignLayout) -> Iterator[str]:
+    listed = crossings_to_list(layout)
+    left = len(layout.crossings) - len(listed)
+    if left:
+        yield ""
+        where = "beyond the stations, without a kilometrage, or over several tracks"
+        yield f"# {count_text(left, 'level crossing')} left out: {where}"
+    for at_m, crossing in listed:
+        yield from ("", "[[crossings]]")
+        yield f"km = {round(at_m / 1000.0, 6)}"
+        if name := title_of(crossing.name):
+            yield f"name = {_text(name)}"
+        if crossing.kind is not None:
+            yield f'kind = "{crossing.kind.value}"'
 
 
 def as_dict(layout: ForeignLayout) -> dict[str, Any]:
@@ -143,6 +180,10 @@ def as_dict(layout: ForeignLayout) -> dict[str, Any]:
             for station in layout.stations
         ],
         "signals": [[s.name, s.track_id, s.offset_m, s.forward] for s in layout.signals],
+        "level_crossings": [
+            [c.name, c.track_id, c.offset_m, None if c.kind is None else c.kind.value]
+            for c in layout.crossings
+        ],
         "milestones": [[m.track_id, m.offset_m, m.position_m] for m in layout.milestones],
     }
 

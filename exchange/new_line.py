@@ -7,7 +7,7 @@ file's `assumed`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -16,6 +16,7 @@ from exchange.joined import (
     StationsOnAxis,
     joined_limits,
     prolonged_axis,
+    read_crossings,
     read_gradients,
     read_limits,
     with_geometry,
@@ -26,6 +27,7 @@ from network.files.json_input import write_aside
 from network.files.line_file import parse_line
 from network.files.names import IDENTIFIER_HELP, TITLE_HELP, is_identifier, title_of
 from network.files.quantities import SPEED, TRAIN_LENGTH
+from network.making.crossing_places import LaidCrossing, laid_crossings
 from network.making.layout import STUB_SPEED_KMH, LayoutRule, LineLayout, lay_out
 from network.making.line_text import DIVERGING_KMH, THROW_TIME_S, LineHeader, line_toml
 from network.making.station_list import StationList, read_station_list
@@ -48,6 +50,7 @@ class NewLineOptions:
     stations_geometry: Path | None = None
     gradients: Path | None = None
     limits: Path | None = None
+    crossings: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +70,8 @@ def make_line(list_file: Path, line_id: str, options: NewLineOptions) -> NewLine
     rule = LayoutRule(train_length_m, max_speed_kmh / 3.6)
     joined = _joined(stations, options, max_speed_kmh)
     layout = lay_out(stations.file, stations.stations, joined.places_m, rule)
+    listed = stations.crossings if options.crossings is None else read_crossings(options.crossings)
+    crossings = tuple(laid_crossings(listed, layout, (points.terminal for points in layout.points)))
     alignment = prolonged_axis(joined.alignment, layout.from_m, layout.to_m)
     gradients: tuple[Gradient, ...] = (Gradient(alignment.from_m, alignment.to_m, 0.0),)
     remarks = joined.remarks
@@ -85,14 +90,18 @@ def make_line(list_file: Path, line_id: str, options: NewLineOptions) -> NewLine
         _title("--name-ja", options.name_ja) or stations.head.name_ja,
         max_speed_kmh,
         sources=(*stations.head.sources, *joined.sources, *_file_sources(options)),
-        assumed=(*stations.head.assumed, *joined.assumed, *_assumed(stations, options, layout, rule)),
+        assumed=(
+            *stations.head.assumed,
+            *joined.assumed,
+            *_assumed(stations, options, layout, rule, crossings),
+        ),
         comment=(
             "Made by `branchline new line`; what it rests on stands in `sources` and `assumed`.",
             *joined.comment,
         ),
     )
     try:
-        text = line_toml(words, alignment, layout, rule)
+        text = line_toml(words, alignment, layout, rule, crossings)
         line = parse_line(text, line_id)
     except InputError as error:  # of a file that is not there: what can be changed is the list
         expected = f"stations of which a line can be laid out; of these there would be {error}"
@@ -160,13 +169,21 @@ def _stub_limits(layout: LineLayout, max_speed_kmh: float) -> Iterator[SpeedLimi
 
 
 def _file_sources(options: NewLineOptions) -> Iterator[str]:
-    for what, file in (("gradients", options.gradients), ("limits", options.limits)):
+    for what, file in (
+        ("gradients", options.gradients),
+        ("limits", options.limits),
+        ("level crossings", options.crossings),
+    ):
         if file is not None:
             yield f"{what}: {title_of(file.name)}"
 
 
 def _assumed(
-    stations: StationList, options: NewLineOptions, layout: LineLayout, rule: LayoutRule
+    stations: StationList,
+    options: NewLineOptions,
+    layout: LineLayout,
+    rule: LayoutRule,
+    crossings: Sequence[LaidCrossing],
 ) -> Iterator[str]:
     """A sentence for each figure that neither the list nor a joined file gives."""
     if options.max_speed_kmh is None and stations.head.max_speed_kmh is None:
@@ -214,5 +231,7 @@ def _assumed(
         "coverage: 1.5 km on either side of each station with tracks of its own, as the paper covers only the "
         "surroundings of stations"
     )
+    if any(crossing.row.kind != "4" for crossing in crossings):
+        yield "level crossings: asked by radio; times of the ministry's interpretation of article 62"
     yield "tags: by the rule of network.tag_layout"
     yield from layout.assumed

@@ -22,6 +22,7 @@ from exchange.geometry import plane_projection
 from exchange.layout import (
     ForeignLayout,
     KmRow,
+    LayoutCrossing,
     LayoutNode,
     LayoutPoints,
     LayoutSignal,
@@ -36,6 +37,7 @@ from exchange.layout import (
 )
 from exchange.layout_draft import Merged, carried_kilometrage, km_rows, merged_pieces
 from exchange.layout_geometry import direction_from, length_of_m, stem_and_legs
+from exchange.osm_roads import ROAD_TAGS, protection_of
 from exchange.xml_input import local_name, needed_attribute, needed_number, read_xml
 from network.errors import InputError
 
@@ -81,15 +83,22 @@ def read_osm(path: Path) -> ForeignLayout:
     fixed = frozenset(node for node, ends in meeting.items() if len(ends) != 2)
     done = merged_pieces(pieces, fixed)
     meeting = _meeting(done.tracks)
-    points, crossings, odd = _points(source, meeting)
+    points, slips, odd = _points(source, meeting)
     milestones = tuple(_milestones(source, done))
     measured, unused = _measured(done.tracks, milestones)
     tracks, given = carried_kilometrage(measured, points, names_are_lines=True)
     stations, homeless = _stations(source, done, tracks)
     signals = tuple(_signals(source, done))
-    nodes = tuple(_node(source, node, ends, crossings) for node, ends in meeting.items())
+    crossings = tuple(_level_crossings(source, done))
+    nodes = tuple(_node(source, node, ends, slips) for node, ends in meeting.items())
     used = _used(source, tracks, points, stations, signals, milestones)
+    used += [count_text(len(crossings), "level crossing")] if crossings else []
     assumed = _assumed(source, points, given, tracks)
+    unsaid = sum(crossing.kind is None for crossing in crossings)
+    if unsaid:
+        assumed.append(
+            f"{count_text(unsaid, 'level crossing')}: barriers, as the map does not say what there is"
+        )
     left = [*odd, *unused, *homeless, *_left(source)]
     without = sum(not track.kilometrage for track in tracks)
     if without:
@@ -109,6 +118,7 @@ def read_osm(path: Path) -> ForeignLayout:
         tuple(assumed),
         tuple(left),
         source.origin_deg,
+        crossings,
     )
 
 
@@ -398,6 +408,18 @@ def _signals(source: _Source, done: Merged) -> Iterator[LayoutSignal]:
         yield LayoutSignal(node.tags.get("ref", ""), here[0], here[1], forward)
 
 
+def _level_crossings(source: _Source, done: Merged) -> Iterator[LayoutCrossing]:
+    """Nodes that a road or path shares with a track."""
+    for node in source.nodes.values():
+        if node.tags.get("railway") not in ROAD_TAGS:
+            continue
+        here = _on_track(source, done, node.id)
+        if here is None:
+            source.left["level crossing beside the tracks"] += 1
+            continue
+        yield LayoutCrossing(node.tags.get("name", ""), here[0], here[1], protection_of(node.tags))
+
+
 def _used(
     source: _Source,
     tracks: Sequence[LayoutTrack],
@@ -447,7 +469,7 @@ def _assumed(
 
 
 def _left(source: _Source) -> list[str]:
-    known = STATION_TAGS | {"switch", "signal", "milestone", "buffer_stop"}
+    known = STATION_TAGS | {"switch", "signal", "milestone", "buffer_stop"} | ROAD_TAGS
     for node in source.nodes.values():
         kind = node.tags.get("railway", "")
         if kind and kind not in known:
@@ -456,6 +478,7 @@ def _left(source: _Source) -> list[str]:
     if speeds:
         source.left["speed limit of a way"] = speeds
     plurals = {
+        "level crossing beside the tracks": "level crossings beside the tracks",
         "speed limit of a way": "speed limits of ways",
         "signal beside the tracks or facing nowhere": "signals beside the tracks or facing nowhere",
         "milestone without a kilometrage or beside the tracks": (

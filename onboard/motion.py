@@ -120,8 +120,8 @@ class UnitMotion:
         self._length_m: Final = float(train.length_m)
         self._behaviour: Final = behaviour
         self._mission: Mission | None = None
-        self._starts_m: list[float] = []
-        self._ends_m: list[float] = []
+        self._starts_m, self._ends_m = list[float](), list[float]()
+        self._joints_m, self._marks_m = list[float](), list[float]()
         self._tags: Mapping[int, tuple[int, PathTag]] = {}
         self._doubt: Final = TagDoubt(self.row, parameters, row)
         self._ability: Final = Ability()
@@ -181,8 +181,9 @@ class UnitMotion:
     def _take_up(self, mission: Mission, path: PathData, kept: Sequence[FrontAtCount] = ()) -> None:
         row = self.row
         self._mission, self._off_plan = mission, False
-        self._starts_m = [span.start_m for span in mission.spans]
-        self._ends_m = [span.end_m for span in mission.spans]
+        self._starts_m, self._ends_m = [x.start_m for x in mission.spans], [x.end_m for x in mission.spans]
+        self._joints_m = [*self._starts_m, self._ends_m[-1]]
+        self._marks_m = [target.mark_m for target in mission.targets]
         self._tags = {tag.tag_id: (index, tag) for index, tag in enumerate(mission.tags)}
         self._doubt.new_path(mission.tags, kept)
         row.path_offset, row.path_rows = path.offset, len(path.rows)
@@ -214,8 +215,7 @@ class UnitMotion:
             return PlaceInJoints(stands=stands, emergency=emergency, unfit=self.vehicle.unfit)
         position_m = float(row.position_m)
         rear_m = position_m - float(row.bound_behind_m) - self._length_m
-        joints_m = [*self._starts_m, self._ends_m[-1]]
-        marks_m = [target.mark_m for target in mission.targets]
+        joints_m, marks_m = self._joints_m, self._marks_m
         # Still moving, the mark just ahead is yet to be stopped at; one left before is not.
         within_m = ARRIVED_WITHIN_M if stands else -ARRIVED_WITHIN_M
         nearest = min(range(len(marks_m)), key=lambda i: abs(marks_m[i] - position_m))

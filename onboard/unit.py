@@ -107,6 +107,8 @@ class OnboardUnit:
         unsure = endpoint.epoch > 1 if perhaps_on_line is None else perhaps_on_line
         self.state = DutyState(authority=auth.Authority(unsure=unsure))
         self.plan: DutyPlan = NO_PLAN
+        self._command: DrivingCommand | None = None
+        self._command_of: tuple[DutyPlan, DutyState] = (self.plan, self.state)
         self._parameters: Final = parameters
         self._endpoint: Final = endpoint
         self._letters: Final = Letters(unit_id, manager_id)
@@ -134,7 +136,7 @@ class OnboardUnit:
             self._take(TimerDue(timer), place, now_s)
         self._look_at_crossings(sensed, now_s)
         command = msgspec.structs.replace(
-            command_of(self.plan, self.state),
+            self._commanded(),
             orders=tuple(self._orders),
             before_crossing=self._crossings.held_before(elapsed_s),
             at_crossing=self._crossings.kept_standing_by(elapsed_s),
@@ -152,6 +154,13 @@ class OnboardUnit:
         )
         self._telegrams, self._told, self._notes, self._orders = [], [], [], []
         return answer
+
+    def _commanded(self) -> DrivingCommand:
+        """The command of the duty as it stands; many telegrams change nothing of it."""
+        of = (self.plan, self.state)
+        if self._command is None or self._command_of[0] is not of[0] or self._command_of[1] is not of[1]:
+            self._command, self._command_of = command_of(*of), of
+        return self._command
 
     def _at_crossing(self, place: PlaceInJoints, elapsed_s: float) -> PlaceInJoints:
         """The place with the level crossing that the train, if it stands, waits for."""

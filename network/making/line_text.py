@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from typing import Final
 
 from network.files.line_file import parse_line
+from network.making.crossing_places import LaidCrossing
 from network.making.layout import LaidStation, LayoutRule, LineLayout, coverage_m
 from network.model import Alignment, Direction
 from network.tag_layout import lay_tags, tags_toml
+from network.units import metres
 
 EQUIPPED: Final = (
     "# assumed: supervision guarantees the stop before the points, so opposing trains come in at once"
@@ -33,7 +35,13 @@ class LineHeader:
     comment: tuple[str, ...]
 
 
-def line_toml(words: LineHeader, alignment: Alignment, layout: LineLayout, rule: LayoutRule) -> str:
+def line_toml(
+    words: LineHeader,
+    alignment: Alignment,
+    layout: LineLayout,
+    rule: LayoutRule,
+    crossings: Sequence[LaidCrossing] = (),
+) -> str:
     """The whole file. Raises InputError or ValueError where the result is no line: a mistake in the layout."""
     bare = "\n".join(
         [
@@ -43,6 +51,7 @@ def line_toml(words: LineHeader, alignment: Alignment, layout: LineLayout, rule:
             *_points(layout),
             *_joints(layout),
             *(row for station in layout.stations for row in _station(station, rule)),
+            *(row for crossing in crossings for row in _crossing(crossing)),
         ]
     )
     line = parse_line(bare, words.id)
@@ -142,6 +151,16 @@ def _points(layout: LineLayout) -> Iterable[str]:
             yield f'{key} = "{name}"'
         yield f"throw_time_s = {THROW_TIME_S}"
         yield f"diverging_limit_kmh = {DIVERGING_KMH:g}"
+
+
+def _crossing(crossing: LaidCrossing) -> Iterable[str]:
+    row = crossing.row
+    yield from ("", "[[crossings]]", f'id = "{crossing.id}"', f'section = "{crossing.section}"')
+    yield f"km = {km_text(metres(row.km))}"
+    if row.name:
+        yield f"name = {toml_string(row.name)}"
+    yield f'kind = "{row.kind}"'
+    yield f"width_m = {row.width_m:g}"
 
 
 def _joints(layout: LineLayout) -> Iterable[str]:

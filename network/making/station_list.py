@@ -21,6 +21,7 @@ from network.files.names import IDENTIFIER_HELP, Identifier, Prose, Title, is_id
 from network.files.quantities import Kilometrage, Offset, SpeedKmh, TrainLength
 from network.files.text_input import read_text
 from network.files.toml_input import Record, one_of, parse_table, validate
+from network.making.crossing_list import Crossings, ListedCrossings
 from network.making.station_names import is_japanese
 
 STATIONS_MIN: Final = 2
@@ -105,6 +106,7 @@ class StationListFile(Record):
         Field(min_length=STATIONS_MIN, max_length=STATIONS_MAX),
         about("in order of kilometrage"),
     ]
+    crossings: Crossings = Field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +139,7 @@ class StationList:
     file: str
     head: LineHead
     stations: tuple[ListedStation, ...]
+    crossings: ListedCrossings
 
 
 def read_station_list(path: Path) -> StationList:
@@ -148,7 +151,8 @@ def read_station_list(path: Path) -> StationList:
     else:
         table = parse_table(text, file)
     entry = validate(table, file, StationListFile)
-    return StationList(file, entry.line, tuple(listed_stations(file, entry.stations)))
+    crossings = ListedCrossings(file, tuple(entry.crossings))
+    return StationList(file, entry.line, tuple(listed_stations(file, entry.stations)), crossings)
 
 
 def csv_tables(text: str, file: str, columns: Sequence[str], needed: Sequence[str]) -> list[dict[str, str]]:

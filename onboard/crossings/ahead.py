@@ -1,7 +1,8 @@
 """The level crossings on a train's path in metres and seconds of running, by its unit's own localisation.
 
 The front may be as far ahead as its bound; how soon it can then be on a crossing is predicted with the unit's model of
-its train: at the speed that it means to run, and at full power up to the limit, which no run is faster than.
+its train: at the speed that it means to run, and at full power up to the limit, which no run is faster than. A run is
+predicted where the answer depends on it; else the time counts that the way takes at the top speed of the path.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import math
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import Final, NamedTuple
 
 import msgspec
 import numpy as np
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from network.files.crossings import least_closed_s
 from network.model import LevelCrossing, Line
-from onboard.crossings.machine import CrossingPlace
+from onboard.crossings.machine import EARLY_S, HELD_FROM_S, CrossingPlace
 from onboard.driving.pace import Pace
 from onboard.driving.stopping import LIMIT_MARGIN_M
 from onboard.driving.supervision import RESERVE_M
@@ -29,10 +30,30 @@ from vehicle.records import TrainRow
 from vehicle.running_time import predicted_run
 
 STOPS_SHORT_M: Final = 2.0  # the movement limit lies so far before the road
-LOOKS_S: Final = 90.0  # what is further ahead at full speed all the way is not looked at closely
+CLOSELY_S: Final = (
+    10.0  # so long before it may have to be asked, at top speed all the way, its run is predicted
+)
 PREDICTION_STEP_S: Final = 0.5
+AGES_S: Final = (
+    5.0  # so long a prediction is good for, less the way run since at the speed that the train has
+)
 PATTERN_RESERVE_S: Final = 2.0  # assumed: dead time and lag of the brake, and a tick or two
 STARTS_MPS2: Final = 1.0  # assumed: no train here gains more from a stand
+
+
+class PredictedArrival(NamedTuple):
+    """When the front would be on a crossing, s from when it was at `front_m`, m, and what that was predicted with."""
+
+    arrives_s: float
+    front_m: float
+    speed_mps: float
+    cruise_mps: float
+
+    def at(self, front_m: float, speed_mps: float, cruise_mps: float) -> float | None:
+        """The time from a place a little further on, s; None: it is to be predicted anew."""
+        run_m, mean_mps = front_m - self.front_m, 0.5 * (speed_mps + self.speed_mps)
+        holds = cruise_mps == self.cruise_mps and 0.0 <= run_m <= mean_mps * AGES_S
+        return self.arrives_s - (run_m / mean_mps if run_m > 0.0 else 0.0) if holds else None
 
 
 @dataclass(frozen=True)
@@ -79,6 +100,8 @@ class CrossingsAhead:
         self._parameters: Final = parameters
         self._row: Final = row
         self._train: Final = train
+        self._length_m: Final = float(train.length_m)
+        self._predicted: dict[str, PredictedArrival] = {}
         self._deceleration_mps2: Final = float(behaviour.settings.stop_deceleration_mps2)
         self._pace: Final = pace
         self._on_path: tuple[CrossingOnPath, ...] = ()
@@ -87,16 +110,21 @@ class CrossingsAhead:
         settings = behaviour.settings
         self._beyond_mps: Final = float(settings.driving_margin_mps + settings.service_margin_mps)
         self._top_mps = 1.0
+        self._looks_s = 0.0  # of what is further ahead at top speed all the way the first alone is looked at
         self._fastest_mps: NDArray[np.float64] = np.zeros(1)
 
     def take_up(self, mission: Mission) -> None:
         """Another path; what of a crossing is under the train and not on this path stays under it."""
         before, was = self._on_path, self._mission
         self._mission = mission
+        self._predicted.clear()
         if not self._by_radio:
             return
         self._fastest_mps = self._pace.driving_mps + self._beyond_mps
         self._top_mps = max(float(self._fastest_mps.max()), 1.0)
+        brakes_s = self._room_s(self._top_mps)
+        warns_s = (max(each.warning_s, each.closing_s + brakes_s) for each in self._by_radio)
+        self._looks_s = max(HELD_FROM_S, max(warns_s) + EARLY_S)
         path, starts_m = mission.path, [span.start_m for span in mission.spans]
         marks_m = [target.mark_m for target in mission.targets]
         found: list[CrossingOnPath] = []
@@ -117,11 +145,11 @@ class CrossingsAhead:
     def _rear_m(self) -> float:
         """The safe rear, m."""
         row = self._row
-        return float(row.position_m - row.bound_behind_m) - float(self._train.length_m)
+        return float(row.position_m - row.bound_behind_m) - self._length_m
 
     def _under(self, one: CrossingOnPath, *, turned: bool) -> CrossingOnPath:
         """A crossing of the path before, by where it lies along the train, in metres of this path."""
-        front_m, length_m = float(self._row.position_m), float(self._train.length_m)
+        front_m, length_m = float(self._row.position_m), self._length_m
         if turned:
             old_rear_m = self._front_m - length_m
             ends_m = (front_m + old_rear_m - one.end_m, front_m + old_rear_m - one.start_m)
@@ -150,7 +178,7 @@ class CrossingsAhead:
                 found.append(one.behind)
                 continue
             found.append(self._place(one, mission, load_share))
-            if found[-1].fastest_s >= LOOKS_S:
+            if found[-1].fastest_s > self._looks_s:
                 break
         return tuple(found)
 
@@ -158,16 +186,19 @@ class CrossingsAhead:
         row, position_m = self._row, self._front_m
         ahead_m, behind_m = position_m + float(row.bound_ahead_m), position_m - float(row.bound_behind_m)
         entered, way_m = ahead_m >= one.start_m - STOPS_SHORT_M, one.start_m - ahead_m
-        speed_mps = float(row.speed_mps)
+        speed_mps, behind = float(row.speed_mps), one.behind
         arrives_s = fastest_s = proof_s = 0.0 if entered else way_m / self._top_mps
-        if not entered and fastest_s < LOOKS_S:
+        if not entered:
             cruise_mps = min(float(row.cruise_mps), float(row.restricted_mps))
-            meant_mps = self._pace.driving_mps
-            arrives_s = self._run_s(one, mission, load_share, ahead_m, meant_mps, cruise_mps)
-            fastest_s = self._run_s(one, mission, load_share, ahead_m, self._fastest_mps, math.inf)
-            proof_s = arrives_s - self._brakes_s(one.start_m, way_m, cruise_mps)
+            brakes_s = self._brakes_s(one.start_m, way_m, cruise_mps)
+            asked_s = max(behind.warning_s, behind.closing_s + brakes_s) + EARLY_S
+            if arrives_s <= asked_s + CLOSELY_S:
+                arrives_s = self._arrives_s(one, mission, load_share, ahead_m, cruise_mps)
+            if fastest_s < behind.least_s:
+                fastest_s = self._run_s(one, mission, load_share, ahead_m, self._fastest_mps, math.inf)
+            proof_s = arrives_s - brakes_s
         return msgspec.structs.replace(
-            one.behind,
+            behind,
             stands=speed_mps == 0.0,
             clears_s=(one.end_m - self._rear_m()) / speed_mps if entered and speed_mps > 0.0 else math.inf,
             entered=entered,
@@ -178,6 +209,19 @@ class CrossingsAhead:
             under=behind_m >= one.start_m,
             beyond=behind_m >= one.end_m,
         )
+
+    def _arrives_s(
+        self, one: CrossingOnPath, mission: Mission, load_share: float, from_m: float, cruise_mps: float
+    ) -> float:
+        """Until the front is on the crossing by the run that it means, s."""
+        speed_mps = float(self._row.speed_mps)
+        known = self._predicted.get(one.crossing.id)
+        found_s = None if known is None else known.at(from_m, speed_mps, cruise_mps)
+        if found_s is None:
+            found_s = self._run_s(one, mission, load_share, from_m, self._pace.driving_mps, cruise_mps)
+            found = PredictedArrival(found_s, from_m, speed_mps, cruise_mps)
+            self._predicted[one.crossing.id] = found
+        return found_s
 
     def _run_s(
         self,
@@ -211,7 +255,10 @@ class CrossingsAhead:
         row, pace = self._row, self._pace
         limit_mps = float(pace.driving_mps[min(int(start_m), len(pace.driving_mps) - 1)])
         gained_mps = math.sqrt(float(row.speed_mps) ** 2 + 2.0 * STARTS_MPS2 * max(way_m, 0.0))
-        speed_mps = max(min(limit_mps, cruise_mps, gained_mps), 1.0)
+        return self._room_s(max(min(limit_mps, cruise_mps, gained_mps), 1.0))
+
+    def _room_s(self, speed_mps: float) -> float:
+        """How long before the crossing a train at this speed would begin to brake for it, s."""
         room_m = STOPS_SHORT_M + self._parameters.standoff_m + LIMIT_MARGIN_M + RESERVE_M
-        room_m += float(row.bound_ahead_m)
+        room_m += float(self._row.bound_ahead_m)
         return speed_mps / (2.0 * self._deceleration_mps2) + PATTERN_RESERVE_S + room_m / speed_mps

@@ -4,8 +4,9 @@ its train standing, surely short of it or with its rear surely beyond.
 
 A pure machine, one view for each crossing: `step(view, event, now_s) -> (view, actions)`, with `now_s` as time that has
 passed. `TABLE` is where the unit stands with the crossing and the kind of event. What lies in metres and seconds of
-running comes as a `CrossingPlace` from `onboard.crossings.ahead`. What a unit says to a crossing it says again until
-it is over it: the crossing then knows the time as it is now, and the unit that the proof still holds.
+running comes as a `CrossingPlace` from `onboard.crossings.ahead`. What a unit says to a crossing it says again: until
+it is answered, just before the warning begins, so that this knows the time as it is now, when the proof is due, while
+a proof must go on to hold, and now and then until it is over it.
 """
 
 from __future__ import annotations
@@ -25,9 +26,15 @@ from radio.messages import CrossingOver, CrossingRequest
 from radio.table import TableCell, rows
 
 EARLY_S: Final = 10.0  # asked so long before its warning must begin: time for telegrams that are lost
+ABOUT_S: Final = 0.5  # who looks when that time should have come finds it so little later
 HELD_FROM_S: Final = 60.0  # nearer than this by its fastest run, a crossing ends the movement limit
 REPEAT_S: Final = 2.0
-REFRESH_S: Final = 4.0  # a proof is asked for again so often; it holds three times as long
+REFRESH_S: Final = 4.0  # so often while it should have proved closed and has not
+CHANGED_S: Final = 1.0  # while its warning has not begun it hears at once of a time that differs by more
+LAST_WORD_S: Final = 3.0  # before its warning begins: the time is known well, and can be said again
+PROOF_LATE_S: Final = 1.0  # a telegram on its way
+HOLDS_YET_S: Final = 6.0  # a proof that holds no longer is asked for again: three times, if they are lost
+STILL_S: Final = 9.5  # said at least so often: three times while a crossing that lost its memory stays closed
 GIVE_UP_S: Final = 30.0  # assumed: who stands so long without going on there lets the road go
 KEEPS_LEAST_TIME = True  # off: a proof counts at once, however near the train is
 
@@ -70,22 +77,29 @@ class CrossingPlace(msgspec.Struct, frozen=True):
     stands: bool = False
 
     @property
+    def warns_s(self) -> float:
+        """When the warning must begin, s from now; negative: it should have."""
+        return min(self.arrives_s - self.warning_s, self.proof_s - self.closing_s)
+
+    @property
     def due_s(self) -> float:
         """When the crossing is to be asked, s from now; not positive: it is time."""
-        return min(self.arrives_s - self.warning_s, self.proof_s - self.closing_s) - EARLY_S
+        return self.warns_s - EARLY_S
 
 
 class CrossingView(msgspec.Struct, frozen=True):
     """What the unit knows of one crossing.
 
-    `said_s`: when it spoke to it last; `since_s`, `until_s`: since when it has proved closed without a break, and how
-    long that holds; `idle_s`: since when it stands without going on there. `creeps`: it may creep over it unproven.
-    `forgot`: a boot before this one may have announced it there. `answered`: the crossing knows of it.
+    `said_s`: when it spoke to it last; `begins_s`: when the warning was to begin by that; `since_s`, `until_s`: since
+    when it has proved closed without a break, and how long that holds; `idle_s`: since when it stands without going on
+    there. `creeps`: it may creep over it unproven. `forgot`: a boot before this one may have announced it there.
+    `answered`: the crossing has heard what was said last.
     """
 
     crossing_id: str
     phase: CrossingPhase = CrossingPhase.AHEAD
     said_s: float = -math.inf
+    begins_s: float = -math.inf
     since_s: float = math.inf
     until_s: float = -math.inf
     idle_s: float = math.inf
@@ -156,19 +170,46 @@ def wake_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> flo
     """When to look again, s; infinite: not before something happens."""
     match view.phase:
         case CrossingPhase.AHEAD:
-            if place is None or place.clear or (place.stands and not math.isfinite(place.arrives_s)):
-                return math.inf
-            held_in_s = place.fastest_s - HELD_FROM_S
-            return now_s + min((s for s in (place.due_s, held_in_s) if s > 0.0), default=math.inf)
-        case CrossingPhase.PROVEN if place is not None and not may_pass(view, place, now_s):
-            return now_s + 1.0
+            return now_s + (math.inf if place is None or place.clear else _asked_in_s(place))
         case CrossingPhase.PROVEN:
-            return min(view.said_s + REFRESH_S, view.until_s)
+            waits = place is not None and not may_pass(view, place, now_s)
+            return now_s + 1.0 if waits else min(_again_s(view, place, now_s), view.until_s)
         case CrossingPhase.PASSING:
             clears_s = math.inf if place is None else max(place.clears_s, 0.1)
-            return min(view.said_s + REFRESH_S, now_s + clears_s)
-        case _:
-            return view.said_s + (REFRESH_S if view.answered else REPEAT_S)
+            return min(_again_s(view, place, now_s), now_s + clears_s)
+        case CrossingPhase.ASKED if place is not None and not math.isfinite(place.arrives_s):
+            return min(now_s + REFRESH_S, view.idle_s + GIVE_UP_S)
+        case CrossingPhase.ASKED:
+            return _again_s(view, place, now_s)
+        case CrossingPhase.LEAVING:
+            return view.said_s + REPEAT_S
+
+
+def _asked_in_s(place: CrossingPlace) -> float:
+    """When the crossing is to be asked, or where the train does not come there yet, to end the limit, s from now."""
+    if place.due_s < math.inf:
+        return place.due_s if place.due_s > ABOUT_S else math.inf
+    held_in_s = place.fastest_s - HELD_FROM_S
+    return max(held_in_s, REFRESH_S) if held_in_s > 0.0 and not place.stands else math.inf
+
+
+def _again_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> float:
+    """When what was said is to be said again, s."""
+    soonest_s, still_s = view.said_s + REPEAT_S, view.said_s + STILL_S
+    if view.phase is CrossingPhase.PASSING or place is None:
+        return still_s
+    if not view.answered:
+        return soonest_s
+    if view.phase is CrossingPhase.PROVEN:
+        holds = now_s + place.arrives_s + LAST_WORD_S < view.until_s  # until the front is there
+        return max(soonest_s, view.until_s - (REPEAT_S if holds else HOLDS_YET_S))
+    warns_s = now_s + place.warns_s
+    if now_s < view.begins_s and abs(warns_s - view.begins_s) > CHANGED_S:
+        return soonest_s if place.stands else now_s
+    if view.said_s < warns_s - LAST_WORD_S:
+        return max(soonest_s, warns_s - LAST_WORD_S)
+    proves_s = warns_s + place.closing_s + PROOF_LATE_S
+    return min(still_s, proves_s if view.said_s < proves_s else view.said_s + REFRESH_S)
 
 
 def _asks(view: CrossingView, place: CrossingPlace | None, now_s: float) -> CrossingStep:
@@ -176,11 +217,13 @@ def _asks(view: CrossingView, place: CrossingPlace | None, now_s: float) -> Cros
     arrives_s = 0.0 if place is None or place.entered else place.arrives_s
     proof_s = arrives_s if place is None else min(place.proof_s, arrives_s)
     request = CrossingRequest(round(arrives_s, 1), round(max(proof_s, 0.0), 1))
-    return replace(view, said_s=now_s), (request,)
+    if place is not None and not place.entered and view.phase is CrossingPhase.ASKED:
+        view = replace(view, begins_s=now_s + place.warns_s)
+    return replace(view, said_s=now_s, answered=False), (request,)
 
 
-def _repeats(view: CrossingView, place: CrossingPlace | None, now_s: float, every_s: float) -> CrossingStep:
-    return _asks(view, place, now_s) if now_s >= view.said_s + every_s else (view, ())
+def _repeats(view: CrossingView, place: CrossingPlace | None, now_s: float) -> CrossingStep:
+    return _asks(view, place, now_s) if now_s >= _again_s(view, place, now_s) else (view, ())
 
 
 def _gives_up(view: CrossingView, now_s: float, *, passed: bool) -> CrossingStep:
@@ -198,7 +241,7 @@ def _look_ahead(view: CrossingView, event: CrossingSeen, now_s: float) -> Crossi
         return _asks(replace(view, phase=CrossingPhase.PASSING, forgot=False), place, now_s)
     if view.forgot and (place.clear or place.stands):
         return _gives_up(view, now_s, passed=place.clear)
-    if place.clear or place.due_s > 0.0:
+    if place.clear or place.due_s > ABOUT_S:
         return view, ()
     asked, said = _asks(replace(view, phase=CrossingPhase.ASKED), place, now_s)
     note = notes.CrossingAsked(crossing_id=view.crossing_id, arrives_s=round(place.arrives_s, 1))
@@ -216,8 +259,7 @@ def _look_asked(view: CrossingView, event: CrossingSeen, now_s: float) -> Crossi
         return _asks(replace(view, phase=CrossingPhase.PASSING), place, now_s)
     if math.isfinite(place.arrives_s) or not place.stands or place.entered:
         view = replace(view, idle_s=math.inf)
-        every_s = REFRESH_S if view.answered else REPEAT_S
-        return _repeats(view, place, now_s, every_s) if math.isfinite(place.arrives_s) else (view, ())
+        return _repeats(view, place, now_s) if math.isfinite(place.arrives_s) else (view, ())
     view = replace(view, idle_s=min(view.idle_s, now_s))
     return _gives_up(view, now_s, passed=False) if now_s >= view.idle_s + GIVE_UP_S else (view, ())
 
@@ -226,36 +268,36 @@ def _look_proven(view: CrossingView, event: CrossingSeen, now_s: float) -> Cross
     """On it by a proof that holds, it passes; a proof that nobody has said again is none."""
     place = event.place
     if place is not None and place.entered and (place.under or may_pass(view, place, now_s)):
-        return _asks(replace(view, phase=CrossingPhase.PASSING), place, now_s)
+        return replace(view, phase=CrossingPhase.PASSING), ()
     if now_s >= view.until_s:
-        lost, said = _look_asked(_unproven(view), event, now_s)
+        lost, said = _look_asked(replace(_unproven(view), answered=False), event, now_s)
         return lost, (
             notes.CrossingProofLost(crossing_id=view.crossing_id, why=notes.WhyProofLost.SILENCE),
             *said,
         )
     if place is None or (place.stands and not math.isfinite(place.arrives_s)):
         return _look_asked(_unproven(view), event, now_s)
-    return _repeats(view, place, now_s, REFRESH_S)
+    return _repeats(view, place, now_s)
 
 
 def _look_passing(view: CrossingView, event: CrossingSeen, now_s: float) -> CrossingStep:
     """Keeps it closed until the safe rear has left it."""
     place = event.place
     if place is None:
-        return _repeats(view, place, now_s, REFRESH_S)
+        return _repeats(view, place, now_s)
     if place.clear:
         return _gives_up(view, now_s, passed=True)
     if not place.entered and place.stands:  # the train has turned: it is ahead again
         return _look_ahead(CrossingView(view.crossing_id, forgot=True), event, now_s)
     if view.creeps and place.beyond:
         view = replace(view, creeps=False)
-    return _repeats(view, place, now_s, REFRESH_S)
+    return _repeats(view, place, now_s)
 
 
 def _look_leaving(view: CrossingView, event: CrossingSeen, now_s: float) -> CrossingStep:
     """Says so until it is heard; announces itself anew where it comes there again."""
     place = event.place
-    if place is not None and not place.clear and place.due_s <= 0.0:
+    if place is not None and not place.clear and place.due_s <= ABOUT_S:
         return _look_ahead(CrossingView(view.crossing_id), event, now_s)
     if now_s < view.said_s + REPEAT_S:
         return view, ()
@@ -278,7 +320,7 @@ def _proof(view: CrossingView, event: CrossingAnswered, now_s: float) -> Crossin
 def _proof_again(view: CrossingView, event: CrossingAnswered, now_s: float) -> CrossingStep:
     """Still closed: it holds on; not closed any more: it is dropped at once."""
     if event.closed:
-        return replace(view, until_s=event.until_s), ()
+        return replace(view, until_s=event.until_s, answered=True), ()
     note = notes.CrossingProofLost(crossing_id=view.crossing_id, why=notes.WhyProofLost.NOT_CLOSED)
     return replace(_unproven(view), said_s=now_s), (note,)
 

@@ -50,13 +50,16 @@ class CrossingTalk:
         self._places: Mapping[str, CrossingPlace] = {}
         self._goes_on = False
         self._correlations: dict[str, int] = {}
+        self._live: list[str] = []  # those that matter: ahead, announced, or yet to hear that it is over them
+        self._held: tuple[float, str] | None = None  # what `held_before` has found, and when
 
     def look(
         self, places: Sequence[CrossingPlace] | None, state: DutyState, leaves_in_s: float, now_s: float
     ) -> None:
         """See where the train is now; None: it does not know. A stop is left in `leaves_in_s` at the soonest."""
+        self._held = None
         if places is None:
-            self._places = {}
+            self._places, self._live = {}, list(self._views)
             return
         self._goes_on = state.phase is DutyPhase.RUNNING or leaves_in_s <= 0.0
         self._places = {
@@ -67,10 +70,13 @@ class CrossingTalk:
         for crossing_id in self._places:
             if crossing_id not in self._views:
                 self._views[crossing_id] = CrossingView(crossing_id, forgot=self._forgot)
-        for crossing_id, view in list(self._views.items()):
-            place = self._places.get(crossing_id)
-            if place is not None or view.phase is not CrossingPhase.AHEAD:
-                self._take(crossing_id, CrossingSeen(place), now_s)
+        self._live = [
+            crossing_id
+            for crossing_id, view in self._views.items()
+            if view.phase is not CrossingPhase.AHEAD or crossing_id in self._places
+        ]
+        for crossing_id in self._live:
+            self._take(crossing_id, CrossingSeen(self._places.get(crossing_id)), now_s)
 
     def hear(self, heard: Received, now_s: float) -> bool:
         """Take a telegram, if it is a level crossing's; whether it was."""
@@ -103,6 +109,11 @@ class CrossingTalk:
 
     def held_before(self, now_s: float) -> str:
         """The first crossing that the front may not go onto; empty: none."""
+        if self._held is None or self._held[0] != now_s:
+            self._held = (now_s, self._first_held(now_s))
+        return self._held[1]
+
+    def _first_held(self, now_s: float) -> str:
         ahead = (place for place in self._places.values() if not self._may_pass(place, now_s))
         return min(ahead, key=lambda place: place.fastest_s, default=_NOWHERE).crossing_id
 
@@ -129,9 +140,8 @@ class CrossingTalk:
         if not seen:
             said = (view.said_s for view in self._views.values() if view.phase is CrossingPhase.LEAVING)
             return min((max(at_s + 2.0, now_s + 0.1) for at_s in said), default=math.inf)
-        return min(
-            (wake_s(view, seen.get(id_), now_s) for id_, view in self._views.items()), default=math.inf
-        )
+        views = self._views
+        return min((wake_s(views[id_], seen.get(id_), now_s) for id_ in self._live), default=math.inf)
 
     def _is_due_to_say(self, crossing_id: str) -> bool:
         """Whether a crossing behind has yet to hear so."""
@@ -142,7 +152,7 @@ class CrossingTalk:
         return may_pass(self._views[place.crossing_id], place, now_s)
 
     def _take(self, crossing_id: str, event: CrossingEvent, now_s: float) -> None:
-        before = self._views[crossing_id]
+        before, self._held = self._views[crossing_id], None
         after, actions = step(before, event, now_s)
         self._views[crossing_id] = after
         if after.phase in _ANNOUNCED and before.phase not in _ANNOUNCED:

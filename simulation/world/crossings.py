@@ -27,6 +27,7 @@ from simulation.world.crossing_equipment import (
     EquipmentEvent,
     ObstacleDetected,
 )
+from simulation.world.kernel import MOVING_STEPS_MAX
 from simulation.world.trains import Trains
 from wayside.crossing_said import CloseCrossing, CrossingContact
 from wayside.said import Input
@@ -134,22 +135,34 @@ class CrossingLookout:
         self._paths: dict[int, Path] = {}
         self._ahead: dict[int, list[CrossingPlaceAhead]] = {}
         self._front_m: dict[int, float] = {}
+        self._not_before: dict[int, int] = {}  # what `_steps_to` came to last on this path: a step
 
     def horizon_step(self, step: int) -> float:
-        """The step in which a train can first pass a place; infinite where none is ahead of any."""
+        """The step in which a train can first pass a place; infinite where none is ahead of any.
+
+        Where a train cannot pass one within a stretch while trains move, an earlier answer does.
+        """
         if not self._crossings:
             return math.inf
-        return min((step + self._steps_to(slot) for slot in self._trains.active()), default=math.inf)
+        horizon = math.inf
+        for slot in self._trains.active():
+            at_step = self._not_before.get(slot, 0)
+            if at_step <= step + MOVING_STEPS_MAX or self._paths.get(slot) is not self._trains.paths[slot]:
+                at_step = self._not_before[slot] = step + self._steps_to(slot)
+            horizon = min(horizon, at_step)
+        return horizon
 
     def look(self, step: int) -> None:
         """Who has passed what by now."""
         if not self._crossings:
             return
         active = self._trains.active()
-        for slot in [slot for slot in self._paths if slot not in active]:
-            del self._paths[slot], self._ahead[slot]
+        if len(self._paths) > len(active) or any(slot not in active for slot in self._paths):
+            for slot in [slot for slot in self._paths if slot not in active]:
+                del self._paths[slot], self._ahead[slot]
         for slot in active:
-            self._follow(slot)
+            if self._paths.get(slot) is not self._trains.paths[slot]:
+                self._follow(slot)
             front_m = self._front_m[slot] = float(self._trains.truths[slot].position_m)
             ahead = self._ahead[slot]
             while ahead and ahead[0].at_m <= front_m:

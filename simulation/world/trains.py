@@ -106,6 +106,7 @@ class Trains:
         self.waves: Sequence[WaveRow] = _rows(board["wave"])
         self.rides: Sequence[RideRow] = [cells_of(RideRow, row) for row in _rows(self.stock["ride"])]
         self._active = self.stock["truth"]["active"]
+        self._on_line: list[int] | None = None  # the slots that are active; None: to be looked up
         self._position_m = self.stock["truth"]["position_m"]
         self._offset_m = self.stock["truth"]["offset_m"]
         self._travelled_m = self.stock["plant"]["travelled_m"]
@@ -170,8 +171,9 @@ class Trains:
 
     def active(self) -> list[int]:
         """Slots of the trains on the line."""
-        slots: list[int] = np.flatnonzero(self._active).tolist()
-        return slots
+        if self._on_line is None:
+            self._on_line = np.flatnonzero(self._active).tolist()
+        return self._on_line.copy()
 
     def true_path(self, slot: int) -> Path:
         """The path that the train is really on. RuntimeError before it is on the line."""
@@ -231,7 +233,7 @@ class Trains:
         mission = duty.mission
         stock_id = self.stock_ids[slot]
         position_m = mission.targets[0].mark_m
-        self.truths[slot].active = 1
+        self.truths[slot].active, self._on_line = 1, None
         self.premises.position_told(slot)
         self._enter_path(slot, duty, position_m)
         pieces = self.true_path(slot).piece_ids
@@ -319,7 +321,7 @@ class Trains:
     def remove(self, slot: int) -> None:
         """Take the stock off the line."""
         self.carrier.remove(self.stock_ids[slot])
-        self.truths[slot].active = 0
+        self.truths[slot].active, self._on_line = 0, None
         self.paths[slot] = None
         if not self._is_braked(slot):
             self._shut_off(slot)

@@ -17,6 +17,7 @@ PARTS: Final[Mapping[str, str]] = {
     "collation": "study.evaluate.collation",
     "sweep": "study.evaluate.sweep_bench",
     "certificate": "study.evaluate.certificate",
+    "crossings": "study.evaluate.crossings_bench",
     "start": "study.evaluate.start_bench",
     "serve": "console.serve_bench",
 }

@@ -20,6 +20,7 @@ from study.report.style import INK, PALE, RED, RULE, TRACTION, WIDTH_IN, beside,
 Floats = NDArray[np.float64]
 
 KMH_PER_MPS: Final = 3.6
+_CROSSING_SHARE: Final = 0.03  # of the height: where level crossings are marked
 _LEFT_OUT_SHARE: Final = 0.035  # least distance of station names, share of the width
 _LABEL_WIDTH_SHARE: Final = 0.022  # a gradient or curve narrower than this carries no figure
 
@@ -68,6 +69,7 @@ def draw_run_curve(run: ReportedRun, unit: str, train: str) -> Figure:
     _draw_curves(curve, alignment, direction, high_m - low_m)
     _draw_notches(notch, course)
     mark_stations(run, (speed, gradient, curve, notch), low_m, high_m)
+    _mark_crossings(speed, run, alignment, (unit, train))
     notch.xaxis.set_major_locator(MaxNLocator(24, steps=[1, 2, 5, 10]))
     notch.xaxis.set_major_formatter(FuncFormatter(in_km))
     notch.set_xlabel("kilometrage, km")
@@ -116,6 +118,33 @@ def _draw_speeds(
     axes.set_ylabel(RUN_CURVE.up.en)
     axes.grid(axis="y")
     axes.legend(loc="lower center", ncols=5, bbox_to_anchor=(0.5, 1.09), borderaxespad=0.0)
+
+
+def _mark_crossings(axes: Axes, run: ReportedRun, alignment: Alignment, course: tuple[str, str]) -> None:
+    """A cross at each level crossing, with how long it had warned as the train came, s; contacts, if any, as ticks."""
+    unit, train = course
+    passed = run.tables.warnings.filter((pl.col("unit") == unit) & (pl.col("train") == train))
+    warned_s = dict(passed.select("crossing", "warned_s").iter_rows())
+    direction, over = run.directions[train], axes.get_xaxis_transform()
+    low_m, high_m = sorted(axes.get_xlim())
+    here = [
+        crossing
+        for crossing in sorted(run.line.crossings.values(), key=lambda one: one.position_m)
+        if run.line.pieces[crossing.piece_id].alignment_id == alignment.id
+        and low_m < crossing.position_m < high_m
+    ]
+    for crossing in here:
+        axes.plot([crossing.position_m], [_CROSSING_SHARE], "x", color=INK, ms=4, mew=0.8, transform=over)
+        contact_m = crossing.starts_m.get(direction)
+        if contact_m is not None:
+            axes.plot([contact_m], [_CROSSING_SHARE], "|", color=PALE, ms=5, transform=over)
+    said = [crossing for crossing in here if crossing.id in warned_s]
+    labels_m = spread([crossing.position_m for crossing in said], _LABEL_WIDTH_SHARE * (high_m - low_m))
+    for crossing, label_m in zip(said, labels_m, strict=True):
+        text = f"{warned_s[crossing.id]:.0f} s"
+        beside(
+            axes, text, (label_m, _CROSSING_SHARE), (0, 3), 5.5, color=INK, xycoords=("data", "axes fraction")
+        )
 
 
 def draw_gradients(axes: Axes, alignment: Alignment, direction: Direction, span_m: float) -> None:

@@ -4,11 +4,25 @@ from __future__ import annotations
 
 import json
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
-from exchange.layout import ForeignLayout, LayoutNode, LayoutStation, LayoutTrack, NodeKind, Spot
+import pytest
+
+from exchange.layout import (
+    ForeignLayout,
+    LayoutCrossing,
+    LayoutNode,
+    LayoutStation,
+    LayoutTrack,
+    NodeKind,
+    Spot,
+)
 from exchange.layout_text import as_dict, obstacles, station_list_toml, stations_in_order
+from exchange.new_line import NewLineOptions, make_line
 from exchange.railml import read_railml
+from network.errors import InputError
+from network.model import CrossingClass, CrossingControl, Line
 from tests.exchange.layouts import RAILML_2, RAILML_3
 
 
@@ -93,3 +107,71 @@ def test_json_has_all_of_the_layout(tmp_path: Path) -> None:
     assert {entry["name"] for entry in table["points"]} == {"P1", "P2"}
     assert table["stations"][0]["position_m"] == 1200.0
     assert "1 derailer" in table["left"]
+
+
+def test_level_crossings_go_into_the_list_where_one_track_lies_and_from_there_onto_the_line(
+    tmp_path: Path,
+) -> None:
+    """At km 2.4, on the one track between A and B. Not those over two tracks, beyond B and without a kilometrage."""
+    tracks = (
+        track("1", "a", "b", 0, 3000),
+        track("2", "b", "c", 3000, 3200),
+        track("3", "b", "c", 3000, 3200),
+        track("4", "c", "d", 3200, 6200),
+        LayoutTrack("5", "5", "", "d", "e", 100.0),
+    )
+    crossings = (
+        LayoutCrossing("Mill lane", "1", 2400.0, CrossingClass.WARNING),
+        LayoutCrossing("", "2", 100.0, None),
+        LayoutCrossing("", "4", 2950.0, CrossingClass.BARRIERS),
+        LayoutCrossing("", "5", 50.0, None),
+    )
+    drawn = replace(layout(tracks, (station("A", 200), station("B", 6000))), crossings=crossings)
+    text = station_list_toml(drawn)
+    assert tomllib.loads(text)["crossings"] == [{"km": 2.4, "name": "Mill lane", "kind": "3"}]
+    assert "# 3 level crossings left out" in text
+    (tmp_path / "stations.toml").write_text(text, "utf-8")
+    line = make_line(tmp_path / "stations.toml", "l", NewLineOptions()).line
+    (crossing,) = line.crossings.values()
+    assert (crossing.id, crossing.name, crossing.position_m) == ("X1", "Mill lane", 2400.0)
+    assert (crossing.kind, crossing.control) == (CrossingClass.WARNING, CrossingControl.RADIO)
+    assert as_dict(drawn)["level_crossings"][0] == ["Mill lane", "1", 2400.0, "3"]
+
+
+LIST = "name,km,tracks\nA,0.2,1\nB,3.0,2\nC,6.0,1\n"
+
+
+def made_with(tmp_path: Path, crossings: str) -> Line:
+    (tmp_path / "stations.csv").write_text(LIST, "utf-8")
+    (tmp_path / "crossings.csv").write_text(crossings, "utf-8")
+    options = NewLineOptions(crossings=tmp_path / "crossings.csv")
+    return make_line(tmp_path / "stations.csv", "l", options).line
+
+
+def test_a_line_is_made_with_a_list_of_crossings(tmp_path: Path) -> None:
+    line = made_with(tmp_path, "km,id,kind,width_m\n1.4,,,\n4.5,R7,4,3.5\n")
+    assert {c.id: (c.position_m, c.kind.value, c.width_m) for c in line.crossings.values()} == {
+        "X1": (1400.0, "1", 6.0),
+        "R7": (4500.0, "4", 3.5),
+    }
+    assert line.pieces[line.crossings["X1"].piece_id].from_m < 1400.0
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ("km\n3.0\n", "crossings[0].km is 3.0; expected a place on one track"),  # two tracks
+        ("km\n9.0\n", "nothing of the line"),
+        ("km\nnear\n", "crossings[0].km is 'near'; expected a number"),
+        ("km,kind\n1.4,2\n", "crossings[0].kind"),
+        ("km,id\n1.4,R\n4.5,R\n", "crossings[1].id is 'R'; expected an id that no other"),
+        ("km,width_m\n1.4,0\n", "crossings[0].width_m"),
+        ("id\nR\n", "a column km"),
+        ("km,road\n1.4,R\n", "columns, each one of"),
+    ],
+)
+def test_bad_rows_of_crossings_are_named(tmp_path: Path, rows: str, said: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        made_with(tmp_path, rows)
+    assert "crossings.csv" in str(refusal.value)
+    assert said in str(refusal.value)

@@ -13,6 +13,7 @@ from exchange.layout import ForeignLayout, NodeKind, TurnoutSide
 from exchange.layout_geometry import stem_and_legs
 from exchange.osm import read_osm
 from network.errors import InputError
+from network.model import CrossingClass
 from tests.exchange.layouts import OSM, osm_node, osm_way
 
 SHARED = Path(__file__).resolve().parents[2] / "../shared/data/osm/bad_hersfeld_rail.osm.xml"
@@ -49,8 +50,47 @@ def test_the_small_map_is_as_drawn(tmp_path: Path) -> None:
     assert sorted(spot.track_name for spot in layout.stations[0].spots) == ["1", "2"]
     kinds = sorted(node.kind.value for node in layout.nodes)
     assert kinds == ["buffer stop", "open end", "points", "points"]
-    for text in ("1 way of railway=abandoned", "1 node of railway=level_crossing", "1 speed limit of a way"):
+    for text in ("1 way of railway=abandoned", "1 speed limit of a way"):
         assert text in layout.left
+
+
+@pytest.mark.parametrize(
+    ("tags", "kind"),
+    [
+        ({}, None),
+        ({"crossing__saltire": "yes"}, None),  # it stands at nearly all of them
+        ({"crossing__barrier": "full"}, CrossingClass.BARRIERS),
+        ({"crossing__barrier": "half", "crossing__light": "yes"}, CrossingClass.BARRIERS),
+        ({"crossing__barrier": "no", "crossing__light": "yes"}, CrossingClass.WARNING),
+        ({"crossing__bell": "yes"}, CrossingClass.WARNING),
+        ({"crossing__barrier": "no"}, CrossingClass.NO_DEVICE),
+        ({"crossing__light": "no", "crossing__bell": "no"}, CrossingClass.NO_DEVICE),
+        ({"crossing": "uncontrolled"}, CrossingClass.NO_DEVICE),
+    ],
+)
+@pytest.mark.parametrize("railway", ["level_crossing", "crossing"])
+def test_a_node_of_road_and_track_is_a_level_crossing(
+    tmp_path: Path, railway: str, tags: dict[str, str], kind: CrossingClass | None
+) -> None:
+    """Drawn at 600 m of the track that runs with the kilometrage; that of the milestones at 500 and 700 m."""
+    drawn, given = (
+        osm_node(14, 600, 0, railway=value, **more)
+        for value, more in (("level_crossing", {}), (railway, tags))
+    )
+    layout = read(tmp_path, OSM.replace(drawn, given))
+    (crossing,) = layout.crossings
+    assert crossing.kind is kind
+    assert layout.km_of(crossing.track_id, crossing.offset_m) == pytest.approx(600.0, abs=1.0)
+    assert any(text.startswith("1 level crossing: barriers") for text in layout.assumed) is (kind is None)
+    assert not any("railway=level_crossing" in text for text in layout.left)
+
+
+def test_one_beside_the_tracks_is_left(tmp_path: Path) -> None:
+    layout = read(
+        tmp_path, OSM.replace("<way ", osm_node(99, 600, 30, railway="level_crossing") + "<way ", 1)
+    )
+    assert len(layout.crossings) == 1
+    assert "1 level crossing beside the tracks" in layout.left
 
 
 def test_milestones_give_the_kilometrage_beyond_them_and_beside_them(tmp_path: Path) -> None:

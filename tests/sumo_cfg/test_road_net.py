@@ -90,6 +90,30 @@ def test_lanes_lie_to_the_left_of_the_middle_and_meet_the_track_where_they_say(
             assert np.linalg.norm(last - first) == pytest.approx(roads[0].over_m, abs=0.01)
 
 
+def sumo_home() -> Path:
+    """Where SUMO's programs are."""
+    spec = find_spec("sumo")
+    assert spec is not None
+    assert spec.submodule_search_locations is not None
+    return Path(spec.submodule_search_locations[0])
+
+
+@pytest.mark.system
+def test_the_net_can_be_edited(net: Path, tmp_path: Path) -> None:
+    """netconvert reads it as netedit does, which wants a display, without a warning; what it writes has its track."""
+    home, again = sumo_home(), tmp_path / "again.net.xml"
+    said = subprocess.run(
+        [home / "bin" / "netconvert", "--sumo-net-file", net, "--output-file", again],
+        env={**os.environ, "SUMO_HOME": str(home)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (said.returncode, said.stderr) == (0, "")
+    edges = [{edge.attrib["id"] for edge in ET.parse(file).iterfind("edge")} for file in (net, again)]
+    assert edges[0] - {name for name in edges[0] if name.startswith(":")} <= edges[1]
+
+
 @pytest.mark.system
 def test_plain_sumo_runs_the_road(roads: tuple[RoadAt, ...], net: Path, tmp_path: Path) -> None:
     """The signals' own programs let vehicles pass; nothing of ours runs here."""
@@ -100,10 +124,7 @@ def test_plain_sumo_runs_the_road(roads: tuple[RoadAt, ...], net: Path, tmp_path
     ]
     routes = tmp_path / "road.rou.xml"
     routes.write_bytes(road_routes_xml(roads, vehicles))
-    spec = find_spec("sumo")
-    assert spec is not None
-    assert spec.submodule_search_locations is not None
-    home = Path(spec.submodule_search_locations[0])
+    home = sumo_home()
     said = subprocess.run(
         [
             home / "bin" / "sumo",

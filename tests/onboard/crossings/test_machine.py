@@ -12,8 +12,8 @@ from onboard.crossings import machine
 from onboard.crossings.machine import (
     EARLY_S,
     GIVE_UP_S,
-    REFRESH_S,
     REPEAT_S,
+    STILL_S,
     TABLE,
     CreepAllowed,
     CrossingAnswered,
@@ -31,6 +31,7 @@ from onboard.crossings.machine import (
     wake_s,
 )
 from radio.messages import CrossingOver, CrossingRequest
+from wayside.level_crossing import REANNOUNCED_S
 
 AHEAD, ASKED, PROVEN, PASSING, LEAVING = CrossingPhase
 VIEW = CrossingView("C")
@@ -42,7 +43,7 @@ BEHIND = replace(ON_IT, beyond=True, clear=True)
 STANDS = replace(NEAR, arrives_s=math.inf, proof_s=math.inf, stands=True)
 REQUEST = CrossingRequest(40.0, 28.0)
 ASKED_VIEW = replace(VIEW, phase=ASKED, said_s=0.0)
-PROVEN_VIEW = replace(VIEW, phase=PROVEN, said_s=0.0, since_s=0.0, until_s=12.0)
+PROVEN_VIEW = replace(VIEW, phase=PROVEN, said_s=0.0, since_s=0.0, until_s=12.0, answered=True)
 PASSING_VIEW = replace(PROVEN_VIEW, phase=PASSING)
 LEAVING_VIEW = replace(VIEW, phase=LEAVING, said_s=0.0, passed=True)
 GIVES_UP = (notes.CrossingLeftBehind(crossing_id="C", passed=False), CrossingOver(False))
@@ -54,9 +55,13 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
     assert FAR.due_s == pytest.approx(100.0 - 35.0 - EARLY_S)
     assert replace(FAR, proof_s=30.0).due_s == pytest.approx(30.0 - 15.0 - EARLY_S)
     assert step(VIEW, CrossingSeen(FAR), 0.0) == (VIEW, ())
-    assert wake_s(VIEW, FAR, 7.0) == 7.0 + 80.0 - machine.HELD_FROM_S
+    assert wake_s(VIEW, FAR, 7.0) == 7.0 + 55.0
+    later = replace(
+        FAR, arrives_s=math.inf, proof_s=math.inf
+    )  # it is to stop before it: only the limit counts
+    assert wake_s(VIEW, later, 7.0) == 7.0 + 80.0 - machine.HELD_FROM_S
     asked, said = step(VIEW, CrossingSeen(NEAR), 0.0)
-    assert asked == ASKED_VIEW
+    assert asked == replace(ASKED_VIEW, begins_s=5.0)
     assert said == (notes.CrossingAsked(crossing_id="C", arrives_s=40.0), REQUEST)
 
 
@@ -64,13 +69,13 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
     ("view", "event", "now_s", "after", "said"),
     [
         (ASKED_VIEW, CrossingSeen(NEAR), 1.9, ASKED_VIEW, ()),
-        (ASKED_VIEW, CrossingSeen(NEAR), REPEAT_S, replace(ASKED_VIEW, said_s=REPEAT_S), (REQUEST,)),
+        (ASKED_VIEW, CrossingSeen(NEAR), REPEAT_S, replace(ASKED_VIEW, said_s=REPEAT_S, begins_s=7.0), (REQUEST,)),
         (ASKED_VIEW, CrossingAnswered(False, 12.0), 1.0, replace(ASKED_VIEW, answered=True), ()),
         (
             ASKED_VIEW,
             CrossingAnswered(True, 21.0),
             9.0,
-            replace(PROVEN_VIEW, since_s=9.0, until_s=21.0, answered=True),
+            replace(PROVEN_VIEW, since_s=9.0, until_s=21.0),
             (notes.CrossingHeardClosed(crossing_id="C"),),
         ),
         (ASKED_VIEW, CrossingSeen(ON_IT), 3.0, replace(ASKED_VIEW, phase=PASSING, said_s=3.0),
@@ -79,17 +84,20 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
         (ASKED_VIEW, CrossingSeen(STANDS), 3.0, replace(ASKED_VIEW, idle_s=3.0), ()),
         (replace(ASKED_VIEW, idle_s=3.0), CrossingSeen(STANDS), 3.0 + GIVE_UP_S,
          replace(VIEW, phase=LEAVING, said_s=33.0), GIVES_UP),
-        (PROVEN_VIEW, CrossingSeen(NEAR), REFRESH_S, replace(PROVEN_VIEW, said_s=REFRESH_S), (REQUEST,)),
+        (PROVEN_VIEW, CrossingSeen(NEAR), 5.9, PROVEN_VIEW, ()),
+        (PROVEN_VIEW, CrossingSeen(NEAR), 6.0, replace(PROVEN_VIEW, said_s=6.0, answered=False), (REQUEST,)),
         (PROVEN_VIEW, CrossingAnswered(True, 18.0), 6.0, replace(PROVEN_VIEW, until_s=18.0), ()),
-        (PROVEN_VIEW, CrossingAnswered(False, 18.0), 6.0, replace(ASKED_VIEW, said_s=6.0),
+        (PROVEN_VIEW, CrossingAnswered(False, 18.0), 6.0, replace(ASKED_VIEW, said_s=6.0, answered=True),
          (notes.CrossingProofLost(crossing_id="C", why=notes.WhyProofLost.NOT_CLOSED),)),
-        (PROVEN_VIEW, CrossingSeen(NEAR), 12.0, replace(ASKED_VIEW, said_s=12.0),
+        (PROVEN_VIEW, CrossingSeen(NEAR), 12.0, replace(ASKED_VIEW, said_s=12.0, begins_s=17.0),
          (notes.CrossingProofLost(crossing_id="C", why=notes.WhyProofLost.SILENCE), REQUEST)),
-        (PROVEN_VIEW, CrossingSeen(ON_IT), 11.9, replace(PASSING_VIEW, said_s=11.9),
+        (PROVEN_VIEW, CrossingSeen(ON_IT), 11.9, PASSING_VIEW, ()),
+        (PROVEN_VIEW, CrossingSeen(PERHAPS), 11.0, replace(PROVEN_VIEW, said_s=11.0, answered=False),
          (CrossingRequest(0.0, 0.0),)),
-        (PROVEN_VIEW, CrossingSeen(PERHAPS), 11.0, replace(PROVEN_VIEW, said_s=11.0), (CrossingRequest(0.0, 0.0),)),
         (replace(PROVEN_VIEW, since_s=-4.0), CrossingSeen(PERHAPS), 11.0,
-         replace(PASSING_VIEW, since_s=-4.0, said_s=11.0), (CrossingRequest(0.0, 0.0),)),
+         replace(PASSING_VIEW, since_s=-4.0), ()),
+        (PASSING_VIEW, CrossingSeen(ON_IT), STILL_S, replace(PASSING_VIEW, said_s=STILL_S, answered=False),
+         (CrossingRequest(0.0, 0.0),)),
         (PASSING_VIEW, CrossingAnswered(False, 18.0), 6.0, PASSING_VIEW, ()),
         (PASSING_VIEW, CrossingSeen(BEHIND), 9.0, replace(LEAVING_VIEW, said_s=9.0), IS_OVER),
         (PASSING_VIEW, CrossingSeen(None), 3.0, PASSING_VIEW, ()),
@@ -134,7 +142,62 @@ def test_who_may_pass(view: CrossingView, place: CrossingPlace, now_s: float, ma
 
 def test_it_looks_again_when_the_rear_is_beyond() -> None:
     assert wake_s(PASSING_VIEW, replace(ON_IT, clears_s=2.5), 1.0) == 3.5
-    assert wake_s(PASSING_VIEW, ON_IT, 1.0) == REFRESH_S
+    assert wake_s(PASSING_VIEW, ON_IT, 1.0) == STILL_S
+
+
+def place_at(now_s: float, front_s: float = 50.0) -> CrossingPlace:
+    """How a train that is on the road at `front_s` sees it: it must begin to warn 35 s before that."""
+    left_s = front_s - now_s
+    return replace(NEAR, arrives_s=left_s, fastest_s=left_s, proof_s=left_s - 10.0)
+
+
+def said_until(now_s: float, answers: bool, closes_s: float = math.inf) -> list[float]:
+    """When a unit that asks at 5 s, 10 s before the warning, has spoken; it looks when it wants to."""
+    view, said_s = replace(ASKED_VIEW, said_s=5.0), [5.0]
+    at_s = 5.0
+    while at_s <= now_s:
+        if answers:
+            view, _ = step(view, CrossingAnswered(at_s >= closes_s, at_s + 12.0), at_s)
+        wakes_s = wake_s(view, place_at(at_s), at_s)
+        assert wakes_s > at_s
+        at_s = min(wakes_s, closes_s) if at_s < closes_s else wakes_s
+        view, said = step(view, CrossingSeen(place_at(at_s)), at_s)
+        said_s += [at_s] * any(isinstance(one, CrossingRequest) for one in said)
+    return [at_s for at_s in said_s if at_s <= now_s]
+
+
+def test_it_speaks_when_that_matters() -> None:
+    """Answered: 3 s before the warning at 15 s, again after 9.5 s, and 1 s after it should be closed at 30 s. Closed
+    then, the proof of 12 s is asked for again 6 s on, and again; that of 42 s lasts until the front is there at 50 s.
+    """
+    assert said_until(30.9, answers=True) == pytest.approx([5.0, 12.0, 21.5])
+    assert said_until(35.5, answers=True) == pytest.approx([5.0, 12.0, 21.5, 31.0, 35.0])
+    assert said_until(49.9, answers=True, closes_s=30.0) == pytest.approx([5.0, 12.0, 21.5, 36.0, 42.0])
+    assert said_until(14.0, answers=False) == pytest.approx([5.0, 7.0, 9.0, 11.0, 13.0])
+
+
+@pytest.mark.parametrize(
+    ("begins_s", "says"), [(7.5, True), (6.6, True), (6.4, False), (4.6, False), (4.4, True), (2.0, False)]
+)
+def test_of_a_time_that_has_changed_it_hears_at_once(begins_s: float, says: bool) -> None:
+    """At 2.5 s it is to begin at 5.5 s. What was to begin at 2 s has begun."""
+    view = replace(ASKED_VIEW, said_s=2.4, begins_s=begins_s, answered=True)
+    place = replace(NEAR, arrives_s=38.0, proof_s=28.0)
+    after, said = step(view, CrossingSeen(place), 2.5)
+    assert bool(said) is says
+    assert after.begins_s == (5.5 if says else begins_s)
+
+
+def test_a_proof_that_would_end_too_soon_is_asked_for_three_times() -> None:
+    view, said_s = replace(PROVEN_VIEW, until_s=12.0), []
+    for tenth in range(120):
+        view, said = step(view, CrossingSeen(NEAR), tenth / 10.0)
+        said_s += [tenth / 10.0] * bool(said)
+    assert said_s == [6.0, 8.0, 10.0]
+
+
+def test_a_crossing_that_lost_its_memory_hears_three_times_of_a_train_on_it() -> None:
+    assert 3.0 * STILL_S < REANNOUNCED_S
 
 
 def test_every_row_says_what_happens() -> None:

@@ -33,6 +33,7 @@ from study.report.papers import CHANGES_SHOWN, EVENTS_SHOWN_MAX, REFUSED_AGAIN_S
 from study.report.report import BYTES_AIMED, write_report
 from study.report.style import BAND_S_MAX, clock, drawing, spread, svg_of, time_bands, time_grid
 from study.wording.phrase import Phrase
+from tests.study.crossed_day import with_crossing
 from tests.study.report.page import Page, payload_of, table_in
 
 FACTS: dict[str, Any] = {
@@ -277,6 +278,22 @@ def test_run_curve_shows_kmh_and_runs_to_the_right(weekday: ReportedRun) -> None
         speed = next(line for line in figure.axes[0].lines if line.get_label() == "speed")
         top_kmh = weekday.tables.trajectory.filter(pl.col("train") == train)["speed_mps"].max() * 3.6
         assert max(speed.get_ydata()) == pytest.approx(top_kmh)
+
+
+def test_a_run_curve_marks_level_crossings_and_how_long_they_had_warned(weekday: ReportedRun) -> None:
+    """At its kilometrage, with the 30 s before this train; another train has a mark and no time."""
+    run = with_crossing(weekday)
+    at_m = {}
+    for train in ("321M", "325M"):
+        unit = next(unit for unit, number in run.courses if number == train)
+        rows = run.tables.warnings.with_columns(unit=pl.lit(unit))
+        tables = RunTables(**{**{n: getattr(run.tables, n) for n in ROWS}, "warnings": rows})
+        with drawing():
+            figure = draw_run_curve(ReportedRun(run.line, run.timetable, tables), unit, train)
+        speed = figure.axes[0]
+        at_m[train] = [float(line.get_xdata()[0]) for line in speed.lines if line.get_marker() == "x"]
+        assert ("30 s" in {text.get_text() for text in speed.texts}) is (train == "321M")
+    assert at_m["321M"][-1] == at_m["325M"][-1] == 5000.0
 
 
 def test_the_latest_complete_train_is_chosen(weekday: ReportedRun) -> None:
