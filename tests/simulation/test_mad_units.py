@@ -57,6 +57,11 @@ def test_also_when_its_fault_is_over_and_the_register_still_has_it() -> None:
     assert due(after(BEGAN, TAKEN, OVER), 60.0) == [BAR]
 
 
+def test_not_for_what_it_is_given_after_its_fault_is_over() -> None:
+    """Persons have entered that for it; it gives it back itself."""
+    assert due(after(BEGAN, OVER, TAKEN), 60.0) == []
+
+
 def test_unbarred_when_its_fault_has_been_over_for_a_time_and_wherever_it_is_barred() -> None:
     units = after(BEGAN, AGAINST, Barred(unit_id="K1", by="Mori"))
     units.see(JournalEntry(3.0, "B-W", Barred(unit_id="K1", by="Mori")))
