@@ -19,6 +19,7 @@ from onboard.crossings.machine import (
     CrossingPhase,
     CrossingPlace,
     CrossingSeen,
+    CrossingUnplaced,
     CrossingView,
     may_pass,
     step,
@@ -57,6 +58,9 @@ class CrossingTalk:
         """See where the train is now; None: it does not know. A stop is left in `leaves_in_s` at the soonest."""
         if places is None:
             self._places = {}
+            for crossing_id, view in list(self._views.items()):
+                says = view.phase is CrossingPhase.LEAVING  # that it has left holds wherever it is
+                self._take(crossing_id, CrossingSeen(None) if says else CrossingUnplaced(), now_s)
             return
         self._goes_on = state.phase is DutyPhase.RUNNING or leaves_in_s <= 0.0
         self._places = {
@@ -113,10 +117,13 @@ class CrossingTalk:
         return place.crossing_id if place is not None and near else ""
 
     def kept_standing_by(self, now_s: float) -> str:
-        """The crossing for which a train stands that would go on now; empty: none."""
+        """The crossing for which a train stands that would go on now; empty: none, or one that is proven and has but to
+        be so for its least time.
+        """
         place = self._places.get(self.start_held_by(now_s))
-        goes_on = place is not None and self._goes_on and math.isfinite(place.arrives_s)
-        return place.crossing_id if place is not None and goes_on else ""
+        if place is None or self._views[place.crossing_id].phase is CrossingPhase.PROVEN:
+            return ""
+        return place.crossing_id if self._goes_on and math.isfinite(place.arrives_s) else ""
 
     @property
     def creeps(self) -> bool:

@@ -104,6 +104,14 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
         (PASSING_VIEW, CreepAllowed(), 60.0, PASSING_VIEW, ()),
         (VIEW, CrossingSeen(BEHIND), 0.0, VIEW, ()),
         (replace(VIEW, forgot=True), CrossingSeen(BEHIND), 5.0, replace(LEAVING_VIEW, said_s=5.0), IS_OVER),
+        (replace(VIEW, forgot=True), CrossingSeen(STANDS), 5.0, replace(VIEW, phase=LEAVING, said_s=5.0), GIVES_UP),
+        # It stands with its front perhaps on the road: nothing is given up.
+        (replace(VIEW, forgot=True), CrossingSeen(replace(PERHAPS, stands=True, arrives_s=math.inf, proof_s=math.inf)),
+         5.0, replace(VIEW, forgot=True), ()),
+        # Surely short of the road again, by bounds that are narrower, while the proof holds; and when it does no more.
+        (PASSING_VIEW, CrossingSeen(NEAR), 3.0, PASSING_VIEW, ()),
+        (PASSING_VIEW, CrossingSeen(NEAR), 12.0, replace(ASKED_VIEW, said_s=12.0, forgot=True),
+         (notes.CrossingAsked(crossing_id="C", arrives_s=40.0), REQUEST)),
         (VIEW, CrossingAnswered(True, 12.0), 0.0, VIEW, ()),
     ],
 )  # fmt: skip
