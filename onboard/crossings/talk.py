@@ -168,7 +168,7 @@ _NOWHERE: Final = CrossingPlace("", 0, 0, 0.0, 0.0, 0.0)
 def _as_it_runs(place: CrossingPlace, state: DutyState, leaves_in_s: float) -> CrossingPlace:
     """The place with the times of a train that runs or leaves towards it; of another they are infinite."""
     held = state.limit.joint > place.span and not state.halted and state.unable is None
-    comes = held and state.at == place.stop
+    comes = held and state.at >= place.stop  # greater: it was counted as arrived short of it
     if comes and state.phase is DutyPhase.RUNNING:
         return place
     if comes and state.phase is DutyPhase.STANDING:
