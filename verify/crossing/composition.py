@@ -70,7 +70,7 @@ class CrossingComposition:
         if state.down:
             (first, of_now), rest = state.down[0], state._replace(down=state.down[1:])
             yield Happened("unit", "does not hear", rest, CrossingTrouble.LOSS, first)
-            taken = self._riders.hear(state.rider, first, of_now=of_now)
+            taken = self._riders.hear(state.rider, first, of_now)
             yield Happened("unit", "hears", self._at_train(rest, taken), free, first)
         for step in self._riders.events(state.rider):
             if not (step.repeats and state.up):

@@ -108,7 +108,7 @@ class CrossingExpansion:
         if down:
             found.append((self._cell(rider, up, down[1:], cut=cut), CrossingTrouble.LOSS, 0, 0))
             telegram, of_now = down[0]
-            heard = self.riders.hear(rider, self.telegrams.things[telegram], of_now=of_now)
+            heard = self.riders.hear(rider, self.telegrams.things[telegram], of_now)
             found.append(self._stepped(heard, up, down[1:], cut=cut))
         for step in self.riders.events(rider):
             if not (step.repeats and up):

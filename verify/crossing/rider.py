@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from enum import IntEnum
+from functools import cache
 from typing import Final, NamedTuple
 
 from msgspec.structs import replace
@@ -125,6 +126,8 @@ class RiderModel:
 
     def __init__(self, explored: ExploredCrossing) -> None:
         self._explored: Final = explored
+        self.events: Final = cache(self._events)  # each step is made once
+        self.hear: Final = cache(self._hear)
 
     def place(self, state: RiderState) -> CrossingPlace | None:
         """How the unit sees the crossing; None: it is not on its path."""
@@ -150,7 +153,7 @@ class RiderModel:
         """Whether its movement limit is before the road."""
         return bool(self.talk(state).held_before(NOW_S))
 
-    def hear(self, state: RiderState, telegram: InAir, *, of_now: bool) -> RiderStep:
+    def _hear(self, state: RiderState, telegram: InAir, of_now: bool) -> RiderStep:
         """A telegram of the device comes in; `of_now`: sent in the closure of the road that is."""
         if not state.power:
             return RiderStep("hears", state)
@@ -186,7 +189,7 @@ class RiderModel:
         told = Told.DROPPED if not (_relies(view) or committed(after)) else Told.NOTHING
         return RiderStep(name, after, sends, told, anew)
 
-    def events(self, state: RiderState) -> tuple[RiderStep, ...]:
+    def _events(self, state: RiderState) -> tuple[RiderStep, ...]:
         """All that can happen besides telegrams; what changes nothing and says nothing is left out."""
         if not state.power:
             found = [*self._coasts(state)]
