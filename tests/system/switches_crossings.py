@@ -11,6 +11,7 @@ from msgspec.structs import replace
 from onboard.crossings import machine as crossings
 from onboard.crossings import talk
 from onboard.crossings.machine import CrossingPhase, CrossingSeen, CrossingUnplaced, CrossingView
+from onboard.duty.records import DutyState
 from radio.messages import CrossingOver
 from simulation.world.crossings import CrossingsOnTrack
 from tests.system.switchboard import switch
@@ -147,3 +148,15 @@ def passes_by_having_been_on_it(patch: pytest.MonkeyPatch) -> None:
 def proves_lamps_that_shine_again_at_once(patch: pytest.MonkeyPatch) -> None:
     """Where lamps alone close the road: while a unit may still go by the proof of before."""
     patch.setattr(level_crossing, "_proves_from_s", lambda device: device.lit_s + device.config.closing_s)
+
+
+@switch
+def asks_only_behind_its_last_stop(patch: pytest.MonkeyPatch) -> None:
+    """A train counted as arrived short of its mark, which does not see that it has yet to come to a crossing before it."""
+    runs = talk._as_it_runs
+
+    def seen(place: crossings.CrossingPlace, state: DutyState, leaves_in_s: float) -> crossings.CrossingPlace:
+        behind = replace(place, arrives_s=math.inf, proof_s=math.inf)
+        return behind if state.at > place.stop else runs(place, state, leaves_in_s)
+
+    patch.setattr(talk, "_as_it_runs", seen)
