@@ -58,13 +58,13 @@ def explore(
         str | None,
         typer.Option(
             "--crossing",
-            help="Explore one train and one level crossing instead, with 'barriers' or a 'warning' alone; CONFIG is then"
-            " LOSS/POWER/CARRIERS/STORE/EQUIPMENT/POSITION.",
+            help="Explore one train and one level crossing instead, with 'barriers' or a 'warning' alone; CONFIG is"
+            " then LOSS/POWER/CARRIERS/STORE/EQUIPMENT/POSITION.",
         ),
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Explore every state of a line of two trains, or of a level crossing: is each safe, and can all trains finish?"""
+    """Explore every state of a line of two trains, or of a level crossing: can all finish?"""
     if crossing is not None:
         _explore_crossing(crossing, config, states, as_json=as_json)
     from verify.certificate import write

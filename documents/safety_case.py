@@ -177,8 +177,8 @@ HAZARDS: Final = (
             ),
             SafetyClaim(
                 "It does not open under a train",
-                "it opens by the unit's word alone, it remembers who has announced itself, and a unit gives it up only surely"
-                " short of it or beyond",
+                "it opens by the unit's word alone, it remembers who has announced itself, and a unit gives it up only"
+                " surely short of it or beyond",
                 ("drill rtri/101_crossing_power", "drill rtri/108_crossing_unit_power"),
                 ("tests/onboard/crossings/test_machine.py::test_what_follows",),
             ),

@@ -35,8 +35,8 @@ def _holds(stretches: Sequence[Coverage], at_m: float) -> bool:
 
 
 def next_coverage_m(line: Line, path: Path, position_m: float) -> float:
-    """Path coordinate (m) just inside the next stretch; infinite if there is none. Ahead is that place, not the edge: who
-    looks between the two has yet to come there.
+    """Path coordinate (m) just inside the next stretch; infinite if there is none. Ahead is that place, not the edge:
+    who looks between the two has yet to come there.
     """
     best_m = math.inf
     for step in path.steps:

@@ -338,7 +338,9 @@ TABLE: Final[Mapping[tuple[CrossingPhase, type], Callable[[CrossingView, Any, fl
             (CrossingPhase.LEAVING, CrossingOverAnswered): _over_heard,
             **dict.fromkeys(((phase, CrossingBooted) for phase in _ANNOUNCED), _say_again),
             (CrossingPhase.LEAVING, CrossingBooted): _say_again,
-            **dict.fromkeys(((phase, CrossingOffLine) for phase in (CrossingPhase.AHEAD, *_ANNOUNCED)), _off_line),
+            **dict.fromkeys(
+                ((phase, CrossingOffLine) for phase in (CrossingPhase.AHEAD, *_ANNOUNCED)), _off_line
+            ),
             (CrossingPhase.PASSING, CrossingUnplaced): _lose_place,
             (CrossingPhase.AHEAD, CreepAllowed): _creep,
             (CrossingPhase.ASKED, CreepAllowed): _creep,

@@ -126,7 +126,11 @@ def gives_up_where_its_front_may_stand(patch: pytest.MonkeyPatch) -> None:
     def looked(view: CrossingView, event: CrossingSeen, now_s: float) -> crossings.CrossingStep:
         place = event.place
         stands = place is not None and place.stands and not place.under
-        return crossings._gives_up(view, now_s, passed=False) if view.forgot and stands else look(view, event, now_s)
+        return (
+            crossings._gives_up(view, now_s, passed=False)
+            if view.forgot and stands
+            else look(view, event, now_s)
+        )
 
     patch.setattr(crossings, "TABLE", {**crossings.TABLE, at: looked})
 
@@ -152,7 +156,7 @@ def proves_lamps_that_shine_again_at_once(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def asks_only_behind_its_last_stop(patch: pytest.MonkeyPatch) -> None:
-    """A train counted as arrived short of its mark, which does not see that it has yet to come to a crossing before it."""
+    """A train counted as arrived short of its mark, which does not see that it has yet to come to a crossing."""
     runs = talk._as_it_runs
 
     def seen(place: crossings.CrossingPlace, state: DutyState, leaves_in_s: float) -> crossings.CrossingPlace:

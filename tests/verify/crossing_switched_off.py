@@ -1,7 +1,7 @@
 """What becomes of the explored crossing where a behaviour is taken away: a table for documents.
 
-python -m tests.verify.crossing_switched_off [NAMES ...]: each switch of level crossings, at some budgets in turn until the
-states are others than those of the crossing as it is.
+python -m tests.verify.crossing_switched_off [NAMES ...]: each switch of level crossings, at some budgets in turn until
+the states are others than those of the crossing as it is.
 """
 
 from __future__ import annotations
@@ -31,9 +31,7 @@ TRIED: Final = (
 
 def names() -> list[str]:
     """The switches of level crossings."""
-    return [
-        name for name, switch in SWITCHES.items() if switch.__module__ == switches_crossings.__name__
-    ]
+    return [name for name, switch in SWITCHES.items() if switch.__module__ == switches_crossings.__name__]
 
 
 def digest(found: CrossingSpace) -> str:

@@ -251,8 +251,10 @@ def test_contacts_count_fronts_in_and_rears_out() -> None:
     assert (box.state, box.drives) == (OPEN, [OpenCrossing("C")])
 
 
-def test_lamps_that_went_out_and_shine_again_prove_nothing_while_the_proof_of_before_may_be_believed() -> None:
-    """12 s that it holds, and 5 s that it may have been under way; with barriers down the road stays closed meanwhile."""
+def test_lamps_that_went_out_and_shine_again_prove_nothing_while_the_proof_of_before_may_be_believed() -> (
+    None
+):
+    """12 s that it holds, and 5 s that it may have been under way."""
     lamps = Box(LAMPS)
     lit = CrossingDetected(lamps=True, lowered=True, raised=False)
     lamps.do(UP, 0.0)

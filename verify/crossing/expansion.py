@@ -1,7 +1,7 @@
 """What may follow from many states of a crossing and its train at once, by tables of what may follow at each.
 
-A state is one number of 64 bits: what is left of the budgets, the gate (device, equipment, judge), and the cell of the train
-(its unit, and what is on the air to and from it). Whatever happens concerns two of these at a time.
+A state is one number of 64 bits: what is left of the budgets, the gate (device, equipment, judge), and the cell of the
+train (its unit, and what is on the air to and from it). Whatever happens concerns two of these at a time.
 """
 
 from __future__ import annotations
@@ -24,7 +24,9 @@ from verify.tables import Choices, GrowingRows, Numbers, Once
 
 CELL_BITS, GATE_BITS, EFFECT_BITS, LEFT_BITS, FACT_BITS, TOLD_BITS = 26, 20, 18, 12, 5, 3
 Tagged = tuple[tuple[int, bool], ...]  # telegrams of the device, and whether the closure that is was so then
-CellKey = tuple[int, tuple[int, ...], Tagged, bool]  # train, telegrams to the device and from it, networks lost
+CellKey = tuple[
+    int, tuple[int, ...], Tagged, bool
+]  # train, telegrams to the device and from it, networks lost
 # columns of a cell, and of what may follow from one
 FACT, HEAD, PASSED_BY = range(3)
 AFTER, COSTS, TOLD, ANEW = range(4)
@@ -98,7 +100,7 @@ class CrossingExpansion:
         closed = gate.judge.shut is not Shut.NOT
         return self.effects.number(tuple((self.telegrams.number(s), closed) for s in sends))
 
-    # what may follow at the train ------------------------------------------------------------------------------------
+    # what may follow at the train -----------------------------------------------------------------------------
 
     def _of_cell(self, number: int) -> list[Sequence[int]]:
         rider_number, up, down, cut = self.cells.things[number]
@@ -139,7 +141,7 @@ class CrossingExpansion:
             down = (*down, *self.effects.things[effect])[-ON_AIR_MAX:]
         return (self._cell(self.rider_states.things[rider], up[heard:], down, cut=cut),)
 
-    # at the gate -------------------------------------------------------------------------------------------------------
+    # at the gate ------------------------------------------------------------------------------------------------
 
     def whole(self, key: int) -> CrossingWhole:
         """A state as the composition has it."""
@@ -179,7 +181,7 @@ class CrossingExpansion:
             left[trouble - 1] -= 1
         return (-1 if min(left) < 0 else self.lefts.number(tuple(left)),)
 
-    # all at once -------------------------------------------------------------------------------------------------------
+    # all at once ------------------------------------------------------------------------------------------------
 
     def start(self) -> Keys:
         """The one state in which all begins."""
@@ -249,4 +251,5 @@ class CrossingExpansion:
         states = self.parts(keys)
         passed = self._cell_rows.column(PASSED_BY)[states.cell] != 0
         rests: NDArray[np.bool_] = self._gate_rows.column(RESTS)[states.gate] != 0
-        return passed & rests
+        done: NDArray[np.bool_] = passed & rests
+        return done

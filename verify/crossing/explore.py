@@ -14,23 +14,21 @@ from verify.crossing.explored_crossing import ExploredCrossing
 from verify.crossing.facts import gate_key
 from verify.search import Keys, Level, SearchedSpace, ranks, search, way_to
 from verify.story import telegram_words
-from verify.tables import Numbers
 
 STATES_MAX = 100_000_000
 
 
 class CrossingSpace(NamedTuple):
-    """What was found. `broken`: the rule that a state breaks, with the shortest story to it; `dead`: from how many states
-    the train cannot pass any more, or the road not open again, with the shortest story to one.
+    """What was found. `broken`: the rule that a state breaks, with the shortest story to it; `dead`: from how many
+    states the train cannot pass any more, or the road not open again, with the shortest story to one.
     """
 
-    explored: ExploredCrossing
     expansion: CrossingExpansion
     space: SearchedSpace
-    ranks: Numbers | None
     broken: str = ""
     dead: int = 0
     story: tuple[str, ...] = ()
+    rank_max: int = 0  # steps without trouble that are enough from every state
 
     @property
     def holds(self) -> bool:
@@ -50,16 +48,16 @@ def explore_crossing(
         key = int(space.broken[0])
         rule = CrossingComposition(explored).broken(expansion.whole(key))
         story = story_to(expansion, space.levels, key)
-        return CrossingSpace(explored, expansion, space, None, rule, 0, story)
+        return CrossingSpace(expansion, space, rule, 0, story)
     if not space.complete:
-        return CrossingSpace(explored, expansion, space, None)
+        return CrossingSpace(expansion, space)
     rank = ranks(expansion, space.states)
     dead = space.states[rank < 0]
     story = tuple[str, ...]()
     if len(dead):
         first = next(found for level in space.levels if len(found := np.intersect1d(level, dead)))
         story = story_to(expansion, space.levels, int(first[0]))
-    return CrossingSpace(explored, expansion, space, rank, "", len(dead), story)
+    return CrossingSpace(expansion, space, "", len(dead), story, int(rank.max()))
 
 
 def same(state: CrossingWhole) -> tuple[object, ...]:

@@ -1,7 +1,7 @@
 """The level crossing that is explored whole with one train, and how often each thing that is not wished for may happen.
 
-Times are no numbers here. A running time is `RUNS`, one that has run out `OUT`, and everything that is done is done at 0 s:
-what the steps of device and unit compare is then the same as at some instants of a run, and which runs out first is left
+Times are no numbers here. One runs (`RUNS_S`) or has run out (`OUT_S`), and everything that is done is done at 0 s:
+what device and unit compare is then the same as at some instants of a run, and which runs out first is left
 open, but for what one of them cannot do before the other (`verify.crossing.gate`).
 """
 

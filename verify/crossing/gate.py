@@ -1,9 +1,9 @@
-"""The device of a level crossing, its lamps and barriers, and the judge of the road, as one party: the real step of the device,
-which sees at once what its equipment shows.
+"""The device of a level crossing, its lamps and barriers, and the judge of the road, as one party: the real step of the
+device, which sees at once what its equipment shows.
 
-What the judge keeps says what a train on the road would meet, apart from what device and unit know. Two things are known of
-times: a proof heard in a closure is no older than that closure; and a unit that can be heard has said again that it comes
-before a lost memory opens the road.
+What the judge keeps says what a train on the road would meet, apart from what device and unit know. Three things are
+known of times: a proof heard in a closure is no older than that closure; a unit that can be heard has said again that
+it comes before a lost memory opens the road; and a proof of before has run out when the device proves closed anew.
 """
 
 from __future__ import annotations
@@ -88,8 +88,8 @@ BROKEN: Final = {
 
 
 class RoadJudge(NamedTuple):
-    """`later`: this closure began after the unit's proof; `excused`: the road ceased to be closed while a train went by a
-    proof from before, or could stop no more: nobody can help that in time.
+    """`later`: this closure began after the unit's proof; `excused`: the road ceased to be closed while a train went by
+    a proof from before, or could stop no more: nobody can help that in time.
     """
 
     shut: Shut = Shut.NOT
@@ -224,7 +224,7 @@ class GateModel:
         back = state._replace(power=True, epoch=state.epoch + 1, device=device, lost=False)
         yield self._shown("has power again", back)
 
-    # the device, and what it drives -----------------------------------------------------------------------------------
+    # the device, and what it drives -----------------------------------------------------------------------------
 
     def _took(self, name: str, state: GateState, event: CrossingEvent) -> GateStep:
         device, actions = step(state.device, event, NOW_S)
@@ -274,7 +274,7 @@ class GateModel:
         took = self._took(name, state, detected)
         return took._replace(ceases=took.ceases or ceases)
 
-    # the judge ---------------------------------------------------------------------------------------------------------
+    # the judge --------------------------------------------------------------------------------------------------
 
     def told(self, state: GateState, told: Told) -> GateState:
         """What a train's step means for the road."""

@@ -1,9 +1,9 @@
-"""One train that comes to a level crossing, and its unit's part of it: the real `CrossingTalk` with the machine behind it, the
-train in few places, its driver, the unit's power and position.
+"""One train that comes to a level crossing, and its unit's part of it: the real `CrossingTalk` with the machine behind
+it, the train in few places, its driver, the unit's power and position.
 
-Places are as the unit may see them (`onboard.crossings.ahead`); what is in one place is a matter of metres. A train that
-may not pass stops in `SHORT` at the latest: that it can is what braking within what is held guarantees. Beyond that, in
-`BRAKING`, it can stop no more.
+Places are as the unit may see them (`onboard.crossings.ahead`); what is in one place is a matter of metres. A train
+that may not pass stops in `SHORT` at the latest: that it can is what braking within what is held guarantees. Beyond
+that, in `BRAKING`, it can stop no more.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from onboard.crossings.machine import CrossingPhase, CrossingPlace, CrossingView
 from onboard.crossings.talk import CrossingTalk, _as_it_runs
 from onboard.duty.records import DutyPhase, DutyState, StopLimit
 from radio.envelope import DropReason
-from radio.messages import CrossingRequest
+from radio.messages import AnyMessage, CrossingRequest
 from verify.crossing.explored_crossing import (
     BEFORE,
     CROSSING,
@@ -77,8 +77,9 @@ SAYS_AGAIN: Final = "says it again"
 
 class RiderState(NamedTuple):
     """`comes`: its way leads on over the road; `eye`: with its position lost, its driver has leave to creep over it;
-    `slow`: it has started or run on by leave, and not stopped since; `heard`: boot of the device as last heard; `correlation` of what it has announced last in this boot, 0: nothing yet;
-    `by_proof`: it came onto the road without leave; `booted`: an earlier boot may have announced it.
+    `slow`: it has started or run on by leave, and not stopped since; `by_proof`: it came onto the road without leave;
+    `booted`: an earlier boot may have announced it; `heard`: boot of the device as last heard; `correlation` of what it
+    has announced last in this boot, 0: nothing yet.
     """
 
     at: TrainAt = TrainAt.FAR
@@ -337,7 +338,9 @@ class RiderModel:
             yield self._seen(name, turned, state)
 
     def _troubles(self, state: RiderState) -> Iterator[RiderStep]:
-        off = state._replace(power=False, view=None, known=False, correlation=0, heard=0, eye=False, comes=True)
+        off = state._replace(
+            power=False, view=None, known=False, correlation=0, heard=0, eye=False, comes=True
+        )
         yield RiderStep("power fails", off, told=Told.DROPPED, trouble=CrossingTrouble.POWER)
         if state.known and state.at not in (TrainAt.PASSED, TrainAt.AWAY, TrainAt.TURNED):
             lost = self._seen("loses its position", state._replace(known=False), state)
@@ -359,7 +362,7 @@ def of_before(telegram: InAir) -> InAir:
     return telegram._replace(correlation=BEFORE) if telegram.correlation == CURRENT else telegram
 
 
-def _plain(message: object) -> object:
+def _plain(message: AnyMessage) -> AnyMessage:
     """A request with its times as far as the device compares them: it is time to warn now, or not yet."""
     if isinstance(message, CrossingRequest):
         return CrossingRequest(60.0, 60.0) if message.proof_s > 0.0 else CrossingRequest(0.0, 0.0)

@@ -11,7 +11,14 @@ from onboard.crossings.machine import CrossingPlace
 from onboard.crossings.talk import CrossingTalk
 from onboard.duty.records import DutyPhase, DutyState, StopLimit
 from radio.envelope import Received
-from radio.messages import AnyMessage, CrossingOver, CrossingOverHeard, CrossingProof, CrossingRequest, Restarted
+from radio.messages import (
+    AnyMessage,
+    CrossingOver,
+    CrossingOverHeard,
+    CrossingProof,
+    CrossingRequest,
+    Restarted,
+)
 
 RUNS = DutyState(phase=DutyPhase.RUNNING, limit=StopLimit(3, None, "end of the path"))
 NEAR = CrossingPlace("C", 2, 0, 35.0, 15.0, 15.0, arrives_s=40.0, fastest_s=32.0, proof_s=28.0)
@@ -96,7 +103,9 @@ def test_a_unit_that_has_given_a_crossing_up_says_so_again_without_its_position(
     assert [each.message for each in talk.letters] == [CrossingOver(False)]
 
 
-def test_nobody_asks_for_leave_to_creep_over_a_crossing_that_is_proven_and_has_but_to_be_so_for_its_time() -> None:
+def test_nobody_asks_for_leave_to_creep_over_a_crossing_that_is_proven_and_has_but_to_be_so_for_its_time() -> (
+    None
+):
     at_road = replace(NEAR, arrives_s=5.0, fastest_s=3.0, proof_s=0.0, stands=True)
     talk = asked()
     talk.look((at_road,), RUNS, math.inf, 30.0)
