@@ -154,9 +154,11 @@ def step(view: CrossingView, event: CrossingEvent, now_s: float) -> CrossingStep
     return (view, ()) if handler is None else handler(view, event, now_s)
 
 
-def may_pass(view: CrossingView, place: CrossingPlace, now_s: float) -> bool:
-    """Whether the front may go onto the crossing."""
-    far = view.phase is CrossingPhase.AHEAD and place.fastest_s > HELD_FROM_S
+def may_pass(
+    view: CrossingView, place: CrossingPlace, now_s: float, held_from_s: float = HELD_FROM_S
+) -> bool:
+    """Whether the front may go onto the crossing, or it is so far ahead that this does not matter yet."""
+    far = view.phase is CrossingPhase.AHEAD and place.fastest_s > held_from_s
     if far or place.clear or view.phase is CrossingPhase.PASSING or view.creeps:
         return True
     old_enough = now_s + place.fastest_s >= view.since_s + place.least_s or not KEEPS_LEAST_TIME

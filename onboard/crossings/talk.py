@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from onboard import notes
 from onboard.crossings.machine import (
+    HELD_FROM_S,
     CreepAllowed,
     CrossingAnswered,
     CrossingBooted,
@@ -107,7 +108,18 @@ class CrossingTalk:
 
     def held_before(self, now_s: float) -> str:
         """The first crossing that the front may not go onto; empty: none."""
-        ahead = (place for place in self._places.values() if not self._may_pass(place, now_s))
+        return self._first_closed(now_s, HELD_FROM_S)
+
+    def guarded(self, now_s: float) -> str:
+        """The same, however far ahead it is: a unit that acts no more, as frozen, is stopped before it."""
+        return self._first_closed(now_s, math.inf)
+
+    def _first_closed(self, now_s: float, held_from_s: float) -> str:
+        ahead = (
+            place
+            for place in self._places.values()
+            if not may_pass(self._views[place.crossing_id], place, now_s, held_from_s)
+        )
         return min(ahead, key=lambda place: place.fastest_s, default=_NOWHERE).crossing_id
 
     def start_held_by(self, now_s: float) -> str:
@@ -144,9 +156,6 @@ class CrossingTalk:
         """Whether a crossing behind has yet to hear so."""
         view = self._views.get(crossing_id)
         return self._forgot if view is None else view.forgot or view.phase is not CrossingPhase.AHEAD
-
-    def _may_pass(self, place: CrossingPlace, now_s: float) -> bool:
-        return may_pass(self._views[place.crossing_id], place, now_s)
 
     def _take(self, crossing_id: str, event: CrossingEvent, now_s: float) -> None:
         before = self._views[crossing_id]

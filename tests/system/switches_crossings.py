@@ -155,6 +155,12 @@ def proves_lamps_that_shine_again_at_once(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
+def guards_no_road_far_ahead(patch: pytest.MonkeyPatch) -> None:
+    """A unit whose movement limit lies beyond a crossing that is still far, should it say no more."""
+    patch.setattr(talk.CrossingTalk, "guarded", talk.CrossingTalk.held_before)
+
+
+@switch
 def asks_only_behind_its_last_stop(patch: pytest.MonkeyPatch) -> None:
     """A train counted as arrived short of its mark, which does not see that it has yet to come to a crossing."""
     runs = talk._as_it_runs

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
 
 import pytest
 
@@ -80,3 +80,20 @@ def test_both_ways_of_composing_give_the_same_successors(barriers: bool) -> None
         one_by_one = Counter((same(f.state), int(f.trouble)) for f in composition.following(whole))
         assert found[index] == one_by_one
         assert composition.finished(whole) == finished[index]
+
+
+@pytest.mark.nightly
+def test_the_search_finds_what_a_plain_one_finds() -> None:
+    """One state after the other, each step composed by itself."""
+    explored = ExploredCrossing(barriers=False)
+    composition = CrossingComposition(explored)
+    queue = deque([composition.start()])
+    seen = {same(queue[0])}
+    while queue:
+        for found in composition.following(queue.popleft()):
+            if same(found.state) not in seen:
+                seen.add(same(found.state))
+                queue.append(found.state)
+    expansion = CrossingExpansion(explored)
+    states = search(expansion, 10**6, lambda _: None, expansion.broken).states
+    assert {same(expansion.whole(key)) for key in states.tolist()} == seen

@@ -115,6 +115,16 @@ def test_nobody_asks_for_leave_to_creep_over_a_crossing_that_is_proven_and_has_b
     assert talk.kept_standing_by(31.0) == ""
 
 
+def test_a_road_far_ahead_ends_nothing_but_what_a_unit_that_acts_no_more_may_run() -> None:
+    talk = CrossingTalk(forgot=False)
+    talk.look((replace(NEAR, arrives_s=200.0, fastest_s=80.0, proof_s=190.0),), RUNS, math.inf, 0.0)
+    assert talk.held_before(0.0) == ""
+    assert talk.guarded(0.0) == "C"
+    near = asked()
+    near.hear(heard(PROOF, 1), 1.0)
+    assert near.guarded(1.0) == ""
+
+
 def test_at_a_stop_the_time_counts_from_its_departure() -> None:
     """It leaves in 5 s: 45 s are just in time to ask."""
     talk = CrossingTalk(forgot=False)
