@@ -7,7 +7,7 @@ from __future__ import annotations
 import resource
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final, NoReturn
 
 import typer
 
@@ -16,6 +16,8 @@ from branchline.options import Json
 from branchline.progress import print_aside
 
 if TYPE_CHECKING:
+    from verify.crossing.explore import CrossingSpace
+    from verify.explore import ExploredSpace
     from verify.explored_line import ExploredLine
     from verify.search import Level
 
@@ -52,9 +54,19 @@ def explore(
         Path | None,
         typer.Option("--chart", help="File for the way to a wrong state, as a sequence chart (Mermaid)."),
     ] = None,
+    crossing: Annotated[
+        str | None,
+        typer.Option(
+            "--crossing",
+            help="Explore one train and one level crossing instead, with 'barriers' or a 'warning' alone; CONFIG is"
+            " then LOSS/POWER/CARRIERS/STORE/EQUIPMENT/POSITION.",
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Explore every state of a line of two trains: is each safe, and can all trains still finish from it?"""
+    """Explore every state of a line of two trains, or of a level crossing: can all finish?"""
+    if crossing is not None:
+        _explore_crossing(crossing, config, states, as_json=as_json)
     from verify.certificate import write
     from verify.explore import certificate_of, explored
     from verify.restored import RESTORED, restored
@@ -67,7 +79,36 @@ def explore(
     with restored(*names):
         found = explored(_line(config), states, _watch, collisions_alone=collisions)
     took_s = max(time.process_time() - began_s, 1e-3)
-    count, space = len(found.space.states), found.space
+    figures, lines = _found(found, took_s)
+    if chart is not None and found.chart:
+        chart.write_text(f"```mermaid\n{found.chart}```\n", "utf-8")
+        lines.append(f"chart: {chart}")
+    if out is not None and found.holds and not names:
+        digest = write(out, certificate_of(found))
+        figures |= {"certificate": str(out), "digest": digest}
+        lines.append(f"certificate: {out}, {out.stat().st_size / _MEGABYTE:.1f} MB, digest {digest}")
+    end_with(figures, lines, good=found.holds, as_json=as_json)
+
+
+def _explore_crossing(kind: str, config: str, states: int, *, as_json: bool) -> NoReturn:
+    """The same of one train and one level crossing."""
+    from network.errors import InputError
+    from verify.crossing.explore import explore_crossing
+    from verify.crossing.explored_crossing import CrossingBudgets, ExploredCrossing
+
+    if kind not in ("barriers", "warning"):
+        raise InputError("--crossing", "", kind, "barriers or warning")
+    budgets = CrossingBudgets(*_numbers(config, len(CrossingBudgets._fields)))
+    began_s = time.process_time()
+    found = explore_crossing(ExploredCrossing(kind == "barriers", budgets), states, _watch)
+    figures, lines = _found(found, max(time.process_time() - began_s, 1e-3))
+    end_with(figures, lines, good=found.holds, as_json=as_json)
+
+
+def _found(found: ExploredSpace | CrossingSpace, took_s: float) -> tuple[dict[str, object], list[str]]:
+    """What an exploration comes to: figures, and lines for people."""
+    space = found.space
+    count = len(space.states)
     figures: dict[str, object] = {
         "distinct": count,
         "generated": space.generated,
@@ -86,15 +127,7 @@ def explore(
         *_verdict(found.broken, found.dead, complete=space.complete),
         *(f"  {index}. {line}" for index, line in enumerate(found.story, start=1)),
     ]
-    if chart is not None and found.chart:
-        chart.write_text(f"```mermaid\n{found.chart}```\n", "utf-8")
-        lines.append(f"chart: {chart}")
-    if out is not None and found.holds and not names:
-        digest = write(out, certificate_of(found))
-        figures |= {"certificate": str(out), "digest": digest}
-        lines.append(f"certificate: {out}, {out.stat().st_size / _MEGABYTE:.1f} MB, digest {digest}")
-    good = not found.broken and not found.dead and space.complete
-    end_with(figures, lines, good=good, as_json=as_json)
+    return figures, lines
 
 
 @verify.command()
@@ -317,10 +350,16 @@ def _known(names: list[str], known: list[str]) -> None:
 
 
 def _line(config: str) -> ExploredLine:
+    from verify.explored_line import Budgets, ExploredLine
+
+    return ExploredLine(budgets=Budgets(*_numbers(config, len(Budgets._fields))))
+
+
+def _numbers(config: str, most: int) -> list[int]:
     from network.errors import InputError
-    from verify.explored_line import ANY, Budgets, ExploredLine
+    from verify.explored_line import ANY
 
     numbers = [str(ANY) if part == "any" else part for part in config.split("/")]
-    if not 1 <= len(numbers) <= len(Budgets._fields) or not all(n.isdecimal() for n in numbers):
-        raise InputError("CONFIG", "", config, f"up to {len(Budgets._fields)} numbers, as in 1/1/0/0")
-    return ExploredLine(budgets=Budgets(*map(int, numbers)))
+    if not 1 <= len(numbers) <= most or not all(n.isdecimal() for n in numbers):
+        raise InputError("CONFIG", "", config, f"up to {most} numbers, as in 1/1/0/0")
+    return [int(number) for number in numbers]

@@ -160,6 +160,41 @@ HAZARDS: Final = (
         ),
     ),
     SafetyHazard(
+        "A train on a level crossing that is open to the road",
+        (
+            SafetyClaim(
+                "A front comes onto the road only when it is closed, and for its least time",
+                "a proof is sent while lamps and barriers are detected so, and silence takes it away; every state of a"
+                " crossing and a train that comes, with losses, power cuts and both networks lost, is looked at",
+                ("verify explore 1/1/1 --crossing barriers", "verify explore 1/0/0/0/1 --crossing warning"),
+                (
+                    "tests/verify/test_crossing.py::test_no_train_comes_onto_an_open_road_and_each_passes",
+                    "tests/verify/test_crossing.py::test_with_a_loss_a_power_cut_and_both_networks_lost",
+                    "tests/verify/test_crossing.py::test_a_rule_that_is_switched_off_is_noticed",
+                    "tests/wayside/test_crossing_on_air.py"
+                    "::test_no_train_comes_onto_an_open_road_and_every_train_comes_over_it",
+                ),
+            ),
+            SafetyClaim(
+                "It does not open under a train",
+                "it opens by the unit's word alone, it remembers who has announced itself, and a unit gives it up only"
+                " surely short of it or beyond",
+                ("drill rtri/101_crossing_power", "drill rtri/108_crossing_unit_power"),
+                ("tests/onboard/crossings/test_machine.py::test_what_follows",),
+            ),
+            SafetyClaim(
+                "In runs the road is closed in time whatever fails",
+                "random runs on drawn lines with crossings; the checkers look at what lamps and barriers truly show",
+                ("drill rtri/102_crossing_link",),
+                (
+                    "tests/system/test_crossings.py"
+                    "::test_whatever_fails_no_train_comes_onto_an_open_road_and_all_arrive",
+                    "tests/system/chaos/test_chaos.py::test_a_slice",
+                ),
+            ),
+        ),
+    ),
+    SafetyHazard(
         "Nothing moves any more, and people improvise",
         (
             SafetyClaim(
@@ -187,6 +222,8 @@ NOT_SHOWN: Final = (
     " (`ExploredLine(agree=True)`, nine steps; without the power failure nothing breaks).",
     "States of three units at once: a run is held against the exploration by pairs and one section at a time, without"
     " what is on the air; trains that begin on the line, barred units and lost stores are in runs, not in the model.",
+    "A level crossing whose device has lost its memory, while the unit of a train that stands on it cannot be heard: it"
+    " opens after half a minute. Road vehicles, detectors and contacts are in runs, not in the exploration.",
     "An intruder who takes telegrams off the air as he likes (deletion) or has a unit's own keys: the first delays,"
     " the second stops the line until he is barred.",
     "Devices on other machines: there is no link but the one on this machine.",

@@ -471,7 +471,7 @@ class UnitMotion:
         row, mission = self.row, self._mission
         if mission is None:
             return
-        limit_m = self.crossings.nearer(self._joint_m(command.limit.joint), command.before_crossing)
+        limit_m = self.crossings.nearer(joint_m := self._joint_m(command.limit.joint), command.guarded)
         moved = limit_m != row.stop_limit_m and row.speed_mps == 0.0
         row.stop_limit_m = limit_m
         row.mode = MODE_DRIVE if command.drive else MODE_HOLD
@@ -484,7 +484,7 @@ class UnitMotion:
             if moved or command.orders or self._found or self._off_plan or self._pace.passed_by(there):
                 self._pace.choose(mission, command.target, now_s, self.load_share)
                 self._off_plan = False
-            self._aim(there.mark_m, limit_m)
+            self._aim(there.mark_m, self.crossings.nearer(joint_m, command.before_crossing))
         end_m = math.inf if command.rear is None else self._ends_m[command.rear]
         row.rear_trigger_m = self._doubt.release_trigger_m(end_m, self._length_m)
 

@@ -139,6 +139,7 @@ class OnboardUnit:
             self._commanded(),
             orders=tuple(self._orders),
             before_crossing=self._crossings.held_before(elapsed_s),
+            guarded=self._crossings.guarded(elapsed_s),
             at_crossing=self._crossings.kept_standing_by(elapsed_s),
             creeps=self._crossings.creeps,
         )

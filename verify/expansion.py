@@ -42,10 +42,10 @@ from verify.cells import (
 from verify.explored_line import ANY, TERMINALS, UnwishedFor, mask_of
 from verify.happening import GuardKind
 from verify.parties import ExploredParties, LocalEvent, Numbered, Sends, StepKind
+from verify.search import Keys
 from verify.tables import Choices, GrowingRows, Numbers, Once
 from verify.terminal import lie_code
 
-Keys = NDArray[np.uint64]
 Which = NDArray[np.bool_]
 MANAGER_BITS, TERMINAL_BITS, LEFT_BITS = 20, 14, 12
 GROUND_BITS: Final = 22

@@ -2,16 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import Final, NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from verify.expansion import Expansion, Keys
 from verify.tables import Numbers
 
+Keys = NDArray[np.uint64]
 AT_ONCE: Final = 200_000  # states expanded at once: what a table of successors of them takes
+
+
+class Explorable(Protocol):
+    """What can be searched: states are numbers of 64 bits."""
+
+    def start(self) -> Keys:
+        """The one state in which all begins."""
+        ...
+
+    def following(self, keys: Keys) -> tuple[Numbers, Keys, Numbers]:
+        """Successors: from which of the states (by index), what, and with what trouble, 0 for none."""
+        ...
+
+    def finished(self, keys: Keys) -> NDArray[np.bool_]:
+        """In which all is done."""
+        ...
 
 
 class Level(NamedTuple):
@@ -34,7 +50,7 @@ class SearchedSpace(NamedTuple):
 
 
 def search(
-    expansion: Expansion,
+    expansion: Explorable,
     states_max: int,
     watch: Callable[[Level], None],
     breaks: Callable[[Keys], NDArray[np.bool_]],
@@ -61,6 +77,24 @@ def search(
 def parts(keys: Keys) -> Iterator[Keys]:
     """The states, some at a time."""
     return (keys[first : first + AT_ONCE] for first in range(0, len(keys), AT_ONCE))
+
+
+def way_to(expansion: Explorable, levels: Sequence[Keys], key: int) -> list[int]:
+    """The states on a shortest way to one, the first and itself among them."""
+    depth = next(d for d, level in enumerate(levels) if key in level)
+    way = [key]
+    for level in reversed(levels[:depth]):
+        way.append(_before(expansion, level, way[-1]))
+    return way[::-1]
+
+
+def _before(expansion: Explorable, level: Keys, key: int) -> int:
+    for part in parts(level):
+        source, after, _ = expansion.following(part)
+        found = np.flatnonzero(after == np.uint64(key))
+        if len(found):
+            return int(part[source[found[0]]])
+    raise LookupError(f"nothing leads to {key}")
 
 
 class SeenStates:
@@ -101,7 +135,7 @@ def among(run: Keys, keys: Keys) -> NDArray[np.bool_]:
     return there
 
 
-def ranks(expansion: Expansion, states: Keys) -> Numbers:
+def ranks(expansion: Explorable, states: Keys) -> Numbers:
     """By state: how many steps without trouble are enough for all trains to finish; -1: no number is."""
     sources, targets = list[NDArray[np.uint32]](), list[NDArray[np.uint32]]()
     for first in range(0, len(states), AT_ONCE):

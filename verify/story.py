@@ -12,10 +12,10 @@ import numpy as np
 
 from radio.messages import AnyMessage
 from verify.composition import HEARS, Composition, Following, StateOfLine, TrainCell
-from verify.expansion import Expansion, Keys
+from verify.expansion import Expansion
 from verify.explored_line import TERMINALS, UNITS
 from verify.parties import ExploredParties
-from verify.search import parts
+from verify.search import Keys, way_to
 from wayside.config import MANAGER_ID
 
 _UNSAID: Final = ("token", "capabilities", "mac", "unit_id", "terminal_id")
@@ -58,25 +58,9 @@ class StoryTeller:
         terminals = tuple(int(numbers[0]) for numbers in columns.terminals)
         return StateOfLine(int(columns.manager[0]), terminals, left, cells)
 
-    def way_to(self, levels: Sequence[Keys], key: int) -> list[int]:
-        """The states on a shortest way to one, the first and itself among them."""
-        depth = next(d for d, level in enumerate(levels) if key in level)
-        way = [key]
-        for level in reversed(levels[:depth]):
-            way.append(self._before(level, way[-1]))
-        return way[::-1]
-
-    def _before(self, level: Keys, key: int) -> int:
-        for part in parts(level):
-            source, after, _ = self._expansion.following(part)
-            found = np.flatnonzero(after == np.uint64(key))
-            if len(found):
-                return int(part[source[found[0]]])
-        raise LookupError(f"nothing leads to {key}")
-
     def events(self, levels: Sequence[Keys], key: int) -> tuple[Following, ...]:
         """What happens on a shortest way to a state."""
-        way = [self.line_state(k) for k in self.way_to(levels, key)]
+        way = [self.line_state(k) for k in way_to(self._expansion, levels, key)]
         return tuple(
             next(f for f in self.composition.following(before) if f.state == after)
             for before, after in pairwise(way)

@@ -73,7 +73,8 @@ class CrossingDevice(msgspec.Struct, frozen=True):
     """State of the device.
 
     `lit_s`: since when lamps are detected; `deadline_s`: when what was commanded must be detected; `held_s`: closed
-    until then, since the memory was lost (negative infinity: it was not, infinity: and nothing has happened yet).
+    until then, since the memory was lost (negative infinity: it was not, infinity: and nothing has happened yet);
+    `believed_s`: until then a unit may still go by what was proved of lamps that went out.
     """
 
     config: CrossingConfig
@@ -84,6 +85,7 @@ class CrossingDevice(msgspec.Struct, frozen=True):
     lit_s: float = math.inf
     deadline_s: float | None = None
     held_s: float = -math.inf
+    believed_s: float = -math.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +142,7 @@ def wake_at_s(device: CrossingDevice) -> float | None:
     if device.state is CrossingState.OPEN:
         times_s += [approach.starts_s for approach in device.approaches.values()]
     elif device.state is CrossingState.CLOSING and _shuts(device):
-        times_s.append(device.lit_s + device.config.closing_s)
+        times_s.append(_proves_from_s(device))
     elif device.deadline_s is not None:
         times_s.append(device.deadline_s)
     return min((time_s for time_s in times_s if math.isfinite(time_s)), default=None)
@@ -164,9 +166,14 @@ def _shuts(device: CrossingDevice) -> bool:
     return seen.lamps and (seen.lowered or not device.config.barriers) and not seen.obstacle
 
 
+def _proves_from_s(device: CrossingDevice) -> float:
+    """When the warning has been given for its time until closed, and nobody goes by one before it."""
+    return max(device.lit_s + device.config.closing_s, device.believed_s)
+
+
 def _shows_closed(device: CrossingDevice, now_s: float) -> bool:
     """Whether they do, and the warning has been given for its time until closed: lamps may have failed meanwhile."""
-    return _shuts(device) and now_s >= device.lit_s + device.config.closing_s - _TIME_TOLERANCE_S
+    return _shuts(device) and now_s >= _proves_from_s(device) - _TIME_TOLERANCE_S
 
 
 def _starts_s(config: CrossingConfig, request: CrossingRequest, now_s: float) -> float:
@@ -273,6 +280,9 @@ def _detect_closed(device: CrossingDevice, event: CrossingDetected, now_s: float
         state=CrossingState.CLOSING,
         deadline_s=now_s + device.config.closing_s + TELEGRAM_S,
     )
+    if not (device.config.barriers or device.detected.lamps):  # the road is open: its least time begins anew
+        told_s = now_s + VALID_S + device.config.telegram_age_max_s
+        device = replace(device, believed_s=told_s, deadline_s=told_s + TELEGRAM_S)
     why = WhyUnproven.OBSTACLE if device.detected.obstacle else WhyUnproven.LOST
     return device, (Show(CrossingUnproven(why=why)), *_proofs(device))
 

@@ -35,12 +35,15 @@ def _holds(stretches: Sequence[Coverage], at_m: float) -> bool:
 
 
 def next_coverage_m(line: Line, path: Path, position_m: float) -> float:
-    """Path coordinate (m) just inside the next stretch that begins ahead; infinite if none does."""
+    """Path coordinate (m) just inside the next stretch; infinite if there is none. Ahead is that place, not the edge:
+    who looks between the two has yet to come there.
+    """
     best_m = math.inf
     for step in path.steps:
         piece = line.pieces[step.piece_id]
         for stretch in line.alignments[piece.alignment_id].coverage:
             edge_m = stretch.from_m if step.direction > 0 else stretch.to_m
-            if piece.from_m <= edge_m <= piece.to_m and step.to_path_m(edge_m) > position_m:
-                best_m = min(best_m, step.to_path_m(edge_m))
-    return best_m + WELL_INSIDE_M
+            inside_m = step.to_path_m(edge_m) + WELL_INSIDE_M
+            if piece.from_m <= edge_m <= piece.to_m and inside_m > position_m:
+                best_m = min(best_m, inside_m)
+    return best_m

@@ -117,6 +117,11 @@ class CrossingSeen:
 
 
 @dataclass(frozen=True, slots=True)
+class CrossingUnplaced:
+    """Event: the unit does not know where its train is."""
+
+
+@dataclass(frozen=True, slots=True)
 class CrossingAnswered:
     """Event: the crossing says whether it is closed, and until when (s) that holds."""
 
@@ -145,7 +150,13 @@ class CreepAllowed:
 
 
 CrossingEvent = (
-    CrossingSeen | CrossingAnswered | CrossingOverAnswered | CrossingBooted | CrossingOffLine | CreepAllowed
+    CrossingSeen
+    | CrossingUnplaced
+    | CrossingAnswered
+    | CrossingOverAnswered
+    | CrossingBooted
+    | CrossingOffLine
+    | CreepAllowed
 )
 CrossingAction = CrossingRequest | CrossingOver | notes.Note
 CrossingStep = tuple[CrossingView, tuple[CrossingAction, ...]]
@@ -157,9 +168,11 @@ def step(view: CrossingView, event: CrossingEvent, now_s: float) -> CrossingStep
     return (view, ()) if handler is None else handler(view, event, now_s)
 
 
-def may_pass(view: CrossingView, place: CrossingPlace, now_s: float) -> bool:
-    """Whether the front may go onto the crossing."""
-    far = view.phase is CrossingPhase.AHEAD and place.fastest_s > HELD_FROM_S
+def may_pass(
+    view: CrossingView, place: CrossingPlace, now_s: float, held_from_s: float = HELD_FROM_S
+) -> bool:
+    """Whether the front may go onto the crossing, or it is so far ahead that this does not matter yet."""
+    far = view.phase is CrossingPhase.AHEAD and place.fastest_s > held_from_s
     if far or place.clear or view.phase is CrossingPhase.PASSING or view.creeps:
         return True
     old_enough = now_s + place.fastest_s >= view.since_s + place.least_s or not KEEPS_LEAST_TIME
@@ -239,7 +252,7 @@ def _look_ahead(view: CrossingView, event: CrossingSeen, now_s: float) -> Crossi
         return view, ()
     if place.under and not place.clear:
         return _asks(replace(view, phase=CrossingPhase.PASSING, forgot=False), place, now_s)
-    if view.forgot and (place.clear or place.stands):
+    if view.forgot and (place.clear or (place.stands and not place.entered)):  # else it may stand on it
         return _gives_up(view, now_s, passed=place.clear)
     if place.clear or place.due_s > ABOUT_S:
         return view, ()
@@ -287,7 +300,9 @@ def _look_passing(view: CrossingView, event: CrossingSeen, now_s: float) -> Cros
         return _repeats(view, place, now_s)
     if place.clear:
         return _gives_up(view, now_s, passed=True)
-    if not place.entered and place.stands:  # the train has turned: it is ahead again
+    over = now_s >= view.until_s and not view.creeps  # what it came so far by
+    short = place.stands or over if not place.entered else place.stands and over and not place.under
+    if short:  # it has turned, comes another time, or starts anew before what may be the road
         return _look_ahead(CrossingView(view.crossing_id, forgot=True), event, now_s)
     if view.creeps and place.beyond:
         view = replace(view, creeps=False)
@@ -302,6 +317,11 @@ def _look_leaving(view: CrossingView, event: CrossingSeen, now_s: float) -> Cros
     if now_s < view.said_s + REPEAT_S:
         return view, ()
     return replace(view, said_s=now_s), (CrossingOver(view.passed),)
+
+
+def _lose_place(view: CrossingView, _event: CrossingUnplaced, _now_s: float) -> CrossingStep:
+    """Whether the train is still on it will be seen; until then it stays announced there."""
+    return CrossingView(view.crossing_id, forgot=True), ()
 
 
 def _unproven(view: CrossingView) -> CrossingView:
@@ -332,7 +352,8 @@ def _over_heard(view: CrossingView, _event: CrossingOverAnswered, _now_s: float)
 
 def _off_line(view: CrossingView, _event: CrossingOffLine, now_s: float) -> CrossingStep:
     """Nothing of the train is on it, nor comes."""
-    return _gives_up(view, now_s, passed=True)
+    announced = view.phase is not CrossingPhase.AHEAD or view.forgot
+    return _gives_up(view, now_s, passed=True) if announced else (view, ())
 
 
 def _say_again(view: CrossingView, _event: CrossingBooted, _now_s: float) -> CrossingStep:
@@ -361,7 +382,10 @@ TABLE: Final[Mapping[tuple[CrossingPhase, type], Callable[[CrossingView, Any, fl
             (CrossingPhase.LEAVING, CrossingOverAnswered): _over_heard,
             **dict.fromkeys(((phase, CrossingBooted) for phase in _ANNOUNCED), _say_again),
             (CrossingPhase.LEAVING, CrossingBooted): _say_again,
-            **dict.fromkeys(((phase, CrossingOffLine) for phase in _ANNOUNCED), _off_line),
+            **dict.fromkeys(
+                ((phase, CrossingOffLine) for phase in (CrossingPhase.AHEAD, *_ANNOUNCED)), _off_line
+            ),
+            (CrossingPhase.PASSING, CrossingUnplaced): _lose_place,
             (CrossingPhase.AHEAD, CreepAllowed): _creep,
             (CrossingPhase.ASKED, CreepAllowed): _creep,
         }

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from onboard import notes
 from onboard.crossings.machine import (
+    HELD_FROM_S,
     CreepAllowed,
     CrossingAnswered,
     CrossingBooted,
@@ -19,6 +20,7 @@ from onboard.crossings.machine import (
     CrossingPhase,
     CrossingPlace,
     CrossingSeen,
+    CrossingUnplaced,
     CrossingView,
     may_pass,
     step,
@@ -60,6 +62,9 @@ class CrossingTalk:
         self._held = None
         if places is None:
             self._places, self._live = {}, list(self._views)
+            for crossing_id in self._live:
+                says = self._views[crossing_id].phase is CrossingPhase.LEAVING  # that holds wherever it is
+                self._take(crossing_id, CrossingSeen(None) if says else CrossingUnplaced(), now_s)
             return
         self._goes_on = state.phase is DutyPhase.RUNNING or leaves_in_s <= 0.0
         self._places = {
@@ -110,11 +115,19 @@ class CrossingTalk:
     def held_before(self, now_s: float) -> str:
         """The first crossing that the front may not go onto; empty: none."""
         if self._held is None or self._held[0] != now_s:
-            self._held = (now_s, self._first_held(now_s))
+            self._held = (now_s, self._first_closed(now_s, HELD_FROM_S))
         return self._held[1]
 
-    def _first_held(self, now_s: float) -> str:
-        ahead = (place for place in self._places.values() if not self._may_pass(place, now_s))
+    def guarded(self, now_s: float) -> str:
+        """The same, however far ahead it is: a unit that acts no more, as frozen, is stopped before it."""
+        return self._first_closed(now_s, math.inf)
+
+    def _first_closed(self, now_s: float, held_from_s: float) -> str:
+        ahead = (
+            place
+            for place in self._places.values()
+            if not may_pass(self._views[place.crossing_id], place, now_s, held_from_s)
+        )
         return min(ahead, key=lambda place: place.fastest_s, default=_NOWHERE).crossing_id
 
     def start_held_by(self, now_s: float) -> str:
@@ -124,10 +137,13 @@ class CrossingTalk:
         return place.crossing_id if place is not None and near else ""
 
     def kept_standing_by(self, now_s: float) -> str:
-        """The crossing for which a train stands that would go on now; empty: none."""
+        """The crossing for which a train stands that would go on now; empty: none, or one that is proven and has but to
+        be so for its least time.
+        """
         place = self._places.get(self.start_held_by(now_s))
-        goes_on = place is not None and self._goes_on and math.isfinite(place.arrives_s)
-        return place.crossing_id if place is not None and goes_on else ""
+        if place is None or self._views[place.crossing_id].phase is CrossingPhase.PROVEN:
+            return ""
+        return place.crossing_id if self._goes_on and math.isfinite(place.arrives_s) else ""
 
     @property
     def creeps(self) -> bool:
@@ -147,9 +163,6 @@ class CrossingTalk:
         """Whether a crossing behind has yet to hear so."""
         view = self._views.get(crossing_id)
         return self._forgot if view is None else view.forgot or view.phase is not CrossingPhase.AHEAD
-
-    def _may_pass(self, place: CrossingPlace, now_s: float) -> bool:
-        return may_pass(self._views[place.crossing_id], place, now_s)
 
     def _take(self, crossing_id: str, event: CrossingEvent, now_s: float) -> None:
         before, self._held = self._views[crossing_id], None
@@ -171,7 +184,7 @@ _NOWHERE: Final = CrossingPlace("", 0, 0, 0.0, 0.0, 0.0)
 def _as_it_runs(place: CrossingPlace, state: DutyState, leaves_in_s: float) -> CrossingPlace:
     """The place with the times of a train that runs or leaves towards it; of another they are infinite."""
     held = state.limit.joint > place.span and not state.halted and state.unable is None
-    comes = held and state.at == place.stop
+    comes = held and state.at >= place.stop  # greater: it was counted as arrived short of it
     if comes and state.phase is DutyPhase.RUNNING:
         return place
     if comes and state.phase is DutyPhase.STANDING:

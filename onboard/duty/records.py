@@ -358,8 +358,9 @@ class DrivingCommand(msgspec.Struct, frozen=True):
     `target`: the stop to run to; None: none. `rear`: the span that the safe rear is to leave next. What is held
     and proven, and what the train waits for, is shown to the driver. `sweeps`: what is held must first be passed on
     sight; `confirm`: the driver is asked whether the whole train is at its mark; `unable`: told why the train may not
-    leave. `before_crossing`: the level crossing before which the limit lies, `at_crossing`: the one that keeps it
-    standing; `creeps`: over one on sight. `orders` are given once.
+    leave. `before_crossing`: the level crossing before which the limit lies, `guarded`: that at which it must lie
+    should nobody say more, `at_crossing`: the one that keeps it standing; `creeps`: over one on sight. `orders` are
+    given once.
     """
 
     drive: bool = False
@@ -380,5 +381,6 @@ class DrivingCommand(msgspec.Struct, frozen=True):
     confirm: bool = False
     unable: Unable | None = None
     before_crossing: str = ""
+    guarded: str = ""
     at_crossing: str = ""
     creeps: bool = False

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from onboard.crossings import machine as crossings
 from onboard.crossings import talk
+from onboard.crossings.machine import CrossingPhase, CrossingSeen, CrossingUnplaced, CrossingView
+from onboard.duty.records import DutyState
 from radio.messages import CrossingOver
 from simulation.world.crossings import CrossingsOnTrack
 from tests.system.switchboard import switch
@@ -112,3 +116,57 @@ def closes_once(patch: pytest.MonkeyPatch) -> None:
         (CrossingState.OPEN, ClosureAsked): asked,
     }
     patch.setattr(level_crossing, "TABLE", table)
+
+
+@switch
+def gives_up_where_its_front_may_stand(patch: pytest.MonkeyPatch) -> None:
+    """A unit that has booted and finds its train standing, with its front perhaps on the road."""
+    at, look = (CrossingPhase.AHEAD, CrossingSeen), crossings.TABLE[CrossingPhase.AHEAD, CrossingSeen]
+
+    def looked(view: CrossingView, event: CrossingSeen, now_s: float) -> crossings.CrossingStep:
+        place = event.place
+        stands = place is not None and place.stands and not place.under
+        return (
+            crossings._gives_up(view, now_s, passed=False)
+            if view.forgot and stands
+            else look(view, event, now_s)
+        )
+
+    patch.setattr(crossings, "TABLE", {**crossings.TABLE, at: looked})
+
+
+@switch
+def passes_by_having_been_on_it(patch: pytest.MonkeyPatch) -> None:
+    """A unit that goes on taking its train to be on a crossing when it has lost its position there."""
+    rows = {at: row for at, row in crossings.TABLE.items() if at[1] is not CrossingUnplaced}
+    look = rows[CrossingPhase.PASSING, CrossingSeen]
+
+    def looked(view: CrossingView, event: CrossingSeen, now_s: float) -> crossings.CrossingStep:
+        after, said = look(replace(view, until_s=math.inf), event, now_s)
+        return (replace(after, until_s=view.until_s) if after.phase is view.phase else after), said
+
+    patch.setattr(crossings, "TABLE", {**rows, (CrossingPhase.PASSING, CrossingSeen): looked})
+
+
+@switch
+def proves_lamps_that_shine_again_at_once(patch: pytest.MonkeyPatch) -> None:
+    """Where lamps alone close the road: while a unit may still go by the proof of before."""
+    patch.setattr(level_crossing, "_proves_from_s", lambda device: device.lit_s + device.config.closing_s)
+
+
+@switch
+def guards_no_road_far_ahead(patch: pytest.MonkeyPatch) -> None:
+    """A unit whose movement limit lies beyond a crossing that is still far, should it say no more."""
+    patch.setattr(talk.CrossingTalk, "guarded", talk.CrossingTalk.held_before)
+
+
+@switch
+def asks_only_behind_its_last_stop(patch: pytest.MonkeyPatch) -> None:
+    """A train counted as arrived short of its mark, which does not see that it has yet to come to a crossing."""
+    runs = talk._as_it_runs
+
+    def seen(place: crossings.CrossingPlace, state: DutyState, leaves_in_s: float) -> crossings.CrossingPlace:
+        behind = replace(place, arrives_s=math.inf, proof_s=math.inf)
+        return behind if state.at > place.stop else runs(place, state, leaves_in_s)
+
+    patch.setattr(talk, "_as_it_runs", seen)

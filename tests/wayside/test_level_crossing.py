@@ -249,3 +249,20 @@ def test_contacts_count_fronts_in_and_rears_out() -> None:
     assert (box.state, box.device.memory.counted) == (CLOSED, 1)
     box.do(GONE, 60.0)
     assert (box.state, box.drives) == (OPEN, [OpenCrossing("C")])
+
+
+def test_lamps_that_went_out_and_shine_again_prove_nothing_while_the_proof_of_before_may_be_believed() -> (
+    None
+):
+    """12 s that it holds, and 5 s that it may have been under way."""
+    lamps = Box(LAMPS)
+    lit = CrossingDetected(lamps=True, lowered=True, raised=False)
+    lamps.do(UP, 0.0)
+    lamps.do(asks(30.0), 0.0)
+    lamps.do(lit, 0.1)
+    assert lamps.device.state is CLOSED
+    assert lamps.do(DARK, 20.0) == [("u", CrossingProof(False, VALID_S), 1)]
+    assert lamps.do(lit, 21.0) == []
+    assert lamps.do(asks(9.0), 36.9) == [("u", CrossingProof(False, VALID_S), 1)]
+    assert wake_at_s(lamps.device) == pytest.approx(20.0 + 12.0 + 5.0)
+    assert lamps.do(CrossingTimeDue(), 37.0) == [("u", CrossingProof(True, VALID_S), 1)]

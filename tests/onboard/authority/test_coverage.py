@@ -23,6 +23,8 @@ def test_coverage_going_down(gap: Line, mission: Mission) -> None:
     assert not covered_at(gap, mission.path, end_m + 0.1)
     assert covered_at(gap, mission.path, begin_m)
     assert next_coverage_m(gap, mission.path, end_m + 0.1) == pytest.approx(begin_m + WELL_INSIDE_M)
+    assert next_coverage_m(gap, mission.path, begin_m + 0.5) == pytest.approx(begin_m + WELL_INSIDE_M)
+    assert next_coverage_m(gap, mission.path, begin_m + WELL_INSIDE_M) > begin_m + WELL_INSIDE_M
 
 
 def test_coverage_going_up_begins_at_the_far_edge(gap: Line, back: Mission) -> None:

@@ -11,7 +11,14 @@ from onboard.crossings.machine import CrossingPlace
 from onboard.crossings.talk import CrossingTalk
 from onboard.duty.records import DutyPhase, DutyState, StopLimit
 from radio.envelope import Received
-from radio.messages import AnyMessage, CrossingOverHeard, CrossingProof, CrossingRequest, Restarted
+from radio.messages import (
+    AnyMessage,
+    CrossingOver,
+    CrossingOverHeard,
+    CrossingProof,
+    CrossingRequest,
+    Restarted,
+)
 
 RUNS = DutyState(phase=DutyPhase.RUNNING, limit=StopLimit(3, None, "end of the path"))
 NEAR = CrossingPlace("C", 2, 0, 35.0, 15.0, 15.0, arrives_s=40.0, fastest_s=32.0, proof_s=28.0)
@@ -53,19 +60,69 @@ def test_announced_anew_it_takes_no_proof_of_before() -> None:
 
 
 @pytest.mark.parametrize(
-    "state",
+    ("state", "stop"),
     [
-        replace(RUNS, limit=StopLimit(2, "6", "not held")),  # its way ends before the crossing's section
-        replace(RUNS, at=1),  # it has yet to call at a stop before the crossing
-        replace(RUNS, phase=DutyPhase.FINISHED),
-        replace(RUNS, halted=True),
+        (replace(RUNS, limit=StopLimit(2, "6", "not held")), 0),  # its way ends before the crossing's section
+        (RUNS, 1),  # it has yet to call at a stop before the crossing
+        (replace(RUNS, phase=DutyPhase.FINISHED), 0),
+        (replace(RUNS, halted=True), 0),
     ],
 )
-def test_a_train_that_does_not_come_there_yet_asks_nothing_and_may_not_pass(state: DutyState) -> None:
+def test_a_train_that_does_not_come_there_yet_asks_nothing_and_may_not_pass(
+    state: DutyState, stop: int
+) -> None:
     talk = CrossingTalk(forgot=False)
-    talk.look((replace(NEAR, stop=0),), state, math.inf, 0.0)
+    talk.look((replace(NEAR, stop=stop),), state, math.inf, 0.0)
     assert talk.letters == []
     assert talk.held_before(0.0) == "C"
+
+
+def test_it_comes_to_a_crossing_before_a_stop_at_which_it_was_counted_as_arrived_too_early() -> None:
+    talk = CrossingTalk(forgot=False)
+    talk.look((NEAR,), replace(RUNS, at=1), math.inf, 0.0)
+    assert [each.message for each in talk.letters] == [CrossingRequest(40.0, 28.0)]
+
+
+def test_a_unit_that_has_lost_its_position_on_a_crossing_does_not_take_itself_to_be_on_it_for_ever() -> None:
+    """It comes another time, and needs a proof again."""
+    on_it = replace(NEAR, arrives_s=0.0, fastest_s=0.0, proof_s=0.0, entered=True, under=True)
+    talk = asked()
+    talk.hear(heard(PROOF, 1), 1.0)
+    talk.look((on_it,), RUNS, math.inf, 2.0)
+    assert talk.held_before(2.0) == ""
+    talk.look(None, RUNS, math.inf, 3.0)
+    talk.look((replace(on_it, under=False, stands=True),), RUNS, math.inf, 60.0)
+    assert talk.held_before(60.0) == "C"
+
+
+def test_a_unit_that_has_given_a_crossing_up_says_so_again_without_its_position() -> None:
+    talk = asked()
+    talk.look((), RUNS, math.inf, 10.0)
+    talk.letters.clear()
+    talk.look(None, RUNS, math.inf, 12.0)
+    assert [each.message for each in talk.letters] == [CrossingOver(False)]
+
+
+def test_nobody_asks_for_leave_to_creep_over_a_crossing_that_is_proven_and_has_but_to_be_so_for_its_time() -> (
+    None
+):
+    at_road = replace(NEAR, arrives_s=5.0, fastest_s=3.0, proof_s=0.0, stands=True)
+    talk = asked()
+    talk.look((at_road,), RUNS, math.inf, 30.0)
+    assert talk.kept_standing_by(30.0) == "C"
+    talk.hear(heard(PROOF, 1), 31.0)
+    assert talk.held_before(31.0) == "C"
+    assert talk.kept_standing_by(31.0) == ""
+
+
+def test_a_road_far_ahead_ends_nothing_but_what_a_unit_that_acts_no_more_may_run() -> None:
+    talk = CrossingTalk(forgot=False)
+    talk.look((replace(NEAR, arrives_s=200.0, fastest_s=80.0, proof_s=190.0),), RUNS, math.inf, 0.0)
+    assert talk.held_before(0.0) == ""
+    assert talk.guarded(0.0) == "C"
+    near = asked()
+    near.hear(heard(PROOF, 1), 1.0)
+    assert near.guarded(1.0) == ""
 
 
 def test_at_a_stop_the_time_counts_from_its_departure() -> None:

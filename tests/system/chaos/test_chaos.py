@@ -26,8 +26,13 @@ from tests.system.chaos.run_one import Outcome
 
 pytestmark = pytest.mark.system
 
-SLICE: Final = ((Family.TEST_LINE, 0, 4), (Family.HOUR, 0, 1), (Family.LINES, 0, 1))
-ALL: Final = {Family.TEST_LINE: 4000, Family.HOUR: 500, Family.LINES: 500}
+SLICE: Final = (
+    (Family.TEST_LINE, 0, 4),
+    (Family.HOUR, 0, 1),
+    (Family.LINES, 0, 1),
+    (Family.CROSSINGS, 0, 2),
+)
+ALL: Final = {Family.TEST_LINE: 4000, Family.HOUR: 500, Family.LINES: 500, Family.CROSSINGS: 500}
 CHUNK: Final = 250
 CHUNKS: Final = tuple(
     (family, low, high) for family, count in ALL.items() for low, high in pairwise(range(0, count + 1, CHUNK))
@@ -38,6 +43,8 @@ REPLAYS: Final = tuple(
 )
 
 WITHOUT: Final = {  # what some were mended by
+    "crossings_217": "guards_no_road_far_ahead",
+    "crossings_48": "asks_only_behind_its_last_stop",
     "grid_05": "keeps_what_is_off_its_way",
     "test_3467": "takes_the_end_of_a_claim_for_a_release",
     "test_3705": "keeps_what_is_of_no_use",
@@ -54,6 +61,7 @@ WITHOUT: Final = {  # what some were mended by
     "swarm_test_93": "overtakes_before_a_portal",
 }
 NOT_BY_TRAINS: Final[dict[str, str]] = {  # what sees that which the trains that come do not show
+    "crossings_217": Checker.CROSSING_OPEN,
     "test_80700": "every train reaches its station",
     "test_20034": Checker.WITHIN_BOUNDS,
     "grid_05": Checker.NO_DEAD_STATE,

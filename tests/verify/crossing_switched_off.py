@@ -1,0 +1,78 @@
+"""What becomes of the explored crossing where a behaviour is taken away: a table for documents.
+
+python -m tests.verify.crossing_switched_off [NAMES ...]: each switch of level crossings, at some budgets in turn until
+the states are others than those of the crossing as it is.
+"""
+
+from __future__ import annotations
+
+import sys
+from hashlib import blake2b
+from typing import Final
+
+import pytest
+
+from tests.system import switches_crossings
+from tests.system.conftest import SWITCHES
+from tests.verify.switched_off import Verdict
+from verify.crossing.explore import CrossingSpace, explore_crossing
+from verify.crossing.explored_crossing import CrossingBudgets, ExploredCrossing
+
+TRIED: Final = (
+    ExploredCrossing(),
+    ExploredCrossing(budgets=CrossingBudgets(loss=1)),
+    ExploredCrossing(budgets=CrossingBudgets(carriers=1)),
+    ExploredCrossing(budgets=CrossingBudgets(equipment=1)),
+    ExploredCrossing(budgets=CrossingBudgets(power=1)),
+    ExploredCrossing(budgets=CrossingBudgets(position=1)),
+    ExploredCrossing(barriers=False, budgets=CrossingBudgets(loss=1, equipment=1)),
+)
+
+
+def names() -> list[str]:
+    """The switches of level crossings."""
+    return [name for name, switch in SWITCHES.items() if switch.__module__ == switches_crossings.__name__]
+
+
+def digest(found: CrossingSpace) -> str:
+    """Of the set, by local states and their numbers."""
+    code = blake2b(found.space.states.tobytes(), digest_size=16)
+    for things in (found.expansion.rider_states.things, found.expansion.telegrams.things):
+        code.update(repr(things).encode())
+    return code.hexdigest()
+
+
+def verdict_of(explored: ExploredCrossing, sound: str) -> Verdict:
+    """As it is now, against the digest of the crossing as it is without a switch."""
+    try:
+        found = explore_crossing(explored)
+    except Exception:
+        return Verdict.FAILS
+    if found.broken:
+        return Verdict.BROKEN
+    if found.dead:
+        return Verdict.DEAD
+    return Verdict.SAME if digest(found) == sound else Verdict.OTHER
+
+
+def main(named: list[str]) -> None:
+    """Print the table."""
+    sound: dict[ExploredCrossing, str] = {}
+    for name in named or names():
+        row = f"{Verdict.SAME.value} |"
+        for explored in TRIED:
+            if explored not in sound:
+                sound[explored] = digest(explore_crossing(explored))
+            with pytest.MonkeyPatch.context() as patch:
+                SWITCHES[name](patch)
+                verdict = verdict_of(explored, sound[explored])
+            if verdict is not Verdict.SAME:
+                kind = "barriers" if explored.barriers else "warning"
+                row = f"{verdict.value} | {kind} `{'/'.join(map(str, explored.budgets))}`"
+                break
+        sys.stdout.write(f"| `{name}` | {row} |\n")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
