@@ -44,6 +44,7 @@ _BY_TELEPHONE: Final = frozenset(
         ActKind.ENTER_SECTION,
         ActKind.BAR_UNIT,
         ActKind.UNBAR_UNIT,
+        ActKind.FREE_ROAD,
     }
 )
 _OF_DISPATCHER: Final = frozenset(

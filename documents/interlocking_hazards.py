@@ -41,6 +41,7 @@ HAZARDS: Final = (
             "rtri/106_crossing_two_trains",
             "rtri/107_crossing_contacts",
             "rtri/108_crossing_unit_power",
+            "rtri/112_crossing_wrong_word",
         ),
         ("a unit runs over a level crossing that has not proved closed",),
     ),
@@ -452,6 +453,15 @@ HAZARDS: Final = (
             "karasuyama/59b_unit_claims_falsely",
         ),
         ("a barred unit's sections are free", "nobody can be barred"),
+    ),
+    Hazard(
+        "A road that stays closed for ever, so that people drive round its barriers",
+        "who has announced itself dies, is barred or cannot be heard, or turns between contacts",
+        "two persons say at the crossing that no train comes: proofs are taken back, and who says nothing for a minute is"
+        " struck off",
+        ("wayside.level_crossing",),
+        (Checker.NO_DEAD_STATE,),
+        ("rtri/111_crossing_freed", "rtri/113_crossing_over_unheard"),
     ),
     Hazard(
         "Everything stands for ever",

@@ -33,6 +33,7 @@ from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world.disorder import fault_onset
 from simulation.world.stage import World
 from wayside.config import MANAGER_ID
+from wayside.crossing_said import NoTrainComes
 from wayside.register import ReentryStage
 from wayside.said import (
     AcceptPicture,
@@ -232,6 +233,8 @@ class Injector:
                 self._wayside.repair(self._step, act.target, Position(act.position))
             case ActKind.HAUL_AWAY:
                 self._duties.haul_away(self._trains.slot_of[act.target], self._step)
+            case ActKind.FREE_ROAD:
+                self._wayside.input(self._step, act.target, NoTrainComes(act.person))
             case ActKind.GIVE_BACK:
                 self._cabs.set_back(self._trains.slot_of[act.target], self._step, act.hold_s)
             case ActKind.DRIVE | ActKind.DRIVE_BY_ATO:

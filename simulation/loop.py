@@ -180,7 +180,7 @@ class Simulation:
             self._handle(item)
         if self.by_people is not None:
             self.by_people.look(self._step)
-        if self._duties.all_done():
+        if self._duties.all_done() and not (self.staff is not None and self._vigil.roads.for_nothing()):
             return Ending.FINISHED
         if self._broken is not None:
             return self._broken

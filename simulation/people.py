@@ -130,6 +130,13 @@ class People(Record):
             "assumed: longer than a unit's boot and its crew's, which speaks for itself",
         ),
     ] = 150.0
+    road_s: Annotated[
+        PersonTime,
+        about(
+            "with react, mean time from when a level crossing is closed and no train comes until two persons say so there",
+            "assumed: somebody who waits calls, the line is looked at, staff are sent",
+        ),
+    ] = 300.0
     notice_s: Annotated[
         PersonTime,
         about(
@@ -188,6 +195,7 @@ class Pause(Enum):
     POINTS = "points_s"
     PICTURE = "picture_s"
     SILENT = "silent_s"
+    ROAD = "road_s"
     NOTICE = "notice_s"
     REACH = "reach_s"
     TELEPHONE = "telephone_s"

@@ -4,10 +4,10 @@ They see that something has no power, that points do not lie as they must, and w
 controller; after a time of their own (`[people]`) they do what the rules of operation say, and again, less and less
 often, while it is as it was: switch on what is off, or put it into service again; wind points to where no train is in
 the way, or to where the crew of one needs them that has stopped short of the blades; bar a unit that claims what is not
-so, and unbar it, again where that did not get through; see to the picture of the line until it is accepted; and for a
-unit whose word the manager waits for, or does not hear, two of them say where its train truly stands and what it shows
-that it holds, with what their word cannot free. They act through the injector's door, so that what they did can be
-written down as acts of a drill.
+so, and unbar it, again where that did not get through; see to the picture of the line until it is accepted; say, two of
+them, at a level crossing whose road is closed that no train comes there; and for a unit whose word the manager waits
+for, or does not hear, two of them say where its train truly stands and what it shows that it holds, with what their word
+cannot free. They act through the injector's door, so that what they did can be written down as acts of a drill.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from simulation.injector import Injector
 from simulation.mad_units import MadUnits
 from simulation.pauses import Pauses
 from simulation.people import Pause
+from simulation.roads_closed import RoadsClosed
 from simulation.setup import STEP_S, STEPS_PER_S
 from simulation.world.point_machine import MachineState, PointMachine
 from simulation.world.stage import World
@@ -77,6 +78,7 @@ class Staff:
         self._left: set[str] = set()  # units that were on the line
         self._again_s: dict[tuple[ActKind, str, str], float] = {}
         self._tries: Counter[tuple[ActKind, str, str]] = Counter()
+        self._roads: Final = RoadsClosed(world.trains, world.on_board, world.wayside.crossings)
         self._mad = MadUnits(world.trains.slot_of, self._held)
         world.journal.watch(self._see)
 
@@ -137,6 +139,7 @@ class Staff:
         for points_id, machine in self._wayside.machines.items():
             self._see_to_points(t_s, points_id, machine)
         self._see_to_bars(t_s)
+        self._see_to_roads(t_s)
         if MANAGER_ID not in self._wayside.down:
             self._see_to_picture(t_s)
             for unit_id in list(self._awaited):
@@ -187,7 +190,7 @@ class Staff:
             bar = next(iter(words.values()))
             agreed = len(words) > 1 and set(words.values()) == {bar}
             if not agreed or all(
-                self._mad.is_barred(unit_id, device) is bar for device in self._wayside.device_ids
+                self._mad.is_barred(unit_id, device) is bar for device in self._wayside.party_ids
             ):
                 self._from_s.pop((Pause.PICTURE, unit_id), None)
             elif self._ripe(Pause.PICTURE, unit_id, t_s):
@@ -209,6 +212,16 @@ class Staff:
                     or party_id in self._wayside.uncommissioned
                 )
                 self._act(t_s, ActKind.COMMISSION if blank else ActKind.POWER_ON, party_id, STAFF)
+
+    def _see_to_roads(self, t_s: float) -> None:
+        """Two persons say at a level crossing that no train comes, where that is so and its road is closed."""
+        closed = self._roads.for_nothing()
+        for key in [key for key in self._from_s if key[0] is Pause.ROAD and key[1] not in closed]:
+            del self._from_s[key]
+        for crossing_id in closed:
+            if crossing_id not in self._wayside.down and self._ripe(Pause.ROAD, crossing_id, t_s):
+                for person in (CONTROLLER, STAFF):
+                    self._act(t_s, ActKind.FREE_ROAD, crossing_id, person)
 
     def _see_to_points(self, t_s: float, points_id: str, machine: PointMachine) -> None:
         asked = self._asked_for(points_id, machine)

@@ -30,6 +30,12 @@ class CrossingContact(msgspec.Struct, frozen=True, array_like=True, tag=14):
     first: bool
 
 
+class NoTrainComes(msgspec.Struct, frozen=True, array_like=True, tag=15):
+    """Operator to level crossing: `person` has made sure that no train comes there and none is on it."""
+
+    person: str
+
+
 class CloseCrossing(msgspec.Struct, frozen=True, array_like=True, tag=3):
     """Level crossing to world: lamps on, barriers down."""
 
@@ -67,4 +73,17 @@ class CrossingUnproven(Noted, frozen=True, kw_only=True, tag="crossing_unproven"
 
 
 class CrossingOpens(Noted, frozen=True, kw_only=True, tag="crossing_opens"):
-    """A level crossing opens: no train is announced any more."""
+    """A level crossing opens: no train is announced any more. `struck_off`: units, and trains that contacts have counted
+    in (an empty name), that persons alone say do not come.
+    """
+
+    struck_off: tuple[str, ...] = ()
+
+
+class NoTrainSaid(Noted, frozen=True, kw_only=True, tag="no_train_said"):
+    """A person has said at a level crossing that no train comes; `agreed`: another one had, so proofs are taken back,
+    and it opens unless a unit says otherwise until then.
+    """
+
+    by: str
+    agreed: bool = False

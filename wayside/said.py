@@ -19,6 +19,8 @@ from wayside.crossing_said import (
     CrossingProven,
     CrossingUnproven,
     CrossingWarns,
+    NoTrainComes,
+    NoTrainSaid,
     OpenCrossing,
 )
 
@@ -78,14 +80,14 @@ class BoundaryPassed(msgspec.Struct, frozen=True, array_like=True, tag=7):
 
 
 class BarUnit(msgspec.Struct, frozen=True, array_like=True, tag=8):
-    """Operator to manager and terminals: the unit is defective or its key stolen; nothing that it says is to count."""
+    """Operator to all devices: the unit is defective or its key stolen; nothing that it says is to count."""
 
     unit_id: str
     person: str
 
 
 class UnbarUnit(msgspec.Struct, frozen=True, array_like=True, tag=9):
-    """Operator to manager and terminals: what the unit says is to count again."""
+    """Operator to all devices: what the unit says is to count again."""
 
     unit_id: str
     person: str
@@ -131,6 +133,7 @@ Input = (
     | EndTrain
     | CrossingDetected
     | CrossingContact
+    | NoTrainComes
 )
 
 
@@ -489,6 +492,9 @@ CrossingNote = (
     | CrossingProven
     | CrossingUnproven
     | CrossingOpens
+    | NoTrainSaid
+    | Barred
+    | Unbarred
     | TelegramDropped
     | TookEffect
 )

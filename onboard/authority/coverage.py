@@ -35,12 +35,12 @@ def _holds(stretches: Sequence[Coverage], at_m: float) -> bool:
 
 
 def next_coverage_m(line: Line, path: Path, position_m: float) -> float:
-    """Path coordinate (m) just inside the next stretch that begins ahead; infinite if none does."""
+    """Path coordinate (m) ahead that is just inside a stretch where the radio reaches again; infinite if none is."""
     best_m = math.inf
     for step in path.steps:
         piece = line.pieces[step.piece_id]
         for stretch in line.alignments[piece.alignment_id].coverage:
             edge_m = stretch.from_m if step.direction > 0 else stretch.to_m
-            if piece.from_m <= edge_m <= piece.to_m and step.to_path_m(edge_m) > position_m:
+            if piece.from_m <= edge_m <= piece.to_m and step.to_path_m(edge_m) + WELL_INSIDE_M > position_m:
                 best_m = min(best_m, step.to_path_m(edge_m))
     return best_m + WELL_INSIDE_M

@@ -45,6 +45,7 @@ class ActKind(Enum):
     BAR_UNIT = "bar_unit"
     UNBAR_UNIT = "unbar_unit"
     HAUL_AWAY = "haul_away"
+    FREE_ROAD = "free_road"
     GIVE_BACK = "give_back"
     HOLD_TRAIN = "hold_train"
     LET_GO = "let_go"
@@ -71,6 +72,7 @@ ACT_MEANINGS: Final[Mapping[ActKind, str]] = {
     ActKind.BAR_UNIT: "controller or staff: nothing that this unit says is to count",
     ActKind.UNBAR_UNIT: "controller or staff: what this unit says is to count again",
     ActKind.HAUL_AWAY: "staff: haul a train without power off the line, out of the portal where it stands",
+    ActKind.FREE_ROAD: "controller or staff: no train comes to this level crossing, and none is on it",
     ActKind.GIVE_BACK: "crew: return the route ahead, not yet entered, and ask for none for a while",
     ActKind.HOLD_TRAIN: "controller: no route for this unit for a while, or until another one has a section",
     ActKind.LET_GO: "controller: what this unit was kept back for does not count any more",

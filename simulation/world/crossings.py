@@ -190,11 +190,9 @@ class CrossingLookout:
         road_m = path.to_road_m(crossing)
         found = [CrossingPlaceAhead(road_m, PlaceKind.ROAD, crossing.id)]
         if crossing.control is CrossingControl.CONTACTS:
-            first_m = road_m - abs(crossing.starts_m[path.direction] - crossing.edge_m(path.direction))
-            leaves_m = crossing.edge_m(path.direction.opposite)
-            beyond_m = abs(crossing.ends_m.get(path.direction, leaves_m) - leaves_m)
+            before_m, beyond_m = crossing.contacts_from_road_m(path.direction)
             last_m = road_m + crossing.width_m + beyond_m + float(self._trains.bodies[slot].length_m)
-            found.append(CrossingPlaceAhead(first_m, PlaceKind.FIRST_CONTACT, crossing.id))
+            found.append(CrossingPlaceAhead(road_m - before_m, PlaceKind.FIRST_CONTACT, crossing.id))
             found.append(CrossingPlaceAhead(last_m, PlaceKind.LAST_CONTACT, crossing.id))
         return found
 

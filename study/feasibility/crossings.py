@@ -44,7 +44,7 @@ def _of_direction(
     if not crossing.has_device:
         yield from _sight(line, crossing, direction, trains)
     elif crossing.control is CrossingControl.CONTACTS:
-        way_m = abs(crossing.edge_m(direction) - crossing.starts_m[direction])
+        way_m, _ = crossing.contacts_from_road_m(direction)
         warns_s, least_s = _least_s(line, crossing, direction, way_m), least_warning_s(crossing)
         said = f"level crossing {crossing.id} warns of {name} trains at line speed for {warns_s:.0f} s"
         if warns_s < least_s - TOLERANCE_S:

@@ -9,6 +9,7 @@ import pytest
 from onboard.crossings import machine as crossings
 from onboard.crossings import talk
 from radio.messages import CrossingOver
+from simulation.roads_closed import RoadsClosed
 from simulation.world.crossings import CrossingsOnTrack
 from tests.system.switchboard import switch
 from wayside import level_crossing
@@ -52,6 +53,21 @@ def creeps_without_looking(patch: pytest.MonkeyPatch) -> None:
 def is_not_seen_on_the_road(patch: pytest.MonkeyPatch) -> None:
     """A train for which no driver on the road stops."""
     patch.setattr(CrossingsOnTrack, "creeps_over", lambda *_: None)
+
+
+@switch
+def believes_one_person(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(level_crossing, "PERSONS", 1)
+
+
+@switch
+def strikes_off_at_once(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(level_crossing, "FREES_S", 0.0)
+
+
+@switch
+def looks_at_no_road(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(RoadsClosed, "for_nothing", lambda _self: ())
 
 
 @switch

@@ -394,6 +394,12 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "107_crossing_contacts": ("counts_no_rear", "the rear opens it"),
         "108_crossing_unit_power": ("opens_in_silence", "the road stays closed"),
         "109_crossing_obstacle": ("creeps_without_looking", Checker.SUMO_COLLISION),
+        "111_crossing_freed": ("believes_one_person", "one person frees nothing"),
+        "112_crossing_wrong_word": (
+            "strikes_off_at_once",
+            "the road is closed until the train has come onto it",
+        ),
+        "113_crossing_over_unheard": ("looks_at_no_road", "and the road opens"),
         "110_crossing_busy_road": ("is_not_seen_on_the_road", Checker.SUMO_COLLISION),
     }
 )

@@ -15,10 +15,13 @@ from wayside.crossing_said import (
     CrossingDetected,
     CrossingOpens,
     CrossingUnproven,
+    NoTrainComes,
+    NoTrainSaid,
     OpenCrossing,
     WhyUnproven,
 )
 from wayside.level_crossing import (
+    FREES_S,
     REANNOUNCED_S,
     TABLE,
     VALID_S,
@@ -34,6 +37,7 @@ from wayside.level_crossing import (
     table_rows,
     wake_at_s,
 )
+from wayside.said import Barred, BarUnit, Unbarred, UnbarUnit
 
 BARRIERS = CrossingConfig("line", "C", barriers=True, closing_s=15.0, closed_s=20.0)
 LAMPS = CrossingConfig("line", "C", barriers=False, closing_s=0.0, closed_s=30.0)
@@ -90,7 +94,7 @@ def closed_for(*units: str) -> Box:
 
 
 def test_every_state_takes_every_event() -> None:
-    events = (ClosureAsked, CrossingLeft, CrossingDetected, CrossingContact, CrossingTimeDue)
+    events = (ClosureAsked, CrossingLeft, CrossingDetected, CrossingContact, NoTrainComes, CrossingTimeDue)
     assert set(TABLE) == {(state, event) for state in CrossingState for event in events}
     assert len(table_rows()) == len(TABLE)
 
@@ -249,3 +253,125 @@ def test_contacts_count_fronts_in_and_rears_out() -> None:
     assert (box.state, box.device.memory.counted) == (CLOSED, 1)
     box.do(GONE, 60.0)
     assert (box.state, box.drives) == (OPEN, [OpenCrossing("C")])
+
+
+SIGNALMAN, TRACKMAN = NoTrainComes("Signalman"), NoTrainComes("trackman")
+
+
+def test_one_person_frees_nothing_however_often_he_says_so() -> None:
+    box = closed_for("u")
+    assert box.do(SIGNALMAN, 100.0) == []
+    assert box.notes == [NoTrainSaid(by="Signalman")]
+    assert box.do(NoTrainComes("  signalman"), 120.0) == []
+    assert box.notes == []
+    box.do(CrossingTimeDue(), 36_000.0)
+    assert (box.state, wake_at_s(box.device)) == (CLOSED, None)
+
+
+def test_two_persons_free_a_road_that_is_closed_for_a_silent_unit() -> None:
+    """Its proof is taken back with the second word, and a minute later it is struck off, not before."""
+    box = closed_for("u")
+    box.do(SIGNALMAN, 100.0)
+    assert box.do(TRACKMAN, 130.0) == [("u", CrossingProof(False, VALID_S), 1)]
+    assert box.notes == [NoTrainSaid(by="trackman", agreed=True)]
+    assert wake_at_s(box.device) == 130.0 + FREES_S == 190.0
+    box.do(CrossingTimeDue(), 189.9)
+    assert (box.state, box.device.memory.units) == (CLOSED, ("u",))
+    box.do(CrossingTimeDue(), 190.0)
+    assert (box.state, box.drives) == (OPEN, [OpenCrossing("C")])
+    assert box.notes == [CrossingOpens(struck_off=("u",))]
+    assert (box.device.memory.units, wake_at_s(box.device)) == ((), None)
+
+
+def test_who_cannot_stop_any_more_is_on_the_road_before_it_is_freed() -> None:
+    """The last proof was sent before the second word; it dies after 12 s and 1 s for the telegram, and the brake takes
+    110 / 3.6 / 0.7 = 43.7 s.
+    """
+    assert VALID_S + 1.0 + 110.0 / 3.6 / 0.7 <= FREES_S
+
+
+def test_a_unit_that_speaks_after_the_persons_is_not_struck_off() -> None:
+    box = closed_for("u", "v")
+    box.do(SIGNALMAN, 100.0)
+    box.do(TRACKMAN, 101.0)
+    assert box.do(asks(12.0, unit="u", correlation=1), 105.0) == [("u", CrossingProof(True, VALID_S), 1)]
+    box.do(CrossingTimeDue(), 161.0)
+    assert (box.state, box.device.memory.units) == (CLOSED, ("u",))
+    box.do(leaves("u"), 170.0)
+    assert box.state is OPEN
+
+
+def test_a_unit_that_was_struck_off_and_speaks_again_is_taken_again() -> None:
+    box = closed_for("u")
+    box.do(SIGNALMAN, 100.0)
+    box.do(TRACKMAN, 101.0)
+    box.do(CrossingTimeDue(), 161.0)
+    assert box.state is OPEN
+    assert box.do(asks(35.0, correlation=1), 200.0) == [("u", CrossingProof(False, VALID_S), 1)]
+    assert (box.state, box.drives) == (CLOSING, [CloseCrossing("C")])
+
+
+def test_words_count_for_one_closure() -> None:
+    """What one person said before it opened does not make two with what another says of the next train."""
+    box = closed_for("u")
+    box.do(SIGNALMAN, 100.0)
+    box.do(leaves("u"), 110.0)
+    assert box.do(SIGNALMAN, 111.0) == []  # nobody waits: nothing is remembered
+    box.do(asks(35.0, unit="v"), 200.0)
+    assert box.do(TRACKMAN, 201.0) == []
+    assert box.device.persons == ("trackman",)
+    box.do(CrossingTimeDue(), 201.0 + FREES_S)
+    assert box.device.memory.units == ("v",)
+
+
+def test_two_persons_free_a_road_of_trains_that_contacts_have_counted_in() -> None:
+    """One turned between the contacts; the front that comes meanwhile is another's, and stays counted."""
+    box = Box()
+    box.do(UP)
+    box.do(COMES, 0.0)
+    box.do(SIGNALMAN, 300.0)
+    box.do(TRACKMAN, 310.0)
+    box.do(COMES, 340.0)
+    box.do(CrossingTimeDue(), 370.0)
+    assert (box.state, box.device.memory.counted) == (CLOSING, 1)
+    box.do(GONE, 400.0)
+    assert box.state is OPEN
+
+
+def test_a_restart_forgets_what_persons_have_said() -> None:
+    box = closed_for("u")
+    box.do(SIGNALMAN, 100.0)
+    again = Box(memory=box.device.memory)
+    again.do(TRACKMAN, 10.0)
+    assert again.notes == [NoTrainSaid(by="trackman")]
+
+
+def test_what_a_barred_unit_says_opens_nothing_and_proves_nothing_to_it() -> None:
+    """Two persons bar it: its proof is taken back. Its word that it is over the road counts for nothing, nor does what it
+    asks; two more unbar it.
+    """
+    box = closed_for("u")
+    assert box.do(BarUnit("u", "signalman"), 20.0) == []
+    assert box.do(BarUnit("u", "trackman"), 21.0) == [("u", CrossingProof(False, VALID_S), 1)]
+    assert box.notes == [Barred(unit_id="u", by="trackman")]
+    assert box.do(leaves("u"), 25.0) == []
+    assert box.do(asks(5.0), 26.0) == []
+    assert box.state is CLOSED
+    again = Box(memory=box.device.memory)
+    assert again.do(leaves("u"), 5.0) == []
+    box.do(UnbarUnit("u", "signalman"), 30.0)
+    box.do(UnbarUnit("u", "trackman"), 31.0)
+    assert box.notes == [Unbarred(unit_id="u", by="trackman")]
+    box.do(leaves("u"), 35.0)
+    assert box.state is OPEN
+
+
+def test_a_barred_unit_that_is_gone_does_not_keep_the_road() -> None:
+    box = closed_for("u")
+    box.do(BarUnit("u", "signalman"), 20.0)
+    box.do(BarUnit("u", "trackman"), 21.0)
+    box.do(SIGNALMAN, 100.0)
+    box.do(TRACKMAN, 110.0)
+    box.do(asks(5.0), 111.0)
+    box.do(CrossingTimeDue(), 170.0)
+    assert box.state is OPEN
