@@ -33,7 +33,7 @@ from console.seats import RIGHTS, Seat
 from console.session import Session
 from network.model import Line, Section
 from simulation.faults.fault import Names
-from simulation.faults.script import BY_ROLE, ActKind
+from simulation.faults.script import AT_CROSSING, BY_ROLE
 from simulation.faults.table import KINDS
 from simulation.judge.checkers import Checker
 from simulation.setup import STEPS_PER_S, Setup
@@ -232,7 +232,7 @@ def welcome_of(session: Session, seat: Seat) -> Welcome:
     drawn = drawn_line(scenario.setup, seat, scenario.id, scenario.name, session.names.units)
     posts = posts_drawn(session, seat)
     unheard_of = (frozenset() if posts else BY_ROLE) | (
-        frozenset() if session.names.crossings else {ActKind.FREE_ROAD}
+        frozenset() if session.names.crossings else AT_CROSSING
     )
     return msgspec.structs.replace(
         drawn,

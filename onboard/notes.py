@@ -403,9 +403,12 @@ class CrossingProofLost(Noted, frozen=True, kw_only=True, tag="crossing_proof_lo
 
 
 class CrossingCreep(Noted, frozen=True, kw_only=True, tag="crossing_creep"):
-    """The driver has leave to creep over a level crossing that has not proved closed, whistling, on sight."""
+    """The driver has leave to creep over a level crossing that has not proved closed, whistling, on sight; `guarded`: by
+    the word of somebody who has stopped its road by hand.
+    """
 
     crossing_id: str
+    guarded: bool = False
 
 
 class CrossingLeftBehind(Noted, frozen=True, kw_only=True, tag="crossing_left"):

@@ -138,6 +138,20 @@ class CrossingBarriers(Noted, frozen=True, kw_only=True, tag="crossing_barriers"
     state: BarrierState
 
 
+class RoadGuarded(Noted, frozen=True, kw_only=True, tag="road_guarded"):
+    """Somebody guards the road of a level crossing by hand from now on, or no longer (`there`)."""
+
+    crossing_id: str
+    there: bool
+
+
+class RoadStopped(Noted, frozen=True, kw_only=True, tag="road_stopped"):
+    """Who guards a level crossing has stopped its road by hand, for the train of a unit that stands before it."""
+
+    crossing_id: str
+    unit_id: str
+
+
 class CrossingEntered(Noted, frozen=True, kw_only=True, tag="crossing_entered"):
     """The front of a train came onto a level crossing."""
 
@@ -362,6 +376,8 @@ WorldEvent = (
     | PointsKeyBack
     | CrossingLamps
     | CrossingBarriers
+    | RoadGuarded
+    | RoadStopped
     | CrossingEntered
     | PowerOff
     | PowerOn

@@ -235,6 +235,9 @@ class Injector:
                 self._duties.haul_away(self._trains.slot_of[act.target], self._step)
             case ActKind.FREE_ROAD:
                 self._wayside.input(self._step, act.target, NoTrainComes(act.person))
+            case ActKind.GUARD_ROAD | ActKind.LEAVE_ROAD:
+                there = act.kind is ActKind.GUARD_ROAD
+                self._wayside.crossings.guard(self._step, act.target, there=there)
             case ActKind.GIVE_BACK:
                 self._cabs.set_back(self._trains.slot_of[act.target], self._step, act.hold_s)
             case ActKind.DRIVE | ActKind.DRIVE_BY_ATO:

@@ -127,7 +127,9 @@ class CrossingOffLine:
 
 @dataclass(frozen=True, slots=True)
 class CreepAllowed:
-    """Event: its driver has leave to creep over it, on sight and whistling."""
+    """Event: its driver has leave to creep over it, on sight and whistling; `guarded`: somebody has stopped its road."""
+
+    guarded: bool = False
 
 
 CrossingEvent = (
@@ -298,11 +300,13 @@ def _say_again(view: CrossingView, _event: CrossingBooted, _now_s: float) -> Cro
     return replace(view, said_s=-math.inf, answered=False), ()
 
 
-def _creep(view: CrossingView, _event: CreepAllowed, _now_s: float) -> CrossingStep:
+def _creep(view: CrossingView, event: CreepAllowed, _now_s: float) -> CrossingStep:
     """May creep over it, unless a proof comes first."""
     if view.creeps:
         return view, ()
-    return replace(view, creeps=True), (notes.CrossingCreep(crossing_id=view.crossing_id),)
+    return replace(view, creeps=True), (
+        notes.CrossingCreep(crossing_id=view.crossing_id, guarded=event.guarded),
+    )
 
 
 _ANNOUNCED: Final = (CrossingPhase.ASKED, CrossingPhase.PROVEN, CrossingPhase.PASSING)

@@ -91,10 +91,10 @@ class CrossingTalk:
                 return False
         return True
 
-    def creep(self, crossing_id: str, now_s: float) -> None:
+    def creep(self, crossing_id: str, now_s: float, *, guarded: bool = False) -> None:
         """Its driver has leave to creep over a crossing."""
         if crossing_id in self._views:
-            self._take(crossing_id, CreepAllowed(), now_s)
+            self._take(crossing_id, CreepAllowed(guarded=guarded), now_s)
 
     def off_the_line(self, now_s: float) -> None:
         """The whole train is off the line."""

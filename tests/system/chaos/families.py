@@ -1,4 +1,4 @@
-"""The families of cases: the test line, the Karasuyama line's busiest hour, lines that are drawn, and such with roads."""
+"""The three families of cases: the test line, the Karasuyama line's busiest hour, lines that are drawn."""
 
 from __future__ import annotations
 
@@ -25,7 +25,6 @@ class Family(Enum):
     TEST_LINE = "test"
     HOUR = "hour"
     LINES = "lines"
-    ROADS = "roads"
 
 
 SHIPPED: Final = ("rtri_two_trains", "rtri_crossing", "rtri_turn_back")
@@ -47,8 +46,8 @@ def ground_of(family: Family, seed: int) -> Ground:
             return _test_line(seed % TIMETABLES)
         case Family.HOUR:
             return _busiest_hour()
-        case Family.LINES | Family.ROADS:
-            return _drawn_line(seed % LINES, seed // LINES % DAYS, roads=family is Family.ROADS)
+        case Family.LINES:
+            return _drawn_line(seed % LINES, seed // LINES % DAYS)
 
 
 @cache
@@ -64,11 +63,11 @@ def _test_line(number: int) -> Ground:
 
 
 @cache
-def _drawn_line(number: int, day: int, *, roads: bool) -> Ground:
-    name = f"drawn_{number}_with_roads" if roads else f"drawn_{number}"
+def _drawn_line(number: int, day: int) -> Ground:
+    name = f"drawn_{number}"
     for attempt in range(_TRIES):
         try:
-            line = drawn_line(name, Draw(number, ("line", str(attempt))), roads=roads)
+            line = drawn_line(name, Draw(number, ("line", str(attempt))))
         except (InputError, ValueError):  # too short for the rule of the tags, or for netconvert
             continue
         times = f"{name}_{day}_times"

@@ -66,7 +66,6 @@ STAFF_S: Final = {
     Pause.POINTS: (20.0, 120.0),
     Pause.PICTURE: (15.0, 200.0),
     Pause.SILENT: (60.0, 300.0),
-    Pause.ROAD: (30.0, 300.0),
 }
 WRONG_P: Final = 0.2
 WRONG_PERSON: Final = "trackman"

@@ -22,9 +22,6 @@ TRACK_KM = 0.12
 DEAD_END_KM = 0.15
 PORTAL_KM = 1.0
 LEVEL_KM = 0.4
-CROSSING_MARGIN_KM = 0.3
-BY_CONTACTS_P = 0.25
-WARNS_S = 40.0  # by contacts, at line speed
 
 
 class Kind(Enum):
@@ -40,9 +37,6 @@ class Kind(Enum):
         return {Kind.LOOP: HALF_KM, Kind.HALT: 0.0, Kind.DEAD_END: DEAD_END_KM}[self]
 
 
-Rows = list[dict[str, Any]]
-
-
 @dataclass(frozen=True, slots=True)
 class DrawnLine:
     """Text of the line file, and what a timetable needs to know of it."""
@@ -52,16 +46,14 @@ class DrawnLine:
     stops: tuple[Stop, ...]
 
 
-def drawn_line(line_id: str, draw: Draw, *, roads: bool = False) -> DrawnLine:
-    """A line; with `roads` one that has level crossings."""
+def drawn_line(line_id: str, draw: Draw) -> DrawnLine:
+    """A line."""
     kinds = _kinds(draw.of("kinds"))
     speed_kmh = draw.one_of((45, 60, 70, 85))
     kms = [0.0]
     for _ in kinds[1:]:
         kms.append(round(kms[-1] + draw.between(1.8, 3.6, 2), 2))
     table = _tables(line_id, kinds, kms, speed_kmh, draw)
-    if roads:
-        table["crossings"] = _crossings(table["sections"], speed_kmh, draw.of("crossings"))
     bare = toml_of(table)
     line = parse_line(bare, line_id)
     return DrawnLine(line_id, f"{tags_toml(line, lay_tags(line))}\n{bare}", _stops(kinds, kms, speed_kmh))
@@ -118,23 +110,6 @@ def _tables(line_id: str, kinds: list[Kind], kms: list[float], speed_kmh: int, d
     }
 
 
-def _crossings(sections: Rows, speed_kmh: int, draw: Draw) -> Rows:
-    """One between each two stations, of any class that has a device, most of them asked by radio."""
-    rows: Rows = []
-    for section in (section for section in sections if section["kind"] == "between"):
-        own, margin_km = draw.of(section["id"]), CROSSING_MARGIN_KM
-        km = own.between(section["from_km"] + margin_km, section["to_km"] - margin_km, 3)
-        row = {"id": f"C{len(rows) + 1}", "section": section["id"], "km": km}
-        row["kind"] = "1" if own.of("kind").chance(0.7) else "3"
-        if own.of("control").chance(BY_CONTACTS_P):
-            way_km = round(WARNS_S * speed_kmh / 3600.0, 3)
-            row |= {"control": "contacts", "start_down_km": round(km - way_km, 3), "start_up_km": round(km + way_km, 3)}
-        elif row["kind"] == "1":
-            row["detector"] = own.of("detector").chance(0.5)
-        rows.append(row)
-    return rows
-
-
 def _gradients(kms: list[float], low_km: float, high_km: float, draw: Draw) -> list[dict[str, float]]:
     """Level at stations; a rise or fall, or two, between them."""
     marks = [(low_km, 0.0)]
@@ -165,6 +140,9 @@ def _coverage(kms: list[float], low_km: float, high_km: float, draw: Draw) -> li
         else:
             spans.append({"from_km": from_km, "to_km": to_km})
     return spans
+
+
+Rows = list[dict[str, Any]]
 
 
 def _places(
