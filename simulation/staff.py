@@ -187,10 +187,10 @@ class Staff:
 
     def _see_to_bars(self, t_s: float) -> None:
         """Two persons bar a unit, or unbar it once it is known what it holds, and say it again where a device does not
-        know it.
+        know it. A register that is being restored has nothing of it, and on the open line takes its own word alone.
         """
         for kind, unit_id in self._mad.due(t_s, self._setup.people.mean_s(Pause.SILENT)):
-            if kind is ActKind.UNBAR_UNIT and unit_id in self._awaited:
+            if kind is ActKind.UNBAR_UNIT and unit_id in self._awaited and not self._restores:
                 continue  # their word was too early: the register would have of it what it claimed falsely
             for person in (CONTROLLER, STAFF):
                 self._act(t_s, kind, unit_id, person)

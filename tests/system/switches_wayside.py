@@ -295,6 +295,19 @@ def staff_unbar_at_once(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
+def staff_unbar_nobody_while_restoring(patch: pytest.MonkeyPatch) -> None:
+    """Even where its own word alone could say what it holds."""
+    see = staff.Staff._see_to_bars
+
+    def as_if_running(self: staff.Staff, t_s: float) -> None:
+        restores, self._restores = self._restores, False
+        see(self, t_s)
+        self._restores = restores
+
+    patch.setattr(staff.Staff, "_see_to_bars", as_if_running)
+
+
+@switch
 def overtakes_before_a_portal(patch: pytest.MonkeyPatch) -> None:
     """Of those that stand behind each other outside, whoever looks first comes in."""
     patch.setattr(duties, "is_behind", lambda _slot, _queue: False)

@@ -77,6 +77,7 @@ def _drawn_line(number: int, day: int) -> Ground:
             "timetable": f"{times}.toml",
             "assumed": ["everything: drawn by chance"],
             "trains": {"default": "ev_e301"},
+            "limits": {"time_limit_s": SWEPT_S},
         }
         timetable = toml_of(timetable_table(times, name, trains))
         return Ground(f"{name}_{day}", head, {f"{name}.toml": line.text, f"{times}.toml": timetable})

@@ -47,6 +47,7 @@ WITHOUT: Final = {  # what some were mended by
     "test_80700": "tells_no_unit_what_persons_added",
     "test_81142": "keeps_what_others_say_that_it_holds",
     "test_90273": "staff_unbar_at_once",
+    "test_100127": "staff_unbar_nobody_while_restoring",
     "swarm_test_93": "overtakes_before_a_portal",
 }
 NOT_BY_TRAINS: Final[dict[str, str]] = {  # what sees that which the trains that come do not show
