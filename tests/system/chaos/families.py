@@ -1,4 +1,6 @@
-"""The three families of cases: the test line, the Karasuyama line's busiest hour, lines that are drawn."""
+"""The families of cases: the test line, the Karasuyama line's busiest hour, lines that are drawn, and those with level
+crossings.
+"""
 
 from __future__ import annotations
 
@@ -25,6 +27,7 @@ class Family(Enum):
     TEST_LINE = "test"
     HOUR = "hour"
     LINES = "lines"
+    CROSSINGS = "crossings"
 
 
 SHIPPED: Final = ("rtri_two_trains", "rtri_crossing", "rtri_turn_back")
@@ -37,6 +40,7 @@ SWEPT_S: Final = (
     14_400.0  # after the last planned time: trains that sweep the whole line on sight, one after the other
 )
 _TRIES: Final = 50
+SECOND_AIR: Final = {"delay_min_s": 0.2, "delay_mean_s": 0.4, "loss_good_p": 0.02}
 
 
 def ground_of(family: Family, seed: int) -> Ground:
@@ -48,6 +52,8 @@ def ground_of(family: Family, seed: int) -> Ground:
             return _busiest_hour()
         case Family.LINES:
             return _drawn_line(seed % LINES, seed // LINES % DAYS)
+        case Family.CROSSINGS:
+            return _drawn_line(seed % LINES, seed // LINES % DAYS, crossed=True)
 
 
 @cache
@@ -63,11 +69,11 @@ def _test_line(number: int) -> Ground:
 
 
 @cache
-def _drawn_line(number: int, day: int) -> Ground:
-    name = f"drawn_{number}"
+def _drawn_line(number: int, day: int, *, crossed: bool = False) -> Ground:
+    name = f"crossed_{number}" if crossed else f"drawn_{number}"
     for attempt in range(_TRIES):
         try:
-            line = drawn_line(name, Draw(number, ("line", str(attempt))))
+            line = drawn_line(name, Draw(number, ("line", str(attempt))), crossed=crossed)
         except (InputError, ValueError):  # too short for the rule of the tags, or for netconvert
             continue
         times = f"{name}_{day}_times"
@@ -78,6 +84,7 @@ def _drawn_line(number: int, day: int) -> Ground:
             "assumed": ["everything: drawn by chance"],
             "trains": {"default": "ev_e301"},
             "limits": {"time_limit_s": SWEPT_S},
+            **({"second_air": SECOND_AIR} if line.second_network else {}),
         }
         timetable = toml_of(timetable_table(times, name, trains))
         return Ground(f"{name}_{day}", head, {f"{name}.toml": line.text, f"{times}.toml": timetable})

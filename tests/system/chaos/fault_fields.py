@@ -13,9 +13,12 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic.fields import FieldInfo
 
 from network.files.quantity import Quantity
+from network.model import CrossingControl, Line
 from onboard.driving_settings import Driving
+from simulation.faults.crossing_road import StalledVehicle
 from simulation.faults.fault import Fault, Names
 from simulation.faults.links import ANY, BOTH_WAYS, ONE_WAY
+from simulation.faults.table import KINDS
 from tests.system.chaos.draw import Draw
 from wayside.config import MANAGER_ID
 
@@ -30,6 +33,8 @@ RANGES: Final[dict[tuple[str, str], tuple[float, float, str]]] = {
     ("clock", "drift_ppm"): (-2000.0, 2000.0, "the worst clocks that are sold as such"),
     ("slippery", "factor"): (Driving().design_adhesion_share, 1.0, "below it is outside the design"),
 }
+# What a vehicle that stalls before a train that can stop no more comes to is computed, not forbidden.
+DRAWN: Final = tuple(kind for kind in KINDS if kind is not StalledVehicle)
 WITHOUT_BOUND: Final = (0.0, 10.0)
 TAG_OF_THE_LINE_P: Final = 0.6  # a wrong id that is another tag's says a wrong place; most others say nothing
 ANY_PARTY_P: Final = 0.3
@@ -50,6 +55,16 @@ def bounds_of(kind: type[Fault[Any]], name: str) -> tuple[float, float]:
             case _:
                 pass
     return low, high
+
+
+def aimed_at(names: Names, line: Line) -> Names:
+    """Without level crossings by contacts: they tell no train anything, so that none can stop where they fail."""
+    deaf = {c.id for c in line.crossings.values() if c.control is CrossingControl.CONTACTS}
+    return replace(
+        names,
+        devices=tuple(name for name in names.devices if name not in deaf),
+        crossings=tuple(name for name in names.crossings if name not in deaf),
+    )
 
 
 def fields_of(kind: type[Fault[Any]], names: Names, draw: Draw) -> dict[str, Any]:
@@ -88,6 +103,7 @@ def target_of(kind: type[Fault[Any]], names: Names, uses: Collection[str], draw:
             devices=_used(names.devices, uses),
             tags=_used(names.tags, uses),
             points=_used(names.points, uses),
+            crossings=_used(names.crossings, uses),
         )
     if kind.aims_at == "link":
         return _link(names, draw)

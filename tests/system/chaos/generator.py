@@ -20,14 +20,13 @@ from onboard.driving.laws.table import LAW_NAMES
 from onboard.duty_parameters import ReleaseRule
 from scenario.script_file import names_of
 from simulation.faults.fault import Fault, Names
-from simulation.faults.table import KINDS
 from simulation.people import Pause
 from simulation.setup import Setup
 from tests.system.chaos.case import Case
 from tests.system.chaos.course import Course, clock_tenths
 from tests.system.chaos.draw import Draw
 from tests.system.chaos.families import Family, ground_of
-from tests.system.chaos.fault_fields import fields_of, target_of
+from tests.system.chaos.fault_fields import DRAWN, aimed_at, fields_of, target_of
 from tests.system.chaos.run_one import undisturbed
 from wayside.config import OrderRule
 
@@ -79,14 +78,14 @@ def case_of(family: Family, seed: int, nets: Path, *, swarm: bool = False) -> Ca
     ground = ground_of(family, seed)
     draw = Draw(seed, (family.value, "swarm") if swarm else (family.value,))
     scenario, course = undisturbed(ground, nets)
-    names = names_of(scenario.setup)
+    names = aimed_at(names_of(scenario.setup), scenario.setup.line)
     first_s, last_s = course.moving_s[0] - BEFORE_S, course.moving_s[-1]
     length_s = draw.of("length").by_size(WINDOW_MIN_S, WINDOW_S)
     moves_s = draw.of("window").one_of(course.moving_s)  # lies in the window
     from_s = max(first_s, min(moves_s - BEFORE_S, last_s - length_s))
     times = _Times(from_s, min(from_s + length_s, last_s), course)
     least = math.ceil(length_s / A_MINUTE_S) if swarm else 1
-    kinds = swarm_kinds(names, draw.of("swarm")) if swarm else KINDS
+    kinds = swarm_kinds(names, draw.of("swarm")) if swarm else DRAWN
     faults = tuple(
         _fault(times, names, draw.of("fault", str(i)), kinds)
         for i in range(draw.of("count").whole(least, FAULTS_MAX))
@@ -124,9 +123,9 @@ class _Times:
 
 def swarm_kinds(names: Names, draw: Draw) -> Kinds:
     """Kinds of half of what could fail."""
-    fails = sorted({kind.changes for kind in KINDS if kind.targets(names)})
+    fails = sorted({kind.changes for kind in DRAWN if kind.targets(names)})
     kept = sorted(fails, key=lambda one: draw.of(one).between(0.0, 1.0, 9))[: max(1, len(fails) // 2)]
-    return tuple(kind for kind in KINDS if kind.changes in kept)
+    return tuple(kind for kind in DRAWN if kind.changes in kept)
 
 
 def _fault(times: _Times, names: Names, draw: Draw, kinds: Kinds) -> dict[str, Any]:

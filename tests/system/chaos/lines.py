@@ -12,6 +12,7 @@ from typing import Any
 
 from network.files.line_file import parse_line
 from network.tag_layout import lay_tags, tags_toml
+from tests.system.chaos.crossings import crossings_on
 from tests.system.chaos.draw import Draw
 from tests.system.chaos.timetables import Stop
 from tests.system.chaos.toml_text import toml_of
@@ -22,6 +23,7 @@ TRACK_KM = 0.12
 DEAD_END_KM = 0.15
 PORTAL_KM = 1.0
 LEVEL_KM = 0.4
+SECOND_P = 0.6  # a second network, which reaches everywhere
 
 
 class Kind(Enum):
@@ -44,10 +46,11 @@ class DrawnLine:
     id: str
     text: str
     stops: tuple[Stop, ...]
+    second_network: bool = False
 
 
-def drawn_line(line_id: str, draw: Draw) -> DrawnLine:
-    """A line."""
+def drawn_line(line_id: str, draw: Draw, *, crossed: bool = False) -> DrawnLine:
+    """A line; `crossed`: with level crossings, most of them where some network reaches."""
     kinds = _kinds(draw.of("kinds"))
     speed_kmh = draw.one_of((45, 60, 70, 85))
     kms = [0.0]
@@ -56,7 +59,17 @@ def drawn_line(line_id: str, draw: Draw) -> DrawnLine:
     table = _tables(line_id, kinds, kms, speed_kmh, draw)
     bare = toml_of(table)
     line = parse_line(bare, line_id)
-    return DrawnLine(line_id, f"{tags_toml(line, lay_tags(line))}\n{bare}", _stops(kinds, kms, speed_kmh))
+    tags = tags_toml(line, lay_tags(line))
+    if crossed:
+        table["crossings"] = crossings_on(line, speed_kmh, draw.of("crossings"))
+        (alignment,) = table["alignments"]
+        if draw.of("second network").chance(SECOND_P):
+            alignment["second_coverage"] = [
+                {"from_km": alignment["from_km"], "to_km": alignment["to_km"]}
+            ]
+        bare = toml_of(table)
+    second = "second_coverage" in table["alignments"][0]
+    return DrawnLine(line_id, f"{tags}\n{bare}", _stops(kinds, kms, speed_kmh), second)
 
 
 def _kinds(draw: Draw) -> list[Kind]:

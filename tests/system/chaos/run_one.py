@@ -19,6 +19,7 @@ from onboard.notes import Claimed, EmergencyReleased, Holds, LimitSet, Reported
 from radio.keys import KEY_BYTES
 from radio.noted import Sent, TelegramDropped, TookEffect
 from scenario.scenario import Scenario
+from simulation.carriers.road_of_run import road_of, roads_at
 from simulation.events import Unsafe, word_of
 from simulation.faults.script import Act
 from simulation.judge.checkers import Checker
@@ -85,7 +86,8 @@ def _net_map(path: Path) -> NetMap:
 def run(scenario: Scenario, nets: Path, state: Path) -> tuple[RunResult, tuple[Act, ...]]:
     """The run of a case, and what its staff did. Raises what the simulator raises."""
     setup = scenario.setup
-    net = net_for(setup.line, nets)
+    road = road_of(setup, roads_at(setup), state)
+    net = net_for(setup.line, nets, () if road is None else road.roads)
     master_key = secrets.token_bytes(KEY_BYTES)
     with parties_of(PartyLink.SIMULATED, setup.line.id, specs_of(setup, master_key), state) as parties:
         simulation = Simulation(
@@ -95,6 +97,7 @@ def run(scenario: Scenario, nets: Path, state: Path) -> tuple[RunResult, tuple[A
             _net_map(net),
             LocalUnits(unit_configs(setup, master_key)),
             PartyLink.SIMULATED.value,
+            road=road,
         )
         acts = [] if simulation.staff is None else simulation.staff.acts
         try:

@@ -24,6 +24,7 @@ from simulation.events import (
 )
 from wayside import said
 from wayside.config import MANAGER_ID
+from wayside.crossing_said import CrossingOpens, CrossingUnproven
 
 SOMETIMES: Final[MappingProxyType[str, EventType]] = MappingProxyType(
     {
@@ -59,6 +60,12 @@ SOMETIMES: Final[MappingProxyType[str, EventType]] = MappingProxyType(
         "a certificate is found": said.Certified,
         "a sign-off waits for the train to have left": said.Leaving,
         "a person acts": Acted,
+        "a level crossing is asked to close": notes.CrossingAsked,
+        "a level crossing is heard closed": notes.CrossingHeardClosed,
+        "the proof of a level crossing is lost": notes.CrossingProofLost,
+        "a level crossing does not prove closed": CrossingUnproven,
+        "a driver creeps over a level crossing": notes.CrossingCreep,
+        "a level crossing opens": CrossingOpens,
     }
 )
 RESTARTED_MANAGER: Final = "the manager loses its power"

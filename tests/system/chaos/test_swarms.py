@@ -51,7 +51,8 @@ def test_swarms_end_well(chunk: tuple[Family, int, int], nets: Path, tmp_path: P
 def test_swarms_come_to_everything_that_is_meant(nets: Path, tmp_path: Path) -> None:
     test_line = _campaign(Family.TEST_LINE, 0, 300, nets, tmp_path)
     hour = _campaign(Family.HOUR, 0, 40, nets, tmp_path)
-    came = test_line.came + hour.came
+    crossed = _campaign(Family.CROSSINGS, 0, 60, nets, tmp_path)
+    came = test_line.came + hour.came + crossed.came
     assert [name for name in ALL if not came[name]] == []
 
 
