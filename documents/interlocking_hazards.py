@@ -29,7 +29,8 @@ HAZARDS: Final = (
         "A train on a level crossing whose road is open",
         "the device, its link, its lamps or barriers fail, or it is asked late",
         "the movement limit lies before the road until the device proves it closed, and again when a proof is taken"
-        " back or not said again; over it unproven only by a driver's leave, from a stand and on sight",
+        " back or not said again; over it unproven only from a stand and on sight, by a driver's leave or the word of who has"
+        " stopped its road by hand; so does a driver whose unit is cut out",
         ("onboard.crossings.machine", "onboard.crossings.talk", "wayside.level_crossing"),
         (Checker.CROSSING_OPEN,),
         (
@@ -42,6 +43,9 @@ HAZARDS: Final = (
             "rtri/107_crossing_contacts",
             "rtri/108_crossing_unit_power",
             "rtri/112_crossing_wrong_word",
+            "rtri/114_crossing_guarded",
+            "rtri/115_crossing_by_pilot",
+            "rtri/115b_crossing_by_pilot_guarded",
         ),
         ("a unit runs over a level crossing that has not proved closed",),
     ),

@@ -10,6 +10,7 @@ from onboard.crossings import machine as crossings
 from onboard.crossings import talk
 from radio.messages import CrossingOver
 from simulation.roads_closed import RoadsClosed
+from simulation.substitute import players
 from simulation.world.crossings import CrossingsOnTrack
 from tests.system.switchboard import switch
 from wayside import level_crossing
@@ -68,6 +69,17 @@ def strikes_off_at_once(patch: pytest.MonkeyPatch) -> None:
 @switch
 def looks_at_no_road(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(RoadsClosed, "for_nothing", lambda _self: ())
+
+
+@switch
+def stops_no_road(patch: pytest.MonkeyPatch) -> None:
+    """Who guards a crossing gives his word, and has not stopped its road."""
+    patch.setattr(CrossingsOnTrack, "stop_road", lambda *_: None)
+
+
+@switch
+def runs_over_crossings_by_hand(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(players, "STOPS_AT_CROSSINGS", False)
 
 
 @switch

@@ -400,6 +400,9 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
             "the road is closed until the train has come onto it",
         ),
         "113_crossing_over_unheard": ("looks_at_no_road", "and the road opens"),
+        "114_crossing_guarded": ("stops_no_road", Checker.CROSSING_OPEN),
+        "115_crossing_by_pilot": ("runs_over_crossings_by_hand", Checker.CROSSING_OPEN),
+        "115b_crossing_by_pilot_guarded": ("stops_no_road", Checker.CROSSING_OPEN),
         "110_crossing_busy_road": ("is_not_seen_on_the_road", Checker.SUMO_COLLISION),
     }
 )
