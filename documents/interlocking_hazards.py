@@ -52,11 +52,19 @@ HAZARDS: Final = (
     Hazard(
         "A road vehicle on a level crossing before the train",
         "it stalls on the road that is closed, or drives over one that cannot be closed",
-        "what a detector sees takes the proof away; nobody creeps onto a road on which he sees something stand, and for"
+        "what a detector sees, or a button that is pressed, takes the proof away, by contacts the word that the road is"
+        " clear; nobody creeps onto a road on which he sees something stand, and for"
         " a train that creeps drivers stop. Inside braking distance it is struck",
         ("wayside.level_crossing", "onboard.crossings.talk"),
         (Checker.SUMO_COLLISION,),
-        ("rtri/109_crossing_obstacle", "rtri/110_crossing_busy_road"),
+        (
+            "rtri/109_crossing_obstacle",
+            "rtri/110_crossing_busy_road",
+            "rtri/116_crossing_button",
+            "rtri/117_crossing_protection",
+            "rtri/118_crossing_protection_silent",
+            "rtri/119_crossing_detector_blind",
+        ),
     ),
     Hazard(
         "A road that is closed just before the train",

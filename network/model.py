@@ -228,6 +228,7 @@ class LevelCrossing:
     to the train; without barriers it counts as closed once its lamps are lit. `starts_m`, `ends_m`: kilometrages (m) of
     contacts by direction of travel. `sight_m`: from how far (m) its users see a train, if that is known.
     `has_detector`: its device sees what stands on the road while it is closed (障害物検知装置).
+    `has_protection`: controlled by contacts, it tells units by radio whether anything is known to be on it.
     """
 
     id: str
@@ -244,6 +245,7 @@ class LevelCrossing:
     ends_m: Mapping[Direction, float] = field(default_factory=dict[Direction, float])
     sight_m: float | None = None
     has_detector: bool = False
+    has_protection: bool = False
 
     @property
     def has_device(self) -> bool:
@@ -254,6 +256,11 @@ class LevelCrossing:
     def by_radio(self) -> bool:
         """Whether units ask it to close, and may not pass before it has proved closed."""
         return self.has_device and self.control is CrossingControl.RADIO
+
+    @property
+    def tells_units(self) -> bool:
+        """Whether units may not pass before they have heard from it: closed, or, by contacts, that nothing is on it."""
+        return self.by_radio or self.has_protection
 
     @property
     def warning_s(self) -> float:

@@ -402,6 +402,12 @@ class CrossingProofLost(Noted, frozen=True, kw_only=True, tag="crossing_proof_lo
     why: WhyProofLost
 
 
+class CrossingHeardClear(Noted, frozen=True, kw_only=True, tag="crossing_heard_clear"):
+    """A level crossing that contacts control has told the unit that nothing is known to be on it."""
+
+    crossing_id: str
+
+
 class CrossingCreep(Noted, frozen=True, kw_only=True, tag="crossing_creep"):
     """The driver has leave to creep over a level crossing that has not proved closed, whistling, on sight; `guarded`: by
     the word of somebody who has stopped its road by hand.
@@ -489,6 +495,7 @@ Note = (
     | ThrowDenied
     | CrossingAsked
     | CrossingHeardClosed
+    | CrossingHeardClear
     | CrossingProofLost
     | CrossingCreep
     | CrossingLeftBehind

@@ -15,13 +15,19 @@ from radio.noted import Noted
 
 class CrossingDetected(msgspec.Struct, frozen=True, array_like=True, tag=13):
     """World to level crossing: what its contacts show, at each change and after a restart: lamps lit, barriers at
-    either end, something on the closed road. What is not detected shows neither end.
+    either end, something on the closed road, the button pressed. What is not detected shows neither end.
     """
 
     lamps: bool
     lowered: bool
     raised: bool
     obstacle: bool = False
+    button: bool = False
+
+    @property
+    def is_free(self) -> bool:
+        """Whether nobody has pressed the button and nothing is seen on the road."""
+        return not (self.obstacle or self.button)
 
 
 class CrossingContact(msgspec.Struct, frozen=True, array_like=True, tag=14):
@@ -64,6 +70,7 @@ class WhyUnproven(Enum):
     LATE = "not detected in time"
     LOST = "lost"
     OBSTACLE = "something is on it"
+    BUTTON = "its button is pressed"
 
 
 class CrossingUnproven(Noted, frozen=True, kw_only=True, tag="crossing_unproven"):

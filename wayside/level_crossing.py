@@ -10,7 +10,8 @@ opens the crossing. A unit may put its time off while the crossing is still open
 unit's word that it is over it, or has given it up, counts. Which units have announced themselves is its durable
 memory: after a restart the crossing stays closed until each of them has said so. Two persons may say that no train
 comes (踏切の復帰扱い): proofs are taken back, and who says nothing for `FREES_S` from then on is struck off. Controlled by contacts it closes
-when a front passes the first and opens when as many rears have passed the last; no unit is told anything.
+when a front passes the first and opens when as many rears have passed the last; with protection, units that ask are
+told whether anything is known to be on it, and nothing else.
 `TABLE` is the state of the crossing and the kind of event.
 """
 
@@ -26,7 +27,7 @@ from typing import Any, Final
 import msgspec
 from msgspec.structs import replace
 
-from radio.messages import CrossingOver, CrossingOverHeard, CrossingProof, CrossingRequest
+from radio.messages import CrossingClear, CrossingOver, CrossingOverHeard, CrossingProof, CrossingRequest
 from radio.table import TableCell, rows
 from wayside import barring
 from wayside.actions import Action, Drive, Send, Show
@@ -90,7 +91,8 @@ class CrossingDevice(msgspec.Struct, frozen=True):
     `lit_s`: since when lamps are detected; `deadline_s`: when what was commanded must be detected; `held_s`: closed
     until then, since the memory was lost (negative infinity: it was not, infinity: and nothing has happened yet).
     `persons` have said since it closed that no train comes; two of them strike off at `frees_s` who has said nothing
-    since, and as many as were `doubted` of the trains that contacts have counted in.
+    since, and as many as were `doubted` of the trains that contacts have counted in. `listening`: units that are told
+    whether anything is on it, and the correlation of what each asked last.
     """
 
     config: CrossingConfig
@@ -104,6 +106,7 @@ class CrossingDevice(msgspec.Struct, frozen=True):
     persons: tuple[str, ...] = ()
     frees_s: float = math.inf
     doubted: int = 0
+    listening: Mapping[str, int] = msgspec.field(default_factory=dict[str, int])
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,6 +166,8 @@ def step(device: CrossingDevice, event: CrossingEvent, now_s: float) -> Crossing
     if isinstance(event, ClosureAsked | CrossingLeft) and event.unit_id in device.memory.bars.barred:
         return device, ()
     after, actions = TABLE[device.state, type(event)](device, event, now_s)
+    if after.detected.is_free is not device.detected.is_free:
+        actions = (*actions, *(_clear(after, unit_id) for unit_id in after.listening))
     kept = CrossingMemory(tuple(sorted(after.approaches)), after.memory.counted, after.memory.bars)
     return (after if kept == after.memory else replace(after, memory=kept)), actions
 
@@ -222,7 +227,7 @@ def _seen(device: CrossingDevice, detected: CrossingDetected, now_s: float) -> C
 def _shuts(device: CrossingDevice) -> bool:
     """Whether lamps shine, barriers are down and nothing is on the road, as detected."""
     seen = device.detected
-    return seen.lamps and (seen.lowered or not device.config.barriers) and not seen.obstacle
+    return seen.lamps and (seen.lowered or not device.config.barriers) and seen.is_free
 
 
 def _shows_closed(device: CrossingDevice, now_s: float) -> bool:
@@ -235,6 +240,16 @@ def _starts_s(config: CrossingConfig, request: CrossingRequest, now_s: float) ->
     before_front_s = request.arrives_s - config.closing_s - config.closed_s
     before_proof_s = request.proof_s - config.closing_s - TELEGRAM_S
     return now_s + min(before_front_s, before_proof_s)
+
+
+def _clear(device: CrossingDevice, unit_id: str) -> Send:
+    return Send(unit_id, CrossingClear(device.detected.is_free, VALID_S), device.listening[unit_id])
+
+
+def _listen(device: CrossingDevice, event: ClosureAsked) -> CrossingStep:
+    """Contacts close it, whatever a unit asks; it is told, now and at each change, whether anything is on it."""
+    device = replace(device, listening={**device.listening, event.unit_id: event.correlation})
+    return device, (_clear(device, event.unit_id),)
 
 
 def _proof(device: CrossingDevice, unit_id: str) -> Send:
@@ -264,6 +279,8 @@ def _close(device: CrossingDevice, unit_id: str, now_s: float) -> CrossingStep:
 
 def _ask_open(device: CrossingDevice, event: ClosureAsked, now_s: float) -> CrossingStep:
     """Announced: the warning begins in its time, which the unit may still put off or bring forward."""
+    if device.config.protection:
+        return _listen(device, event)
     device = _announced(device, event, now_s)
     device, actions = _begin_due(device, CrossingTimeDue(), now_s)
     return device, (*actions, _proof(device, event.unit_id))
@@ -271,6 +288,8 @@ def _ask_open(device: CrossingDevice, event: ClosureAsked, now_s: float) -> Cros
 
 def _ask_closing(device: CrossingDevice, event: ClosureAsked, now_s: float) -> CrossingStep:
     """Announced: closed for it, too; it is told whether that is detected, and since when."""
+    if device.config.protection:
+        return _listen(device, event)
     device = _announced(device, event, now_s)
     return device, (_proof(device, event.unit_id),)
 
@@ -288,7 +307,8 @@ def _begin_due(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) ->
 def _leave_open(device: CrossingDevice, event: CrossingLeft, _now_s: float) -> CrossingStep:
     """Not announced any more; confirmed, as often as it is said."""
     left = {unit_id: each for unit_id, each in device.approaches.items() if unit_id != event.unit_id}
-    return replace(device, approaches=left), (Send(event.unit_id, CrossingOverHeard(), event.correlation),)
+    listening = {unit_id: each for unit_id, each in device.listening.items() if unit_id != event.unit_id}
+    return replace(device, approaches=left, listening=listening), (Send(event.unit_id, CrossingOverHeard(), event.correlation),)
 
 
 def _leave_closed(device: CrossingDevice, event: CrossingLeft, now_s: float) -> CrossingStep:
@@ -378,7 +398,10 @@ def _detect_closed(device: CrossingDevice, event: CrossingDetected, now_s: float
         state=CrossingState.CLOSING,
         deadline_s=now_s + device.config.closing_s + TELEGRAM_S,
     )
-    why = WhyUnproven.OBSTACLE if device.detected.obstacle else WhyUnproven.LOST
+    seen = device.detected
+    why = (
+        WhyUnproven.BUTTON if seen.button else WhyUnproven.OBSTACLE if seen.obstacle else WhyUnproven.LOST
+    )
     return device, (Show(CrossingUnproven(why=why)), *_proofs(device))
 
 

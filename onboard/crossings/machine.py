@@ -104,10 +104,13 @@ class CrossingSeen:
 
 @dataclass(frozen=True, slots=True)
 class CrossingAnswered:
-    """Event: the crossing says whether it is closed, and until when (s) that holds."""
+    """Event: the crossing says whether it is closed, and until when (s) that holds; one that closes `by_contacts`,
+    whether nothing is on it.
+    """
 
     closed: bool
     until_s: float
+    by_contacts: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -274,7 +277,8 @@ def _proof(view: CrossingView, event: CrossingAnswered, now_s: float) -> Crossin
     if not event.closed:
         return view, ()
     proven = replace(view, phase=CrossingPhase.PROVEN, since_s=now_s, until_s=event.until_s)
-    return replace(proven, creeps=False), (notes.CrossingHeardClosed(crossing_id=view.crossing_id),)
+    note = notes.CrossingHeardClear if event.by_contacts else notes.CrossingHeardClosed
+    return replace(proven, creeps=False), (note(crossing_id=view.crossing_id),)
 
 
 def _proof_again(view: CrossingView, event: CrossingAnswered, now_s: float) -> CrossingStep:

@@ -5,15 +5,18 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from onboard.crossings import machine as crossings
 from onboard.crossings import talk
-from radio.messages import CrossingOver
+from radio.messages import CrossingClear, CrossingOver
 from simulation.roads_closed import RoadsClosed
 from simulation.substitute import players
+from simulation.world import crossing_equipment
 from simulation.world.crossings import CrossingsOnTrack
 from tests.system.switchboard import switch
 from wayside import level_crossing
+from wayside.actions import Send
 from wayside.crossing_said import CrossingContact
 from wayside.level_crossing import ClosureAsked, CrossingDevice, CrossingLeft, CrossingState
 
@@ -80,6 +83,26 @@ def stops_no_road(patch: pytest.MonkeyPatch) -> None:
 @switch
 def runs_over_crossings_by_hand(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(players, "STOPS_AT_CROSSINGS", False)
+
+
+@switch
+def feels_no_button(patch: pytest.MonkeyPatch) -> None:
+    """A crossing whose button reaches nobody."""
+    detection = crossing_equipment.detection
+    patch.setattr(
+        crossing_equipment, "detection", lambda equipment: replace(detection(equipment), button=False)
+    )
+
+
+@switch
+def calls_every_road_clear(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(
+        level_crossing,
+        "_clear",
+        lambda device, unit_id: Send(
+            unit_id, CrossingClear(clear=True, valid_s=level_crossing.VALID_S), device.listening[unit_id]
+        ),
+    )
 
 
 @switch

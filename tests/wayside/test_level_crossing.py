@@ -6,7 +6,14 @@ import math
 
 import pytest
 
-from radio.messages import AnyMessage, CrossingOver, CrossingOverHeard, CrossingProof, CrossingRequest
+from radio.messages import (
+    AnyMessage,
+    CrossingClear,
+    CrossingOver,
+    CrossingOverHeard,
+    CrossingProof,
+    CrossingRequest,
+)
 from wayside.actions import Drive, Send, Show
 from wayside.config import CrossingConfig
 from wayside.crossing_said import (
@@ -41,10 +48,12 @@ from wayside.said import Barred, BarUnit, Unbarred, UnbarUnit
 
 BARRIERS = CrossingConfig("line", "C", barriers=True, closing_s=15.0, closed_s=20.0)
 LAMPS = CrossingConfig("line", "C", barriers=False, closing_s=0.0, closed_s=30.0)
+PROTECTED = CrossingConfig("line", "C", barriers=True, closing_s=15.0, closed_s=20.0, protection=True)
 UP = CrossingDetected(lamps=False, lowered=False, raised=True)
 MOVING = CrossingDetected(lamps=True, lowered=False, raised=False)
 DOWN = CrossingDetected(lamps=True, lowered=True, raised=False)
 BLOCKED = CrossingDetected(lamps=True, lowered=True, raised=False, obstacle=True)
+PRESSED = CrossingDetected(lamps=True, lowered=True, raised=False, button=True)
 DARK = CrossingDetected(lamps=False, lowered=True, raised=False)
 OPEN, CLOSING, CLOSED = CrossingState.OPEN, CrossingState.CLOSING, CrossingState.CLOSED
 COMES, GONE = CrossingContact(first=True), CrossingContact(first=False)
@@ -375,3 +384,42 @@ def test_a_barred_unit_that_is_gone_does_not_keep_the_road() -> None:
     box.do(asks(5.0), 111.0)
     box.do(CrossingTimeDue(), 170.0)
     assert box.state is OPEN
+
+
+def test_a_button_that_is_pressed_takes_the_proof_away_until_it_is_reset() -> None:
+    box = closed_for("u")
+    assert box.do(PRESSED, 18.0) == [("u", CrossingProof(False, VALID_S), 1)]
+    assert box.notes == [CrossingUnproven(why=WhyUnproven.BUTTON)]
+    assert box.do(DOWN, 60.0) == [("u", CrossingProof(True, VALID_S), 1)]
+
+
+def test_with_protection_a_unit_that_asks_closes_nothing_and_is_told_that_the_road_is_clear() -> None:
+    box = Box(PROTECTED)
+    box.do(UP)
+    assert box.do(asks(5.0, correlation=3), 1.0) == [("u", CrossingClear(True, VALID_S), 3)]
+    assert (box.state, box.drives, wake_at_s(box.device), box.device.memory.units) == (OPEN, [], None, ())
+
+
+def test_with_protection_units_are_told_at_once_what_is_on_it_until_they_are_over_it() -> None:
+    box = Box(PROTECTED)
+    box.do(UP)
+    box.do(asks(50.0, unit="u", correlation=3))
+    box.do(asks(50.0, unit="v", correlation=5))
+    box.do(COMES, 10.0)
+    assert box.do(DOWN, 25.0) == []
+    assert box.do(BLOCKED, 30.0) == [
+        ("u", CrossingClear(False, VALID_S), 3),
+        ("v", CrossingClear(False, VALID_S), 5),
+    ]
+    assert box.do(asks(5.0, unit="u", correlation=3), 31.0) == [("u", CrossingClear(False, VALID_S), 3)]
+    assert box.do(leaves("u", 3), 32.0) == [("u", CrossingOverHeard(), 3)]
+    assert box.do(DOWN, 40.0) == [("v", CrossingClear(True, VALID_S), 5)]
+    assert (box.state, box.device.memory.counted) == (CLOSED, 1)
+
+
+def test_with_protection_a_button_on_the_open_road_is_told_too() -> None:
+    box = Box(PROTECTED)
+    box.do(UP)
+    box.do(asks(50.0))
+    pressed = CrossingDetected(lamps=False, lowered=False, raised=True, button=True)
+    assert box.do(pressed, 5.0) == [("u", CrossingClear(False, VALID_S), 1)]
