@@ -272,8 +272,8 @@ class LevelCrossing:
         return self.position_m - direction * self.width_m / 2.0
 
     def contacts_from_road_m(self, direction: Direction) -> tuple[float, float]:
-        """How far the first contact lies before the road, and the last one beyond it, m, as trains of this direction run;
-        a last contact that is not given lies where the road ends. Raises KeyError where there is no first one.
+        """How far the first contact lies before the road, and the last one beyond it, m, as trains of this direction
+        run; a last contact that is not given lies where the road ends. Raises KeyError where there is no first one.
         """
         leaves_m = self.edge_m(direction.opposite)
         before_m = abs(self.starts_m[direction] - self.edge_m(direction))

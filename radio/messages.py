@@ -338,8 +338,8 @@ class CrossingOverHeard(Message, frozen=True, array_like=True, tag=29):
 
 
 class CrossingClear(Message, frozen=True, array_like=True, tag=30):
-    """Level crossing that contacts control to unit: whether it knows of nothing on it: no button pressed, nothing seen by
-    its detector (特殊信号発光機). It holds for `valid_s`.
+    """Level crossing that contacts control to unit (特殊信号発光機): whether no button is pressed and its detector sees
+    nothing on it. It holds for `valid_s`.
 
     Only `clear` lets the unit pass; not clear takes back the one before. Lost, or late, it only restricts.
     """

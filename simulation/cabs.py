@@ -138,8 +138,8 @@ class Cabs:
         (self._crew.by_hand.add if by_hand and stops_at_crossings else self._crew.by_hand.discard)(slot)
 
     def looks_by_hand(self, slot: int, step: int) -> bool:
-        """A driver whose unit is cut out looks along the track, and at the level crossing before which he stands; whether
-        he creeps over it.
+        """A driver whose unit is cut out looks along the track, and at the level crossing before which he stands;
+        whether he creeps over it.
         """
         self._crew.look_ahead(slot)
         self._wait_at_crossing(slot, step)

@@ -15,7 +15,8 @@ import msgspec
 
 from network.model import Position
 from onboard import notes
-from onboard.notes import CrossingCreep, Holds, ProofDropped, Proven, Reported, UnitRestarted
+from onboard.crossing_notes import CrossingCreep
+from onboard.notes import Holds, ProofDropped, Proven, Reported, UnitRestarted
 from radio.noted import Lost, Noted, Sent, TookEffect
 from wayside import said
 from wayside.said import Accepted, ConfirmedByHand, Freed, Granted, Outside, Started

@@ -90,8 +90,8 @@ class People(Record):
     flag_s: Annotated[
         PersonTime,
         about(
-            "mean time from when a train stands before a level crossing that somebody guards until its road is stopped by"
-            " hand and its driver has that one's word",
+            "mean time from when a train stands before a level crossing that somebody guards until its road is stopped"
+            " by hand and its driver has that one's word",
             "assumed: a flag held to the road, a look, a flag shown to the driver",
         ),
     ] = 15.0
@@ -141,7 +141,7 @@ class People(Record):
     road_s: Annotated[
         PersonTime,
         about(
-            "with react, mean time from when a level crossing is closed and no train comes until two persons say so there",
+            "with react, mean time from when a level crossing is closed and no train comes until two persons say so",
             "assumed: somebody who waits calls, the line is looked at, staff are sent",
         ),
     ] = 300.0

@@ -16,7 +16,7 @@ from simulation.world.trains import Trains
 LOOKS_ALONG_M: Final = 2000.0  # assumed: a train that runs farther away is no reason to leave a road closed
 
 
-class RoadsClosed:
+class RoadsClosedForNothing:
     """Looks at the crossings of a run by the truth; what units and devices believe is no part of it."""
 
     def __init__(self, trains: Trains, on_board: OnBoard, crossings: CrossingsOnTrack) -> None:

@@ -5,9 +5,10 @@ controller; after a time of their own (`[people]`) they do what the rules of ope
 often, while it is as it was: switch on what is off, or put it into service again; wind points to where no train is in
 the way, or to where the crew of one needs them that has stopped short of the blades; bar a unit that claims what is not
 so, and unbar it, again where that did not get through; see to the picture of the line until it is accepted; say, two of
-them, at a level crossing whose road is closed that no train comes there; guard one that is out of order; and for a unit whose word the manager waits
-for, or does not hear, two of them say where its train truly stands and what it shows that it holds, with what their word
-cannot free. They act through the injector's door, so that what they did can be written down as acts of a drill.
+them, at a level crossing whose road is closed that no train comes there; guard one that is out of order; and for a unit
+whose word the manager waits for, or does not hear, two of them say where its train truly stands and what it shows that
+it holds, with what their word cannot free. They act through the injector's door, so that what they did can be written
+down as acts of a drill.
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ from collections import Counter
 from typing import Final
 
 from network.model import SectionKind
-from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints, CrossingCreep, UnitRestarted
+from onboard.crossing_notes import CrossingCreep
+from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints, UnitRestarted
 from radio.chance import generator
 from radio.messages import ClaimQuery
 from radio.noted import Sent
@@ -27,7 +29,7 @@ from simulation.injector import Injector
 from simulation.mad_units import MadUnits
 from simulation.pauses import Pauses
 from simulation.people import Pause
-from simulation.roads_closed import RoadsClosed
+from simulation.roads_closed import RoadsClosedForNothing
 from simulation.setup import STEP_S, STEPS_PER_S
 from simulation.world.point_machine import MachineState, PointMachine
 from simulation.world.stage import World
@@ -81,7 +83,7 @@ class Staff:
         self._reported: set[str] = set()  # level crossings over which trains had to creep
         self._again_s: dict[tuple[ActKind, str, str], float] = {}
         self._tries: Counter[tuple[ActKind, str, str]] = Counter()
-        self._roads: Final = RoadsClosed(world.trains, world.on_board, world.wayside.crossings)
+        self._roads: Final = RoadsClosedForNothing(world.trains, world.on_board, world.wayside.crossings)
         self._mad = MadUnits(world.trains.slot_of, self._held)
         world.journal.watch(self._see)
 

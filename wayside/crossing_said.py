@@ -42,6 +42,9 @@ class NoTrainComes(msgspec.Struct, frozen=True, array_like=True, tag=15):
     person: str
 
 
+CrossingInput = CrossingDetected | CrossingContact | NoTrainComes
+
+
 class CloseCrossing(msgspec.Struct, frozen=True, array_like=True, tag=3):
     """Level crossing to world: lamps on, barriers down."""
 
@@ -80,8 +83,8 @@ class CrossingUnproven(Noted, frozen=True, kw_only=True, tag="crossing_unproven"
 
 
 class CrossingOpens(Noted, frozen=True, kw_only=True, tag="crossing_opens"):
-    """A level crossing opens: no train is announced any more. `struck_off`: units, and trains that contacts have counted
-    in (an empty name), that persons alone say do not come.
+    """A level crossing opens: no train is announced any more. `struck_off`: units, and trains that contacts have
+    counted in (an empty name), of which persons alone say that they do not come.
     """
 
     struck_off: tuple[str, ...] = ()
@@ -94,3 +97,6 @@ class NoTrainSaid(Noted, frozen=True, kw_only=True, tag="no_train_said"):
 
     by: str
     agreed: bool = False
+
+
+CrossingWord = CrossingWarns | CrossingProven | CrossingUnproven | CrossingOpens | NoTrainSaid

@@ -9,9 +9,9 @@ begins so much before that as the line has it, so that it lasts as long for slow
 opens the crossing. A unit may put its time off while the crossing is still open; once that is closing, only the
 unit's word that it is over it, or has given it up, counts. Which units have announced themselves is its durable
 memory: after a restart the crossing stays closed until each of them has said so. Two persons may say that no train
-comes (踏切の復帰扱い): proofs are taken back, and who says nothing for `FREES_S` from then on is struck off. Controlled by contacts it closes
-when a front passes the first and opens when as many rears have passed the last; with protection, units that ask are
-told whether anything is known to be on it, and nothing else.
+comes (踏切の復帰扱い): proofs are taken back, and who says nothing for `FREES_S` from then on is struck off. Controlled
+by contacts it closes when a front passes the first and opens when as many rears have passed the last; with protection,
+units that ask are told whether anything is known to be on it, and nothing else.
 `TABLE` is the state of the crossing and the kind of event.
 """
 
@@ -308,7 +308,9 @@ def _leave_open(device: CrossingDevice, event: CrossingLeft, _now_s: float) -> C
     """Not announced any more; confirmed, as often as it is said."""
     left = {unit_id: each for unit_id, each in device.approaches.items() if unit_id != event.unit_id}
     listening = {unit_id: each for unit_id, each in device.listening.items() if unit_id != event.unit_id}
-    return replace(device, approaches=left, listening=listening), (Send(event.unit_id, CrossingOverHeard(), event.correlation),)
+    return replace(device, approaches=left, listening=listening), (
+        Send(event.unit_id, CrossingOverHeard(), event.correlation),
+    )
 
 
 def _leave_closed(device: CrossingDevice, event: CrossingLeft, now_s: float) -> CrossingStep:
@@ -318,9 +320,7 @@ def _leave_closed(device: CrossingDevice, event: CrossingLeft, now_s: float) -> 
     return device, (*confirmed, *opened)
 
 
-def _open_if_free(
-    device: CrossingDevice, now_s: float, struck_off: tuple[str, ...] = ()
-) -> CrossingStep:
+def _open_if_free(device: CrossingDevice, now_s: float, struck_off: tuple[str, ...] = ()) -> CrossingStep:
     if _wanted(device) or now_s < device.held_s - _TIME_TOLERANCE_S:
         return device, ()
     opened = replace(
@@ -399,9 +399,7 @@ def _detect_closed(device: CrossingDevice, event: CrossingDetected, now_s: float
         deadline_s=now_s + device.config.closing_s + TELEGRAM_S,
     )
     seen = device.detected
-    why = (
-        WhyUnproven.BUTTON if seen.button else WhyUnproven.OBSTACLE if seen.obstacle else WhyUnproven.LOST
-    )
+    why = WhyUnproven.BUTTON if seen.button else WhyUnproven.OBSTACLE if seen.obstacle else WhyUnproven.LOST
     return device, (Show(CrossingUnproven(why=why)), *_proofs(device))
 
 

@@ -11,18 +11,7 @@ import msgspec
 
 from network.model import Position
 from radio.noted import Noted, TelegramDropped, TookEffect
-from wayside.crossing_said import (
-    CloseCrossing,
-    CrossingContact,
-    CrossingDetected,
-    CrossingOpens,
-    CrossingProven,
-    CrossingUnproven,
-    CrossingWarns,
-    NoTrainComes,
-    NoTrainSaid,
-    OpenCrossing,
-)
+from wayside.crossing_said import CloseCrossing, CrossingInput, CrossingWord, OpenCrossing
 
 
 class ConfirmOutside(msgspec.Struct, frozen=True, array_like=True, tag=1):
@@ -131,9 +120,7 @@ Input = (
     | LetWait
     | LetGo
     | EndTrain
-    | CrossingDetected
-    | CrossingContact
-    | NoTrainComes
+    | CrossingInput
 )
 
 
@@ -485,17 +472,6 @@ TerminalNote = (
     | TookEffect
 )
 CrossingNote = (
-    Started
-    | InputRefused
-    | Refused
-    | CrossingWarns
-    | CrossingProven
-    | CrossingUnproven
-    | CrossingOpens
-    | NoTrainSaid
-    | Barred
-    | Unbarred
-    | TelegramDropped
-    | TookEffect
+    Started | InputRefused | Refused | CrossingWord | Barred | Unbarred | TelegramDropped | TookEffect
 )
 Note = ManagerNote | TerminalNote | CrossingNote

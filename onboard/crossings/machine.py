@@ -20,7 +20,7 @@ from typing import Any, Final
 import msgspec
 from msgspec.structs import replace
 
-from onboard import notes
+from onboard import crossing_notes, notes
 from radio.messages import CrossingOver, CrossingRequest
 from radio.table import TableCell, rows
 
@@ -130,7 +130,7 @@ class CrossingOffLine:
 
 @dataclass(frozen=True, slots=True)
 class CreepAllowed:
-    """Event: its driver has leave to creep over it, on sight and whistling; `guarded`: somebody has stopped its road."""
+    """Event: its driver may creep over it, on sight and whistling; `guarded`: somebody has stopped its road."""
 
     guarded: bool = False
 
@@ -190,7 +190,7 @@ def _repeats(view: CrossingView, place: CrossingPlace | None, now_s: float, ever
 
 def _gives_up(view: CrossingView, now_s: float, *, passed: bool) -> CrossingStep:
     fresh = CrossingView(view.crossing_id, CrossingPhase.LEAVING, now_s, passed=passed)
-    left = notes.CrossingLeftBehind(crossing_id=view.crossing_id, passed=passed)
+    left = crossing_notes.CrossingLeftBehind(crossing_id=view.crossing_id, passed=passed)
     return fresh, (left, CrossingOver(passed))
 
 
@@ -206,7 +206,7 @@ def _look_ahead(view: CrossingView, event: CrossingSeen, now_s: float) -> Crossi
     if place.clear or place.due_s > 0.0:
         return view, ()
     asked, said = _asks(replace(view, phase=CrossingPhase.ASKED), place, now_s)
-    note = notes.CrossingAsked(crossing_id=view.crossing_id, arrives_s=round(place.arrives_s, 1))
+    note = crossing_notes.CrossingAsked(crossing_id=view.crossing_id, arrives_s=round(place.arrives_s, 1))
     return asked, (note, *said)
 
 
@@ -235,7 +235,9 @@ def _look_proven(view: CrossingView, event: CrossingSeen, now_s: float) -> Cross
     if now_s >= view.until_s:
         lost, said = _look_asked(_unproven(view), event, now_s)
         return lost, (
-            notes.CrossingProofLost(crossing_id=view.crossing_id, why=notes.WhyProofLost.SILENCE),
+            crossing_notes.CrossingProofLost(
+                crossing_id=view.crossing_id, why=crossing_notes.WhyProofLost.SILENCE
+            ),
             *said,
         )
     if place is None or (place.stands and not math.isfinite(place.arrives_s)):
@@ -277,7 +279,7 @@ def _proof(view: CrossingView, event: CrossingAnswered, now_s: float) -> Crossin
     if not event.closed:
         return view, ()
     proven = replace(view, phase=CrossingPhase.PROVEN, since_s=now_s, until_s=event.until_s)
-    note = notes.CrossingHeardClear if event.by_contacts else notes.CrossingHeardClosed
+    note = crossing_notes.CrossingHeardClear if event.by_contacts else crossing_notes.CrossingHeardClosed
     return replace(proven, creeps=False), (note(crossing_id=view.crossing_id),)
 
 
@@ -285,7 +287,9 @@ def _proof_again(view: CrossingView, event: CrossingAnswered, now_s: float) -> C
     """Still closed: it holds on; not closed any more: it is dropped at once."""
     if event.closed:
         return replace(view, until_s=event.until_s), ()
-    note = notes.CrossingProofLost(crossing_id=view.crossing_id, why=notes.WhyProofLost.NOT_CLOSED)
+    note = crossing_notes.CrossingProofLost(
+        crossing_id=view.crossing_id, why=crossing_notes.WhyProofLost.NOT_CLOSED
+    )
     return replace(_unproven(view), said_s=now_s), (note,)
 
 
@@ -309,7 +313,7 @@ def _creep(view: CrossingView, event: CreepAllowed, _now_s: float) -> CrossingSt
     if view.creeps:
         return view, ()
     return replace(view, creeps=True), (
-        notes.CrossingCreep(crossing_id=view.crossing_id, guarded=event.guarded),
+        crossing_notes.CrossingCreep(crossing_id=view.crossing_id, guarded=event.guarded),
     )
 
 

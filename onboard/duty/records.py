@@ -194,8 +194,8 @@ class NotAtMark(msgspec.Struct, frozen=True, tag=True):
 
 
 class CreepOver(msgspec.Struct, frozen=True, tag=True):
-    """The driver, standing before a level crossing that has not proved closed, has leave to creep over it, `guarded`: by whom
-    has stopped its road by hand.
+    """The driver, standing before a level crossing that has not proved closed, has leave to creep over it; `guarded`:
+    by the word of somebody who has stopped its road.
     """
 
     crossing_id: str

@@ -98,6 +98,6 @@ class DetectorOccupied(CrossingFault):
 
 
 class DetectorOff(DetectorOccupied):
-    """The obstacle detector of a level crossing has no power: its relay falls, and shows that something stands there."""
+    """The obstacle detector of a level crossing has no power: its relay falls, as if something stood there."""
 
     kind = "detector_off"

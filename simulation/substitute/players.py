@@ -31,7 +31,9 @@ from wayside.config import MANAGER_ID
 NOBODY: Final = "nobody is there"
 STAYS_ABOARD: Final = "the pilot stays aboard"
 TICKETS = True  # off: a pilot rides with every train
-STOPS_AT_CROSSINGS = True  # off: drivers whose unit is cut out run over level crossings that nobody has announced them at
+STOPS_AT_CROSSINGS = (
+    True  # off: drivers whose unit is cut out run over level crossings that nobody has announced them at
+)
 NEED_NOT_BE_EMPTY = True  # off: also a section that never had a pilot must be empty first
 
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from network.model import SectionKind
+from onboard.crossing_notes import CrossingCreep
 from onboard.duty.records import (
     AtMark,
     CreepOver,
@@ -26,7 +27,7 @@ from onboard.duty.records import (
     PointsWrong,
 )
 from onboard.mission import Mission
-from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints, CrossingCreep
+from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
 from onboard.plan import ARRIVED_ON_SIGHT_WITHIN_M, DutyPlan, PointsNeeded
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S

@@ -16,7 +16,15 @@ from network.model import CrossingControl, LevelCrossing, Line
 from network.path import Path
 from simulation.agenda import Agenda, AgendaKind
 from simulation.carriers.road import Road
-from simulation.events import WORLD, BarrierState, CrossingBarriers, CrossingEntered, CrossingLamps, RoadGuarded, RoadStopped
+from simulation.events import (
+    WORLD,
+    BarrierState,
+    CrossingBarriers,
+    CrossingEntered,
+    CrossingLamps,
+    RoadGuarded,
+    RoadStopped,
+)
 from simulation.faults.crossings import CrossingCondition
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before

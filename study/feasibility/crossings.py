@@ -80,7 +80,8 @@ def _unwarned(
     places = dict.fromkeys(train.duty.mission.targets[0].section_id for train in silent)
     for place in places:
         own = [train for train in silent if train.duty.mission.targets[0].section_id == place]
-        said = f"level crossing {crossing.id} does not warn of {name} trains that begin in {place}, beyond its first contact"
+        said = f"level crossing {crossing.id} does not warn of {name} trains that begin in {place}, beyond its first"
+        said += " contact"
         remedy = f"{least_s:g} s are the least: a first contact that they pass so long before, or by radio"
         yield _finding(crossing, own, Severity.IMPOSSIBLE, said, remedy, least_s)
 

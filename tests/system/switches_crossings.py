@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from onboard.crossings import machine as crossings
 from onboard.crossings import talk
 from radio.messages import CrossingClear, CrossingOver
-from simulation.roads_closed import RoadsClosed
+from simulation.roads_closed import RoadsClosedForNothing
 from simulation.substitute import players
 from simulation.world import crossing_equipment
 from simulation.world.crossings import CrossingsOnTrack
@@ -71,7 +71,7 @@ def strikes_off_at_once(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def looks_at_no_road(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(RoadsClosed, "for_nothing", lambda _self: ())
+    patch.setattr(RoadsClosedForNothing, "for_nothing", lambda _self: ())
 
 
 @switch

@@ -356,8 +356,8 @@ def test_a_restart_forgets_what_persons_have_said() -> None:
 
 
 def test_what_a_barred_unit_says_opens_nothing_and_proves_nothing_to_it() -> None:
-    """Two persons bar it: its proof is taken back. Its word that it is over the road counts for nothing, nor does what it
-    asks; two more unbar it.
+    """Two persons bar it: its proof is taken back. Neither its word that it is over the road counts nor what it asks,
+    until two have unbarred it.
     """
     box = closed_for("u")
     assert box.do(BarUnit("u", "signalman"), 20.0) == []

@@ -7,7 +7,7 @@ import math
 import pytest
 from msgspec.structs import replace
 
-from onboard import notes
+from onboard import crossing_notes
 from onboard.crossings import machine
 from onboard.crossings.machine import (
     EARLY_S,
@@ -45,8 +45,8 @@ ASKED_VIEW = replace(VIEW, phase=ASKED, said_s=0.0)
 PROVEN_VIEW = replace(VIEW, phase=PROVEN, said_s=0.0, since_s=0.0, until_s=12.0)
 PASSING_VIEW = replace(PROVEN_VIEW, phase=PASSING)
 LEAVING_VIEW = replace(VIEW, phase=LEAVING, said_s=0.0, passed=True)
-GIVES_UP = (notes.CrossingLeftBehind(crossing_id="C", passed=False), CrossingOver(False))
-IS_OVER = (notes.CrossingLeftBehind(crossing_id="C", passed=True), CrossingOver(True))
+GIVES_UP = (crossing_notes.CrossingLeftBehind(crossing_id="C", passed=False), CrossingOver(False))
+IS_OVER = (crossing_notes.CrossingLeftBehind(crossing_id="C", passed=True), CrossingOver(True))
 
 
 def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
@@ -57,7 +57,7 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
     assert wake_s(VIEW, FAR, 7.0) == 7.0 + 80.0 - machine.HELD_FROM_S
     asked, said = step(VIEW, CrossingSeen(NEAR), 0.0)
     assert asked == ASKED_VIEW
-    assert said == (notes.CrossingAsked(crossing_id="C", arrives_s=40.0), REQUEST)
+    assert said == (crossing_notes.CrossingAsked(crossing_id="C", arrives_s=40.0), REQUEST)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
             CrossingAnswered(True, 21.0),
             9.0,
             replace(PROVEN_VIEW, since_s=9.0, until_s=21.0, answered=True),
-            (notes.CrossingHeardClosed(crossing_id="C"),),
+            (crossing_notes.CrossingHeardClosed(crossing_id="C"),),
         ),
         (ASKED_VIEW, CrossingSeen(ON_IT), 3.0, replace(ASKED_VIEW, phase=PASSING, said_s=3.0),
          (CrossingRequest(0.0, 0.0),)),
@@ -82,9 +82,9 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
         (PROVEN_VIEW, CrossingSeen(NEAR), REFRESH_S, replace(PROVEN_VIEW, said_s=REFRESH_S), (REQUEST,)),
         (PROVEN_VIEW, CrossingAnswered(True, 18.0), 6.0, replace(PROVEN_VIEW, until_s=18.0), ()),
         (PROVEN_VIEW, CrossingAnswered(False, 18.0), 6.0, replace(ASKED_VIEW, said_s=6.0),
-         (notes.CrossingProofLost(crossing_id="C", why=notes.WhyProofLost.NOT_CLOSED),)),
+         (crossing_notes.CrossingProofLost(crossing_id="C", why=crossing_notes.WhyProofLost.NOT_CLOSED),)),
         (PROVEN_VIEW, CrossingSeen(NEAR), 12.0, replace(ASKED_VIEW, said_s=12.0),
-         (notes.CrossingProofLost(crossing_id="C", why=notes.WhyProofLost.SILENCE), REQUEST)),
+         (crossing_notes.CrossingProofLost(crossing_id="C", why=crossing_notes.WhyProofLost.SILENCE), REQUEST)),
         (PROVEN_VIEW, CrossingSeen(ON_IT), 11.9, replace(PASSING_VIEW, said_s=11.9),
          (CrossingRequest(0.0, 0.0),)),
         (PROVEN_VIEW, CrossingSeen(PERHAPS), 11.0, replace(PROVEN_VIEW, said_s=11.0), (CrossingRequest(0.0, 0.0),)),
@@ -100,7 +100,7 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
         (LEAVING_VIEW, CrossingAnswered(True, 18.0), 6.0, LEAVING_VIEW, ()),
         (LEAVING_VIEW, CrossingBooted(), 1.0, replace(LEAVING_VIEW, said_s=-math.inf), ()),
         (ASKED_VIEW, CreepAllowed(), 60.0, replace(ASKED_VIEW, creeps=True),
-         (notes.CrossingCreep(crossing_id="C"),)),
+         (crossing_notes.CrossingCreep(crossing_id="C"),)),
         (PASSING_VIEW, CreepAllowed(), 60.0, PASSING_VIEW, ()),
         (VIEW, CrossingSeen(BEHIND), 0.0, VIEW, ()),
         (replace(VIEW, forgot=True), CrossingSeen(BEHIND), 5.0, replace(LEAVING_VIEW, said_s=5.0), IS_OVER),

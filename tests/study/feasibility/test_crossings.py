@@ -76,7 +76,7 @@ def test_without_a_device_its_users_see_what_comes_while_they_cross(
 
 @pytest.mark.parametrize("starts_km", [0.40, 0.46])
 def test_who_begins_beyond_the_first_contact_is_not_warned_of(tmp_path: Path, starts_km: float) -> None:
-    """T1 begins with its front at km 0.44: a contact at km 0.40 it never passes, one at km 0.46, 27 s before, it does."""
+    """T1 begins with its front at km 0.44: it never passes a contact at km 0.40, but one at km 0.46, 27 s before."""
     findings = found(tmp_path, 'control = "contacts"', f"start_down_km = {starts_km}", "start_up_km = 1.3")
     if starts_km > 0.44:
         assert findings == []
@@ -105,13 +105,19 @@ dwell_min_s = 30
 [[trains]]
 number = "D1"
 direction = "down"
-calls = [{ station = "HSK", track = "1", departure = "10:00:00" }, { station = "OGN", track = "1", arrival = "10:20:00" }]
+calls = [
+  { station = "HSK", track = "1", departure = "10:00:00" },
+  { station = "OGN", track = "1", arrival = "10:20:00" },
+]
 begins = "stabled"
 ends = "becomes:D2"
 [[trains]]
 number = "D2"
 direction = "down"
-calls = [{ station = "OGN", track = "1", departure = "10:25:00" }, { station = "KRS", track = "1", arrival = "10:40:00" }]
+calls = [
+  { station = "OGN", track = "1", departure = "10:25:00" },
+  { station = "KRS", track = "1", arrival = "10:40:00" },
+]
 begins = "from:D1"
 ends = "stabled"
 [[diagrams]]

@@ -64,9 +64,7 @@ def drawn_line(line_id: str, draw: Draw, *, crossed: bool = False) -> DrawnLine:
         table["crossings"] = crossings_on(line, speed_kmh, draw.of("crossings"))
         (alignment,) = table["alignments"]
         if draw.of("second network").chance(SECOND_P):
-            alignment["second_coverage"] = [
-                {"from_km": alignment["from_km"], "to_km": alignment["to_km"]}
-            ]
+            alignment["second_coverage"] = [{"from_km": alignment["from_km"], "to_km": alignment["to_km"]}]
         bare = toml_of(table)
     second = "second_coverage" in table["alignments"][0]
     return DrawnLine(line_id, f"{tags}\n{bare}", _stops(kinds, kms, speed_kmh), second)
