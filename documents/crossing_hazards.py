@@ -61,7 +61,7 @@ CROSSING_HAZARDS: Final = (
     Hazard(
         "A road that stays closed for ever, so that people drive round its barriers",
         "who has announced itself dies, is barred or cannot be heard, or turns between contacts",
-        "two persons say at the crossing that no train comes: proofs are taken back, and who says nothing for a minute"
+        "two persons say at the crossing that no train comes: proofs are taken back, and who says nothing for 65 s"
         " is struck off",
         ("wayside.level_crossing",),
         (Checker.NO_DEAD_STATE,),

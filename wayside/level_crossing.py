@@ -51,9 +51,9 @@ from wayside.said import Barred, BarUnit, Unbarred, UnbarUnit
 VALID_S: Final = 12.0  # assumed: three of a unit's repeats
 TELEGRAM_S: Final = 1.0  # assumed: a proof under way
 REANNOUNCED_S: Final = 30.0  # units that are heard at all have said again by then that they come
-# Of who says nothing the last proof has died (13 s), and who could not stop any more then has come onto the road: 44 s
-# later from 110 km/h at 0.7 m/s2.
-FREES_S: Final = 60.0
+# Of who says nothing the last proof has died, 17 s after it was sent at the latest, and who could not stop any more then
+# has come onto the road: 44 s later from 110 km/h at 0.7 m/s2.
+FREES_S: Final = 65.0
 PERSONS: Final = 2  # who must say the same
 _TIME_TOLERANCE_S: Final = 1e-9
 
