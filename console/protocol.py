@@ -258,6 +258,7 @@ class Welcome(Said, frozen=True, kw_only=True, tag="welcome"):
     sections: tuple[SectionDrawn, ...]
     points: tuple[PointsDrawn, ...]
     units: tuple[str, ...]
+    crossings: tuple[str, ...] = ()
     plan: tuple[TrainOnPlan, ...]
     acts: tuple[str, ...]
     faults: tuple[FaultKind, ...]

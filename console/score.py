@@ -34,6 +34,7 @@ IRREGULAR: Final = frozenset(
         ActKind.ENTER_SECTION,
         ActKind.REENTER_BY_HAND,
         ActKind.HAUL_AWAY,
+        ActKind.FREE_ROAD,
         ActKind.REPAIR_POINTS,
         ActKind.TAKE_BACK,
         ActKind.DRIVE,

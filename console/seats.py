@@ -44,6 +44,7 @@ _BY_TELEPHONE: Final = frozenset(
         ActKind.ENTER_SECTION,
         ActKind.BAR_UNIT,
         ActKind.UNBAR_UNIT,
+        ActKind.FREE_ROAD,
     }
 )
 _OF_DISPATCHER: Final = frozenset(
@@ -59,7 +60,14 @@ _OF_DISPATCHER: Final = frozenset(
 )
 OF_OWN_UNIT: Final = frozenset({ActKind.DRIVE, ActKind.DRIVE_BY_ATO, ActKind.GIVE_BACK, ActKind.POWER_ON})
 _ON_THE_SPOT: Final = frozenset(
-    {ActKind.POWER_ON, ActKind.COMMISSION, ActKind.REPAIR_POINTS, ActKind.HAUL_AWAY}
+    {
+        ActKind.POWER_ON,
+        ActKind.COMMISSION,
+        ActKind.REPAIR_POINTS,
+        ActKind.HAUL_AWAY,
+        ActKind.GUARD_ROAD,
+        ActKind.LEAVE_ROAD,
+    }
 )
 RIGHTS: Final[Mapping[Seat, SeatRights]] = {
     Seat.INSTRUCTOR: SeatRights(

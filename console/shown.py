@@ -33,7 +33,7 @@ from console.seats import RIGHTS, Seat
 from console.session import Session
 from network.model import Line, Section
 from simulation.faults.fault import Names
-from simulation.faults.script import BY_ROLE
+from simulation.faults.script import AT_CROSSING, BY_ROLE
 from simulation.faults.table import KINDS
 from simulation.judge.checkers import Checker
 from simulation.setup import STEPS_PER_S, Setup
@@ -231,9 +231,12 @@ def welcome_of(session: Session, seat: Seat) -> Welcome:
     scenario, rights = session.scenario, RIGHTS[seat]
     drawn = drawn_line(scenario.setup, seat, scenario.id, scenario.name, session.names.units)
     posts = posts_drawn(session, seat)
+    unheard_of = (frozenset() if posts else BY_ROLE) | (
+        frozenset() if session.names.crossings else AT_CROSSING
+    )
     return msgspec.structs.replace(
         drawn,
-        acts=tuple(sorted(kind.value for kind in rights.acts - (frozenset() if posts else BY_ROLE))),
+        acts=tuple(sorted(kind.value for kind in rights.acts - unheard_of)),
         works=works_drawn(scenario.setup) if posts else (),
         posts=posts,
         faults=_faults(session.names) if rights.leads else (),
@@ -266,6 +269,7 @@ def drawn_line(setup: Setup, seat: Seat, run: str, name: str, units: tuple[str, 
             for points in line.points.values()
         ),
         units=units,
+        crossings=tuple(crossing.id for crossing in line.crossings.values() if crossing.has_device),
         plan=_plan(setup),
         acts=(),
         faults=(),

@@ -16,10 +16,10 @@ from simulation.world.crossing_equipment import BarrierTimeOver, ConditionChange
 from verify.breadth import Explored, Keyed, explore
 from wayside import level_crossing
 from wayside.config import CrossingConfig
-from wayside.crossing_said import CloseCrossing, CrossingContact, CrossingDetected, OpenCrossing
+from wayside.crossing_said import CloseCrossing, CrossingContact, CrossingDetected, NoTrainComes, OpenCrossing
 from wayside.level_crossing import ClosureAsked, CrossingDevice, CrossingLeft, CrossingMemory, CrossingTimeDue
 
-STATES_MAX: Final = 300
+STATES_MAX: Final = 1500
 _CONFIG: Final = CrossingConfig("line", "C", barriers=True, closing_s=15.0, closed_s=20.0)
 _CROSSING: Final = LevelCrossing(
     "C", "C", CrossingClass.BARRIERS, CrossingControl.RADIO, "6", 700.0, 6.0, 8.0, 15.0, 20.0
@@ -36,7 +36,8 @@ def devices() -> Explored[Keyed]:
 
 def _keyed(device: CrossingDevice) -> Keyed:
     known = device.state, device.memory, device.detected, device.deadline_s, device.lit_s, device.held_s
-    return Keyed((*known, tuple(sorted(device.approaches.items(), key=str))), device)
+    said = device.persons, device.frees_s, device.doubted
+    return Keyed((*known, *said, tuple(sorted(device.approaches.items(), key=str))), device)
 
 
 def _device(keyed: Keyed) -> Iterator[tuple[str, Keyed]]:
@@ -48,6 +49,7 @@ def _device(keyed: Keyed) -> Iterator[tuple[str, Keyed]]:
         CrossingLeft("u1", 1, CrossingOver(passed=True)),
         down,
         up,
+        *(NoTrainComes(person) for person in ("controller", "staff")),
         *(CrossingContact(first) for first in (True, False) if device.memory.counted < 2 or not first),
     )
     for event in events:

@@ -5,63 +5,14 @@ A test holds modules, drills and names of defects to what exists, and asks for e
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
+from documents.crossing_hazards import CROSSING_HAZARDS
+from documents.hazard import Hazard
 from simulation.judge.checkers import Checker
 
-
-@dataclass(frozen=True, slots=True)
-class Hazard:
-    """One hazard. `drills` are shipped ones, `defects` names in tests/system/test_defects.py."""
-
-    hazard: str
-    cause: str
-    prevention: str
-    modules: tuple[str, ...]
-    watched_by: tuple[Checker, ...]
-    drills: tuple[str, ...] = ()
-    defects: tuple[str, ...] = ()
-
-
 HAZARDS: Final = (
-    Hazard(
-        "A train on a level crossing whose road is open",
-        "the device, its link, its lamps or barriers fail, or it is asked late",
-        "the movement limit lies before the road until the device proves it closed, and again when a proof is taken"
-        " back or not said again; over it unproven only by a driver's leave, from a stand and on sight",
-        ("onboard.crossings.machine", "onboard.crossings.talk", "wayside.level_crossing"),
-        (Checker.CROSSING_OPEN,),
-        (
-            "rtri/100_crossing",
-            "rtri/101_crossing_power",
-            "rtri/102_crossing_link",
-            "rtri/103_crossing_barriers_stuck",
-            "rtri/104_crossing_undetected",
-            "rtri/106_crossing_two_trains",
-            "rtri/107_crossing_contacts",
-            "rtri/108_crossing_unit_power",
-        ),
-        ("a unit runs over a level crossing that has not proved closed",),
-    ),
-    Hazard(
-        "A road vehicle on a level crossing before the train",
-        "it stalls on the road that is closed, or drives over one that cannot be closed",
-        "what a detector sees takes the proof away; nobody creeps onto a road on which he sees something stand, and for"
-        " a train that creeps drivers stop. Inside braking distance it is struck",
-        ("wayside.level_crossing", "onboard.crossings.talk"),
-        (Checker.SUMO_COLLISION,),
-        ("rtri/109_crossing_obstacle", "rtri/110_crossing_busy_road"),
-    ),
-    Hazard(
-        "A road that is closed just before the train",
-        "the train comes sooner than its unit said, or the crossing was asked late",
-        "a proof counts only where even at full speed the front comes no sooner than the least time after it",
-        ("onboard.crossings.machine", "onboard.crossings.ahead"),
-        (Checker.CROSSING_WARNING,),
-        ("rtri/105_crossing_asked_late",),
-        ("a unit comes onto a level crossing as soon as that has proved closed",),
-    ),
+    *CROSSING_HAZARDS,
     Hazard(
         "Two trains in one section",
         "the block manager grants what another unit holds",

@@ -220,6 +220,9 @@ NOT_SHOWN: Final = (
     "Two persons who agree on what is not so of a unit after the block manager's power has failed, as of a train that"
     " waits before its portal, allowed in, and whose unit is not heard: theirs is the only word there is"
     " (`ExploredLine(agree=True)`, nine steps; without the power failure nothing breaks).",
+    "Two persons who agree that no train comes to a level crossing while one does that the device cannot hear: one that"
+    " is slower on the road than 65 s, one whose unit is frozen and no longer sees its proof die, one that contacts"
+    " have counted in. Of any other the unit speaks in time, or its proof has died and it stops.",
     "States of three units at once: a run is held against the exploration by pairs and one section at a time, without"
     " what is on the air; trains that begin on the line, barred units and lost stores are in runs, not in the model.",
     "A level crossing whose device has lost its memory, while the unit of a train that stands on it cannot be heard: it"

@@ -25,7 +25,7 @@ from wayside import block_manager, level_crossing, point_terminal
 from wayside.actions import Action, Drive, Send, Show
 from wayside.barring import NO_BARS, bars_kept
 from wayside.config import CrossingConfig, DeviceConfig, ManagerConfig, TerminalConfig, decode_config
-from wayside.crossing_said import CrossingContact, CrossingDetected
+from wayside.crossing_said import CrossingContact, CrossingDetected, NoTrainComes
 from wayside.level_crossing import CrossingDevice, CrossingMemory
 from wayside.point_terminal import Commanded, Expired, Terminal, TerminalMemory
 from wayside.register import Register
@@ -112,7 +112,7 @@ class _Manager:
                 step = block_manager.Heard(
                     event.source, event.epoch, event.fresh, event.correlation, event.message
                 )
-            case PointsDetected() | CrossingDetected() | CrossingContact():
+            case PointsDetected() | CrossingDetected() | CrossingContact() | NoTrainComes():
                 return _not_for_device(event)
             case _:
                 step = event
@@ -195,7 +195,7 @@ class _LevelCrossing:
                 step = level_crossing.CrossingLeft(event.source, event.correlation, over)
             case Received():
                 return (Show(Refused(unit_id=event.source, why=type(event.message).__name__)),)
-            case CrossingDetected() | CrossingContact():
+            case CrossingDetected() | CrossingContact() | NoTrainComes() | BarUnit() | UnbarUnit():
                 step = event
             case _:
                 return _not_for_device(event)

@@ -228,6 +228,7 @@ class LevelCrossing:
     to the train; without barriers it counts as closed once its lamps are lit. `starts_m`, `ends_m`: kilometrages (m) of
     contacts by direction of travel. `sight_m`: from how far (m) its users see a train, if that is known.
     `has_detector`: its device sees what stands on the road while it is closed (障害物検知装置).
+    `has_protection`: controlled by contacts, it tells units by radio whether anything is known to be on it.
     """
 
     id: str
@@ -244,6 +245,7 @@ class LevelCrossing:
     ends_m: Mapping[Direction, float] = field(default_factory=dict[Direction, float])
     sight_m: float | None = None
     has_detector: bool = False
+    has_protection: bool = False
 
     @property
     def has_device(self) -> bool:
@@ -256,6 +258,11 @@ class LevelCrossing:
         return self.has_device and self.control is CrossingControl.RADIO
 
     @property
+    def tells_units(self) -> bool:
+        """Whether units may not pass before they have heard from it: closed, or, by contacts, that nothing is on it."""
+        return self.by_radio or self.has_protection
+
+    @property
     def warning_s(self) -> float:
         """From the start of the warning to the train, s."""
         return self.closing_s + self.closed_s
@@ -263,6 +270,14 @@ class LevelCrossing:
     def edge_m(self, direction: Direction) -> float:
         """Kilometrage (m) of the edge that trains of this direction meet first."""
         return self.position_m - direction * self.width_m / 2.0
+
+    def contacts_from_road_m(self, direction: Direction) -> tuple[float, float]:
+        """How far the first contact lies before the road, and the last one beyond it, m, as trains of this direction
+        run; a last contact that is not given lies where the road ends. Raises KeyError where there is no first one.
+        """
+        leaves_m = self.edge_m(direction.opposite)
+        before_m = abs(self.starts_m[direction] - self.edge_m(direction))
+        return before_m, abs(self.ends_m.get(direction, leaves_m) - leaves_m)
 
 
 @dataclass(frozen=True, slots=True)

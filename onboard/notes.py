@@ -6,11 +6,10 @@ the world writes. A `station` is a station's id, or a section's where the target
 
 from __future__ import annotations
 
-from enum import Enum
-
 import msgspec
 
 from network.model import Position, TagPurpose
+from onboard.crossing_notes import CrossingNote
 from radio.noted import Noted, TelegramDropped, TookEffect
 
 # its duty ---------------------------------------------------------------------------------------------------
@@ -372,49 +371,6 @@ class ThrowDenied(Noted, frozen=True, kw_only=True, tag="points_refused"):
     why: str
 
 
-# level crossings -----------------------------------------------------------------------------------------------
-
-
-class CrossingAsked(Noted, frozen=True, kw_only=True, tag="crossing_asked"):
-    """The unit has announced itself to a level crossing: its front can be there in `arrives_s`."""
-
-    crossing_id: str
-    arrives_s: float
-
-
-class CrossingHeardClosed(Noted, frozen=True, kw_only=True, tag="crossing_heard_closed"):
-    """The unit has the proof that a level crossing is closed."""
-
-    crossing_id: str
-
-
-class WhyProofLost(Enum):
-    """Why the proof of a level crossing does not hold any more."""
-
-    SILENCE = "silence"
-    NOT_CLOSED = "not closed"
-
-
-class CrossingProofLost(Noted, frozen=True, kw_only=True, tag="crossing_proof_lost"):
-    """The proof that a level crossing is closed does not hold any more."""
-
-    crossing_id: str
-    why: WhyProofLost
-
-
-class CrossingCreep(Noted, frozen=True, kw_only=True, tag="crossing_creep"):
-    """The driver has leave to creep over a level crossing that has not proved closed, whistling, on sight."""
-
-    crossing_id: str
-
-
-class CrossingLeftBehind(Noted, frozen=True, kw_only=True, tag="crossing_left"):
-    """The unit says that nothing of its train is on a level crossing any more (`passed`), or comes onto it now."""
-
-    crossing_id: str
-    passed: bool
-
-
 # its crew ------------------------------------------------------------------------------------------------------
 
 
@@ -484,11 +440,7 @@ Note = (
     | Proven
     | ProofDropped
     | ThrowDenied
-    | CrossingAsked
-    | CrossingHeardClosed
-    | CrossingProofLost
-    | CrossingCreep
-    | CrossingLeftBehind
+    | CrossingNote
     | CrewCheckedPoints
     | CrewWaitsAtPoints
     | TelegramDropped

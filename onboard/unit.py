@@ -126,7 +126,7 @@ class OnboardUnit:
         place = self._at_crossing(sensed.place, elapsed_s)
         for event in sensed.happened:
             if isinstance(event, CreepOver):
-                self._crossings.creep(event.crossing_id, elapsed_s)
+                self._crossings.creep(event.crossing_id, elapsed_s, guarded=event.guarded)
             else:
                 self._take(event, place, now_s)
         for data in telegrams:

@@ -337,6 +337,17 @@ class CrossingOverHeard(Message, frozen=True, array_like=True, tag=29):
     """Level crossing to unit: you are not announced any more. Lost, the unit says it again and is answered again."""
 
 
+class CrossingClear(Message, frozen=True, array_like=True, tag=30):
+    """Level crossing that contacts control to unit (特殊信号発光機): whether no button is pressed and its detector sees
+    nothing on it. It holds for `valid_s`.
+
+    Only `clear` lets the unit pass; not clear takes back the one before. Lost, or late, it only restricts.
+    """
+
+    clear: bool
+    valid_s: float
+
+
 AnyMessage = (
     RouteRequest
     | RouteGranted
@@ -366,4 +377,5 @@ AnyMessage = (
     | CrossingProof
     | CrossingOver
     | CrossingOverHeard
+    | CrossingClear
 )

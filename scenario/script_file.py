@@ -25,6 +25,7 @@ from scenario.substitute_choice import steps_in
 from simulation.faults.fault import Fault, Names
 from simulation.faults.links import DeadZone, LinkFault
 from simulation.faults.script import (
+    AT_CROSSING,
     BY_ROLE,
     DEFAULTS,
     OF_STEP,
@@ -185,6 +186,9 @@ ACT_KEYS: Final[Mapping[ActKind, frozenset[str]]] = {
     ActKind.REENTER_BY_HAND: frozenset({"pace_s"}),
     ActKind.REENTER_ASSISTED: frozenset({"pace_s"}),
     ActKind.HAUL_AWAY: frozenset({"target"}),
+    ActKind.FREE_ROAD: frozenset({"target"}),
+    ActKind.GUARD_ROAD: frozenset({"target"}),
+    ActKind.LEAVE_ROAD: frozenset({"target"}),
     ActKind.GIVE_BACK: frozenset({"target", "hold_s"}),
     ActKind.HOLD_TRAIN: frozenset({"target", "hold_s", "behind", "place"}),
     ActKind.LET_GO: frozenset({"target"}),
@@ -215,6 +219,7 @@ def act_of(file: str, key: str, table: ActTable, names: Names) -> Act:
         ActKind.REPAIR_POINTS: names.points,
         ActKind.ENTER_SECTION: ("", *names.units),
         ActKind.HAUL_AWAY: names.units,
+        **dict.fromkeys(AT_CROSSING, names.crossings),
         ActKind.GIVE_BACK: names.units,
         ActKind.HOLD_TRAIN: names.units,
         ActKind.LET_GO: names.units,

@@ -36,6 +36,7 @@ class Cabs:
         self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
         self._books, self._agenda, self._journal = world.books, world.agenda, world.journal
         self._charging, self._signs = world.charging, world.signs
+        self._guarded = world.wayside.crossings.guarded
         self._crew = Crew(world.trains, world.on_board, world.wayside, world.journal)
         self._looking: set[int] = set()  # slots whose crew has a next look on the agenda
         self._pauses = Pauses(world.setup)
@@ -129,9 +130,20 @@ class Cabs:
         near = [self._crew.watch_out(slot) for slot in self._trains.active()]
         return any(near)
 
-    def drives_by_hand(self, slot: int, *, by_hand: bool) -> None:
-        """A driver whose unit is cut out looks out for trains, or no longer does."""
+    def drives_by_hand(self, slot: int, *, by_hand: bool, stops_at_crossings: bool = False) -> None:
+        """A driver whose unit is cut out looks out for trains, or no longer does; if he has to, for level crossings too
+        that it would have asked.
+        """
         (self._crew.on_sight.add if by_hand else self._crew.on_sight.discard)(slot)
+        (self._crew.by_hand.add if by_hand and stops_at_crossings else self._crew.by_hand.discard)(slot)
+
+    def looks_by_hand(self, slot: int, step: int) -> bool:
+        """A driver whose unit is cut out looks along the track, and at the level crossing before which he stands;
+        whether he creeps over it.
+        """
+        self._crew.look_ahead(slot)
+        self._wait_at_crossing(slot, step)
+        return self._crew.creeps_by_hand(slot)
 
     def unit_cut_out(self, slot: int, *, out: bool) -> None:
         """A driver has cut the unit out, and goes when people let him, or in again."""
@@ -183,6 +195,8 @@ class Cabs:
             self._crew.look_ahead(slot)
             self._begins(Pause.STAND, slot, step)
             self._wait_at_crossing(slot, step)
+        elif slot in self._crew.by_hand:
+            self.looks_by_hand(slot, step)
 
     def crew_due(self, pause: Pause, slot: int, step: int) -> None:
         """A crew does what it took its time for."""
@@ -190,8 +204,11 @@ class Cabs:
         match pause:
             case Pause.STAND:
                 self._look_out(slot, step)
-            case Pause.CROSSING:
-                happened = self._crew.creep(slot, step / STEPS_PER_S)
+            case Pause.CROSSING | Pause.FLAG:
+                guarded = pause is Pause.FLAG and self._crew.waits_at_crossing(slot) in self._guarded
+                if pause is Pause.FLAG and not guarded:
+                    return
+                happened = self._crew.creep(slot, step / STEPS_PER_S, guarded=guarded)
                 if happened:
                     self.tell(slot, step, happened)
             case Pause.KEY:
@@ -200,8 +217,14 @@ class Cabs:
                 raise ValueError(f"{pause} is not for the crew of a train that runs")
 
     def _wait_at_crossing(self, slot: int, step: int) -> None:
-        """A driver whose train waits for a level crossing to close asks for leave to creep over it."""
-        if self._crew.waits_at_crossing(slot):
+        """A driver whose train waits for a level crossing to close asks for leave to creep over it, or has the word of
+        who guards it, once that one has stopped the road.
+        """
+        crossing_id = self._crew.waits_at_crossing(slot)
+        if crossing_id in self._guarded and (Pause.FLAG, slot) not in self._about_to:
+            self._wayside.crossings.stop_road(step, crossing_id, self._trains.stock_ids[slot])
+            self._begins(Pause.FLAG, slot, step)
+        elif crossing_id:
             self._begins(Pause.CROSSING, slot, step)
 
     def _begins(self, pause: Pause, slot: int, step: int) -> None:

@@ -271,7 +271,7 @@ class Duties:
 
     def crew_due(self, pause: Pause, slot: int, step: int) -> None:
         """A crew does what it took its time for; nothing where its unit has lost its power meanwhile."""
-        if pause in (Pause.STAND, Pause.KEY, Pause.CROSSING):
+        if pause in (Pause.STAND, Pause.KEY, Pause.CROSSING, Pause.FLAG):
             self._cabs.crew_due(pause, slot, step)
             return
         if self._due.get((pause, slot)) != step:

@@ -15,7 +15,8 @@ import msgspec
 
 from network.model import Position
 from onboard import notes
-from onboard.notes import CrossingCreep, Holds, ProofDropped, Proven, Reported, UnitRestarted
+from onboard.crossing_notes import CrossingCreep
+from onboard.notes import Holds, ProofDropped, Proven, Reported, UnitRestarted
 from radio.noted import Lost, Noted, Sent, TookEffect
 from wayside import said
 from wayside.said import Accepted, ConfirmedByHand, Freed, Granted, Outside, Started
@@ -136,6 +137,20 @@ class CrossingBarriers(Noted, frozen=True, kw_only=True, tag="crossing_barriers"
 
     crossing_id: str
     state: BarrierState
+
+
+class RoadGuarded(Noted, frozen=True, kw_only=True, tag="road_guarded"):
+    """Somebody guards the road of a level crossing by hand from now on, or no longer (`there`)."""
+
+    crossing_id: str
+    there: bool
+
+
+class RoadStopped(Noted, frozen=True, kw_only=True, tag="road_stopped"):
+    """Who guards a level crossing has stopped its road by hand, for the train of a unit that stands before it."""
+
+    crossing_id: str
+    unit_id: str
 
 
 class CrossingEntered(Noted, frozen=True, kw_only=True, tag="crossing_entered"):
@@ -362,6 +377,8 @@ WorldEvent = (
     | PointsKeyBack
     | CrossingLamps
     | CrossingBarriers
+    | RoadGuarded
+    | RoadStopped
     | CrossingEntered
     | PowerOff
     | PowerOn

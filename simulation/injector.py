@@ -17,6 +17,7 @@ from simulation.faults.commissioning import ServiceRecord
 from simulation.faults.devices import PowerFault
 from simulation.faults.points import PointsFault
 from simulation.faults.script import (
+    AT_CROSSING,
     BY_ROLE,
     Act,
     ActKind,
@@ -33,6 +34,7 @@ from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world.disorder import fault_onset
 from simulation.world.stage import World
 from wayside.config import MANAGER_ID
+from wayside.crossing_said import NoTrainComes
 from wayside.register import ReentryStage
 from wayside.said import (
     AcceptPicture,
@@ -213,7 +215,9 @@ class Injector:
     def _act(self, act: Act) -> None:
         acted = Acted(act=act.kind.value, target=act.target, section_ids=act.sections, notch=act.notch)
         self._journal.write(self._step / STEPS_PER_S, act.person, acted)
-        if act.kind not in BY_ROLE:
+        if act.kind in AT_CROSSING:
+            self._act_at_crossing(act)
+        elif act.kind not in BY_ROLE:
             self._act_at_equipment(act)
         elif self._by_role is not None:
             self._by_role(act, self._step)
@@ -250,6 +254,13 @@ class Injector:
                 self._reenter(act)
             case _:
                 self._wayside.input(self._step, MANAGER_ID, _word_on_unit(act))
+
+    def _act_at_crossing(self, act: Act) -> None:
+        if act.kind is ActKind.FREE_ROAD:
+            self._wayside.input(self._step, act.target, NoTrainComes(act.person))
+        else:
+            there = act.kind is ActKind.GUARD_ROAD
+            self._wayside.crossings.guard(self._step, act.target, there=there)
 
     def _see(self, entry: JournalEntry) -> None:
         """What the block manager shows its controller of a re-entry."""

@@ -180,7 +180,7 @@ class Simulation:
             self._handle(item)
         if self.by_people is not None:
             self.by_people.look(self._step)
-        if self._duties.all_done():
+        if self._duties.all_done() and not (self.staff is not None and self._vigil.roads.for_nothing()):
             return Ending.FINISHED
         if self._broken is not None:
             return self._broken
@@ -312,7 +312,7 @@ class Simulation:
         hit, carried = 0, 0
         if road is not None:
             # Before points are looked up for the last step, to which a stretch that is cut short never comes.
-            carried = ahead.done - 1
+            carried = max(ahead.done - 1, 0)  # nothing is run where something has come due meanwhile
             hit = self._carry(ahead, 0, carried)
             if hit and not self._carrier.collisions():
                 ahead, hit, carried = self._stretches.again(ahead, self._step, self._step + hit), 0, hit

@@ -87,6 +87,14 @@ class People(Record):
             "assumed: seen, reported to the dispatcher, answered",
         ),
     ] = 60.0
+    flag_s: Annotated[
+        PersonTime,
+        about(
+            "mean time from when a train stands before a level crossing that somebody guards until its road is stopped"
+            " by hand and its driver has that one's word",
+            "assumed: a flag held to the road, a look, a flag shown to the driver",
+        ),
+    ] = 15.0
     word_s: Annotated[
         PersonTime,
         about(
@@ -130,6 +138,20 @@ class People(Record):
             "assumed: longer than a unit's boot and its crew's, which speaks for itself",
         ),
     ] = 150.0
+    road_s: Annotated[
+        PersonTime,
+        about(
+            "with react, mean time from when a level crossing is closed and no train comes until two persons say so",
+            "assumed: somebody who waits calls, the line is looked at, staff are sent",
+        ),
+    ] = 300.0
+    guard_s: Annotated[
+        PersonTime,
+        about(
+            "with react, mean time from when a level crossing is out of order until somebody guards it",
+            "assumed: reported, and gone to by road",
+        ),
+    ] = 900.0
     notice_s: Annotated[
         PersonTime,
         about(
@@ -188,6 +210,9 @@ class Pause(Enum):
     POINTS = "points_s"
     PICTURE = "picture_s"
     SILENT = "silent_s"
+    ROAD = "road_s"
+    FLAG = "flag_s"
+    GUARD = "guard_s"
     NOTICE = "notice_s"
     REACH = "reach_s"
     TELEPHONE = "telephone_s"

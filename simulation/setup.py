@@ -159,7 +159,7 @@ def behaviour_rows(setup: Setup, stocks: tuple[str, ...]) -> NDArray[np.void]:
 def unit_configs(setup: Setup, master_key: bytes) -> tuple[tuple[UnitConfig, KeyRing], ...]:
     """What every on-board unit of the run knows when it is switched on, with the keys of its own pairs."""
     terminals = sorted({points.terminal_id for points in setup.line.points.values()})
-    crossings = [crossing.id for crossing in setup.line.crossings.values() if crossing.by_radio]
+    crossings = [crossing.id for crossing in setup.line.crossings.values() if crossing.tells_units]
     duty = msgspec.structs.replace(setup.unit.duty, release=setup.operation.release)
     return tuple(
         (

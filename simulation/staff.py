@@ -4,10 +4,11 @@ They see that something has no power, that points do not lie as they must, and w
 controller; after a time of their own (`[people]`) they do what the rules of operation say, and again, less and less
 often, while it is as it was: switch on what is off, or put it into service again; wind points to where no train is in
 the way, or to where the crew of one needs them that has stopped short of the blades; bar a unit that claims what is not
-so, and unbar it, again where that did not get through; see to the picture of the line until it is accepted; and for a
-unit whose word the manager waits for, or does not hear, two of them say where its train truly stands and what it shows
-that it holds, with what their word cannot free. They act through the injector's door, so that what they did can be
-written down as acts of a drill.
+so, and unbar it, again where that did not get through; see to the picture of the line until it is accepted; say, two of
+them, at a level crossing whose road is closed that no train comes there; guard one that is out of order; and for a unit
+whose word the manager waits for, or does not hear, two of them say where its train truly stands and what it shows that
+it holds, with what their word cannot free. They act through the injector's door, so that what they did can be written
+down as acts of a drill.
 """
 
 from __future__ import annotations
@@ -16,21 +17,25 @@ from collections import Counter
 from typing import Final
 
 from network.model import SectionKind
+from onboard.crossing_notes import CrossingCreep
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints, UnitRestarted
 from radio.chance import generator
 from radio.messages import ClaimQuery
 from radio.noted import Sent
 from simulation.events import Acted, JournalEntry, Left
+from simulation.faults.crossings import IN_ORDER
 from simulation.faults.script import Act, ActKind, Trigger
 from simulation.injector import Injector
 from simulation.mad_units import MadUnits
 from simulation.pauses import Pauses
 from simulation.people import Pause
+from simulation.roads_closed import RoadsClosedForNothing
 from simulation.setup import STEP_S, STEPS_PER_S
 from simulation.world.point_machine import MachineState, PointMachine
 from simulation.world.stage import World
 from wayside.acts import IN_STATION
 from wayside.config import MANAGER_ID, ReentryMode
+from wayside.crossing_said import CrossingProven
 from wayside.register import ReentryStage
 from wayside.said import (
     Accepted,
@@ -75,8 +80,10 @@ class Staff:
         self._waits_at: dict[str, str] = {}  # by points: the unit whose crew waits for them to lie otherwise
         self._forgetful: set[str] = set()  # units that have booted since they were granted anything
         self._left: set[str] = set()  # units that were on the line
+        self._reported: set[str] = set()  # level crossings over which trains had to creep
         self._again_s: dict[tuple[ActKind, str, str], float] = {}
         self._tries: Counter[tuple[ActKind, str, str]] = Counter()
+        self._roads: Final = RoadsClosedForNothing(world.trains, world.on_board, world.wayside.crossings)
         self._mad = MadUnits(world.trains.slot_of, self._held)
         world.journal.watch(self._see)
 
@@ -120,6 +127,10 @@ class Staff:
                 self._routes.get(unit_id, set()).difference_update(section_ids)
             case UnitRestarted():
                 self._forgetful.add(entry.who)
+            case CrossingCreep(crossing_id=crossing_id):
+                self._reported.add(crossing_id)
+            case CrossingProven():
+                self._reported.discard(entry.who)
             case CrewWaitsAtPoints(points_id=points_id):
                 self._waits_at[points_id] = entry.who
             case CrewCheckedPoints(points_id=points_id):
@@ -137,6 +148,8 @@ class Staff:
         for points_id, machine in self._wayside.machines.items():
             self._see_to_points(t_s, points_id, machine)
         self._see_to_bars(t_s)
+        self._see_to_roads(t_s)
+        self._see_to_guards(t_s)
         if MANAGER_ID not in self._wayside.down:
             self._see_to_picture(t_s)
             for unit_id in list(self._awaited):
@@ -187,7 +200,7 @@ class Staff:
             bar = next(iter(words.values()))
             agreed = len(words) > 1 and set(words.values()) == {bar}
             if not agreed or all(
-                self._mad.is_barred(unit_id, device) is bar for device in self._wayside.device_ids
+                self._mad.is_barred(unit_id, device) is bar for device in self._wayside.party_ids
             ):
                 self._from_s.pop((Pause.PICTURE, unit_id), None)
             elif self._ripe(Pause.PICTURE, unit_id, t_s):
@@ -209,6 +222,30 @@ class Staff:
                     or party_id in self._wayside.uncommissioned
                 )
                 self._act(t_s, ActKind.COMMISSION if blank else ActKind.POWER_ON, party_id, STAFF)
+
+    def _see_to_roads(self, t_s: float) -> None:
+        """Two persons say at a level crossing that no train comes, where that is so and its road is closed."""
+        closed = self._roads.for_nothing()
+        for key in [key for key in self._from_s if key[0] is Pause.ROAD and key[1] not in closed]:
+            del self._from_s[key]
+        for crossing_id in closed:
+            if crossing_id not in self._wayside.down and self._ripe(Pause.ROAD, crossing_id, t_s):
+                for person in (CONTROLLER, STAFF):
+                    self._act(t_s, ActKind.FREE_ROAD, crossing_id, person)
+
+    def _see_to_guards(self, t_s: float) -> None:
+        """Somebody goes to a level crossing that is out of order, as is seen or as a driver who crept over it has
+        reported, and guards it until it is in order and has proved closed again.
+        """
+        crossings = self._wayside.crossings
+        for crossing_id, equipment in crossings.equipment.items():
+            broken = crossing_id in self._wayside.down or equipment.condition != IN_ORDER
+            if not broken and crossing_id not in self._reported:
+                self._from_s.pop((Pause.GUARD, crossing_id), None)
+                if crossing_id in crossings.guarded:
+                    self._act(t_s, ActKind.LEAVE_ROAD, crossing_id, STAFF)
+            elif crossing_id not in crossings.guarded and self._ripe(Pause.GUARD, crossing_id, t_s):
+                self._act(t_s, ActKind.GUARD_ROAD, crossing_id, STAFF)
 
     def _see_to_points(self, t_s: float, points_id: str, machine: PointMachine) -> None:
         asked = self._asked_for(points_id, machine)

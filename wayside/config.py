@@ -194,7 +194,8 @@ class TerminalConfig(msgspec.Struct, frozen=True, tag="point-terminal"):
 
 class CrossingConfig(msgspec.Struct, frozen=True, tag="level-crossing"):
     """Fixed data of the device of a level crossing: from the start of the warning to closed, and from there to the
-    train, s; without `barriers` lamps alone close it.
+    train, s; without `barriers` lamps alone close it. `protection`: contacts control it, and units hear from it whether
+    anything is on it.
     """
 
     line_id: str
@@ -203,6 +204,7 @@ class CrossingConfig(msgspec.Struct, frozen=True, tag="level-crossing"):
     closing_s: float
     closed_s: float
     telegram_age_max_s: float = AGE_MAX_S
+    protection: bool = False
 
 
 DeviceConfig = ManagerConfig | TerminalConfig | CrossingConfig
@@ -281,6 +283,7 @@ def crossing_configs(line: Line, age_max_s: float = AGE_MAX_S) -> tuple[Crossing
             crossing.closing_s,
             crossing.closed_s,
             age_max_s,
+            crossing.has_protection,
         )
         for crossing in line.crossings.values()
         if crossing.has_device

@@ -15,19 +15,34 @@ from radio.noted import Noted
 
 class CrossingDetected(msgspec.Struct, frozen=True, array_like=True, tag=13):
     """World to level crossing: what its contacts show, at each change and after a restart: lamps lit, barriers at
-    either end, something on the closed road. What is not detected shows neither end.
+    either end, something on the closed road, the button pressed. What is not detected shows neither end.
     """
 
     lamps: bool
     lowered: bool
     raised: bool
     obstacle: bool = False
+    button: bool = False
+
+    @property
+    def is_free(self) -> bool:
+        """Whether nobody has pressed the button and nothing is seen on the road."""
+        return not (self.obstacle or self.button)
 
 
 class CrossingContact(msgspec.Struct, frozen=True, array_like=True, tag=14):
     """World to level crossing: a front has passed the `first` contact of its direction, or a rear the last one."""
 
     first: bool
+
+
+class NoTrainComes(msgspec.Struct, frozen=True, array_like=True, tag=15):
+    """Operator to level crossing: `person` has made sure that no train comes there and none is on it."""
+
+    person: str
+
+
+CrossingInput = CrossingDetected | CrossingContact | NoTrainComes
 
 
 class CloseCrossing(msgspec.Struct, frozen=True, array_like=True, tag=3):
@@ -58,6 +73,7 @@ class WhyUnproven(Enum):
     LATE = "not detected in time"
     LOST = "lost"
     OBSTACLE = "something is on it"
+    BUTTON = "its button is pressed"
 
 
 class CrossingUnproven(Noted, frozen=True, kw_only=True, tag="crossing_unproven"):
@@ -67,4 +83,20 @@ class CrossingUnproven(Noted, frozen=True, kw_only=True, tag="crossing_unproven"
 
 
 class CrossingOpens(Noted, frozen=True, kw_only=True, tag="crossing_opens"):
-    """A level crossing opens: no train is announced any more."""
+    """A level crossing opens: no train is announced any more. `struck_off`: units, and trains that contacts have
+    counted in (an empty name), of which persons alone say that they do not come.
+    """
+
+    struck_off: tuple[str, ...] = ()
+
+
+class NoTrainSaid(Noted, frozen=True, kw_only=True, tag="no_train_said"):
+    """A person has said at a level crossing that no train comes; `agreed`: another one had, so proofs are taken back,
+    and it opens unless a unit says otherwise until then.
+    """
+
+    by: str
+    agreed: bool = False
+
+
+CrossingWord = CrossingWarns | CrossingProven | CrossingUnproven | CrossingOpens | NoTrainSaid

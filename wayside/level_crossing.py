@@ -8,15 +8,17 @@ begins so much before that as the line has it, so that it lasts as long for slow
 (踏切警報時間の定時間化). It says so again and again: a proof holds for `VALID_S`, and silence takes it away, but never
 opens the crossing. A unit may put its time off while the crossing is still open; once that is closing, only the
 unit's word that it is over it, or has given it up, counts. Which units have announced themselves is its durable
-memory: after a restart the crossing stays closed until each of them has said so. Controlled by contacts it closes
-when a front passes the first and opens when as many rears have passed the last; no unit is told anything.
+memory: after a restart the crossing stays closed until each of them has said so. Two persons may say that no train
+comes (踏切の復帰扱い): proofs are taken back, and who says nothing for `FREES_S` from then on is struck off. Controlled
+by contacts it closes when a front passes the first and opens when as many rears have passed the last; with protection,
+units that ask are told whether anything is known to be on it, and nothing else.
 `TABLE` is the state of the crossing and the kind of event.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
@@ -25,9 +27,11 @@ from typing import Any, Final
 import msgspec
 from msgspec.structs import replace
 
-from radio.messages import CrossingOver, CrossingOverHeard, CrossingProof, CrossingRequest
+from radio.messages import CrossingClear, CrossingOver, CrossingOverHeard, CrossingProof, CrossingRequest
 from radio.table import TableCell, rows
+from wayside import barring
 from wayside.actions import Action, Drive, Send, Show
+from wayside.barring import NO_BARS, Bars
 from wayside.config import CrossingConfig
 from wayside.crossing_said import (
     CloseCrossing,
@@ -37,13 +41,20 @@ from wayside.crossing_said import (
     CrossingProven,
     CrossingUnproven,
     CrossingWarns,
+    NoTrainComes,
+    NoTrainSaid,
     OpenCrossing,
     WhyUnproven,
 )
+from wayside.said import Barred, BarUnit, Unbarred, UnbarUnit
 
 VALID_S: Final = 12.0  # assumed: three of a unit's repeats
 TELEGRAM_S: Final = 1.0  # assumed: a proof under way
 REANNOUNCED_S: Final = 30.0  # units that are heard at all have said again by then that they come
+# Of who says nothing the last proof has died, 17 s after it was sent at the latest, and who could not stop any more
+# then has come onto the road: 44 s later from 110 km/h at 0.7 m/s2.
+FREES_S: Final = 65.0
+PERSONS: Final = 2  # who must say the same
 _TIME_TOLERANCE_S: Final = 1e-9
 
 
@@ -56,14 +67,19 @@ class CrossingState(Enum):
 
 
 class CrossingMemory(msgspec.Struct, frozen=True, array_like=True):
-    """Durable state: units that have announced themselves, trains that contacts have counted in and not out."""
+    """Durable state: units that have announced themselves, trains that contacts have counted in and not out, barred
+    units.
+    """
 
     units: tuple[str, ...] = ()
     counted: int = 0
+    bars: Bars = NO_BARS
 
 
 class Approach(msgspec.Struct, frozen=True, array_like=True):
-    """A unit that comes: its warning must begin then (s); one known from before a restart is due at once."""
+    """A unit that comes: its warning must begin then (s); one known from before a restart, or from before persons said
+    that no train comes, is due at once.
+    """
 
     starts_s: float = -math.inf
     correlation: int = 0
@@ -75,6 +91,9 @@ class CrossingDevice(msgspec.Struct, frozen=True):
     `lit_s`: since when lamps are detected; `deadline_s`: when what was commanded must be detected; `held_s`: closed
     until then, since the memory was lost (negative infinity: it was not, infinity: and nothing has happened yet);
     `believed_s`: until then a unit may still go by what was proved of lamps that went out.
+    `persons` have said since it closed that no train comes; two of them strike off at `frees_s` who has said nothing
+    since, and as many as were `doubted` of the trains that contacts have counted in. `listening`: units that are told
+    whether anything is on it, and the correlation of what each asked last.
     """
 
     config: CrossingConfig
@@ -86,6 +105,10 @@ class CrossingDevice(msgspec.Struct, frozen=True):
     deadline_s: float | None = None
     held_s: float = -math.inf
     believed_s: float = -math.inf
+    persons: tuple[str, ...] = ()
+    frees_s: float = math.inf
+    doubted: int = 0
+    listening: Mapping[str, int] = msgspec.field(default_factory=dict[str, int])
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +134,16 @@ class CrossingTimeDue:
     """Event: look at the times at which warnings must begin, and at the limit of what was commanded."""
 
 
-CrossingEvent = ClosureAsked | CrossingLeft | CrossingDetected | CrossingContact | CrossingTimeDue
+CrossingEvent = (
+    ClosureAsked
+    | CrossingLeft
+    | CrossingDetected
+    | CrossingContact
+    | NoTrainComes
+    | BarUnit
+    | UnbarUnit
+    | CrossingTimeDue
+)
 CrossingStep = tuple[CrossingDevice, tuple[Action, ...]]
 
 
@@ -131,14 +163,48 @@ def step(device: CrossingDevice, event: CrossingEvent, now_s: float) -> Crossing
     """The next state and what to do. Never raises for what a unit sends."""
     if device.held_s == math.inf:
         device = replace(device, held_s=now_s + REANNOUNCED_S)
+    if isinstance(event, BarUnit | UnbarUnit):
+        return _bar(device, event)
+    if isinstance(event, ClosureAsked | CrossingLeft) and event.unit_id in device.memory.bars.barred:
+        return device, ()
     after, actions = TABLE[device.state, type(event)](device, event, now_s)
-    kept = CrossingMemory(tuple(sorted(after.approaches)), after.memory.counted)
+    if after.detected.is_free is not device.detected.is_free:
+        actions = (*actions, *(_clear(after, unit_id) for unit_id in after.listening))
+    kept = CrossingMemory(tuple(sorted(after.approaches)), after.memory.counted, after.memory.bars)
     return (after if kept == after.memory else replace(after, memory=kept)), actions
+
+
+def _bar(device: CrossingDevice, event: BarUnit | UnbarUnit) -> CrossingStep:
+    """What it says counts no more, or counts again, once a second person says the same; it has no proof, and what is
+    closed for it stays closed.
+    """
+    before, bar = device.memory.bars, isinstance(event, BarUnit)
+    bars = barring.bars_after_word(before, event.unit_id, event.person, bar=bar)
+    device = replace(device, memory=replace(device.memory, bars=bars))
+    if bars.barred == before.barred:
+        return device, ()
+    note = Barred if bar else Unbarred
+    device, withdrawn = _doubted(device, {event.unit_id})
+    return device, (Show(note(unit_id=event.unit_id, by=event.person)), *withdrawn)
+
+
+def _doubted(device: CrossingDevice, unit_ids: Collection[str]) -> tuple[CrossingDevice, tuple[Send, ...]]:
+    """These count as not heard, and whoever of them has been is told that he has no proof."""
+    mine = {unit_id: each for unit_id, each in device.approaches.items() if unit_id in unit_ids}
+    withdrawn = tuple(
+        Send(unit_id, CrossingProof(False, VALID_S), approach.correlation)
+        for unit_id, approach in mine.items()
+        if approach.starts_s > -math.inf
+    )
+    unheard = dict.fromkeys(mine, Approach())
+    return replace(device, approaches={**device.approaches, **unheard}), withdrawn
 
 
 def wake_at_s(device: CrossingDevice) -> float | None:
     """When the next warning must begin, or what was commanded must be detected, or a lost memory holds no more."""
-    times_s = [device.held_s] if device.state is not CrossingState.OPEN and not _wanted(device) else []
+    times_s = [device.frees_s]
+    if device.state is not CrossingState.OPEN and not _wanted(device):
+        times_s.append(device.held_s)
     if device.state is CrossingState.OPEN:
         times_s += [approach.starts_s for approach in device.approaches.values()]
     elif device.state is CrossingState.CLOSING and _shuts(device):
@@ -163,7 +229,7 @@ def _seen(device: CrossingDevice, detected: CrossingDetected, now_s: float) -> C
 def _shuts(device: CrossingDevice) -> bool:
     """Whether lamps shine, barriers are down and nothing is on the road, as detected."""
     seen = device.detected
-    return seen.lamps and (seen.lowered or not device.config.barriers) and not seen.obstacle
+    return seen.lamps and (seen.lowered or not device.config.barriers) and seen.is_free
 
 
 def _proves_from_s(device: CrossingDevice) -> float:
@@ -181,6 +247,16 @@ def _starts_s(config: CrossingConfig, request: CrossingRequest, now_s: float) ->
     before_front_s = request.arrives_s - config.closing_s - config.closed_s
     before_proof_s = request.proof_s - config.closing_s - TELEGRAM_S
     return now_s + min(before_front_s, before_proof_s)
+
+
+def _clear(device: CrossingDevice, unit_id: str) -> Send:
+    return Send(unit_id, CrossingClear(device.detected.is_free, VALID_S), device.listening[unit_id])
+
+
+def _listen(device: CrossingDevice, event: ClosureAsked) -> CrossingStep:
+    """Contacts close it, whatever a unit asks; it is told, now and at each change, whether anything is on it."""
+    device = replace(device, listening={**device.listening, event.unit_id: event.correlation})
+    return device, (_clear(device, event.unit_id),)
 
 
 def _proof(device: CrossingDevice, unit_id: str) -> Send:
@@ -210,6 +286,8 @@ def _close(device: CrossingDevice, unit_id: str, now_s: float) -> CrossingStep:
 
 def _ask_open(device: CrossingDevice, event: ClosureAsked, now_s: float) -> CrossingStep:
     """Announced: the warning begins in its time, which the unit may still put off or bring forward."""
+    if device.config.protection:
+        return _listen(device, event)
     device = _announced(device, event, now_s)
     device, actions = _begin_due(device, CrossingTimeDue(), now_s)
     return device, (*actions, _proof(device, event.unit_id))
@@ -217,6 +295,8 @@ def _ask_open(device: CrossingDevice, event: ClosureAsked, now_s: float) -> Cros
 
 def _ask_closing(device: CrossingDevice, event: ClosureAsked, now_s: float) -> CrossingStep:
     """Announced: closed for it, too; it is told whether that is detected, and since when."""
+    if device.config.protection:
+        return _listen(device, event)
     device = _announced(device, event, now_s)
     return device, (_proof(device, event.unit_id),)
 
@@ -234,7 +314,10 @@ def _begin_due(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) ->
 def _leave_open(device: CrossingDevice, event: CrossingLeft, _now_s: float) -> CrossingStep:
     """Not announced any more; confirmed, as often as it is said."""
     left = {unit_id: each for unit_id, each in device.approaches.items() if unit_id != event.unit_id}
-    return replace(device, approaches=left), (Send(event.unit_id, CrossingOverHeard(), event.correlation),)
+    listening = {unit_id: each for unit_id, each in device.listening.items() if unit_id != event.unit_id}
+    return replace(device, approaches=left, listening=listening), (
+        Send(event.unit_id, CrossingOverHeard(), event.correlation),
+    )
 
 
 def _leave_closed(device: CrossingDevice, event: CrossingLeft, now_s: float) -> CrossingStep:
@@ -244,11 +327,53 @@ def _leave_closed(device: CrossingDevice, event: CrossingLeft, now_s: float) -> 
     return device, (*confirmed, *opened)
 
 
-def _open_if_free(device: CrossingDevice, now_s: float) -> CrossingStep:
+def _open_if_free(device: CrossingDevice, now_s: float, struck_off: tuple[str, ...] = ()) -> CrossingStep:
     if _wanted(device) or now_s < device.held_s - _TIME_TOLERANCE_S:
         return device, ()
-    opened = replace(device, state=CrossingState.OPEN, deadline_s=None, held_s=-math.inf)
-    return opened, (Show(CrossingOpens()), Drive(OpenCrossing(device.config.device_id)))
+    opened = replace(
+        device,
+        state=CrossingState.OPEN,
+        deadline_s=None,
+        held_s=-math.inf,
+        persons=(),
+        frees_s=math.inf,
+        doubted=0,
+    )
+    opens = CrossingOpens(struck_off=struck_off)
+    return opened, (Show(opens), Drive(OpenCrossing(device.config.device_id)))
+
+
+def _hear_person_open(device: CrossingDevice, _event: NoTrainComes, _now_s: float) -> CrossingStep:
+    """Nobody waits there."""
+    return device, ()
+
+
+def _hear_person(device: CrossingDevice, event: NoTrainComes, now_s: float) -> CrossingStep:
+    """One person alone changes nothing; two take every proof back, and strike off who says nothing from then on."""
+    person = barring.person_key(event.person)
+    if person in device.persons:
+        return device, ()
+    device = replace(device, persons=(*device.persons, person))
+    agreed = len(device.persons) >= PERSONS
+    said = Show(NoTrainSaid(by=event.person, agreed=agreed))
+    if not agreed or device.frees_s < math.inf:
+        return device, (said,)
+    device, withdrawn = _doubted(device, device.approaches)
+    frees_s = now_s + FREES_S
+    return replace(device, frees_s=frees_s, doubted=device.memory.counted), (said, *withdrawn)
+
+
+def _strike_off(device: CrossingDevice, now_s: float) -> tuple[CrossingDevice, tuple[str, ...]]:
+    """Who has said nothing since two persons said that no train comes, if that is long enough ago."""
+    if now_s < device.frees_s - _TIME_TOLERANCE_S:
+        return device, ()
+    silent = tuple(sorted(u for u, approach in device.approaches.items() if approach.starts_s == -math.inf))
+    heard = {unit_id: each for unit_id, each in device.approaches.items() if unit_id not in silent}
+    counted = max(device.memory.counted - device.doubted, 0)
+    struck_off = (*silent, *[""] * (device.memory.counted - counted))
+    memory = replace(device.memory, counted=counted)
+    device = replace(device, approaches=heard, memory=memory, persons=(), frees_s=math.inf, doubted=0)
+    return device, struck_off
 
 
 def _detect_open(device: CrossingDevice, event: CrossingDetected, now_s: float) -> CrossingStep:
@@ -283,7 +408,8 @@ def _detect_closed(device: CrossingDevice, event: CrossingDetected, now_s: float
     if not (device.config.barriers or device.detected.lamps):  # the road is open: its least time begins anew
         told_s = now_s + VALID_S + device.config.telegram_age_max_s
         device = replace(device, believed_s=told_s, deadline_s=told_s + TELEGRAM_S)
-    why = WhyUnproven.OBSTACLE if device.detected.obstacle else WhyUnproven.LOST
+    seen = device.detected
+    why = WhyUnproven.BUTTON if seen.button else WhyUnproven.OBSTACLE if seen.obstacle else WhyUnproven.LOST
     return device, (Show(CrossingUnproven(why=why)), *_proofs(device))
 
 
@@ -295,7 +421,8 @@ def _expire(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) -> Cr
     if device.deadline_s is not None and now_s >= device.deadline_s - _TIME_TOLERANCE_S:
         device = replace(device, deadline_s=math.inf)
         actions = (Show(CrossingUnproven(why=WhyUnproven.LATE)),)
-    device, opened = _open_if_free(device, now_s)
+    device, struck_off = _strike_off(device, now_s)
+    device, opened = _open_if_free(device, now_s, struck_off)
     return device, (*actions, *opened)
 
 
@@ -321,16 +448,19 @@ TABLE: Final[Mapping[tuple[CrossingState, type], Callable[[CrossingDevice, Any, 
             (CrossingState.OPEN, CrossingLeft): _leave_open,
             (CrossingState.OPEN, CrossingDetected): _detect_open,
             (CrossingState.OPEN, CrossingContact): _contact_open,
+            (CrossingState.OPEN, NoTrainComes): _hear_person_open,
             (CrossingState.OPEN, CrossingTimeDue): _begin_due,
             (CrossingState.CLOSING, ClosureAsked): _ask_closing,
             (CrossingState.CLOSING, CrossingLeft): _leave_closed,
             (CrossingState.CLOSING, CrossingDetected): _detect_closing,
             (CrossingState.CLOSING, CrossingContact): _contact_closed,
+            (CrossingState.CLOSING, NoTrainComes): _hear_person,
             (CrossingState.CLOSING, CrossingTimeDue): _expire,
             (CrossingState.CLOSED, ClosureAsked): _ask_closing,
             (CrossingState.CLOSED, CrossingLeft): _leave_closed,
             (CrossingState.CLOSED, CrossingDetected): _detect_closed,
             (CrossingState.CLOSED, CrossingContact): _contact_closed,
+            (CrossingState.CLOSED, NoTrainComes): _hear_person,
             (CrossingState.CLOSED, CrossingTimeDue): _expire,
         }
     )

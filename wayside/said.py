@@ -11,16 +11,7 @@ import msgspec
 
 from network.model import Position
 from radio.noted import Noted, TelegramDropped, TookEffect
-from wayside.crossing_said import (
-    CloseCrossing,
-    CrossingContact,
-    CrossingDetected,
-    CrossingOpens,
-    CrossingProven,
-    CrossingUnproven,
-    CrossingWarns,
-    OpenCrossing,
-)
+from wayside.crossing_said import CloseCrossing, CrossingInput, CrossingWord, OpenCrossing
 
 
 class ConfirmOutside(msgspec.Struct, frozen=True, array_like=True, tag=1):
@@ -78,14 +69,14 @@ class BoundaryPassed(msgspec.Struct, frozen=True, array_like=True, tag=7):
 
 
 class BarUnit(msgspec.Struct, frozen=True, array_like=True, tag=8):
-    """Operator to manager and terminals: the unit is defective or its key stolen; nothing that it says is to count."""
+    """Operator to all devices: the unit is defective or its key stolen; nothing that it says is to count."""
 
     unit_id: str
     person: str
 
 
 class UnbarUnit(msgspec.Struct, frozen=True, array_like=True, tag=9):
-    """Operator to manager and terminals: what the unit says is to count again."""
+    """Operator to all devices: what the unit says is to count again."""
 
     unit_id: str
     person: str
@@ -129,8 +120,7 @@ Input = (
     | LetWait
     | LetGo
     | EndTrain
-    | CrossingDetected
-    | CrossingContact
+    | CrossingInput
 )
 
 
@@ -482,14 +472,6 @@ TerminalNote = (
     | TookEffect
 )
 CrossingNote = (
-    Started
-    | InputRefused
-    | Refused
-    | CrossingWarns
-    | CrossingProven
-    | CrossingUnproven
-    | CrossingOpens
-    | TelegramDropped
-    | TookEffect
+    Started | InputRefused | Refused | CrossingWord | Barred | Unbarred | TelegramDropped | TookEffect
 )
 Note = ManagerNote | TerminalNote | CrossingNote

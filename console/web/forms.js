@@ -4,7 +4,7 @@ import { element } from "./tables.js";
 const ACT_FIELDS = {
   confirm_outside: ["unit", "place"], confirm_holding: ["unit", "sections"], take_back: ["unit"], accept_picture: ["pace"],
   power_on: ["party"], commission: ["party"], repair_points: ["points", "position"], enter_section: ["unit?", "sections"],
-  reenter_by_hand: ["pace"], reenter_assisted: ["pace"], bar_unit: ["unit"], unbar_unit: ["unit"], haul_away: ["unit"], give_back: ["unit", "hold"],
+  reenter_by_hand: ["pace"], reenter_assisted: ["pace"], bar_unit: ["unit"], unbar_unit: ["unit"], haul_away: ["unit"], free_road: ["crossing"], guard_road: ["crossing"], leave_road: ["crossing"], give_back: ["unit", "hold"],
   hold_train: ["unit", "hold", "behind", "over"], let_go: ["unit"], end_train: ["unit", "train"], drive: ["unit", "notch"], drive_by_ato: ["unit"],
   take_role: ["role"], hand_back_role: ["role"], do_step: ["role", "step", "block", "train?"], leave_out_step: ["role", "step", "block", "train?"],
 };
@@ -71,13 +71,14 @@ export function actForm(welcome, words, ask, lead) {
   const terminals = welcome.points.map((points) => points.terminal);
   const makes = {
     unit: () => choice("act-target", welcome.units), "unit?": () => choice("act-target", ["", ...welcome.units]),
-    party: () => choice("act-target", [...welcome.units, "block-manager", ...new Set(terminals)]), points: () => choice("act-target", welcome.points.map((points) => points.id)),
+    party: () => choice("act-target", [...welcome.units, "block-manager", ...new Set(terminals), ...welcome.crossings]), points: () => choice("act-target", welcome.points.map((points) => points.id)),
     position: () => choice("act-position", ["normal", "reverse"]), place: () => choice("act-place", ["", ...welcome.sections.filter((s) => s.kind === "portal").map((s) => s.id)]),
     sections: () => element(document, "select", { id: "act-sections", multiple: true, size: 4 }, ...welcome.sections.map((s) => element(document, "option", { value: s.id }, s.id))),
     hold: () => element(document, "input", { id: "act-hold_s", type: "number", value: 300, min: 0 }), pace: () => element(document, "input", { id: "act-pace_s", type: "number", min: 0, step: 0.1, placeholder: "–" }),
     person: () => choice("act-person", ["controller", "staff", "crew"], (value) => words.say(value, {}, "party")), behind: () => choice("act-behind", ["", ...welcome.units]),
     over: () => choice("act-place", ["", ...welcome.sections.map((s) => s.id)]), track: () => choice("act-sections", welcome.sections.filter((s) => s.kind === "track").map((s) => s.id)),
     train: () => choice("act-train", welcome.plan.map((one) => one.train)), "train?": () => choice("act-train", ["", ...welcome.plan.map((one) => one.train)]),
+    crossing: () => choice("act-target", welcome.crossings),
     role: () => choice("act-target", welcome.posts.map((one) => one.post)), block: () => choice("act-block", welcome.works.map((one) => one.block)),
     step: () => choice("act-step", [...new Set(welcome.works.flatMap((one) => one.rows.map((row) => row.step)))]), notch: () => element(document, "input", { id: "act-notch", type: "number", value: 0, min: -10, max: 10, step: 1 }),
   };

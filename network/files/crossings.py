@@ -82,9 +82,13 @@ def _crossing(
         _contacts(table.end_down_km, table.end_up_km),
         table.sight_m,
         table.detector,
+        table.protection,
     )
     _check_contacts(file, key, crossing)
     _check_road(file, key, table)
+    if table.protection and not (crossing.has_device and control is CrossingControl.CONTACTS):
+        expected = 'false, or control = "contacts" and a device: by radio a crossing proves itself closed'
+        raise InputError(file, f"{key}.protection", True, expected)
     return crossing
 
 

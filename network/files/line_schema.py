@@ -329,6 +329,13 @@ class CrossingTable(OnTrackTable):
         bool,
         about("with barriers, whether a detector (障害物検知装置) sees what stands on it while it is closed"),
     ] = False
+    protection: Annotated[
+        bool,
+        about(
+            "by contacts, whether units hear by radio that nobody has pressed its button and nothing is on it"
+            " (特殊信号発光機), and stop before it where they do not"
+        ),
+    ] = False
     road: Annotated[
         CrossingRoad | None, about("the road, which SUMO carries; left out: nothing drives over it")
     ] = None

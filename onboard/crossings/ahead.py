@@ -69,14 +69,15 @@ class CrossingOnPath:
     @cached_property
     def behind(self) -> CrossingPlace:
         """What a unit is told of it when its safe rear has left it."""
-        crossing, least_s = self.crossing, least_closed_s(self.crossing)
+        crossing = self.crossing
+        times_s = (crossing.warning_s, crossing.closing_s, least_closed_s(crossing))
+        if not crossing.by_radio:  # it closes by itself, and is asked once it ends the movement limit
+            times_s = (HELD_FROM_S - EARLY_S, 0.0, 0.0)
         return CrossingPlace(
             crossing.id,
             self.span,
             self.stop,
-            crossing.warning_s,
-            crossing.closing_s,
-            least_s,
+            *times_s,
             entered=True,
             under=True,
             beyond=True,
@@ -85,7 +86,7 @@ class CrossingOnPath:
 
 
 class CrossingsAhead:
-    """The crossings of one unit's path that are asked by radio. `row` is its row of UNIT."""
+    """The crossings of one unit's path that it hears by radio. `row` is its row of UNIT."""
 
     def __init__(
         self,
@@ -96,7 +97,7 @@ class CrossingsAhead:
         behaviour: BehaviourRow,
         pace: Pace,
     ) -> None:
-        self._by_radio: Final = [crossing for crossing in line.crossings.values() if crossing.by_radio]
+        self._by_radio: Final = [crossing for crossing in line.crossings.values() if crossing.tells_units]
         self._parameters: Final = parameters
         self._row: Final = row
         self._train: Final = train

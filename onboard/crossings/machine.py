@@ -21,7 +21,7 @@ from typing import Any, Final
 import msgspec
 from msgspec.structs import replace
 
-from onboard import notes
+from onboard import crossing_notes, notes
 from radio.messages import CrossingOver, CrossingRequest
 from radio.table import TableCell, rows
 
@@ -123,10 +123,13 @@ class CrossingUnplaced:
 
 @dataclass(frozen=True, slots=True)
 class CrossingAnswered:
-    """Event: the crossing says whether it is closed, and until when (s) that holds."""
+    """Event: the crossing says whether it is closed, and until when (s) that holds; one that closes `by_contacts`,
+    whether nothing is on it.
+    """
 
     closed: bool
     until_s: float
+    by_contacts: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +149,9 @@ class CrossingOffLine:
 
 @dataclass(frozen=True, slots=True)
 class CreepAllowed:
-    """Event: its driver has leave to creep over it, on sight and whistling."""
+    """Event: its driver may creep over it, on sight and whistling; `guarded`: somebody has stopped its road."""
+
+    guarded: bool = False
 
 
 CrossingEvent = (
@@ -241,7 +246,7 @@ def _repeats(view: CrossingView, place: CrossingPlace | None, now_s: float) -> C
 
 def _gives_up(view: CrossingView, now_s: float, *, passed: bool) -> CrossingStep:
     fresh = CrossingView(view.crossing_id, CrossingPhase.LEAVING, now_s, passed=passed)
-    left = notes.CrossingLeftBehind(crossing_id=view.crossing_id, passed=passed)
+    left = crossing_notes.CrossingLeftBehind(crossing_id=view.crossing_id, passed=passed)
     return fresh, (left, CrossingOver(passed))
 
 
@@ -257,7 +262,7 @@ def _look_ahead(view: CrossingView, event: CrossingSeen, now_s: float) -> Crossi
     if place.clear or place.due_s > ABOUT_S:
         return view, ()
     asked, said = _asks(replace(view, phase=CrossingPhase.ASKED), place, now_s)
-    note = notes.CrossingAsked(crossing_id=view.crossing_id, arrives_s=round(place.arrives_s, 1))
+    note = crossing_notes.CrossingAsked(crossing_id=view.crossing_id, arrives_s=round(place.arrives_s, 1))
     return asked, (note, *said)
 
 
@@ -285,7 +290,9 @@ def _look_proven(view: CrossingView, event: CrossingSeen, now_s: float) -> Cross
     if now_s >= view.until_s:
         lost, said = _look_asked(replace(_unproven(view), answered=False), event, now_s)
         return lost, (
-            notes.CrossingProofLost(crossing_id=view.crossing_id, why=notes.WhyProofLost.SILENCE),
+            crossing_notes.CrossingProofLost(
+                crossing_id=view.crossing_id, why=crossing_notes.WhyProofLost.SILENCE
+            ),
             *said,
         )
     if place is None or (place.stands and not math.isfinite(place.arrives_s)):
@@ -334,14 +341,17 @@ def _proof(view: CrossingView, event: CrossingAnswered, now_s: float) -> Crossin
     if not event.closed:
         return view, ()
     proven = replace(view, phase=CrossingPhase.PROVEN, since_s=now_s, until_s=event.until_s)
-    return replace(proven, creeps=False), (notes.CrossingHeardClosed(crossing_id=view.crossing_id),)
+    note = crossing_notes.CrossingHeardClear if event.by_contacts else crossing_notes.CrossingHeardClosed
+    return replace(proven, creeps=False), (note(crossing_id=view.crossing_id),)
 
 
 def _proof_again(view: CrossingView, event: CrossingAnswered, now_s: float) -> CrossingStep:
     """Still closed: it holds on; not closed any more: it is dropped at once."""
     if event.closed:
         return replace(view, until_s=event.until_s, answered=True), ()
-    note = notes.CrossingProofLost(crossing_id=view.crossing_id, why=notes.WhyProofLost.NOT_CLOSED)
+    note = crossing_notes.CrossingProofLost(
+        crossing_id=view.crossing_id, why=crossing_notes.WhyProofLost.NOT_CLOSED
+    )
     return replace(_unproven(view), said_s=now_s), (note,)
 
 
@@ -361,11 +371,13 @@ def _say_again(view: CrossingView, _event: CrossingBooted, _now_s: float) -> Cro
     return replace(view, said_s=-math.inf, answered=False), ()
 
 
-def _creep(view: CrossingView, _event: CreepAllowed, _now_s: float) -> CrossingStep:
+def _creep(view: CrossingView, event: CreepAllowed, _now_s: float) -> CrossingStep:
     """May creep over it, unless a proof comes first."""
     if view.creeps:
         return view, ()
-    return replace(view, creeps=True), (notes.CrossingCreep(crossing_id=view.crossing_id),)
+    return replace(view, creeps=True), (
+        crossing_notes.CrossingCreep(crossing_id=view.crossing_id, guarded=event.guarded),
+    )
 
 
 _ANNOUNCED: Final = (CrossingPhase.ASKED, CrossingPhase.PROVEN, CrossingPhase.PASSING)

@@ -28,7 +28,16 @@ from onboard.crossings.machine import (
 )
 from onboard.duty.records import DutyPhase, DutyState
 from radio.envelope import Received
-from radio.messages import CrossingOver, CrossingOverHeard, CrossingProof, CrossingRequest, Restarted
+from radio.messages import (
+    CrossingClear,
+    CrossingOver,
+    CrossingOverHeard,
+    CrossingProof,
+    CrossingRequest,
+    Restarted,
+)
+
+NEAR_S: Final = 15.0  # of a crossing that closes by itself: as near as one that must have been closed so long
 
 _ANNOUNCED: Final = (CrossingPhase.ASKED, CrossingPhase.PROVEN, CrossingPhase.PASSING)
 
@@ -89,9 +98,10 @@ class CrossingTalk:
         if crossing_id not in self._views:
             return False
         match heard.message:
-            case CrossingProof(closed, valid_s):
+            case CrossingProof(passable, valid_s) | CrossingClear(passable, valid_s):
                 if heard.fresh and heard.correlation == self._correlations.get(crossing_id):
-                    answered = CrossingAnswered(closed, now_s + valid_s)
+                    by_contacts = isinstance(heard.message, CrossingClear)
+                    answered = CrossingAnswered(passable, now_s + valid_s, by_contacts)
                     self._take(crossing_id, answered, now_s)
             case CrossingOverHeard():
                 if heard.correlation == self._correlations.get(crossing_id):
@@ -102,10 +112,10 @@ class CrossingTalk:
                 return False
         return True
 
-    def creep(self, crossing_id: str, now_s: float) -> None:
+    def creep(self, crossing_id: str, now_s: float, *, guarded: bool = False) -> None:
         """Its driver has leave to creep over a crossing."""
         if crossing_id in self._views:
-            self._take(crossing_id, CreepAllowed(), now_s)
+            self._take(crossing_id, CreepAllowed(guarded=guarded), now_s)
 
     def off_the_line(self, now_s: float) -> None:
         """The whole train is off the line."""
@@ -133,7 +143,7 @@ class CrossingTalk:
     def start_held_by(self, now_s: float) -> str:
         """The crossing so near that a train that stands does not start for it; empty: none."""
         place = self._places.get(self.held_before(now_s))
-        near = place is not None and place.stands and place.fastest_s < place.least_s
+        near = place is not None and place.stands and place.fastest_s < (place.least_s or NEAR_S)
         return place.crossing_id if place is not None and near else ""
 
     def kept_standing_by(self, now_s: float) -> str:

@@ -194,9 +194,12 @@ class NotAtMark(msgspec.Struct, frozen=True, tag=True):
 
 
 class CreepOver(msgspec.Struct, frozen=True, tag=True):
-    """The driver, standing before a level crossing that has not proved closed, has leave to creep over it."""
+    """The driver, standing before a level crossing that has not proved closed, has leave to creep over it; `guarded`:
+    by the word of somebody who has stopped its road.
+    """
 
     crossing_id: str
+    guarded: bool = False
 
 
 # events: localisation and driving --------------------------------------------------------------------------------

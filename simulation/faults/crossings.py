@@ -13,18 +13,23 @@ from simulation.faults.fault import Fault, Names
 
 @dataclass(frozen=True, slots=True)
 class CrossingCondition:
-    """What is wrong: barriers that do not move, lamps that do not shine, contacts that show nothing."""
+    """What is wrong: barriers that do not move, lamps that do not shine, contacts that show nothing, a button that was
+    pressed, an obstacle detector that sees nothing, or always something.
+    """
 
     stuck: bool = False
     lamps_dead: bool = False
     detection_fault: bool = False
+    button: bool = False
+    detector_blind: bool = False
+    detector_occupied: bool = False
 
 
 IN_ORDER: Final = CrossingCondition()
 
 
 class CrossingFault(Fault[CrossingCondition]):
-    """What is wrong with lamps, barriers and contacts of a level crossing."""
+    """What is wrong with lamps, barriers, contacts, button and detector of a level crossing."""
 
     aims_at = "level crossing"
     changes = "crossing"
@@ -63,3 +68,36 @@ class CrossingUndetected(CrossingFault):
 
     def applied_to(self, condition: CrossingCondition) -> CrossingCondition:
         return replace(condition, detection_fault=True)
+
+
+class ButtonPressed(CrossingFault):
+    """Somebody at a level crossing presses its button (支障報知装置); it stays pressed until staff reset it."""
+
+    kind = "button_pressed"
+
+    def applied_to(self, condition: CrossingCondition) -> CrossingCondition:
+        return replace(condition, button=True)
+
+
+class DetectorBlind(CrossingFault):
+    """The obstacle detector of a level crossing shows a free road whatever stands on it."""
+
+    kind = "detector_blind"
+
+    def applied_to(self, condition: CrossingCondition) -> CrossingCondition:
+        return replace(condition, detector_blind=True)
+
+
+class DetectorOccupied(CrossingFault):
+    """The obstacle detector of a level crossing shows that something stands on its road, though nothing does."""
+
+    kind = "detector_occupied"
+
+    def applied_to(self, condition: CrossingCondition) -> CrossingCondition:
+        return replace(condition, detector_occupied=True)
+
+
+class DetectorOff(DetectorOccupied):
+    """The obstacle detector of a level crossing has no power: its relay falls, as if something stood there."""
+
+    kind = "detector_off"

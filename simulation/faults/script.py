@@ -45,6 +45,9 @@ class ActKind(Enum):
     BAR_UNIT = "bar_unit"
     UNBAR_UNIT = "unbar_unit"
     HAUL_AWAY = "haul_away"
+    FREE_ROAD = "free_road"
+    GUARD_ROAD = "guard_road"
+    LEAVE_ROAD = "leave_road"
     GIVE_BACK = "give_back"
     HOLD_TRAIN = "hold_train"
     LET_GO = "let_go"
@@ -71,6 +74,9 @@ ACT_MEANINGS: Final[Mapping[ActKind, str]] = {
     ActKind.BAR_UNIT: "controller or staff: nothing that this unit says is to count",
     ActKind.UNBAR_UNIT: "controller or staff: what this unit says is to count again",
     ActKind.HAUL_AWAY: "staff: haul a train without power off the line, out of the portal where it stands",
+    ActKind.FREE_ROAD: "controller or staff: no train comes to this level crossing, and none is on it",
+    ActKind.GUARD_ROAD: "staff: guard this level crossing, and stop its road by hand for trains that stand before it",
+    ActKind.LEAVE_ROAD: "staff: guard this level crossing no longer",
     ActKind.GIVE_BACK: "crew: return the route ahead, not yet entered, and ask for none for a while",
     ActKind.HOLD_TRAIN: "controller: no route for this unit for a while, or until another one has a section",
     ActKind.LET_GO: "controller: what this unit was kept back for does not count any more",
@@ -86,6 +92,7 @@ ACT_MEANINGS: Final[Mapping[ActKind, str]] = {
 BY_ROLE: Final = frozenset(
     {ActKind.TAKE_ROLE, ActKind.HAND_BACK_ROLE, ActKind.DO_STEP, ActKind.LEAVE_OUT_STEP}
 )
+AT_CROSSING: Final = frozenset({ActKind.FREE_ROAD, ActKind.GUARD_ROAD, ActKind.LEAVE_ROAD})
 OF_STEP: Final = frozenset({ActKind.DO_STEP, ActKind.LEAVE_OUT_STEP})
 
 

@@ -196,9 +196,12 @@ class Checkers:
             )
             self._log.note(t_s, Checker.WITHIN_BOUNDS, unit_id, text)
 
-    def alive(self, t_s: float, trains: Iterable[TrainAndDisplay]) -> None:
-        """`no-dead-state`: all trains at one moment, every `liveness.LOOKS_EVERY_S` or so."""
+    def alive(
+        self, t_s: float, trains: Iterable[TrainAndDisplay], closed_for_nothing: Collection[str] = ()
+    ) -> None:
+        """`no-dead-state`: trains and closed roads at one moment, every `liveness.LOOKS_EVERY_S` or so."""
         self._liveness.look(t_s, trains)
+        self._liveness.look_at_roads(t_s, closed_for_nothing)
 
     def finish(self, t_s: float, arrived: Mapping[str, bool]) -> None:
         """`everyone-arrives`: `arrived` has every train expected to arrive, and whether it has."""

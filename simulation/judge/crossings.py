@@ -11,7 +11,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from simulation.events import BarrierState, CrossingBarriers, CrossingCreep, CrossingLamps, JournalEntry
+from simulation.events import (
+    BarrierState,
+    CrossingBarriers,
+    CrossingCreep,
+    CrossingLamps,
+    JournalEntry,
+    RoadStopped,
+)
 from simulation.judge.body import RESOLUTION_M, Body
 from simulation.judge.locking import GuaranteedBrake
 from simulation.judge.log import Checker, Log
@@ -59,10 +66,13 @@ class CrossingWatch:
                 self._on_edge.setdefault(edge_id, []).append((begins_m, crossing_id))
         self._seen: dict[str, tuple[str, float]] = {}
         self._leave: set[tuple[str, str]] = set()
+        self._stopped: set[tuple[str, str]] = set()  # for whom which road has been stopped by hand
         self._too_late: set[tuple[str, str]] = set()  # who could not stop when which road ceased to be closed
 
     def see(self, entry: JournalEntry, bodies: Iterable[Body]) -> None:
-        """Lamps and barriers change; a driver has leave to creep over a crossing, once."""
+        """Lamps and barriers change; a driver has leave to creep over a crossing, once, that of somebody who guards it
+        only if the road was stopped by hand for him before.
+        """
         match entry.event:
             case CrossingLamps(crossing_id=crossing_id, lit=lit):
                 self._ceases(crossing_id, bodies)
@@ -72,8 +82,12 @@ class CrossingWatch:
             case CrossingBarriers(crossing_id=crossing_id, state=state):
                 self._ceases(crossing_id, bodies)
                 self._roads[crossing_id].lowered_s = entry.t_s if state is BarrierState.LOWERED else math.inf
-            case CrossingCreep(crossing_id=crossing_id):
-                self._leave.add((entry.who, crossing_id))
+            case RoadStopped(crossing_id=crossing_id, unit_id=unit_id):
+                self._stopped.add((unit_id, crossing_id))
+            case CrossingCreep(crossing_id=crossing_id, guarded=guarded):
+                pair = (entry.who, crossing_id)
+                if not guarded or pair in self._stopped:
+                    self._leave.add(pair)
             case _:
                 pass
 
@@ -115,6 +129,7 @@ class CrossingWatch:
         pair = (body.unit_id, crossing_id)
         creeps = pair in self._leave and body.speed_mps <= self._creep_mps + CREEP_MARGIN_MPS
         self._leave.discard(pair)
+        self._stopped.discard(pair)
         outside = pair in self._too_late
         self._too_late.discard(pair)
         if creeps:

@@ -2,7 +2,8 @@
 
 The unit is off, and no authority part restrains the train: its driver uses the driving part as his hands. He knows
 where he is by his eye, so its position is set to the truth in each stretch, reads no tags, keeps the line's limits and
-his own ceiling, stops at marks, and brakes for a train that he sees. What stops him is the end of what he was told.
+his own ceiling, stops at marks, and brakes for a train that he sees. What stops him is the end of what he was told, and
+by the rule of substitute working each level crossing that units ask: it cannot hear him.
 """
 
 from __future__ import annotations
@@ -49,12 +50,24 @@ class DrivenTrain:
 class HandDriver:
     """The drivers of all trains whose unit is cut out, by slot."""
 
-    def __init__(self, world: World, cabs: Cabs, duties: Duties, speed_mps: float, dwell_s: float) -> None:
+    def __init__(
+        self,
+        world: World,
+        cabs: Cabs,
+        duties: Duties,
+        speed_mps: float,
+        dwell_s: float,
+        *,
+        stops_at_crossings: bool = False,
+    ) -> None:
         self._trains, self._on_board, self._books = world.trains, world.on_board, world.books
         self._agenda, self._journal = world.agenda, world.journal
         self._cabs, self._duties = cabs, duties
         self._pauses: Final = Pauses(world.setup)
         self._speed_mps, self._dwell_s = speed_mps, dwell_s
+        self._creep_mps: Final = world.setup.unit.restricted_mps
+        radio = any(crossing.by_radio for crossing in world.setup.line.crossings.values())
+        self._stops_at_crossings: Final = stops_at_crossings and radio
         self.driven: Final[dict[int, DrivenTrain]] = {}
         self.ceilings_mps: Final[dict[int, float]] = {}  # of trains that are to run slower for a while
 
@@ -116,7 +129,8 @@ class HandDriver:
         row, now_s = self._trains.units[slot], step / STEPS_PER_S
         row.position_m = self._trains.truths[slot].position_m
         row.bound_ahead_m = row.bound_behind_m = BY_EYE_M
-        row.restricted_mps = self.ceilings_mps.get(slot, self._speed_mps)
+        creeps = self._stops_at_crossings and self._cabs.looks_by_hand(slot, step)
+        row.restricted_mps = self._creep_mps if creeps else self.ceilings_mps.get(slot, self._speed_mps)
         stands = self._trains.plants[slot].speed_mps == 0.0
         if stands and train.runs:
             self._stands(slot, train, now_s)
@@ -162,7 +176,7 @@ class HandDriver:
         train.at = train.to = self._books.next_target(slot) - 1
         train.ends = None
         self._on_board.take_by_hand(slot, duty)
-        self._cabs.drives_by_hand(slot, by_hand=True)
+        self._cabs.drives_by_hand(slot, by_hand=True, stops_at_crossings=self._stops_at_crossings)
         self._hold(slot, train, 0.0)
 
     def _hold(self, slot: int, train: DrivenTrain, now_s: float) -> None:

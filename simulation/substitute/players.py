@@ -31,6 +31,9 @@ from wayside.config import MANAGER_ID
 NOBODY: Final = "nobody is there"
 STAYS_ABOARD: Final = "the pilot stays aboard"
 TICKETS = True  # off: a pilot rides with every train
+STOPS_AT_CROSSINGS = (
+    True  # off: drivers whose unit is cut out run over level crossings that nobody has announced them at
+)
 NEED_NOT_BE_EMPTY = True  # off: also a section that never had a pilot must be empty first
 
 
@@ -41,7 +44,12 @@ class SubstitutePlayers:
         self._settings = settings
         self._trains, self._wayside, self._agenda = world.trains, world.wayside, world.agenda
         self.drivers: Final = HandDriver(
-            world, cabs, duties, settings.speed_mps, world.setup.unit.dwell_min_s
+            world,
+            cabs,
+            duties,
+            settings.speed_mps,
+            world.setup.unit.dwell_min_s,
+            stops_at_crossings=STOPS_AT_CROSSINGS,
         )
         self.sight: Final = LineSight(world, duties, self.drivers)
         self._steps: Final = StepsDone(world, settings, self.drivers, self.sight)

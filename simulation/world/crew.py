@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from network.model import SectionKind
+from onboard.crossing_notes import CrossingCreep
 from onboard.duty.records import (
     AtMark,
     CreepOver,
@@ -26,7 +27,7 @@ from onboard.duty.records import (
     PointsWrong,
 )
 from onboard.mission import Mission
-from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints, CrossingCreep
+from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
 from onboard.plan import ARRIVED_ON_SIGHT_WITHIN_M, DutyPlan, PointsNeeded
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S
@@ -68,11 +69,14 @@ class Crew:
         self.on_sight: set[int] = set()  # slots of trains that run on sight, or sweep
         self._passages: dict[str, KeyPassage] = {}  # by points
         self._creeps: dict[int, str] = {}  # by slot: the level crossing that a train on sight may creep over
+        self.by_hand: set[int] = set()  # slots of trains whose unit is cut out, by substitute working
 
     def look_ahead(self, slot: int) -> None:
         """Set where the driver will stop: before points not proven, at the mark, at the end of what is held."""
         truth, plan, duty = self._trains.truths[slot], self._on_board.plan(slot), self._trains.duties[slot]
         truth.sight_m = self._obstacle_m(slot)
+        if slot in self.by_hand:
+            truth.sight_m = min(truth.sight_m, self._open_crossing(slot)[1])
         if not self._on_board.drives_on_sight(slot) or plan is None or duty is None:
             return
         front_m, shown = float(truth.position_m), self._on_board.shown_to_driver(slot)
@@ -124,8 +128,8 @@ class Crew:
         return self._on_board.shown_to_driver(slot).target is not None and ends
 
     def _open_crossing(self, slot: int) -> tuple[str, float]:
-        """The first level crossing ahead at which a driver on sight stops, and where, m: one that his unit would have
-        asked, or whose road he sees is not closed.
+        """The first level crossing ahead at which a driver without his unit stops, and where, m: one that it would have
+        asked, or, on sight, whose road he sees is not closed. What contacts close he passes by hand as with his unit.
         """
         found = ("", math.inf)
         for crossing in self._wayside.crossings.on_line:
@@ -135,7 +139,10 @@ class Crew:
             road_m = path.to_road_m(crossing)
             ahead = truth.position_m < road_m < found[1] + CROSSING_STOPS_SHORT_M
             leave = self._creeps.get(slot) == crossing.id
-            stops = crossing.by_radio or not self._wayside.crossings.is_closed(crossing.id)
+            if leave and truth.position_m > road_m:
+                del self._creeps[slot]  # it was for this time
+            looks = slot not in self.by_hand
+            stops = crossing.by_radio or (looks and not self._wayside.crossings.is_closed(crossing.id))
             if ahead and stops and not leave:
                 found = (crossing.id, road_m - CROSSING_STOPS_SHORT_M)
         return found
@@ -145,25 +152,34 @@ class Crew:
         shown, plant = self._on_board.shown_to_driver(slot), self._trains.plants[slot]
         if plant.speed_mps > 0.0 or not self._trains.truths[slot].active:
             return ""
-        if not self._on_board.drives_on_sight(slot):
+        if slot not in self.by_hand and not self._on_board.drives_on_sight(slot):
             return shown.at_crossing
         crossing_id, stops_m = self._open_crossing(slot)
         return crossing_id if stops_m - float(self._trains.truths[slot].position_m) < SEES_M else ""
 
-    def creep(self, slot: int, now_s: float) -> list[CreepOver]:
+    def creep(self, slot: int, now_s: float, *, guarded: bool = False) -> list[CreepOver]:
         """The driver has leave to creep over the crossing at which the train waits: his unit, if it drives, is told.
-        He has none while he sees that something stands on it.
+        He has none while he sees that something stands on it. `guarded`: by the word of who has stopped the road.
         """
         crossing_id = self.waits_at_crossing(slot)
         if not crossing_id or self._wayside.crossings.is_blocked(crossing_id):
             return []
         self._wayside.crossings.creeps_over(crossing_id, self._trains.stock_ids[slot])
-        if not self._on_board.drives_on_sight(slot):
-            return [CreepOver(crossing_id)]
+        if slot not in self.by_hand and not self._on_board.drives_on_sight(slot):
+            return [CreepOver(crossing_id, guarded)]
         self._creeps[slot] = crossing_id
-        self._journal.write(now_s, self._trains.stock_ids[slot], CrossingCreep(crossing_id=crossing_id))
+        leave = CrossingCreep(crossing_id=crossing_id, guarded=guarded)
+        self._journal.write(now_s, self._trains.stock_ids[slot], leave)
         self.look_ahead(slot)
         return []
+
+    def creeps_by_hand(self, slot: int) -> bool:
+        """Whether a train whose unit is cut out has leave to creep over a crossing onto which it has yet to come."""
+        path, crossing_id = self._trains.true_path(slot), self._creeps.get(slot, "")
+        crossing = self._trains.setup.line.crossings.get(crossing_id)
+        if crossing is None or crossing.piece_id not in path:
+            return False
+        return bool(self._trains.truths[slot].position_m <= path.to_road_m(crossing))
 
     def stand(self, slot: int, now_s: float) -> list[Person]:
         """A train on sight stands: what the crew finds, and enters. It looks again every `LOOKS_AGAIN_S`."""

@@ -36,7 +36,8 @@ class CrossingEquipment:
     closes: bool = False
     due_s: float | None = None
     condition: CrossingCondition = IN_ORDER
-    obstacle: bool = False  # as the detector has it
+    has_detector: bool = False
+    obstacle: bool = False  # as a detector in order has it
 
     @property
     def lit(self) -> bool:
@@ -70,7 +71,13 @@ def equipment_of(crossing: LevelCrossing) -> CrossingEquipment:
     """The equipment of a crossing of the line, open."""
     barriers = crossing.kind is CrossingClass.BARRIERS
     first_s = crossing.closing_s - crossing.lowering_s if barriers else 0.0
-    return CrossingEquipment(crossing.id, barriers, first_s, crossing.lowering_s if barriers else 0.0)
+    return CrossingEquipment(
+        crossing.id,
+        barriers,
+        first_s,
+        crossing.lowering_s if barriers else 0.0,
+        has_detector=crossing.has_detector,
+    )
 
 
 def step(equipment: CrossingEquipment, event: EquipmentEvent, now_s: float) -> CrossingEquipment:
@@ -79,12 +86,16 @@ def step(equipment: CrossingEquipment, event: EquipmentEvent, now_s: float) -> C
 
 
 def detection(equipment: CrossingEquipment) -> CrossingDetected:
-    """What its contacts show the device."""
-    if equipment.condition.detection_fault:
-        return CrossingDetected(lamps=False, lowered=False, raised=False)
-    at = equipment.barriers
+    """What its contacts show the device; the detector looks while barriers are down, the button is there always."""
+    condition, at = equipment.condition, equipment.barriers
     lowered, raised = at is BarrierState.LOWERED, at is BarrierState.RAISED
-    return CrossingDetected(equipment.lit, lowered, raised, equipment.obstacle)
+    seen = equipment.obstacle and not condition.detector_blind
+    obstacle = seen or (equipment.has_detector and lowered and condition.detector_occupied)
+    if condition.detection_fault:
+        return CrossingDetected(
+            lamps=False, lowered=False, raised=False, obstacle=obstacle, button=condition.button
+        )
+    return CrossingDetected(equipment.lit, lowered, raised, obstacle, condition.button)
 
 
 def shown(equipment: CrossingEquipment) -> CrossingShown:

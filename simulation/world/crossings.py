@@ -16,7 +16,15 @@ from network.model import CrossingControl, LevelCrossing, Line
 from network.path import Path
 from simulation.agenda import Agenda, AgendaKind
 from simulation.carriers.road import Road
-from simulation.events import WORLD, BarrierState, CrossingBarriers, CrossingEntered, CrossingLamps
+from simulation.events import (
+    WORLD,
+    BarrierState,
+    CrossingBarriers,
+    CrossingEntered,
+    CrossingLamps,
+    RoadGuarded,
+    RoadStopped,
+)
 from simulation.faults.crossings import CrossingCondition
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
@@ -47,6 +55,7 @@ class CrossingsOnTrack:
         self.equipment: Final[dict[str, CrossingEquipment]] = {
             crossing.id: crossing_equipment.equipment_of(crossing) for crossing in self.on_line
         }
+        self.guarded: Final[set[str]] = set()  # those with somebody who stops the road by hand
         self._agenda, self._journal, self._shows, self._road = agenda, journal, shows, road
 
     def start(self, step: int) -> None:
@@ -91,6 +100,19 @@ class CrossingsOnTrack:
         """A train has leave to creep over it, and is seen by who drives on its road."""
         if self._road is not None:
             self._road.creeps_over(crossing_id, unit_id)
+
+    def guard(self, step: int, crossing_id: str, *, there: bool) -> None:
+        """Somebody guards it (踏切監視員), or goes."""
+        if there is (crossing_id in self.guarded):
+            return
+        (self.guarded.add if there else self.guarded.discard)(crossing_id)
+        self._journal.write(step / STEPS_PER_S, WORLD, RoadGuarded(crossing_id=crossing_id, there=there))
+
+    def stop_road(self, step: int, crossing_id: str, unit_id: str) -> None:
+        """Who guards it holds a red flag to its road, until the train that stands before it is over it."""
+        stopped = RoadStopped(crossing_id=crossing_id, unit_id=unit_id)
+        self._journal.write(step / STEPS_PER_S, WORLD, stopped)
+        self.creeps_over(crossing_id, unit_id)
 
     def take(self, step: int, crossing_id: str, event: EquipmentEvent) -> None:
         """What happens to it: written down, shown to its device, and remembered when barriers are due."""
@@ -203,11 +225,9 @@ class CrossingLookout:
         road_m = path.to_road_m(crossing)
         found = [CrossingPlaceAhead(road_m, PlaceKind.ROAD, crossing.id)]
         if crossing.control is CrossingControl.CONTACTS:
-            first_m = road_m - abs(crossing.starts_m[path.direction] - crossing.edge_m(path.direction))
-            leaves_m = crossing.edge_m(path.direction.opposite)
-            beyond_m = abs(crossing.ends_m.get(path.direction, leaves_m) - leaves_m)
+            before_m, beyond_m = crossing.contacts_from_road_m(path.direction)
             last_m = road_m + crossing.width_m + beyond_m + float(self._trains.bodies[slot].length_m)
-            found.append(CrossingPlaceAhead(first_m, PlaceKind.FIRST_CONTACT, crossing.id))
+            found.append(CrossingPlaceAhead(road_m - before_m, PlaceKind.FIRST_CONTACT, crossing.id))
             found.append(CrossingPlaceAhead(last_m, PlaceKind.LAST_CONTACT, crossing.id))
         return found
 

@@ -95,8 +95,8 @@ class WaysideWorld:
         self._agenda.put(step, AgendaKind.TO_DEVICE, device_id)
 
     def input_all(self, step: int, value: Input) -> None:
-        """Something an operator enters at the block manager and every terminal."""
-        for device_id in self.device_ids:
+        """Something an operator enters at every device."""
+        for device_id in self.party_ids:
             self.input(step, device_id, value)
 
     def transmit(self, step: int, source: str, destination: str, data: bytes) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Final
 
 from network.files.crossings import LONG_S, least_warning_s
@@ -34,17 +35,17 @@ def crossings_of(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
             continue
         for direction in sorted({train.duty.mission.direction for train in trains}, reverse=True):
             own = [train for train in trains if train.duty.mission.direction is direction]
-            yield from _of_direction(setup, day.line, crossing, direction, own)
+            yield from _of_direction(setup, day, crossing, direction, own)
 
 
 def _of_direction(
-    setup: Setup, line: Line, crossing: LevelCrossing, direction: Direction, trains: list[PlannedTrain]
+    setup: Setup, day: PlannedDay, crossing: LevelCrossing, direction: Direction, trains: list[PlannedTrain]
 ) -> Iterator[Finding]:
-    name = direction.name.lower()
+    name, line = direction.name.lower(), day.line
     if not crossing.has_device:
         yield from _sight(line, crossing, direction, trains)
     elif crossing.control is CrossingControl.CONTACTS:
-        way_m = abs(crossing.edge_m(direction) - crossing.starts_m[direction])
+        way_m, _ = crossing.contacts_from_road_m(direction)
         warns_s, least_s = _least_s(line, crossing, direction, way_m), least_warning_s(crossing)
         said = f"level crossing {crossing.id} warns of {name} trains at line speed for {warns_s:.0f} s"
         if warns_s < least_s - TOLERANCE_S:
@@ -53,6 +54,7 @@ def _of_direction(
         elif warns_s > LONG_S:
             remedy = f"more than {LONG_S:g} s, and longer before slower trains: by radio it is constant"
             yield _finding(crossing, trains, Severity.TIGHT, said, remedy, None)
+        yield from _unwarned(crossing, direction, trains, day)
     elif setup.line_signals is not None:
         said = f"level crossing {crossing.id} is closed by units, and with [line_signals] there are none"
         yield _finding(crossing, trains, Severity.IMPOSSIBLE, said, 'control = "contacts"', None)
@@ -61,6 +63,41 @@ def _of_direction(
             said = f"level crossing {crossing.id} warns for {crossing.warning_s:g} s"
             yield _finding(crossing, trains, Severity.TIGHT, said, f"{LONG_S:g} s are long", None)
         yield from _radio(line, crossing, direction, trains)
+
+
+def _unwarned(
+    crossing: LevelCrossing, direction: Direction, trains: list[PlannedTrain], day: PlannedDay
+) -> Iterator[Finding]:
+    """Trains that begin beyond their first contact, having turned or come in there: none of them passes it."""
+    name, least_s = direction.name.lower(), least_warning_s(crossing)
+    before = {later.number: sooner for own in day.trains.values() for sooner, later in pairwise(own)}
+    silent = [
+        train
+        for train in trains
+        if not _passes_contact(crossing, train)
+        and not (train.number in before and _came_over_contact(crossing, train, before[train.number]))
+    ]
+    places = dict.fromkeys(train.duty.mission.targets[0].section_id for train in silent)
+    for place in places:
+        own = [train for train in silent if train.duty.mission.targets[0].section_id == place]
+        said = f"level crossing {crossing.id} does not warn of {name} trains that begin in {place}, beyond its first"
+        said += " contact"
+        remedy = f"{least_s:g} s are the least: a first contact that they pass so long before, or by radio"
+        yield _finding(crossing, own, Severity.IMPOSSIBLE, said, remedy, least_s)
+
+
+def _passes_contact(crossing: LevelCrossing, train: PlannedTrain) -> bool:
+    """Whether its front passes the first contact; who begins beyond the road needs none."""
+    mission = train.duty.mission
+    begins_m, road_m = mission.targets[0].mark_m, mission.path.to_road_m(crossing)
+    before_m, _ = crossing.contacts_from_road_m(mission.direction)
+    return not road_m - before_m <= begins_m < road_m
+
+
+def _came_over_contact(crossing: LevelCrossing, train: PlannedTrain, sooner: PlannedTrain) -> bool:
+    """Whether its set passed the contact as the train before, which went the same way and stopped short of the road."""
+    same_way = sooner.direction is train.direction and crossing.piece_id in sooner.duty.mission.path
+    return same_way and _passes_contact(crossing, sooner)
 
 
 def _radio(

@@ -14,7 +14,7 @@ from study.wording.catalogue import phrases_of
 BY_VALUE = {
     *(state.value for state in SectionState),
     *(seat.value for seat in Seat if seat is not Seat.GUEST),
-    *("unit", "party", "points", "position", "place", "sections", "hold", "pace", "person"),
+    *("unit", "party", "points", "position", "place", "sections", "hold", "pace", "person", "crossing"),
     *("behind", "over", "track", "train", "notch", "confirm_stabled", "role", "step", "block"),
     *(state.value for state in StepState),
 }

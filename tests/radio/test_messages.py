@@ -43,6 +43,7 @@ EXAMPLES: list[m.AnyMessage] = [
     m.CrossingProof(True, 12.0),
     m.CrossingOver(True),
     m.CrossingOverHeard(),
+    m.CrossingClear(True, 12.0),
 ]
 
 

@@ -61,7 +61,7 @@ class Yard:
         wayside: Any = SimpleNamespace(
             uncommissioned=set(),
             machines={},
-            crossings=SimpleNamespace(on_line=()),
+            crossings=SimpleNamespace(on_line=(), guarded=frozenset[str]()),
             transmit=lambda _step, source, destination, _data: self.sent.append((source, destination)),
             input=lambda _step, _device, value: self.inputs.append(value),
         )

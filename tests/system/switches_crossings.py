@@ -12,10 +12,14 @@ from onboard.crossings import machine as crossings
 from onboard.crossings import talk
 from onboard.crossings.machine import CrossingPhase, CrossingSeen, CrossingUnplaced, CrossingView
 from onboard.duty.records import DutyState
-from radio.messages import CrossingOver
+from radio.messages import CrossingClear, CrossingOver
+from simulation.roads_closed import RoadsClosedForNothing
+from simulation.substitute import players
+from simulation.world import crossing_equipment
 from simulation.world.crossings import CrossingsOnTrack
 from tests.system.switchboard import switch
 from wayside import level_crossing
+from wayside.actions import Send
 from wayside.crossing_said import CrossingContact
 from wayside.level_crossing import ClosureAsked, CrossingDevice, CrossingLeft, CrossingState
 
@@ -56,6 +60,52 @@ def creeps_without_looking(patch: pytest.MonkeyPatch) -> None:
 def is_not_seen_on_the_road(patch: pytest.MonkeyPatch) -> None:
     """A train for which no driver on the road stops."""
     patch.setattr(CrossingsOnTrack, "creeps_over", lambda *_: None)
+
+
+@switch
+def believes_one_person(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(level_crossing, "PERSONS", 1)
+
+
+@switch
+def strikes_off_at_once(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(level_crossing, "FREES_S", 0.0)
+
+
+@switch
+def looks_at_no_road(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(RoadsClosedForNothing, "for_nothing", lambda _self: ())
+
+
+@switch
+def stops_no_road(patch: pytest.MonkeyPatch) -> None:
+    """Who guards a crossing gives his word, and has not stopped its road."""
+    patch.setattr(CrossingsOnTrack, "stop_road", lambda *_: None)
+
+
+@switch
+def runs_over_crossings_by_hand(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(players, "STOPS_AT_CROSSINGS", False)
+
+
+@switch
+def feels_no_button(patch: pytest.MonkeyPatch) -> None:
+    """A crossing whose button reaches nobody."""
+    detection = crossing_equipment.detection
+    patch.setattr(
+        crossing_equipment, "detection", lambda equipment: replace(detection(equipment), button=False)
+    )
+
+
+@switch
+def calls_every_road_clear(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(
+        level_crossing,
+        "_clear",
+        lambda device, unit_id: Send(
+            unit_id, CrossingClear(clear=True, valid_s=level_crossing.VALID_S), device.listening[unit_id]
+        ),
+    )
 
 
 @switch

@@ -401,6 +401,22 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "107_crossing_contacts": ("counts_no_rear", "the rear opens it"),
         "108_crossing_unit_power": ("opens_in_silence", "the road stays closed"),
         "109_crossing_obstacle": ("creeps_without_looking", Checker.SUMO_COLLISION),
+        "111_crossing_freed": ("believes_one_person", "one person frees nothing"),
+        "112_crossing_wrong_word": (
+            "strikes_off_at_once",
+            "the road is closed until the train has come onto it",
+        ),
+        "113_crossing_over_unheard": ("looks_at_no_road", "and the road opens"),
+        "114_crossing_guarded": ("stops_no_road", Checker.CROSSING_OPEN),
+        "115_crossing_by_pilot": ("runs_over_crossings_by_hand", Checker.CROSSING_OPEN),
+        "115b_crossing_by_pilot_guarded": ("stops_no_road", Checker.CROSSING_OPEN),
+        "116_crossing_button": ("feels_no_button", "the device takes its proof back"),
+        "117_crossing_protection": ("calls_every_road_clear", "it hears of the vehicle at once"),
+        "118_crossing_protection_silent": (
+            "passes_unproven_crossings",
+            "the train comes onto the road by its driver's leave alone",
+        ),
+        "119_crossing_detector_blind": ("feels_no_button", Checker.SUMO_COLLISION),
         "110_crossing_busy_road": ("is_not_seen_on_the_road", Checker.SUMO_COLLISION),
     }
 )

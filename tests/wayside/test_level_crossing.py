@@ -6,7 +6,14 @@ import math
 
 import pytest
 
-from radio.messages import AnyMessage, CrossingOver, CrossingOverHeard, CrossingProof, CrossingRequest
+from radio.messages import (
+    AnyMessage,
+    CrossingClear,
+    CrossingOver,
+    CrossingOverHeard,
+    CrossingProof,
+    CrossingRequest,
+)
 from wayside.actions import Drive, Send, Show
 from wayside.config import CrossingConfig
 from wayside.crossing_said import (
@@ -15,10 +22,13 @@ from wayside.crossing_said import (
     CrossingDetected,
     CrossingOpens,
     CrossingUnproven,
+    NoTrainComes,
+    NoTrainSaid,
     OpenCrossing,
     WhyUnproven,
 )
 from wayside.level_crossing import (
+    FREES_S,
     REANNOUNCED_S,
     TABLE,
     VALID_S,
@@ -34,13 +44,16 @@ from wayside.level_crossing import (
     table_rows,
     wake_at_s,
 )
+from wayside.said import Barred, BarUnit, Unbarred, UnbarUnit
 
 BARRIERS = CrossingConfig("line", "C", barriers=True, closing_s=15.0, closed_s=20.0)
 LAMPS = CrossingConfig("line", "C", barriers=False, closing_s=0.0, closed_s=30.0)
+PROTECTED = CrossingConfig("line", "C", barriers=True, closing_s=15.0, closed_s=20.0, protection=True)
 UP = CrossingDetected(lamps=False, lowered=False, raised=True)
 MOVING = CrossingDetected(lamps=True, lowered=False, raised=False)
 DOWN = CrossingDetected(lamps=True, lowered=True, raised=False)
 BLOCKED = CrossingDetected(lamps=True, lowered=True, raised=False, obstacle=True)
+PRESSED = CrossingDetected(lamps=True, lowered=True, raised=False, button=True)
 DARK = CrossingDetected(lamps=False, lowered=True, raised=False)
 OPEN, CLOSING, CLOSED = CrossingState.OPEN, CrossingState.CLOSING, CrossingState.CLOSED
 COMES, GONE = CrossingContact(first=True), CrossingContact(first=False)
@@ -90,7 +103,7 @@ def closed_for(*units: str) -> Box:
 
 
 def test_every_state_takes_every_event() -> None:
-    events = (ClosureAsked, CrossingLeft, CrossingDetected, CrossingContact, CrossingTimeDue)
+    events = (ClosureAsked, CrossingLeft, CrossingDetected, CrossingContact, NoTrainComes, CrossingTimeDue)
     assert set(TABLE) == {(state, event) for state in CrossingState for event in events}
     assert len(table_rows()) == len(TABLE)
 
@@ -266,3 +279,164 @@ def test_lamps_that_went_out_and_shine_again_prove_nothing_while_the_proof_of_be
     assert lamps.do(asks(9.0), 36.9) == [("u", CrossingProof(False, VALID_S), 1)]
     assert wake_at_s(lamps.device) == pytest.approx(20.0 + 12.0 + 5.0)
     assert lamps.do(CrossingTimeDue(), 37.0) == [("u", CrossingProof(True, VALID_S), 1)]
+
+
+SIGNALMAN, TRACKMAN = NoTrainComes("Signalman"), NoTrainComes("trackman")
+
+
+def test_one_person_frees_nothing_however_often_he_says_so() -> None:
+    box = closed_for("u")
+    assert box.do(SIGNALMAN, 100.0) == []
+    assert box.notes == [NoTrainSaid(by="Signalman")]
+    assert box.do(NoTrainComes("  signalman"), 120.0) == []
+    assert box.notes == []
+    box.do(CrossingTimeDue(), 36_000.0)
+    assert (box.state, wake_at_s(box.device)) == (CLOSED, None)
+
+
+def test_two_persons_free_a_road_that_is_closed_for_a_silent_unit() -> None:
+    """Its proof is taken back with the second word, and 65 s later it is struck off, not before."""
+    box = closed_for("u")
+    box.do(SIGNALMAN, 100.0)
+    assert box.do(TRACKMAN, 130.0) == [("u", CrossingProof(False, VALID_S), 1)]
+    assert box.notes == [NoTrainSaid(by="trackman", agreed=True)]
+    assert wake_at_s(box.device) == 130.0 + FREES_S == 195.0
+    box.do(CrossingTimeDue(), 194.9)
+    assert (box.state, box.device.memory.units) == (CLOSED, ("u",))
+    box.do(CrossingTimeDue(), 195.0)
+    assert (box.state, box.drives) == (OPEN, [OpenCrossing("C")])
+    assert box.notes == [CrossingOpens(struck_off=("u",))]
+    assert (box.device.memory.units, wake_at_s(box.device)) == ((), None)
+
+
+def test_who_cannot_stop_any_more_is_on_the_road_before_it_is_freed() -> None:
+    """The last proof was sent before the second word: under way for 5 s at most it holds for 12 s, and the brake takes
+    110 / 3.6 / 0.7 = 43.7 s.
+    """
+    assert BARRIERS.telegram_age_max_s + VALID_S + 110.0 / 3.6 / 0.7 <= FREES_S
+
+
+def test_a_unit_that_speaks_after_the_persons_is_not_struck_off() -> None:
+    box = closed_for("u", "v")
+    box.do(SIGNALMAN, 100.0)
+    box.do(TRACKMAN, 101.0)
+    assert box.do(asks(12.0, unit="u", correlation=1), 105.0) == [("u", CrossingProof(True, VALID_S), 1)]
+    box.do(CrossingTimeDue(), 166.0)
+    assert (box.state, box.device.memory.units) == (CLOSED, ("u",))
+    box.do(leaves("u"), 170.0)
+    assert box.state is OPEN
+
+
+def test_a_unit_that_was_struck_off_and_speaks_again_is_taken_again() -> None:
+    box = closed_for("u")
+    box.do(SIGNALMAN, 100.0)
+    box.do(TRACKMAN, 101.0)
+    box.do(CrossingTimeDue(), 166.0)
+    assert box.state is OPEN
+    assert box.do(asks(35.0, correlation=1), 200.0) == [("u", CrossingProof(False, VALID_S), 1)]
+    assert (box.state, box.drives) == (CLOSING, [CloseCrossing("C")])
+
+
+def test_words_count_for_one_closure() -> None:
+    """What one person said before it opened does not make two with what another says of the next train."""
+    box = closed_for("u")
+    box.do(SIGNALMAN, 100.0)
+    box.do(leaves("u"), 110.0)
+    assert box.do(SIGNALMAN, 111.0) == []  # nobody waits: nothing is remembered
+    box.do(asks(35.0, unit="v"), 200.0)
+    assert box.do(TRACKMAN, 201.0) == []
+    assert box.device.persons == ("trackman",)
+    box.do(CrossingTimeDue(), 201.0 + FREES_S)
+    assert box.device.memory.units == ("v",)
+
+
+def test_two_persons_free_a_road_of_trains_that_contacts_have_counted_in() -> None:
+    """One turned between the contacts; the front that comes meanwhile is another's, and stays counted."""
+    box = Box()
+    box.do(UP)
+    box.do(COMES, 0.0)
+    box.do(SIGNALMAN, 300.0)
+    box.do(TRACKMAN, 310.0)
+    box.do(COMES, 340.0)
+    box.do(CrossingTimeDue(), 375.0)
+    assert (box.state, box.device.memory.counted) == (CLOSING, 1)
+    box.do(GONE, 400.0)
+    assert box.state is OPEN
+
+
+def test_a_restart_forgets_what_persons_have_said() -> None:
+    box = closed_for("u")
+    box.do(SIGNALMAN, 100.0)
+    again = Box(memory=box.device.memory)
+    again.do(TRACKMAN, 10.0)
+    assert again.notes == [NoTrainSaid(by="trackman")]
+
+
+def test_what_a_barred_unit_says_opens_nothing_and_proves_nothing_to_it() -> None:
+    """Two persons bar it: its proof is taken back. Neither its word that it is over the road counts nor what it asks,
+    until two have unbarred it.
+    """
+    box = closed_for("u")
+    assert box.do(BarUnit("u", "signalman"), 20.0) == []
+    assert box.do(BarUnit("u", "trackman"), 21.0) == [("u", CrossingProof(False, VALID_S), 1)]
+    assert box.notes == [Barred(unit_id="u", by="trackman")]
+    assert box.do(leaves("u"), 25.0) == []
+    assert box.do(asks(5.0), 26.0) == []
+    assert box.state is CLOSED
+    again = Box(memory=box.device.memory)
+    assert again.do(leaves("u"), 5.0) == []
+    box.do(UnbarUnit("u", "signalman"), 30.0)
+    box.do(UnbarUnit("u", "trackman"), 31.0)
+    assert box.notes == [Unbarred(unit_id="u", by="trackman")]
+    box.do(leaves("u"), 35.0)
+    assert box.state is OPEN
+
+
+def test_a_barred_unit_that_is_gone_does_not_keep_the_road() -> None:
+    box = closed_for("u")
+    box.do(BarUnit("u", "signalman"), 20.0)
+    box.do(BarUnit("u", "trackman"), 21.0)
+    box.do(SIGNALMAN, 100.0)
+    box.do(TRACKMAN, 110.0)
+    box.do(asks(5.0), 111.0)
+    box.do(CrossingTimeDue(), 175.0)
+    assert box.state is OPEN
+
+
+def test_a_button_that_is_pressed_takes_the_proof_away_until_it_is_reset() -> None:
+    box = closed_for("u")
+    assert box.do(PRESSED, 18.0) == [("u", CrossingProof(False, VALID_S), 1)]
+    assert box.notes == [CrossingUnproven(why=WhyUnproven.BUTTON)]
+    assert box.do(DOWN, 60.0) == [("u", CrossingProof(True, VALID_S), 1)]
+
+
+def test_with_protection_a_unit_that_asks_closes_nothing_and_is_told_that_the_road_is_clear() -> None:
+    box = Box(PROTECTED)
+    box.do(UP)
+    assert box.do(asks(5.0, correlation=3), 1.0) == [("u", CrossingClear(True, VALID_S), 3)]
+    assert (box.state, box.drives, wake_at_s(box.device), box.device.memory.units) == (OPEN, [], None, ())
+
+
+def test_with_protection_units_are_told_at_once_what_is_on_it_until_they_are_over_it() -> None:
+    box = Box(PROTECTED)
+    box.do(UP)
+    box.do(asks(50.0, unit="u", correlation=3))
+    box.do(asks(50.0, unit="v", correlation=5))
+    box.do(COMES, 10.0)
+    assert box.do(DOWN, 25.0) == []
+    assert box.do(BLOCKED, 30.0) == [
+        ("u", CrossingClear(False, VALID_S), 3),
+        ("v", CrossingClear(False, VALID_S), 5),
+    ]
+    assert box.do(asks(5.0, unit="u", correlation=3), 31.0) == [("u", CrossingClear(False, VALID_S), 3)]
+    assert box.do(leaves("u", 3), 32.0) == [("u", CrossingOverHeard(), 3)]
+    assert box.do(DOWN, 40.0) == [("v", CrossingClear(True, VALID_S), 5)]
+    assert (box.state, box.device.memory.counted) == (CLOSED, 1)
+
+
+def test_with_protection_a_button_on_the_open_road_is_told_too() -> None:
+    box = Box(PROTECTED)
+    box.do(UP)
+    box.do(asks(50.0))
+    pressed = CrossingDetected(lamps=False, lowered=False, raised=True, button=True)
+    assert box.do(pressed, 5.0) == [("u", CrossingClear(False, VALID_S), 1)]

@@ -385,6 +385,8 @@ def _settled(view: CrossingView) -> CrossingView:
     return replace(
         view,
         said_s=NOW_S if view.said_s > OUT_S else OUT_S,
+        answered=False,  # it may say again what it has said at any time
+        begins_s=-math.inf,
         since_s=since_s(view.since_s) if proven else math.inf,
         until_s=VALID_S if relies and view.until_s > NOW_S else OUT_S,
         idle_s=since_s(view.idle_s),

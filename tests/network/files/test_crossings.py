@@ -107,6 +107,11 @@ def test_roads_are_read_from_the_tables_that_were_found_right() -> None:
             'crossings[0].detector is true; expected false, or kind = "1": it looks while barriers are down',
         ),
         (
+            ["protection = true"],
+            'crossings[0].protection is true; expected false, or control = "contacts" and a device: by radio a crossing'
+            " proves itself closed",
+        ),
+        (
             ['kind = "4"', "road = { vehicles_per_h = [60.0] }"],
             'crossings[0].road; expected kind = "1" or "3": drivers stop for lamps and barriers, and there are none',
         ),

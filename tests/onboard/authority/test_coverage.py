@@ -35,3 +35,10 @@ def test_coverage_going_up_begins_at_the_far_edge(gap: Line, back: Mission) -> N
 
 def test_no_coverage_ahead(gap: Line, mission: Mission) -> None:
     assert next_coverage_m(gap, mission.path, 341.0) == math.inf
+
+
+def test_just_inside_a_stretch_it_is_still_the_next_one(gap: Line, mission: Mission) -> None:
+    """Radio is awaited until well inside: who asks again in the last metre before that has it ahead of him."""
+    begin_m = 700.0 - 360.0
+    half_in_m = begin_m + 0.5 * WELL_INSIDE_M
+    assert next_coverage_m(gap, mission.path, half_in_m) == pytest.approx(begin_m + WELL_INSIDE_M)

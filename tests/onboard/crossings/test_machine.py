@@ -7,7 +7,7 @@ import math
 import pytest
 from msgspec.structs import replace
 
-from onboard import notes
+from onboard import crossing_notes
 from onboard.crossings import machine
 from onboard.crossings.machine import (
     EARLY_S,
@@ -47,8 +47,8 @@ ASKED_VIEW = replace(VIEW, phase=ASKED, said_s=0.0)
 PROVEN_VIEW = replace(VIEW, phase=PROVEN, said_s=0.0, since_s=0.0, until_s=12.0, answered=True)
 PASSING_VIEW = replace(PROVEN_VIEW, phase=PASSING)
 LEAVING_VIEW = replace(VIEW, phase=LEAVING, said_s=0.0, passed=True)
-GIVES_UP = (notes.CrossingLeftBehind(crossing_id="C", passed=False), CrossingOver(False))
-IS_OVER = (notes.CrossingLeftBehind(crossing_id="C", passed=True), CrossingOver(True))
+GIVES_UP = (crossing_notes.CrossingLeftBehind(crossing_id="C", passed=False), CrossingOver(False))
+IS_OVER = (crossing_notes.CrossingLeftBehind(crossing_id="C", passed=True), CrossingOver(True))
 
 
 def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
@@ -63,7 +63,7 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
     assert wake_s(VIEW, later, 7.0) == 7.0 + 80.0 - machine.HELD_FROM_S
     asked, said = step(VIEW, CrossingSeen(NEAR), 0.0)
     assert asked == replace(ASKED_VIEW, begins_s=5.0)
-    assert said == (notes.CrossingAsked(crossing_id="C", arrives_s=40.0), REQUEST)
+    assert said == (crossing_notes.CrossingAsked(crossing_id="C", arrives_s=40.0), REQUEST)
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
             CrossingAnswered(True, 21.0),
             9.0,
             replace(PROVEN_VIEW, since_s=9.0, until_s=21.0),
-            (notes.CrossingHeardClosed(crossing_id="C"),),
+            (crossing_notes.CrossingHeardClosed(crossing_id="C"),),
         ),
         (ASKED_VIEW, CrossingSeen(ON_IT), 3.0, replace(ASKED_VIEW, phase=PASSING, said_s=3.0),
          (CrossingRequest(0.0, 0.0),)),
@@ -89,9 +89,9 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
         (PROVEN_VIEW, CrossingSeen(NEAR), 6.0, replace(PROVEN_VIEW, said_s=6.0, answered=False), (REQUEST,)),
         (PROVEN_VIEW, CrossingAnswered(True, 18.0), 6.0, replace(PROVEN_VIEW, until_s=18.0), ()),
         (PROVEN_VIEW, CrossingAnswered(False, 18.0), 6.0, replace(ASKED_VIEW, said_s=6.0, answered=True),
-         (notes.CrossingProofLost(crossing_id="C", why=notes.WhyProofLost.NOT_CLOSED),)),
+         (crossing_notes.CrossingProofLost(crossing_id="C", why=crossing_notes.WhyProofLost.NOT_CLOSED),)),
         (PROVEN_VIEW, CrossingSeen(NEAR), 12.0, replace(ASKED_VIEW, said_s=12.0, begins_s=17.0),
-         (notes.CrossingProofLost(crossing_id="C", why=notes.WhyProofLost.SILENCE), REQUEST)),
+         (crossing_notes.CrossingProofLost(crossing_id="C", why=crossing_notes.WhyProofLost.SILENCE), REQUEST)),
         (PROVEN_VIEW, CrossingSeen(ON_IT), 11.9, PASSING_VIEW, ()),
         (PROVEN_VIEW, CrossingSeen(PERHAPS), 11.0, replace(PROVEN_VIEW, said_s=11.0, answered=False),
          (CrossingRequest(0.0, 0.0),)),
@@ -109,7 +109,7 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
         (LEAVING_VIEW, CrossingAnswered(True, 18.0), 6.0, LEAVING_VIEW, ()),
         (LEAVING_VIEW, CrossingBooted(), 1.0, replace(LEAVING_VIEW, said_s=-math.inf), ()),
         (ASKED_VIEW, CreepAllowed(), 60.0, replace(ASKED_VIEW, creeps=True),
-         (notes.CrossingCreep(crossing_id="C"),)),
+         (crossing_notes.CrossingCreep(crossing_id="C"),)),
         (PASSING_VIEW, CreepAllowed(), 60.0, PASSING_VIEW, ()),
         (VIEW, CrossingSeen(BEHIND), 0.0, VIEW, ()),
         (replace(VIEW, forgot=True), CrossingSeen(BEHIND), 5.0, replace(LEAVING_VIEW, said_s=5.0), IS_OVER),
@@ -120,13 +120,13 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
         # Surely short of the road again, by bounds that are narrower, while the proof holds; and when it does no more.
         (PASSING_VIEW, CrossingSeen(NEAR), 3.0, PASSING_VIEW, ()),
         (PASSING_VIEW, CrossingSeen(NEAR), 12.0, replace(ASKED_VIEW, said_s=12.0, begins_s=17.0, forgot=True),
-         (notes.CrossingAsked(crossing_id="C", arrives_s=40.0), REQUEST)),
+         (crossing_notes.CrossingAsked(crossing_id="C", arrives_s=40.0), REQUEST)),
         # Its front perhaps on the road, it stands for longer than the proof holds: it needs one again.
         (PASSING_VIEW, CrossingSeen(replace(PERHAPS, stands=True)), 11.0,
          replace(PASSING_VIEW, said_s=11.0, answered=False), (CrossingRequest(0.0, 0.0),)),
         (PASSING_VIEW, CrossingSeen(replace(PERHAPS, stands=True)), 12.0,
          replace(ASKED_VIEW, said_s=12.0, forgot=True),
-         (notes.CrossingAsked(crossing_id="C", arrives_s=0.0), CrossingRequest(0.0, 0.0))),
+         (crossing_notes.CrossingAsked(crossing_id="C", arrives_s=0.0), CrossingRequest(0.0, 0.0))),
         (PASSING_VIEW, CrossingSeen(replace(ON_IT, stands=True)), 12.0,
          replace(PASSING_VIEW, said_s=12.0, answered=False), (CrossingRequest(0.0, 0.0),)),
         (PASSING_VIEW, CrossingUnplaced(), 3.0, replace(VIEW, forgot=True), ()),

@@ -23,6 +23,7 @@ from simulation.events import (
     PointsUnlocked,
     ProofDropped,
     Reported,
+    RoadStopped,
     UnitRestarted,
 )
 from simulation.judge.checkers import Checker
@@ -38,6 +39,7 @@ from tests.simulation.judge.stage import (
 )
 
 Act = Callable[[Stage], Stage]
+GUARDED = CrossingCreep(crossing_id="W", guarded=True)
 
 
 @dataclass(frozen=True)
@@ -345,6 +347,17 @@ CASES = (
         at_crossings,
         lambda s: s.entry("A", CrossingCreep(crossing_id="W")).see("A", ("W+", 255.0), speed_mps=5.0),
         lambda s: s.entry("A", CrossingCreep(crossing_id="W")).see("A", ("W+", 255.0), speed_mps=4.0),
+    ),
+    Case(
+        "by the word of who guards it, its road not stopped",
+        Checker.CROSSING_OPEN,
+        at_crossings,
+        lambda s: s.entry("A", GUARDED).see("A", ("W+", 255.0), speed_mps=4.0),
+        lambda s: (
+            s.world(RoadStopped(crossing_id="W", unit_id="A"))
+            .entry("A", GUARDED)
+            .see("A", ("W+", 255.0), speed_mps=4.0)
+        ),
     ),
     Case(
         "by leave to creep over another",

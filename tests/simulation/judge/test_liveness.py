@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from simulation.judge.liveness import LOOKS_EVERY_S, STANDS_S, LivenessWatch, TrainAndDisplay
+from simulation.judge.liveness import LOOKS_EVERY_S, ROAD_WAITS_S, STANDS_S, LivenessWatch, TrainAndDisplay
 from simulation.judge.log import Log
 
 DEAD = TrainAndDisplay(
@@ -71,3 +71,24 @@ def test_each_stand_is_found_once_and_each_train_by_itself() -> None:
     for number in range(9):
         watch.look(number * LOOKS_EVERY_S, [DEAD, replace(DEAD, unit_id="K2", timer=True)])
     assert [violation.text.split()[0] for violation in log.violations] == ["K1"]
+
+
+def test_a_road_that_stays_closed_for_nothing_is_dead_after_an_hour() -> None:
+    log = Log()
+    watch = LivenessWatch(log)
+    watch.look_at_roads(0.0, ["C1"])
+    watch.look_at_roads(ROAD_WAITS_S - 1.0, ["C1"])
+    assert log.violations == ()
+    watch.look_at_roads(ROAD_WAITS_S, ["C1"])
+    (found,) = log.violations
+    assert found.text == "the road at level crossing C1 stays closed, and no train comes"
+
+
+def test_a_road_that_was_open_meanwhile_begins_anew() -> None:
+    log = Log()
+    watch = LivenessWatch(log)
+    watch.look_at_roads(0.0, ["C1"])
+    watch.look_at_roads(1800.0, [])
+    watch.look_at_roads(1830.0, ["C1"])
+    watch.look_at_roads(1830.0 + ROAD_WAITS_S - 1.0, ["C1"])
+    assert log.violations == ()

@@ -106,3 +106,34 @@ def test_drivers_see_lamps_and_barriers() -> None:
     assert shown(after((100.0, CLOSE), (115.0, OVER))) == CrossingShown(LOWERED, lamps=True)
     lamps = equipment_of(replace(LINE, kind=CrossingClass.WARNING, closing_s=0.0, closed_s=30.0))
     assert shown(step(lamps, CLOSE, 100.0)) == CrossingShown(RAISED, lamps=True)
+
+
+@pytest.mark.parametrize(
+    ("condition", "stands", "shown"),
+    [
+        (CrossingCondition(), False, False),
+        (CrossingCondition(), True, True),
+        (CrossingCondition(detector_blind=True), True, False),
+        (CrossingCondition(detector_occupied=True), False, True),
+    ],
+)
+def test_what_a_detector_shows_of_a_closed_road(
+    condition: CrossingCondition, stands: bool, shown: bool
+) -> None:
+    down = replace(equipment_of(LINE), barriers=BarrierState.LOWERED, closes=True, has_detector=True)
+    now = step(step(down, ObstacleDetected(stands), 0.0), ConditionChanged(condition), 1.0)
+    assert detection(now).obstacle is shown
+
+
+def test_a_detector_that_has_failed_says_nothing_of_an_open_road_nor_where_there_is_none() -> None:
+    occupied = CrossingCondition(detector_occupied=True)
+    up = replace(equipment_of(LINE), has_detector=True, condition=occupied)
+    assert not detection(up).obstacle
+    assert not detection(replace(up, barriers=BarrierState.LOWERED, has_detector=False)).obstacle
+
+
+@pytest.mark.parametrize("barriers", list(BarrierState))
+def test_a_button_is_there_whatever_the_barriers_do_and_their_contacts_show(barriers: BarrierState) -> None:
+    pressed = CrossingCondition(button=True, detection_fault=True)
+    assert detection(replace(equipment_of(LINE), barriers=barriers, condition=pressed)).button
+    assert not detection(replace(equipment_of(LINE), barriers=barriers)).button

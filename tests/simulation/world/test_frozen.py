@@ -114,7 +114,7 @@ def cabs(monkeypatch: pytest.MonkeyPatch) -> tuple[Cabs, Units]:
         setup=at_once,
         trains=trains,
         on_board=units,
-        wayside=SimpleNamespace(machines={}),
+        wayside=SimpleNamespace(machines={}, crossings=SimpleNamespace(guarded=frozenset[str]())),
         books=SimpleNamespace(),
         agenda=Agenda(),
         journal=Journal(),

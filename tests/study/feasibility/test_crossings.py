@@ -72,3 +72,83 @@ def test_without_a_device_its_users_see_what_comes_while_they_cross(
 ) -> None:
     """6 m at 1 m/s and 3 s: 9 s at 12.5 m/s are 112.5 m."""
     assert bool(found(tmp_path, 'kind = "4"', f"sight_m = {sight_m}")) is wrong
+
+
+@pytest.mark.parametrize("starts_km", [0.40, 0.46])
+def test_who_begins_beyond_the_first_contact_is_not_warned_of(tmp_path: Path, starts_km: float) -> None:
+    """T1 begins with its front at km 0.44: it never passes a contact at km 0.40, but one at km 0.46, 27 s before."""
+    findings = found(tmp_path, 'control = "contacts"', f"start_down_km = {starts_km}", "start_up_km = 1.3")
+    if starts_km > 0.44:
+        assert findings == []
+        return
+    (finding,) = findings
+    assert (finding.severity, finding.trains, finding.short_s) == (Severity.IMPOSSIBLE, ("T1",), 25.0)
+    assert finding.text == (
+        "level crossing C1 does not warn of down trains that begin in 3, beyond its first contact"
+    )
+
+
+def test_who_turns_beyond_the_first_contact_is_not_warned_of(tmp_path: Path) -> None:
+    """T2 goes back from B, where the contact of up trains lies behind it."""
+    turning = 'timetable = "rtri_turn_back"'
+    own = ('control = "contacts"', "start_down_km = 0.46", "start_up_km = 1.2")
+    (finding,) = found(tmp_path, *own, before=turning)
+    assert (finding.severity, finding.trains) == (Severity.IMPOSSIBLE, ("T2",))
+    assert "up trains that begin in 8" in finding.text
+
+
+TIMES = """[timetable]
+id = "two_numbers"
+name = "A set that goes on as another train"
+line = "karasuyama"
+dwell_min_s = 30
+[[trains]]
+number = "D1"
+direction = "down"
+calls = [
+  { station = "HSK", track = "1", departure = "10:00:00" },
+  { station = "OGN", track = "1", arrival = "10:20:00" },
+]
+begins = "stabled"
+ends = "becomes:D2"
+[[trains]]
+number = "D2"
+direction = "down"
+calls = [
+  { station = "OGN", track = "1", departure = "10:25:00" },
+  { station = "KRS", track = "1", arrival = "10:40:00" },
+]
+begins = "from:D1"
+ends = "stabled"
+[[diagrams]]
+stock = "K1"
+trains = ["D1", "D2"]
+"""
+
+
+@pytest.mark.parametrize(("km", "section", "unwarned"), [(12.7, "OGN.1", ()), (12.85, "OGN-KRS", ("D2",))])
+def test_who_goes_on_as_another_train_has_passed_a_contact_of_its_way(
+    tmp_path: Path, km: float, section: str, unwarned: tuple[str, ...]
+) -> None:
+    """D2 begins at OGN at km 12.62. The crossing on that track lies on the way of D1, who passed its contact; the next
+    one does not.
+    """
+    (tmp_path / "two_numbers.toml").write_text(TIMES, encoding="utf-8")
+    (tmp_path / "day.toml").write_text(
+        f"""extends = "karasuyama_weekday"
+id = "two_numbers_day"
+name = "two numbers"
+timetable = "two_numbers.toml"
+[[patch.line.add.crossings]]
+id = "C1"
+section = "{section}"
+km = {km}
+control = "contacts"
+start_down_km = 12.0
+start_up_km = {km + 0.7}
+""",
+        encoding="utf-8",
+    )
+    findings = feasibility(load_scenario(str(tmp_path / "day.toml")).setup).findings
+    silent = [finding.trains for finding in findings if "does not warn" in finding.text]
+    assert silent == ([unwarned] if unwarned else [])

@@ -1,5 +1,4 @@
-"""Level crossings that are drawn onto a drawn line: by radio and by contacts, with barriers and without, some with a
-road.
+"""Level crossings drawn onto a drawn line: by radio and by contacts, with barriers and without, some with a road.
 
 Contacts lie on the open section of their crossing, so that every train passes the first of them.
 """

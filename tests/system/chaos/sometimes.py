@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from types import MappingProxyType
 from typing import Final
 
-from onboard import notes
+from onboard import crossing_notes, notes
 from radio.envelope import DropReason
 from radio.noted import Lost, TelegramDropped
 from simulation.events import (
@@ -60,11 +60,11 @@ SOMETIMES: Final[MappingProxyType[str, EventType]] = MappingProxyType(
         "a certificate is found": said.Certified,
         "a sign-off waits for the train to have left": said.Leaving,
         "a person acts": Acted,
-        "a level crossing is asked to close": notes.CrossingAsked,
-        "a level crossing is heard closed": notes.CrossingHeardClosed,
-        "the proof of a level crossing is lost": notes.CrossingProofLost,
+        "a level crossing is asked to close": crossing_notes.CrossingAsked,
+        "a level crossing is heard closed": crossing_notes.CrossingHeardClosed,
+        "the proof of a level crossing is lost": crossing_notes.CrossingProofLost,
         "a level crossing does not prove closed": CrossingUnproven,
-        "a driver creeps over a level crossing": notes.CrossingCreep,
+        "a driver creeps over a level crossing": crossing_notes.CrossingCreep,
         "a level crossing opens": CrossingOpens,
     }
 )
