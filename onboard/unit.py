@@ -20,7 +20,7 @@ from onboard.authority.letters import Letters
 from onboard.crossings.machine import CrossingPlace
 from onboard.crossings.talk import CrossingTalk
 from onboard.duty.duty_step import NEVER_S, Action
-from onboard.duty.machine import step, takes_number
+from onboard.duty.machine import TABLE, step
 from onboard.duty.orders import leads_on
 from onboard.duty.records import (
     LEAVE,
@@ -191,8 +191,8 @@ class OnboardUnit:
             self._crossings.off_the_line(self._elapsed.at(now_s))
         if isinstance(event, TakeUpWay) and not leads_on(self.plan, self.state, event.plan):
             event = NoSuchWay()
-        if isinstance(event, Begin) and not takes_number(self.state.phase):
-            return
+        if isinstance(event, Begin) and (self.state.phase, Begin) not in TABLE:
+            return  # a number is entered before the first train, and when one is over
         if isinstance(event, Begin | SwitchedOn | TakeUpWay):
             self.plan = event.plan
         if isinstance(event, SwitchedOn):

@@ -128,11 +128,6 @@ def begin(duty: DutyStep, event: Begin) -> None:
         duty.set(phase=DutyPhase.ON_SIGHT, stands_at=0)
 
 
-def takes_number(phase: DutyPhase) -> bool:
-    """Whether a train number can be entered: before the first train, and when one is over."""
-    return (phase, Begin) in TABLE
-
-
 def change_ends(duty: DutyStep, _event: ChangeEnds) -> None:
     """What was behind is ahead; the next train number follows."""
     duty.authority(TurnedBack())
