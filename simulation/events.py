@@ -19,17 +19,19 @@ from onboard.crossing_notes import CrossingCreep
 from onboard.notes import Holds, ProofDropped, Proven, Reported, UnitRestarted
 from radio.noted import Lost, Noted, Sent, TookEffect
 from wayside import said
-from wayside.said import Accepted, ConfirmedByHand, Freed, Granted, Outside, Started
+from wayside.said import Accepted, Barred, ConfirmedByHand, Freed, Granted, Outside, PictureChanged, Started
 
 # What the checkers match on; they take it from here, so that they import nothing of who writes it.
 __all__ = [
     "Accepted",
+    "Barred",
     "ConfirmedByHand",
     "CrossingCreep",
     "Freed",
     "Granted",
     "Holds",
     "Outside",
+    "PictureChanged",
     "ProofDropped",
     "Proven",
     "Reported",

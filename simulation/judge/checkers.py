@@ -19,6 +19,7 @@ from simulation.events import (
     MANAGER,
     WORLD,
     Accepted,
+    Barred,
     Collision,
     ConfirmedByHand,
     CutIn,
@@ -28,6 +29,7 @@ from simulation.events import (
     Holds,
     JournalEntry,
     Outside,
+    PictureChanged,
     PointsForced,
     PointsLocked,
     PointsMoving,
@@ -329,6 +331,10 @@ class Checkers:
             case Outside(unit_id=unit_id):
                 self._register.outside(unit_id)
                 self._outside(t_s, unit_id)
+            case Barred(unit_id=unit_id):
+                self._register.barred(unit_id)
+            case PictureChanged(stage="defined"):
+                self._register.defined()
             case Started():
                 self._register.restarted(self._unit_ids)
             case _:

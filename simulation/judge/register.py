@@ -18,6 +18,7 @@ class RegisterWatch:
         self._log = log
         self._held: dict[str, dict[str, int]] = {}  # unit: section: token of the grant, 0 if not by a grant
         self._unheard: set[str] = set()
+        self._restoring = False
         self._token_max = -1
 
     def knows(self, unit_id: str) -> bool:
@@ -69,7 +70,16 @@ class RegisterWatch:
 
     def restarted(self, registered: Iterable[str]) -> None:
         """The manager started and knows nothing. A unit it forgot to ask counts as unheard all the same."""
-        self._unheard = {*registered, *self._held}
+        self._unheard, self._restoring = {*registered, *self._held}, True
+
+    def barred(self, unit_id: str) -> None:
+        """Persons barred a unit: while the line is restored nothing that it has said is left in the register."""
+        if self._restoring:
+            self._unheard.add(unit_id)
+
+    def defined(self) -> None:
+        """The line is restored."""
+        self._restoring = False
 
     def _check_single(self, t_s: float, unit_id: str, section_ids: Collection[str]) -> None:
         for other, sections in self._held.items():

@@ -11,6 +11,7 @@ from simulation.events import (
     MANAGER,
     WORLD,
     Accepted,
+    Barred,
     BarrierState,
     ConfirmedByHand,
     CrossingBarriers,
@@ -21,6 +22,7 @@ from simulation.events import (
     Holds,
     JournalEntry,
     Outside,
+    PictureChanged,
     Proven,
     Started,
     TookEffect,
@@ -104,6 +106,12 @@ class Stage:
 
     def by_hand(self, unit: str, *sections: str) -> Stage:
         return self.entry(MANAGER, ConfirmedByHand(unit_id=unit, section_ids=sections, token=0, by="Sato"))
+
+    def bar(self, unit: str) -> Stage:
+        return self.entry(MANAGER, Barred(unit_id=unit, by="Sato"))
+
+    def defined(self) -> Stage:
+        return self.entry(MANAGER, PictureChanged(stage="defined", inputs=0))
 
     def free(self, unit: str, *sections: str) -> Stage:
         return self.entry(MANAGER, Freed(unit_id=unit, section_ids=sections))

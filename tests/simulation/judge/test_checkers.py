@@ -82,6 +82,13 @@ CASES = (
         lambda s: s.accept("A", "W", "T1").by_hand("B", "E"),
     ),
     Case(
+        "claim of what one has that was barred when the line was restored already",
+        Checker.NO_DOUBLE_GRANT,
+        restarted,
+        lambda s: s.accept("A", "W", "T1").defined().bar("A").by_hand("B", "E", "T1"),
+        lambda s: s.accept("A", "W", "T1").bar("A").by_hand("B", "E", "T1"),
+    ),
+    Case(
         "freed by the manager under the train",
         Checker.INSIDE_HOLDING,
         in_track,
