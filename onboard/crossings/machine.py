@@ -285,6 +285,8 @@ def _look_asked(view: CrossingView, event: CrossingSeen, now_s: float) -> Crossi
 def _look_proven(view: CrossingView, event: CrossingSeen, now_s: float) -> CrossingStep:
     """On it by a proof that holds, it passes; a proof that nobody has said again is none."""
     place = event.place
+    if place is not None and place.clear:
+        return _gives_up(view, now_s, passed=True)
     if place is not None and place.entered and (place.under or may_pass(view, place, now_s)):
         return replace(view, phase=CrossingPhase.PASSING), ()
     if now_s >= view.until_s:

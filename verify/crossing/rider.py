@@ -306,7 +306,7 @@ class RiderModel:
             return
         out: list[tuple[str, CrossingView, Told]] = []
         sees = state.known or view.phase is CrossingPhase.LEAVING
-        if view.said_s > OUT_S and view.phase is not CrossingPhase.AHEAD and sees:
+        if view.phase is not CrossingPhase.AHEAD and sees:
             out.append((SAYS_AGAIN, replace(view, said_s=OUT_S), Told.NOTHING))
         if view.until_s > NOW_S:
             out.append(("has its proof run out", replace(view, until_s=OUT_S), Told.NOTHING))

@@ -93,6 +93,7 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
         (PROVEN_VIEW, CrossingSeen(NEAR), 12.0, replace(ASKED_VIEW, said_s=12.0, begins_s=17.0),
          (crossing_notes.CrossingProofLost(crossing_id="C", why=crossing_notes.WhyProofLost.SILENCE), REQUEST)),
         (PROVEN_VIEW, CrossingSeen(ON_IT), 11.9, PASSING_VIEW, ()),
+        (PROVEN_VIEW, CrossingSeen(BEHIND), 9.0, replace(LEAVING_VIEW, said_s=9.0), IS_OVER),
         (PROVEN_VIEW, CrossingSeen(PERHAPS), 11.0, replace(PROVEN_VIEW, said_s=11.0, answered=False),
          (CrossingRequest(0.0, 0.0),)),
         (replace(PROVEN_VIEW, since_s=-4.0), CrossingSeen(PERHAPS), 11.0,
