@@ -48,7 +48,7 @@ from wayside.crossing_said import (
 )
 from wayside.said import Barred, BarUnit, Unbarred, UnbarUnit
 
-VALID_S: Final = 12.0  # assumed: three of a unit's repeats
+VALID_S: Final = 12.0  # assumed: in the second half of it a unit can ask again three times
 TELEGRAM_S: Final = 1.0  # assumed: a proof under way
 REANNOUNCED_S: Final = 30.0  # units that are heard at all have said again by then that they come
 # Of who says nothing the last proof has died, 17 s after it was sent at the latest, and who could not stop any more
