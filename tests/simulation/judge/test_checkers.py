@@ -10,6 +10,7 @@ import pytest
 
 from network.model import Position
 from simulation.events import (
+    MANAGER,
     WORLD,
     BarrierState,
     Collision,
@@ -24,6 +25,7 @@ from simulation.events import (
     ProofDropped,
     Reported,
     RoadStopped,
+    Started,
     UnitRestarted,
 )
 from simulation.judge.checkers import Checker
@@ -243,6 +245,20 @@ CASES = (
         lambda: restarted("A"),
         lambda s: s.grant("A", "P2", "B"),
         lambda s: s.accept("B", "E").grant("A", "P2", "B"),
+    ),
+    Case(
+        "barred before the line is restored, it is not heard any more",
+        Checker.UNDEFINED_GRANTS_NOTHING,
+        lambda: restarted("A"),
+        lambda s: s.accept("B", "E").bar("B").grant("A", "P2", "B"),
+        lambda s: s.accept("B", "E").defined().bar("B").grant("A", "P2", "B"),
+    ),
+    Case(
+        "barred on a line that was never restored, it changes nothing",
+        Checker.UNDEFINED_GRANTS_NOTHING,
+        lambda: second(authorised()).entry(MANAGER, Started(epoch=1)).accept("A", "W", "P1", "T1"),
+        lambda s: s.bar("B").grant("A", "P2", "B"),
+        lambda s: s.accept("B", "E").bar("B").grant("A", "P2", "B"),
     ),
     Case(
         "a unit on the line that is on no list",
