@@ -19,7 +19,7 @@ const paces = [0, 1, 5, 10, 60];
 const TOGETHER = ["pace", "one_step", "run_to", "go_back"]; // what both do of two runs side by side
 let ask, built = false, last = null, alarmed = 0, wasDefined = null, inCab = null, steps = null, read = 0;
 document.documentElement.lang = lang;
-if (lang === "ja") await document.fonts.load('12px "branchline-ja"', "駅").catch(() => {}); // canvases do not wait for it
+if (lang === "ja") await document.fonts.load('12px "branchline-ja"', "\u65e5").catch(() => {}); // canvases do not wait for it
 
 const address = (changed) => `?${new URLSearchParams({ seat: seat ?? "", ...(unit ? { unit } : {}), ...(run ? { run } : {}), lang, ...changed })}${location.hash}`;
 
