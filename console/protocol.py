@@ -14,7 +14,7 @@ import msgspec
 from console.pacing import FASTEST
 from console.seats import Seat
 
-VERSION: Final = 2
+VERSION: Final = 3
 MESSAGE_BYTES_MAX: Final = 16_384
 
 
@@ -183,6 +183,19 @@ class PointsDrawn(msgspec.Struct, frozen=True, kw_only=True):
     at_m: float
 
 
+class CrossingDrawn(msgspec.Struct, frozen=True, kw_only=True):
+    """A level crossing (踏切) of the line: in which section, at which kilometrage. Without a `has_device` nothing warns
+    its users; `by_radio`: units ask it to close, else contacts close it.
+    """
+
+    id: str
+    name: str
+    section: str
+    at_m: float
+    has_device: bool
+    by_radio: bool
+
+
 class TrainOnPlan(msgspec.Struct, frozen=True, kw_only=True):
     """A train of the timetable: unit, and times (s) and kilometrages (m) of its calls."""
 
@@ -258,7 +271,7 @@ class Welcome(Said, frozen=True, kw_only=True, tag="welcome"):
     sections: tuple[SectionDrawn, ...]
     points: tuple[PointsDrawn, ...]
     units: tuple[str, ...]
-    crossings: tuple[str, ...] = ()
+    crossings: tuple[CrossingDrawn, ...] = ()
     plan: tuple[TrainOnPlan, ...]
     acts: tuple[str, ...]
     faults: tuple[FaultKind, ...]
@@ -303,6 +316,38 @@ class PointsShown(msgspec.Struct, frozen=True, kw_only=True):
     id: str
     position: str
     state: str
+
+
+class RoadState(Enum):
+    """The road of a level crossing, as far as a seat knows it."""
+
+    OPEN = "open"
+    WARNING = "warning"  # it begins to close
+    CLOSED = "closed"  # and has proved so
+    UNPROVEN = "not proven"
+    CLEAR = "nothing known on it"  # contacts close it, and it tells units this alone
+    OPENING = "opening"
+    ASKED = "asked"  # by a unit, which has no proof yet
+    UNHEARD = "no word"
+
+
+class CrossingKnown(msgspec.Struct, frozen=True, kw_only=True):
+    """A level crossing with a device: by what it has said by radio, a word later than `heard_s` being missing, to a
+    driver's seat by what the own unit has heard; in truth for a seat that sees that.
+
+    `announced`: units that come, as its device has taken; `creeps`: those with leave to creep over it; `guarded`: by
+    somebody on the spot. `occupied` (a vehicle stands on it) and `why` it is not proven are for seats that see the truth.
+    """
+
+    id: str
+    state: RoadState
+    announced: tuple[str, ...] = ()
+    creeps: tuple[str, ...] = ()
+    guarded: bool = False
+    occupied: bool = False
+    why: str = ""
+    why_ja: str = ""
+    heard_s: float | None = None
 
 
 class EventShown(msgspec.Struct, frozen=True, kw_only=True):
@@ -362,6 +407,17 @@ class WorkShown(msgspec.Struct, frozen=True, kw_only=True):
     steps: tuple[StepShown, ...]
 
 
+class CrossingInCab(msgspec.Struct, frozen=True, kw_only=True):
+    """The next level crossing before a train that its unit asks: how far ahead of the front, m (None: it does not
+    know), what the unit has heard of it, and whether the driver has leave to creep over it.
+    """
+
+    name: str
+    ahead_m: float | None
+    state: RoadState
+    creeps: bool
+
+
 class CabShown(msgspec.Struct, frozen=True, kw_only=True):
     """What the unit shows its driver. Distances from the front, m, None: it does not know; speeds m/s, notches above 0
     power. `target_mps`: what automatic driving would stay under; `why`: why its authority ends there.
@@ -391,6 +447,7 @@ class CabShown(msgspec.Struct, frozen=True, kw_only=True):
     held: tuple[str, ...]
     waits_for: str
     waits_for_ja: str
+    crossing: CrossingInCab | None = None
 
 
 class SeatMessage(msgspec.Struct, frozen=True, kw_only=True):
@@ -449,6 +506,7 @@ class State(Said, frozen=True, kw_only=True, tag="state"):
     events: tuple[EventShown, ...] = ()
     graph: tuple[GraphPoint, ...] = ()
     points: tuple[PointsShown, ...] = ()
+    crossings: tuple[CrossingKnown, ...] = ()
     silent: tuple[str, ...] = ()
     forecast: tuple[TrainForecast, ...] | None = None
     bids: tuple[BidShown, ...] = ()
