@@ -45,7 +45,9 @@ def cab_of(session: Session, unit: str, crossings: CrossingsSeen) -> CabShown:
     ahead = None if motion is None or path is None else _next_crossing(line, path, motion.position_m + off_m)
     limit_m = float(row.stop_limit_m)
     # Where the limit is that which the unit keeps before a crossing, that is why it ends there.
-    at_road = ahead is not None and command.guarded == ahead[0].id and ahead[1] - limit_m < LIMIT_BEFORE_ROAD_M
+    at_road = (
+        ahead is not None and command.guarded == ahead[0].id and ahead[1] - limit_m < LIMIT_BEFORE_ROAD_M
+    )
     why = f"level crossing {command.guarded} to be proved closed" if at_road else command.limit.why
     return CabShown(
         unit=unit,

@@ -35,8 +35,8 @@ _CLEAR = CrossingClear.__name__
 
 @dataclass(slots=True)
 class _Crossing:
-    """`says`: as its device has it; `heard`: as that was when a telegram of it was taken up last; `by_unit`: as each unit
-    has heard itself; `announced`: those whose request it has taken.
+    """`says`: as its device has it; `heard`: as that was when a telegram of it was taken up last; `by_unit`: as each
+    unit has heard itself; `announced`: those whose request it has taken.
     """
 
     line: LevelCrossing

@@ -163,7 +163,9 @@ class LineSeen:
                 text_ja=words.in_("ja"),
                 alarm=isinstance(entry.event, ALARMS) or _refuses_person(entry),
             )
-            unsaid = isinstance(entry.event, CrossingUnproven)  # by radio its device says no more than that it is not
+            unsaid = isinstance(
+                entry.event, CrossingUnproven
+            )  # by radio its device says no more than that it is not
             of_world = entry.who == WORLD and not isinstance(entry.event, Acted)
             self.events.append(SeenEvent(shown, of_world or unsaid))
 

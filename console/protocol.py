@@ -336,7 +336,7 @@ class CrossingKnown(msgspec.Struct, frozen=True, kw_only=True):
     driver's seat by what the own unit has heard; in truth for a seat that sees that.
 
     `announced`: units that come, as its device has taken; `creeps`: those with leave to creep over it; `guarded`: by
-    somebody on the spot. `occupied` (a vehicle stands on it) and `why` it is not proven are for seats that see the truth.
+    somebody on the spot. `occupied` (a vehicle stands on it) and `why` it is not proven: for who sees the truth.
     """
 
     id: str

@@ -27,7 +27,7 @@ FLAGS: Final = ("--headless", "--no-sandbox", "--disable-gpu")
 
 
 def draw(folder: Path) -> list[Path]:
-    """All pages of the Karasuyama weekday at 7:08, and the choice of seats; the same with level crossings; their files."""
+    """All pages of the Karasuyama weekday at 7:08, the choice of seats, and pages with level crossings; their files."""
     library = import_module("playwright.sync_api")
     folder.mkdir(parents=True, exist_ok=True)
     browser_file = which("chromium") or which("chromium-browser")
