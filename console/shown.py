@@ -10,24 +10,19 @@ import msgspec
 
 from console.books import posts_drawn, roles_taken, works_drawn, works_shown
 from console.cab import cab_of, wait_ja
+from console.line_drawn import CrossingDrawn, FaultKind, PointsDrawn, SectionDrawn, StationDrawn, TrainOnPlan
 from console.line_seen import LineSeen, SeenEvent
 from console.protocol import (
     VERSION,
     CabShown,
-    CrossingDrawn,
     CrossingKnown,
     DeedShown,
-    FaultKind,
     GraphPoint,
-    PointsDrawn,
     PointsShown,
     RuleShown,
     SeatMessage,
-    SectionDrawn,
     State,
-    StationDrawn,
     TrainForecast,
-    TrainOnPlan,
     TrainShown,
     Welcome,
 )
