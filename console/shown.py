@@ -30,7 +30,7 @@ from console.seats import RIGHTS, Seat
 from console.session import Session
 from network.model import Line, Section
 from simulation.faults.fault import Names
-from simulation.faults.script import AT_CROSSING, BY_ROLE
+from simulation.faults.script import AT_CROSSING, BY_ROLE, ActKind
 from simulation.faults.table import KINDS
 from simulation.judge.checkers import Checker
 from simulation.setup import STEPS_PER_S, Setup
@@ -243,9 +243,11 @@ def welcome_of(session: Session, seat: Seat) -> Welcome:
     scenario, rights = session.scenario, RIGHTS[seat]
     drawn = drawn_line(scenario.setup, seat, scenario.id, scenario.name, session.names.units)
     posts = posts_drawn(session, seat)
-    unheard_of = (frozenset() if posts else BY_ROLE) | (
-        frozenset() if session.names.crossings else AT_CROSSING
-    )
+    unheard_of: set[ActKind] = set()
+    if not posts:
+        unheard_of |= BY_ROLE
+    if not session.names.crossings:
+        unheard_of |= AT_CROSSING
     return msgspec.structs.replace(
         drawn,
         acts=tuple(sorted(kind.value for kind in rights.acts - unheard_of)),
