@@ -35,7 +35,7 @@ export function crossingSigns({ welcome, state }, boxes, middle, words, chosen) 
   return welcome.crossings.filter((one) => there.has(one.section)).sort((a, b) => a.at_m - b.at_m).map((one) => {
     const box = boxes.get(one.section), x = along(box, one.at_m), low = box.y + box.height, known = state.crossings.find((seen) => seen.id === one.id);
     const above = box.y + box.height / 2 < middle; // the upper one of two tracks has its signs above it
-    const first = above ? box.y - 18 : low + (welcome.points.some((points) => points.section === one.section) ? 22 : 8);
+    const first = above ? box.y - 18 : low + 8;
     const row = [0, 1, 2].find((k) => !taken.some((at) => Math.abs(at.x - x) < WIDE && at.y === first + k * WIDE)) ?? 2;
     const y = above ? first : first + row * WIDE;
     taken.push({ x, y });
