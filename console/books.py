@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from console.protocol import PostDrawn, StepDrawn, StepShown, StepState, WorkDrawn, WorkShown
+from console.line_drawn import PostDrawn, StepDrawn, WorkDrawn
+from console.protocol import StepShown, StepState, WorkShown
 from console.seats import Seat, may_be
 from console.session import Session
 from simulation.procedure import POST_OF, Part, ProcedureRow

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
-from console.protocol import CabShown
+from console.crossings_seen import CrossingsSeen
+from console.protocol import CabShown, CrossingInCab
 from console.session import Session
+from network.model import LevelCrossing, Line
+from network.path import Path
+from onboard.crossings.ahead import STOPS_SHORT_M
 from onboard.driving.laws.by_hand import by_hand
 from onboard.driving.laws.table import LAWS
 from onboard.duty.records import DrivingCommand
@@ -13,9 +18,13 @@ from onboard.mission import Target
 from study.wording.catalogue import phrases_of
 from study.wording.reasons import reason
 
+LIMIT_BEFORE_ROAD_M: Final = STOPS_SHORT_M + 1.0
 
-def cab_of(session: Session, unit: str) -> CabShown:
-    """The cab of a unit at present; its speed is exact, what its unit has worked out up to 1 s old."""
+
+def cab_of(session: Session, unit: str, crossings: CrossingsSeen) -> CabShown:
+    """The cab of a unit at present, which has heard this of level crossings; its speed is exact, what its unit has
+    worked out up to 1 s old.
+    """
     simulation = session.simulation
     trains = simulation.trains
     slot = trains.slot_of[unit]
@@ -32,6 +41,14 @@ def cab_of(session: Session, unit: str) -> CabShown:
     stands = target if command.stands_at is None or duty is None else duty.mission.targets[command.stands_at]
     handed = LAWS[int(laws.number)].name == by_hand.__name__
     waits = simulation.waits_for(slot)
+    line, path = session.scenario.setup.line, trains.true_path(slot) if on_line else None
+    ahead = None if motion is None or path is None else _next_crossing(line, path, motion.position_m + off_m)
+    limit_m = float(row.stop_limit_m)
+    # Where the limit is that which the unit keeps before a crossing, that is why it ends there.
+    at_road = (
+        ahead is not None and command.guarded == ahead[0].id and ahead[1] - limit_m < LIMIT_BEFORE_ROAD_M
+    )
+    why = f"level crossing {command.guarded} to be proved closed" if at_road else command.limit.why
     return CabShown(
         unit=unit,
         train="" if duty is None else duty.train.number,
@@ -46,10 +63,10 @@ def cab_of(session: Session, unit: str) -> CabShown:
         brake_notches=int(kind.brake_notches),
         intervention=0 if sample is None else int(sample["intervention"]),
         may_drive=command.drive,
-        on_sight=command.on_sight or command.sweeps,
-        authority_m=None if at_m is None else _finite(float(row.stop_limit_m) - at_m),
-        why=command.limit.why,
-        why_ja=reason(command.limit.why).in_("ja") if command.limit.why else "",
+        on_sight=command.on_sight or command.sweeps or command.creeps,
+        authority_m=None if at_m is None else _finite(limit_m - at_m),
+        why=why,
+        why_ja=reason(why).in_("ja") if why else "",
         next_stop="" if target is None else target.place_id,
         next_stop_m=None if at_m is None or target is None else target.mark_m - at_m,
         arrives_s=None if target is None else target.arrival_s,
@@ -57,7 +74,23 @@ def cab_of(session: Session, unit: str) -> CabShown:
         held=command.held,
         waits_for=waits,
         waits_for_ja=wait_ja(waits),
+        crossing=None if ahead is None else _crossing_shown(crossings, unit, *ahead, at_m),
     )
+
+
+def _next_crossing(line: Line, path: Path, front_m: float) -> tuple[LevelCrossing, float] | None:
+    """The first crossing before the front that its unit hears, and where its road begins along the path, m."""
+    heard = (one for one in line.crossings.values() if one.tells_units and one.piece_id in path)
+    ahead = [(one, road_m) for one in heard if (road_m := path.to_road_m(one)) > front_m]
+    return min(ahead, key=lambda found: found[1], default=None)
+
+
+def _crossing_shown(
+    crossings: CrossingsSeen, unit: str, crossing: LevelCrossing, road_m: float, at_m: float | None
+) -> CrossingInCab:
+    known = next(one for one in crossings.heard_by(unit) if one.id == crossing.id)
+    ahead_m = None if at_m is None else road_m - at_m
+    return CrossingInCab(name=crossing.name, ahead_m=ahead_m, state=known.state, creeps=bool(known.creeps))
 
 
 def wait_ja(waits_for: str) -> str:

@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from console.crossings_seen import CrossingsSeen
 from console.forecast import DayForecast
 from console.protocol import (
     BidShown,
@@ -19,6 +20,7 @@ from console.protocol import (
 )
 from network.timetable import Call
 from onboard import notes
+from onboard.crossing_notes import CrossingProofLost
 from radio.noted import TelegramDropped, TookEffect
 from simulation.events import (
     MANAGER,
@@ -37,6 +39,7 @@ from study.measures.recovery import LATE_S
 from study.wording.events import EVENT_WORDINGS, event_text
 from study.wording.phrase import names_of
 from wayside import said
+from wayside.crossing_said import CrossingUnproven
 from wayside.register import ReentryStage
 
 ALARMS: Final = (
@@ -48,6 +51,8 @@ ALARMS: Final = (
     said.NoOrderKnown,
     said.PointsUnproven,
     said.NotDone,
+    CrossingUnproven,
+    CrossingProofLost,
     notes.Mismatch,
     notes.UnitRestarted,
     notes.VehicleUnfit,
@@ -77,6 +82,7 @@ class LineSeen:
 
     def __init__(self, setup: Setup, forecast: DayForecast | None = None) -> None:
         self._forecast: Final = forecast
+        self.crossings: Final = CrossingsSeen(setup.line)
         self._bids: dict[str, BidShown] = {}
         self.events: list[SeenEvent] = []
         self.graph: list[GraphPoint] = []
@@ -128,6 +134,7 @@ class LineSeen:
 
     def see(self, entry: JournalEntry) -> None:
         """An entry was written."""
+        self.crossings.see(entry)
         if isinstance(entry.event, TookEffect) and entry.event.receiver == MANAGER:
             if (heard := self._units.get(entry.event.source)) is not None:
                 heard.heard_s = entry.t_s
@@ -156,7 +163,11 @@ class LineSeen:
                 text_ja=words.in_("ja"),
                 alarm=isinstance(entry.event, ALARMS) or _refuses_person(entry),
             )
-            self.events.append(SeenEvent(shown, entry.who == WORLD and not isinstance(entry.event, Acted)))
+            unsaid = isinstance(
+                entry.event, CrossingUnproven
+            )  # by radio its device says no more than that it is not
+            of_world = entry.who == WORLD and not isinstance(entry.event, Acted)
+            self.events.append(SeenEvent(shown, of_world or unsaid))
 
     def _note_outage(self, t_s: float) -> None:
         whole = self.defined and self.manager_on

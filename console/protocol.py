@@ -11,10 +11,20 @@ from typing import Annotated, Any, Final
 
 import msgspec
 
+from console.line_drawn import (
+    CrossingDrawn,
+    FaultKind,
+    PointsDrawn,
+    PostDrawn,
+    SectionDrawn,
+    StationDrawn,
+    TrainOnPlan,
+    WorkDrawn,
+)
 from console.pacing import FASTEST
 from console.seats import Seat
 
-VERSION: Final = 2
+VERSION: Final = 3
 MESSAGE_BYTES_MAX: Final = 16_384
 
 
@@ -154,93 +164,6 @@ class SectionState(Enum):
     UNDEFINED = "undefined"
 
 
-class SectionDrawn(msgspec.Struct, frozen=True, kw_only=True):
-    """A section of the schematic: kilometrages of its ends, and which track of how many it is there."""
-
-    id: str
-    kind: str
-    from_m: float
-    to_m: float
-    lane: float
-    station: str = ""
-
-
-class StationDrawn(msgspec.Struct, frozen=True, kw_only=True):
-    """A station of the line, with its kilometrage."""
-
-    id: str
-    name: str
-    name_ja: str
-    at_m: float
-
-
-class PointsDrawn(msgspec.Struct, frozen=True, kw_only=True):
-    """Points of the line, with the terminal that works them."""
-
-    id: str
-    section: str
-    terminal: str
-    at_m: float
-
-
-class TrainOnPlan(msgspec.Struct, frozen=True, kw_only=True):
-    """A train of the timetable: unit, and times (s) and kilometrages (m) of its calls."""
-
-    train: str
-    unit: str
-    times_s: tuple[float, ...]
-    at_m: tuple[float, ...]
-
-
-class FaultKind(msgspec.Struct, frozen=True, kw_only=True):
-    """A kind of fault that can be begun: what it may aim at, and the JSON Schema of its keys."""
-
-    kind: str
-    name: str
-    name_ja: str
-    aims_at: str
-    targets: tuple[str, ...]
-    schema: dict[str, Any]
-    momentary: bool
-
-
-class StepDrawn(msgspec.Struct, frozen=True, kw_only=True):
-    """A step of substitute working as the table of a section or station has it; `{train}` stands for a train's number.
-
-    `part`: when it is due; `post`: the kind of role whose it is.
-    """
-
-    step: str
-    post: str
-    name_ja: str
-    part: str
-    who: str
-    who_ja: str
-    to: str
-    to_ja: str
-    says: str
-    says_ja: str
-    needs: tuple[str, ...]
-    waits: str
-    waits_ja: str
-
-
-class WorkDrawn(msgspec.Struct, frozen=True, kw_only=True):
-    """A section between stations, or a station, in substitute working: by which regime and table, with which trains."""
-
-    block: str
-    regime: str
-    rows: tuple[StepDrawn, ...]
-    trains: tuple[str, ...]
-
-
-class PostDrawn(msgspec.Struct, frozen=True, kw_only=True):
-    """A role of substitute working at its place, which the holder of this seat may take."""
-
-    post: str
-    name_ja: str
-
-
 class Welcome(Said, frozen=True, kw_only=True, tag="welcome"):
     """The seat is taken: what does not change while the run goes on. `acts` and `faults` are what this seat may do.
 
@@ -258,7 +181,7 @@ class Welcome(Said, frozen=True, kw_only=True, tag="welcome"):
     sections: tuple[SectionDrawn, ...]
     points: tuple[PointsDrawn, ...]
     units: tuple[str, ...]
-    crossings: tuple[str, ...] = ()
+    crossings: tuple[CrossingDrawn, ...] = ()
     plan: tuple[TrainOnPlan, ...]
     acts: tuple[str, ...]
     faults: tuple[FaultKind, ...]
@@ -303,6 +226,38 @@ class PointsShown(msgspec.Struct, frozen=True, kw_only=True):
     id: str
     position: str
     state: str
+
+
+class RoadState(Enum):
+    """The road of a level crossing, as far as a seat knows it."""
+
+    OPEN = "open"
+    WARNING = "warning"  # it begins to close
+    CLOSED = "closed"  # and has proved so
+    UNPROVEN = "not proven"
+    CLEAR = "nothing known on it"  # contacts close it, and it tells units this alone
+    OPENING = "opening"
+    ASKED = "asked"  # by a unit, which has no proof yet
+    UNHEARD = "no word"
+
+
+class CrossingKnown(msgspec.Struct, frozen=True, kw_only=True):
+    """A level crossing with a device: by what it has said by radio, a word later than `heard_s` being missing, to a
+    driver's seat by what the own unit has heard; in truth for a seat that sees that.
+
+    `announced`: units that come, as its device has taken; `creeps`: those with leave to creep over it; `guarded`: by
+    somebody on the spot. `occupied` (a vehicle stands on it) and `why` it is not proven: for who sees the truth.
+    """
+
+    id: str
+    state: RoadState
+    announced: tuple[str, ...] = ()
+    creeps: tuple[str, ...] = ()
+    guarded: bool = False
+    occupied: bool = False
+    why: str = ""
+    why_ja: str = ""
+    heard_s: float | None = None
 
 
 class EventShown(msgspec.Struct, frozen=True, kw_only=True):
@@ -362,6 +317,17 @@ class WorkShown(msgspec.Struct, frozen=True, kw_only=True):
     steps: tuple[StepShown, ...]
 
 
+class CrossingInCab(msgspec.Struct, frozen=True, kw_only=True):
+    """The next level crossing before a train that its unit asks: how far ahead of the front, m (None: it does not
+    know), what the unit has heard of it, and whether the driver has leave to creep over it.
+    """
+
+    name: str
+    ahead_m: float | None
+    state: RoadState
+    creeps: bool
+
+
 class CabShown(msgspec.Struct, frozen=True, kw_only=True):
     """What the unit shows its driver. Distances from the front, m, None: it does not know; speeds m/s, notches above 0
     power. `target_mps`: what automatic driving would stay under; `why`: why its authority ends there.
@@ -391,6 +357,7 @@ class CabShown(msgspec.Struct, frozen=True, kw_only=True):
     held: tuple[str, ...]
     waits_for: str
     waits_for_ja: str
+    crossing: CrossingInCab | None = None
 
 
 class SeatMessage(msgspec.Struct, frozen=True, kw_only=True):
@@ -449,6 +416,7 @@ class State(Said, frozen=True, kw_only=True, tag="state"):
     events: tuple[EventShown, ...] = ()
     graph: tuple[GraphPoint, ...] = ()
     points: tuple[PointsShown, ...] = ()
+    crossings: tuple[CrossingKnown, ...] = ()
     silent: tuple[str, ...] = ()
     forecast: tuple[TrainForecast, ...] | None = None
     bids: tuple[BidShown, ...] = ()

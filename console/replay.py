@@ -101,6 +101,7 @@ class Replay:
             manager_on=line.manager_on,
             sections=line.sections,
             trains=tuple(self._true(train, now_s) for train in line.trains),
+            crossings=line.crossings.truth(),
             bids=line.bids(now_s),
             rules=self._rules(now_s),
         )

@@ -10,22 +10,19 @@ import msgspec
 
 from console.books import posts_drawn, roles_taken, works_drawn, works_shown
 from console.cab import cab_of, wait_ja
+from console.line_drawn import CrossingDrawn, FaultKind, PointsDrawn, SectionDrawn, StationDrawn, TrainOnPlan
 from console.line_seen import LineSeen, SeenEvent
 from console.protocol import (
     VERSION,
     CabShown,
+    CrossingKnown,
     DeedShown,
-    FaultKind,
     GraphPoint,
-    PointsDrawn,
     PointsShown,
     RuleShown,
     SeatMessage,
-    SectionDrawn,
     State,
-    StationDrawn,
     TrainForecast,
-    TrainOnPlan,
     TrainShown,
     Welcome,
 )
@@ -33,7 +30,7 @@ from console.seats import RIGHTS, Seat
 from console.session import Session
 from network.model import Line, Section
 from simulation.faults.fault import Names
-from simulation.faults.script import AT_CROSSING, BY_ROLE
+from simulation.faults.script import AT_CROSSING, BY_ROLE, ActKind
 from simulation.faults.table import KINDS
 from simulation.judge.checkers import Checker
 from simulation.setup import STEPS_PER_S, Setup
@@ -57,6 +54,9 @@ class DeskMoment:
     graph: tuple[list[GraphPoint], int]
     forecast: tuple[TrainForecast, ...] = ()
     cabs: Mapping[str, CabShown] = field(default_factory=dict[str, CabShown])
+    crossings_by_unit: Mapping[str, tuple[CrossingKnown, ...]] = field(
+        default_factory=dict[str, tuple[CrossingKnown, ...]]
+    )
     messages: tuple[SeatMessage, ...] = ()
     sees_all: bool = False
 
@@ -75,7 +75,7 @@ def state_for(moment: DeskMoment, seat: Seat, had: SentSoFar, unit: str = "") ->
     """What a connection is sent that has had so much, and what it has had then."""
     leads = RIGHTS[seat].leads or moment.sees_all
     seat = Seat.INSTRUCTOR if moment.sees_all else seat
-    state = _of_cab(moment.known, unit) if seat is Seat.DRIVER else moment.truth if leads else moment.known
+    state = _of_cab(moment, unit) if seat is Seat.DRIVER else moment.truth if leads else moment.known
     had = had if had.branch == state.branch else SentSoFar(state.branch)
     (events, count), (graph, points) = moment.events, moment.graph
     upto = min(count, had.events + EVENTS_AT_ONCE)
@@ -97,13 +97,15 @@ def state_for(moment: DeskMoment, seat: Seat, had: SentSoFar, unit: str = "") ->
     return state, replace(had, events=upto, graph=points, forecast=moment.forecast)
 
 
-def _of_cab(known: State, unit: str) -> State:
+def _of_cab(moment: DeskMoment, unit: str) -> State:
     """What the driver of a unit knows of it: the unit's own part."""
+    known = moment.known
     own = tuple(train for train in known.trains if train.unit == unit)
     return msgspec.structs.replace(
         known,
         sections=tuple(section for section in known.sections if section.unit == unit),
         trains=own,
+        crossings=moment.crossings_by_unit.get(unit, ()),
         bids=(),
         works=tuple(work for work in known.works if work.train in {train.train for train in own}),
     )
@@ -137,6 +139,7 @@ def moment_of(
         manager_on=line.manager_on,
         sections=line.sections,
         trains=line.trains,
+        crossings=line.crossings.known(session.now_s),
         bids=line.bids(session.now_s),
         roles=roles_taken(session),
         works=works_shown(session),
@@ -145,6 +148,7 @@ def moment_of(
         known,
         trains=tuple(_true_train(session, train) for train in known.trains),
         points=_points(session),
+        crossings=line.crossings.truth(_blocked(session)),
         silent=_silent(session),
         deeds=_deeds(session),
         rules=_rules(session),
@@ -155,7 +159,8 @@ def moment_of(
         (line.events, len(line.events)),
         (line.graph, len(line.graph)),
         line.forecast(session.now_s),
-        {unit: cab_of(session, unit) for unit in units},
+        {unit: cab_of(session, unit, line.crossings) for unit in units},
+        {unit: line.crossings.heard_by(unit) for unit in units},
         messages,
     )
 
@@ -189,6 +194,13 @@ def _points(session: Session) -> tuple[PointsShown, ...]:
         )
         for points_id, machine in machines
     )
+
+
+def _blocked(session: Session) -> tuple[str, ...]:
+    """Level crossings on which a vehicle stands; none after the end, when SUMO is gone."""
+    crossings = session.simulation.wayside.crossings
+    at = () if session.ended is not None else crossings.equipment
+    return tuple(crossing_id for crossing_id in at if crossings.is_blocked(crossing_id))
 
 
 def _silent(session: Session) -> tuple[str, ...]:
@@ -231,9 +243,11 @@ def welcome_of(session: Session, seat: Seat) -> Welcome:
     scenario, rights = session.scenario, RIGHTS[seat]
     drawn = drawn_line(scenario.setup, seat, scenario.id, scenario.name, session.names.units)
     posts = posts_drawn(session, seat)
-    unheard_of = (frozenset() if posts else BY_ROLE) | (
-        frozenset() if session.names.crossings else AT_CROSSING
-    )
+    unheard_of: set[ActKind] = set()
+    if not posts:
+        unheard_of |= BY_ROLE
+    if not session.names.crossings:
+        unheard_of |= AT_CROSSING
     return msgspec.structs.replace(
         drawn,
         acts=tuple(sorted(kind.value for kind in rights.acts - unheard_of)),
@@ -269,7 +283,17 @@ def drawn_line(setup: Setup, seat: Seat, run: str, name: str, units: tuple[str, 
             for points in line.points.values()
         ),
         units=units,
-        crossings=tuple(crossing.id for crossing in line.crossings.values() if crossing.has_device),
+        crossings=tuple(
+            CrossingDrawn(
+                id=crossing.id,
+                name=crossing.name,
+                section=line.pieces[crossing.piece_id].section_id,
+                at_m=crossing.position_m,
+                has_device=crossing.has_device,
+                by_radio=crossing.by_radio,
+            )
+            for crossing in line.crossings.values()
+        ),
         plan=_plan(setup),
         acts=(),
         faults=(),

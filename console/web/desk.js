@@ -2,6 +2,7 @@
 import { cab } from "./driver.js";
 import { actForm, armForm, changeForm, faultForm, messageForm } from "./forms.js";
 import { procedure } from "./procedure.js";
+import { crossingTable } from "./roads.js";
 import { scorePage } from "./score.js";
 import { schematic, trainGraph } from "./schematic.js";
 import { element } from "./tables.js";
@@ -97,7 +98,7 @@ function build(known) {
   inCab = seat === "driver" ? cab(welcome, words, tell) : null;
   steps = welcome.posts.length ? procedure(welcome, words, tell, unit) : null;
   const side = make("section", { class: "side", "aria-label": say("what can be done") }, make("p", { class: "answer", role: "status", "aria-live": "polite" }),
-    ...(inCab ? [inCab.host] : []), ...(steps ? [steps.host] : []), ...(breaks ? [make("label", { for: "hit" }, say("Click a section, points, train or device to break it, or choose:")), anyTarget(welcome)] : []), make("div", { id: "fault" }),
+    ...(inCab ? [inCab.host] : []), ...(steps ? [steps.host] : []), ...(breaks ? [make("label", { for: "hit" }, say("Click a section, points, train, crossing or device to break it, or choose:")), anyTarget(welcome)] : []), make("div", { id: "fault" }),
     make("div", { id: "messages", role: "log", "aria-live": "polite" }),
     ...(welcome.acts.length ? [actForm(welcome, words, tell, lead)] : []), ...(breaks ? [messageForm(words, tell), armForm(welcome, words, tell)] : []), make("div", { id: "deeds" }));
   document.querySelector("main").replaceChildren(
@@ -195,7 +196,7 @@ function show(known, reason) {
   for (const one of document.querySelectorAll("[data-pace]")) one.setAttribute("aria-pressed", String(Number(one.dataset.pace) === state.factor));
   keptFocus(at(".schematic"), schematic(known, words, pick));
   at(".graph").replaceChildren(trainGraph(known, words, run ? { width: 560, height: 160 } : {}));
-  keptFocus(at(".trains"), trainTable(known));
+  keptFocus(at(".trains"), make("div", {}, trainTable(known), crossingTable(known, words)));
   if (inCab && state.cab) inCab.show(state.cab);
   if (steps) steps.show(state);
   if (state.messages.length !== read) at("#messages").replaceChildren(...state.messages.slice(-3).map((one) => make("p", { class: "said" }, `✉ ${clock(one.time_s, true)} ${one.text}`)));

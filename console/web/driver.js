@@ -25,7 +25,7 @@ export function cab(welcome, words, tell) {
     make("div", { class: "dial" }, make("div", { class: "speed", id: "cab-speed" }), make("div", { class: "scale", role: "img", id: "cab-scale" })),
     make("table", {}, make("caption", { class: "unseen" }, say("driver")), make("tbody", {},
       row(say("limit"), "limit"), row(say("automatic driving stays under"), "target"), row(say("notch"), "notch"), row(say("drives"), "drives"), row(say("authority"), "authority"),
-      row(say("next stop"), "stop"), row(say("distance"), "distance"), row(say("arrives"), "arrives"), row(say("departs"), "departs"), row(say("waits for"), "waits"), row(say("holds"), "held"))),
+      row(say("next stop"), "stop"), row(say("distance"), "distance"), row(say("arrives"), "arrives"), row(say("departs"), "departs"), row(say("waits for"), "waits"), ...(welcome.crossings.length ? [row(say("level crossing"), "crossing")] : []), row(say("holds"), "held"))),
     make("div", { class: "handle", role: "group", "aria-label": say("handle") },
       button(say("power"), "↑", () => step(1)), button(say("brake"), "↓", () => step(-1)), button(say("coast"), "0", () => set(0)),
       button(say("full brake"), "B", () => set(-shown.brake_notches)), button(say("back to ATO"), "A", () => act("drive_by_ato")), button(say("return the route"), "G", () => act("give_back"))),
@@ -68,6 +68,8 @@ export function cab(welcome, words, tell) {
     put("arrives", now.arrives_s === null ? "–" : clock(now.arrives_s, true));
     put("departs", now.departs_s === null ? "–" : clock(now.departs_s, true));
     put("waits", (words.lang === "ja" ? now.waits_for_ja : now.waits_for) || "–");
+    const road = now.crossing;
+    if (cells.has("crossing")) put("crossing", road === null ? "–" : `${road.name} ${metres(road.ahead_m)}: ${say(road.state)}${road.creeps ? ` ⚠ ${say("leave to creep")}` : ""}`, road !== null && (road.creeps || road.state === "not proven"));
     put("held", now.held.join(" ") || "–");
   };
   return { host, show };

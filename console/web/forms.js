@@ -68,17 +68,17 @@ export function actForm(welcome, words, ask, lead) {
   const kindBox = element(document, "select", { id: "act-kind" },
     ...[...welcome.acts, ...Object.keys(PRESETS).filter((name) => welcome.acts.includes(PRESETS[name].kind))].map((kind) => element(document, "option", { value: kind }, actName(kind, words))));
   const rest = element(document, "div", { class: "wide" });
-  const terminals = welcome.points.map((points) => points.terminal);
+  const terminals = welcome.points.map((points) => points.terminal), crossings = welcome.crossings.filter((one) => one.has_device).map((one) => one.id);
   const makes = {
     unit: () => choice("act-target", welcome.units), "unit?": () => choice("act-target", ["", ...welcome.units]),
-    party: () => choice("act-target", [...welcome.units, "block-manager", ...new Set(terminals), ...welcome.crossings]), points: () => choice("act-target", welcome.points.map((points) => points.id)),
+    party: () => choice("act-target", [...welcome.units, "block-manager", ...new Set(terminals), ...crossings]), points: () => choice("act-target", welcome.points.map((points) => points.id)),
     position: () => choice("act-position", ["normal", "reverse"]), place: () => choice("act-place", ["", ...welcome.sections.filter((s) => s.kind === "portal").map((s) => s.id)]),
     sections: () => element(document, "select", { id: "act-sections", multiple: true, size: 4 }, ...welcome.sections.map((s) => element(document, "option", { value: s.id }, s.id))),
     hold: () => element(document, "input", { id: "act-hold_s", type: "number", value: 300, min: 0 }), pace: () => element(document, "input", { id: "act-pace_s", type: "number", min: 0, step: 0.1, placeholder: "–" }),
     person: () => choice("act-person", ["controller", "staff", "crew"], (value) => words.say(value, {}, "party")), behind: () => choice("act-behind", ["", ...welcome.units]),
     over: () => choice("act-place", ["", ...welcome.sections.map((s) => s.id)]), track: () => choice("act-sections", welcome.sections.filter((s) => s.kind === "track").map((s) => s.id)),
     train: () => choice("act-train", welcome.plan.map((one) => one.train)), "train?": () => choice("act-train", ["", ...welcome.plan.map((one) => one.train)]),
-    crossing: () => choice("act-target", welcome.crossings),
+    crossing: () => choice("act-target", crossings),
     role: () => choice("act-target", welcome.posts.map((one) => one.post)), block: () => choice("act-block", welcome.works.map((one) => one.block)),
     step: () => choice("act-step", [...new Set(welcome.works.flatMap((one) => one.rows.map((row) => row.step)))]), notch: () => element(document, "input", { id: "act-notch", type: "number", value: 0, min: -10, max: 10, step: 1 }),
   };

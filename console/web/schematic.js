@@ -1,19 +1,9 @@
 // The line as a schematic: sections in order and not to scale, as the block manager has them, with the trains on them.
+import { crossingSigns } from "./roads.js";
+import { along, drawn } from "./svg.js";
 
 const WIDTHS = { track: 150, points: 64, between: 220, portal: 84 };
-const TALL = 22, LANE = 42, GAP = 6;
-const NS = "http://www.w3.org/2000/svg";
-
-/** An element of a picture. */
-export function drawn(name, attributes = {}, ...children) {
-  const made = document.createElementNS(NS, name);
-  for (const [key, value] of Object.entries(attributes)) {
-    if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
-    else if (value !== undefined) made.setAttribute(key, value);
-  }
-  made.append(...children);
-  return made;
-}
+const TALL = 22, LANE = 42, GAP = 6, MIDDLE = 97;
 
 /** Boxes of the sections by id: those at the same kilometrage stand above each other, in columns from left to right. */
 export function laidOut(sections) {
@@ -30,14 +20,12 @@ export function laidOut(sections) {
     const lanes = [...all].sort((a, b) => a.lane - b.lane);
     lanes.forEach((section, i) => {
       const lane = i - (lanes.length - 1) / 2;
-      boxes.set(section.id, { x, y: 97 + lane * LANE - TALL / 2, width: WIDTHS[kind], height: TALL, from_m: section.from_m, to_m: section.to_m });
+      boxes.set(section.id, { x, y: MIDDLE + lane * LANE - TALL / 2, width: WIDTHS[kind], height: TALL, from_m: section.from_m, to_m: section.to_m });
     });
     x += WIDTHS[kind] + GAP;
   }
   return { boxes, width: x };
 }
-
-const share = (box, at_m) => Math.min(Math.max((at_m - box.from_m) / (box.to_m - box.from_m), 0.04), 0.96);
 
 /** The picture; `pick` is called with the kind and id of what is clicked, or chosen by the keyboard. */
 export function schematic(known, words, pick) {
@@ -67,11 +55,12 @@ export function schematic(known, words, pick) {
     group.append(label(box.x + box.width / 2, box.y + TALL + 14, points.id + sign, "middle", lies && !lies.position ? "bad" : ""));
     svg.append(group);
   }
+  svg.append(...crossingSigns(known, boxes, MIDDLE, words, chosen));
   const ends = [-Infinity, -Infinity, -Infinity]; // of the names on each line, from the lowest
   for (const station of [...welcome.stations].sort((a, b) => a.at_m - b.at_m)) {
     const box = [...boxes.values()].find((one) => one.from_m <= station.at_m && station.at_m <= one.to_m);
     if (!box) continue;
-    const x = box.x + share(box, station.at_m) * box.width;
+    const x = along(box, station.at_m);
     const name = words.lang === "ja" ? station.name_ja : station.name, half = name.length * (words.lang === "ja" ? 6.5 : 3.8);
     const row = Math.max(ends.findIndex((end) => end < x - half - 6), 0);
     ends[row] = x + half;
@@ -89,7 +78,7 @@ export function schematic(known, words, pick) {
 }
 
 function trainMark(box, train, i, chosen) {
-  const half = 26, there = box.x + (train.at_m === null ? 0.5 : share(box, train.at_m)) * box.width;
+  const half = 26, there = train.at_m === null ? box.x + box.width / 2 : along(box, train.at_m);
   const x = Math.max(box.x + half, Math.min(box.x + box.width - half, there)), y = box.y + 15 + i * 12;
   const group = drawn("g", { class: "train", ...chosen("unit", train.unit), "aria-label": `${train.train} ${train.unit}` });
   group.append(drawn("title", {}, `${train.train} ${train.unit} ${train.waits_for}`), label(x, y, `◆ ${train.train || train.unit}`, "middle", "number"));

@@ -1,6 +1,6 @@
 // The line to the desk: a seat is taken, what is said is answered by its number, and a line that breaks is made again.
 
-export const VERSION = 2;
+export const VERSION = 3;
 const AGAIN_MS = 500;
 
 /** What a page knows after one more state; what only grows is kept as long as the run is on the same branch. */

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from network.clock import clock
-from onboard import notes
+from onboard import crossing_notes, notes
 from radio.noted import Noted, TelegramDropped
 from simulation import events
 from simulation.events import EventType
@@ -21,7 +21,7 @@ from study.wording.phrase import NOTHING, Names, Phrase
 from study.wording.procedure import says_text
 from study.wording.script import act_text, fault_text, value_text
 from study.wording.telegrams import telegram
-from wayside import said
+from wayside import crossing_said, said
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +46,7 @@ _AT_POINTS: Final = {
     "token": phrase(", token {}"),
     **_WHY,
 }
+_SAID_BY_TWO: Final = phrase(", as another person has said: proofs are taken back")
 _OF_STEP: Final = {"train": phrase(" for train {}"), **_WHY}
 EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
     notes.Intervention: EventWording("intervention", phrase("{level}")),
@@ -166,6 +167,18 @@ EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
     events.VehicleStruck: EventWording(
         "unsafe", phrase("{unit_id} strikes a road vehicle at crossing {crossing_id} at {speed_mps:.1f} m/s")
     ),
+    crossing_said.CrossingUnproven: EventWording(
+        "level crossing", phrase("the crossing does not prove closed{why}"), _WHY
+    ),
+    crossing_said.NoTrainSaid: EventWording(
+        "level crossing", phrase("{by} says that no train comes{agreed}")
+    ),
+    crossing_notes.CrossingProofLost: EventWording(
+        "level crossing", phrase("the proof of level crossing {crossing_id} holds no more{why}"), _WHY
+    ),
+    crossing_notes.CrossingCreep: EventWording(
+        "level crossing", phrase("the driver has leave to creep over level crossing {crossing_id}{guarded}")
+    ),
     events.Collision: EventWording("unsafe", Phrase("{text}", checker_name(Checker.SUMO_COLLISION.value).ja)),
     events.PointsForced: EventWording("unsafe", phrase("points {points_id} were run through")),
     TelegramDropped: EventWording(
@@ -218,6 +231,10 @@ def _values(event: Noted, names: Names) -> dict[str, object]:
             fields["until"] = clock(int(event.until_s))
         case events.Unsafe():
             fields["how"] = unsafe_text(event)
+        case crossing_notes.CrossingCreep(guarded=guarded):
+            fields["guarded"] = phrase(", its road stopped by hand") if guarded else NOTHING
+        case crossing_said.NoTrainSaid(agreed=agreed):
+            fields["agreed"] = _SAID_BY_TWO if agreed else NOTHING
         case TelegramDropped():
             fields["kind"] = NOTHING if event.kind is None else telegram(event.kind)
         case _:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from contextlib import contextmanager
+from importlib.resources import files
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Final
 
 import pytest
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
 
 WAIT_MS: Final = 500_000
 SIZE: Final = {"width": 1280, "height": 800}
+SERIOUS: Final = ("serious", "critical")
 
 
 @contextmanager
@@ -33,6 +36,44 @@ def served(what: Scenario | RunRead, beside: RunRead | None = None) -> Generator
     """A desk, served: its address."""
     with served_desk(what, beside) as desk:
         yield desk.page
+
+
+def serious(page: Any) -> list[tuple[str, str, list[str]]]:  # noqa: ANN401
+    """What axe finds serious on a page, whose content policy must let it in; skipped where the package is missing."""
+    if find_spec("axe_playwright_python") is None:
+        pytest.skip("axe-playwright-python, which brings axe, is not installed: make browser")
+    page.evaluate(files("axe_playwright_python").joinpath("axe.min.js").read_text("utf-8"))
+    found = page.evaluate("() => axe.run()")
+    return [
+        (one["id"], one["help"], [node["html"][:150] for node in one["nodes"]][:3])
+        for one in found["violations"]
+        if one["impact"] in SERIOUS
+    ]
+
+
+def overlapping(page: Any) -> Any:  # noqa: ANN401
+    """Texts of the line that lie over each other."""
+    return page.evaluate(
+        """() => {
+          const texts = [...document.querySelectorAll('.schematic text')]
+            .map((text) => [text.textContent, text.getBoundingClientRect()]);
+          return texts.flatMap(([one, a], i) => texts.slice(i + 1).filter(([, b]) =>
+            Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1
+            && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3)
+            .map(([other]) => `${one} | ${other}`));
+        }"""
+    )
+
+
+def cut_off(page: Any) -> Any:  # noqa: ANN401
+    """Texts of the line, and signs of its crossings, that reach beyond its picture."""
+    return page.evaluate(
+        """() => [...document.querySelectorAll('.schematic text, .schematic .crossing')].filter((text) => {
+          const own = text.getBoundingClientRect(), all = text.closest('svg').getBoundingClientRect();
+          return own.left < all.left - 1 || own.right > all.right + 1
+            || own.top < all.top - 1 || own.bottom > all.bottom + 1;
+        }).map((text) => text.textContent)"""
+    )
 
 
 class Seated:

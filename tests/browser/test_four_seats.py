@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from importlib.resources import files
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,12 +17,11 @@ from study.drilling.drill import run_drill
 from study.record.directory import reserved
 from study.record.read_back import RunRead, read_run
 from study.runner.run import PartyLink, execute, fill_run
-from tests.browser.seated import WAIT_MS, Seated, served
+from tests.browser.seated import WAIT_MS, Seated, cut_off, overlapping, serious, served
 
 pytestmark = [pytest.mark.browser, pytest.mark.system]
 
 SIZES: Final = ({"width": 1280, "height": 800}, {"width": 1920, "height": 1080})
-SERIOUS: Final = ("serious", "critical")
 EARLIER: Final = re.compile(r"09:|10:00:[0-2]")  # than half a minute past ten
 
 
@@ -114,21 +111,12 @@ def test_axe_finds_nothing_serious(
     seat: str,
     language: str,
 ) -> None:
-    if find_spec("axe_playwright_python") is None:
-        pytest.skip("axe-playwright-python, which brings axe, is not installed: make browser")
-    axe = files("axe_playwright_python").joinpath("axe.min.js").read_text("utf-8")
     context = browser.new_context(viewport=SIZES[0], bypass_csp=True)
     page = context.new_page()
     page.goto(f"{address}?lang={language}" + (f"&seat={seat}" if seat else ""))
     page.wait_for_selector("#clock" if seat else ".seats a")
-    page.evaluate(axe)
-    found = page.evaluate("() => axe.run()")
+    bad = serious(page)
     context.close()
-    bad = [
-        (one["id"], one["help"], [node["html"][:150] for node in one["nodes"]][:3])
-        for one in found["violations"]
-        if one["impact"] in SERIOUS
-    ]
     assert bad == []
 
 
@@ -148,25 +136,7 @@ def test_a_page_needs_no_scrolling_and_no_text_of_the_line_is_cut_or_overlaps(
     page.wait_for_selector("#deeds", state="attached")
     body = page.evaluate("() => [document.body.scrollWidth, document.body.scrollHeight]")
     assert body[0] <= size["width"] and body[1] <= size["height"]
-    overlaps = page.evaluate(
-        """() => {
-          const texts = [...document.querySelectorAll('.schematic text')]
-            .map((text) => [text.textContent, text.getBoundingClientRect()]);
-          return texts.flatMap(([one, a], i) => texts.slice(i + 1).filter(([, b]) =>
-            Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1
-            && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3)
-            .map(([other]) => `${one} | ${other}`));
-        }"""
-    )
-    assert overlaps == []
-    cut = page.evaluate(
-        """() => [...document.querySelectorAll('.schematic text')].filter((text) => {
-          const own = text.getBoundingClientRect(), all = text.ownerSVGElement.getBoundingClientRect();
-          return own.left < all.left - 1 || own.right > all.right + 1
-            || own.top < all.top - 1 || own.bottom > all.bottom + 1;
-        }).map((text) => text.textContent)"""
-    )
-    assert cut == []
+    assert (overlapping(page), cut_off(page)) == ([], [])
     page.close()
 
 

@@ -6,6 +6,7 @@ import re
 from collections import deque
 
 import pytest
+from msgspec.structs import replace
 
 from console.cab import wait_ja
 from onboard.duty.shown import waits_for
@@ -74,3 +75,11 @@ def test_so_is_what_ails_a_unit_that_shows_nothing_and_devices_that_have_lost_th
     said = [wait_ja(text) for text in (f"its unit: {lost}", f"route A>B: held; B-W: {lost}")]
     assert [ENGLISH.search(text) for text in said] == [None, None]
     assert "B-W" in said[1] and "A>B" in said[1]
+
+
+def test_so_is_the_level_crossing_for_which_a_train_stands() -> None:
+    at_road = {
+        (run.plan, replace(run.state, place=replace(run.state.place, crossing="C7"))) for run in states()
+    }
+    said = {wait_ja(waits_for(PLANS[plan], state)) for plan, state in at_road}
+    assert "踏切C7の遮断証明" in said

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from importlib.resources import files
 
-from console.protocol import SectionState, StepState, schema
+from console.protocol import RoadState, SectionState, StepState, schema
 from console.seats import RIGHTS, Seat
 from simulation.faults.script import ActKind
 from study.wording.catalogue import phrases_of
@@ -16,7 +16,7 @@ BY_VALUE = {
     *(seat.value for seat in Seat if seat is not Seat.GUEST),
     *("unit", "party", "points", "position", "place", "sections", "hold", "pace", "person", "crossing"),
     *("behind", "over", "track", "train", "notch", "confirm_stabled", "role", "step", "block"),
-    *(state.value for state in StepState),
+    *(state.value for state in (*StepState, *RoadState)),
 }
 
 

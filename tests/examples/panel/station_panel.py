@@ -18,7 +18,7 @@ from typing import Any
 
 from websockets.sync.client import ClientConnection, connect
 
-VERSION = 2
+VERSION = 3
 ROWS = 6
 
 
