@@ -335,8 +335,8 @@ class Checkers:
                 self._register.barred(unit_id)
             case PictureChanged(stage="defined"):
                 self._register.defined()
-            case Started():
-                self._register.restarted(self._unit_ids)
+            case Started(epoch=epoch):
+                self._register.restarted(self._unit_ids, epoch)
             case _:
                 pass
 

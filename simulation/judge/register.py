@@ -68,9 +68,9 @@ class RegisterWatch:
         self._unheard.discard(unit_id)
         self._held.pop(unit_id, None)
 
-    def restarted(self, registered: Iterable[str]) -> None:
+    def restarted(self, registered: Iterable[str], epoch: int) -> None:
         """The manager started and knows nothing. A unit it forgot to ask counts as unheard all the same."""
-        self._unheard, self._restoring = {*registered, *self._held}, True
+        self._unheard, self._restoring = {*registered, *self._held}, epoch > 1
 
     def barred(self, unit_id: str) -> None:
         """Persons barred a unit: while the line is restored nothing that it has said is left in the register."""
