@@ -379,12 +379,12 @@ class UnitMotion:
         return self._lose(NO_ROOM) if tight else []
 
     def _stands_at_limit_of(self, target: Target) -> bool:
-        """Whether it went as far as it may on the track where it calls, the limit beyond the mark: neither at a level
-        crossing before that, nor one that came too late.
-        """
-        row, mission = self.row, self._mission
-        short = limit_is_short(self._record, target.mark_m) and target.mark_m <= float(row.stop_limit_m)
-        return short and mission is not None and mission.span_at(row.position_m).section_id == target.section_id
+        """Whether it went as far as it may on the track where it calls; not by a crossing or a late limit."""
+        if self._mission is None:
+            return False
+        here, limit_m = self._mission.span_at(self.row.position_m), float(self.row.stop_limit_m)
+        short = limit_is_short(self._record, target.mark_m) and target.mark_m <= limit_m
+        return short and here.section_id == target.section_id
 
     def _next_target(self) -> Target | None:
         targets = () if self._mission is None else self._mission.targets[self.command.at + 1 :]

@@ -226,7 +226,7 @@ def asks_only_behind_its_last_stop(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def waits_for_a_crossing_beyond_its_mark(patch: pytest.MonkeyPatch) -> None:
-    """A train whose bounds leave no room, by a unit that has booted and does not hear that the crossing has heard it."""
+    """Without room by its bounds; its unit has booted, and does not hear that the crossing has heard it."""
     idle = UnitMotion._stands_idle
     patch.setattr(
         UnitMotion,
