@@ -369,7 +369,7 @@ class UnitMotion:
 
     def _stands_idle(self) -> list[Sensed]:
         """It may go on to its mark and does not: it is there, or its own bounds leave no room, which nothing mends."""
-        row, target = self.row, None if self.command.before_crossing else self._next_target()
+        row, target = self.row, self._next_target()
         if target is None or self.command.target is None or not row.position_known:
             return []
         tight = bool(row.position_m + row.bound_ahead_m + ROOM_M >= row.stop_limit_m)
@@ -379,11 +379,11 @@ class UnitMotion:
         return self._lose(NO_ROOM) if tight else []
 
     def _stands_at_limit_of(self, target: Target) -> bool:
-        """Whether it went as far as it may on the track where it calls, short of the mark; not beyond a late limit."""
-        if self._mission is None or self.command.before_crossing:
+        """Whether it went as far as it may on the track where it calls; not by a crossing or a late limit."""
+        if self._mission is None:
             return False
         here, limit_m = self._mission.span_at(self.row.position_m), float(self.row.stop_limit_m)
-        short = limit_is_short(self._record, target.mark_m) and limit_m > here.start_m
+        short = limit_is_short(self._record, target.mark_m) and target.mark_m <= limit_m
         return short and here.section_id == target.section_id
 
     def _next_target(self) -> Target | None:

@@ -38,6 +38,7 @@ from radio.messages import (
 )
 
 NEAR_S: Final = 15.0  # of a crossing that closes by itself: as near as one that must have been closed so long
+NEVER_ASKED: Final = 0  # what this boot says to a crossing that one before may have asked
 
 _ANNOUNCED: Final = (CrossingPhase.ASKED, CrossingPhase.PROVEN, CrossingPhase.PASSING)
 
@@ -104,7 +105,7 @@ class CrossingTalk:
                     answered = CrossingAnswered(passable, now_s + valid_s, by_contacts)
                     self._take(crossing_id, answered, now_s)
             case CrossingOverHeard():
-                if heard.correlation == self._correlations.get(crossing_id):
+                if heard.correlation == self._correlations.get(crossing_id, NEVER_ASKED):
                     self._take(crossing_id, CrossingOverAnswered(), now_s)
             case Restarted():
                 self._take(crossing_id, CrossingBooted(), now_s)
@@ -179,10 +180,10 @@ class CrossingTalk:
         after, actions = step(before, event, now_s)
         self._views[crossing_id] = after
         if after.phase in _ANNOUNCED and before.phase not in _ANNOUNCED:
-            self._correlations[crossing_id] = self._correlations.get(crossing_id, 0) + 1
+            self._correlations[crossing_id] = self._correlations.get(crossing_id, NEVER_ASKED) + 1
         for action in actions:
             if isinstance(action, CrossingRequest | CrossingOver):
-                correlation = self._correlations.get(crossing_id, 0)
+                correlation = self._correlations.get(crossing_id, NEVER_ASKED)
                 self.letters.append(CrossingLetter(crossing_id, action, correlation))
             else:
                 self.notes.append(action)

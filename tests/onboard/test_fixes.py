@@ -364,6 +364,12 @@ def test_a_train_that_stands_since_its_bounds_leave_no_room_gives_its_position_u
     assert notes.PositionFault(why=NO_ROOM) in motion.taken_notes()
 
 
+def test_a_crossing_beyond_its_mark_is_nothing_to_wait_for(motion: UnitMotion) -> None:
+    """Its unit asks that once it has called."""
+    motion.obey(msgspec.structs.replace(RUN, before_crossing="C", guarded="C"), 0.0)
+    assert stand_idle(motion, 300.0, 320.0) == [PositionLost()]
+
+
 def test_a_train_that_has_room_and_stands_waits_for_something_else(motion: UnitMotion) -> None:
     assert stand_idle(motion, 300.0, 20.0) == []
     assert motion.row.position_known == 1

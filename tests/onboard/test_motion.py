@@ -237,6 +237,14 @@ def test_a_limit_before_its_track_that_came_too_late_is_no_stop(motion: UnitMoti
     assert motion.events(EVENT_STOPPED) == [Stopped(MarkRelation.SHORT, pytest.approx(-10.0))]
 
 
+def test_a_crossing_before_its_mark_is_no_stop(motion: UnitMotion) -> None:
+    """The road lies between the front and the mark, on the same track: what ends its way there is not its stop."""
+    motion.obey(RUN, 0.0)
+    row = motion.row
+    row.position_m, row.speed_mps, row.stop_limit_m = MARK_B_M - 10.0, 0.0, MARK_B_M - 5.0
+    assert motion.events(EVENT_STOPPED) == [Stopped(MarkRelation.SHORT, pytest.approx(-10.0))]
+
+
 def test_held_short_of_it_by_its_own_bounds_it_is_unsure_until_the_driver_has_looked(
     motion: UnitMotion,
 ) -> None:

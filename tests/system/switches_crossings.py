@@ -12,7 +12,9 @@ from onboard.crossings import machine as crossings
 from onboard.crossings import talk
 from onboard.crossings.machine import CrossingPhase, CrossingSeen, CrossingUnplaced, CrossingView
 from onboard.duty.records import DutyState
-from radio.messages import CrossingClear, CrossingOver
+from onboard.motion import UnitMotion
+from radio.envelope import Received
+from radio.messages import CrossingClear, CrossingOver, CrossingOverHeard
 from simulation.roads_closed import RoadsClosedForNothing
 from simulation.substitute import players
 from simulation.world import crossing_equipment
@@ -220,3 +222,21 @@ def asks_only_behind_its_last_stop(patch: pytest.MonkeyPatch) -> None:
         return behind if state.at > place.stop else runs(place, state, leaves_in_s)
 
     patch.setattr(talk, "_as_it_runs", seen)
+
+
+@switch
+def waits_for_a_crossing_beyond_its_mark(patch: pytest.MonkeyPatch) -> None:
+    """Without room by its bounds; its unit has booted, and does not hear that the crossing has heard it."""
+    idle = UnitMotion._stands_idle
+    patch.setattr(
+        UnitMotion,
+        "_stands_idle",
+        lambda motion: [] if motion.command.before_crossing else idle(motion),
+    )
+    hear = talk.CrossingTalk.hear
+
+    def hears(unit: talk.CrossingTalk, heard: Received, now_s: float) -> bool:
+        to_nothing = isinstance(heard.message, CrossingOverHeard) and heard.correlation == talk.NEVER_ASKED
+        return to_nothing or hear(unit, heard, now_s)
+
+    patch.setattr(talk.CrossingTalk, "hear", hears)

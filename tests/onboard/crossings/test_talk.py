@@ -103,6 +103,20 @@ def test_a_unit_that_has_given_a_crossing_up_says_so_again_without_its_position(
     assert [each.message for each in talk.letters] == [CrossingOver(False)]
 
 
+def test_booted_it_hears_that_a_crossing_does_not_wait_for_it() -> None:
+    """One that it may have asked before its boot, and has not asked since: far ahead, it ends no way any more."""
+    far = replace(NEAR, arrives_s=math.inf, fastest_s=80.0, proof_s=math.inf, stands=True)
+    talk = CrossingTalk(forgot=True)
+    talk.look((far,), RUNS, math.inf, 0.0)
+    assert [each.message for each in talk.letters] == [CrossingOver(False)]
+    assert talk.held_before(0.0) == "C"
+    assert talk.hear(heard(CrossingOverHeard(), talk.letters[0].correlation), 0.5)
+    assert talk.held_before(0.5) == ""
+    talk.letters.clear()
+    talk.look((far,), RUNS, math.inf, 60.0)
+    assert talk.letters == []
+
+
 def test_nobody_asks_for_leave_to_creep_over_a_crossing_that_is_proven_and_has_but_to_be_so_for_its_time() -> (
     None
 ):
