@@ -45,7 +45,6 @@ REPLAYS: Final = tuple(
 WITHOUT: Final = {  # what some were mended by
     "crossings_217": "guards_no_road_far_ahead",
     "crossings_41": "waits_for_a_crossing_beyond_its_mark",
-    "crossings_48": "asks_only_behind_its_last_stop",
     "grid_05": "keeps_what_is_off_its_way",
     "test_3467": "takes_the_end_of_a_claim_for_a_release",
     "test_3705": "keeps_what_is_of_no_use",
