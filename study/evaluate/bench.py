@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import json
 import statistics
-import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -31,6 +30,7 @@ from host.scratch import scratch
 from network.model import Direction
 from simulation.carriers.carrier import Carrier, Truth
 from simulation.carriers.sumo import edge_id
+from study.evaluate.afresh import figures_afresh
 from study.evaluate.optimum_bench import bench_optimum
 
 WAYS: Final = ("sumo", "simulated", "zenoh")
@@ -335,7 +335,8 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
         for number in range(rounds):
             for way in WAYS:
                 tell(f"{scenario}, round {number + 1} of {rounds}: {NAMES[way]}")
-                figures[way].append(_child(way, scenario, recording))
+                words = (way, scenario, str(recording.file), str(recording.net))
+                figures[way].append(figures_afresh("study.evaluate.bench", NAMES[way], *words))
     budget = BUSY_BUDGET if recording.trains >= BUSY_TRAINS else BUDGET
     tell(f"{scenario}: a run of least energy")
     return {
@@ -345,17 +346,6 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
         **report(figures, recording.stretches, budget),
         "optimum": bench_optimum(scenario),
     }
-
-
-def _child(way: str, scenario: str, recording: Recording) -> dict[str, Any]:
-    """The figures of one run in a fresh process."""
-    command = [sys.executable, "-m", "study.evaluate.bench", way, scenario]
-    command += [str(recording.file), str(recording.net)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise RuntimeError(f"{NAMES[way]} failed: {done.stderr.strip()[-500:]}")
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
 
 
 def report(figures: dict[str, list[dict[str, Any]]], stretches: int, budget: Budget) -> dict[str, Any]:

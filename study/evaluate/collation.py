@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import statistics
-import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -27,6 +26,7 @@ from simulation.settings import PositionSensor
 from simulation.setup import STEP_S, Setup
 from simulation.world.roster import drawn_up
 from simulation.world.trains import Trains
+from study.evaluate.afresh import figures_afresh
 from study.runner.run import PartyLink, execute
 
 SLOT: Final = 0
@@ -88,18 +88,8 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
     for number in range(rounds):
         for what in CARRIED:
             tell(f"{scenario}, round {number + 1} of {rounds}: {what} on every train")
-            figures[what].append(_child(what, scenario))
+            figures[what].append(figures_afresh("study.evaluate.collation", what, what, scenario))
     return {"scenario": scenario, "rounds": rounds, "shifts": shifts} | report(found_ms, figures)
-
-
-def _child(what: str, scenario: str) -> dict[str, Any]:
-    """The figures of one day in a fresh process."""
-    command = [sys.executable, "-m", "study.evaluate.collation", what, scenario]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise RuntimeError(f"{what} failed: {done.stderr.strip()[-500:]}")
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
 
 
 def report(found_ms: float, figures: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import statistics
-import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -19,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Final
 from network.files.crossing_road import CrossingRoad
 from network.files.crossings import CLOSED_S, CLOSING_S
 from network.model import Coverage, CrossingClass, CrossingControl, LevelCrossing, Line, Piece
+from study.evaluate.afresh import figures_afresh
 from study.evaluate.bench import Metered, Recorder
 
 if TYPE_CHECKING:
@@ -129,18 +129,8 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
     for number in range(rounds):
         for way in WAYS:
             tell(f"{scenario}, round {number + 1} of {rounds}: {way}")
-            figures[way].append(_child(way, scenario))
+            figures[way].append(figures_afresh("study.evaluate.crossings_bench", way, way, scenario))
     return {"scenario": scenario, "rounds": rounds} | report(figures)
-
-
-def _child(way: str, scenario: str) -> dict[str, Any]:
-    """The figures of one way in a fresh process."""
-    command = [sys.executable, "-m", "study.evaluate.crossings_bench", way, scenario]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise RuntimeError(f"{way} failed: {done.stderr.strip()[-500:]}")
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
 
 
 def report(figures: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:

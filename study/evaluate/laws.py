@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import statistics
-import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,6 +17,7 @@ from onboard.driving.laws.optimal import optimal
 from onboard.driving.laws.table import LAW_NAMES
 from scenario.law_choice import driven_by
 from scenario.scenario import load_scenario
+from study.evaluate.afresh import figures_afresh
 from study.runner.run import PartyLink, execute
 
 COMPARED: Final = (LAW_NAMES[0], optimal.__name__)
@@ -40,18 +40,8 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
     for number in range(rounds):
         for law in COMPARED:
             tell(f"{scenario}, round {number + 1} of {rounds}: {law} on every train")
-            figures[law].append(_child(law, scenario))
+            figures[law].append(figures_afresh("study.evaluate.laws", law, law, scenario))
     return {"scenario": scenario, "rounds": rounds} | report(figures)
-
-
-def _child(law: str, scenario: str) -> dict[str, Any]:
-    """The figures of one day in a fresh process."""
-    command = [sys.executable, "-m", "study.evaluate.laws", law, scenario]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise RuntimeError(f"{law} failed: {done.stderr.strip()[-500:]}")
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
 
 
 def report(figures: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:

@@ -10,10 +10,8 @@ had a day at hand, which says the same on a machine that others use too.
 from __future__ import annotations
 
 import json
-import os
 import resource
 import statistics
-import subprocess
 import sys
 import time
 from collections.abc import Callable, Generator, Sequence
@@ -24,12 +22,14 @@ from typing import TYPE_CHECKING, Any, Final
 import psutil
 
 from host.scratch import scratch
-from study.evaluate.bench import Recording, record, replay
+from study.evaluate.afresh import figures_afresh
+from study.evaluate.bench import record, replay
 
 if TYPE_CHECKING:
     from study.sweep.plan import SweepPlan
     from study.sweep.store import SweepDirectory
 
+MODULE: Final = "study.evaluate.sweep_bench"
 EXECUTE: Final = "execute, tables and all"
 ON_SUMO: Final = "a sweep's day on SUMO"
 ON_PLAIN: Final = "a sweep's day on plain track"
@@ -136,25 +136,13 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
         for number in range(rounds):
             for way in WAYS:
                 tell(f"{scenario}, round {number + 1} of {rounds}: {way}")
-                figures[way].append(_child(way, scenario, recording))
+                figures[way].append(
+                    figures_afresh(MODULE, way, way, scenario, str(recording.file), str(recording.net))
+                )
     jobs = psutil.cpu_count() or 1
     tell(f"{scenario}: a sweep of {jobs * SWEPT_DAYS} days by {jobs} processes")
-    ran = json.loads(_output_of("sweep", scenario, str(jobs), str(jobs * SWEPT_DAYS)))
+    ran = figures_afresh(MODULE, "sweep", "sweep", scenario, str(jobs), str(jobs * SWEPT_DAYS))
     return {"scenario": scenario, "rounds": rounds, "sweep": ran} | report(figures, ran)
-
-
-def _child(way: str, scenario: str, recording: Recording) -> dict[str, Any]:
-    """The figures of one way in a fresh process."""
-    found: dict[str, Any] = json.loads(_output_of(way, scenario, str(recording.file), str(recording.net)))
-    return found
-
-
-def _output_of(what: str, *arguments: str) -> str:
-    command = [sys.executable, "-m", "study.evaluate.sweep_bench", what, *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=os.environ)
-    if done.returncode != 0:
-        raise RuntimeError(f"{what} failed: {done.stderr.strip()[-500:]}")
-    return done.stdout
 
 
 def report(figures: dict[str, list[dict[str, Any]]], ran: dict[str, Any]) -> dict[str, Any]:
