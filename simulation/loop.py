@@ -416,13 +416,12 @@ class Simulation:
                 sensed = self.on_board.tag_read(slot, read_id, odometer_m)
                 cabs.tell(slot, step, sensed)
                 if any(isinstance(what, TagBelieved) for what in sensed):
-                    trains.premises.believed_tag(slot, lies=read_id != tag_id)
-                    trains.position_fixed(slot)
+                    trains.position_fixed(slot, lies=read_id != tag_id)
         if events:
             sensed = self.on_board.tick_events(slot, events)
             cabs.tell(slot, step, sensed)
             if any(isinstance(what, TagBelieved | FoundByOtherSensor) for what in sensed):
-                trains.position_fixed(slot)
+                trains.position_fixed(slot, lies=trains.last_fix_lies(slot))
         if passed & PASSED_TO_A_STAND or events & EVENT_STOPPED:
             cabs.crew_stands(slot, step)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from onboard.authority.records import Authority, RequestKind
+from onboard.duty.arrival import beyond_gap
 from onboard.duty.records import (
     AtMark,
     Begin,
@@ -129,7 +130,10 @@ def _eyes(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
                 yield _took(model, state, PointsWrong(needed))._replace(guard=wrong)
     if state.spot == END and duty.stands_at != 1:
         yield _took(model, state, AtMark(1))
-    if not duty.authority.holds(plan.spans[-1].section_id) and duty.authority.open(RequestKind.ROUTE) is None:
+    sections = [span.section_id for span in plan.spans]
+    lacks = ahead < len(sections) and sections[ahead] not in duty.authority.held
+    asks = duty.authority.open(RequestKind.ROUTE) is None and sections[-1] not in duty.authority.held
+    if asks or (lacks and beyond_gap(sections, duty.authority.held, ahead - 1)):
         yield _took(model, state, EndOfHeld(state.spot // PLACES_A_SPAN))
 
 

@@ -7,6 +7,8 @@ odometer is a second condition to the tag, and never one by itself. Ahead, only 
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
+
 from onboard.authority.records import GiveBack, RequestKind
 from onboard.duty.duty_step import DutyStep
 from onboard.duty.entering import kept_until_stand
@@ -45,18 +47,24 @@ def useless_ahead(duty: DutyStep) -> tuple[str, ...]:
     asks for the route anew as a whole. No grant gives so much; the register does, after a boot or a false claim.
     At its last mark nothing is ahead: as it changes ends, its place is that on the way back.
     """
-    place, holds = duty.state.place, duty.state.authority.holds
+    place, held = duty.state.place, duty.state.authority.held
     sections = [span.section_id for span in duty.plan.spans]
-    lacks = next((i for i in range(place.perhaps, len(sections)) if not holds(sections[i])), None)
-    request = duty.state.authority.open(RequestKind.ROUTE)
-    if lacks is not None and request is not None and (request.section_ids or ())[:1] == (sections[lacks],):
-        return ()  # it has a part of its way, and waits for the rest
+    lacks = next((i for i in range(place.perhaps, len(sections)) if sections[i] not in held), None)
     if lacks is None or not place.stands or duty.state.phase not in (DutyPhase.STANDING, DutyPhase.RUNNING):
         return ()
-    waits_in = {section for leg in duty.plan.legs for section in (leg.from_section, leg.section_ids[-1])}
     under = max(place.perhaps - 1, 0)
+    request = duty.state.authority.open(RequestKind.ROUTE)
+    if request is not None and (request.section_ids or ())[:1] == (sections[lacks],):
+        return beyond_gap(sections, held, under)  # it has a part of its way, and waits for the rest
+    waits_in = {section for leg in duty.plan.legs for section in (leg.from_section, leg.section_ids[-1])}
     last = next((i for i in reversed(range(under, lacks)) if sections[i] in waits_in), lacks)
-    return tuple(section for section in sections[last + 1 :] if holds(section))
+    return tuple(section for section in sections[last + 1 :] if section in held)
+
+
+def beyond_gap(sections: Sequence[str], held: Collection[str], front: int) -> tuple[str, ...]:
+    """What is held beyond the first section of the path, ahead of that at index `front`, that is not."""
+    lacks = next((i for i in range(front + 1, len(sections)) if sections[i] not in held), len(sections))
+    return tuple(section for section in sections[lacks:] if section in held)
 
 
 def arrived(duty: DutyStep) -> None:

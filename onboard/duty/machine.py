@@ -227,7 +227,7 @@ def timer_due(duty: DutyStep, event: TimerDue) -> None:
             duty.set(may_leave=True)
         case timer if timer == ABLE:
             fitness.look_again(duty)
-        case timer if timer == RELEASE and duty.state.halted:
+        case timer if timer == RELEASE and duty.state.halted and not duty.state.seeks_radio:
             duty.await_release()  # not before register and unit agree
         case timer if timer == RELEASE and not fitness.acknowledged(duty):
             pass
@@ -244,6 +244,7 @@ def heard(duty: DutyStep, event: TelegramHeard) -> None:
     """As the tables of the authority say; with a route granted, its departure points are to be thrown."""
     asked = duty.state.authority.open(RequestKind.ROUTE)
     remember_entered(duty)
+    on_sight.heard(duty)
     duty.authority(event.event)
     leg = next((x for x in duty.plan.legs if asked is not None and x.route_id == asked.subject), None)
     now = duty.state.authority.open(RequestKind.ROUTE)
@@ -296,8 +297,9 @@ def react(duty: DutyStep) -> None:
     """Register and unit contradict each other: stops by the emergency brake (section 5); once they agree, goes on."""
     mismatch = bool(duty.state.authority.mismatch)
     if mismatch is duty.state.halted:
+        on_sight.seek_radio(duty)
         return
-    duty.set(halted=mismatch)
+    duty.set(halted=mismatch, seeks_radio=False)
     if mismatch:
         duty.actions.append(DrivingOrder.STOP)
         duty.set(place=msgspec.structs.replace(duty.state.place, emergency=True))
@@ -373,8 +375,9 @@ def throw_wanted(duty: DutyStep) -> None:
 def set_limit(duty: DutyStep) -> None:
     """The stop limit by what is held and proven."""
     state = duty.state
+    within, left = state.place.perhaps if state.seeks_radio else None, front_has_left(state)
     limit = stop_limit(
-        duty.plan, state.authority, state.entered, sweeps=state.sweeps, left=front_has_left(state)
+        duty.plan, state.authority, state.entered, sweeps=state.sweeps, left=left, within=within
     )
     if limit == state.limit:
         return

@@ -22,7 +22,7 @@ from onboard.authority.records import (
     Throw,
     Withdrawn,
 )
-from onboard.duty.arrival import elsewhere
+from onboard.duty.arrival import beyond_gap, elsewhere
 from onboard.duty.duty_step import DutyStep
 from onboard.duty.entering import ask_leave
 from onboard.duty.records import (
@@ -124,7 +124,12 @@ def give_back_elsewhere(duty: DutyStep) -> None:
 
 
 def end_of_held(duty: DutyStep, event: EndOfHeld) -> None:
-    """Asks for the route that leads on from where its driver sees the train stand."""
+    """Asks for the route that leads on from where its driver sees the train stand; what it holds beyond a gap is
+    given back.
+    """
+    sections = [span.section_id for span in duty.plan.spans]
+    if useless := beyond_gap(sections, duty.state.authority.held, event.span):
+        duty.authority(GiveBack(useless))
     duty.ask(duty.plan.leg_at(event.span), event.span)
 
 
@@ -159,6 +164,23 @@ def recovered(duty: DutyStep) -> bool:
     if state.stands_at is not None and on_line:
         duty.ask(duty.plan.leg_at(duty.stop(state.stands_at).span))
     return False
+
+
+def seek_radio(duty: DutyStep) -> None:
+    """A train halted where no radio reaches would never hear that it may go on: it runs on sight, no further than the
+    end of the section that it stands in, until it hears something.
+    """
+    state = duty.state
+    on_its_way = state.halted and state.phase in MAY_LOSE and state.place.known
+    seeks = on_its_way and (state.seeks_radio or (state.place.stands and not state.place.covered))
+    if seeks is not state.seeks_radio:
+        duty.set(seeks_radio=seeks)
+
+
+def heard(duty: DutyStep) -> None:
+    """The radio reaches it."""
+    if duty.state.seeks_radio:
+        duty.set(seeks_radio=False)
 
 
 def behind_by_eye(duty: DutyStep, stop: int) -> int:

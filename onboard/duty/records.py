@@ -86,7 +86,8 @@ class DutyState(msgspec.Struct, frozen=True):
     without a position stands, by its crew. `wanted`: points to be thrown as soon as and whenever they can be;
     `entered`: points sections that the train came onto by their proof. `proved`: spans that the tags read so far prove
     to be behind the train; `freed`: those of them that are to be given back, the arrival being told, or each at once.
-    `halted`: braked because register and unit contradict each other; `sweeps`: runs on sight through what it holds.
+    `halted`: braked because register and unit contradict each other; `seeks_radio`: on sight all the same, within where
+    it stands, to where it can be heard; `sweeps`: runs on sight through what it holds.
     `unable`: why it may not leave its stop, as its driver was told. `ordered`: the route by which the dispatcher wants
     it to go instead of the one that it asks for, until its driver has taken up that way; `next_train`: as which train
     he wants its set to go on from here, until its driver has ended this one.
@@ -103,6 +104,7 @@ class DutyState(msgspec.Struct, frozen=True):
     freed: int = 0
     limit: StopLimit = StopLimit(0, None, "no mission")
     halted: bool = False
+    seeks_radio: bool = False
     sweeps: bool = False
     may_ask: bool = False
     may_leave: bool = False

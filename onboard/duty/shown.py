@@ -34,7 +34,7 @@ def command_of(plan: DutyPlan, state: DutyState) -> DrivingCommand:
     freed = min(state.freed, kept_until_stand(plan, state))
     may_run = state.released and not at_end and (state.stands_at is None or state.may_leave)
     return DrivingCommand(
-        drive=(running or (on_sight_now and may_run)) and not state.halted,
+        drive=(running or (on_sight_now and may_run)) and (not state.halted or state.seeks_radio),
         on_sight=on_sight_now,
         at_mark=state.phase is DutyPhase.STANDING,
         target=state.at + 1 if running and state.at + 1 < len(plan.stops) else None,
@@ -47,7 +47,7 @@ def command_of(plan: DutyPlan, state: DutyState) -> DrivingCommand:
         held=state.authority.held,
         proven=state.authority.proven,
         waits_for=waits_for(plan, state),
-        sweeps=state.sweeps,
+        sweeps=state.sweeps or state.seeks_radio,
         confirm=to_confirm(plan, state),
         unable=state.unable,
     )

@@ -14,6 +14,7 @@ from onboard.duty.records import StopLimit
 from onboard.plan import DutyPlan
 
 NOT_PROVEN: Final = "points not proven"
+HALTED: Final = "halted where no radio reaches"
 
 
 def stop_limit(
@@ -23,6 +24,7 @@ def stop_limit(
     *,
     sweeps: bool = False,
     left: int = 0,
+    within: int | None = None,
 ) -> StopLimit:
     """The stop limit on the plan's path; the path's beginning when nothing on it is held.
 
@@ -30,6 +32,7 @@ def stop_limit(
     it, whatever has become of the proof since (4.4 (1), table 3). Before a section that must be passed on sight it
     stops, unless it `sweeps` already, or it is of the first spans, which its front has `left`. Nor does one of these
     that it does not hold end its way: the register gave it back what a false claim had put behind it.
+    Halted, it keeps `within` so many spans.
     """
     begun = False
     for joint, span in enumerate(plan.spans):
@@ -38,6 +41,8 @@ def stop_limit(
                 return StopLimit(joint, span.section_id, "not held")
             continue
         begun = True
+        if joint == within:
+            return StopLimit(joint, span.section_id, HALTED)
         if span.section_id in authority.unswept and not sweeps and joint >= left:
             return StopLimit(joint, span.section_id, "to be passed on sight")
         missing = any(needed not in authority.proven for needed in span.points)

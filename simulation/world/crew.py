@@ -16,6 +16,7 @@ from typing import Final
 
 from network.model import SectionKind
 from onboard.crossing_notes import CrossingCreep
+from onboard.duty.arrival import beyond_gap
 from onboard.duty.records import (
     AtMark,
     CreepOver,
@@ -212,12 +213,15 @@ class Crew:
         return SAYS_TO_M * round(away_m / SAYS_TO_M)
 
     def _at_end_of_held(self, slot: int, mission: Mission, shown: DrivingCommand) -> list[Person]:
-        """The span where it stands, if it cannot go on because the unit does not hold what is ahead."""
+        """The span where it stands, if it cannot go on because the unit does not hold what is ahead, near by or with
+        more of its way beyond that.
+        """
         front_m = float(self._trains.truths[slot].position_m)
+        sections = [span.section_id for span in mission.spans]
         index = mission.spans.index(mission.span_at(front_m))
-        ends = self._held_end_m(slot, shown) - front_m < SEES_M and index + 1 < len(mission.spans)
-        asks = ends and shown.on_line and mission.spans[index + 1].section_id not in shown.held
-        return [EndOfHeld(index)] if asks else []
+        lacks = shown.on_line and index + 1 < len(sections) and sections[index + 1] not in shown.held
+        ends = self._held_end_m(slot, shown) - front_m < SEES_M or beyond_gap(sections, shown.held, index)
+        return [EndOfHeld(index)] if ends and lacks else []
 
     @staticmethod
     def _mark_reached(mission: Mission, shown: DrivingCommand, front_m: float) -> int | None:

@@ -1,5 +1,5 @@
-"""What a unit's bounds rest on: a tachometer that errs by no more than the bounds grow (decision 004), and a first tag
-after a boot that does not lie, as there is nothing to compare it with (decision 035).
+"""What a unit's bounds rest on: a tachometer that errs by no more than the bounds grow (decision 004), and a first tag,
+or satellites, after a boot that do not lie, as there is nothing to compare them with (decision 035).
 
 Invariant: bounds are judged unless one of these has made the position false and nothing has told it anew since.
 A fault that errs by no more than `bound_growth` is what bounds are for. What is false stays so when the fault is
@@ -67,17 +67,16 @@ class FalsePositions:
         """A unit knows nothing of its position."""
         self._booted.add(slot)
 
-    def believed_tag(self, slot: int, *, lies: bool) -> None:
-        """A tag has told the position, which read as another (`lies`) or as itself; `note_fix` follows."""
+    def note_fix(self, slot: int, *, holds: bool, lies: bool = False) -> None:
+        """A fix has told the position anew; whether the bounds that it left hold the true front, and whether it `lies`:
+        a tag that read as another, or satellites that err by more than they state.
+        """
         if lies and slot in self._booted:
             self._lies.setdefault(slot, _Lie(in_force=False)).false = True
-
-    def note_fix(self, slot: int, *, holds: bool) -> None:
-        """A fix has told the position anew; whether the bounds that it left hold the true front."""
         self._booted.discard(slot)
         lie = self._lies.get(slot)
         if lie is not None:
-            lie.fixes += 1
+            lie.fixes += not lies
             lie.false = lie.false and not holds and lie.fixes < FIXES_MAX
 
     def position_told(self, slot: int) -> None:

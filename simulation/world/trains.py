@@ -24,6 +24,7 @@ from onboard.records import BehaviourRow, UnitRow
 from radio.chance import generator
 from simulation.carriers.carrier import Carrier, Truth
 from simulation.ride import RideRow
+from simulation.sensors.gnss import GnssReceiverRow
 from simulation.sensors.lidar import LidarSensorRow
 from simulation.sensors.table import SENSORS
 from simulation.sensors.tachometer import TachometerRow
@@ -94,6 +95,7 @@ class Trains:
         self.sensors = {sensor.name: _rows(self.stock["sensors"][sensor.name]) for sensor in SENSORS}
         self.tachometers: Sequence[TachometerRow] = self.sensors["tachometer"]
         self.tag_readers: Sequence[TagReaderRow] = self.sensors["tag_reader"]
+        self.receivers: Sequence[GnssReceiverRow] = self.sensors["gnss_receiver"]
         self.lidars: Sequence[LidarSensorRow] = self.sensors["lidar"]
         self.bodies: Sequence[TrainRow] = _rows(self.stock["body"])  # the trains as they are
         self.kinds: Sequence[TrainRow] = _rows(board["kind"])  # as their units believe them to be
@@ -161,11 +163,18 @@ class Trains:
             laws.by_hand.notch = notch  # type: ignore[attr-defined]
         choose_law(laws, self._law(self.stock_ids[slot]) if notch is None else by_hand.__name__)
 
-    def position_fixed(self, slot: int) -> None:
-        """A fix has told the unit's position anew."""
+    def position_fixed(self, slot: int, *, lies: bool = False) -> None:
+        """A fix has told the unit's position anew; whether it was not what its source promises."""
         unit = self.units[slot]
         beyond_m = float(self.truths[slot].position_m - unit.position_m)
-        self.premises.note_fix(slot, holds=bool(-unit.bound_behind_m <= beyond_m <= unit.bound_ahead_m))
+        holds = bool(-unit.bound_behind_m <= beyond_m <= unit.bound_ahead_m)
+        self.premises.note_fix(slot, holds=holds, lies=lies)
+
+    def last_fix_lies(self, slot: int) -> bool:
+        """Whether satellites gave the last fix, and err by more than their protection level."""
+        by_satellites = READER_NAMES[self.units[slot].fix_reader] == PositionSensor.GNSS.value
+        receiver = self.receivers[slot]
+        return by_satellites and abs(receiver.error_m) > receiver.receiver.protection_m
 
     # where trains are ------------------------------------------------------------------------------------------
 

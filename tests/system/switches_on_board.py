@@ -42,6 +42,7 @@ from radio.messages import (
 )
 from simulation.duties import Duties
 from simulation.setup import Setup, behaviour_rows
+from simulation.world import crew
 from simulation.world.crew import Crew
 from simulation.world.on_board import OnBoard
 from simulation.world.roster import Duty
@@ -362,3 +363,16 @@ def goes_on_as_if_it_had_been_on(patch: pytest.MonkeyPatch) -> None:
         motion.row.boots -= 1
 
     patch.setattr(UnitMotion, "switch_on", unnoticed)
+
+
+@switch
+def waits_where_no_radio_reaches(patch: pytest.MonkeyPatch) -> None:
+    """A train that is halted there stands until it hears that it may go on."""
+    patch.setattr(on_sight, "seek_radio", lambda _duty: None)
+
+
+@switch
+def keeps_what_lies_beyond_a_gap(patch: pytest.MonkeyPatch) -> None:
+    """On sight, what the register gave it beyond what it lacks is its own until it comes there."""
+    for module in (arrival, on_sight, crew):
+        patch.setattr(module, "beyond_gap", lambda *_: ())

@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from onboard.authority.records import (
     Authority,
+    ContestHeard,
     GrantHeard,
     OpenCommand,
     OpenRequest,
@@ -23,20 +24,24 @@ from onboard.duty import on_sight
 from onboard.duty.machine import TABLE, step
 from onboard.duty.records import (
     LEAVE,
+    RELEASE,
     AtMark,
     ChangeEnds,
+    DrivingOrder,
     DutyPhase,
     DutyState,
     EndOfHeld,
     Event,
     Looked,
     PlaceInJoints,
+    StopLimit,
     SwitchedOn,
     TagBelieved,
     TelegramHeard,
     TimerDue,
 )
 from onboard.duty.shown import command_of, waits_for
+from onboard.duty.stop_limit import HALTED
 from onboard.duty_parameters import ReleaseRule
 from tests.onboard.duty.rows_fixes import FIXES
 from tests.onboard.duty.rows_orders import ORDERS
@@ -51,6 +56,7 @@ from tests.onboard.duty.stage import (
     FINISHED,
     HOLDS_3,
     HOLDS_8,
+    HOLDS_ALL,
     HOLDS_REST,
     LOST,
     NOW_S,
@@ -153,6 +159,39 @@ def test_without_a_position_the_way_is_asked_for_from_where_the_driver_sees_the_
     request = after.authority.open(RequestKind.ROUTE)
     assert request is not None
     assert request.section_ids == (("6", "7", "8") if rule is ReleaseRule.SECTION else SECTIONS)
+
+
+def test_on_sight_it_keeps_nothing_that_lies_beyond_what_it_lacks() -> None:
+    """As the register may have it after a false claim: its driver sees that it stands on section 3."""
+    state = replace(ON_SIGHT, authority=replace(HOLDS_3, held=("3", "7")))
+    after, _ = step(PLAN, TIMES, state, EndOfHeld(0), LOST, NOW_S)
+    assert after.authority.held == ("3",)
+    whole, _ = step(PLAN, TIMES, replace(state, authority=HOLDS_ALL), EndOfHeld(0), LOST, NOW_S)
+    assert whole.authority.held == HOLDS_ALL.held
+
+
+@pytest.mark.parametrize(
+    "state", [RUNNING, replace(STANDING, place=ON_6, entered=RUNNING.entered, may_leave=True)]
+)
+def test_halted_where_no_radio_reaches_it_runs_on_sight_to_where_it_hears(state: DutyState) -> None:
+    """No further than the end of section 6, though it holds the points beyond as proven."""
+    holds_rest = replace(HOLDS_REST, proven=(P7,), requests=(REPORT_OPEN,), mismatch="contested: 8")
+    state = replace(state, authority=holds_rest, halted=True, released=False)
+    covered = moved(ON_6, stands=True, emergency=True)
+    waits, _ = step(PLAN, TIMES, state, TimerDue(RELEASE), covered, NOW_S)
+    assert not command_of(PLAN, waits).drive
+    shadow = replace(covered, covered=False)
+    seeks, actions = step(PLAN, TIMES, waits, Looked(), shadow, NOW_S)
+    seeks, actions = step(PLAN, TIMES, seeks, TimerDue(RELEASE), shadow, NOW_S)
+    assert DrivingOrder.RELEASE in actions
+    runs, _ = step(PLAN, TIMES, seeks, Looked(), moved(shadow, stands=False, emergency=False), NOW_S)
+    shown = command_of(PLAN, runs)
+    assert (shown.drive, shown.sweeps, shown.limit) == (True, True, StopLimit(3, "7", HALTED))
+    reached = moved(runs.place, covered=True)
+    on, _ = step(PLAN, TIMES, runs, Looked(), reached, NOW_S)
+    assert command_of(PLAN, on).drive  # by its own reckoning: it has yet to hear something
+    told, _ = step(PLAN, TIMES, on, TelegramHeard(ContestHeard(("8",))), reached, NOW_S)
+    assert not command_of(PLAN, told).drive
 
 
 EXAMPLES: Final[dict[type[Event], Event]] = {type(event): event for _, event, _, _, _ in CASES.values()}

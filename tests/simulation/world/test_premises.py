@@ -23,8 +23,8 @@ class Cab:
         self.premises.fault(0, in_force=(gain, stuck_mps) != (1.0, -1.0))
         return self
 
-    def fix(self, *, holds: bool = True) -> Cab:
-        self.premises.note_fix(0, holds=holds)
+    def fix(self, *, holds: bool = True, lies: bool = False) -> Cab:
+        self.premises.note_fix(0, holds=holds, lies=lies)
         return self
 
     @property
@@ -108,15 +108,21 @@ def test_what_the_unit_learned_of_a_faulty_tachometer_is_of_the_fault_too() -> N
 def test_the_first_tag_after_a_boot_makes_the_position_false_if_it_lies_until_the_next(*, lies: bool) -> None:
     cab = Cab()
     cab.premises.booted(0)
-    cab.premises.believed_tag(0, lies=lies)
-    assert cab.fix(holds=not lies).judged is not lies
-    cab.premises.believed_tag(0, lies=False)
+    assert cab.fix(holds=not lies, lies=lies).judged is not lies
     assert cab.fix().judged
+
+
+def test_satellites_that_go_on_lying_as_at_first_leave_it_false_until_they_do_not() -> None:
+    cab = Cab()
+    cab.premises.booted(0)
+    for _ in range(5):
+        assert not cab.fix(holds=False, lies=True).judged
+    assert not cab.fix(holds=False).judged
+    assert cab.fix(holds=False).judged
 
 
 def test_a_later_tag_that_lies_is_what_bounds_are_for() -> None:
     cab = Cab()
     cab.premises.booted(0)
     cab.fix()
-    cab.premises.believed_tag(0, lies=True)
-    assert cab.fix(holds=False).judged
+    assert cab.fix(holds=False, lies=True).judged

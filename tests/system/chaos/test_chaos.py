@@ -58,6 +58,8 @@ WITHOUT: Final = {  # what some were mended by
     "test_100434": "departs_before_the_driver_has_looked",
     "test_101114": "crews_enter_the_next_number_in_any_case",
     "hour_101049": "waits_for_the_radio_without_a_position",
+    "lines_110128": "waits_where_no_radio_reaches",
+    "lines_110234": "keeps_what_lies_beyond_a_gap",
     "swarm_test_93": "overtakes_before_a_portal",
 }
 NOT_BY_TRAINS: Final[dict[str, str]] = {  # what sees that which the trains that come do not show
