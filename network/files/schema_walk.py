@@ -73,8 +73,9 @@ def keys_text(node: Schema, wanted: str) -> str:
 
 
 def nearest_first(names: list[str], wanted: str) -> list[str]:
-    """Names as they stand; of more than a reader takes in at once, those most like `wanted` come first."""
+    """Names as they stand; of more than a reader takes in, first those that begin as `wanted` or are most like it."""
     if len(names) <= _AS_THEY_STAND_MAX:
         return names
+    begun = [name for name in names if wanted and name.startswith(wanted)]
     near = difflib.get_close_matches(wanted, names, n=5, cutoff=0.3)
-    return list(dict.fromkeys([*near, *names]))
+    return list(dict.fromkeys([*begun, *near, *names]))

@@ -138,6 +138,11 @@ def test_a_drill_that_does_not_exist_is_refused() -> None:
         find_drill("rtri/99_nothing")
 
 
+def test_of_many_drills_those_are_named_first_that_begin_so() -> None:
+    with pytest.raises(InputError, match="one of rtri/09_manager_power, rtri/09b_manager_power_by_hand, "):
+        find_drill("rtri/09")
+
+
 def test_days_are_shipped_for_the_threats_to_transmission() -> None:
     assert {name.split("_", 1)[1] for name in KARASUYAMA if "30" <= name.split("/")[1] < "40"} == {
         "links_delayed",
