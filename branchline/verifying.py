@@ -54,6 +54,7 @@ def explore(
         Path | None,
         typer.Option("--chart", help="File for the way to a wrong state, as a sequence chart (Mermaid)."),
     ] = None,
+    trains: Annotated[int, typer.Option("--trains", min=1, max=3, help="How many trains there are.")] = 2,
     crossing: Annotated[
         str | None,
         typer.Option(
@@ -64,9 +65,10 @@ def explore(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Explore every state of a line of two trains, or of a level crossing: can all finish?"""
+    """Explore every state of a line of a few trains, or of a level crossing: can all finish?"""
     if crossing is not None:
         _explore_crossing(crossing, config, states, as_json=as_json)
+    from network.errors import InputError
     from verify.certificate import write
     from verify.explore import certificate_of, explored
     from verify.restored import RESTORED, restored
@@ -76,8 +78,12 @@ def explore(
         end_with({"restore": sorted(RESTORED)}, sorted(RESTORED), good=True, as_json=as_json)
     _known(names, sorted(RESTORED))
     began_s = time.process_time()
+    line = _line(config)._replace(trains=trains)
     with restored(*names):
-        found = explored(_line(config), states, _watch, collisions_alone=collisions)
+        try:
+            found = explored(line, states, _watch, collisions_alone=collisions)
+        except OverflowError as error:
+            raise InputError("CONFIG", "", config, f"numbers with which a state has room: {error}") from error
     took_s = max(time.process_time() - began_s, 1e-3)
     figures, lines = _found(found, took_s)
     if chart is not None and found.chart:

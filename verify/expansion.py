@@ -1,7 +1,7 @@
 """What may follow from many states of the line at once, by tables of what may follow at each party.
 
-A state is one number of 64 bits: the ground (manager, terminals, what is left of the budgets) and a cell for each of
-two trains. Whatever happens concerns one or two of these at a time, so it is computed once for each pair that comes and
+A state is one number of 64 bits: the ground (manager, terminals, what is left of the budgets) and a cell for each
+train. Whatever happens concerns one or two of these at a time, so it is computed once for each pair that comes and
 looked up for all states that have it.
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from itertools import combinations
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -48,8 +49,11 @@ from verify.terminal import lie_code
 
 Which = NDArray[np.bool_]
 MANAGER_BITS, TERMINAL_BITS, LEFT_BITS = 20, 14, 12
-GROUND_BITS: Final = 22
-TWO: Final = 2
+CELL_BITS_OF: Final = {
+    1: CELL_BITS,
+    2: CELL_BITS,
+    3: 15,
+}  # by how many trains there are; the ground has the rest
 # columns of a manager, of a terminal, and of a choice of theirs
 EPOCH, COUNTER, TOKENS, GRANTS, MAY_GRANT, ON_SIGHT, BAD = range(7)
 HOLDS: Final = 7
@@ -88,31 +92,37 @@ class Expansion:
     """Successors of states, and rules, for whole arrays."""
 
     def __init__(self, parties: ExploredParties) -> None:
-        if len(parties.units) != TWO:
-            raise ValueError(f"{len(parties.units)} trains; the search packs two into a state")
         self.parties: Final = parties
+        self._units: Final = range(len(parties.units))
+        cells = CELL_BITS_OF[len(self._units)]
+        self.bits: Final = (64 - len(self._units) * cells, *(cells for _ in self._units))
         self.grounds: Final = Numbered[tuple[bool, tuple[int, ...], tuple[int, ...]]]()
         self.lefts: Final = Numbered[tuple[int, ...]]()
-        self.cells: Final = tuple(TrainCells(parties, unit, self.grounds) for unit in range(TWO))
+        self.cells: Final = tuple(TrainCells(parties, unit, self.grounds) for unit in self._units)
         self._bits: Final = Numbered[int]()
-        self._managers: Final = GrowingRows(HOLDS + TWO)
+        self._managers: Final = GrowingRows(HOLDS + len(self._units))
         self._terminals: Final = tuple(GrowingRows(2) for _ in TERMINALS)
-        self._manager_choices: Final = Choices(EFFECT + TWO, self._manager_events)
-        self._persons_choices: Final = Choices(EFFECT + TWO, self._persons_err)
+        self._manager_choices: Final = Choices(EFFECT + len(self._units), self._manager_events)
+        self._persons_choices: Final = Choices(EFFECT + len(self._units), self._persons_err)
         self._terminal_choices: Final = tuple(
-            Choices(EFFECT + TWO, partial(self._terminal_events, i)) for i in range(len(TERMINALS))
+            Choices(EFFECT + len(self._units), partial(self._terminal_events, i))
+            for i in range(len(TERMINALS))
         )
         self._spent: Final = Once(self._spend, 1, LEFT_BITS, 4)
         self._manager_hears: Final = tuple(
-            Once(partial(self._heard, u), 2 + TWO, MANAGER_BITS, 20) for u in range(TWO)
+            Once(partial(self._heard, u), 2 + len(self._units), MANAGER_BITS, 20) for u in self._units
         )
         self._terminal_hears: Final = tuple(
-            tuple(Once(partial(self._t_heard, i, u), 1 + TWO, TERMINAL_BITS, 20) for u in range(TWO))
+            tuple(
+                Once(partial(self._t_heard, i, u), 1 + len(self._units), TERMINAL_BITS, 20)
+                for u in self._units
+            )
             for i in range(len(TERMINALS))
         )
-        self._boundary: Final = Once(self._passed, 1 + TWO, MANAGER_BITS)
+        self._boundary: Final = Once(self._passed, 1 + len(self._units), MANAGER_BITS)
         self._by_hand: Final = tuple(
-            Once(partial(self._locked, i), 1 + TWO, TERMINAL_BITS, 1) for i in range(len(TERMINALS))
+            Once(partial(self._locked, i), 1 + len(self._units), TERMINAL_BITS, 1)
+            for i in range(len(TERMINALS))
         )
         self._manager_anew: Final = Once(self._manager_in_order, 1, MANAGER_BITS, TOKEN_BITS)
         self._terminal_anew: Final = tuple(
@@ -131,25 +141,27 @@ class Expansion:
     def start(self) -> Keys:
         """The one state in which all begins."""
         zero = np.zeros(1, np.int64)
-        return self.packed(Columns(zero, (zero,) * len(TERMINALS), zero, (zero,) * TWO))
+        return self.packed(Columns(zero, (zero,) * len(TERMINALS), zero, (zero,) * len(self._units)))
 
     def packed(self, columns: Columns) -> Keys:
         """States as numbers."""
         ground = self._ground(columns.manager, *columns.terminals, columns.left)[:, 0]
-        for numbers, bits in ((ground, GROUND_BITS), *((cell, CELL_BITS) for cell in columns.cells)):
+        keys = np.zeros(len(ground), np.int64)
+        for numbers, bits in zip((ground, *columns.cells), self.bits, strict=True):
             if len(numbers) and int(numbers.max()) >> bits:
                 raise OverflowError(f"more than 2 ** {bits} parts of states: a state does not fit 64 bits")
-        one, other = columns.cells
-        return (ground << 2 * CELL_BITS | one << CELL_BITS | other).view(np.uint64)
+            keys = keys << bits | numbers
+        return keys.view(np.uint64)
 
     def columns(self, keys: Keys) -> Columns:
         """The parts of states."""
-        numbers = keys.view(np.int64)
-        ground = numbers >> 2 * CELL_BITS & (1 << GROUND_BITS) - 1
-        cell = (1 << CELL_BITS) - 1
-        cells = numbers >> CELL_BITS & cell, numbers & cell
+        numbers, parts = keys.view(np.int64), list[Numbers]()
+        for bits in reversed(self.bits):
+            parts.insert(0, numbers & (1 << bits) - 1)
+            numbers = numbers >> bits
+        ground, *cells = parts
         manager, *terminals, left = (self._ground_rows.column(i)[ground] for i in range(2 + len(TERMINALS)))
-        return Columns(manager, tuple(terminals), left, cells)
+        return Columns(manager, tuple(terminals), left, tuple(cells))
 
     def _ground_of(self, *key: int) -> tuple[int]:
         number = self.ground_keys.number(key)
@@ -170,13 +182,13 @@ class Expansion:
             np.concatenate([b.after.manager for b in blocks]),
             tuple(np.concatenate([b.after.terminals[i] for b in blocks]) for i in range(len(TERMINALS))),
             np.concatenate([b.after.left for b in blocks]),
-            tuple(np.concatenate([b.after.cells[u] for b in blocks]) for u in range(TWO)),
+            tuple(np.concatenate([b.after.cells[u] for b in blocks]) for u in self._units),
         )
         source = np.concatenate([b.source for b in blocks])
         return source, self.packed(self._settled(after)), np.concatenate([b.trouble for b in blocks])
 
     def _blocks(self, states: Columns) -> Iterator[Block]:
-        for unit in range(TWO):
+        for unit in self._units:
             yield self._of_cells(states, unit)
             yield self._to_manager(states, unit)
             for index in range(len(TERMINALS)):
@@ -191,13 +203,13 @@ class Expansion:
             yield self._of_terminal(states, index)
 
     def _of_cells(self, states: Columns, unit: int) -> Block:
-        cells, other = self.cells[unit], self.cells[1 - unit]
-        source, column = cells.choices.of(states.cells[unit])
+        source, column = self.cells[unit].choices.of(states.cells[unit])
         guard, of = column(GUARD), column(GUARD_OF)
         may = np.ones(len(source), bool)
         free = guard == GuardKind.FREE
-        occupied = other.rows.column(OCCUPIED)[states.cells[1 - unit][source]]
-        may &= ~free | (occupied & of == 0)
+        for other in (other for other in self._units if other != unit):
+            occupied = self.cells[other].rows.column(OCCUPIED)[states.cells[other][source]]
+            may &= ~free | (occupied & of == 0)
         for index in range(len(TERMINALS)):
             here = (guard >= GuardKind.LIES) & (guard <= GuardKind.LIES_NOT) & (of >> 4 == index)
             lies = self._lie(index, states.terminals[index])[source] == of & 15
@@ -234,7 +246,7 @@ class Expansion:
 
     def _send(self, cells: list[Numbers], at: Numbers, effects: Numbers) -> None:
         """Telegrams on their way to the units of some of the states."""
-        for unit in range(TWO):
+        for unit in self._units:
             some = np.flatnonzero(effects[:, unit])
             if len(some):
                 cells[unit] = cells[unit].copy()
@@ -301,7 +313,7 @@ class Expansion:
         kept, after = self._spending(states.at(source[picked]), source[picked], trouble[picked])
         rows = picked[kept.chosen]
         cells = list(after.cells)
-        effects = np.stack([column(EFFECT + unit)[rows] for unit in range(TWO)], axis=1)
+        effects = np.stack([column(EFFECT + unit)[rows] for unit in self._units], axis=1)
         self._send(cells, np.arange(len(rows)), effects)
         if index is None:
             after = after._replace(manager=column(NEXT)[rows])
@@ -394,14 +406,16 @@ class Expansion:
         self._add_rows()
         states = self.columns(keys)
         columns = [cells.rows.column for cells in self.cells]
-        occupied = [columns[u](OCCUPIED)[states.cells[u]] for u in range(TWO)]
-        held = [columns[u](HELD)[states.cells[u]] for u in range(TWO)]
-        both_know = (held[0] >= 0) & (held[1] >= 0)
-        bad: Which = (occupied[0] & occupied[1] != 0) | (both_know & (held[0] & held[1] != 0))
+        occupied = [columns[u](OCCUPIED)[states.cells[u]] for u in self._units]
+        held = [columns[u](HELD)[states.cells[u]] for u in self._units]
+        bad = self.collided(keys)
+        for one, other in combinations(self._units, 2):
+            both_know = (held[one] >= 0) & (held[other] >= 0)
+            bad |= both_know & (held[one] & held[other] != 0)
         manager = states.manager
         on_sight = self._managers.column(ON_SIGHT)[manager]
         may_grant = self._managers.column(MAY_GRANT)[manager] != 0
-        for unit in range(TWO):
+        for unit in self._units:
             bad |= (held[unit] >= 0) & (occupied[unit] & ~held[unit] != 0)
             mine = self._managers.column(HOLDS + unit)[manager]
             bad |= may_grant & (occupied[unit] & ~mine & ~on_sight != 0)
@@ -414,22 +428,24 @@ class Expansion:
     def collided(self, keys: Keys) -> Which:
         """In which states two trains stand in one section."""
         cells = self.columns(keys).cells
-        one, other = (self.cells[u].rows.column(OCCUPIED)[cells[u]] for u in range(TWO))
-        both: Which = one & other != 0
-        return both
+        occupied = [self.cells[u].rows.column(OCCUPIED)[cells[u]] for u in self._units]
+        bad = np.zeros(len(keys), bool)
+        for one, other in combinations(occupied, 2):
+            bad |= one & other != 0
+        return bad
 
     def finished(self, keys: Keys) -> Which:
         """In which states every train has come and gone."""
         states = self.columns(keys)
-        done = [self.cells[u].rows.column(FINISHED)[states.cells[u]] != 0 for u in range(TWO)]
-        both: Which = done[0] & done[1]
-        return both
+        done = [self.cells[u].rows.column(FINISHED)[states.cells[u]] != 0 for u in self._units]
+        all_: Which = np.all(done, axis=0)
+        return all_
 
     # tables -----------------------------------------------------------------------------------------------------------
 
     def _effects(self, peer: int, sends: Sends) -> tuple[int, ...]:
         """What is sent down, as an effect for each unit."""
-        by_unit = (tuple((2 * peer + 1, t) for u, t in sends if u == unit) for unit in range(TWO))
+        by_unit = (tuple((2 * peer + 1, t) for u, t in sends if u == unit) for unit in self._units)
         return tuple(self.cells[unit].effects.number(of) for unit, of in enumerate(by_unit))
 
     def _heard(self, unit: int, manager: int, said: int) -> tuple[int, ...]:

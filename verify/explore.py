@@ -7,9 +7,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from verify.cells import CELL_BITS
 from verify.certificate import FORMAT, Certificate, sources_digest
-from verify.expansion import GROUND_BITS, TWO, Expansion
+from verify.expansion import Expansion
 from verify.explored_line import ExploredLine
 from verify.parties import ExploredParties
 from verify.search import Level, SearchedSpace, ranks, search
@@ -87,7 +86,7 @@ def certificate_of(found: ExploredSpace) -> Certificate:
         tuple(found.line.budgets),
         sources_digest(),
         parties.digest(),
-        (GROUND_BITS, *(CELL_BITS,) * TWO),
+        expansion.bits,
         tuple(parties.made),
         grounds,
         tuple(tuple(cells.keys.things) for cells in expansion.cells),

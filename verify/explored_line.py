@@ -1,16 +1,14 @@
 """The line that is explored whole, its trains, and how often each thing that is not wished for may happen.
 
-A portal P, a section X with one set of points of each of two terminals, and two tracks A and B beyond it. Every train
-comes in by the portal, runs to its track, turns, and leaves by the portal: trains meet, follow and wait for each other
-over X and P.
+A portal P, a section X with one set of points of each of two terminals, and beyond it a track for each train: A, B, and
+C where there are three. Every train comes in by the portal, runs to its track, turns, and leaves by the portal: trains
+meet, follow and wait for each other over X and P.
 """
 
 from __future__ import annotations
 
 from enum import IntEnum
 from typing import Final, NamedTuple
-
-import msgspec
 
 from network.model import Position, SectionKind, TagPurpose
 from onboard.duty_parameters import DutyParameters, ReleaseRule
@@ -26,8 +24,8 @@ from wayside.config import (
     TerminalConfig,
 )
 
-UNITS: Final = ("u1", "u2")
-SECTIONS: Final = ("P", "X", "A", "B")
+UNITS: Final = ("u1", "u2", "u3")
+SECTIONS: Final = ("P", "X", "A", "B", "C")
 BIT: Final = {section: 1 << index for index, section in enumerate(SECTIONS)}
 PORTAL: Final = "P"
 TERMINALS: Final = ("t1", "t2")
@@ -35,7 +33,11 @@ POINTS_OF: Final = {"t1": "PX", "t2": "PY"}
 PERSONS: Final = ("Mori", "Sato")
 _MASTER: Final = b"explored" * 4
 _DEPARTURE_S: Final = 1000.0  # when a timer runs out is left open
-_TRACK_OF: Final = {"u1": ("A", Position.NORMAL), "u2": ("B", Position.REVERSE)}
+_TRACK_OF: Final = {  # and how the points of t1 and t2 lie for it
+    "u1": ("A", (Position.NORMAL, Position.NORMAL)),
+    "u2": ("B", (Position.REVERSE, Position.REVERSE)),
+    "u3": ("C", (Position.NORMAL, Position.REVERSE)),
+}
 _KINDS: Final = {"P": SectionKind.PORTAL, "X": SectionKind.POINTS}
 CAPABILITY_KEYS: Final = {terminal: capability_key(_MASTER, terminal) for terminal in TERMINALS}
 
@@ -88,28 +90,28 @@ class ExploredLine(NamedTuple):
         return DutyParameters(20.0, 45.0, 30.0, self.tag_between or ReleaseRule.ROUTE)
 
 
-MANAGER: Final = ManagerConfig(
-    "explored",
-    MANAGER_ID,
-    UNITS,
-    (
-        SectionEntry("P", portal=True),
-        SectionEntry("X", terminal_ids=TERMINALS),
-        SectionEntry("A"),
-        SectionEntry("B"),
-    ),
-    (
-        RouteEntry("in A", "P", ("X", "A")),
-        RouteEntry("out A", "A", ("X", "P")),
-        RouteEntry("in B", "P", ("X", "B")),
-        RouteEntry("out B", "B", ("X", "P")),
-    ),
-)
-
-
 def manager_config(line: ExploredLine) -> ManagerConfig:
-    """The manager's fixed data: only the trains that run are on its fleet list."""
-    return msgspec.structs.replace(MANAGER, unit_ids=UNITS[: line.trains])
+    """The manager's fixed data: only the trains that run are on its fleet list; two tracks, or three for three."""
+    tracks = [track for track, _ in _TRACK_OF.values()][: max(line.trains, 2)]
+    routes = [
+        route
+        for track in tracks
+        for route in (
+            RouteEntry(f"in {track}", "P", ("X", track)),
+            RouteEntry(f"out {track}", track, ("X", "P")),
+        )
+    ]
+    points = SectionEntry("X", terminal_ids=TERMINALS)
+    sections = (SectionEntry("P", portal=True), points, *map(SectionEntry, tracks))
+    return ManagerConfig("explored", MANAGER_ID, UNITS[: line.trains], sections, tuple(routes))
+
+
+def places(line: ExploredLine) -> tuple[int, ...]:
+    """Where a train may stand, as bits of sections, for what persons may say of it."""
+    tracks = manager_config(line).sections[2:]
+    through = [mask_of(("P",)), mask_of(("P", "X")), mask_of(("X",))]
+    beside = [mask_of(sections) for t in tracks for sections in (("X", t.section_id), (t.section_id,))]
+    return (*through, *beside, *(mask_of(("P", "X", t.section_id)) for t in tracks))
 
 
 def terminal_config(terminal_id: str) -> TerminalConfig:
@@ -117,8 +119,8 @@ def terminal_config(terminal_id: str) -> TerminalConfig:
     return TerminalConfig("explored", terminal_id, (PointsEntry(POINTS_OF[terminal_id], "X", 10.0),))
 
 
-def _plan(line: ExploredLine, way: str, sections: tuple[str, ...], position: Position) -> DutyPlan:
-    needed = tuple(PointsNeeded(POINTS_OF[t], position, "X", t) for t in TERMINALS)
+def _plan(line: ExploredLine, way: str, sections: tuple[str, ...], lie: tuple[Position, ...]) -> DutyPlan:
+    needed = tuple(PointsNeeded(POINTS_OF[t], at, "X", t) for t, at in zip(TERMINALS, lie, strict=True))
     spans = tuple(
         Span(s, _KINDS.get(s, SectionKind.TRACK), needed if s == "X" else (), s, 0.0) for s in sections
     )
@@ -136,9 +138,9 @@ def _plan(line: ExploredLine, way: str, sections: tuple[str, ...], position: Pos
 
 def plans_of(line: ExploredLine, unit_id: str) -> tuple[DutyPlan, DutyPlan]:
     """A train's way in, and out again."""
-    track, position = _TRACK_OF[unit_id]
+    track, lie = _TRACK_OF[unit_id]
     into, out = ("P", "X", track), (track, "X", "P")
-    return _plan(line, "in", into, position), _plan(line, "out", out, position)
+    return _plan(line, "in", into, lie), _plan(line, "out", out, lie)
 
 
 END: Final = 2 * PLACES_A_SPAN  # where a train of three spans stands at its last mark, whole in the last

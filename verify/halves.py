@@ -23,6 +23,7 @@ from verify.train import PEERS, TrainPlace
 Numbers = NDArray[np.int64]
 Queues = tuple[tuple[int, ...], ...]
 Cell = tuple[int, Queues, int]  # train, telegrams by way, correlation of the last grant
+Effects = tuple[tuple[int, int, int], ...]  # telegrams to units: to whom, by way, which
 Ground = tuple[tuple[int, ...], tuple[int, ...]]  # manager and terminals, what is left of the budgets
 HELD_UNKNOWN: Final = -1
 _NEVER: Final = 99
@@ -87,7 +88,7 @@ class Halves:
         self._units: Final = range(len(parties.units))
         self._grounds: Final = Numbered[Ground]()
         self._cells: Final = [Numbered[Cell]() for _ in self._units]
-        self._effects: Final = Numbered[tuple[tuple[int, int], ...]]()
+        self._effects: Final = Numbered[Effects]()
         self._effects.number(())
         for ground in grounds:
             self._grounds.number(ground)
@@ -224,7 +225,7 @@ class Halves:
         return cells
 
     def _half(self, unit: int, number: int, cell: int) -> Iterator[tuple[int, ...]]:
-        """Rows: sections that no other may stand in, ground, cell, telegrams to the other, trouble."""
+        """Rows: sections that no other may stand in, ground, cell, telegrams to others, trouble."""
         (manager, *terminals), left = self._grounds.things[number]
         train, air, granted = self._cells[unit].things[cell]
         make, none, loss = self.parties.make, UnwishedFor.NONE, _spent(left, UnwishedFor.LOSS)
@@ -267,7 +268,7 @@ class Halves:
             )
             if lies is not (guard.kind is GuardKind.LIES):
                 return
-        changed, air, others = list(parts), _up(air, event.sends), tuple[tuple[int, int], ...]()
+        changed, air, others = list(parts), _up(air, event.sends), Effects()
         if event.left:
             made = self.parties.make(StepKind.BOUNDARY_PASSED, changed[0])
             changed[0] = made.state
@@ -327,7 +328,7 @@ class Halves:
         ]
         for peer, event in ((peer, event) for peer, events in by_peer for event in events):
             after = self._grounds.number(((*parts[:peer], event.state, *parts[peer + 1 :]), left))
-            sends = [tuple((2 * peer + 1, t) for to, t in event.sends if to == unit) for unit in self._units]
+            sends = [tuple((to, 2 * peer + 1, t) for to, t in event.sends if to == unit) for unit in self._units]
             said = event.word, event.about, event.stands, event.corrects, event.quiet, epoch
             yield after, peer, event.trouble, *map(int, said), *map(self._effects.number, sends)
 
@@ -383,8 +384,9 @@ class Halves:
 
     def _with(self, unit: int, cell: int, effect: int) -> int:
         train, air, granted = self._cells[unit].things[cell]
-        for way, telegram in self._effects.things[effect]:
-            air = _put(air, way, (*air[way], telegram))
+        for to, way, telegram in self._effects.things[effect]:
+            if to == unit:
+                air = _put(air, way, (*air[way], telegram))
         return self._cell(unit, train, air, granted)
 
     def _cell(self, unit: int, train: int, air: Queues, granted: int) -> int:
@@ -427,12 +429,12 @@ def _up(air: Queues, sends: Sends) -> Queues:
     return air
 
 
-def _down(air: Queues, unit: int, peer: int, sends: Sends) -> tuple[Queues, tuple[tuple[int, int], ...]]:
-    """A peer's telegrams to this unit are on the air; those to the other, by way."""
+def _down(air: Queues, unit: int, peer: int, sends: Sends) -> tuple[Queues, Effects]:
+    """A peer's telegrams to this unit are on the air; those to others, by unit and way."""
     way = 2 * peer + 1
     for telegram in (t for to, t in sends if to == unit):
         air = _put(air, way, (*air[way], telegram))
-    return air, tuple((way, t) for to, t in sends if to != unit)
+    return air, tuple((to, way, t) for to, t in sends if to != unit)
 
 
 def _spent(left: tuple[int, ...], trouble: UnwishedFor) -> tuple[int, ...] | None:

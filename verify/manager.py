@@ -25,6 +25,7 @@ from verify.explored_line import (
     UnwishedFor,
     manager_config,
     mask_of,
+    places,
     sections_of,
 )
 from verify.happening import Happening
@@ -46,7 +47,6 @@ from wayside.said import (
 
 BEFORE_S, LATE_S = 0.0, 1000.0  # which is later than whatever a rule of the manager waits for
 GRANTED_IN_DOUBT: Final = "granted while the line was not defined"
-PLACES: Final = tuple(mask_of(frozenset(s)) for s in ("P", "PX", "X", "XA", "A", "XB", "B", "PXA", "PXB"))
 
 ONE_BY_ONE: Final = tuple((person,) for person in PERSONS)
 
@@ -143,6 +143,7 @@ class ManagerModel:
     def __init__(self, line: ExploredLine) -> None:
         self._config: Final = manager_config(line)
         self._may_bar: Final = line.bars
+        self._places: Final = places(line)
         self._who_errs: Final = (PERSONS,) if line.agree else ONE_BY_ONE
         self.units: Final = UNITS[: line.trains]
 
@@ -270,7 +271,7 @@ class ManagerModel:
     ) -> Iterator[ManagerEvent]:
         unit_id = self.units[unit]
         for persons in by:
-            for stands in (0, *PLACES):
+            for stands in (0, *self._places):
                 after, sends = state, tuple[tuple[int, InAir], ...]()
                 for person in persons:
                     word = (

@@ -12,7 +12,7 @@ from network.model import SectionKind
 from onboard.duty.records import DutyState
 from verify.expansion import TERMINAL_BITS
 from verify.explore import ExploredSpace
-from verify.explored_line import SECTIONS, TERMINALS
+from verify.explored_line import TERMINALS, manager_config
 from verify.pair_view import (
     GroundState,
     OwnView,
@@ -51,7 +51,7 @@ class _Views:
     def all(self) -> frozenset[PairView]:
         views = {
             view
-            for section_id in SECTIONS
+            for section_id in (s.section_id for s in manager_config(self._parties.line).sections)
             for own, other in ((0, 1), (1, 0))
             for view in self._of(section_id, own, other)
         }

@@ -13,7 +13,7 @@ import numpy as np
 from radio.messages import AnyMessage
 from verify.composition import HEARS, Composition, Following, StateOfLine, TrainCell
 from verify.expansion import Expansion
-from verify.explored_line import TERMINALS, UNITS
+from verify.explored_line import TERMINALS
 from verify.parties import ExploredParties
 from verify.search import Keys, way_to
 from wayside.config import MANAGER_ID
@@ -77,7 +77,10 @@ class StoryTeller:
         """The same as a sequence chart, in Mermaid: an arrow for what is heard, a crossed one for what is lost."""
         lines = [
             "sequenceDiagram",
-            *(f"    participant {party}" for party in (*UNITS, MANAGER_ID, *TERMINALS)),
+            *(
+                f"    participant {party}"
+                for party in (*self.composition.parties.units, MANAGER_ID, *TERMINALS)
+            ),
         ]
         for words, same in groupby(events, self._arrow):
             count = len(list(same))

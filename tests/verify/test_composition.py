@@ -22,9 +22,9 @@ FEW, MANY = 1_500, 40_000
 
 
 @pytest.mark.parametrize("states_max", others_nightly((FEW, MANY), [FEW]))
-@pytest.mark.parametrize("budgets", [Budgets(), ALL_TROUBLES])
-def test_both_ways_give_the_same_successors(budgets: Budgets, states_max: int) -> None:
-    parties = ExploredParties(ExploredLine(budgets=budgets))
+@pytest.mark.parametrize(("trains", "budgets"), [(2, Budgets()), (2, ALL_TROUBLES), (3, ALL_TROUBLES)])
+def test_both_ways_give_the_same_successors(trains: int, budgets: Budgets, states_max: int) -> None:
+    parties = ExploredParties(ExploredLine(trains=trains, budgets=budgets))
     expansion = Expansion(parties)
     states = search(expansion, states_max, lambda _: None, expansion.broken).states[:states_max]
     teller = StoryTeller(parties, expansion)

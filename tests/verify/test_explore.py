@@ -31,6 +31,15 @@ def test_every_state_is_safe_and_alive(budgets: Budgets) -> None:
     assert found.holds, found.story
 
 
+@pytest.mark.parametrize(
+    "budgets", others_nightly((Budgets(), Budgets(loss=1), Budgets(power=1)), [Budgets()])
+)
+def test_three_trains_are_safe_and_alive(budgets: Budgets) -> None:
+    """The larger case, for what stands for any number of trains."""
+    found = explored(ExploredLine(trains=3, budgets=budgets))
+    assert found.holds, found.story
+
+
 def test_a_sign_off_that_frees_leads_to_a_collision_by_one_lost_telegram() -> None:
     line = ExploredLine(budgets=Budgets(loss=1))
     with restored("sign-off-frees"):

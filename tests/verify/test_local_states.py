@@ -6,7 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from verify import manager
-from verify.explored_line import MANAGER, ExploredLine
+from verify.explored_line import ExploredLine, manager_config
 from verify.manager import ManagerModel, plain
 from wayside.register import Register, RegisteredUnit
 
@@ -41,6 +41,7 @@ def test_times_make_no_other_state(name: str) -> None:
 
 def test_what_is_fixed_here_is_off() -> None:
     """With dispatch or overlaps the line would need more of the register than is explored."""
-    assert not MANAGER.dispatch.weighs
-    assert not any(route.entry or route.overlap for route in MANAGER.routes)
+    config = manager_config(ExploredLine())
+    assert not config.dispatch.weighs
+    assert not any(route.entry or route.overlap for route in config.routes)
     assert not register().plan.has_overlaps
