@@ -15,9 +15,8 @@ from typing import Any
 import polars as pl
 import pytest
 from typer.core import TyperGroup
-from typer.main import get_command
 
-from branchline.cli import ANALYSE, COMPLETION, PREPARE, READ, RESEARCH, RUN, app
+from branchline.cli import ANALYSE, COMPLETION, PREPARE, READ, RESEARCH, RUN, whole_command
 from host.parties import PartyError
 from simulation.loop import Simulation
 from simulation.result import Ending
@@ -249,7 +248,7 @@ def test_check_prints_one_object(main: Callable[..., Any]) -> None:
 
 
 def test_every_command_stands_in_a_group_and_its_help_begins_with_one_short_sentence() -> None:
-    whole = get_command(app)
+    whole = whole_command()
     assert isinstance(whole, TyperGroup)
     for command in whole.commands.values():
         first = (command.help or "").partition("\n\n")[0].strip()

@@ -20,6 +20,7 @@ from simulation.substitute import by_hand, players, sight
 from simulation.substitute_settings import LeftOutStep
 from study.drilling.drill import find_drill, run_drill
 from study.runner.run import PartyLink, execute
+from tests.nightly import A_FIFTH
 
 pytestmark = pytest.mark.system
 
@@ -136,7 +137,7 @@ def days(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scenario, Scenario]:
 @given(steps=OMISSIONS, stands=st.booleans())
 @example(steps={WorkingStep.CLEAR}, stands=True)
 @example(steps={WorkingStep.MAN, WorkingStep.AGREE, WorkingStep.ARRIVED}, stands=False)
-@settings(max_examples=4, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(A_FIFTH, suppress_health_check=list(HealthCheck))
 def test_whatever_is_left_out_checkers_and_positions_agree(
     steps: set[WorkingStep], stands: bool, days: tuple[Scenario, Scenario]
 ) -> None:
