@@ -8,11 +8,11 @@ from papers.joint_faults import FAILS, carried_in
 from papers.position_fusion import FORGIVING, JOINT
 from verify.evidence.bounds import TriedRun, in_words, search, try_out
 
-SEED = 1
+SEED = 2
 
 
 def test_it_finds_a_reflection_in_a_slide_when_receivers_forgive_it_and_not_otherwise() -> None:
-    found = search(SEED, 120, FORGIVING, until_broken=True)
+    found = search(SEED, 40, FORGIVING, until_broken=True)
     assert found.broken
     first = found.broken[0]
     words = " ".join(in_words(SEED, first))
