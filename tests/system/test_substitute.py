@@ -178,7 +178,7 @@ def test_a_section_that_never_had_a_pilot_need_not_be_empty_as_the_working_ends(
     monkeypatch.setattr(players, "NEED_NOT_BE_EMPTY", need_not)
     file = tmp_path / "off.toml"
     file.write_text(
-        f'extends = "{find_drill(DRILL)}"\nid = "off"\nexpect = []\n'
+        f'extends = "{find_drill(DRILL)}"\nid = "off"\nexpect = []\nlimits.time_limit_s = 1200.0\n'
         '[[patch.fault.add]]\nkind = "power_off"\ntarget = "K1"\nstart = "10:00:41"\nduration_s = 60.0\n',
         "utf-8",
     )
