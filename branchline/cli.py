@@ -76,9 +76,8 @@ app.add_typer(verify, name="verify", rich_help_panel=RESEARCH)
 app.add_typer(best, name="best", rich_help_panel=ANALYSE)
 
 
-whole_command = cache(
-    partial(typer.main.get_command, app)
-)  # putting it together takes as long as a short command
+# Put together once a process: that takes as long as a short command.
+whole_command = cache(partial(typer.main.get_command, app))
 
 
 def main() -> None:
