@@ -104,13 +104,22 @@ def arranged_day(
     halts = NO_HALTS
     if line_path is not None:
 
+        def with_loops(at: Sequence[str]) -> Line:
+            return load_patched_line(line_path, {"add_loops": list(at)}, "")
+
+        def room(at: Sequence[str]) -> bool:
+            try:
+                with_loops(at)
+            except InputError:
+                return False
+            return True
+
         def laid(at: Sequence[str]) -> list[Day]:
-            other = load_patched_line(line_path, {"add_loops": list(at)}, "")
-            return [draft.trains for draft in _drafts(other, file, name, train)]
+            return [draft.trains for draft in _drafts(with_loops(at), file, name, train)]
 
         stations = line.stations.values()
         along_m = {station.id: station.position_m for station in stations}
-        halts = Halts(frozenset(s.id for s in stations if s.is_halt), along_m, laid)
+        halts = Halts(frozenset(s.id for s in stations if s.is_halt), along_m, room, laid)
     try:
         found = nearest_plan([draft.trains for draft in drafts], limit_s, halts)
     except NothingFoundError as why:

@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from network.errors import InputError
 from plan.arranging.model import ANOTHER, REACH_S, Aim, ArrangeModel, NoRoomError
 from plan.arranging.problem import Arranged, ArrangedVisit, Leg, Standing, TrainToArrange, Visit
 from plan.arranging.search import improved, with_fewer_tracks
@@ -38,21 +37,30 @@ class MoreTracks:
 class Halts:
     """Where a second track could be laid.
 
-    `along_m`: places of all stations along the line; `laid`: the days on the line with tracks at some halts, InputError
-    where there is no room for them.
+    `along_m`: places of all stations along the line; `room`: whether there is room for tracks at some halts; `laid`:
+    the days on the line with them.
     """
 
     names: frozenset[str]
     along_m: Mapping[str, float]
+    room: Callable[[Sequence[str]], bool]
     laid: Callable[[Sequence[str]], Sequence[Day]]
 
+    def without_room(self, chosen: Sequence[str]) -> frozenset[str]:
+        """Of halts chosen the first for which there is no room beside those before it."""
+        for count in range(1, len(chosen) + 1):
+            if not self.room(chosen[:count]):
+                return frozenset(chosen[count - 1 : count])
+        return frozenset()
 
-NO_HALTS: Final = Halts(frozenset(), {}, lambda _: ())
+
+NO_HALTS: Final = Halts(frozenset(), {}, lambda _: True, lambda _: ())
 
 
 def more_tracks(days: Sequence[Day], halts: Halts, limit_s: int) -> MoreTracks | None:
     """The fewest for the limit, or else for the least reach beyond it; None where none were found."""
     left = LACKING_WORK
+    halts = replace(halts, names=frozenset(name for name in halts.names if halts.room((name,))))
     for reach_s in dict.fromkeys((limit_s, max(limit_s, REACH_S // 6))):
         found: list[MoreTracks] = []
         for some in dict.fromkeys((halts.names, frozenset[str]())):
@@ -79,12 +87,10 @@ def _told(
             break
         laid = tuple(name for name in chosen.more_tracks if name in halts.names)
         tracks = {name: count for name, count in chosen.more_tracks.items() if name not in laid}
-        try:
-            again = halts.laid(laid) if laid else days
-        except InputError:  # no room at one of them: others are looked for
-            halts = replace(halts, names=halts.names - {*laid})
+        if no_room := halts.without_room(laid):
+            halts = replace(halts, names=halts.names - no_room)
             continue
-        for other in again:
+        for other in halts.laid(laid) if laid else days:
             plan, work = _with(other, tracks, limit_s, reach_s, min(max(left - spent, 0.0), STEPS_WORK))
             spent += work
             if plan is not None:

@@ -20,12 +20,14 @@ REACHES_S: Final = (
     REACH_S,
 )  # one after the other: a plan is found sooner with less
 # Of the solver's counted work, of which a unit takes a processor 10 to 20 s:
-WORK_MAX: Final = 1.3  # for all days and reaches
+WORK_MAX: Final = 1.0  # for all days and reaches
 FIRST_WORK: Final = 0.1  # for any plan of a day
-FEWEST_WORK: Final = 0.4  # for one with as few tracks as may be that stations do not have
+FEWEST_WORK: Final = 0.2  # for one with as few tracks as may be that stations do not have
 WHOLE_WORK: Final = 0.8  # for the least of a day as a whole
 WIDE_WORK: Final = 0.1  # the same where printed times move far: such a proof is rare
-WIDE_TRAINS_MAX: Final = 20  # and is not looked for with more trains, for which it takes time that is not counted
+WIDE_TRAINS_MAX: Final = (
+    20  # and is not looked for with more trains, for which it takes time that is not counted
+)
 STEPS_WORK: Final = 0.4  # for a better plan in steps, where there is no proof
 
 

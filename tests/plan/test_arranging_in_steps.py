@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import pytest
 
-from network.errors import InputError
 from network.files.timetable_schema import CallTable
 from network.timetable import Call
 from plan.arranging import nearest
@@ -136,12 +135,8 @@ def _by_a_halt() -> list[TrainToArrange]:
 
 
 def _room(days: Sequence[Day], *, room: bool = True) -> Halts:
-    def laid(at: Sequence[str]) -> Sequence[Day]:
-        if not room or tuple(at) != ("L",):
-            raise InputError("line.toml", "add_loops", list(at), "a halt with room")
-        return days
-
-    return Halts(frozenset({"L"}), {"A": 0.0, "L": 3000.0, "B": 6000.0}, laid)
+    along_m = {"A": 0.0, "L": 3000.0, "B": 6000.0}
+    return Halts(frozenset({"L"}), along_m, lambda _: room, lambda at: days if tuple(at) == ("L",) else ())
 
 
 def test_the_halt_at_which_trains_could_meet_is_named_with_them() -> None:
