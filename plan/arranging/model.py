@@ -175,7 +175,6 @@ class ArrangeModel:
     def _print(self, train: TrainToArrange, one: _VisitVars) -> None:
         visit = one.visit
         if visit.departure_s is not None:
-            self.model.add(one.departs >= visit.departure_s)
             self._count(train, visit, "departure", visit.departure_s, one.departs)
         if visit.arrival_s is not None:
             self.model.add(one.arrives >= visit.arrival_s - EARLY_S)

@@ -25,9 +25,8 @@ FIRST_WORK: Final = 0.1  # for any plan of a day
 FEWEST_WORK: Final = 0.2  # for one with as few tracks as may be that stations do not have
 WHOLE_WORK: Final = 0.8  # for the least of a day as a whole
 WIDE_WORK: Final = 0.1  # the same where printed times move far: such a proof is rare
-WIDE_TRAINS_MAX: Final = (
-    20  # and is not looked for with more trains, for which it takes time that is not counted
-)
+WIDE_TRAINS_MAX: Final = 20  # with more it is not looked for: that takes time which is not counted
+FAR_S: Final = 2400  # nor, with more, a plan that moves times further, where more tracks would do
 STEPS_WORK: Final = 0.4  # for a better plan in steps, where there is no proof
 
 
@@ -58,6 +57,10 @@ def nearest_plan(
     left = WORK_MAX
     why = "no plan keeps all trains apart"
     for reach_s in REACHES_S:
+        if reach_s > FAR_S and max(map(len, days)) > WIDE_TRAINS_MAX:
+            lacking = more_tracks(days, halts, limit_s)
+            if lacking is not None:
+                raise NothingFoundError(f"none was found that moves no time by more than {FAR_S} s", lacking)
         found: list[tuple[int, int, Arranged]] = []
         for index, trains in enumerate(days):
             if left <= 0:
