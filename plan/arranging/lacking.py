@@ -81,9 +81,12 @@ def _told(
     """The fewest tracks of a day, as they hold on the line with them; and the work for it."""
     spent = 0.0
     while spent < left:
-        chosen, work = _chosen(trains, halts, limit_s, reach_s, min(left - spent, CHOICE_WORK))
+        try:
+            chosen, work = fewest_tracks(trains, halts, limit_s, reach_s, min(left - spent, CHOICE_WORK))
+        except NoRoomError as none:
+            return None, spent + none.work
         spent += work
-        if chosen is None or not chosen.more_tracks:
+        if not chosen.more_tracks:
             break
         laid = tuple(name for name in chosen.more_tracks if name in halts.names)
         tracks = {name: count for name, count in chosen.more_tracks.items() if name not in laid}
@@ -99,17 +102,14 @@ def _told(
     return None, spent
 
 
-def _chosen(
+def fewest_tracks(
     trains: Day, halts: Halts, limit_s: int, reach_s: int, work: float
-) -> tuple[Arranged | None, float]:
-    """A plan with as few tracks more as may be."""
+) -> tuple[Arranged, float]:
+    """A plan with as few tracks more as may be, and the work for it. Raises NoRoomError."""
     stations = {visit.station_id for train in trains for visit in train.visits if visit.tracks}
     more = dict.fromkeys(sorted(stations), MORE_TRACKS_MAX)
     apart = [meeting_at(train, halts) for train in trains] if halts.names else trains
-    try:
-        plan = ArrangeModel(apart, limit_s, reach_s, more, laid=halts.names).solve(work, Aim.FEWEST)
-    except NoRoomError as none:
-        return None, none.work
+    plan = ArrangeModel(apart, limit_s, reach_s, more, laid=halts.names).solve(work, Aim.FEWEST)
     if plan.proven or not halts.names.isdisjoint(plan.more_tracks):
         return plan, plan.work
     fewer, spent = with_fewer_tracks(trains, plan, limit_s, work)

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from plan.arranging.lacking import MORE_TRACKS_MAX, NO_HALTS, Halts, MoreTracks, more_tracks
+from plan.arranging.lacking import NO_HALTS, Halts, MoreTracks, fewest_tracks, more_tracks
 from plan.arranging.model import PRESOLVED_S, REACH_S, Aim, ArrangeModel, NoRoomError
 from plan.arranging.problem import Arranged, TrainToArrange
-from plan.arranging.search import cost_of, improved, with_fewer_tracks
+from plan.arranging.search import cost_of, improved
 
 REACHES_S: Final = (
     300,
@@ -103,24 +103,16 @@ def _first_plan(
         spent = none.work
     else:
         return plan, plan.work
-    stations = {visit.station_id for train in trains for visit in train.visits if visit.tracks}
-    more = dict.fromkeys(sorted(stations), MORE_TRACKS_MAX)
-    left -= spent
     try:
-        plan = ArrangeModel(trains, limit_s, reach_s, more).solve(
-            max(min(left, FEWEST_WORK), 0.0), Aim.FEWEST
+        plan, work = fewest_tracks(
+            trains, NO_HALTS, limit_s, reach_s, min(max(left - spent, 0.0), FEWEST_WORK)
         )
     except NoRoomError as none:
         raise NoRoomError(str(none), certain=none.certain, work=none.work + spent) from none
-    spent += plan.work
-    certain = plan.proven
-    if plan.more_tracks and not certain:
-        plan, more_spent = with_fewer_tracks(trains, plan, limit_s, min(max(left, 0.0), STEPS_WORK))
-        spent += more_spent
     if plan.more_tracks:
-        why = "no plan keeps all trains apart" if certain else "none was found"
-        raise NoRoomError(why, certain=certain, work=spent)
-    return plan, spent
+        why = "no plan keeps all trains apart" if plan.proven else "none was found"
+        raise NoRoomError(why, certain=plan.proven, work=spent + work)
+    return plan, spent + work
 
 
 def _nearest(
