@@ -216,7 +216,15 @@ A, B, C, D = [140.0, 36.6], [140.01, 36.6], [140.02, 36.601], [140.03, 36.602]
         ("{", "valid JSON"),
         ({"features": 3}, "features"),
         (polyline([A, B, C], kind="Point"), r"geometry.type is 'Point'; expected LineString"),
-        (polyline([A, B], [C, D]), "a line that goes on at"),
+        (polyline([A, B], [C, D]), r"a line that goes on at \(140.01, 36.6\) or \(140.0, 36.6\)$"),
+        (
+            polyline([A, B, C], [B, D]),
+            r"is \[\[140.01, 36.6\]\]; .* a line has no branches: one is a line of its own",
+        ),
+        (
+            polyline([A, B, C, B, A]),
+            r"is \[140.0, 36.6\]; expected a track that goes each way once; a line has no branch",
+        ),
         (polyline([A, B]), "at least three vertices"),
         (polyline([A, B, [500.0, 36.0]]), "longitude and latitude"),
     ],
