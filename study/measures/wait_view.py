@@ -9,10 +9,12 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 from onboard import notes
-from radio.noted import Lost, LostWhere, Noted, Sent, TookEffect
+from onboard.crossing_notes import CrossingNote
+from radio.messages import CrossingMessage
+from radio.noted import Lost, LostWhere, Noted, Sent, TelegramNoted, TookEffect
 from simulation import events
 from simulation.clock import Clock
 from simulation.events import MANAGER, JournalEntry
@@ -35,6 +37,7 @@ class DutyStage(Enum):
 
 
 EMERGENCY_LEVEL: Final = 2
+_TO_CROSSINGS: Final = frozenset(kind.__name__ for kind in get_args(CrossingMessage))
 _ASKS: Final[Mapping[str, AwaitedRequest]] = {
     "SignOn": AwaitedRequest.SIGN_ON,
     "SignOff": AwaitedRequest.SIGN_OFF,
@@ -340,8 +343,10 @@ _READERS: Final[Mapping[type[Noted], Callable[[StockView, float, Any], None]]] =
 
 
 def subject_of(entry: JournalEntry) -> str:
-    """The unit whose view an entry may change: the party that it names, or its author."""
+    """The unit whose view an entry may change: the party that it names, or its author; of crossings none."""
     match entry.event:
+        case TelegramNoted(kind=str() as kind) if kind in _TO_CROSSINGS:
+            return ""
         case events.PowerOff(device_id=device) | events.PowerOn(device_id=device):
             return device
         case events.FaultBegan(target=target) | events.FaultOver(target=target):
@@ -358,4 +363,4 @@ def subject_of(entry: JournalEntry) -> str:
         case said.Refused(unit_id=unit) if entry.who == MANAGER:
             return unit
         case _:
-            return entry.who
+            return "" if isinstance(entry.event, CrossingNote) else entry.who
