@@ -35,7 +35,9 @@ LAST_LOOK_S: Final = 3.0  # before the warning, where it was asked earlier than 
 ENTERS_S: Final = 3.0  # so much later than predicted the front may come, and the proof still hold
 PROOF_LATE_S: Final = 1.0  # a telegram on its way
 HOLDS_YET_S: Final = 6.0  # a proof that holds no longer is asked for again: three times, if they are lost
-STILL_S: Final = 29.5  # said at least so often: three times while a crossing that lost its memory stays closed
+STILL_S: Final = (
+    29.5  # said at least so often: three times while a crossing that lost its memory stays closed
+)
 GIVE_UP_S: Final = 30.0  # assumed: who stands so long without going on there lets the road go
 KEEPS_LEAST_TIME = True  # off: a proof counts at once, however near the train is
 

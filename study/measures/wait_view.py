@@ -343,10 +343,8 @@ _READERS: Final[Mapping[type[Noted], Callable[[StockView, float, Any], None]]] =
 
 
 def subject_of(entry: JournalEntry) -> str:
-    """The unit whose view an entry may change: the party that it names, or its author; of crossings none."""
+    """The unit whose view an entry may change: the party that it names, or its author."""
     match entry.event:
-        case TelegramNoted(kind=str() as kind) if kind in _TO_CROSSINGS:
-            return ""
         case events.PowerOff(device_id=device) | events.PowerOn(device_id=device):
             return device
         case events.FaultBegan(target=target) | events.FaultOver(target=target):
@@ -363,4 +361,10 @@ def subject_of(entry: JournalEntry) -> str:
         case said.Refused(unit_id=unit) if entry.who == MANAGER:
             return unit
         case _:
-            return "" if isinstance(entry.event, CrossingNote) else entry.who
+            return entry.who
+
+
+def is_of_crossing(event: Noted) -> bool:
+    """Whether it is between a unit and a level crossing, which changes no view."""
+    telegram = isinstance(event, TelegramNoted) and event.kind in _TO_CROSSINGS
+    return telegram or isinstance(event, CrossingNote)
