@@ -207,11 +207,8 @@ def wake_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> flo
 
 
 def _asked_in_s(place: CrossingPlace) -> float:
-    """When the crossing is to be asked, or where the train does not come there yet, to end the limit, s from now."""
-    if place.due_s < math.inf:
-        return place.due_s if place.due_s > ABOUT_S else math.inf
-    held_in_s = place.fastest_s - HELD_FROM_S
-    return max(held_in_s, REFRESH_S) if held_in_s > 0.0 and not place.stands else math.inf
+    """When the crossing is to be asked, s from now; infinite: it does not come there before something happens."""
+    return place.due_s if place.due_s > ABOUT_S else math.inf
 
 
 def _again_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> float:

@@ -8,7 +8,6 @@ import pytest
 from msgspec.structs import replace
 
 from onboard import crossing_notes
-from onboard.crossings import machine
 from onboard.crossings.machine import (
     EARLY_S,
     GIVE_UP_S,
@@ -59,8 +58,8 @@ def test_it_is_asked_six_seconds_before_its_warning_must_begin() -> None:
     assert wake_s(VIEW, FAR, 7.0) == 7.0 + 59.0
     later = replace(
         FAR, arrives_s=math.inf, proof_s=math.inf
-    )  # it is to stop before it: only the limit counts
-    assert wake_s(VIEW, later, 7.0) == 7.0 + 80.0 - machine.HELD_FROM_S
+    )  # it is to stop before it, and something happens then
+    assert wake_s(VIEW, later, 7.0) == math.inf
     asked, said = step(VIEW, CrossingSeen(NEAR), 0.0)
     assert asked == replace(ASKED_VIEW, begins_s=5.0)
     assert said == (crossing_notes.CrossingAsked(crossing_id="C", arrives_s=40.0), REQUEST)
