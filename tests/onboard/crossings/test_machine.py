@@ -195,6 +195,14 @@ def test_it_speaks_when_that_matters() -> None:
     assert said_until(14.0, answers=False) == pytest.approx([9.0, 11.0, 13.0])
 
 
+def test_who_asked_early_looks_once_more_before_the_warning() -> None:
+    """It is to begin at 30 s. Asked at 0 s, standing, it is looked at 3 s before; asked at 24 s it is known well."""
+    early = replace(ASKED_VIEW, begins_s=30.0, answered=True)
+    assert wake_s(early, place_at(0.0, front_s=65.0), 0.0) == 27.0
+    in_time = replace(early, said_s=24.0)
+    assert wake_s(in_time, place_at(24.0, front_s=65.0), 24.0) == 46.0
+
+
 @pytest.mark.parametrize(
     ("begins_s", "says"), [(7.5, True), (6.6, True), (6.4, False), (4.6, False), (4.4, True), (2.0, False)]
 )
