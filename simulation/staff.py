@@ -59,7 +59,7 @@ LINE: Final = ""  # what an act aims at that is about the whole line
 class Staff:
     """The people of one run; `acts` is what they did."""
 
-    def __init__(self, world: World, injector: Injector) -> None:
+    def __init__(self, world: World, injector: Injector, roads: RoadsClosedForNothing) -> None:
         self.acts: list[Act] = []
         self._setup, self._injector = world.setup, injector
         self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
@@ -83,7 +83,7 @@ class Staff:
         self._reported: set[str] = set()  # level crossings over which trains had to creep
         self._again_s: dict[tuple[ActKind, str, str], float] = {}
         self._tries: Counter[tuple[ActKind, str, str]] = Counter()
-        self._roads: Final = RoadsClosedForNothing(world.trains, world.on_board, world.wayside.crossings)
+        self._roads = roads
         self._mad = MadUnits(world.trains.slot_of, self._held)
         world.journal.watch(self._see)
 
