@@ -109,6 +109,8 @@ class Staff:
                 self._not_freed.pop(unit_id, None)
                 self._spoke.pop(unit_id, None)
                 self._from_s.pop((Pause.SILENT, unit_id), None)
+            case Acted(act=act, target=unit_id) if act in _WORDS:
+                self._spoke.setdefault(unit_id, {})[entry.who] = None
             case _:
                 self._see_units(entry)
 
@@ -117,8 +119,6 @@ class Staff:
         match entry.event:
             case Acted(act=act, target=unit_id) if act in _BARS:
                 self._bars.setdefault(unit_id, {})[entry.who] = _BARS[act]
-            case Acted(act=act, target=unit_id) if act in _WORDS:
-                self._spoke.setdefault(unit_id, {})[entry.who] = None
             case Barred(unit_id=unit_id) if entry.who == MANAGER_ID:
                 self._awaited.setdefault(unit_id)
             case Refused(unit_id=unit_id, section_ids=section_ids, why=why) if why.endswith(IN_STATION):
