@@ -5,17 +5,22 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
+import numpy as np
 import pytest
 from msgspec.structs import replace
+from numpy.typing import NDArray
 
 from network.errors import InputError
 from onboard.duty import duty_step
 from verify.certificate import Certificate, read, sources_digest, write
+from verify.expansion import Expansion
 from verify.explore import certificate_of, explored
 from verify.explored_line import BIT, Budgets, ExploredLine
+from verify.halves import Halves
 from verify.parties import ExploredParties, StepKind
 from verify.recount import ELSEWHERE, recount
 from verify.restored import restored
+from verify.search import search
 
 WIDTH: Final = 8
 
@@ -41,6 +46,25 @@ def test_it_holds_whatever_way_it_came(certificate: Certificate, tmp_path: Path)
     assert found.refused == ""
     assert found.states == len(certificate.states) // WIDTH
     assert found.finished > 0
+
+
+@pytest.mark.parametrize("trains", [2, 3])
+def test_it_finds_by_halves_as_many_successors_as_the_search(trains: int) -> None:
+    parties = ExploredParties(ExploredLine(trains=trains, budgets=Budgets(loss=1)))
+    expansion = Expansion(parties)
+    keys = search(expansion, 3_000, lambda _: None, expansion.broken).states
+    source, _, _ = expansion.following(keys)
+    lefts = expansion.lefts.things
+    grounds = [(key[:-1], lefts[key[-1]]) for key in expansion.ground_keys.things]
+    halves = Halves(parties, grounds, [cells.keys.things for cells in expansion.cells])
+    parts, numbers = list[NDArray[np.int64]](), keys.astype(np.int64)
+    for bits in reversed(expansion.bits):
+        parts.append(numbers & (1 << bits) - 1)
+        numbers = numbers >> bits
+    *cells, ground = parts
+    found = list(halves.following(ground, cells[::-1]))
+    assert np.array_equal(np.sort(np.concatenate([f.source for f in found])), np.sort(source))
+    assert [len(known) for known in halves.cells] == [len(cells.keys.things) for cells in expansion.cells]
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.7])
