@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from itertools import chain
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from host.devices import device_specs
 from host.parties import Parties
@@ -78,6 +78,9 @@ from sumo_cfg.road_net import RoadAt
 from sumo_cfg.scenery import scenery_xml
 from sumo_cfg.truth_map import NetMap, read_net
 from wayside.config import crossing_configs, manager_config, terminal_configs
+
+if TYPE_CHECKING:  # only who listens needs what reads certificates
+    from host.elsewhere import Elsewhere
 
 TEMPORARY: Final = "branchline-"
 TRAJECTORY_ROOM_BPS: Final = 50  # bytes of the trajectory a second; 41 on the weekday of the Karasuyama line
@@ -153,6 +156,7 @@ class RunOptions:
     journal: Callable[[], Journal] = Journal
     stop: Callable[[], bool] | None = None
     roads: tuple[RoadAt, ...] = ()  # those in the net
+    elsewhere: Elsewhere | None = None
 
 
 def run_to_end(
@@ -163,6 +167,8 @@ def run_to_end(
     Whom somebody wants to `stop` gives back the day of which that is the end.
     """
     setup = scenario.setup
+    if course.elsewhere is not None and setup.tuning.days > 1:
+        raise InputError(scenario.called, "tuning.days", setup.tuning.days, "1 with --listen: parties join one day")
     # Random, so that nobody can know it: what the bytes of a code are decides nothing in a run.
     master_key = secrets.token_bytes(KEY_BYTES)
     on_board = unit_configs(setup, master_key)
@@ -174,7 +180,7 @@ def run_to_end(
         last = setup.day >= scenario.setup.tuning.days
         state = course.folder / f"day-{setup.day}"
         state.mkdir()
-        with parties_of(course.link, setup.line.id, specs, state) as own, collecting_rarely():
+        with parties_of(course.link, setup.line.id, specs, state, course.elsewhere) as own, collecting_rarely():
             parties = own if course.watch is None else course.watch(own)
             simulation = Simulation(
                 setup,
@@ -208,6 +214,7 @@ def execute(
     delay_ms: int = STEP_DELAY_MS,
     stop: Callable[[], bool] | None = None,
     say: Callable[[str], None] | None = None,
+    elsewhere: Elsewhere | None = None,
 ) -> FinishedRun:
     """Run a scenario and compute its tables and summary. Writes nothing that stays, unless there is a file in which its
     `journal` is to grow. Raises Crashed for a bug.
@@ -215,7 +222,7 @@ def execute(
     With `[tuning] days` the same day runs that often, the trains learning; the result is that of the last one.
     `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties;
     `delay_ms` is how long sumo-gui takes over a step; once `stop` is true the run ends where it is. `say`
-    is told what is computed after the last train.
+    is told what is computed after the last train. `elsewhere`: parties that people start on other machines.
     """
     with scratch(TEMPORARY) as folder:
         setup = scenario.setup
@@ -237,6 +244,7 @@ def execute(
             lambda: Journal(journal),
             stop,
             roads,
+            elsewhere,
         )
         setup, result = run_to_end(scenario, course, progress)
         wall_s = time.perf_counter() - started
@@ -424,6 +432,12 @@ def specs_of(setup: Setup, master_key: bytes) -> tuple[PartySpec, ...]:
     return device_specs(manager, terminal_configs(line), master_key, crossing_configs(line))
 
 
+def party_ids_of(setup: Setup) -> tuple[str, ...]:
+    """Ids of all that may be processes in a run: devices and units."""
+    units = (diagram.stock_id for diagram in setup.timetable.diagrams)
+    return (*(spec.party_id for spec in specs_of(setup, bytes(KEY_BYTES))), *units)
+
+
 def carrier_factory(
     kind: CarrierKind,
     line: Line,
@@ -455,13 +469,17 @@ def carrier_factory(
 
 @contextmanager
 def parties_of(
-    link: PartyLink, line_id: str, specs: tuple[PartySpec, ...], folder: Path
+    link: PartyLink,
+    line_id: str,
+    specs: tuple[PartySpec, ...],
+    folder: Path,
+    elsewhere: Elsewhere | None = None,
 ) -> Generator[Parties]:
     """The parties, in this process or as processes; gone when the context ends, however it ends."""
     if link is PartyLink.ZENOH:
         from host.over_zenoh import ZenohParties
 
-        with ZenohParties(line_id, specs, folder) as processes:
+        with ZenohParties(line_id, specs, folder, elsewhere) as processes:
             yield processes
         return
     from host.local import LocalParties

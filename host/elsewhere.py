@@ -1,0 +1,72 @@
+"""Which parties of a run are on other machines, and what stands ready for them in the folder of its certificates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from host.certificates import DENIED_FILE, PARTIES_FOLDER, denied_in, identity_in
+from host.over_tls import PartyInvitation, access_control, check_endpoint, tls_session_json5
+from host.process import write_private
+from network.errors import COMMAND_LINE, InputError
+
+INVITATION_FILE: Final = "invitation.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Elsewhere:
+    """Which parties of a run people start on other machines, and where the simulator waits for them.
+
+    `party_ids`: empty for all that are processes. `say` is told for whom it waits. InputError where certificates are
+    missing or have run out, or the endpoint is not for TLS.
+    """
+
+    endpoint: str
+    certificates: Path
+    party_ids: tuple[str, ...]
+    say: Callable[[str], None]
+
+    def __post_init__(self) -> None:
+        check_endpoint("--listen", self.endpoint)
+        identity_in(self.certificates)
+
+    def chosen(self, party_ids: Iterable[str]) -> frozenset[str]:
+        """Those of these parties that are elsewhere. InputError for an unknown one, and for one that is denied."""
+        known = frozenset(party_ids)
+        chosen = frozenset(self.party_ids) or known
+        for party_id in sorted(chosen):
+            if party_id not in known:
+                names = ", ".join(sorted(known))
+                raise InputError(COMMAND_LINE, "--elsewhere", party_id, f"a party that is a process: {names}")
+            if is_denied(party_id, denied_in(self.certificates)):
+                file = self.certificates / DENIED_FILE
+                raise InputError(str(file), "", party_id, "no party that is to take part: its certificate counts no more")
+            identity_in(self.folder_of(party_id))
+        return chosen
+
+    def folder_of(self, party_id: str) -> Path:
+        """What people carry to its machine."""
+        return self.certificates / PARTIES_FOLDER / party_id
+
+    def invite(self, invitation: PartyInvitation) -> None:
+        """Write what it needs besides its certificate."""
+        file = self.folder_of(invitation.spec.party_id) / INVITATION_FILE
+        write_private(file, msgspec.json.encode(invitation))
+
+    def uninvite(self, party_id: str) -> None:
+        """It has joined, or nobody waits for it any longer."""
+        (self.folder_of(party_id) / INVITATION_FILE).unlink(missing_ok=True)
+
+    def session_json5(self, line_id: str, party_ids: Iterable[str], session_id: str) -> str:
+        """Zenoh configuration of the simulator's end."""
+        access = access_control(line_id, party_ids)
+        return tls_session_json5("listen", self.endpoint, identity_in(self.certificates), session_id, access)
+
+
+def is_denied(party_id: str, denied: frozenset[str]) -> bool:
+    """Whether its certificate counts no more."""
+    return party_id in denied
