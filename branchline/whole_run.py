@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from branchline.ending import crashes_into
+from branchline.ending import crashes_into, stopped_at_once
 from branchline.extras import needing_extra
 from branchline.progress import print_aside, progress_of
+from host.over_tls import check_endpoint
 from network.errors import COMMAND_LINE, InputError
 from scenario.scenario import Scenario
 from simulation.carriers.sumo_api import STEP_DELAY_MS
@@ -119,12 +120,13 @@ def elsewhere_of(
         return None
     if link_of(link) is not PartyLink.ZENOH:
         raise InputError(COMMAND_LINE, "--listen", listen, "--link zenoh, which processes need")
-    with needing_extra("tls", "run --listen"):
-        from host.elsewhere import Elsewhere
+    check_endpoint("--listen", listen)
     if certificates is None:
         expected = "--certificates, without which nobody would be let in (branchline certificates makes them)"
         raise InputError(COMMAND_LINE, "--listen", listen, expected)
-    return Elsewhere(listen, certificates.resolve(), tuple(party_ids), print_aside)
+    with needing_extra("tls", "run --listen"):
+        from host.elsewhere import Elsewhere
+    return Elsewhere(listen, certificates.resolve(), tuple(party_ids), stopped_at_once)
 
 
 def _base_of(directory: Path, scenario: Scenario) -> ComparedRun:

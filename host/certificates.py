@@ -73,8 +73,10 @@ class TlsIdentity:
         return self.folder / KEY_FILE
 
 
-def make_certificates(folder: Path, party_ids: Iterable[str], address: str, life_h: int = LIFE_H) -> None:
-    """All files of a run, in a folder that is not there yet: all of them or nothing.
+def make_certificates(
+    folder: Path, party_ids: Iterable[str], address: str, life_h: int = LIFE_H, now: datetime | None = None
+) -> None:
+    """All files of a run, in a folder that is not there yet: all of them or nothing; they count for `life_h` from `now`.
 
     `address`: name or number under which parties reach the simulator. Raises InputError.
     """
@@ -84,7 +86,8 @@ def make_certificates(folder: Path, party_ids: Iterable[str], address: str, life
     for name in names:
         if len(name) > NAME_CHARACTERS_MAX:
             raise InputError("party", "id", name, f"at most {NAME_CHARACTERS_MAX} characters, as in a certificate")
-    issuer = _Issuer(life_h)
+    begin = now or datetime.now(UTC)
+    issuer = CertificateIssuer(begin - _SLOW_CLOCK, begin + timedelta(hours=life_h))
     try:
         with scratch(f".{folder.name}-", folder.parent) as aside:
             made = aside / "made"
@@ -131,14 +134,13 @@ def denied_in(folder: Path) -> frozenset[str]:
         raise InputError(str(file), "", None, "ids of parties, one a line") from None
 
 
-class _Issuer:
-    """An authority; its key is nowhere but here."""
+class CertificateIssuer:
+    """An authority; its key is nowhere but here. All that it signs counts from `begin` to `end`."""
 
-    def __init__(self, life_h: int) -> None:
+    def __init__(self, begin: datetime, end: datetime) -> None:
+        self.begin, self.end = begin, end
         self._key = ec.generate_private_key(ec.SECP256R1())
         self._name = _named(_AUTHORITY_NAME)
-        begin = datetime.now(UTC) - _SLOW_CLOCK
-        self._begin, self._end = begin, begin + _SLOW_CLOCK + timedelta(hours=life_h)
         basic = x509.BasicConstraints(ca=True, path_length=0)
         builder = self._begun(self._name, self._key.public_key()).add_extension(basic, critical=True)
         self._own = builder.sign(self._key, SHA256()).public_bytes(Encoding.PEM)
@@ -161,7 +163,7 @@ class _Issuer:
 
     def _begun(self, name: x509.Name, key: ec.EllipticCurvePublicKey) -> x509.CertificateBuilder:
         builder = x509.CertificateBuilder(self._name, name, key, x509.random_serial_number())
-        return builder.not_valid_before(self._begin).not_valid_after(self._end)
+        return builder.not_valid_before(self.begin).not_valid_after(self.end)
 
 
 def _named(name: str) -> x509.Name:

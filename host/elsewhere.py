@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -10,7 +11,7 @@ from typing import Final
 import msgspec
 
 from host.certificates import DENIED_FILE, PARTIES_FOLDER, denied_in, identity_in
-from host.over_tls import PartyInvitation, access_control, check_endpoint, tls_session_json5
+from host.over_tls import PartyInvitation, access_control, tls_session_json5
 from host.process import write_private
 from network.errors import COMMAND_LINE, InputError
 
@@ -21,18 +22,22 @@ INVITATION_FILE: Final = "invitation.json"
 class Elsewhere:
     """Which parties of a run people start on other machines, and where the simulator waits for them.
 
-    `party_ids`: empty for all that are processes. `say` is told for whom it waits. InputError where certificates are
-    missing or have run out, or the endpoint is not for TLS.
+    `party_ids`: empty for all that are processes. It waits `within` the context made of what is to be said. InputError where certificates are
+    missing or have run out.
     """
 
     endpoint: str
     certificates: Path
     party_ids: tuple[str, ...]
-    say: Callable[[str], None]
+    within: Callable[[str], AbstractContextManager[None]]
 
     def __post_init__(self) -> None:
-        check_endpoint("--listen", self.endpoint)
         identity_in(self.certificates)
+
+    @property
+    def folder(self) -> Path:
+        """Where a folder for each party is."""
+        return self.certificates / PARTIES_FOLDER
 
     def chosen(self, party_ids: Iterable[str]) -> frozenset[str]:
         """Those of these parties that are elsewhere. InputError for an unknown one, and for one that is denied."""
@@ -50,7 +55,7 @@ class Elsewhere:
 
     def folder_of(self, party_id: str) -> Path:
         """What people carry to its machine."""
-        return self.certificates / PARTIES_FOLDER / party_id
+        return self.folder / party_id
 
     def invite(self, invitation: PartyInvitation) -> None:
         """Write what it needs besides its certificate."""

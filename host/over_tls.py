@@ -166,11 +166,13 @@ class FarProcess:
     def restart(self, commission: Commission | None) -> None:
         """Power back, after people's commissioning if there was one."""
         if commission is not None:
+            self.lost = False
             self._tell(ToldFar(PowerDeed.COMMISSION, commission.vital, commission.number))
         self._tell(ToldFar(PowerDeed.RESTART))
 
     def lose(self) -> None:
         """Its durable state is gone."""
+        self.lost = True
         self._tell(ToldFar(PowerDeed.LOSE))
 
     def leave(self) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -291,16 +291,17 @@ class ZenohParties:
         if self._elsewhere is None or not far:
             return
         names = ", ".join(hosted.spec.party_id for hosted in far)
-        where = self._elsewhere.certificates / "parties"
-        self._elsewhere.say(f"waiting at {self._elsewhere.endpoint} for {names}; what each needs is in {where}")
-        for hosted in far:
-            self._wait_ready(hosted, JOIN_LIMIT_S)
-            self._elsewhere.uninvite(hosted.spec.party_id)
+        what = f"waiting at {self._elsewhere.endpoint} for {names}; what each needs is in {self._elsewhere.folder}"
+        with self._elsewhere.within(what):
+            for hosted in far:
+                self._wait_ready(hosted, JOIN_LIMIT_S)
+                self._elsewhere.uninvite(hosted.spec.party_id)
 
     def _say_it_is_over(self) -> None:
         for hosted in self._hosted.values():
             if hosted.far is not None:
-                hosted.far.leave()
+                with suppress(PartyError):  # who has left already knows
+                    hosted.far.leave()
 
     def _wait_ready(self, hosted: _Hosted, limit_s: float) -> None:
         """Until the party answered and its telegram reached us: then both planes stand."""

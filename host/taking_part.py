@@ -84,7 +84,7 @@ def take_part(folder: Path, endpoint: str) -> None:
     file.unlink(missing_ok=True)
 
     def ended(event: zenoh.TransportEvent) -> None:
-        if event.kind is zenoh.SampleKind.DELETE and not party.over:
+        if event.kind == zenoh.SampleKind.DELETE and not party.over:
             sys.stderr.write(f"the link to {endpoint} is lost before the run of {spec.party_id} was over\n")
             sys.stderr.flush()
             os._exit(WANTING_CODE)
