@@ -28,4 +28,6 @@ def certificates(
 
     names = party_ids_of(load_scenario(scenario).setup)
     make_certificates(folder.resolve(), names, address, hours)
-    sys.stdout.write(f"{folder}: for {len(names)} parties, {hours} h; {folder / PARTIES_FOLDER} has what each needs\n")
+    sys.stdout.write(
+        f"{folder}: for {len(names)} parties, {hours} h; {folder / PARTIES_FOLDER} has what each needs\n"
+    )

@@ -12,7 +12,10 @@ from branchline.extras import needing_extra
 
 def serve_party(
     folder: Annotated[
-        Path, typer.Argument(help="Certificate and invitation of a party: what `run --listen` names, carried here.")
+        Path,
+        typer.Argument(
+            help="Certificate and invitation of a party: what `run --listen` names, carried here."
+        ),
     ],
     connect: Annotated[str, typer.Option("--connect", help="Where the run waits: tls/ADDRESS:PORT.")],
 ) -> None:

@@ -1,6 +1,5 @@
-"""Certificates of a run whose parties are on several machines: an authority of the run's own, which signs one for the
-simulator and one for each party, for hours, and whose key is then forgotten. So nobody can add one, there is one of each
-name, and a new authority is the way to a second.
+"""Certificates for runs whose parties are on several machines: an authority signs one for the simulator and one for each
+party, for some hours, and its key is then forgotten. So nobody can add one, and a name means one certificate.
 
 | in the folder | what |
 |---|---|
@@ -52,7 +51,7 @@ _OTHERS_BITS: Final = 0o077
 
 @dataclass(frozen=True, slots=True)
 class TlsIdentity:
-    """With what one end of a link shows who it is, and whose word it believes of the other; `name`: of its certificate."""
+    """With which one end of a link shows who it is, its `name`, and whose word it believes of the other's."""
 
     folder: Path
     name: str
@@ -76,16 +75,20 @@ class TlsIdentity:
 def make_certificates(
     folder: Path, party_ids: Iterable[str], address: str, life_h: int = LIFE_H, now: datetime | None = None
 ) -> None:
-    """All files of a run, in a folder that is not there yet: all of them or nothing; they count for `life_h` from `now`.
+    """All files of a run, in a folder that is not there yet: all of them or nothing. They count for hours from `now`.
 
     `address`: name or number under which parties reach the simulator. Raises InputError.
     """
     if folder.exists():
-        raise InputError(str(folder), "", None, "a folder that is not there yet: certificates are made together")
+        raise InputError(
+            str(folder), "", None, "a folder that is not there yet: certificates are made together"
+        )
     names = tuple(party_ids)
     for name in names:
         if len(name) > NAME_CHARACTERS_MAX:
-            raise InputError("party", "id", name, f"at most {NAME_CHARACTERS_MAX} characters, as in a certificate")
+            raise InputError(
+                "party", "id", name, f"at most {NAME_CHARACTERS_MAX} characters, as in a certificate"
+            )
     begin = now or datetime.now(UTC)
     issuer = CertificateIssuer(begin - _SLOW_CLOCK, begin + timedelta(hours=life_h))
     try:
@@ -108,7 +111,9 @@ def identity_in(folder: Path, now: datetime | None = None) -> TlsIdentity:
         raise InputError(ours, "", None, f"a certificate by the authority in {folder / AUTHORITY_FILE}")
     begin, end = certificate.not_valid_before_utc, certificate.not_valid_after_utc
     if not is_in_time(begin, end, now or datetime.now(UTC)):
-        raise InputError(ours, "valid", f"{begin:%F %H:%M} to {end:%F %H:%M} UTC", "a time that has not run out")
+        raise InputError(
+            ours, "valid", f"{begin:%F %H:%M} to {end:%F %H:%M} UTC", "a time that has not run out"
+        )
     key = folder / KEY_FILE
     if not key.exists() or key.stat().st_mode & _OTHERS_BITS:
         raise InputError(str(key), "", None, "a key that its owner alone can read (mode 0600)")
@@ -178,14 +183,18 @@ def _general_name(address: str) -> x509.GeneralName:
     try:
         return x509.DNSName(address)
     except ValueError:
-        raise InputError("command line", "--address", address, "a number or a name in ASCII letters") from None
+        raise InputError(
+            "command line", "--address", address, "a number or a name in ASCII letters"
+        ) from None
 
 
 def _certificate(file: Path) -> x509.Certificate:
     try:
         return x509.load_pem_x509_certificate(file.read_bytes())
     except (OSError, ValueError):
-        raise InputError(str(file), "", None, "a certificate (PEM), as `branchline certificates` makes") from None
+        raise InputError(
+            str(file), "", None, "a certificate (PEM), as `branchline certificates` makes"
+        ) from None
 
 
 def _is_signed_by(certificate: x509.Certificate, authority: x509.Certificate) -> bool:

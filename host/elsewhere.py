@@ -22,14 +22,14 @@ INVITATION_FILE: Final = "invitation.json"
 class Elsewhere:
     """Which parties of a run people start on other machines, and where the simulator waits for them.
 
-    `party_ids`: empty for all that are processes. It waits `within` the context made of what is to be said. InputError where certificates are
-    missing or have run out.
+    `party_ids`: empty for all that are processes. While it waits it is in the context that `waiting` makes of what is
+    to be said. InputError where certificates are missing or have run out.
     """
 
     endpoint: str
     certificates: Path
     party_ids: tuple[str, ...]
-    within: Callable[[str], AbstractContextManager[None]]
+    waiting: Callable[[str], AbstractContextManager[None]]
 
     def __post_init__(self) -> None:
         identity_in(self.certificates)
@@ -49,8 +49,11 @@ class Elsewhere:
                 raise InputError(COMMAND_LINE, "--elsewhere", party_id, f"a party that is a process: {names}")
             if is_denied(party_id, denied_in(self.certificates)):
                 file = self.certificates / DENIED_FILE
-                raise InputError(str(file), "", party_id, "no party that is to take part: its certificate counts no more")
-            identity_in(self.folder_of(party_id))
+                raise InputError(
+                    str(file), "", party_id, "no party that is to take part: its certificate counts no more"
+                )
+            if not (folder := self.folder_of(party_id)).is_dir():
+                raise InputError(str(folder), "", None, "its folder, as `branchline certificates` made it")
         return chosen
 
     def folder_of(self, party_id: str) -> Path:

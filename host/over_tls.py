@@ -68,13 +68,17 @@ def decode_far(data: bytes) -> ToldFar:
     try:
         return _TOLD.decode(data)
     except msgspec.MsgspecError as error:
-        raise InputError("host", "record", f"{len(data)} bytes", f"what a party's machine is told ({error})") from None
+        raise InputError(
+            "host", "record", f"{len(data)} bytes", f"what a party's machine is told ({error})"
+        ) from None
 
 
 def check_endpoint(option: str, endpoint: str) -> None:
     """Raises InputError for what is no address for TLS: nothing else shows who is there."""
     if not _ENDPOINT.fullmatch(endpoint):
-        raise InputError(COMMAND_LINE, option, endpoint, "tls/ADDRESS:PORT, where both ends show certificates")
+        raise InputError(
+            COMMAND_LINE, option, endpoint, "tls/ADDRESS:PORT, where both ends show certificates"
+        )
 
 
 def tls_session_json5(
@@ -114,9 +118,7 @@ def access_control(line_id: str, party_ids: Iterable[str]) -> dict[str, Any]:
     for party_id in ids:
         rules += [
             rule(f"{party_id} says", said_key(line_id, party_id), ("ingress",), "put"),
-            rule(
-                f"{party_id} hears", radio_key(line_id, party_id), _BOTH_WAYS, "put", "declare_subscriber"
-            ),
+            rule(f"{party_id} hears", radio_key(line_id, party_id), _BOTH_WAYS, "put", "declare_subscriber"),
             rule(
                 f"{party_id} answers",
                 time_key(line_id, party_id),

@@ -91,8 +91,8 @@ class ZenohParties:
 
     Entering the context is the first commissioning of those that have none there.
 
-    Raises PartyError if a party does not start within 30 s (join within 10 min) or does not answer within 10 s, with what
-    it last wrote, and ForeignError as soon as anybody else is heard.
+    Raises PartyError if a party does not start within 30 s (join within 10 min) or does not answer within 10 s,
+    with what it last wrote, and ForeignError as soon as anybody else is heard.
     """
 
     def __init__(
@@ -292,7 +292,7 @@ class ZenohParties:
             return
         names = ", ".join(hosted.spec.party_id for hosted in far)
         what = f"waiting at {self._elsewhere.endpoint} for {names}; what each needs is in {self._elsewhere.folder}"
-        with self._elsewhere.within(what):
+        with self._elsewhere.waiting(what):
             for hosted in far:
                 self._wait_ready(hosted, JOIN_LIMIT_S)
                 self._elsewhere.uninvite(hosted.spec.party_id)

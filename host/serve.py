@@ -27,7 +27,15 @@ from host.lockstep import Answerer, Question, Tagged
 from host.parties import ForeignError
 from host.party import PartySpec, Role
 from host.patience import Patience
-from host.planes import ANSWER_LIMIT_S, PAYLOAD_BYTES_MAX, Secrets, radio_key, said_key, session_json5, time_key
+from host.planes import (
+    ANSWER_LIMIT_S,
+    PAYLOAD_BYTES_MAX,
+    Secrets,
+    radio_key,
+    said_key,
+    session_json5,
+    time_key,
+)
 from host.process import CONFIG_FILE, DURABLE_FILE, WANTING_CODE
 from host.store import FileStore, commission
 from network.errors import InputError, is_want_of_resources

@@ -73,7 +73,9 @@ def take_part(folder: Path, endpoint: str) -> None:
     invitation = _invitation(file)
     spec = invitation.spec
     if identity.name != spec.party_id:
-        raise InputError(str(folder / CERTIFICATE_FILE), "name", identity.name, f"{spec.party_id}, who is invited")
+        raise InputError(
+            str(folder / CERTIFICATE_FILE), "name", identity.name, f"{spec.party_id}, who is invited"
+        )
     party = FarParty(spec)
     config = tls_session_json5("connect", endpoint, identity, invitation.session_id)
     try:

@@ -168,7 +168,9 @@ def run_to_end(
     """
     setup = scenario.setup
     if course.elsewhere is not None and setup.tuning.days > 1:
-        raise InputError(scenario.called, "tuning.days", setup.tuning.days, "1 with --listen: parties join one day")
+        raise InputError(
+            scenario.called, "tuning.days", setup.tuning.days, "1 with --listen: parties join one day"
+        )
     # Random, so that nobody can know it: what the bytes of a code are decides nothing in a run.
     master_key = secrets.token_bytes(KEY_BYTES)
     on_board = unit_configs(setup, master_key)
@@ -180,7 +182,10 @@ def run_to_end(
         last = setup.day >= scenario.setup.tuning.days
         state = course.folder / f"day-{setup.day}"
         state.mkdir()
-        with parties_of(course.link, setup.line.id, specs, state, course.elsewhere) as own, collecting_rarely():
+        with (
+            parties_of(course.link, setup.line.id, specs, state, course.elsewhere) as own,
+            collecting_rarely(),
+        ):
             parties = own if course.watch is None else course.watch(own)
             simulation = Simulation(
                 setup,

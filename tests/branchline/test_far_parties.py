@@ -21,8 +21,12 @@ FAR = ("--link", "zenoh", "--listen", AT)
         (FAR, f"--listen is '{AT}'; expected --certificates, without which nobody would be let in"),
         ((*FAR, "--certificates", "nowhere"), "nowhere/authority.pem; expected a certificate"),
         ((*FAR, "--certificates", "{late}"), "expected a time that has not run out"),
-        ((*FAR, "--certificates", "{made}", "--elsewhere", "moon"), "--elsewhere is 'moon'; expected a party"),
+        (
+            (*FAR, "--certificates", "{made}", "--elsewhere", "moon"),
+            "--elsewhere is 'moon'; expected a party",
+        ),
         ((*FAR, "--certificates", "{made}", "--elsewhere", "A-E"), "denied is 'A-E'; expected no party"),
+        ((*FAR, "--certificates", "{made}", "--elsewhere", "B-E"), "made/parties/B-E; expected its folder"),
         ((*FAR, "--certificates", "{made}", "--elsewhere", "K1"), "--elsewhere is 'K1'; expected a party"),
         (("--listen", AT), "--listen is 'tls/127.0.0.1:17447'; expected --link zenoh"),
         (("--certificates", "here"), "--certificates is 'here'; expected --listen"),
@@ -59,7 +63,9 @@ def test_days_of_learning_are_run_on_one_machine(main: Callable[..., Any], tmp_p
 
 def test_each_party_of_a_scenario_has_its_folder(main: Callable[..., Any], tmp_path: Path) -> None:
     folder = tmp_path / "made"
-    ended = main("certificates", "rtri_test_line", str(folder), "--address", "simulator.example", "--hours", "2")
+    ended = main(
+        "certificates", "rtri_test_line", str(folder), "--address", "simulator.example", "--hours", "2"
+    )
     assert (ended.code, ended.err) == (0, "")
     assert "for 6 parties, 2 h" in ended.out
     names = {path.name for path in (folder / "parties").iterdir()}

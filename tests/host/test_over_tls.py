@@ -116,7 +116,7 @@ def test_invitations_are_their_owners_alone_and_go_when_nobody_waits(
     monkeypatch.setattr(host.over_zenoh, "JOIN_LIMIT_S", 0.0)
     with (
         Machines(made, ["t"]) as machines,
-        pytest.raises(PartyError, match="^point terminal t was not ready within 0 s$"),
+        pytest.raises(PartyError, match=r"^point terminal t was not ready within 0 s$"),
     ):
         with_far(machines, tmp_path).__enter__()
     assert modes == [0o600]
@@ -145,9 +145,11 @@ def test_a_machine_whose_run_breaks_off_says_so(machines: Machines, tmp_path: Pa
 # who is not let in ------------------------------------------------------------------------------------------
 
 
-def test_who_cannot_prove_who_he_is_joins_nothing(parties: ZenohParties, machines: Machines, made: Path) -> None:
-    """Another authority's certificate, none, one that has run out, one that is no party's; and a simulator that is
-    elsewhere than its certificate says is not believed.
+def test_who_cannot_prove_who_he_is_joins_nothing(
+    parties: ZenohParties, machines: Machines, made: Path
+) -> None:
+    """Another authority's certificate, none, one that has run out, one that is no party's; and who is no
+    simulator, or is elsewhere than its certificate says, is not believed.
     """
     endpoint, folder = machines.elsewhere.endpoint, made / "parties" / "t"
     make_certificates(made.parent / "others", ["t"], ADDRESS)
@@ -172,13 +174,15 @@ def test_who_cannot_prove_who_he_is_joins_nothing(parties: ZenohParties, machine
         }
 
     no_one = {"connect_certificate": None, "connect_private_key": None, "enable_mtls": False}
-    localhost = endpoint.replace(ADDRESS, "localhost")
-    with ThreadPoolExecutor() as pool:
+    localhost, posed = endpoint.replace(ADDRESS, "localhost"), free_endpoint()
+    poser = tls_session_json5("listen", posed, identity_in(made / "parties" / "u1"), "1")
+    with ThreadPoolExecutor() as pool, zenoh.open(zenoh.Config.from_json5(poser)):
         attempts = {
             "another authority": pool.submit(tried, of(made.parent / "others" / "parties" / "t")),
             "no certificate": pool.submit(tried, no_one),
             "expired": pool.submit(tried, of(made / EXPIRED)),
             "no party's": pool.submit(tried, of(made / SIMULATORS)),
+            "a party that poses as the simulator": pool.submit(tried, {}, posed),
             "another address": pool.submit(tried, {}, localhost),
         }
         assert {what: done.result() for what, done in attempts.items()} == dict.fromkeys(attempts, "refused")
@@ -191,7 +195,9 @@ def test_a_certificate_without_an_invitation_ends_the_run(
 ) -> None:
     with (
         session_of(made / "parties" / "u1", machines.elsewhere.endpoint),
-        pytest.raises(ForeignError, match="a foreign session has joined the run: abc with the certificate of u1"),
+        pytest.raises(
+            ForeignError, match="a foreign session has joined the run: abc with the certificate of u1"
+        ),
     ):
         ask_on(parties)
 
@@ -281,7 +287,10 @@ def test_all_that_is_made_is_its_owners_alone(tmp_path: Path) -> None:
     assert {stat.S_IMODE(path.stat().st_mode) for path in found} == {0o600}
     assert stat.S_IMODE((tmp_path / "made").stat().st_mode) == 0o700
     assert [path.name for path in tmp_path.iterdir()] == ["made"]
-    for name, address, expected in (("x" * 65, ADDRESS, "at most 64 characters"), ("t", "日", "ASCII letters")):
+    for name, address, expected in (
+        ("x" * 65, ADDRESS, "at most 64 characters"),
+        ("t", "日", "ASCII letters"),
+    ):
         with pytest.raises(InputError, match=expected):
             make_certificates(tmp_path / "other", [name], address)
     assert [path.name for path in tmp_path.iterdir()] == ["made"]
@@ -308,7 +317,11 @@ def test_a_partys_machine_refuses_what_does_not_fit(tmp_path: Path, folder: str,
 
 
 def test_a_party_is_known_to_be_there_and_others_are_not(made: Path, tmp_path: Path) -> None:
-    with Machines(made, ["nobody"]) as machines, pytest.raises(
-        InputError, match=rf"--elsewhere is 'nobody'; expected a party that is a process: {MANAGER_ID}, t"
+    with (
+        Machines(made, ["nobody"]) as machines,
+        pytest.raises(
+            InputError, match=rf"--elsewhere is 'nobody'; expected a party that is a process: {MANAGER_ID}, t"
+        ),
     ):
         with_far(machines, tmp_path).__enter__()
+    assert Machines(made, []).elsewhere.chosen(["t", "u1"]) == {"t", "u1"}

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from host.certificates import make_certificates
 from scenario.scenario import load_scenario
 from study.runner.run import CarrierKind, PartyLink, UnitsAt, execute, party_ids_of
-from tests.host.far_parties import Machines, certificates_in
+from tests.host.far_parties import ADDRESS, Machines
 from tests.nightly import others_nightly
 
 pytestmark = pytest.mark.system
@@ -25,7 +26,8 @@ def test_a_run_with_parties_elsewhere_is_the_same_to_the_byte(
     here = execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
     ids = party_ids_of(scenario.setup)
     assert set(SOME) < set(ids)
-    with Machines(certificates_in(tmp_path / "made", ids), elsewhere or ids) as machines:
+    make_certificates(tmp_path / "made", ids, ADDRESS)
+    with Machines(tmp_path / "made", elsewhere or ids) as machines:
         far = execute(
             scenario,
             PartyLink.ZENOH,
