@@ -24,7 +24,7 @@ def certificates(
     with needing_extra("tls", "certificates"):
         from host.certificates import PARTIES_FOLDER, make_certificates
     from scenario.scenario import load_scenario
-    from study.runner.run import party_ids_of
+    from study.runner.devices import party_ids_of
 
     names = party_ids_of(load_scenario(scenario).setup)
     make_certificates(folder.resolve(), names, address, hours)

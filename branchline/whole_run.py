@@ -80,6 +80,9 @@ def run_whole(
 
     Raises InputError where plan or directory do not allow it, CutShortError where it was cut short, Crashed for a bug.
     """
+    days = scenario.setup.tuning.days
+    if asked.elsewhere is not None and days > 1:
+        raise InputError(scenario.called, "tuning.days", days, "1 with --listen: parties join for one day")
     plan = refuse(scenario.called, scenario.setup, anyway=asked.anyway)
     if progress and not plan.on_time:
         print_aside(f"{plan.verdict}; branchline check {scenario.called} shows all")

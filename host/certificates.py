@@ -1,5 +1,5 @@
-"""Certificates for runs whose parties are on several machines: an authority signs one for the simulator and one for each
-party, for some hours, and its key is then forgotten. So nobody can add one, and a name means one certificate.
+"""Certificates for runs whose parties are on several machines: an authority signs one for the simulator and one for
+each party, for some hours, and its key is then forgotten. So nobody can add one, and a name means one certificate.
 
 | in the folder | what |
 |---|---|
@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import ipaddress
 from collections.abc import Iterable
-from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Final
@@ -32,13 +31,11 @@ from cryptography.hazmat.primitives.serialization import (
 )
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID, ObjectIdentifier
 
+from host.over_tls import AUTHORITY_FILE, CERTIFICATE_FILE, KEY_FILE
 from host.process import write_private
 from host.scratch import scratch
 from network.errors import InputError
 
-AUTHORITY_FILE: Final = "authority.pem"
-CERTIFICATE_FILE: Final = "certificate.pem"
-KEY_FILE: Final = "key.pem"
 DENIED_FILE: Final = "denied"
 PARTIES_FOLDER: Final = "parties"
 LIFE_H: Final = 24
@@ -47,29 +44,6 @@ _AUTHORITY_NAME: Final = "branchline authority"  # a party's id has no blank
 _SIMULATOR_NAME: Final = "branchline simulator"
 _SLOW_CLOCK: Final = timedelta(minutes=5)  # a machine whose clock is behind by less takes it too
 _OTHERS_BITS: Final = 0o077
-
-
-@dataclass(frozen=True, slots=True)
-class TlsIdentity:
-    """With which one end of a link shows who it is, its `name`, and whose word it believes of the other's."""
-
-    folder: Path
-    name: str
-
-    @property
-    def authority(self) -> Path:
-        """Whose word it believes."""
-        return self.folder / AUTHORITY_FILE
-
-    @property
-    def certificate(self) -> Path:
-        """What it shows."""
-        return self.folder / CERTIFICATE_FILE
-
-    @property
-    def key(self) -> Path:
-        """With what it proves that this is its own."""
-        return self.folder / KEY_FILE
 
 
 def make_certificates(
@@ -102,8 +76,11 @@ def make_certificates(
         raise InputError(str(folder), "", None, f"a folder that can be made ({error.strerror})") from None
 
 
-def identity_in(folder: Path, now: datetime | None = None) -> TlsIdentity:
-    """Who the files of a folder say one is. Raises InputError for what the other end would refuse without a word."""
+def name_in(folder: Path, now: datetime | None = None) -> str:
+    """Who the certificate in a folder says that one is.
+
+    Raises InputError for what the other end would refuse without a word.
+    """
     authority = _certificate(folder / AUTHORITY_FILE)
     certificate = _certificate(folder / CERTIFICATE_FILE)
     ours = str(folder / CERTIFICATE_FILE)
@@ -120,7 +97,7 @@ def identity_in(folder: Path, now: datetime | None = None) -> TlsIdentity:
     if load_pem_private_key(key.read_bytes(), None).public_key() != certificate.public_key():
         raise InputError(str(key), "", None, f"the key of {ours}")
     (name,) = certificate.subject.get_attributes_for_oid(NameOID.COMMON_NAME)
-    return TlsIdentity(folder, str(name.value))
+    return str(name.value)
 
 
 def is_in_time(begin: datetime, end: datetime, now: datetime) -> bool:

@@ -10,7 +10,7 @@ from typing import Final
 
 import msgspec
 
-from host.certificates import DENIED_FILE, PARTIES_FOLDER, denied_in, identity_in
+from host.certificates import DENIED_FILE, PARTIES_FOLDER, denied_in, name_in
 from host.over_tls import PartyInvitation, access_control, tls_session_json5
 from host.process import write_private
 from network.errors import COMMAND_LINE, InputError
@@ -32,7 +32,7 @@ class Elsewhere:
     waiting: Callable[[str], AbstractContextManager[None]]
 
     def __post_init__(self) -> None:
-        identity_in(self.certificates)
+        name_in(self.certificates)
 
     @property
     def folder(self) -> Path:
@@ -47,7 +47,7 @@ class Elsewhere:
             if party_id not in known:
                 names = ", ".join(sorted(known))
                 raise InputError(COMMAND_LINE, "--elsewhere", party_id, f"a party that is a process: {names}")
-            if is_denied(party_id, denied_in(self.certificates)):
+            if party_id in denied_in(self.certificates):
                 file = self.certificates / DENIED_FILE
                 raise InputError(
                     str(file), "", party_id, "no party that is to take part: its certificate counts no more"
@@ -72,9 +72,4 @@ class Elsewhere:
     def session_json5(self, line_id: str, party_ids: Iterable[str], session_id: str) -> str:
         """Zenoh configuration of the simulator's end."""
         access = access_control(line_id, party_ids)
-        return tls_session_json5("listen", self.endpoint, identity_in(self.certificates), session_id, access)
-
-
-def is_denied(party_id: str, denied: frozenset[str]) -> bool:
-    """Whether its certificate counts no more."""
-    return party_id in denied
+        return tls_session_json5("listen", self.endpoint, self.certificates, session_id, access)

@@ -10,18 +10,19 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable
 from enum import Enum
-from typing import TYPE_CHECKING, Any, Final
+from pathlib import Path
+from typing import Any, Final
 
 import msgspec
 
-from host.party import PartySpec
+from host.party import Codec, PartySpec
 from host.planes import all_said_key, radio_key, said_key, session_config, time_key
 from host.process import Commission
 from network.errors import COMMAND_LINE, InputError
 
-if TYPE_CHECKING:  # only who has certificates needs what reads them
-    from host.certificates import TlsIdentity
-
+AUTHORITY_FILE: Final = "authority.pem"
+CERTIFICATE_FILE: Final = "certificate.pem"
+KEY_FILE: Final = "key.pem"
 LEASE_MS: Final = 60_000  # a machine may vanish without a word; one that sleeps for less is still there
 _ENDPOINT: Final = re.compile(r"tls/(\[[0-9a-fA-F:.]+\]|[^\s/:?#\[\]]+):[0-9]{1,5}")
 _BOTH_WAYS: Final = ("ingress", "egress")
@@ -54,23 +55,7 @@ class PartyInvitation(msgspec.Struct, frozen=True):
     session_id: str
 
 
-_TOLD: Final = msgspec.msgpack.Decoder(ToldFar)
-_ENCODER: Final = msgspec.msgpack.Encoder()
-
-
-def encode_far(told: ToldFar) -> bytes:
-    """The record as bytes."""
-    return _ENCODER.encode(told)
-
-
-def decode_far(data: bytes) -> ToldFar:
-    """The record in `data`. Raises InputError."""
-    try:
-        return _TOLD.decode(data)
-    except msgspec.MsgspecError as error:
-        raise InputError(
-            "host", "record", f"{len(data)} bytes", f"what a party's machine is told ({error})"
-        ) from None
+FAR: Final = Codec(ToldFar, ToldFar)
 
 
 def check_endpoint(option: str, endpoint: str) -> None:
@@ -82,9 +67,10 @@ def check_endpoint(option: str, endpoint: str) -> None:
 
 
 def tls_session_json5(
-    role: str, endpoint: str, identity: TlsIdentity, session_id: str, access: dict[str, Any] | None = None
+    role: str, endpoint: str, folder: Path, session_id: str, access: dict[str, Any] | None = None
 ) -> str:
-    """Zenoh configuration of one end of the link; `access`: what it lets through, None: all.
+    """Zenoh configuration of the end of the link whose certificate is in a folder; `access`: what it lets through,
+    None: all.
 
     Without low latency, whose links end unnoticed when a certificate runs out; with one priority the order is the same.
     """
@@ -94,9 +80,9 @@ def tls_session_json5(
         "protocols": ["tls"],
         "tx": {"lease": LEASE_MS, "keep_alive": 4},
         "tls": {
-            "root_ca_certificate": str(identity.authority),
-            f"{role}_certificate": str(identity.certificate),
-            f"{role}_private_key": str(identity.key),
+            "root_ca_certificate": str(folder / AUTHORITY_FILE),
+            f"{role}_certificate": str(folder / CERTIFICATE_FILE),
+            f"{role}_private_key": str(folder / KEY_FILE),
             "enable_mtls": True,
             "verify_name_on_connect": True,
             "close_link_on_expiration": True,
@@ -114,7 +100,7 @@ def access_control(line_id: str, party_ids: Iterable[str]) -> dict[str, Any]:
     def rule(name: str, key: str, flows: Iterable[str], *messages: str) -> dict[str, Any]:
         return {"id": name, "permission": "allow", "flows": flows, "messages": messages, "key_exprs": [key]}
 
-    rules = [rule("asks for telegrams", all_said_key(line_id), ("egress",), "declare_subscriber")]
+    rules = [rule("all are asked", all_said_key(line_id), ("egress",), "declare_subscriber")]
     for party_id in ids:
         rules += [
             rule(f"{party_id} says", said_key(line_id, party_id), ("ingress",), "put"),
@@ -150,7 +136,7 @@ class FarProcess:
     ending: Final = "has left the run"
 
     def __init__(self, tell: Callable[[ToldFar], None]) -> None:
-        self._tell = tell
+        self.tell: Final = tell
         self.lost = False  # its durable state
 
     def alive(self) -> bool:
@@ -163,26 +149,21 @@ class FarProcess:
 
     def kill(self) -> None:
         """Power cut: its machine forgets all but the durable state."""
-        self._tell(ToldFar(PowerDeed.KILL))
+        self.tell(ToldFar(PowerDeed.KILL))
 
     def restart(self, commission: Commission | None) -> None:
         """Power back, after people's commissioning if there was one."""
         if commission is not None:
             self.lost = False
-            self._tell(ToldFar(PowerDeed.COMMISSION, commission.vital, commission.number))
-        self._tell(ToldFar(PowerDeed.RESTART))
+            self.tell(ToldFar(PowerDeed.COMMISSION, commission.vital, commission.number))
+        self.tell(ToldFar(PowerDeed.RESTART))
 
     def lose(self) -> None:
         """Its durable state is gone."""
         self.lost = True
-        self._tell(ToldFar(PowerDeed.LOSE))
-
-    def leave(self) -> None:
-        """The run is over."""
-        self._tell(ToldFar(PowerDeed.LEAVE))
+        self.tell(ToldFar(PowerDeed.LOSE))
 
     def terminate(self) -> None:
         """It ends with its link."""
 
-    def end(self) -> None:
-        """It ends with its link."""
+    end = terminate

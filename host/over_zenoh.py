@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Final, Self
 import zenoh
 
 from host.lockstep import Asker, PartyAnswer, Tagged, of_certificate, of_run
-from host.over_tls import FarProcess, PartyInvitation, ToldFar, encode_far
+from host.over_tls import FAR, FarProcess, PartyInvitation, PowerDeed, ToldFar
 from host.parties import ForeignError, PartyBug, PartyError
 from host.party import Advance, PartySpec
 from host.patience import Patience
@@ -146,7 +146,7 @@ class ZenohParties:
         if not hosted.process.alive():
             raise self._ended(hosted, hosted.process)
         if hosted.far is not None:
-            told = encode_far(ToldFar(told=told))
+            told = FAR.encode(ToldFar(told=told))
         return self._advance(hosted, hosted.process, now_s, telegrams, told)
 
     def _advance(
@@ -284,7 +284,7 @@ class ZenohParties:
     def _tell(self, hosted: _Hosted, deed: ToldFar) -> None:
         """Tell a party's machine what to do with it."""
         if hosted.far is not None:
-            self._advance(hosted, hosted.far, 0.0, [], encode_far(deed))
+            self._advance(hosted, hosted.far, 0.0, [], FAR.encode(deed))
 
     def _wait_joined(self, far: Sequence[_Hosted]) -> None:
         """Until people have started those that are on other machines."""
@@ -301,7 +301,7 @@ class ZenohParties:
         for hosted in self._hosted.values():
             if hosted.far is not None:
                 with suppress(PartyError):  # who has left already knows
-                    hosted.far.leave()
+                    hosted.far.tell(ToldFar(PowerDeed.LEAVE))
 
     def _wait_ready(self, hosted: _Hosted, limit_s: float) -> None:
         """Until the party answered and its telegram reached us: then both planes stand."""

@@ -16,11 +16,18 @@ from typing import Final
 import msgspec
 import zenoh
 
-from host.certificates import CERTIFICATE_FILE, identity_in
+from host.certificates import name_in
 from host.elsewhere import INVITATION_FILE
 from host.local import LocalParties
 from host.lockstep import Answerer
-from host.over_tls import PartyInvitation, PowerDeed, check_endpoint, decode_far, tls_session_json5
+from host.over_tls import (
+    CERTIFICATE_FILE,
+    FAR,
+    PartyInvitation,
+    PowerDeed,
+    check_endpoint,
+    tls_session_json5,
+)
 from host.parties import PartyError
 from host.party import Advance, PartySpec
 from host.process import WANTING_CODE
@@ -45,7 +52,7 @@ class FarParty:
 
     def advance(self, now_s: float, telegrams: Sequence[bytes], told: bytes) -> Advance:
         """Act at `now_s`, or lose power, or what else it is told. Raises InputError, PartyError."""
-        asked = decode_far(told)
+        asked = FAR.decode_told(told)
         match asked.deed:
             case PowerDeed.ADVANCE:
                 return self._parties.advance(self._party_id, now_s, telegrams, asked.told)
@@ -68,16 +75,14 @@ def take_part(folder: Path, endpoint: str) -> None:
     The process ends with code 3 when the link is lost before the run is over.
     """
     check_endpoint("--connect", endpoint)
-    identity = identity_in(folder)
+    name = name_in(folder)
     file = folder / INVITATION_FILE
     invitation = _invitation(file)
     spec = invitation.spec
-    if identity.name != spec.party_id:
-        raise InputError(
-            str(folder / CERTIFICATE_FILE), "name", identity.name, f"{spec.party_id}, who is invited"
-        )
+    if name != spec.party_id:
+        raise InputError(str(folder / CERTIFICATE_FILE), "name", name, f"{spec.party_id}, who is invited")
     party = FarParty(spec)
-    config = tls_session_json5("connect", endpoint, identity, invitation.session_id)
+    config = tls_session_json5("connect", endpoint, folder, invitation.session_id)
     try:
         session = zenoh.open(zenoh.Config.from_json5(config))
     except zenoh.ZError as error:

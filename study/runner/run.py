@@ -13,14 +13,12 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from host.devices import device_specs
 from host.parties import Parties
 from host.party import PartySpec
 from host.scratch import scratch
 from host.unit import PartyUnits, unit_specs
 from host.units import LocalUnits
 from network.errors import InputError
-from network.graph import all_routes
 from network.model import Line
 from radio.keys import KEY_BYTES
 from scenario.fleet_file import learned_json
@@ -70,14 +68,13 @@ from study.report.beside import Beside
 from study.report.report import write_report
 from study.runner.collector import collecting_rarely
 from study.runner.crash import bugs_named
-from study.runner.journeys import dispatch_of
+from study.runner.devices import specs_of
 from study.runner.outcome import missing_said, outside_design, rules_said, unfinished, waiting_said
 from study.wording.phrase import Phrase
 from sumo_cfg.build import net_for
 from sumo_cfg.road_net import RoadAt
 from sumo_cfg.scenery import scenery_xml
 from sumo_cfg.truth_map import NetMap, read_net
-from wayside.config import crossing_configs, manager_config, terminal_configs
 
 if TYPE_CHECKING:  # only who listens needs what reads certificates
     from host.elsewhere import Elsewhere
@@ -167,10 +164,6 @@ def run_to_end(
     Whom somebody wants to `stop` gives back the day of which that is the end.
     """
     setup = scenario.setup
-    if course.elsewhere is not None and setup.tuning.days > 1:
-        raise InputError(
-            scenario.called, "tuning.days", setup.tuning.days, "1 with --listen: parties join one day"
-        )
     # Random, so that nobody can know it: what the bytes of a code are decides nothing in a run.
     master_key = secrets.token_bytes(KEY_BYTES)
     on_board = unit_configs(setup, master_key)
@@ -426,21 +419,6 @@ def broken_said(result: RunResult, setup: Setup) -> tuple[Phrase, ...]:
 def terminals_of(line: Line) -> tuple[str, ...]:
     """Point terminals of a line."""
     return tuple(sorted({points.terminal_id for points in line.points.values()}))
-
-
-def specs_of(setup: Setup, master_key: bytes) -> tuple[PartySpec, ...]:
-    """What is needed to start the wayside devices of a run."""
-    line = setup.line
-    unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
-    reentry, dispatch = setup.operation.reentry, dispatch_of(setup)
-    manager = manager_config(line, all_routes(line), unit_ids, reentry=reentry, dispatch=dispatch)
-    return device_specs(manager, terminal_configs(line), master_key, crossing_configs(line))
-
-
-def party_ids_of(setup: Setup) -> tuple[str, ...]:
-    """Ids of all that may be processes in a run: devices and units."""
-    units = (diagram.stock_id for diagram in setup.timetable.diagrams)
-    return (*(spec.party_id for spec in specs_of(setup, bytes(KEY_BYTES))), *units)
 
 
 def carrier_factory(

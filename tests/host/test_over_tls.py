@@ -15,7 +15,7 @@ import zenoh
 
 import host.elsewhere
 import host.over_zenoh
-from host.certificates import DENIED_FILE, identity_in, make_certificates
+from host.certificates import DENIED_FILE, make_certificates, name_in
 from host.devices import CODEC, DeviceTold
 from host.elsewhere import INVITATION_FILE, Elsewhere
 from host.local import LocalParties
@@ -62,7 +62,7 @@ def parties(machines: Machines, tmp_path: Path) -> Iterator[ZenohParties]:
 
 
 def session_of(folder: Path, endpoint: str, session_id: str = "abc") -> zenoh.Session:
-    config = tls_session_json5("connect", endpoint, identity_in(folder), session_id)
+    config = tls_session_json5("connect", endpoint, folder, session_id)
     return zenoh.open(zenoh.Config.from_json5(config))
 
 
@@ -153,7 +153,7 @@ def test_who_cannot_prove_who_he_is_joins_nothing(
     """
     endpoint, folder = machines.elsewhere.endpoint, made / "parties" / "t"
     make_certificates(made.parent / "others", ["t"], ADDRESS)
-    right = msgspec.json.decode(tls_session_json5("connect", endpoint, identity_in(folder), "abc"))
+    right = msgspec.json.decode(tls_session_json5("connect", endpoint, folder, "abc"))
     shown = right["transport"]["link"]["tls"]
 
     def tried(change: dict[str, Any], at: str = endpoint) -> str:
@@ -175,7 +175,7 @@ def test_who_cannot_prove_who_he_is_joins_nothing(
 
     no_one = {"connect_certificate": None, "connect_private_key": None, "enable_mtls": False}
     localhost, posed = endpoint.replace(ADDRESS, "localhost"), free_endpoint()
-    poser = tls_session_json5("listen", posed, identity_in(made / "parties" / "u1"), "1")
+    poser = tls_session_json5("listen", posed, made / "parties" / "u1", "1")
     with ThreadPoolExecutor() as pool, zenoh.open(zenoh.Config.from_json5(poser)):
         attempts = {
             "another authority": pool.submit(tried, of(made.parent / "others" / "parties" / "t")),
@@ -258,26 +258,26 @@ def test_a_denied_party_takes_no_part(tmp_path: Path) -> None:
 def test_a_folder_that_would_be_refused_is_named(made: Path, tmp_path: Path) -> None:
     make_certificates(tmp_path / "a", ["t"], ADDRESS)
     make_certificates(tmp_path / "b", ["t"], ADDRESS)
-    assert identity_in(tmp_path / "a" / "parties" / "t").name == "t"
+    assert name_in(tmp_path / "a" / "parties" / "t") == "t"
     with pytest.raises(InputError, match=r"a; expected a folder that is not there yet"):
         make_certificates(tmp_path / "a", ["t"], ADDRESS)
     with pytest.raises(InputError, match=r"UTC'; expected a time that has not run out"):
-        identity_in(made / EXPIRED)
+        name_in(made / EXPIRED)
     day = datetime.now(UTC) + timedelta(hours=24, minutes=1)
     with pytest.raises(InputError, match=r"expected a time that has not run out"):
-        identity_in(tmp_path / "a", day)
+        name_in(tmp_path / "a", day)
     with pytest.raises(InputError, match=r"nowhere/authority.pem; expected a certificate"):
-        identity_in(tmp_path / "nowhere")
+        name_in(tmp_path / "nowhere")
     (tmp_path / "a" / "certificate.pem").write_bytes((tmp_path / "b" / "certificate.pem").read_bytes())
     with pytest.raises(InputError, match=r"certificate.pem; expected a certificate by the authority in"):
-        identity_in(tmp_path / "a")
+        name_in(tmp_path / "a")
     (tmp_path / "b" / "key.pem").chmod(0o640)
     with pytest.raises(InputError, match=r"key.pem; expected a key that its owner alone can read"):
-        identity_in(tmp_path / "b")
+        name_in(tmp_path / "b")
     (tmp_path / "b" / "key.pem").write_bytes((tmp_path / "a" / "key.pem").read_bytes())
     (tmp_path / "b" / "key.pem").chmod(0o600)
     with pytest.raises(InputError, match=r"key.pem; expected the key of "):
-        identity_in(tmp_path / "b")
+        name_in(tmp_path / "b")
 
 
 def test_all_that_is_made_is_its_owners_alone(tmp_path: Path) -> None:

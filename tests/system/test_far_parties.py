@@ -8,7 +8,8 @@ import pytest
 
 from host.certificates import make_certificates
 from scenario.scenario import load_scenario
-from study.runner.run import CarrierKind, PartyLink, UnitsAt, execute, party_ids_of
+from study.runner.devices import party_ids_of
+from study.runner.run import CarrierKind, PartyLink, UnitsAt, execute
 from tests.host.far_parties import ADDRESS, Machines
 from tests.nightly import others_nightly
 
