@@ -126,6 +126,15 @@ HAZARDS: Final = (
                 ),
             ),
             SafetyClaim(
+                "Nobody else is on the planes between processes",
+                "one socket in a private folder; random keys a run; the time plane is authenticated",
+                ("run rtri_test_line --link zenoh",),
+                (
+                    "tests/host/test_over_zenoh.py::test_a_foreign_session_ends_the_run",
+                    "tests/host/test_lockstep.py::test_what_is_not_ours_takes_no_effect_and_ends_the_run",
+                ),
+            ),
+            SafetyClaim(
                 "What is on another machine is who its certificate says, and says what is its own alone",
                 "both ends of TLS show a certificate of an authority that signs no more; a rule for each name; whoever"
                 " has joined without the invitation to this run ends it",
@@ -136,15 +145,6 @@ HAZARDS: Final = (
                     "tests/host/test_over_tls.py::test_what_is_not_a_partys_to_say_does_not_arrive",
                     "tests/host/test_over_tls.py::test_a_denied_party_takes_no_part",
                     "tests/system/test_far_parties.py::test_a_run_with_parties_elsewhere_is_the_same_to_the_byte",
-                ),
-            ),
-            SafetyClaim(
-                "Nobody else is on the planes between processes",
-                "one socket in a private folder; random keys a run; the time plane is authenticated",
-                ("run rtri_test_line --link zenoh",),
-                (
-                    "tests/host/test_over_zenoh.py::test_a_foreign_session_ends_the_run",
-                    "tests/host/test_lockstep.py::test_what_is_not_ours_takes_no_effect_and_ends_the_run",
                 ),
             ),
         ),

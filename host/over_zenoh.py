@@ -405,4 +405,4 @@ class ZenohParties:
                     self._elsewhere.uninvite(party_id)
         with self._folder, ExitStack() as sessions:
             while self._wires:
-                sessions.callback(self._wires.pop().session.close)
+                sessions.enter_context(self._wires.pop().session)

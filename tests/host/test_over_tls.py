@@ -142,6 +142,12 @@ def test_a_machine_whose_run_breaks_off_says_so(machines: Machines, tmp_path: Pa
     assert (code, "is lost before the run of t was over" in err) == (3, True)
 
 
+def test_a_link_is_of_no_other_kind_and_ends_with_its_certificate(made: Path) -> None:
+    for role in ("listen", "connect"):
+        link = msgspec.json.decode(tls_session_json5(role, "tls/a:1", made, "1"))["transport"]["link"]
+        assert (link["protocols"], link["tls"]["close_link_on_expiration"]) == (["tls"], True)
+
+
 # who is not let in ------------------------------------------------------------------------------------------
 
 
