@@ -10,13 +10,14 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable
 from enum import Enum
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
 import msgspec
 
 from host.party import Codec, PartySpec
-from host.planes import all_said_key, radio_key, said_key, session_config, time_key
+from host.planes import radio_key, said_key, session_config, time_key
 from host.process import Commission
 from network.errors import COMMAND_LINE, InputError
 
@@ -26,6 +27,11 @@ KEY_FILE: Final = "key.pem"
 LEASE_MS: Final = 60_000  # a machine may vanish without a word; one that sleeps for less is still there
 _ENDPOINT: Final = re.compile(r"tls/(\[[0-9a-fA-F:.]+\]|[^\s/:?#\[\]]+):[0-9]{1,5}")
 _BOTH_WAYS: Final = ("ingress", "egress")
+_OWN: Final = (  # what a party does: on which key, which way past the simulator's end, by which messages of Zenoh
+    ("says", said_key, ("ingress",), ("put",)),
+    ("hears", radio_key, _BOTH_WAYS, ("put", "declare_subscriber")),
+    ("answers", time_key, _BOTH_WAYS, ("query", "reply", "declare_queryable")),
+)
 
 
 class PowerDeed(Enum):
@@ -97,33 +103,24 @@ def access_control(line_id: str, party_ids: Iterable[str]) -> dict[str, Any]:
     """Zenoh's rules for the simulator's end: nothing passes but what a party of this name may say and is told."""
     ids = sorted(party_ids)
 
-    def rule(name: str, key: str, flows: Iterable[str], *messages: str) -> dict[str, Any]:
+    def rule(name: str, key: str, flows: Iterable[str], messages: Iterable[str]) -> dict[str, Any]:
         return {"id": name, "permission": "allow", "flows": flows, "messages": messages, "key_exprs": [key]}
 
-    rules = [rule("all are asked", all_said_key(line_id), ("egress",), "declare_subscriber")]
-    for party_id in ids:
-        rules += [
-            rule(f"{party_id} says", said_key(line_id, party_id), ("ingress",), "put"),
-            rule(f"{party_id} hears", radio_key(line_id, party_id), _BOTH_WAYS, "put", "declare_subscriber"),
-            rule(
-                f"{party_id} answers",
-                time_key(line_id, party_id),
-                _BOTH_WAYS,
-                "query",
-                "reply",
-                "declare_queryable",
-            ),
+    asks = rule("asks", said_key(line_id), ("egress",), ("declare_subscriber",))
+    own = {
+        party_id: [
+            rule(f"{party_id} {does}", key(line_id, party_id), flows, messages)
+            for does, key, flows, messages in _OWN
         ]
+        for party_id in ids
+    }
     return {
         "enabled": True,
         "default_permission": "deny",
-        "rules": rules,
+        "rules": [asks, *chain.from_iterable(own.values())],
         "subjects": [{"id": party_id, "cert_common_names": [party_id]} for party_id in ids],
         "policies": [
-            {
-                "subjects": [party_id],
-                "rules": [rules[0]["id"], *(f"{party_id} {does}" for does in ("says", "hears", "answers"))],
-            }
+            {"subjects": [party_id], "rules": [rule["id"] for rule in (asks, *own[party_id])]}
             for party_id in ids
         ],
     }

@@ -28,11 +28,11 @@ from host.planes import (
     ANSWER_LIMIT_S,
     PAYLOAD_BYTES_MAX,
     SOCKET_NAME,
-    all_said_key,
     endpoint_of,
     new_secrets,
     private_folder,
     radio_key,
+    said_key,
     session_json5,
     time_key,
 )
@@ -261,7 +261,7 @@ class ZenohParties:
             zenoh.handlers.FifoChannel(_SESSION_EVENTS), history=True
         )
         inbox = session.declare_subscriber(
-            all_said_key(self._line_id),
+            said_key(self._line_id),
             zenoh.handlers.FifoChannel(INBOX_TELEGRAMS),
             allowed_origin=zenoh.Locality.REMOTE,
         )

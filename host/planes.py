@@ -53,14 +53,10 @@ def radio_key(line_id: str, party_id: str) -> str:
     return f"branchline/{_name(line_id)}/radio/{_name(party_id)}"
 
 
-def said_key(line_id: str, party_id: str, destination: str | None = None) -> str:
-    """Key expression of the telegrams of a party to `destination`; None: to whomever."""
-    return f"branchline/{_name(line_id)}/said/{_name(party_id)}/{'*' if destination is None else _name(destination)}"
-
-
-def all_said_key(line_id: str) -> str:
-    """Key expression of the telegrams of all parties."""
-    return f"branchline/{_name(line_id)}/said/*/*"
+def said_key(line_id: str, party_id: str = "*", destination: str = "*") -> str:
+    """Key expression of the telegrams of a party to `destination`; "*" for all."""
+    ends = (end if end == "*" else _name(end) for end in (party_id, destination))
+    return "/".join(("branchline", _name(line_id), "said", *ends))
 
 
 def time_key(line_id: str, party_id: str) -> str:
