@@ -7,30 +7,32 @@ from pathlib import Path
 import pytest
 
 from host.certificates import make_certificates
-from scenario.scenario import load_scenario
 from study.runner.devices import party_ids_of
 from study.runner.run import CarrierKind, PartyLink, UnitsAt, execute
 from tests.host.far_parties import ADDRESS, Machines
 from tests.nightly import others_nightly
+from verify.evidence.inside_runs import load
 
 pytestmark = pytest.mark.system
 
 SOME = ("block-manager", "B-E", "K1")
-EVERY = ()
+SLICE = ("rtri_test_line", SOME)
+RUNS = (SLICE, ("rtri_test_line", ()), ("rtri/16a_manager_store_lost", ()), ("rtri/16b_unit_store_lost", ()))
 
 
-@pytest.mark.parametrize("elsewhere", others_nightly([SOME, EVERY], [SOME]))
+@pytest.mark.parametrize(("scenario", "elsewhere"), others_nightly(RUNS, [SLICE], columns=True))
 def test_a_run_with_parties_elsewhere_is_the_same_to_the_byte(
-    tmp_path: Path, elsewhere: tuple[str, ...]
+    tmp_path: Path, scenario: str, elsewhere: tuple[str, ...]
 ) -> None:
-    scenario = load_scenario("rtri_test_line")
-    here = execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
-    ids = party_ids_of(scenario.setup)
+    """All of them where none is named, and with power cuts and lost stores."""
+    loaded = load(scenario)
+    here = execute(loaded, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    ids = party_ids_of(loaded.setup)
     assert set(SOME) < set(ids)
     make_certificates(tmp_path / "made", ids, ADDRESS)
     with Machines(tmp_path / "made", elsewhere or ids) as machines:
         far = execute(
-            scenario,
+            loaded,
             PartyLink.ZENOH,
             units=UnitsAt.PROCESSES,
             carrier=CarrierKind.PLAIN,
