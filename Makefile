@@ -34,7 +34,7 @@ test: install
 browser: install
 	command -v chromium >/dev/null || command -v chromium-browser >/dev/null || (apt-get update && apt-get install -y --no-install-recommends chromium)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[browser]'
-	$(BIN)/python -m pytest tests/browser
+	$(BIN)/python -m pytest tests/browser -m browser
 
 # What is too long for every change, many examples of what every run tries few of, and the laws as Python runs them,
 # with their coverage.

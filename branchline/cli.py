@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from importlib.metadata import version
 from typing import Annotated, Final
 
@@ -80,6 +80,10 @@ app.add_typer(verify, name="verify", rich_help_panel=RESEARCH)
 app.add_typer(best, name="best", rich_help_panel=ANALYSE)
 
 
+# Put together once a process: that takes as long as a short command.
+whole_command = cache(partial(typer.main.get_command, app))
+
+
 def main() -> None:
     """Entry point: how a command ends, and one line on stderr wherever a person has to act."""
     stop_by_signals()
@@ -89,7 +93,7 @@ def main() -> None:
 
 def _run_command(arguments: list[str]) -> Outcome:
     """Commands end by `typer.Exit` with the code of their outcome, or by coming to their end."""
-    command = typer.main.get_command(app)
+    command = whole_command()
     if os.environ.get(COMPLETION):
         command.main(arguments, "branchline", COMPLETION)  # answers and exits
     try:

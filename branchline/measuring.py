@@ -16,7 +16,12 @@ def bench(
     scenarios: Annotated[
         list[str] | None, typer.Argument(help="Scenarios to measure; default karasuyama_weekday.")
     ] = None,
-    rounds: Annotated[int, typer.Option("--rounds", min=1, help="Number of rounds; medians are shown.")] = 5,
+    rounds: Annotated[
+        int | None,
+        typer.Option(
+            "--rounds", min=1, help="Number of rounds; medians are shown. Default: 5, of crossings 3."
+        ),
+    ] = None,
     part: Annotated[
         list[str] | None,
         typer.Option(
@@ -31,13 +36,14 @@ def bench(
 
     By default: SUMO alone, the full system in one process, and the full system over Zenoh.
     """
-    from study.evaluate.parts import DEFAULT, part_of
+    from study.evaluate.parts import DEFAULT, ROUNDS, ROUNDS_OF, part_of
 
     measures = {name: part_of(name) for name in part or (DEFAULT,)}
     found: list[dict[str, Any]] = []
     for scenario in scenarios or ["karasuyama_weekday"]:
         for name, measure in measures.items():
-            found.append({"part": name, **measure(scenario, rounds, print_aside)})
+            count = rounds or ROUNDS_OF.get(name, ROUNDS)
+            found.append({"part": name, **measure(scenario, count, print_aside)})
             if not as_json:
                 _print_bench(found[-1])
     outcome = judged_outcome(all(figures["same_digest"] for figures in found))

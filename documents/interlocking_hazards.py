@@ -206,6 +206,9 @@ HAZARDS: Final = (
             "rtri/92b_ends_early_lost",
             "rtri/92c_ends_early_doubled",
             "rtri/92d_ends_early_report_lost",
+            "rtri/130_other_track_late",
+            "rtri/131_ends_early_late",
+            "rtri/132_route_back_late",
         ),
     ),
     Hazard(

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import takewhile
 
 from exchange.published import PublishedTimetable
+from network.making.station_list import ONE_WAY
 from network.model import Line
 
 
@@ -30,9 +31,9 @@ def branches(published: PublishedTimetable, line: Line, ids: Mapping[str, str]) 
     for at, stations in beyond.items():
         name = line.stations[at].name or at
         yield (
-            f"{name}: a branch leaves the line there, to {', '.join(stations)} ({len(trains[at])} trains). A line has"
-            f" no branches: on this one these trains begin and end at {name}, which needs a track for each that stands"
-            f" there at a time; the branch is a line of its own, from a list that begins with {name}"
+            f"{name}: a branch leaves the line there, to {', '.join(stations)} ({len(trains[at])} trains). On"
+            f" this line these trains begin and end at {name}, which needs a track for each that stands there at a"
+            f" time; {ONE_WAY}"
         )
 
 

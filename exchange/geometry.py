@@ -29,6 +29,7 @@ from network.alignment import bearing_rad, curvature_table, positions
 from network.errors import InputError
 from network.files.json_input import read_json, write_aside
 from network.files.names import TITLE_HELP, title_of
+from network.making.station_list import ONE_WAY
 from network.model import Alignment, Curve, Direction, SpeedLimit
 
 Floats = NDArray[np.float64]
@@ -44,6 +45,7 @@ _RELIEF_MIN_M: Final = 60.0  # a shorter gap between equal limits frees no train
 CANT_RAMP_MAX: Final = 1.0 / 400.0
 _DEVIATION_STEP_M: Final = 10.0
 VERTICES_MAX: Final = 20_000  # assumed: one every 10 m
+TWICE_MIN: Final = 2  # vertices that a track comes to twice when it goes back on itself; a loop has one
 VERTEX_GAP_M_MAX: Final = 10_000.0  # assumed: on a straight; further apart a coordinate is wrong
 TRACK_M_MAX: Final = 200_000.0  # assumed: what the fit is made for are branch lines
 _BOTH: Final = (Direction.DOWN, Direction.UP)
@@ -164,6 +166,10 @@ def read_polyline(file: Path) -> Floats:
         raise InputError(str(file), "features", None, "longitude and latitude in degrees")
     moved = np.append(np.True_, np.any(np.diff(vertices, axis=0) != 0.0, axis=1))
     distinct: Floats = vertices[moved]
+    _, first, count = np.unique(distinct, axis=0, return_index=True, return_counts=True)
+    if np.count_nonzero(count > 1) >= TWICE_MIN:
+        again = tuple(map(float, distinct[first[count > 1].min()]))
+        raise InputError(str(file), "features", again, f"a track that goes each way once; {ONE_WAY}")
     return distinct
 
 
@@ -179,7 +185,10 @@ def _chained(file: str, parts: list[_Part]) -> list[tuple[float, float]]:
         else:
             key, coordinates = waiting[0]
             expected = f"a line that goes on at {points[-1]} or {points[0]}"
-            raise InputError(file, key, coordinates[:1], expected)
+            leaves = [end for end in (coordinates[0], coordinates[-1]) if end in points]
+            raise InputError(
+                file, key, (leaves or coordinates)[:1], f"{expected}; {ONE_WAY}" if leaves else expected
+            )
     return points
 
 

@@ -25,7 +25,7 @@ from network.files.text_input import read_text
 from network.files.toml_input import Record, validate
 from network.making.crossing_list import CrossingListFile, CrossingRow, ListedCrossings
 from network.making.kana import romanised
-from network.making.station_list import ListedStation, StationList, csv_tables, number_of
+from network.making.station_list import ONE_WAY, ListedStation, StationList, csv_tables, number_of
 from network.making.station_names import spellings
 from network.model import Alignment, Direction, Gradient, SpeedLimit
 
@@ -280,7 +280,7 @@ def _check_order(stations: StationList, places_m: Sequence[float]) -> None:
     for i in range(1, len(places_m)):
         if places_m[i] <= places_m[i - 1]:
             station, before = stations.stations[i], stations.stations[i - 1]
-            expected = f"a place beyond {before.name} along the track"
+            expected = f"a place beyond {before.name} along the track; {ONE_WAY}"
             raise InputError(stations.file, f"{station.key}.km", station.km, expected)
 
 

@@ -92,11 +92,12 @@ class StopGrid:
 
     speed_step_mps: float = 0.5
     shares: int = 41
+    to_mps: float = GRID_TO_MPS
 
     @property
     def speeds_mps(self) -> Floats:
         """Columns of the grid."""
-        return np.arange(GRID_FROM_MPS, GRID_TO_MPS + 1e-9, self.speed_step_mps)
+        return np.arange(GRID_FROM_MPS, self.to_mps + 1e-9, self.speed_step_mps)
 
 
 WHOLE_GRID: Final = StopGrid()

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Annotated, Final, NamedTuple
 
+import msgspec
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator
 
@@ -149,8 +150,7 @@ def on_average(first: AirParameters, second: AirParameters | None, step_s: float
     return OnAverage(((1.0 - one) * (1.0 - other) * sooner_s + alone_s) / (1.0 - one * other), one * other)
 
 
-@dataclass(frozen=True, slots=True)
-class Delivery:
+class Delivery(msgspec.Struct, frozen=True):
     """Bytes that arrive at the destination in `step`."""
 
     step: int

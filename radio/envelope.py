@@ -29,11 +29,11 @@ Wire format: MessagePack array (`Envelope`) followed by 16 bytes of code.
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Final, TypedDict
 
 import msgspec
+from msgspec.structs import replace
 
 from radio.keys import MAC_BYTES, KeyRing, mac, mac_equal
 from radio.messages import AnyMessage
@@ -76,8 +76,7 @@ class Envelope(msgspec.Struct, frozen=True, array_like=True):
     payload: msgspec.Raw
 
 
-@dataclass(frozen=True, slots=True)
-class Peer:
+class Peer(msgspec.Struct, frozen=True):
     """What one party remembers of another. `window` has bit i set if sequence number `heard_sequence - i`
     came.
     """
@@ -89,8 +88,7 @@ class Peer:
     heard_sent_s: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Received:
+class Received(msgspec.Struct, frozen=True):
     """A telegram that passed. `fresh`: its sender has heard this boot; `missing`: numbers skipped before
     it.
     """
@@ -117,8 +115,7 @@ class Received:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Dropped:
+class Dropped(msgspec.Struct, frozen=True):
     """A telegram that did not. `envelope` is set once the code has proven it."""
 
     reason: DropReason

@@ -348,6 +348,7 @@ class CrossingClear(Message, frozen=True, array_like=True, tag=30):
     valid_s: float
 
 
+CrossingMessage = CrossingRequest | CrossingProof | CrossingOver | CrossingOverHeard | CrossingClear
 AnyMessage = (
     RouteRequest
     | RouteGranted
@@ -373,9 +374,5 @@ AnyMessage = (
     | LeavingClaim
     | TrainOrdered
     | NextTrainReport
-    | CrossingRequest
-    | CrossingProof
-    | CrossingOver
-    | CrossingOverHeard
-    | CrossingClear
+    | CrossingMessage
 )

@@ -65,10 +65,19 @@ class Agenda:
         """Whether an item of a kind is due at just this step."""
         return any(item.step == step and item.kind is kind for item in self._heap)
 
-    def withdraw(self, kind: AgendaKind, subject: str) -> None:
-        """Take out what is due for a subject."""
-        self._heap = [item for item in self._heap if item.kind is not kind or item.subject != subject]
-        heapq.heapify(self._heap)
+    def withdraw(self, kind: AgendaKind, subject: str, after_step: int = -1) -> None:
+        """Take out what is due for a subject later than a step, but for telegrams on their way."""
+        kept = [
+            item
+            for item in self._heap
+            if item.subject != subject
+            or item.kind is not kind
+            or item.step <= after_step
+            or item.data is not None
+        ]
+        if len(kept) < len(self._heap):
+            self._heap = kept
+            heapq.heapify(kept)
 
     def pop_due(self, step: int) -> Item | None:
         """The earliest item if it is due at `step`; None otherwise."""

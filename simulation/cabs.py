@@ -37,6 +37,8 @@ class Cabs:
         self._books, self._agenda, self._journal = world.books, world.agenda, world.journal
         self._charging, self._signs = world.charging, world.signs
         self._guarded = world.wayside.crossings.guarded
+        # A timer that is put off still ends a stretch where no crossing is: positions are taken from SUMO there.
+        self._one_timer = any(crossing.tells_units for crossing in world.setup.line.crossings.values())
         self._crew = Crew(world.trains, world.on_board, world.wayside, world.journal)
         self._looking: set[int] = set()  # slots whose crew has a next look on the agenda
         self._pauses = Pauses(world.setup)
@@ -70,6 +72,9 @@ class Cabs:
             self.told(slot, told, step)
         self._look(slot, step)
         self._wakes.discard(slot)
+        if self._one_timer:
+            self._agenda.withdraw(AgendaKind.UNIT_TIMER, stock_id, step)
+            self._timer_steps.pop(slot, None)
         if answer.wake_at_s is not None:
             self._wakes.add(slot)
             wake_step = max(step_not_before(answer.wake_at_s), step + 1)

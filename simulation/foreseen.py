@@ -14,7 +14,7 @@ from simulation.world.kernel import Sheet, advance, new_sheet
 from simulation.world.records import TRACE
 from simulation.world.trains import Trains
 
-TRACE_ROWS_FIRST: Final = 200_000
+TRACE_ROWS_FIRST: Final = 20_000
 SAMPLES_BACK: Final = 6000  # looked at for the last one of a train
 
 

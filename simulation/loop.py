@@ -107,7 +107,7 @@ class Simulation:
         self.by_people: Final = worked_by_people(world, self._cabs, self._duties)
         by_role = None if self.by_people is None else self.by_people.act
         self.injector: Final = Injector(script, world, self._cabs, self._duties, self._platforms, by_role)
-        self.staff: Final = Staff(world, self.injector) if setup.people.react else None
+        self.staff: Final = Staff(world, self.injector, self._vigil.roads) if setup.people.react else None
 
     @property
     def step(self) -> int:

@@ -59,7 +59,7 @@ LINE: Final = ""  # what an act aims at that is about the whole line
 class Staff:
     """The people of one run; `acts` is what they did."""
 
-    def __init__(self, world: World, injector: Injector) -> None:
+    def __init__(self, world: World, injector: Injector, roads: RoadsClosedForNothing) -> None:
         self.acts: list[Act] = []
         self._setup, self._injector = world.setup, injector
         self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
@@ -73,6 +73,9 @@ class Staff:
             str, dict[str, bool]
         ] = {}  # what each person said last: whether a unit is to be barred
         self._speaks_until_s: dict[str, float] = {}
+        self._spoke: dict[
+            str, dict[str, None]
+        ] = {}  # who has said where a unit's train is, since that was known
         self._routes: dict[str, set[str]] = {}  # what each unit was granted and has not given back
         self._not_freed: dict[
             str, set[str]
@@ -83,7 +86,7 @@ class Staff:
         self._reported: set[str] = set()  # level crossings over which trains had to creep
         self._again_s: dict[tuple[ActKind, str, str], float] = {}
         self._tries: Counter[tuple[ActKind, str, str]] = Counter()
-        self._roads: Final = RoadsClosedForNothing(world.trains, world.on_board, world.wayside.crossings)
+        self._roads = roads
         self._mad = MadUnits(world.trains.slot_of, self._held)
         world.journal.watch(self._see)
 
@@ -104,7 +107,10 @@ class Staff:
             case Accepted(unit_id=unit_id) | Outside(unit_id=unit_id) | ConfirmedByHand(unit_id=unit_id):
                 self._awaited.pop(unit_id, None)
                 self._not_freed.pop(unit_id, None)
+                self._spoke.pop(unit_id, None)
                 self._from_s.pop((Pause.SILENT, unit_id), None)
+            case Acted(act=act, target=unit_id) if act in _WORDS:
+                self._spoke.setdefault(unit_id, {})[entry.who] = None
             case _:
                 self._see_units(entry)
 
@@ -353,15 +359,18 @@ class Staff:
         self._act(t_s, ActKind.ACCEPT_PICTURE, LINE, CONTROLLER)
 
     def _speak_for(self, t_s: float, unit_id: str) -> None:
-        """Two persons say of a silent unit what is so; of a train that moves nobody can."""
+        """Two persons say of a silent unit what is so, and so does who has said anything else of it: for their word
+        counts only where nobody has it in more. Of a train that moves nobody can.
+        """
         slot, held = self._trains.slot_of[unit_id], self._held(self._trains.slot_of[unit_id])
+        persons = dict.fromkeys((CONTROLLER, STAFF, *self._spoke.get(unit_id, ())))
         if not held:
-            for person in (CONTROLLER, STAFF):
+            for person in persons:
                 self._act(t_s, ActKind.CONFIRM_OUTSIDE, unit_id, person, place=self._portal(slot))
         elif self._trains.plants[slot].speed_mps <= 0.0:
             said = {*held, *self._not_freed.get(unit_id, ())}
             in_order = tuple(section for section in self._setup.line.sections if section in said)
-            for person in (CONTROLLER, STAFF):
+            for person in persons:
                 self._act(t_s, ActKind.CONFIRM_HOLDING, unit_id, person, in_order)
 
     def _portal(self, slot: int) -> str:
@@ -384,4 +393,5 @@ class Staff:
 
 
 _BARS: Final = {ActKind.BAR_UNIT.value: True, ActKind.UNBAR_UNIT.value: False}
+_WORDS: Final = (ActKind.CONFIRM_HOLDING.value, ActKind.CONFIRM_OUTSIDE.value)
 _OF_MANAGER: Final = (Pause.PICTURE, Pause.SILENT)

@@ -13,7 +13,6 @@ from itertools import combinations
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from verify import tokens
 from verify.cells import (
@@ -40,6 +39,7 @@ from verify.cells import (
     TOKEN_BITS,
     TrainCells,
 )
+from verify.columns import Block, Columns, Which
 from verify.explored_line import ANY, TERMINALS, UnwishedFor, mask_of
 from verify.happening import GuardKind
 from verify.parties import ExploredParties, LocalEvent, Numbered, Sends, StepKind
@@ -47,7 +47,6 @@ from verify.search import Keys
 from verify.tables import Choices, GrowingRows, Numbers, Once
 from verify.terminal import lie_code
 
-Which = NDArray[np.bool_]
 MANAGER_BITS, TERMINAL_BITS, LEFT_BITS = 20, 14, 12
 CELL_BITS_OF: Final = {
     1: CELL_BITS,
@@ -60,32 +59,6 @@ HOLDS: Final = 7
 LIE, MEMORY = range(2)
 NEXT, TROUBLE, ABOUT, STANDS, WORD, CORRECTS, QUIET = range(7)
 EFFECT: Final = 7
-
-
-class Columns(NamedTuple):
-    """States as columns: the ground's parts, and the cells."""
-
-    manager: Numbers
-    terminals: tuple[Numbers, ...]
-    left: Numbers
-    cells: tuple[Numbers, ...]
-
-    def at(self, which: Numbers | Which) -> Columns:
-        """Some of the states."""
-        return Columns(
-            self.manager[which],
-            tuple(t[which] for t in self.terminals),
-            self.left[which],
-            tuple(c[which] for c in self.cells),
-        )
-
-
-class Block(NamedTuple):
-    """What follows: from which of the states (by index), what, and with what trouble."""
-
-    source: Numbers
-    after: Columns
-    trouble: Numbers
 
 
 class Expansion:

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-import numpy as np
-
 from verify.certificate import FORMAT, Certificate, sources_digest
 from verify.expansion import Expansion
 from verify.explored_line import ExploredLine
 from verify.parties import ExploredParties
-from verify.search import Level, SearchedSpace, ranks, search
+from verify.search import Level, SearchedSpace, judged_space
 from verify.story import StoryTeller
 from verify.tables import Numbers
 
@@ -52,25 +50,15 @@ def explored(
     parties = ExploredParties(line)
     expansion = Expansion(parties)
     breaks = expansion.collided if collisions_alone else expansion.broken
-    space = search(expansion, states_max, watch, breaks)
+    space, rank, dead, wrong = judged_space(expansion, states_max, watch, breaks)
+    if wrong is None:
+        return ExploredSpace(line, parties, expansion, space, rank)
     teller = StoryTeller(parties, expansion)
-    if len(space.broken):
-        key = int(space.broken[0])
-        rule = teller.composition.broken(teller.line_state(key))
-        told = teller.events(space.levels, key)
-        return ExploredSpace(
-            line, parties, expansion, space, None, rule, 0, teller.story(told), teller.chart(told)
-        )
-    if not space.complete:
-        return ExploredSpace(line, parties, expansion, space, None)
-    rank = ranks(expansion, space.states)
-    dead = space.states[rank < 0]
-    story, chart = tuple[str, ...](), ""
-    if len(dead):
-        first = next(found for level in space.levels if len(found := np.intersect1d(level, dead)))
-        told = teller.events(space.levels, int(first[0]))
-        story, chart = teller.story(told), teller.chart(told)
-    return ExploredSpace(line, parties, expansion, space, rank, "", len(dead), story, chart)
+    rule = "" if dead else teller.composition.broken(teller.line_state(wrong))
+    told = teller.events(space.levels, wrong)
+    return ExploredSpace(
+        line, parties, expansion, space, rank, rule, dead, teller.story(told), teller.chart(told)
+    )
 
 
 def certificate_of(found: ExploredSpace) -> Certificate:

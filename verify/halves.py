@@ -328,7 +328,9 @@ class Halves:
         ]
         for peer, event in ((peer, event) for peer, events in by_peer for event in events):
             after = self._grounds.number(((*parts[:peer], event.state, *parts[peer + 1 :]), left))
-            sends = [tuple((to, 2 * peer + 1, t) for to, t in event.sends if to == unit) for unit in self._units]
+            sends = [
+                tuple((to, 2 * peer + 1, t) for to, t in event.sends if to == unit) for unit in self._units
+            ]
             said = event.word, event.about, event.stands, event.corrects, event.quiet, epoch
             yield after, peer, event.trouble, *map(int, said), *map(self._effects.number, sends)
 

@@ -155,3 +155,36 @@ def ranks(expansion: Explorable, states: Keys) -> Numbers:
         before = np.unique(source[at]).astype(np.int64)
         here, depth = before[rank[before] < 0], depth + 1
     return rank
+
+
+class JudgedSpace(NamedTuple):
+    """A space that was searched; `ranks`: of its states, None unless it was found whole and breaks no rule.
+
+    `dead`: how many states lead to no end. `wrong`: the first state that breaks a rule, or else a dead one that is
+    nearest; None: neither.
+    """
+
+    space: SearchedSpace
+    ranks: Numbers | None = None
+    dead: int = 0
+    wrong: int | None = None
+
+
+def judged_space(
+    expansion: Explorable,
+    states_max: int,
+    watch: Callable[[Level], None],
+    breaks: Callable[[Keys], NDArray[np.bool_]],
+) -> JudgedSpace:
+    """What `search` finds, and which of it no way leads to an end from."""
+    space = search(expansion, states_max, watch, breaks)
+    if len(space.broken):
+        return JudgedSpace(space, wrong=int(space.broken[0]))
+    if not space.complete:
+        return JudgedSpace(space)
+    rank = ranks(expansion, space.states)
+    dead = space.states[rank < 0]
+    if not len(dead):
+        return JudgedSpace(space, rank)
+    first = next(found for level in space.levels if len(found := np.intersect1d(level, dead)))
+    return JudgedSpace(space, rank, len(dead), int(first[0]))

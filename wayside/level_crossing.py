@@ -48,10 +48,10 @@ from wayside.crossing_said import (
 )
 from wayside.said import Barred, BarUnit, Unbarred, UnbarUnit
 
-VALID_S: Final = 12.0  # assumed: in the second half of it a unit can ask again three times
+VALID_S: Final = 15.0  # assumed: in the second half of it a unit can ask again three times
 TELEGRAM_S: Final = 1.0  # assumed: a proof under way
-REANNOUNCED_S: Final = 30.0  # units that are heard at all have said again by then that they come
-# Of who says nothing the last proof has died, 17 s after it was sent at the latest, and who could not stop any more
+REANNOUNCED_S: Final = 90.0  # units that are heard at all have said again by then that they come
+# Of who says nothing the last proof has died, 20 s after it was sent at the latest, and who could not stop any more
 # then has come onto the road: 44 s later from 110 km/h at 0.7 m/s2.
 FREES_S: Final = 65.0
 PERSONS: Final = 2  # who must say the same

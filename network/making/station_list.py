@@ -30,6 +30,9 @@ TRACKS_MAX: Final = 6  # assumed: with more, the ways between two fans are too m
 ID_LENGTH_MAX: Final = 24  # two of them and what stands between make an id
 _TAKEN: Final = ("P", "W", "E")  # names of sections beside a station's tracks
 _OTHER_MARKS: Final = ";\t|"  # what spreadsheets put between columns where it is no comma
+ONE_WAY: Final = (
+    "a line has no branches: one is a line of its own, from a list that begins where it leaves this one"
+)
 _NUMBERS: Final = ("km", "tracks", "offset_m", "spacing_m")
 
 
@@ -219,9 +222,8 @@ def listed_stations(file: str, rows: Sequence[StationRow]) -> Iterator[ListedSta
         key = f"stations[{i}]"
         if row.km is not None:
             if last_km is not None and row.km <= last_km[0]:
-                expected = (
-                    f"more than {last_km[0]:g}, where {last_km[1]} is: stations in order of kilometrage"
-                )
+                beyond = f"more than {last_km[0]:g}, where {last_km[1]} is"
+                expected = f"{beyond}: stations in order of kilometrage; {ONE_WAY}"
                 raise InputError(file, f"{key}.km", row.km, expected)
             last_km = (row.km, row.name or row.name_ja)
         yield _station(file, key, row, ids[i], first=i == 0, last=i == len(rows) - 1)
@@ -235,7 +237,10 @@ def _check_names(file: str, rows: Sequence[StationRow]) -> None:
             raise InputError(file, f"stations[{i}].name", None, "a name, here or in name_ja")
         if name in seen:
             raise InputError(
-                file, f"stations[{i}].name", name, f"a name of its own; stations[{seen[name]}] has this one"
+                file,
+                f"stations[{i}].name",
+                name,
+                f"a name of its own; stations[{seen[name]}] has this one; {ONE_WAY}",
             )
         seen[name] = i
 

@@ -25,16 +25,19 @@ from onboard import crossing_notes, notes
 from radio.messages import CrossingOver, CrossingRequest
 from radio.table import TableCell, rows
 
-EARLY_S: Final = 10.0  # asked so long before its warning must begin: time for telegrams that are lost
+EARLY_S: Final = 6.0  # asked so long before its warning must begin: time for telegrams that are lost
 ABOUT_S: Final = 0.5  # who looks when that time should have come finds it so little later
 HELD_FROM_S: Final = 60.0  # nearer than this by its fastest run, a crossing ends the movement limit
 REPEAT_S: Final = 2.0
 REFRESH_S: Final = 4.0  # so often while it should have proved closed and has not
 CHANGED_S: Final = 1.0  # while its warning has not begun it hears at once of a time that differs by more
-LAST_WORD_S: Final = 3.0  # before its warning begins: the time is known well, and can be said again
+LAST_LOOK_S: Final = 3.0  # before the warning, where it was asked earlier than that: its train stood
+ENTERS_S: Final = 3.0  # so much later than predicted the front may come, and the proof still hold
 PROOF_LATE_S: Final = 1.0  # a telegram on its way
 HOLDS_YET_S: Final = 6.0  # a proof that holds no longer is asked for again: three times, if they are lost
-STILL_S: Final = 9.5  # said at least so often: three times while a crossing that lost its memory stays closed
+STILL_S: Final = (
+    29.5  # said at least so often: three times while a crossing that lost its memory stays closed
+)
 GIVE_UP_S: Final = 30.0  # assumed: who stands so long without going on there lets the road go
 KEEPS_LEAST_TIME = True  # off: a proof counts at once, however near the train is
 
@@ -204,11 +207,8 @@ def wake_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> flo
 
 
 def _asked_in_s(place: CrossingPlace) -> float:
-    """When the crossing is to be asked, or where the train does not come there yet, to end the limit, s from now."""
-    if place.due_s < math.inf:
-        return place.due_s if place.due_s > ABOUT_S else math.inf
-    held_in_s = place.fastest_s - HELD_FROM_S
-    return max(held_in_s, REFRESH_S) if held_in_s > 0.0 and not place.stands else math.inf
+    """When the crossing is to be asked, s from now; infinite: it does not come there before something happens."""
+    return place.due_s if place.due_s > ABOUT_S else math.inf
 
 
 def _again_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> float:
@@ -219,13 +219,14 @@ def _again_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> f
     if not view.answered:
         return soonest_s
     if view.phase is CrossingPhase.PROVEN:
-        holds = now_s + place.arrives_s + LAST_WORD_S < view.until_s  # until the front is there
+        holds = now_s + place.arrives_s + ENTERS_S < view.until_s  # until the front is there
         return max(soonest_s, view.until_s - (REPEAT_S if holds else HOLDS_YET_S))
     warns_s = now_s + place.warns_s
     if now_s < view.begins_s and abs(warns_s - view.begins_s) > CHANGED_S:
         return soonest_s if place.stands else now_s
-    if view.said_s < warns_s - LAST_WORD_S:
-        return max(soonest_s, warns_s - LAST_WORD_S)
+    last_look_s = warns_s - LAST_LOOK_S
+    if view.said_s < warns_s - EARLY_S - ABOUT_S and now_s < last_look_s:
+        return last_look_s
     proves_s = warns_s + place.closing_s + PROOF_LATE_S
     return min(still_s, proves_s if view.said_s < proves_s else view.said_s + REFRESH_S)
 

@@ -60,7 +60,7 @@ class CrossingTalk:
         self._forgot: Final = forgot
         self._views: dict[str, CrossingView] = {}
         self._places: Mapping[str, CrossingPlace] = {}
-        self._goes_on = False
+        self._goes_on = self._stands = False
         self._correlations: dict[str, int] = {}
         self._live: list[str] = []  # those that matter: ahead, announced, or yet to hear that it is over them
         self._held: tuple[float, str] | None = None  # what `held_before` has found, and when
@@ -71,7 +71,7 @@ class CrossingTalk:
         """See where the train is now; None: it does not know. A stop is left in `leaves_in_s` at the soonest."""
         self._held = None
         if places is None:
-            self._places, self._live = {}, list(self._views)
+            self._places, self._live, self._stands = {}, list(self._views), False
             for crossing_id in self._live:
                 says = self._views[crossing_id].phase is CrossingPhase.LEAVING  # that holds wherever it is
                 self._take(crossing_id, CrossingSeen(None) if says else CrossingUnplaced(), now_s)
@@ -82,6 +82,7 @@ class CrossingTalk:
             for place in places
             if not place.clear or self._is_due_to_say(place.crossing_id)
         }
+        self._stands = any(place.stands for place in places)
         for crossing_id in self._places:
             if crossing_id not in self._views:
                 self._views[crossing_id] = CrossingView(crossing_id, forgot=self._forgot)
@@ -143,6 +144,8 @@ class CrossingTalk:
 
     def start_held_by(self, now_s: float) -> str:
         """The crossing so near that a train that stands does not start for it; empty: none."""
+        if not self._stands:
+            return ""
         place = self._places.get(self.held_before(now_s))
         near = place is not None and place.stands and place.fastest_s < (place.least_s or NEAR_S)
         return place.crossing_id if place is not None and near else ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any, Final
 
 from network.errors import InputError
@@ -12,16 +13,19 @@ from network.files.shipped import shipped_line, shipped_timetable
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import parse_toml, read_text
 from network.model import Line
+from network.patching.patch import load_patched_line
 from network.timetable import Timetable, timetable_of
 from plan.arranging.draft import PrintedCall, printed_calls, trains_to_arrange
 from plan.arranging.empty_workings import NIGHTS, with_empty_workings
+from plan.arranging.lacking import NO_HALTS, Day, Halts, MoreTracks
 from plan.arranging.line_times import LineTimes, line_times
-from plan.arranging.nearest import MoreTracks, NothingFoundError, nearest_plan
+from plan.arranging.nearest import NothingFoundError, nearest_plan
 from plan.arranging.problem import Arranged, PrintedMove, Standing, TrainToArrange
 from plan.arranging.written import MovesOfDay, arranged_file, moves_of_day
 from vehicle.train_file import TrainType, load_train, train_named
 
 LIMIT_S: Final = 300  # assumed: by how much people can bear that a printed time is moved
+NAMED_TRAINS: Final = 4  # that a track is for, in a sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,19 +86,42 @@ class ArrangedDay:
 
 def arrange(line_name: str, timetable_name: str, train_name: str, limit_s: int) -> ArrangedDay:
     """The nearest plan to a timetable that works on a line with a kind of train. Raises InputError."""
-    line = load_line(shipped_line(line_name))
+    line_path = shipped_line(line_name)
+    line = load_line(line_path)
     path = shipped_timetable(timetable_name)
     file = parse_toml(read_text(path), str(path), TimetableFile)
-    return arranged_day(line, file, str(path), load_train(train_named(train_name)), limit_s)
+    return arranged_day(line, file, str(path), load_train(train_named(train_name)), limit_s, line_path)
 
 
-def arranged_day(line: Line, file: TimetableFile, name: str, train: TrainType, limit_s: int) -> ArrangedDay:
-    """The same of what has been read; `name` names the timetable in errors."""
-    dwell_min_s = timetable_of(file, name, line).head.dwell_min_s
-    times = line_times(line, train, dwell_min_s)
-    drafts = tuple(_drafts(line, file, name, times))
+def arranged_day(
+    line: Line, file: TimetableFile, name: str, train: TrainType, limit_s: int, line_path: Path | None = None
+) -> ArrangedDay:
+    """The same of what has been read; `name` names the timetable in errors.
+
+    `line_path`: the line's file, where second tracks at its halts are looked at too, if the limit cannot be kept.
+    """
+    drafts = tuple(_drafts(line, file, name, train))
+    halts = NO_HALTS
+    if line_path is not None:
+
+        def with_loops(at: Sequence[str]) -> Line:
+            return load_patched_line(line_path, {"add_loops": list(at)}, "")
+
+        def room(at: Sequence[str]) -> bool:
+            try:
+                with_loops(at)
+            except InputError:
+                return False
+            return True
+
+        def laid(at: Sequence[str]) -> list[Day]:
+            return [draft.trains for draft in _drafts(with_loops(at), file, name, train)]
+
+        stations = line.stations.values()
+        along_m = {station.id: station.position_m for station in stations}
+        halts = Halts(frozenset(s.id for s in stations if s.is_halt), along_m, room, laid)
     try:
-        found = nearest_plan([draft.trains for draft in drafts], limit_s)
+        found = nearest_plan([draft.trains for draft in drafts], limit_s, halts)
     except NothingFoundError as why:
         expected = f"a day for which the line has room: {why}"
         if why.lacking is not None:
@@ -124,6 +151,7 @@ def lacking_text(line: Line, lacking: MoreTracks) -> str:
     """A sentence of it."""
     names = [
         f"{line.stations[station_id].name} had {count} more track{'s' if count > 1 else ''}"
+        f" (for {', '.join(lacking.trains[station_id][:NAMED_TRAINS])})"
         for station_id, count in lacking.by_station.items()
     ]
     worst = f" by more than {lacking.worst_s} s" if lacking.worst_s else ""
@@ -138,9 +166,10 @@ def _draft(
     return _Draft(file, timetable, printed, trains_to_arrange(line, timetable, printed, times), empty)
 
 
-def _drafts(line: Line, file: TimetableFile, name: str, times: LineTimes) -> Iterator[_Draft]:
+def _drafts(line: Line, file: TimetableFile, name: str, train: TrainType) -> Iterator[_Draft]:
     """The day with the empty workings that each rule of the night adds."""
     timetable = timetable_of(file, name, line)
+    times = line_times(line, train, timetable.head.dwell_min_s)
     seen: list[TimetableFile] = []
     for rule in NIGHTS:
         more, empty = with_empty_workings(file, timetable, line, times, rule)

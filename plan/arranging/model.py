@@ -8,7 +8,7 @@ allowed counts a thousandfold, so that where nothing else works the least that w
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from itertools import pairwise
@@ -83,7 +83,8 @@ class ArrangeModel:
     """The variables of a problem and what holds between them.
 
     `limit_s`: printed times may be moved by so much; `reach_s`: and are moved by so much at most, where they must be.
-    `more_tracks`: how many tracks stations may be given that they do not have, each at a price.
+    `more_tracks`: how many tracks stations may be given that they do not have, each at a price. `laid`: stations
+    that have one of two tracks until they are given the other, at the same price.
     `settled`: visits of trains that keep their times and tracks; the others are arranged around them.
     """
 
@@ -94,10 +95,12 @@ class ArrangeModel:
         reach_s: int,
         more_tracks: Mapping[str, int] | None = None,
         settled: Mapping[str, Sequence[ArrangedVisit]] | None = None,
+        laid: Collection[str] = (),
     ) -> None:
         self._settled_at: Final = settled or {}
         self.model: Final = cp_model.CpModel()
         self._more_max: Final = more_tracks or {}
+        self._laid: Final = laid
         self._on_more: dict[str, list[cp_model.IntervalVar]] = defaultdict(list)
         self._more: dict[str, IntVar] = {}
         self._limit_s = limit_s
@@ -172,7 +175,6 @@ class ArrangeModel:
     def _print(self, train: TrainToArrange, one: _VisitVars) -> None:
         visit = one.visit
         if visit.departure_s is not None:
-            self.model.add(one.departs >= visit.departure_s)
             self._count(train, visit, "departure", visit.departure_s, one.departs)
         if visit.arrival_s is not None:
             self.model.add(one.arrives >= visit.arrival_s - EARLY_S)
@@ -248,6 +250,8 @@ class ArrangeModel:
 
     def _stand(self, name: str, begin: Bound, end: Bound, stays: Sequence[_VisitVars]) -> None:
         """One of the tracks for as long as the train, or its set, is there; the same for all its calls there."""
+        if stays[0].visit.station_id in self._laid:
+            self._on_more[stays[0].visit.station_id].append(self._interval(f"{name} one of two", begin, end))
         if any(ANOTHER in stay.visit.tracks for stay in stays):
             for here in (here for stay in stays for here in stay.tracks.values()):
                 self.model.add(here == 0)
@@ -315,10 +319,11 @@ class ArrangeModel:
                 seen.add(key)
                 self.model.add_no_overlap([interval for _, interval in held])
         for station_id, intervals in self._on_more.items():
+            has = int(station_id in self._laid)
             count = self._more[station_id] = self.model.new_int_var(
-                0, self._more_max[station_id], f"{station_id} more"
+                0, 1 if has else self._more_max[station_id], f"{station_id} more"
             )
-            self.model.add_cumulative(intervals, [1] * len(intervals), count)
+            self.model.add_cumulative(intervals, [1] * len(intervals), count + has)
             self._cost.append(MORE_COST * count)
 
     def begin_with(self, visits: Mapping[str, Sequence[ArrangedVisit]]) -> None:

@@ -5,10 +5,11 @@ A link is written `A -> B` or `A <-> B`; `*` is any party.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Annotated, Final, Literal, Self
 
 import numpy as np
+from msgspec.structs import replace
 from pydantic import BeforeValidator, Field, PrivateAttr
 
 from network.files.quantities import AddedDelay, Distance, Probability, Share

@@ -179,6 +179,8 @@ class WaysideWorld:
             self._output(step, output)
         for destination, data in done.telegrams:
             self.transmit(step, device_id, destination, data)
+        if device_id in self.crossings.equipment and self._wakes.pop(device_id, step) > step:
+            self._agenda.withdraw(AgendaKind.TO_DEVICE, device_id, step)
         if done.wake_at_s is not None:
             wake_at_s = self._clocks.get(device_id, Clock()).true_s(done.wake_at_s)
             wake_step = max(step_not_before(wake_at_s), step + 1)

@@ -21,6 +21,8 @@ PARTS: Final[Mapping[str, str]] = {
     "start": "study.evaluate.start_bench",
     "serve": "console.serve_bench",
 }
+ROUNDS: Final = 5
+ROUNDS_OF: Final[Mapping[str, int]] = {"crossings": 3}  # five minutes
 DEFAULT: Final = "links"  # of minutes; the others are asked for by name
 
 

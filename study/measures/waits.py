@@ -27,7 +27,7 @@ from simulation.world.roster import Duty, drawn_up
 from study.measures.register_holds import SectionHold
 from study.measures.stretches import DayStretch, stretches
 from study.measures.wait_history import RegisterHistory
-from study.measures.wait_view import DutyStage, StockView, WaitingRequest, subject_of
+from study.measures.wait_view import DutyStage, StockView, WaitingRequest, is_of_crossing, subject_of
 from study.measures.where import Whereabouts
 from study.record.wait import AwaitedRequest, Cause, Wait
 
@@ -66,7 +66,8 @@ def waits_of(result: RunResult, setup: Setup, holds: Iterable[SectionHold]) -> t
 def _by_unit(entries: Iterable[JournalEntry], into: dict[str, list[JournalEntry]]) -> Iterator[JournalEntry]:
     """Passes entries on, and sorts them by the unit whose view they may change."""
     for entry in entries:
-        into[subject_of(entry)].append(entry)
+        if not is_of_crossing(entry.event):
+            into[subject_of(entry)].append(entry)
         yield entry
 
 

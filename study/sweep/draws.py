@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 import numpy as np
-from scipy import stats
+import scipy  # it loads `stats`, which takes long, as that is asked for
 
 from network.errors import InputError
 from radio.chance import generator
@@ -97,21 +97,21 @@ def _uniform(draw: DrawTable, chance: float) -> float:
 
 
 def _normal(draw: DrawTable, chance: float) -> float:
-    return float(stats.norm.ppf(chance, draw.mean or 0.0, draw.sigma or 1.0))
+    return float(scipy.stats.norm.ppf(chance, draw.mean or 0.0, draw.sigma or 1.0))
 
 
 def _lognormal(draw: DrawTable, chance: float) -> float:
-    return float(stats.lognorm.ppf(chance, draw.sigma or 1.0, scale=draw.median or 1.0))
+    return float(scipy.stats.lognorm.ppf(chance, draw.sigma or 1.0, scale=draw.median or 1.0))
 
 
 def _exponential(draw: DrawTable, chance: float) -> float:
-    return float(stats.expon.ppf(chance, scale=draw.mean or 1.0))
+    return float(scipy.stats.expon.ppf(chance, scale=draw.mean or 1.0))
 
 
 def _triangular(draw: DrawTable, chance: float) -> float:
     low, high = draw.low or 0.0, draw.high or 0.0
     mode = (low + high) / 2.0 if draw.mode is None else draw.mode
-    return float(stats.triang.ppf(chance, (mode - low) / (high - low), low, high - low))
+    return float(scipy.stats.triang.ppf(chance, (mode - low) / (high - low), low, high - low))
 
 
 _QUANTILES: Final[Mapping[str, Callable[[DrawTable, float], float]]] = {

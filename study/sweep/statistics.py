@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import scipy  # it loads `stats`, which takes long, as that is asked for
 from numpy.typing import NDArray
-from scipy import stats
 
 QUANTILES: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
 DIGITS: Final = 6
@@ -83,7 +83,7 @@ class RunningMoments:
         if self.count < 2:
             return FigureEstimate(self.count, value)
         error = math.sqrt(self._squares / (self.count - 1) / self.count)
-        reach = float(stats.t.ppf(0.5 + confidence / 2.0, self.count - 1))
+        reach = float(scipy.stats.t.ppf(0.5 + confidence / 2.0, self.count - 1))
         above, below = (_uncorrected(t, self._skewness / math.sqrt(self.count)) for t in (-reach, reach))
         low, high = self.mean - below * error, self.mean - above * error
         return FigureEstimate(self.count, value, _rounded(low), _rounded(high))
@@ -117,10 +117,10 @@ def quantile_of(values: Sequence[float], share: float, confidence: float) -> Fig
         return FigureEstimate(0, None)
     value = _rounded(float(np.quantile(ordered, share)))
     tail = (1.0 - confidence) / 2.0
-    below = int(stats.binom.ppf(tail, count, share))
-    above = int(stats.binom.ppf(1.0 - tail, count, share)) + 1
+    below = int(scipy.stats.binom.ppf(tail, count, share))
+    above = int(scipy.stats.binom.ppf(1.0 - tail, count, share)) + 1
     # P(X(below) <= quantile) needs one step down where the binomial has already more than the tail below it.
-    if below and stats.binom.cdf(below - 1, count, share) > tail:
+    if below and scipy.stats.binom.cdf(below - 1, count, share) > tail:
         below -= 1
     if below < 1 or above > count:
         return FigureEstimate(count, value)
@@ -133,7 +133,7 @@ def share_of(hits: int, days: int, confidence: float) -> FigureEstimate:
     """A share of days, by Wilson."""
     if not days:
         return FigureEstimate(0, None)
-    interval = stats.binomtest(hits, days).proportion_ci(confidence, method="wilson")
+    interval = scipy.stats.binomtest(hits, days).proportion_ci(confidence, method="wilson")
     return FigureEstimate(
         days, _rounded(hits / days), _rounded(float(interval.low)), _rounded(float(interval.high))
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -250,6 +251,17 @@ def test_tracks_that_would_do_are_named(main: Callable[..., Any], tmp_path: Path
     assert "Kido had 1 more track" in found.err
     assert "Asa had 1 more track" in found.err
     assert "no printed time would be moved" in found.err
+
+
+def test_the_halt_where_trains_could_meet_is_named(main: Callable[..., Any], tmp_path: Path) -> None:
+    """Both leave at 10:00, by one track of 6 km; Kido is a halt in its middle."""
+    (tmp_path / "hill.csv").write_text(STATIONS.replace("3,2,signal station", "3,1,halt"), "utf-8")
+    (tmp_path / "day.toml").write_text(DAY.replace("UP_LEAVES", "10:00"), "utf-8")
+    assert main("new", "line", "hill.csv", "hill.toml").code == 0
+    found = main("arrange", "hill.toml", "day.toml", "--limit", "60", "--train", "br642", "--json")
+    assert found.code == 1, found
+    assert json.loads(found.out)["lacking"]["by_station"] == {"KID": 1}
+    assert sorted(json.loads(found.out)["lacking"]["trains"]["KID"]) == ["1", "2"]
 
 
 def test_trains_that_come_and_go_by_portals_stand_nowhere(main: Callable[..., Any], tmp_path: Path) -> None:

@@ -99,9 +99,12 @@ def test_equipment_for_so_many_trains_is_a_scenario_with_a_proof(main: Callable[
     assert "2.5 trains an hour each way cost 100: a loop at Niita; every 1286 s" in found.out
     assert main("check", "loop.toml").code == 0
     assert main(*words, "--check", "why.json").code == 0
-    assert (
-        main("best", "equipment", WEEKDAY, "--trains", "9", "--loops", "0", "--without", "limits").code == 1
-    )
+
+
+@pytest.mark.nightly
+def test_no_equipment_is_enough_for_too_many_trains(main: Callable[..., Any]) -> None:
+    words = ("best", "equipment", WEEKDAY, "--trains", "9", "--loops", "0", "--without", "limits")
+    assert main(*words).code == 1
 
 
 def test_reserves_are_placed_as_a_scenario_and_a_sweep_of_fresh_days(main: Callable[..., Any]) -> None:

@@ -15,9 +15,8 @@ from typing import Any
 import polars as pl
 import pytest
 from typer.core import TyperGroup
-from typer.main import get_command
 
-from branchline.cli import ANALYSE, COMPLETION, PREPARE, READ, RESEARCH, RUN, app
+from branchline.cli import ANALYSE, COMPLETION, PREPARE, READ, RESEARCH, RUN, whole_command
 from host.parties import PartyError
 from simulation.loop import Simulation
 from simulation.result import Ending
@@ -113,7 +112,10 @@ def test_a_shell_is_told_what_may_follow(
 def test_the_script_for_a_shell_asks_by_the_name_that_is_answered(
     main: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1")
+    monkeypatch.setenv(
+        "_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1"
+    )  # read as options are put together
+    monkeypatch.setattr("branchline.cli.whole_command", whole_command.__wrapped__)
     shown = main("--show-completion", "bash")
     assert shown.code == 0
     assert f"{COMPLETION}=complete_bash" in shown.out
@@ -249,7 +251,7 @@ def test_check_prints_one_object(main: Callable[..., Any]) -> None:
 
 
 def test_every_command_stands_in_a_group_and_its_help_begins_with_one_short_sentence() -> None:
-    whole = get_command(app)
+    whole = whole_command()
     assert isinstance(whole, TyperGroup)
     for command in whole.commands.values():
         first = (command.help or "").partition("\n\n")[0].strip()

@@ -5,6 +5,7 @@ as it is known there, and what was done replays. Then axe, and nothing cut off o
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +16,11 @@ from scenario.scenario import load_scenario
 from study.drilling.drill import find_drill, run_drill
 from study.runner.run import PartyLink
 from tests.browser.seated import SIZE, Seated, cut_off, overlapping, serious, served, served_desk
+from tests.nightly import others_nightly
 
 pytestmark = [pytest.mark.browser, pytest.mark.system]
 
+SEATS = ("instructor", "dispatcher", "staff", "driver&unit=V2")
 CROSSED_S = 7 * 3600 + 11 * 60 + 20.0  # a train is before its second crossing
 
 
@@ -79,8 +82,12 @@ def eighteen() -> Iterator[str]:
         yield desk.page
 
 
-@pytest.mark.parametrize("language", ["en", "ja"])
-@pytest.mark.parametrize("seat", ["instructor", "dispatcher", "staff", "driver&unit=V2"])
+@pytest.mark.parametrize(
+    ("seat", "language"),
+    others_nightly(
+        product(SEATS, ("en", "ja")), [*zip(SEATS, ("en", "ja", "en", "ja"), strict=True)], columns=True
+    ),
+)
 def test_a_line_with_many_crossings_is_read_by_everybody(
     browser: Any,  # noqa: ANN401
     eighteen: str,

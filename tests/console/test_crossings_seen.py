@@ -84,9 +84,9 @@ def test_by_radio_a_crossing_is_what_it_has_said_to_anybody() -> None:
     assert only(seen(*CLOSES).known(26.0)).announced == ("K1",)
 
 
-@pytest.mark.parametrize(("now_s", "state"), [(37.1, RoadState.CLOSED), (37.3, RoadState.UNHEARD)])
+@pytest.mark.parametrize(("now_s", "state"), [(40.1, RoadState.CLOSED), (40.3, RoadState.UNHEARD)])
 def test_a_word_dies_with_the_proof_that_it_was(now_s: float, state: RoadState) -> None:
-    """12 s, as long as a unit believes it."""
+    """15 s, as long as a unit believes it."""
     assert only(seen(*CLOSES).known(now_s)).state is state
 
 

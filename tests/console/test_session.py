@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from console.session import Session
@@ -18,15 +18,11 @@ from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
 from study.drilling.drill import run_drill
 from study.runner.run import PartyLink, simulation_of
+from tests.nightly import A_FIFTH
 
 pytestmark = pytest.mark.system
 
 TEN: Final = 36_000 * STEPS_PER_S  # T1's departure
-FEW = settings(
-    max_examples=6,
-    deadline=None,
-    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
-)
 
 
 @dataclass(frozen=True)
@@ -48,7 +44,7 @@ def replayed(session: Session, folder: Path) -> RunResult:
     return run_drill(str(file), PartyLink.SIMULATED).run.result
 
 
-@FEW
+@A_FIFTH
 @given(st.lists(st.integers(1, 900), min_size=1, max_size=40))
 def test_where_somebody_looks_moves_nothing(two: Uncut, waits: list[int]) -> None:
     with Session(two.scenario) as session:
@@ -84,7 +80,7 @@ def do(session: Session, what: str, table: dict[str, Any]) -> None:
                 return
 
 
-@FEW
+@A_FIFTH
 @given(st.lists(st.tuples(st.integers(0, 1200), st.sampled_from(DEEDS)), min_size=1, max_size=8))
 def test_what_is_done_replays_to_the_byte(
     two: Uncut, tmp_path: Path, deeds: list[tuple[int, tuple[str, dict[str, Any]]]]

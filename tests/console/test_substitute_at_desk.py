@@ -36,17 +36,13 @@ from study.drilling.drill import run_drill
 from study.runner.run import PartyLink, execute
 from tests.console.at_posts import AtPosts, drill_of, of_regime
 from tests.console.test_seats_at_work import replayed
+from tests.nightly import A_FIFTH
 
 pytestmark = pytest.mark.system
 
 DRILL: Final = "rtri/95_substitute_working"
 TICKETS: Final = "rtri/95b_pilots_ticket"
-FEW = settings(
-    max_examples=4,
-    deadline=None,
-    phases=[Phase.explicit, Phase.generate],
-    suppress_health_check=list(HealthCheck),
-)
+FEW = settings(A_FIFTH, phases=[Phase.explicit, Phase.generate], suppress_health_check=list(HealthCheck))
 PEOPLE: Final = ("dispatcher", "operator A", "operator B", "operator PW", "operator PE")
 PILOTS: Final = ("pilot 1", "pilot 6", "pilot 11")
 DRIVERS: Final = ("driver K1", "driver K2")

@@ -9,10 +9,9 @@ from pathlib import Path
 import pytest
 import typer
 from typer.core import TyperGroup
-from typer.main import get_command
 from typer.testing import CliRunner
 
-from branchline.cli import app
+from branchline.cli import app, whole_command
 from documents.site import anchor_of
 from documents.structure import ROOT
 from scenario.scenario import load_scenario
@@ -29,7 +28,7 @@ def blocks(page: str, language: str = "") -> list[str]:
 
 
 def parse(line: str) -> None:
-    command = get_command(app)
+    command = whole_command()
     name, *arguments = shlex.split(line, comments=True)
     while isinstance(command, TyperGroup):
         name, *arguments = arguments

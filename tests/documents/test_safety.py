@@ -8,9 +8,8 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-import typer
 
-from branchline.cli import app
+from branchline.cli import whole_command
 from documents.safety_case import HAZARDS
 from study.drilling.drill import shipped_drills
 from verify.evidence.intruders import ATTACKS, THREATS
@@ -38,7 +37,7 @@ def test_there_is_this_test(test: str) -> None:
 @pytest.mark.parametrize("command", COMMANDS)
 def test_there_is_this_command(command: str) -> None:
     words = shlex.split(command)
-    found = typer.main.get_command(app)
+    found = whole_command()
     while hasattr(found, "commands"):
         assert words and words[0] in found.commands, command
         found = found.commands[words.pop(0)]
@@ -48,7 +47,7 @@ def test_there_is_this_command(command: str) -> None:
 
 def test_a_command_or_test_that_is_none_is_noticed() -> None:
     assert "test_that_nobody_wrote" not in _functions("tests/radio/test_envelope.py")
-    assert "verify-all" not in getattr(typer.main.get_command(app), "commands", {})
+    assert "verify-all" not in getattr(whole_command(), "commands", {})
 
 
 def test_every_claim_has_a_command_and_a_test() -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import cache
+from typing import Any
+
 import pytest
 
 from documents.state_diagrams import DIAGRAMS, diagram, machine_diagram
@@ -11,7 +14,7 @@ from onboard.duty import machine as duty
 from onboard.duty.records import AtMark, DutyPhase
 from radio.table import TableCell
 from simulation.world import crossing_equipment, point_machine
-from verify.breadth import explore
+from verify.breadth import Explored, explore
 from verify.lone_unit import event_name, events_from, phase_name, steps
 from wayside import block_manager, level_crossing, point_terminal
 from wayside.register import UnitStanding
@@ -28,18 +31,27 @@ TABLES: dict[str, tuple[TableCell, ...]] = {
 NOT_IN_THE_TABLE = {"restart", "Expired", "AcceptPicture", "ConfirmOutside", "ConfirmHolding"}
 
 
+@cache
+def found_of(machine: str) -> Explored[Any]:
+    """What exploring it finds, once for all tests."""
+    return DIAGRAMS[machine][0]()
+
+
+@cache
+def drawn(machine: str) -> str:
+    return machine_diagram(machine)
+
+
 @pytest.mark.parametrize("machine", TABLES)
 def test_every_arrow_is_a_row_of_the_table(machine: str) -> None:
-    found, _ = DIAGRAMS[machine]
     rows = {(row.state, row.event) for row in TABLES[machine]}
-    arrows = {(here, event) for here, event, _ in found().edges if event not in NOT_IN_THE_TABLE}
+    arrows = {(here, event) for here, event, _ in found_of(machine).edges if event not in NOT_IN_THE_TABLE}
     assert arrows
     assert arrows <= rows
 
 
 def test_every_arrow_of_the_duty_is_a_row_of_its_table() -> None:
-    found, _ = DIAGRAMS["On-board unit: duty"]
-    for run in list(found().states)[:500]:
+    for run in list(found_of("On-board unit: duty").states)[:500]:
         for step in steps(run):
             if step.run.state.phase is not run.state.phase:
                 assert (run.state.phase, type(step.event)) in duty.TABLE, event_name(step.event)
@@ -51,13 +63,11 @@ def test_every_phase_and_every_standing_is_drawn() -> None:
 
 
 def names(machine: str) -> set[str]:
-    return {
-        line.split('"')[1] for line in machine_diagram(machine).splitlines() if line.startswith("    state ")
-    }
+    return {line.split('"')[1] for line in drawn(machine).splitlines() if line.startswith("    state ")}
 
 
 def test_a_row_switched_off_is_an_arrow_less(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert "on_sight --> finished: AtMark" in machine_diagram("On-board unit: duty")
+    assert "on_sight --> finished: AtMark" in drawn("On-board unit: duty")
     table = {key: handler for key, handler in duty.TABLE.items() if key != (DutyPhase.ON_SIGHT, AtMark)}
     monkeypatch.setattr(duty, "TABLE", table)
     assert "AtMark" not in machine_diagram("On-board unit: duty")
@@ -85,9 +95,8 @@ def test_the_bound_is_kept() -> None:
 
 
 def test_what_is_drawn_is_what_follows() -> None:
-    found, _ = DIAGRAMS["On-board unit: duty"]
-    edges = found().edges
-    for run in list(found().states)[:200]:
+    found = found_of("On-board unit: duty")
+    for run in list(found.states)[:200]:
         for event, after in events_from(run):
             if phase_name(after) != phase_name(run):
-                assert (phase_name(run), event, phase_name(after)) in edges
+                assert (phase_name(run), event, phase_name(after)) in found.edges

@@ -6,6 +6,7 @@ from exchange.branches import branches
 from exchange.published import PublishedStation, PublishedTimetable, PublishedTrain
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
+from network.making.station_list import ONE_WAY
 from network.timetable import Call
 
 LINE = load_line(shipped_line("karasuyama"))
@@ -29,6 +30,7 @@ def test_trains_to_and_from_a_branch_are_told_with_where_they_leave_the_line() -
     assert text.startswith("Ogane: a branch leaves the line there, to ")
     assert "Kitsuregawa, Sakura (3 trains)" in text or "Sakura, Kitsuregawa (3 trains)" in text
     assert "begin and end at Ogane" in text
+    assert text.endswith(ONE_WAY)
 
 
 def test_beyond_an_end_of_the_line_is_no_branch_nor_is_a_train_from_elsewhere() -> None:

@@ -132,6 +132,7 @@ def test_equal_limits_closer_than_a_train_become_one() -> None:
     assert curve_limits(curves, 65.0) == ()
 
 
+# Fitting a real line takes ten seconds, so it is done by night; known axes, and long ones, are fitted in every run.
 @pytest.fixture(scope="module")
 def imported() -> ImportedGeometry:
     if not POLYLINE.exists():
@@ -140,11 +141,13 @@ def imported() -> ImportedGeometry:
     return read_geometry(POLYLINE, STATIONS, begin_km=-1.0)
 
 
+@pytest.mark.nightly
 def test_karasuyama_polyline_is_reproduced(imported: ImportedGeometry) -> None:
     assert imported.rms_m < 2.0
     assert imported.max_m < 12.0
 
 
+@pytest.mark.nightly
 def test_karasuyama_is_as_long_as_the_sources_say(imported: ImportedGeometry) -> None:
     # 20.39 km is the sum between the stations of the source, 20.4 km the official length
     assert imported.stations[0].position_m == 0.0
@@ -154,10 +157,12 @@ def test_karasuyama_is_as_long_as_the_sources_say(imported: ImportedGeometry) ->
     assert [s.position_m for s in imported.stations] == pytest.approx(official_m, abs=250.0)
 
 
+@pytest.mark.nightly
 def test_stations_lie_beside_the_axis(imported: ImportedGeometry) -> None:
     assert max(abs(s.offset_m) for s in imported.stations) < 15.0
 
 
+@pytest.mark.nightly
 def test_shipped_geometry_is_what_the_importer_makes(imported: ImportedGeometry) -> None:
     line, made = load_line(shipped_line("karasuyama")), imported.alignment
     main = line.alignments["main"]
@@ -181,6 +186,7 @@ class _Any(Record):
 
 
 @needs_shared
+@pytest.mark.nightly
 def test_fragment_is_written_as_toml(tmp_path: Path, imported: ImportedGeometry) -> None:
     entry = parse_toml(fragment(imported), "fragment", _Any)
     assert len(entry.stations) == 8
@@ -210,7 +216,15 @@ A, B, C, D = [140.0, 36.6], [140.01, 36.6], [140.02, 36.601], [140.03, 36.602]
         ("{", "valid JSON"),
         ({"features": 3}, "features"),
         (polyline([A, B, C], kind="Point"), r"geometry.type is 'Point'; expected LineString"),
-        (polyline([A, B], [C, D]), "a line that goes on at"),
+        (polyline([A, B], [C, D]), r"a line that goes on at \(140.01, 36.6\) or \(140.0, 36.6\)$"),
+        (
+            polyline([A, B, C], [B, D]),
+            r"is \[\[140.01, 36.6\]\]; .* a line has no branches: one is a line of its own",
+        ),
+        (
+            polyline([A, B, C, B, A]),
+            r"is \[140.0, 36.6\]; expected a track that goes each way once; a line has no branch",
+        ),
         (polyline([A, B]), "at least three vertices"),
         (polyline([A, B, [500.0, 36.0]]), "longitude and latitude"),
     ],

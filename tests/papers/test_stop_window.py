@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -27,10 +28,12 @@ from papers.stop_set import (
 from papers.stop_window import chart, reproduce
 from radio.chance import generator
 
+TO_MPS = 13.0  # of the set in every run; by night it is computed up to 25 m/s
+
 
 @pytest.fixture(scope="module")
 def found() -> StopSet:
-    return stop_set(QUICK_GRID)
+    return stop_set(replace(QUICK_GRID, to_mps=TO_MPS))
 
 
 @pytest.mark.nightly
@@ -75,7 +78,7 @@ def test_nothing_nearer_than_what_any_law_needs_is_in_the_set(found: StopSet) ->
     assert (found.lowest[np.isfinite(found.lowest)] >= 0.0).all()
     assert (found.begin_m > found.outer_m).all()
     weakest = (RANGES["dead_time"].high, RANGES["lag"].high, RANGES["brake"].low)
-    speeds = np.array([8.0, 12.0, 16.0])
+    speeds = np.array([6.0, 9.0, 12.0])
     nearer = found.distance_m(np.zeros(3), speeds) - 0.5
     outcomes, _ = stop_bench().run(
         stops_from(nearer, speeds, np.tile(np.array(weakest), (3, 1)), np.full(3, RANGES["adhesion"].low))
@@ -98,7 +101,7 @@ def test_between_the_points_of_the_grid_stops_stay_within_what_it_spans(found: S
 
 
 @given(
-    speed_mps=st.floats(SPEED_LEAST_MPS, 18.0),
+    speed_mps=st.floats(SPEED_LEAST_MPS, TO_MPS - 1.0),
     above=st.floats(0.0, 1.0),
     places=st.tuples(*(st.floats(0.0, 1.0) for _ in RANGES)),
 )

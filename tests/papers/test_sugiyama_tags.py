@@ -66,6 +66,13 @@ def test_what_simpler_schemes_miss(ours: dict[str, Any], scheme: str, missed: li
 
 
 @pytest.mark.nightly
+def test_the_whole_passes_too_with_every_assumption_varied() -> None:
+    rows = reproduction("sugiyama-tags")(Options(seed=1)).rows
+    assert [row.case for row in rows if not row.passed] == []
+    assert any("worst of the ids" in row.case for row in rows)
+
+
+@pytest.mark.nightly
 def test_the_seed_decides_only_the_monte_carlo(result: Reproduction) -> None:
     other = reproduction("sugiyama-tags")(Options(seed=2, quick=True))
     changed = [a.case for a, b in zip(result.rows, other.rows, strict=True) if a != b]

@@ -210,3 +210,87 @@ def test_a_meet_is_moved_by_just_the_seconds_by_which_one_comes_in_later() -> No
     assert sorted(move.by_s for move in plan.moves) == [21, 41]
     assert plan.proven
     assert abs(_times(plan, "1", "L")[0] - _times(plan, "2", "L")[0]) >= 41
+
+
+def _moves(*trains: TrainToArrange, limit_s: int = 300) -> dict[str, int]:
+    """By how much each train's printed times are moved in all, s."""
+    found = {train.number: 0 for train in trains}
+    for move in nearest_plan([trains], limit_s).arranged.moves:
+        found[move.number] += move.by_s
+    return found
+
+
+def test_a_train_stands_for_its_stay() -> None:
+    """At the loop 300 s after noon, and 20 s there."""
+    assert _moves(_down(_visit("L", departure_s=NOON + 310))) == {"1": 10}
+
+
+def test_a_train_that_leaves_later_comes_as_much_later() -> None:
+    """Up leaves the loop 30 s late, and is printed to come 300 s after it should have left."""
+    up = _up(NOON + 270)
+    late = replace(up, visits=(*up.visits[:2], replace(up.visits[2], arrival_s=NOON + 570)))
+    assert _moves(_down(), late) == {"1": 0, "2": 60}
+
+
+def test_a_train_that_would_have_to_dawdle_stops_instead() -> None:
+    """It is to leave L at 600 s: running through it is there at 362 s at the latest, a quarter later than it could."""
+    loop = replace(_visit("L", departure_s=NOON + 600, tracks=("L.1",)), standing=Standing.MAY)
+    plan = nearest_plan([[_down(loop)]], limit_s=300).arranged
+    assert plan.moves == ()
+    assert plan.visits["1"][1].stands
+
+
+def test_an_arrival_is_a_minute_early_at_most() -> None:
+    """Down is printed to come at 500 s, and could at 300; up is to leave for where it comes from at 330 s."""
+    down = _train("1", _visit("A", departure_s=NOON), _visit("B", arrival_s=NOON + 500, tracks=("B.1",)))
+    up = _train("2", _visit("B", departure_s=NOON + 330, tracks=("B.2",)), _visit("A", tracks=("A.2",)))
+    assert _moves(down, up, limit_s=100) == {"1": -60, "2": 110}
+
+
+def _by_portal(number: str, leaves_s: int, other: str) -> TrainToArrange:
+    """Over a portal at A, on a track and a way of its own."""
+    visits = _visit("A", departure_s=leaves_s, tracks=(f"A.{number}",)), _visit(other)
+    return _train(number, *visits, enters="P")
+
+
+def test_a_portal_is_one_trains_at_a_time() -> None:
+    """Each has it for the 180 s before it leaves A."""
+    assert _moves(_by_portal("1", NOON, "L"), _by_portal("2", NOON + 60, "M")) == {"1": 0, "2": 120}
+
+
+def test_a_portal_is_a_trains_until_it_has_gone() -> None:
+    """One comes to A 300 s after noon and goes by the portal until 480 s; the other has it for 180 s from 420 s on."""
+    leaves = _train(
+        "1", _visit("L", departure_s=NOON), _visit("A", arrival_s=NOON + 300, tracks=("A.1",)), leaves="P"
+    )
+    assert _moves(leaves, _by_portal("2", NOON + 600, "M")) == {"1": 0, "2": 60}
+
+
+def test_a_set_stands_where_it_waits_for_its_next_train() -> None:
+    """It comes to the only track of B 300 s after noon, and leaves at 1000 s; the other is to leave A at 400 s, and can
+    be there when the way is free again, and the track: its run begins when the set is back at A, at 1300 s.
+    """
+    down = _train("1", _visit("A", departure_s=NOON), _visit("B"))
+    back = _train("3", _visit("B", departure_s=NOON + 1000), _visit("A", tracks=("A.2",)), follows="1")
+    other = _train("2", _visit("A", departure_s=NOON + 400, tracks=("A.3",)), _visit("B"))
+    assert _moves(down, back, other, limit_s=1200) == {"1": 0, "3": 0, "2": 900}
+
+
+def test_a_set_that_ends_its_day_stands_there_for_the_night() -> None:
+    trains = [
+        _train(str(n), _visit("A", departure_s=NOON + 3600 * n, tracks=(f"A.{n}",)), _visit("B"))
+        for n in (1, 2)
+    ]
+    with pytest.raises(NothingFoundError):
+        nearest_plan([trains], limit_s=300)
+
+
+def test_a_train_takes_another_track_where_its_own_is_taken() -> None:
+    """Two that end at B for the night, each with both tracks to choose from: not both on the usual one."""
+    both = ("B.1", "B.2")
+    trains = [
+        _train(str(n), _visit("A", departure_s=NOON + 3600 * n, tracks=(f"A.{n}",)), _visit("B", tracks=both))
+        for n in (1, 2)
+    ]
+    plan = nearest_plan([trains], limit_s=300).arranged
+    assert {plan.visits[number][-1].track for number in ("1", "2")} == set(both)

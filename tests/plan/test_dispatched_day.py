@@ -34,19 +34,25 @@ def setup() -> Setup:
 
 
 @pytest.fixture(scope="module")
+def punctual(setup: Setup) -> DispatchedDay:
+    return day_of(replace(setup, late=Late()))
+
+
+@pytest.fixture(scope="module")
 def late(setup: Setup) -> DispatchedDay:
     return day_of(setup)
 
 
-def test_a_punctual_day_costs_nothing(setup: Setup) -> None:
+def test_a_punctual_day_costs_nothing(punctual: DispatchedDay) -> None:
     """All trains of the plan arrive as printed: they run with more time than they need."""
-    answer = solve(day_of(replace(setup, late=Late())).instance, WORK)
+    answer = solve(punctual.instance, WORK)
     assert answer.proven
     assert answer.solution is not None and answer.solution.objective_value == 0
 
 
-def test_a_train_that_comes_late_sets_out_so_much_later(setup: Setup, late: DispatchedDay) -> None:
-    punctual = day_of(replace(setup, late=Late()))
+def test_a_train_that_comes_late_sets_out_so_much_later(
+    setup: Setup, punctual: DispatchedDay, late: DispatchedDay
+) -> None:
     moved: dict[str, int] = {}
     for index, legs in enumerate(late.legs):
         for leg, operation in zip(legs, late.departs[index], strict=True):
@@ -61,9 +67,11 @@ def test_a_train_that_comes_late_sets_out_so_much_later(setup: Setup, late: Disp
     assert all(abs(late_s - drawn[number]) <= 1.0 for number, late_s in moved.items())
 
 
-def test_people_lengthen_a_stand_and_doors_put_off_a_departure(setup: Setup, late: DispatchedDay) -> None:
+def test_people_lengthen_a_stand_and_doors_put_off_a_departure(
+    setup: Setup, punctual: DispatchedDay, late: DispatchedDay
+) -> None:
     """As the late day draws them for its seed, to the second that times are rounded up to."""
-    punctual, stays = day_of(replace(setup, late=Late())), late_day(setup).stays
+    stays = late_day(setup).stays
     people_s, doors_s = 0.0, 0.0
     for index, legs in enumerate(late.legs):
         ours, theirs = late.instance.trains[index], punctual.instance.trains[index]

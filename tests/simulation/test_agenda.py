@@ -70,3 +70,17 @@ def test_what_is_due_just_then_and_what_is_withdrawn() -> None:
     while (item := agenda.pop_due(9)) is not None:
         came.append(item.subject)
     assert came == ["K1", "end 2"]
+
+
+def test_what_is_put_off_is_due_once_and_telegrams_still_arrive() -> None:
+    agenda = Agenda()
+    agenda.put(3, AgendaKind.TO_DEVICE, "C1")
+    agenda.put(5, AgendaKind.TO_DEVICE, "C1")
+    agenda.put(5, AgendaKind.TO_DEVICE, "C1", b"proof")
+    agenda.put(5, AgendaKind.UNIT_TIMER, "C1")
+    agenda.withdraw(AgendaKind.TO_DEVICE, "C1", 3)
+    came = []
+    while (item := agenda.pop_due(9)) is not None:
+        came.append((item.step, item.kind, item.data))
+    to_device, timer = AgendaKind.TO_DEVICE, AgendaKind.UNIT_TIMER
+    assert came == [(3, to_device, None), (5, to_device, b"proof"), (5, timer, None)]

@@ -8,6 +8,7 @@ from itertools import repeat
 import msgspec
 import pytest
 
+from onboard.authority.letters import Letters
 from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
 from radio import envelope as env
 from radio.envelope import DropReason, Envelope, Peer, header_of, kind_of
@@ -64,6 +65,13 @@ def units_accept_telegrams_twice(patch: pytest.MonkeyPatch) -> None:
 @switch
 def obeys_an_earlier_boot(patch: pytest.MonkeyPatch) -> None:
     lets_pass(patch, DropReason.OLD_EPOCH)
+
+
+@switch
+def obeys_whenever(patch: pytest.MonkeyPatch) -> None:
+    """Units take telegrams however late, and each for the answer to what is outstanding."""
+    lets_pass(patch, DropReason.STALE, DropReason.OUT_OF_ORDER, where=on_board)
+    patch.setattr(Letters, "_answers", lambda *_: True)
 
 
 def kind_of_data(data: bytes) -> str | None:

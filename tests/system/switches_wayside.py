@@ -311,3 +311,9 @@ def staff_unbar_nobody_while_restoring(patch: pytest.MonkeyPatch) -> None:
 def overtakes_before_a_portal(patch: pytest.MonkeyPatch) -> None:
     """Of those that stand behind each other outside, whoever looks first comes in."""
     patch.setattr(duties, "is_behind", lambda _slot, _queue: False)
+
+
+@switch
+def staff_call_nobody_back(patch: pytest.MonkeyPatch) -> None:
+    """Who has said something else of a silent unit is not asked to say what is so."""
+    patch.setattr(staff, "_WORDS", ())

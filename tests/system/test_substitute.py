@@ -20,6 +20,7 @@ from simulation.substitute import by_hand, players, sight
 from simulation.substitute_settings import LeftOutStep
 from study.drilling.drill import find_drill, run_drill
 from study.runner.run import PartyLink, execute
+from tests.nightly import A_FIFTH
 
 pytestmark = pytest.mark.system
 
@@ -38,13 +39,13 @@ substitute = { staffed = ["A", "B"], speed_kmh = 35.0 }
 kind = "power_off"
 target = "block-manager"
 start = "10:00:10"
-duration_s = 3000.0
+duration_s = 1600.0
 
 [[fault]]
 kind = "power_off"
 target = "K1"
 start = "10:00:38"
-duration_s = 2400.0
+duration_s = 1200.0
 """
 STEPS: Final = [row.step for row in PROCEDURES[Regime.TELEPHONE]]
 
@@ -104,7 +105,7 @@ def test_a_unit_that_remembers_what_was_before_it_was_cut_out_claims_what_is_not
 def test_nobody_is_let_in_while_a_train_stands_in_the_section(tmp_path: Path) -> None:
     scenario = _stands(tmp_path)
     assert not outcome_of(scenario).by_positions
-    unasked = outcome_of(without(scenario, LeftOutStep(step=WorkingStep.CLEAR), until_s=39_600.0))
+    unasked = outcome_of(without(scenario, LeftOutStep(step=WorkingStep.CLEAR), until_s=38_000.0))
     assert unasked.by_positions
     assert unasked.by_checkers
     assert unasked.pilots_rule
@@ -136,12 +137,12 @@ def days(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scenario, Scenario]:
 @given(steps=OMISSIONS, stands=st.booleans())
 @example(steps={WorkingStep.CLEAR}, stands=True)
 @example(steps={WorkingStep.MAN, WorkingStep.AGREE, WorkingStep.ARRIVED}, stands=False)
-@settings(max_examples=4, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(A_FIFTH, suppress_health_check=list(HealthCheck))
 def test_whatever_is_left_out_checkers_and_positions_agree(
     steps: set[WorkingStep], stands: bool, days: tuple[Scenario, Scenario]
 ) -> None:
     left = [LeftOutStep(step=step) for step in sorted(steps)]
-    found = outcome_of(without(days[stands], *left, until_s=39_600.0))
+    found = outcome_of(without(days[stands], *left, until_s=38_000.0))
     if not any("wrong way" in danger for danger in found.unsafe):  # where it went then is not in the plan
         assert bool(found.by_positions) is found.by_checkers
     assert found.by_checkers or not found.by_positions
@@ -161,7 +162,7 @@ def test_a_checker_that_sees_no_train_in_a_section_is_noticed(
             note(self, t_s, checker, subject, text, outside=outside)
 
     monkeypatch.setattr(Log, "note", blind)
-    found = outcome_of(without(days[1], LeftOutStep(step=WorkingStep.CLEAR), until_s=39_600.0))
+    found = outcome_of(without(days[1], LeftOutStep(step=WorkingStep.CLEAR), until_s=38_000.0))
     assert found.by_positions and not found.by_checkers
 
 
@@ -177,7 +178,7 @@ def test_a_section_that_never_had_a_pilot_need_not_be_empty_as_the_working_ends(
     monkeypatch.setattr(players, "NEED_NOT_BE_EMPTY", need_not)
     file = tmp_path / "off.toml"
     file.write_text(
-        f'extends = "{find_drill(DRILL)}"\nid = "off"\nexpect = []\n'
+        f'extends = "{find_drill(DRILL)}"\nid = "off"\nexpect = []\nlimits.time_limit_s = 1200.0\n'
         '[[patch.fault.add]]\nkind = "power_off"\ntarget = "K1"\nstart = "10:00:41"\nduration_s = 60.0\n',
         "utf-8",
     )

@@ -7,6 +7,7 @@ the states are others than those of the crossing as it is.
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from hashlib import blake2b
 from typing import Final
 
@@ -14,7 +15,7 @@ import pytest
 
 from tests.system import switches_crossings
 from tests.system.conftest import SWITCHES
-from tests.verify.switched_off import Verdict
+from tests.verify.switched_off import Verdict, first_other, verdict_of
 from verify.crossing.explore import CrossingSpace, explore_crossing
 from verify.crossing.explored_crossing import CrossingBudgets, ExploredCrossing
 
@@ -42,35 +43,25 @@ def digest(found: CrossingSpace) -> str:
     return code.hexdigest()
 
 
-def verdict_of(explored: ExploredCrossing, sound: str) -> Verdict:
-    """As it is now, against the digest of the crossing as it is without a switch."""
-    try:
-        found = explore_crossing(explored)
-    except Exception:
-        return Verdict.FAILS
-    if found.broken:
-        return Verdict.BROKEN
-    if found.dead:
-        return Verdict.DEAD
-    return Verdict.SAME if digest(found) == sound else Verdict.OTHER
+def judged(name: str, sound: dict[ExploredCrossing, str]) -> Iterator[tuple[str, Verdict]]:
+    """The crossing with a switch, at each of the budgets; `sound` has digests without one, and gets those it lacks."""
+    for explored in TRIED:
+        if explored not in sound:
+            sound[explored] = digest(explore_crossing(explored))
+        with pytest.MonkeyPatch.context() as patch:
+            SWITCHES[name](patch)
+            verdict = verdict_of(
+                lambda explored=explored: explore_crossing(explored), digest, sound[explored]
+            )
+        kind = "barriers" if explored.barriers else "warning"
+        yield f"{kind} `{'/'.join(map(str, explored.budgets))}`", verdict
 
 
 def main(named: list[str]) -> None:
     """Print the table."""
     sound: dict[ExploredCrossing, str] = {}
     for name in named or names():
-        row = f"{Verdict.SAME.value} |"
-        for explored in TRIED:
-            if explored not in sound:
-                sound[explored] = digest(explore_crossing(explored))
-            with pytest.MonkeyPatch.context() as patch:
-                SWITCHES[name](patch)
-                verdict = verdict_of(explored, sound[explored])
-            if verdict is not Verdict.SAME:
-                kind = "barriers" if explored.barriers else "warning"
-                row = f"{verdict.value} | {kind} `{'/'.join(map(str, explored.budgets))}`"
-                break
-        sys.stdout.write(f"| `{name}` | {row} |\n")
+        sys.stdout.write(f"| `{name}` | {first_other(judged(name, sound))} |\n")
         sys.stdout.flush()
 
 

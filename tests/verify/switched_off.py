@@ -10,12 +10,12 @@ from __future__ import annotations
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from enum import Enum
 from hashlib import blake2b
 from pathlib import Path
-from typing import Final
+from typing import Final, Protocol, TypeVar
 
 import pytest
 
@@ -53,6 +53,19 @@ class Verdict(Enum):
     SAME = "the same states"
 
 
+class Explored(Protocol):
+    """What an exploration has found: the rule that is broken, and how many states lead nowhere."""
+
+    @property
+    def broken(self) -> str: ...
+
+    @property
+    def dead(self) -> int: ...
+
+
+Found = TypeVar("Found", bound=Explored)
+
+
 def defects() -> list[str]:
     """All that can be switched off in machines, and what they once did, by name."""
     names = {module.__name__ for module in MODULES}
@@ -78,27 +91,32 @@ def without(name: str) -> Iterator[None]:
         yield
 
 
-def judged(name: str, budgets: Budgets, sound: str) -> Verdict:
-    """The line explored with one defect."""
+def verdict_of(explore: Callable[[], Found], digest_of: Callable[[Found], str], sound: str) -> Verdict:
+    """What is explored now, against the digest of the same as it is."""
     try:
-        with without(name):
-            found = explored(ExploredLine(budgets=budgets), STATES_MAX)
+        found = explore()
     except Exception:
         return Verdict.FAILS
     if found.broken:
         return Verdict.BROKEN
     if found.dead:
         return Verdict.DEAD
-    return Verdict.SAME if digest(found) == sound else Verdict.OTHER
+    return Verdict.SAME if digest_of(found) == sound else Verdict.OTHER
 
 
-def first_other(name: str, sound: list[str]) -> str:
-    """What becomes of the set, and at which budgets, as cells of a table."""
+def first_other(tried: Iterable[tuple[str, Verdict]]) -> str:
+    """The first that is not the same, and at which budgets, as cells of a table."""
+    others = (f"{verdict.value} | {at}" for at, verdict in tried if verdict is not Verdict.SAME)
+    return next(others, f"{Verdict.SAME.value} |")
+
+
+def judged(name: str, sound: list[str]) -> Iterator[tuple[str, Verdict]]:
+    """The line explored with one defect, at each of the budgets."""
     for budgets, known in zip(BUDGETS, sound, strict=False):
-        verdict = judged(name, budgets, known)
-        if verdict is not Verdict.SAME:
-            return f"{verdict.value} | `{'/'.join(map(str, budgets)).removesuffix('/0/0')}`"
-    return f"{Verdict.SAME.value} |"
+        with without(name):
+            line = ExploredLine(budgets=budgets)
+            verdict = verdict_of(lambda line=line: explored(line, STATES_MAX), digest, known)
+        yield f"`{'/'.join(map(str, budgets)).removesuffix('/0/0')}`", verdict
 
 
 def first_other_planted(mistake: Planted, tree: Path, sound: list[str]) -> str:
@@ -114,7 +132,7 @@ def first_other_planted(mistake: Planted, tree: Path, sound: list[str]) -> str:
 def main(names: list[str]) -> None:
     """Print the table."""
     if names[:1] == [AS_IT_IS]:
-        sys.stdout.write(first_other("", names[1:]))
+        sys.stdout.write(first_other(judged("", names[1:])))
         return
     first = int(names[1]) if names[:1] == [FIRST] else len(BUDGETS)
     names = names[2:] if names[:1] == [FIRST] else names
@@ -124,7 +142,7 @@ def main(names: list[str]) -> None:
         tree = copied(Path(folder))
         for name in names or [*defects(), *planted_]:
             at = planted_.get(name)
-            cells = first_other(name, sound) if at is None else first_other_planted(at, tree, sound)
+            cells = first_other(judged(name, sound)) if at is None else first_other_planted(at, tree, sound)
             said = f"`{name}`" if at is None else name
             sys.stdout.write(f"| {said} | {cells} |\n")
             sys.stdout.flush()

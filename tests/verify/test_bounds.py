@@ -8,11 +8,11 @@ from papers.joint_faults import FAILS, carried_in
 from papers.position_fusion import FORGIVING, JOINT
 from verify.evidence.bounds import TriedRun, in_words, search, try_out
 
-SEED = 1
+SEED = 2
 
 
 def test_it_finds_a_reflection_in_a_slide_when_receivers_forgive_it_and_not_otherwise() -> None:
-    found = search(SEED, 120, FORGIVING, until_broken=True)
+    found = search(SEED, 40, FORGIVING, until_broken=True)
     assert found.broken
     first = found.broken[0]
     words = " ".join(in_words(SEED, first))
@@ -22,7 +22,7 @@ def test_it_finds_a_reflection_in_a_slide_when_receivers_forgive_it_and_not_othe
 
 
 @pytest.mark.parametrize(
-    "runs", [pytest.param(30, id="slice"), pytest.param(10_000, id="all", marks=pytest.mark.nightly)]
+    "runs", [pytest.param(14, id="slice"), pytest.param(10_000, id="all", marks=pytest.mark.nightly)]
 )
 def test_no_searched_run_leaves_its_bounds(
     runs: int,
@@ -38,4 +38,4 @@ def test_no_searched_run_leaves_its_bounds(
 
 
 def test_the_same_seed_gives_the_same_search() -> None:
-    assert search(5, 16, JOINT).nearest == search(5, 16, JOINT).nearest
+    assert search(5, 14, JOINT).nearest == search(5, 14, JOINT).nearest

@@ -236,9 +236,9 @@ def test_one_that_has_lost_its_memory_stays_closed_until_all_that_come_have_said
     box.do(DOWN, 100.0)
     box.do(CrossingTimeDue(), 115.0)
     assert (box.state, wake_at_s(box.device)) == (CLOSED, 100.0 + REANNOUNCED_S)
-    box.do(CrossingTimeDue(), 129.0)
+    box.do(CrossingTimeDue(), 189.0)
     assert box.state is CLOSED
-    box.do(CrossingTimeDue(), 130.0)
+    box.do(CrossingTimeDue(), 190.0)
     assert (box.state, box.drives) == (OPEN, [OpenCrossing("C")])
 
 
@@ -267,7 +267,7 @@ def test_contacts_count_fronts_in_and_rears_out() -> None:
 def test_lamps_that_went_out_and_shine_again_prove_nothing_while_the_proof_of_before_may_be_believed() -> (
     None
 ):
-    """12 s that it holds, and 5 s that it may have been under way."""
+    """15 s that it holds, and 5 s that it may have been under way."""
     lamps = Box(LAMPS)
     lit = CrossingDetected(lamps=True, lowered=True, raised=False)
     lamps.do(UP, 0.0)
@@ -276,9 +276,9 @@ def test_lamps_that_went_out_and_shine_again_prove_nothing_while_the_proof_of_be
     assert lamps.device.state is CLOSED
     assert lamps.do(DARK, 20.0) == [("u", CrossingProof(False, VALID_S), 1)]
     assert lamps.do(lit, 21.0) == []
-    assert lamps.do(asks(9.0), 36.9) == [("u", CrossingProof(False, VALID_S), 1)]
-    assert wake_at_s(lamps.device) == pytest.approx(20.0 + 12.0 + 5.0)
-    assert lamps.do(CrossingTimeDue(), 37.0) == [("u", CrossingProof(True, VALID_S), 1)]
+    assert lamps.do(asks(9.0), 39.9) == [("u", CrossingProof(False, VALID_S), 1)]
+    assert wake_at_s(lamps.device) == pytest.approx(20.0 + 15.0 + 5.0)
+    assert lamps.do(CrossingTimeDue(), 40.0) == [("u", CrossingProof(True, VALID_S), 1)]
 
 
 SIGNALMAN, TRACKMAN = NoTrainComes("Signalman"), NoTrainComes("trackman")

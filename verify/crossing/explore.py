@@ -6,13 +6,11 @@ from collections.abc import Callable
 from itertools import groupby, pairwise
 from typing import NamedTuple
 
-import numpy as np
-
 from verify.crossing.composition import CrossingComposition, CrossingWhole, Happened
 from verify.crossing.expansion import CrossingExpansion
 from verify.crossing.explored_crossing import ExploredCrossing
 from verify.crossing.facts import gate_key
-from verify.search import Keys, Level, SearchedSpace, ranks, search, way_to
+from verify.search import Keys, Level, SearchedSpace, judged_space, way_to
 from verify.story import telegram_words
 
 STATES_MAX = 100_000_000
@@ -43,21 +41,12 @@ def explore_crossing(
 ) -> CrossingSpace:
     """Explore it as far as its budgets go, or `states_max`. The first state that breaks a rule ends it."""
     expansion = CrossingExpansion(explored)
-    space = search(expansion, states_max, watch, expansion.broken)
-    if len(space.broken):
-        key = int(space.broken[0])
-        rule = CrossingComposition(explored).broken(expansion.whole(key))
-        story = story_to(expansion, space.levels, key)
-        return CrossingSpace(expansion, space, rule, 0, story)
-    if not space.complete:
-        return CrossingSpace(expansion, space)
-    rank = ranks(expansion, space.states)
-    dead = space.states[rank < 0]
-    story = tuple[str, ...]()
-    if len(dead):
-        first = next(found for level in space.levels if len(found := np.intersect1d(level, dead)))
-        story = story_to(expansion, space.levels, int(first[0]))
-    return CrossingSpace(expansion, space, "", len(dead), story, int(rank.max()))
+    space, rank, dead, wrong = judged_space(expansion, states_max, watch, expansion.broken)
+    rank_max = 0 if rank is None else int(rank.max())
+    if wrong is None:
+        return CrossingSpace(expansion, space, rank_max=rank_max)
+    rule = "" if dead else CrossingComposition(explored).broken(expansion.whole(wrong))
+    return CrossingSpace(expansion, space, rule, dead, story_to(expansion, space.levels, wrong), rank_max)
 
 
 def same(state: CrossingWhole) -> tuple[object, ...]:

@@ -71,7 +71,7 @@ _SEEN: Final = {  # seconds are some of each place, whose comparisons are those 
 }
 _RUNS: Final = DutyState(phase=DutyPhase.RUNNING, limit=StopLimit(1, None, "end of the path"))
 _WAITS: Final = DutyState(phase=DutyPhase.RUNNING, limit=StopLimit(0, "6", "not held"))
-VALID_S: Final = 12.0
+VALID_S: Final = 15.0
 SAYS_AGAIN: Final = "says it again"
 
 

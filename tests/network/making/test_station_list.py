@@ -81,7 +81,14 @@ def test_the_first_track_lies_where_it_is_said(tmp_path: Path) -> None:
         ("name,km,tracks\nA,0,1.5\nB,1,1\n", r"stations\[0\].tracks"),
         ("name,km,tracks\nA,0,7\nB,1,1\n", r"stations\[0\].tracks"),
         ("name,km\nA,1\nB,1\n", r"stations\[1\].km is 1.0; expected more than 1, where A is"),
-        ("name,km\nA,0\nA,1\n", r"stations\[1\].name is 'A'; expected a name of its own"),
+        (
+            "name,km\nA,0\nA,1\n",
+            r"stations\[1\].name is 'A'; expected a name of its own; .* a line has no branches",
+        ),
+        (
+            "name,km\nA,0\nB,5\nC,9\nD,7\n",
+            r"more than 9, where C is: .*; a line has no branches: one is a line of its",
+        ),
         ("km\n0\n1\n", r"stations\[0\].name; expected a name"),
         ("name,km,id\nA,0,X\nB,1,X\n", r"stations\[1\].id is 'X'; expected an id of its own"),
         ("name,km,id\nA,0,a b\nB,1,X\n", r"stations\[0\].id"),

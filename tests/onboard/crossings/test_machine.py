@@ -8,7 +8,6 @@ import pytest
 from msgspec.structs import replace
 
 from onboard import crossing_notes
-from onboard.crossings import machine
 from onboard.crossings.machine import (
     EARLY_S,
     GIVE_UP_S,
@@ -51,16 +50,16 @@ GIVES_UP = (crossing_notes.CrossingLeftBehind(crossing_id="C", passed=False), Cr
 IS_OVER = (crossing_notes.CrossingLeftBehind(crossing_id="C", passed=True), CrossingOver(True))
 
 
-def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
-    """35 s of warning and 10 s; or, to be proved in time, 15 s to close and 10 s."""
+def test_it_is_asked_six_seconds_before_its_warning_must_begin() -> None:
+    """35 s of warning and 6 s; or, to be proved in time, 15 s to close and 6 s."""
     assert FAR.due_s == pytest.approx(100.0 - 35.0 - EARLY_S)
     assert replace(FAR, proof_s=30.0).due_s == pytest.approx(30.0 - 15.0 - EARLY_S)
     assert step(VIEW, CrossingSeen(FAR), 0.0) == (VIEW, ())
-    assert wake_s(VIEW, FAR, 7.0) == 7.0 + 55.0
+    assert wake_s(VIEW, FAR, 7.0) == 7.0 + 59.0
     later = replace(
         FAR, arrives_s=math.inf, proof_s=math.inf
-    )  # it is to stop before it: only the limit counts
-    assert wake_s(VIEW, later, 7.0) == 7.0 + 80.0 - machine.HELD_FROM_S
+    )  # it is to stop before it, and something happens then
+    assert wake_s(VIEW, later, 7.0) == math.inf
     asked, said = step(VIEW, CrossingSeen(NEAR), 0.0)
     assert asked == replace(ASKED_VIEW, begins_s=5.0)
     assert said == (crossing_notes.CrossingAsked(crossing_id="C", arrives_s=40.0), REQUEST)
@@ -123,13 +122,11 @@ def test_it_is_asked_ten_seconds_before_its_warning_must_begin() -> None:
         (PASSING_VIEW, CrossingSeen(NEAR), 12.0, replace(ASKED_VIEW, said_s=12.0, begins_s=17.0, forgot=True),
          (crossing_notes.CrossingAsked(crossing_id="C", arrives_s=40.0), REQUEST)),
         # Its front perhaps on the road, it stands for longer than the proof holds: it needs one again.
-        (PASSING_VIEW, CrossingSeen(replace(PERHAPS, stands=True)), 11.0,
-         replace(PASSING_VIEW, said_s=11.0, answered=False), (CrossingRequest(0.0, 0.0),)),
+        (PASSING_VIEW, CrossingSeen(replace(PERHAPS, stands=True)), 11.0, PASSING_VIEW, ()),
         (PASSING_VIEW, CrossingSeen(replace(PERHAPS, stands=True)), 12.0,
          replace(ASKED_VIEW, said_s=12.0, forgot=True),
          (crossing_notes.CrossingAsked(crossing_id="C", arrives_s=0.0), CrossingRequest(0.0, 0.0))),
-        (PASSING_VIEW, CrossingSeen(replace(ON_IT, stands=True)), 12.0,
-         replace(PASSING_VIEW, said_s=12.0, answered=False), (CrossingRequest(0.0, 0.0),)),
+        (PASSING_VIEW, CrossingSeen(replace(ON_IT, stands=True)), 12.0, PASSING_VIEW, ()),
         (PASSING_VIEW, CrossingUnplaced(), 3.0, replace(VIEW, forgot=True), ()),
         (PROVEN_VIEW, CrossingUnplaced(), 3.0, PROVEN_VIEW, ()),
         (replace(VIEW, forgot=True), CrossingOffLine(), 9.0, replace(LEAVING_VIEW, said_s=9.0), IS_OVER),
@@ -174,12 +171,12 @@ def place_at(now_s: float, front_s: float = 50.0) -> CrossingPlace:
 
 
 def said_until(now_s: float, answers: bool, closes_s: float = math.inf) -> list[float]:
-    """When a unit that asks at 5 s, 10 s before the warning, has spoken; it looks when it wants to."""
-    view, said_s = replace(ASKED_VIEW, said_s=5.0), [5.0]
-    at_s = 5.0
+    """When a unit that asks at 9 s, 6 s before the warning, has spoken; it looks when it wants to."""
+    view, said_s = replace(ASKED_VIEW, said_s=9.0), [9.0]
+    at_s = 9.0
     while at_s <= now_s:
         if answers:
-            view, _ = step(view, CrossingAnswered(at_s >= closes_s, at_s + 12.0), at_s)
+            view, _ = step(view, CrossingAnswered(at_s >= closes_s, at_s + 15.0), at_s)
         wakes_s = wake_s(view, place_at(at_s), at_s)
         assert wakes_s > at_s
         at_s = min(wakes_s, closes_s) if at_s < closes_s else wakes_s
@@ -189,13 +186,21 @@ def said_until(now_s: float, answers: bool, closes_s: float = math.inf) -> list[
 
 
 def test_it_speaks_when_that_matters() -> None:
-    """Answered: 3 s before the warning at 15 s, again after 9.5 s, and 1 s after it should be closed at 30 s. Closed
-    then, the proof of 12 s is asked for again 6 s on, and again; that of 42 s lasts until the front is there at 50 s.
+    """Answered: 1 s after it should be closed at 30 s, and every 4 s. Closed then, the proof of 15 s is asked for again
+    6 s before its end; that of 39 s lasts until the front is there at 50 s.
     """
-    assert said_until(30.9, answers=True) == pytest.approx([5.0, 12.0, 21.5])
-    assert said_until(35.5, answers=True) == pytest.approx([5.0, 12.0, 21.5, 31.0, 35.0])
-    assert said_until(49.9, answers=True, closes_s=30.0) == pytest.approx([5.0, 12.0, 21.5, 36.0, 42.0])
-    assert said_until(14.0, answers=False) == pytest.approx([5.0, 7.0, 9.0, 11.0, 13.0])
+    assert said_until(30.9, answers=True) == pytest.approx([9.0])
+    assert said_until(35.5, answers=True) == pytest.approx([9.0, 31.0, 35.0])
+    assert said_until(49.9, answers=True, closes_s=30.0) == pytest.approx([9.0, 39.0])
+    assert said_until(14.0, answers=False) == pytest.approx([9.0, 11.0, 13.0])
+
+
+def test_who_asked_early_looks_once_more_before_the_warning() -> None:
+    """It is to begin at 30 s. Asked at 0 s, standing, it is looked at 3 s before; asked at 24 s it is known well."""
+    early = replace(ASKED_VIEW, begins_s=30.0, answered=True)
+    assert wake_s(early, place_at(0.0, front_s=65.0), 0.0) == 27.0
+    in_time = replace(early, said_s=24.0)
+    assert wake_s(in_time, place_at(24.0, front_s=65.0), 24.0) == 46.0
 
 
 @pytest.mark.parametrize(

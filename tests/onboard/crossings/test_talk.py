@@ -140,13 +140,13 @@ def test_a_road_far_ahead_ends_nothing_but_what_a_unit_that_acts_no_more_may_run
 
 
 def test_at_a_stop_the_time_counts_from_its_departure() -> None:
-    """It leaves in 5 s: 45 s are just in time to ask."""
+    """It leaves in 1 s: 41 s are just in time to ask."""
     talk = CrossingTalk(forgot=False)
     standing = replace(RUNS, phase=DutyPhase.STANDING)
-    talk.look((replace(NEAR, stands=True),), standing, 8.0, 0.0)
+    talk.look((replace(NEAR, stands=True),), standing, 4.0, 0.0)
     assert talk.letters == []
-    talk.look((replace(NEAR, stands=True),), standing, 5.0, 3.0)
-    assert [each.message for each in talk.letters] == [CrossingRequest(45.0, 33.0)]
+    talk.look((replace(NEAR, stands=True),), standing, 1.0, 3.0)
+    assert [each.message for each in talk.letters] == [CrossingRequest(41.0, 29.0)]
 
 
 def test_a_device_that_has_booted_hears_it_again() -> None:

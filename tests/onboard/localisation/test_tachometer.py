@@ -100,26 +100,31 @@ def test_without_a_position_none_is_overdue(train: TrainRow) -> None:
     assert locate(unit, train, 500.0, 20.0, STEP_S) == 0
 
 
-@pytest.mark.parametrize("adhesion", others_nightly((0.05, 0.08, 0.2), [0.08]))
-def test_locked_wheels_let_the_bound_grow_with_time(train: TrainRow, adhesion: float) -> None:
-    """From 20 m/s the wheels lock at once and the train slides to a stand: v^2 / 2 a further on than they counted."""
+LOCKED = [(0.08, 8.0), *((adhesion, 20.0) for adhesion in (0.05, 0.08, 0.2))]
+
+
+@pytest.mark.parametrize(("adhesion", "from_mps"), others_nightly(LOCKED, LOCKED[:1], columns=True))
+def test_locked_wheels_let_the_bound_grow_with_time(
+    train: TrainRow, adhesion: float, from_mps: float
+) -> None:
+    """The wheels lock at once and the train slides to a stand: v^2 / 2 a further on than they counted."""
     unit = new_unit(growth=0.0)
     unit.notch = -train.brake_notches
-    locate(unit, train, 2.0, 20.0, STEP_S)
+    locate(unit, train, 2.0, from_mps, STEP_S)
     slides_mps2 = adhesion * 9.80665 - 0.245  # down 25 permille
-    true_m, speed_mps = 2.0, 20.0
+    true_m, speed_mps = 2.0, from_mps
     while speed_mps > 0.0:
         after_mps = max(speed_mps - slides_mps2 * STEP_S, 0.0)
         true_m += (speed_mps + after_mps) / 2.0 * STEP_S
         speed_mps, unit.wheel_slide = after_mps, -1
         locate(unit, train, 2.0, 0.0, STEP_S)
         assert true_m <= unit.position_m + unit.bound_ahead_m
-    assert unit.bound_ahead_m >= 20.0**2 / (2.0 * slides_mps2)
+    assert unit.bound_ahead_m >= from_mps**2 / (2.0 * slides_mps2)
     for _ in range(
-        round(20.0 / SURE_BRAKE_MPS2 / STEP_S) + 100
+        round(from_mps / SURE_BRAKE_MPS2 / STEP_S) + 100
     ):  # the growth ends when the train surely stands
         locate(unit, train, 2.0, 0.0, STEP_S)
-    assert unit.bound_ahead_m == pytest.approx(ACCURACY_M + 20.0**2 / (2.0 * SURE_BRAKE_MPS2))
+    assert unit.bound_ahead_m == pytest.approx(ACCURACY_M + from_mps**2 / (2.0 * SURE_BRAKE_MPS2))
 
 
 def test_wheels_that_come_to_rest_with_the_train_cost_millimetres(train: TrainRow) -> None:

@@ -108,7 +108,7 @@ class Units:
 def cabs(monkeypatch: pytest.MonkeyPatch) -> tuple[Cabs, Units]:
     units = Units()
     truth = SimpleNamespace(sight_m=0.0)
-    at_once = SimpleNamespace(people=People(times=0.0), seed=1, today=())
+    at_once = SimpleNamespace(people=People(times=0.0), seed=1, today=(), line=SimpleNamespace(crossings={}))
     trains = SimpleNamespace(stock_ids=("K1",), truths=(truth,))
     world: Any = SimpleNamespace(
         setup=at_once,

@@ -4,16 +4,35 @@ from __future__ import annotations
 
 import pytest
 
-from study.evaluate import certificate
+from study.evaluate import certificate, manager_day
 from study.evaluate.certificate import bench, report, row_of
 from study.evaluate.manager_day import config_of
 from study.evaluate.parts import part_of
+from wayside.order_question import OrderAnswer, OrderQuestion, without_solver
 
 
 @pytest.mark.parametrize(("us", "kept"), [(900.0, True), (1100.0, False)])
 def test_a_grant_that_costs_too_much_is_said_to(us: float, kept: bool) -> None:
-    (budget,) = report("x", 1, [{"day": "a day", "us_a_grant": us}])["budgets"]
+    budget, _ = report("x", 1, [{"day": "a day", "us_a_grant": us}], 0.0)["budgets"]
     assert (budget["limit"], budget["found"], budget["kept"]) == (1000.0, us, kept)
+
+
+@pytest.mark.parametrize(("s", "kept"), [(0.9, True), (1.1, False)])
+def test_a_decision_that_takes_more_than_a_second_is_said_to(s: float, kept: bool) -> None:
+    (budget,) = report("x", 1, [], 1e6 * s)["budgets"]
+    assert (budget["found"], budget["kept"]) == (1e6 * s, kept)
+
+
+def test_decisions_by_the_order_of_all_ask_the_solver(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[OrderQuestion] = []
+
+    def answered(question: OrderQuestion) -> OrderAnswer:
+        asked.append(question)
+        return without_solver(question)
+
+    monkeypatch.setattr(manager_day, "order_solver", lambda: answered)
+    assert certificate.slowest_decision_us() > 0.0
+    assert asked
 
 
 def test_the_part_is_listed_and_its_days_end() -> None:

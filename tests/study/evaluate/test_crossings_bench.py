@@ -9,6 +9,7 @@ import pytest
 
 from scenario.scenario import load_scenario
 from simulation.carriers.road_of_run import roads_at
+from study.evaluate import crossings_bench
 from study.evaluate.crossings_bench import COUNT, RADIO, ROAD, VEHICLES_PER_H, WITHOUT, crossed, report
 
 
@@ -41,3 +42,34 @@ def test_the_budget_is_of_the_day_without_a_road(cpu_s: float, kept: bool) -> No
     assert found["budgets"][0]["kept"] is kept
     assert [row["trains_s"] for row in found["rows"]] == [6.0, cpu_s - 4.0, 19.0]
     assert found["same_digest"]
+
+
+def test_every_figure_is_told_as_soon_as_it_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three rounds: the days with and without level crossings in each, the one with roads in the first."""
+    ran: list[str] = []
+    told: list[tuple[int, str]] = []
+
+    def afresh(_module: str, way: str, *_words: str) -> dict[str, Any]:
+        ran.append(way)
+        return {
+            "cpu_s": 10.0 + len(ran),
+            "carrier_s": 4.0,
+            "carried": 1,
+            "telegrams": 7,
+            "queries": 1,
+            "digests": ["a"],
+        }
+
+    monkeypatch.setattr(crossings_bench, "figures_afresh", afresh)
+    found = crossings_bench.bench("day", 3, lambda text: told.append((len(ran), text)))
+    assert ran == [WITHOUT, RADIO, ROAD, WITHOUT, RADIO, WITHOUT, RADIO]
+    assert [count for count, _ in told] == [1, 2, 3, 4, 5, 6, 7]
+    assert all(
+        f": {way}: {10 + k}.00 cpu s" in text
+        for k, (way, (_, text)) in enumerate(zip(ran, told, strict=True), 1)
+    )
+    assert [row["cpu_s"] for row in found["rows"]] == [
+        14.0,
+        15.0,
+        13.0,
+    ]  # medians of 11, 14, 16 and of 12, 15, 17

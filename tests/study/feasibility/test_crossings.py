@@ -57,13 +57,13 @@ def test_more_than_a_minute_is_reported(tmp_path: Path) -> None:
 
 
 def test_units_need_radio_where_they_ask(tmp_path: Path) -> None:
-    """45 s at 12.5 m/s are 562.5 m: it is asked from 0.24 km on, before T1's path begins at 0.36 km."""
+    """41 s at 12.5 m/s are 512.5 m: it is asked from 0.29 km on, before T1's path begins at 0.36 km."""
     parts = "{ from_km = 0.0, to_km = 0.6 }, { from_km = 0.9, to_km = 1.41 }"
     dead = f'patch.line.set = {{ "alignments.main.coverage" = [{parts}] }}'
     (finding,) = found(tmp_path, before=dead)
     assert finding.severity is Severity.TIGHT
     assert "does not reach at km 0.6" in finding.text
-    assert "563 m before it" in finding.remedy
+    assert "513 m before it" in finding.remedy
 
 
 @pytest.mark.parametrize(("sight_m", "wrong"), [(112.0, True), (113.0, False)])

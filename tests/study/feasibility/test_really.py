@@ -25,7 +25,7 @@ pytestmark = pytest.mark.system
 GOES_WRONG_S = 15.0  # later than this, a train of these plans did not run as planned
 ABOUT_S = 100.0  # by which a day in blocks and minutes may be wrong about the latest train
 BROKEN = [name for name in BREAKS if name != "no_way"]  # which has no run
-IN_PASSING = ("one_track_for_both", "leg_in_two_minutes")
+IN_PASSING = ("leg_in_two_minutes",)
 
 
 def run(setup: Setup) -> RunResult:
@@ -82,7 +82,7 @@ def ends_if_it_may(seed: int) -> bool:
 
 
 def test_whatever_the_check_lets_run_ends_with_every_train_arrived() -> None:
-    assert sum(ends_if_it_may(seed) for seed in range(1000, 1004)) >= 1
+    assert sum(ends_if_it_may(seed) for seed in range(1000, 1002)) >= 1
 
 
 @pytest.mark.nightly

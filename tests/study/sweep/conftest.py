@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import select
 from collections.abc import Iterator
@@ -30,6 +31,13 @@ values = [0.1, 0.5]
 labels = ["0.1 s", "0.5 s"]
 """
 WAIT_S = 120.0  # for a process to do what it does in seconds; beyond it the test has failed
+
+
+@pytest.fixture(scope="module", autouse=True)
+def what_was_there_stays() -> None:
+    """A process tidies up after each day: only what the day has left, not what all tests before have."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture

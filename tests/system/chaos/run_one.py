@@ -84,8 +84,10 @@ def _net_map(path: Path) -> NetMap:
     return read_net(path)
 
 
-def run(scenario: Scenario, nets: Path, state: Path) -> tuple[RunResult, tuple[Act, ...]]:
-    """The run of a case, and what its staff did. Raises what the simulator raises."""
+def run(
+    scenario: Scenario, nets: Path, state: Path, carrier: CarrierKind = CarrierKind.SUMO
+) -> tuple[RunResult, tuple[Act, ...]]:
+    """The run of a case, and what its staff did; a road is on SUMO in any case. Raises what the simulator raises."""
     setup = scenario.setup
     road = road_of(setup, roads_at(setup), state)
     net = net_for(setup.line, nets, () if road is None else road.roads)
@@ -93,7 +95,7 @@ def run(scenario: Scenario, nets: Path, state: Path) -> tuple[RunResult, tuple[A
     with parties_of(PartyLink.SIMULATED, setup.line.id, specs_of(setup, master_key), state) as parties:
         simulation = Simulation(
             setup,
-            carrier_factory(CarrierKind.SUMO, setup.line, net),
+            carrier_factory(carrier if road is None else CarrierKind.SUMO, setup.line, net),
             parties,
             _net_map(net),
             LocalUnits(unit_configs(setup, master_key)),
@@ -201,13 +203,13 @@ _COURSES: dict[str, tuple[Scenario, Course]] = {}
 
 
 def undisturbed(ground: Ground, nets: Path) -> tuple[Scenario, Course]:
-    """How the ground runs when nothing fails. RuntimeError where it then does not run as it must."""
+    """How the ground runs when nothing fails, on plain track. RuntimeError where it then does not run as it must."""
     if ground.id not in _COURSES:
         case = Case(ground.id, ground)
         with tempfile.TemporaryDirectory(prefix="chaos-") as name:
             folder = Path(name)
             scenario = case.load(folder)
-            result, _ = run(scenario, nets, folder)
+            result, _ = run(scenario, nets, folder, CarrierKind.PLAIN)
         verdict, kind, details = judged(result, scenario.setup.line)
         if verdict is not Verdict.FINE:
             raise RuntimeError(f"{ground.id} without any fault: {kind}: {'; '.join(details)}")

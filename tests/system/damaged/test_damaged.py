@@ -21,7 +21,7 @@ from tests.system.damaged.damages import case_of
 from tests.system.damaged.places import places_of
 
 NUMBER: Final = 2000
-CHUNK: Final = 20  # cases of a test; the first are the slice of every run
+CHUNK: Final = 10  # cases of a test; the first are the slice of every run
 Record = Callable[[str, object], None]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -22,24 +23,27 @@ LOOKED_AT: Final = 1500
 CPU_S_MAX: Final = 120.0  # of a run, a hundred times what one of this line takes
 
 
-def _at_an_end() -> list[Case]:
-    """The first case of each kind of quantity that lies just inside its range, as many as are asked for."""
-    found: dict[str, Case] = {}
-    for number in range(LOOKED_AT):
-        case = case_of(number)
-        if case.inside and case.place is not None:
-            found.setdefault(case.place.quantity.name, case)
-    return list(found.values())[:NUMBER]
-
-
 @pytest.fixture(scope="module")
-def cases() -> list[Case]:
-    return _at_an_end()
+def at_an_end() -> Callable[[int], Case]:
+    """The first case of each kind of quantity that lies just inside its range, by number, as they are asked for."""
+    found: dict[str, Case] = {}
+    cases = map(case_of, range(LOOKED_AT))
+
+    def of(index: int) -> Case:
+        while len(found) <= index:
+            case = next(cases)
+            if case.inside and case.place is not None:
+                found.setdefault(case.place.quantity.name, case)
+        return list(found.values())[index]
+
+    return of
 
 
 @pytest.mark.parametrize("index", others_nightly(range(NUMBER), SLICE))
-def test_it_runs(index: int, cases: list[Case], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    case = cases[index]
+def test_it_runs(
+    index: int, at_an_end: Callable[[int], Case], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = at_an_end(index)
     put(case, tmp_path)
     if told(SCENARIO.arguments, tmp_path)[0] != GOOD:
         return  # two figures say together what this one does not: `test_ranges` has those
