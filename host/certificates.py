@@ -94,10 +94,10 @@ def name_in(folder: Path, now: datetime | None = None) -> str:
     key = folder / KEY_FILE
     if not key.exists() or key.stat().st_mode & _OTHERS_BITS:
         raise InputError(str(key), "", None, "a key that its owner alone can read (mode 0600)")
-    if load_pem_private_key(key.read_bytes(), None).public_key() != certificate.public_key():
+    if _public(key) != certificate.public_key():
         raise InputError(str(key), "", None, f"the key of {ours}")
-    (name,) = certificate.subject.get_attributes_for_oid(NameOID.COMMON_NAME)
-    return str(name.value)
+    names = certificate.subject.get_attributes_for_oid(NameOID.COMMON_NAME)
+    return str(names[0].value) if names else ""
 
 
 def is_in_time(begin: datetime, end: datetime, now: datetime) -> bool:
@@ -172,6 +172,14 @@ def _certificate(file: Path) -> x509.Certificate:
         raise InputError(
             str(file), "", None, "a certificate (PEM), as `branchline certificates` makes"
         ) from None
+
+
+def _public(key: Path) -> object:
+    """What belongs to a private key; None where the file has none."""
+    try:
+        return load_pem_private_key(key.read_bytes(), None).public_key()
+    except (OSError, ValueError, TypeError):
+        return None
 
 
 def _is_signed_by(certificate: x509.Certificate, authority: x509.Certificate) -> bool:

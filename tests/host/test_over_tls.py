@@ -280,10 +280,11 @@ def test_a_folder_that_would_be_refused_is_named(made: Path, tmp_path: Path) -> 
     (tmp_path / "b" / "key.pem").chmod(0o640)
     with pytest.raises(InputError, match=r"key.pem; expected a key that its owner alone can read"):
         name_in(tmp_path / "b")
-    (tmp_path / "b" / "key.pem").write_bytes((tmp_path / "a" / "key.pem").read_bytes())
     (tmp_path / "b" / "key.pem").chmod(0o600)
-    with pytest.raises(InputError, match=r"key.pem; expected the key of "):
-        name_in(tmp_path / "b")
+    for other in ((tmp_path / "a" / "key.pem").read_bytes(), b"no key"):
+        (tmp_path / "b" / "key.pem").write_bytes(other)
+        with pytest.raises(InputError, match=r"key.pem; expected the key of "):
+            name_in(tmp_path / "b")
 
 
 def test_all_that_is_made_is_its_owners_alone(tmp_path: Path) -> None:
