@@ -17,6 +17,7 @@ import typer
 from branchline.arranging import arrange
 from branchline.best import best
 from branchline.blocking import blocking
+from branchline.certifying import certificates
 from branchline.checking import check
 from branchline.comparing import compare
 from branchline.compressing import capacity
@@ -36,6 +37,7 @@ from branchline.reproducing import reproduce
 from branchline.running import run
 from branchline.serving import serve
 from branchline.sweeping_days import sweep
+from branchline.taking_part import serve_party
 from branchline.timing import running_times
 from branchline.verifying import verify
 from study.outcome import Outcome
@@ -56,6 +58,8 @@ COMMANDS: Final[tuple[tuple[str, Callable[..., None]], ...]] = (
     (RUN, drill),
     (RUN, sweep),
     (RUN, serve),
+    (RUN, certificates),
+    (RUN, serve_party),
     (READ, report),
     (READ, compare),
     (READ, plot),

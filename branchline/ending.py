@@ -67,6 +67,17 @@ class AskedToStop:
         print_aside("stopping: what was run so far is being kept; a second time, and nothing is")
 
 
+@contextmanager
+def stopped_at_once(what: str) -> Generator[None]:
+    """As a context, in which nothing can be kept yet: `what` goes on is said, and a signal ends the command."""
+    print_aside(what)
+    before = {number: signal.getsignal(number) for number in ASKING}
+    stop_by_signals()
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
 def run_command(command: Callable[[], Outcome]) -> Outcome:
     """Run a command to its end, whatever that is; what is wrong is told."""
     try:

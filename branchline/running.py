@@ -23,6 +23,26 @@ def run(
     scenario: ScenarioName,
     link: LinkName = "simulated",
     units: UnitsName = "simulator",
+    listen: Annotated[
+        str | None,
+        typer.Option(
+            "--listen",
+            metavar="tls/ADDRESS:PORT",
+            help="With --link zenoh: wait here for parties on other machines (serve-party).",
+        ),
+    ] = None,
+    certificates: Annotated[
+        Path | None,
+        typer.Option("--certificates", help="With --listen: the folder that `branchline certificates` made."),
+    ] = None,
+    elsewhere: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--elsewhere",
+            metavar="PARTY",
+            help="With --listen: a party on another machine; may be repeated. Default: all processes.",
+        ),
+    ] = None,
     carrier: Annotated[
         str,
         typer.Option("--carrier", help="What moves the trains: sumo, or plain (without SUMO; the same run)."),
@@ -63,12 +83,13 @@ def run(
 
     A plan that cannot work is refused with exit code 2.
     """
-    from branchline.whole_run import RunAsked, run_whole
+    from branchline.whole_run import RunAsked, elsewhere_of, run_whole
     from scenario.part_of_day import part_of_day
     from scenario.scenario import load_scenario
 
     check_over(over)
-    asked = RunAsked(link, units, carrier, against, over, anyway, gui, gui_delay)
+    far = elsewhere_of(link, listen, certificates, elsewhere or ())
+    asked = RunAsked(link, units, carrier, against, over, anyway, gui, gui_delay, far)
     loaded = load_scenario(scenario, seed)
     of_part = "".join(
         f"-{word}-{at.replace(':', '')}" for word, at in (("from", begins), ("until", until)) if at

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from branchline.ending import crashes_into
+from branchline.ending import crashes_into, stopped_at_once
+from branchline.extras import needing_extra
 from branchline.progress import print_aside, progress_of
+from host.over_tls import check_endpoint
 from network.errors import COMMAND_LINE, InputError
 from scenario.scenario import Scenario
 from simulation.carriers.sumo_api import STEP_DELAY_MS
@@ -19,6 +21,7 @@ from study.runner.run import (
     NO_MORE,
     CarrierKind,
     FinishedRun,
+    PartyLink,
     carrier_of,
     end_room_bytes,
     execute,
@@ -27,7 +30,8 @@ from study.runner.run import (
     units_at,
 )
 
-if TYPE_CHECKING:  # only who compares needs what draws both graphs
+if TYPE_CHECKING:  # only who compares needs what draws both graphs, and who listens what reads certificates
+    from host.elsewhere import Elsewhere
     from study.compare.against import RunAgainst
     from study.compare.side import ComparedRun
 
@@ -47,6 +51,7 @@ class RunAsked:
     anyway: bool = False
     gui: bool = False
     gui_delay_ms: int = STEP_DELAY_MS
+    elsewhere: Elsewhere | None = None
 
     def __post_init__(self) -> None:
         units_at(self.units, link_of(self.link))
@@ -75,6 +80,9 @@ def run_whole(
 
     Raises InputError where plan or directory do not allow it, CutShortError where it was cut short, Crashed for a bug.
     """
+    days = scenario.setup.tuning.days
+    if asked.elsewhere is not None and days > 1:
+        raise InputError(scenario.called, "tuning.days", days, "1 with --listen: parties join for one day")
     plan = refuse(scenario.called, scenario.setup, anyway=asked.anyway)
     if progress and not plan.on_time:
         print_aside(f"{plan.verdict}; branchline check {scenario.called} shows all")
@@ -94,12 +102,34 @@ def run_whole(
                 delay_ms=asked.gui_delay_ms,
                 stop=stop,
                 say=print_aside if progress else None,
+                elsewhere=asked.elsewhere,
             )
         if progress:
             print_aside("writing the report")
         compared = None if base is None else _compared(done, base, asked.over_s)
         report = fill_run(done, place, more=NO_MORE if compared is None else compared.more)
     return WholeRun(done, report, compared)
+
+
+def elsewhere_of(
+    link: str, listen: str | None, certificates: Path | None, party_ids: Sequence[str]
+) -> Elsewhere | None:
+    """The parties on other machines, as options name them; InputError where they do not go together."""
+    if listen is None:
+        given = {"--certificates": certificates, "--elsewhere": ", ".join(party_ids) or None}
+        for option, value in given.items():
+            if value is not None:
+                raise InputError(COMMAND_LINE, option, value, "--listen, where other machines find this one")
+        return None
+    if link_of(link) is not PartyLink.ZENOH:
+        raise InputError(COMMAND_LINE, "--listen", listen, "--link zenoh, which processes need")
+    check_endpoint("--listen", listen)
+    if certificates is None:
+        expected = "--certificates, without which nobody would be let in (branchline certificates makes them)"
+        raise InputError(COMMAND_LINE, "--listen", listen, expected)
+    with needing_extra("tls", "run --listen"):
+        from host.elsewhere import Elsewhere
+    return Elsewhere(listen, certificates.resolve(), tuple(party_ids), stopped_at_once)
 
 
 def _base_of(directory: Path, scenario: Scenario) -> ComparedRun:

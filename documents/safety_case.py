@@ -134,6 +134,19 @@ HAZARDS: Final = (
                     "tests/host/test_lockstep.py::test_what_is_not_ours_takes_no_effect_and_ends_the_run",
                 ),
             ),
+            SafetyClaim(
+                "What is on another machine is who its certificate says, and says what is its own alone",
+                "both ends of TLS show a certificate of an authority that signs no more; a rule for each name; whoever"
+                " has joined without the invitation to this run ends it",
+                ("certificates rtri_test_line certs --address 192.0.2.1",),
+                (
+                    "tests/host/test_over_tls.py::test_who_cannot_prove_who_he_is_joins_nothing",
+                    "tests/host/test_over_tls.py::test_an_invitation_with_the_certificate_of_another_ends_the_run",
+                    "tests/host/test_over_tls.py::test_what_is_not_a_partys_to_say_does_not_arrive",
+                    "tests/host/test_over_tls.py::test_a_denied_party_takes_no_part",
+                    "tests/system/test_far_parties.py::test_a_run_with_parties_elsewhere_is_the_same_to_the_byte",
+                ),
+            ),
         ),
     ),
     SafetyHazard(
@@ -230,7 +243,8 @@ NOT_SHOWN: Final = (
     " opens after a minute and a half. Road vehicles, detectors and contacts are in runs, not in the exploration.",
     "An intruder who takes telegrams off the air as he likes (deletion) or has a unit's own keys: the first delays,"
     " the second stops the line until he is barred.",
-    "Devices on other machines: there is no link but the one on this machine.",
+    "Devices on other machines: that their programs are the same, and that folders are carried to them in secret."
+    " Whoever can reach the address may keep parties from joining; whoever has a certificate of the run can end it.",
     "The program's own environment: interpreter, libraries, operating system, processor.",
     "Any safety integrity level. The words *after EN 50159* name the threats looked at, not a certification.",
 )

@@ -15,6 +15,7 @@ there; its one telegram proves the radio plane. Both ends are here, without a so
 | an authentic one of an earlier round, said again    | `of_round`          |
 | a telegram of the round, twice or in another order  | `of_place`          |
 | a session that was not given to a party             | `of_run`            |
+| one that was, with the certificate of another       | `of_certificate`    |
 """
 
 from __future__ import annotations
@@ -96,6 +97,11 @@ def of_place(found: int, expected: int) -> bool:
 def of_run(session_id: str, given: Container[str]) -> bool:
     """Whether a session was given its name by this run."""
     return session_id in given
+
+
+def of_certificate(shown: str | None, expected: str | None) -> bool:
+    """Whether a session has the certificate of its party; on the socket nobody has one."""
+    return shown == expected
 
 
 _QUESTION: Final = msgspec.msgpack.Decoder(Question)

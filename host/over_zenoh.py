@@ -1,4 +1,5 @@
-"""The simulator's side of parties that are processes: one `host.serve` each, over Zenoh on a Unix socket.
+"""The simulator's side of parties that are processes: one `host.serve` each, over Zenoh on a Unix socket, or one
+`host.taking_part` on another machine, over TLS.
 
 A shell: it starts and ends processes and waits on sockets, with limits. What the parties decide depends only
 on what they are asked, never on how long it took; what may be taken from them `host.lockstep` decides. The
@@ -9,15 +10,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import Final, Self
+from typing import TYPE_CHECKING, Final, Self
 
 import zenoh
 
-from host.lockstep import Asker, PartyAnswer, Tagged, of_run
+from host.lockstep import Asker, PartyAnswer, Tagged, of_certificate, of_run
+from host.over_tls import FAR, FarProcess, PartyInvitation, PowerDeed, ToldFar
 from host.parties import ForeignError, PartyBug, PartyError
 from host.party import Advance, PartySpec
 from host.patience import Patience
@@ -29,13 +32,18 @@ from host.planes import (
     new_secrets,
     private_folder,
     radio_key,
+    said_key,
     session_json5,
     time_key,
 )
 from host.process import DURABLE_FILE, Commission, PartyProcess, last_words
 from host.store import NotCommissioned
 
+if TYPE_CHECKING:  # only who has certificates needs what reads them
+    from host.elsewhere import Elsewhere
+
 START_LIMIT_S: Final = 30.0
+JOIN_LIMIT_S: Final = 600.0  # people start parties on other machines
 ASK_AGAIN_S: Final = 2.5
 INBOX_TELEGRAMS: Final = 4096
 _SESSION_EVENTS: Final = 1024
@@ -47,47 +55,58 @@ _OWN_SESSION: Final = "1"
 
 @dataclass(frozen=True, slots=True)
 class _Wires:
-    """The open session, what is heard on the radio plane, and who joins."""
+    """An open session, what is heard on its radio plane, and who joins it."""
 
     session: zenoh.Session
     inbox: zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]
-    joined: zenoh.TransportEventsListener[zenoh.handlers.Handler[zenoh.TransportEvent]]
+    joined: zenoh.LinkEventsListener[zenoh.handlers.Handler[zenoh.LinkEvent]]
 
 
 @dataclass(slots=True)
 class _Hosted:
     spec: PartySpec
     state: Path
+    wires: _Wires
     querier: zenoh.Querier
     asker: Asker
-    session_id: str = ""
-    process: PartyProcess | None = None
+    far: FarProcess | None = None  # where it is on another machine, whether it has power or not
+    process: PartyProcess | FarProcess | None = None
     commission: Commission | None = None  # what people have entered, before its next boot
 
     @property
     def durable(self) -> Path:
-        """The file of its durable state."""
+        """The file of its durable state, if it is on this machine."""
         return self.state / DURABLE_FILE
+
+    @property
+    def blank(self) -> bool:
+        """Whether people must commission it before its next boot."""
+        lost = not self.durable.exists() if self.far is None else self.far.lost
+        return lost and self.commission is None
 
 
 class ZenohParties:
-    """`host.parties.Parties` with a process per party. State is kept in `directory`, one folder a party.
+    """`host.parties.Parties` with a process per party. State is kept in `directory`, one folder a party, but of those
+    `elsewhere`, which keep it themselves.
 
     Entering the context is the first commissioning of those that have none there.
 
-    Raises PartyError if a party does not start within 30 s or does not answer within 10 s, with what it last
-    wrote, and ForeignError as soon as anybody else is heard.
+    Raises PartyError if a party does not start within 30 s (join within 10 min) or does not answer within 10 s,
+    with what it last wrote, and ForeignError as soon as anybody else is heard.
     """
 
-    def __init__(self, line_id: str, specs: Iterable[PartySpec], directory: Path) -> None:
+    def __init__(
+        self, line_id: str, specs: Iterable[PartySpec], directory: Path, elsewhere: Elsewhere | None = None
+    ) -> None:
         self._line_id = line_id
         self._specs = tuple(specs)
         self._directory = directory
+        self._elsewhere = elsewhere
         self._hosted: dict[str, _Hosted] = {}
-        self._sessions: set[str] = set()
+        self._sessions: dict[str, str | None] = {}  # with the name that its certificate must have
         self._endpoint = ""
         self._folder = ExitStack()
-        self._open_wires: _Wires | None = None
+        self._wires: list[_Wires] = []
 
     @property
     def endpoint(self) -> str:
@@ -98,11 +117,13 @@ class ZenohParties:
         try:
             self._open()
             for hosted in self._hosted.values():
-                if not hosted.durable.exists():
+                if hosted.far is None and hosted.blank:
                     hosted.commission = Commission(1)
                 self._spawn(hosted)
             for hosted in self._hosted.values():
-                self._wait_ready(hosted)
+                if hosted.far is None:
+                    self._wait_ready(hosted, START_LIMIT_S)
+            self._wait_joined([hosted for hosted in self._hosted.values() if hosted.far is not None])
         except BaseException:
             self._close()
             raise
@@ -111,7 +132,11 @@ class ZenohParties:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._close()
+        try:
+            if kind is None:
+                self._say_it_is_over()
+        finally:
+            self._close()
 
     def advance(self, party_id: str, now_s: float, telegrams: Sequence[bytes], told: bytes) -> Advance:
         """Let a party act at `now_s`: its telegrams, then the question, then its answer and telegrams."""
@@ -120,14 +145,26 @@ class ZenohParties:
             raise PartyBug(f"party {party_id} is down")
         if not hosted.process.alive():
             raise self._ended(hosted, hosted.process)
+        if hosted.far is not None:
+            told = FAR.encode(ToldFar(told=told))
+        return self._advance(hosted, hosted.process, now_s, telegrams, told)
+
+    def _advance(
+        self,
+        hosted: _Hosted,
+        process: PartyProcess | FarProcess,
+        now_s: float,
+        telegrams: Sequence[bytes],
+        told: bytes,
+    ) -> Advance:
         question, tagged = hosted.asker.ask(now_s, telegrams, told)
         if len(question) > PAYLOAD_BYTES_MAX:
-            raise PartyBug(f"a question of {len(question)} bytes to {party_id} is too long for its link")
-        session = self._wires.session
+            called = hosted.spec.party_id
+            raise PartyBug(f"a question of {len(question)} bytes to {called} is too long for its link")
         try:
             for telegram in tagged:
-                session.put(
-                    radio_key(self._line_id, party_id),
+                hosted.wires.session.put(
+                    radio_key(self._line_id, hosted.spec.party_id),
                     telegram.data,
                     attachment=telegram.tag,
                     congestion_control=zenoh.CongestionControl.BLOCK,
@@ -137,8 +174,8 @@ class ZenohParties:
             raise PartyError(f"the endpoint of the run is lost: {error}") from error
         answer = self._ask(hosted, question)
         if answer is None:
-            if hosted.process.ended_within(_DEATH_LIMIT_S):
-                raise self._ended(hosted, hosted.process)
+            if process.ended_within(_DEATH_LIMIT_S):
+                raise self._ended(hosted, process)
             raise PartyError(self._complaint(hosted, "gave no answer"))
         done = hosted.asker.advance(answer, self._collect(hosted, answer.sent))
         self._look_for_strangers()
@@ -164,40 +201,42 @@ class ZenohParties:
         hosted = self._hosted[party_id]
         if self.alive(party_id):
             raise PartyError(f"party {party_id} runs already")
-        if hosted.commission is None and not hosted.durable.exists():
+        if hosted.blank:
             raise NotCommissioned(hosted.spec.called)
+        if hosted.far is not None:
+            hosted.far.restart(hosted.commission)
+            hosted.process, hosted.commission = hosted.far, None
+            return
         self.kill(party_id)
         self._spawn(hosted)
-        self._wait_ready(hosted)
+        self._wait_ready(hosted, START_LIMIT_S)
 
     def lose(self, party_id: str) -> None:
         """The file of its durable state is gone."""
-        self._hosted[party_id].durable.unlink(missing_ok=True)
+        hosted = self._hosted[party_id]
+        if hosted.far is not None:
+            hosted.far.lose()
+        else:
+            hosted.durable.unlink(missing_ok=True)
 
     def commission(self, party_id: str, number: int, vital: bytes) -> None:
         """People put it into service again: its next process writes that down."""
         self._hosted[party_id].commission = Commission(number, vital)
 
     def _open(self) -> None:
+        party_ids = [spec.party_id for spec in self._specs]
+        far_ids = frozenset[str]() if self._elsewhere is None else self._elsewhere.chosen(party_ids)
         folder = self._folder.enter_context(private_folder())
         self._endpoint = endpoint_of(folder)
-        config = zenoh.Config.from_json5(session_json5("listen", self._endpoint, _OWN_SESSION))
-        try:
-            session = zenoh.open(config)
-        except zenoh.ZError as error:
-            raise PartyError(f"no endpoint can be opened at {self._endpoint}: {error}") from error
+        near = self._wired(self._endpoint, session_json5("listen", self._endpoint, _OWN_SESSION))
         (folder / SOCKET_NAME).chmod(0o600)
-        joined = session.info.declare_transport_events_listener(
-            zenoh.handlers.FifoChannel(_SESSION_EVENTS), history=True
-        )
-        inbox = session.declare_subscriber(
-            radio_key(self._line_id, "*"),
-            zenoh.handlers.FifoChannel(INBOX_TELEGRAMS),
-            allowed_origin=zenoh.Locality.REMOTE,
-        )
-        self._open_wires = _Wires(session, inbox, joined)
+        far = near
+        if self._elsewhere is not None:
+            config = self._elsewhere.session_json5(self._line_id, far_ids, _OWN_SESSION)
+            far = self._wired(self._elsewhere.endpoint, config)
         for spec in self._specs:
-            querier = session.declare_querier(
+            wires = far if spec.party_id in far_ids else near
+            querier = wires.session.declare_querier(
                 time_key(self._line_id, spec.party_id),
                 # All, so that a stranger who also answers cannot keep the question from the party.
                 target=zenoh.QueryTarget.ALL,
@@ -207,19 +246,66 @@ class ZenohParties:
                 express=True,
             )
             state = self._directory / spec.party_id
-            self._hosted[spec.party_id] = _Hosted(spec, state, querier, Asker(spec.party_id, b""))
+            hosted = _Hosted(spec, state, wires, querier, Asker(spec.party_id, b""))
+            if spec.party_id in far_ids:
+                hosted.far = FarProcess(partial(self._tell, hosted))
+            self._hosted[spec.party_id] = hosted
+
+    def _wired(self, endpoint: str, config: str) -> _Wires:
+        """A session that listens."""
+        try:
+            session = zenoh.open(zenoh.Config.from_json5(config))
+        except zenoh.ZError as error:
+            raise PartyError(f"no endpoint can be opened at {endpoint}: {error}") from error
+        joined = session.info.declare_link_events_listener(
+            zenoh.handlers.FifoChannel(_SESSION_EVENTS), history=True
+        )
+        inbox = session.declare_subscriber(
+            said_key(self._line_id),
+            zenoh.handlers.FifoChannel(INBOX_TELEGRAMS),
+            allowed_origin=zenoh.Locality.REMOTE,
+        )
+        self._wires.append(_Wires(session, inbox, joined))
+        return self._wires[-1]
 
     def _spawn(self, hosted: _Hosted) -> None:
         secrets = new_secrets(hosted.spec.keys)
         hosted.asker = Asker(hosted.spec.party_id, secrets.plane_key)
         # Sessions of killed boots stay known: their end may be heard of after the next one's beginning.
-        self._sessions.add(secrets.session_id)
+        if hosted.far is not None and self._elsewhere is not None:
+            self._sessions[secrets.session_id] = hosted.spec.party_id
+            self._elsewhere.invite(PartyInvitation(hosted.spec, secrets.plane_key, secrets.session_id))
+            hosted.process = hosted.far
+            return
+        self._sessions[secrets.session_id] = None
         hosted.process = PartyProcess(hosted.spec, secrets, hosted.state, self._endpoint, hosted.commission)
         hosted.commission = None
 
-    def _wait_ready(self, hosted: _Hosted) -> None:
+    def _tell(self, hosted: _Hosted, deed: ToldFar) -> None:
+        """Tell a party's machine what to do with it."""
+        if hosted.far is not None:
+            self._advance(hosted, hosted.far, 0.0, [], FAR.encode(deed))
+
+    def _wait_joined(self, far: Sequence[_Hosted]) -> None:
+        """Until people have started those that are on other machines."""
+        if self._elsewhere is None or not far:
+            return
+        names = ", ".join(hosted.spec.party_id for hosted in far)
+        what = f"waiting at {self._elsewhere.endpoint} for {names}; what each needs is in {self._elsewhere.folder}"
+        with self._elsewhere.waiting(what):
+            for hosted in far:
+                self._wait_ready(hosted, JOIN_LIMIT_S)
+                self._elsewhere.uninvite(hosted.spec.party_id)
+
+    def _say_it_is_over(self) -> None:
+        for hosted in self._hosted.values():
+            if hosted.far is not None:
+                with suppress(PartyError):  # who has left already knows
+                    hosted.far.tell(ToldFar(PowerDeed.LEAVE))
+
+    def _wait_ready(self, hosted: _Hosted, limit_s: float) -> None:
         """Until the party answered and its telegram reached us: then both planes stand."""
-        patience = Patience(START_LIMIT_S, gap_s_max=2.0 * ASK_AGAIN_S)
+        patience = Patience(limit_s, gap_s_max=2.0 * ASK_AGAIN_S)
         while not patience.is_over():
             if hosted.process is not None and not hosted.process.alive():
                 raise self._ended(hosted, hosted.process, " while it started")
@@ -231,7 +317,7 @@ class ZenohParties:
                     return
             self._look_for_strangers()
             time.sleep(_START_POLL_S)
-        raise PartyError(self._complaint(hosted, f"was not ready within {START_LIMIT_S:g} s"))
+        raise PartyError(self._complaint(hosted, f"was not ready within {limit_s:g} s"))
 
     def _ask(self, hosted: _Hosted, question: bytes) -> PartyAnswer | None:
         """The answer; None if nobody is there, or no longer. PartyError if the party failed or hangs.
@@ -267,7 +353,7 @@ class ZenohParties:
     def _collect(self, hosted: _Hosted, expected: int) -> list[Tagged]:
         """All telegrams that are there: the party's came before its answer, on the same link."""
         heard: list[Tagged] = []
-        inbox = self._wires.inbox
+        inbox = hosted.wires.inbox
         patience = Patience(ANSWER_LIMIT_S)
         while True:
             sample = inbox.try_recv()
@@ -284,26 +370,25 @@ class ZenohParties:
                 time.sleep(_ARRIVAL_POLL_S)
 
     def _look_for_strangers(self) -> None:
-        """Whoever joined must be a session that was given to a party."""
-        while (event := self._wires.joined.try_recv()) is not None:
-            session_id = str(event.transport.zid)
-            if not of_run(session_id, self._sessions):
-                raise ForeignError(f"a foreign session has joined the run: {session_id}")
+        """Whoever joined must be a session that was given to a party, with its certificate."""
+        for wires in self._wires:
+            while (event := wires.joined.try_recv()) is not None:
+                session_id, shown = str(event.link.zid), event.link.auth_identifier
+                proven = "" if shown is None else f" with the certificate of {shown}"
+                if not of_run(session_id, self._sessions):
+                    raise ForeignError(f"a foreign session has joined the run: {session_id}{proven}")
+                expected = self._sessions.get(session_id)
+                if not of_certificate(shown, expected):
+                    raise ForeignError(f"the session of {expected} has joined the run{proven}")
 
     def _complaint(self, hosted: _Hosted, what: str) -> str:
         words = last_words(hosted.state)
         return f"{hosted.spec.called} {what}" + (f"; it wrote: {words}" if words else "")
 
-    def _ended(self, hosted: _Hosted, process: PartyProcess, when: str = "") -> PartyError:
+    def _ended(self, hosted: _Hosted, process: PartyProcess | FarProcess, when: str = "") -> PartyError:
         """That its process has ended, which nobody asked for, and how."""
         kind = PartyBug if process.at_fault else PartyError
         return kind(self._complaint(hosted, process.ending + when))
-
-    @property
-    def _wires(self) -> _Wires:
-        if self._open_wires is None:
-            raise PartyError("the parties are not there: use them as a context manager")
-        return self._open_wires
 
     def _close(self) -> None:
         """All processes end, even if one of them or the session gives trouble."""
@@ -314,9 +399,10 @@ class ZenohParties:
             process.terminate()
         for process in processes:
             process.end()
-        wires, self._open_wires = self._open_wires, None
-        try:
-            if wires is not None:
-                wires.session.close()  # type: ignore[no-untyped-call, unused-ignore]
-        finally:
-            self._folder.close()
+        if self._elsewhere is not None:
+            for party_id, hosted in self._hosted.items():
+                if hosted.far is not None:
+                    self._elsewhere.uninvite(party_id)
+        with self._folder, ExitStack() as sessions:
+            while self._wires:
+                sessions.enter_context(self._wires.pop().session)

@@ -1,10 +1,11 @@
 """The two planes of a run of processes over Zenoh: key expressions, session configuration, what a process is
 given in secret.
 
-Radio plane: `branchline/<line>/radio/<destination>`, telegrams as they are, each with the tag of its round as
-attachment. Time plane: a query to `branchline/<line>/time/<party>`: "it is now_s, you have been sent n
-telegrams in this round" answered "done, I sent m, wake me at t" (`host.lockstep`). Everything runs over one
-Unix socket in a directory that only its owner can enter: no port is open.
+Radio plane: `branchline/<line>/radio/<party>` to a party and `branchline/<line>/said/<party>/<destination>` from it,
+telegrams as they are, each with the tag of its round as attachment. Time plane: a query to
+`branchline/<line>/time/<party>`: "it is now_s, you have been sent n telegrams in this round" answered "done, I sent m,
+wake me at t" (`host.lockstep`). Everything runs over one Unix socket in a directory that only its owner can enter: no
+port is open, but for parties on other machines (`host.over_tls`).
 """
 
 from __future__ import annotations
@@ -47,9 +48,15 @@ def new_secrets(keys: KeyRing) -> Secrets:
     return Secrets(keys, secrets.token_bytes(KEY_BYTES), f"{secrets.randbits(127) | 1 << 127:032x}")
 
 
-def radio_key(line_id: str, destination: str) -> str:
-    """Key expression of the telegrams to `destination`; "*" for all."""
-    return f"branchline/{_name(line_id)}/radio/{destination if destination == '*' else _name(destination)}"
+def radio_key(line_id: str, party_id: str) -> str:
+    """Key expression of the telegrams to a party."""
+    return f"branchline/{_name(line_id)}/radio/{_name(party_id)}"
+
+
+def said_key(line_id: str, party_id: str = "*", destination: str = "*") -> str:
+    """Key expression of the telegrams of a party to `destination`; "*" for all."""
+    ends = (end if end == "*" else _name(end) for end in (party_id, destination))
+    return "/".join(("branchline", _name(line_id), "said", *ends))
 
 
 def time_key(line_id: str, party_id: str) -> str:
@@ -81,13 +88,18 @@ def endpoint_of(folder: Path) -> str:
 
 
 def session_json5(role: str, endpoint: str, session_id: str) -> str:
+    """`session_config` as text."""
+    return msgspec.json.encode(session_config(role, endpoint, session_id)).decode()
+
+
+def session_config(role: str, endpoint: str, session_id: str) -> dict[str, Any]:
     """Zenoh configuration of a peer that only listens on or only connects to `endpoint`.
 
     `role` is "listen" or "connect". No scouting, no gossip: a run hears nobody but its own parties. Low latency
     leaves out the queues of priorities, so that what is put before a query or its reply comes before it.
     """
     other = {"listen": "connect", "connect": "listen"}[role]
-    config: dict[str, Any] = {
+    return {
         "id": session_id,
         "mode": "peer",
         role: {"endpoints": [endpoint], "timeout_ms": 5000, "exit_on_failure": True},
@@ -101,7 +113,6 @@ def session_json5(role: str, endpoint: str, session_id: str) -> str:
             "link": {"protocols": ["unixsock-stream"], "tx": {"lease": LEASE_MS, "keep_alive": 2}},
         },
     }
-    return msgspec.json.encode(config).decode()
 
 
 def _name(text: str) -> str:

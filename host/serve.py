@@ -15,7 +15,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -27,7 +27,15 @@ from host.lockstep import Answerer, Question, Tagged
 from host.parties import ForeignError
 from host.party import PartySpec, Role
 from host.patience import Patience
-from host.planes import ANSWER_LIMIT_S, PAYLOAD_BYTES_MAX, Secrets, radio_key, session_json5, time_key
+from host.planes import (
+    ANSWER_LIMIT_S,
+    PAYLOAD_BYTES_MAX,
+    Secrets,
+    radio_key,
+    said_key,
+    session_json5,
+    time_key,
+)
 from host.process import CONFIG_FILE, DURABLE_FILE, WANTING_CODE
 from host.store import FileStore, commission
 from network.errors import InputError, is_want_of_resources
@@ -53,7 +61,7 @@ def _end_with_parent() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-class _Server:
+class PartyServer:
     """One party on the two planes."""
 
     def __init__(self, session: zenoh.Session, answerer: Answerer, line_id: str, party_id: str) -> None:
@@ -69,8 +77,8 @@ class _Server:
         self._questions = session.declare_queryable(self._time_key)
         self._asked, self._answered = b"", b""  # the last question as it came, and what was said to it
 
-    def run(self) -> None:
-        """Answer questions until the process ends."""
+    def run(self, over: Callable[[], bool] = lambda: False) -> None:
+        """Answer questions until the process ends, or one was the last."""
         for query in self._questions:
             with query:
                 data = b"" if query.payload is None else query.payload.to_bytes()
@@ -85,6 +93,8 @@ class _Server:
                     continue
                 self._asked, self._answered = data, self._answer(question)
                 query.reply(self._time_key, self._answered)
+            if over():
+                return
 
     def _answer(self, question: Question) -> bytes:
         try:
@@ -97,7 +107,7 @@ class _Server:
             return self._answerer.failure(question, f"{type(error).__name__}: {error}", bug=bug)
         for telegram in telegrams:
             self._session.put(
-                radio_key(self._line_id, telegram.destination),
+                said_key(self._line_id, self._party_id, telegram.destination),
                 telegram.data,
                 attachment=telegram.tag,
                 congestion_control=zenoh.CongestionControl.BLOCK,
@@ -194,7 +204,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.write(f"{options.connect} cannot be reached: {error}\n")
         return WANTING_CODE
     with session:
-        _Server(session, answerer, options.line, options.party).run()
+        PartyServer(session, answerer, options.line, options.party).run()
     return 0
 
 

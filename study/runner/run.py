@@ -11,16 +11,14 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from itertools import chain
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
-from host.devices import device_specs
 from host.parties import Parties
 from host.party import PartySpec
 from host.scratch import scratch
 from host.unit import PartyUnits, unit_specs
 from host.units import LocalUnits
 from network.errors import InputError
-from network.graph import all_routes
 from network.model import Line
 from radio.keys import KEY_BYTES
 from scenario.fleet_file import learned_json
@@ -70,14 +68,16 @@ from study.report.beside import Beside
 from study.report.report import write_report
 from study.runner.collector import collecting_rarely
 from study.runner.crash import bugs_named
-from study.runner.journeys import dispatch_of
+from study.runner.devices import specs_of
 from study.runner.outcome import missing_said, outside_design, rules_said, unfinished, waiting_said
 from study.wording.phrase import Phrase
 from sumo_cfg.build import net_for
 from sumo_cfg.road_net import RoadAt
 from sumo_cfg.scenery import scenery_xml
 from sumo_cfg.truth_map import NetMap, read_net
-from wayside.config import crossing_configs, manager_config, terminal_configs
+
+if TYPE_CHECKING:  # only who listens needs what reads certificates
+    from host.elsewhere import Elsewhere
 
 TEMPORARY: Final = "branchline-"
 TRAJECTORY_ROOM_BPS: Final = 50  # bytes of the trajectory a second; 41 on the weekday of the Karasuyama line
@@ -153,6 +153,7 @@ class RunOptions:
     journal: Callable[[], Journal] = Journal
     stop: Callable[[], bool] | None = None
     roads: tuple[RoadAt, ...] = ()  # those in the net
+    elsewhere: Elsewhere | None = None
 
 
 def run_to_end(
@@ -174,7 +175,10 @@ def run_to_end(
         last = setup.day >= scenario.setup.tuning.days
         state = course.folder / f"day-{setup.day}"
         state.mkdir()
-        with parties_of(course.link, setup.line.id, specs, state) as own, collecting_rarely():
+        with (
+            parties_of(course.link, setup.line.id, specs, state, course.elsewhere) as own,
+            collecting_rarely(),
+        ):
             parties = own if course.watch is None else course.watch(own)
             simulation = Simulation(
                 setup,
@@ -208,6 +212,7 @@ def execute(
     delay_ms: int = STEP_DELAY_MS,
     stop: Callable[[], bool] | None = None,
     say: Callable[[str], None] | None = None,
+    elsewhere: Elsewhere | None = None,
 ) -> FinishedRun:
     """Run a scenario and compute its tables and summary. Writes nothing that stays, unless there is a file in which its
     `journal` is to grow. Raises Crashed for a bug.
@@ -215,7 +220,7 @@ def execute(
     With `[tuning] days` the same day runs that often, the trains learning; the result is that of the last one.
     `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties;
     `delay_ms` is how long sumo-gui takes over a step; once `stop` is true the run ends where it is. `say`
-    is told what is computed after the last train.
+    is told what is computed after the last train. `elsewhere`: parties that people start on other machines.
     """
     with scratch(TEMPORARY) as folder:
         setup = scenario.setup
@@ -237,6 +242,7 @@ def execute(
             lambda: Journal(journal),
             stop,
             roads,
+            elsewhere,
         )
         setup, result = run_to_end(scenario, course, progress)
         wall_s = time.perf_counter() - started
@@ -415,15 +421,6 @@ def terminals_of(line: Line) -> tuple[str, ...]:
     return tuple(sorted({points.terminal_id for points in line.points.values()}))
 
 
-def specs_of(setup: Setup, master_key: bytes) -> tuple[PartySpec, ...]:
-    """What is needed to start the wayside devices of a run."""
-    line = setup.line
-    unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
-    reentry, dispatch = setup.operation.reentry, dispatch_of(setup)
-    manager = manager_config(line, all_routes(line), unit_ids, reentry=reentry, dispatch=dispatch)
-    return device_specs(manager, terminal_configs(line), master_key, crossing_configs(line))
-
-
 def carrier_factory(
     kind: CarrierKind,
     line: Line,
@@ -455,13 +452,17 @@ def carrier_factory(
 
 @contextmanager
 def parties_of(
-    link: PartyLink, line_id: str, specs: tuple[PartySpec, ...], folder: Path
+    link: PartyLink,
+    line_id: str,
+    specs: tuple[PartySpec, ...],
+    folder: Path,
+    elsewhere: Elsewhere | None = None,
 ) -> Generator[Parties]:
     """The parties, in this process or as processes; gone when the context ends, however it ends."""
     if link is PartyLink.ZENOH:
         from host.over_zenoh import ZenohParties
 
-        with ZenohParties(line_id, specs, folder) as processes:
+        with ZenohParties(line_id, specs, folder, elsewhere) as processes:
             yield processes
         return
     from host.local import LocalParties

@@ -25,7 +25,7 @@ from host.lockstep import Asker, Tagged
 from host.over_zenoh import ZenohParties
 from host.parties import ForeignError, PartyBug, PartyError
 from host.party import Advance
-from host.planes import radio_key, session_json5, time_key
+from host.planes import said_key, session_json5, time_key
 from host.process import SECRETS_FILE, PartyProcess, environment, write_private
 from tests.nightly import others_nightly
 from wayside.config import MANAGER_ID, ManagerConfig, PointsEntry, SectionEntry, TerminalConfig
@@ -74,7 +74,7 @@ def test_a_foreign_session_ends_the_run(parties: ZenohParties) -> None:
 
 def publish(session: zenoh.Session, payload: bytes, attachment: bytes | None) -> zenoh.Publisher:
     publisher = session.declare_publisher(
-        radio_key("line", "u1"), congestion_control=zenoh.CongestionControl.BLOCK
+        said_key("line", "t", "u1"), congestion_control=zenoh.CongestionControl.BLOCK
     )
     publisher.put(payload, attachment=attachment)
     return publisher

@@ -20,6 +20,7 @@ from host.planes import (
     new_secrets,
     private_folder,
     radio_key,
+    said_key,
     session_json5,
     time_key,
 )
@@ -31,7 +32,8 @@ KEYS = KeyRing("t", {}, {})
 
 def test_keys() -> None:
     assert radio_key("karasuyama", "t1") == "branchline/karasuyama/radio/t1"
-    assert radio_key("karasuyama", "*") == "branchline/karasuyama/radio/*"
+    assert said_key("karasuyama", "t1", "u1") == "branchline/karasuyama/said/t1/u1"
+    assert said_key("karasuyama", "t1") == "branchline/karasuyama/said/t1/*"
     assert time_key("karasuyama", "t1") == "branchline/karasuyama/time/t1"
 
 

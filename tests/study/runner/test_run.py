@@ -24,6 +24,7 @@ from simulation.setup import Setup
 from simulation.world.records import TRACE
 from study.record.directory import RUN_FILES, check_out
 from study.record.tables import RunTables
+from study.runner.devices import specs_of
 from study.runner.outcome import outside_design
 from study.runner.run import (
     CarrierKind,
@@ -33,7 +34,6 @@ from study.runner.run import (
     broken_by,
     execute,
     link_of,
-    specs_of,
     terminals_of,
     write_run,
 )

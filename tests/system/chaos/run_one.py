@@ -26,7 +26,8 @@ from simulation.judge.checkers import Checker
 from simulation.loop import Simulation
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S, unit_configs
-from study.runner.run import CarrierKind, PartyLink, carrier_factory, parties_of, specs_of
+from study.runner.devices import specs_of
+from study.runner.run import CarrierKind, PartyLink, carrier_factory, parties_of
 from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import NetMap, read_net
 from tests.system.chaos.case import Case
