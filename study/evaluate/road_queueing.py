@@ -30,7 +30,7 @@ from simulation.events import BarrierState
 from simulation.setup import STEP_S, STEPS_PER_S
 from study.evaluate.crossings_bench import crossed
 from sumo_cfg.build import net_for
-from sumo_cfg.road_net import RoadAt, RoadWay
+from sumo_cfg.road_net import RoadAt, RoadPart, RoadWay
 from sumo_cfg.road_traffic import RoadVehicle
 
 _Found = TypeVar("_Found")
@@ -82,8 +82,9 @@ class RoadByList(Road):
 
     def over(self) -> set[str]:
         """Vehicles with their front between the stop lines."""
-        lanes = (lane for lane in self._sumo.lane.getIDList() if ".over_" in lane)
-        return {vehicle for lane in lanes for vehicle in self._sumo.lane.getLastStepVehicleIDs(lane)}
+        over = (lanes for (_, _, part), lanes in self._lanes.items() if part is RoadPart.OVER)
+        there = self._sumo.lane.getLastStepVehicleIDs
+        return {vehicle_id for lanes in over for lane in lanes for vehicle_id in there(lane)}
 
     def arrivals_s(self, way: RoadWay) -> list[float]:
         """When each vehicle of a way would be at the stop line if nothing hindered it, s."""
