@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -144,7 +144,7 @@ def road_run(
     *,
     seed: int,
     end_s: float = CLOSURES * EVERY_S - 1.0,
-) -> Iterator[RoadRun]:
+) -> Generator[RoadRun]:
     """SUMO with one road alone, whose drivers are alike and come until `end_s`."""
     road = RoadByList(line, [at], folder, seed=seed, end_s=end_s)
     road.closures, road.alike = closures, True
