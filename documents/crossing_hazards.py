@@ -51,11 +51,16 @@ CROSSING_HAZARDS: Final = (
     ),
     Hazard(
         "A road that is closed just before the train",
-        "the train comes sooner than its unit said, or the crossing was asked late",
-        "a proof counts only where even at full speed the front comes no sooner than the least time after it",
+        "the train comes sooner than its unit said, the crossing was asked late, or the train begins beyond a contact",
+        "a proof counts only where even at full speed the front comes no sooner than the least time after it, and a"
+        " departure that warns waits for the road",
         ("onboard.crossings.machine", "onboard.crossings.ahead"),
         (Checker.CROSSING_WARNING,),
-        ("rtri/105_crossing_asked_late",),
+        (
+            "rtri/105_crossing_asked_late",
+            "rtri/120_crossing_departure",
+            "rtri/121_crossing_departure_late",
+        ),
         ("a unit comes onto a level crossing as soon as that has proved closed",),
     ),
     Hazard(

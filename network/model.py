@@ -229,6 +229,7 @@ class LevelCrossing:
     contacts by direction of travel. `sight_m`: from how far (m) its users see a train, if that is known.
     `has_detector`: its device sees what stands on the road while it is closed (障害物検知装置).
     `has_protection`: controlled by contacts, it tells units by radio whether anything is known to be on it.
+    `warns_departures`: likewise, units of trains that begin beyond its first contact ask it to close.
     """
 
     id: str
@@ -246,6 +247,7 @@ class LevelCrossing:
     sight_m: float | None = None
     has_detector: bool = False
     has_protection: bool = False
+    warns_departures: bool = False
 
     @property
     def has_device(self) -> bool:
@@ -260,7 +262,7 @@ class LevelCrossing:
     @property
     def tells_units(self) -> bool:
         """Whether units may not pass before they have heard from it: closed, or, by contacts, that nothing is on it."""
-        return self.by_radio or self.has_protection
+        return self.by_radio or self.has_protection or self.warns_departures
 
     @property
     def warning_s(self) -> float:

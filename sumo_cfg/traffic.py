@@ -113,13 +113,15 @@ def routes_xml(types: Sequence[VehicleType], vehicles: Sequence[SumoVehicle]) ->
     return _document(root)
 
 
-def config_xml(name: str, begin_s: float, end_s: float) -> bytes:
-    """The configuration that names net, routes and scenery, all called `name`."""
+def config_xml(name: str, begin_s: float, end_s: float, routes: Sequence[str]) -> bytes:
+    """The configuration that names net, route files and scenery, all called `name`. Signals, which crossings alone
+    have, are off: nobody closes one here.
+    """
     root = _root("sumoConfiguration", CONFIG_XSD)
     sections = {
         "input": {
             "net-file": f"{name}.net.xml",
-            "route-files": f"{name}.rou.xml",
+            "route-files": ",".join(routes),
             "additional-files": f"{name}.add.xml",
         },
         "time": {"begin": f"{begin_s:.0f}", "end": f"{end_s:.0f}", "step-length": f"{STEP_S:g}"},
@@ -128,6 +130,7 @@ def config_xml(name: str, begin_s: float, end_s: float) -> bytes:
             "time-to-teleport": "-1",
             "collision.action": "warn",
             "default.speeddev": "0",
+            "tls.all-off": "true",
         },
         # Without its own schemas at hand SUMO would warn that it checks nothing.
         "report": {

@@ -195,7 +195,7 @@ class TerminalConfig(msgspec.Struct, frozen=True, tag="point-terminal"):
 class CrossingConfig(msgspec.Struct, frozen=True, tag="level-crossing"):
     """Fixed data of the device of a level crossing: from the start of the warning to closed, and from there to the
     train, s; without `barriers` lamps alone close it. `protection`: contacts control it, and units hear from it whether
-    anything is on it.
+    anything is on it; `departures`: likewise, and trains that begin beyond the first of them ask it to close.
     """
 
     line_id: str
@@ -205,6 +205,7 @@ class CrossingConfig(msgspec.Struct, frozen=True, tag="level-crossing"):
     closed_s: float
     telegram_age_max_s: float = AGE_MAX_S
     protection: bool = False
+    departures: bool = False
 
 
 DeviceConfig = ManagerConfig | TerminalConfig | CrossingConfig
@@ -284,6 +285,7 @@ def crossing_configs(line: Line, age_max_s: float = AGE_MAX_S) -> tuple[Crossing
             crossing.closed_s,
             age_max_s,
             crossing.has_protection,
+            crossing.warns_departures,
         )
         for crossing in line.crossings.values()
         if crossing.has_device

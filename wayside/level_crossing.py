@@ -11,7 +11,9 @@ unit's word that it is over it, or has given it up, counts. Which units have ann
 memory: after a restart the crossing stays closed until each of them has said so. Two persons may say that no train
 comes (踏切の復帰扱い): proofs are taken back, and who says nothing for `FREES_S` from then on is struck off. Controlled
 by contacts it closes when a front passes the first and opens when as many rears have passed the last; with protection,
-units that ask are told whether anything is known to be on it, and nothing else.
+units that ask are told whether anything is known to be on it, and nothing else. With departures a train that begins
+beyond the first contact is announced by its unit, and counts as if that had counted it in: its rear counts it out, or
+its unit, which gives it up.
 `TABLE` is the state of the crossing and the kind of event.
 """
 
@@ -272,7 +274,19 @@ def _proofs(device: CrossingDevice) -> tuple[Send, ...]:
 
 def _announced(device: CrossingDevice, event: ClosureAsked, now_s: float) -> CrossingDevice:
     approach = Approach(_starts_s(device.config, event.message, now_s), event.correlation)
-    return replace(device, approaches={**device.approaches, event.unit_id: approach})
+    known = device.approaches.get(event.unit_id)
+    device = replace(device, approaches={**device.approaches, event.unit_id: approach})
+    if not device.config.departures:
+        return device
+    if known is None:
+        return _counted(device, 1)
+    heard_again = known.starts_s == -math.inf
+    return replace(device, doubted=max(device.doubted - 1, 0)) if heard_again else device
+
+
+def _counted(device: CrossingDevice, more: int) -> CrossingDevice:
+    """So many trains more, or fewer, are between the contacts."""
+    return replace(device, memory=replace(device.memory, counted=max(device.memory.counted + more, 0)))
 
 
 def _close(device: CrossingDevice, unit_id: str, now_s: float) -> CrossingStep:
@@ -313,6 +327,8 @@ def _begin_due(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) ->
 
 def _leave_open(device: CrossingDevice, event: CrossingLeft, _now_s: float) -> CrossingStep:
     """Not announced any more; confirmed, as often as it is said."""
+    if device.config.departures and event.unit_id in device.approaches and not event.message.passed:
+        device = _counted(device, -1)  # no rear of its train does that
     left = {unit_id: each for unit_id, each in device.approaches.items() if unit_id != event.unit_id}
     listening = {unit_id: each for unit_id, each in device.listening.items() if unit_id != event.unit_id}
     return replace(device, approaches=left, listening=listening), (
@@ -429,15 +445,13 @@ def _expire(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) -> Cr
 def _contact_open(device: CrossingDevice, event: CrossingContact, now_s: float) -> CrossingStep:
     """A front at the first contact: closes. A rear at the last one, that nobody counted in, means nothing."""
     if not event.first:
-        return device, ()
-    counted = replace(device, memory=replace(device.memory, counted=device.memory.counted + 1))
-    return _close(counted, "", now_s)
+        return _counted(device, -1), ()
+    return _close(_counted(device, 1), "", now_s)
 
 
 def _contact_closed(device: CrossingDevice, event: CrossingContact, now_s: float) -> CrossingStep:
     """Another front counted in, or a rear counted out: opens behind the last one."""
-    counted = max(device.memory.counted + (1 if event.first else -1), 0)
-    device = replace(device, memory=replace(device.memory, counted=counted))
+    device = _counted(device, 1 if event.first else -1)
     return (device, ()) if event.first else _open_if_free(device, now_s)
 
 

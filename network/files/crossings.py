@@ -83,12 +83,18 @@ def _crossing(
         table.sight_m,
         table.detector,
         table.protection,
+        table.departures,
     )
     _check_contacts(file, key, crossing)
     _check_road(file, key, table)
     if table.protection and not (crossing.has_device and control is CrossingControl.CONTACTS):
         expected = 'false, or control = "contacts" and a device: by radio a crossing proves itself closed'
         raise InputError(file, f"{key}.protection", True, expected)
+    if table.departures and (
+        table.protection or not (crossing.has_device and control is CrossingControl.CONTACTS)
+    ):
+        expected = 'false, or control = "contacts", a device, and no protection: whoever asks hears that it is closed'
+        raise InputError(file, f"{key}.departures", True, expected)
     return crossing
 
 

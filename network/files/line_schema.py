@@ -336,6 +336,13 @@ class CrossingTable(OnTrackTable):
             " (特殊信号発光機), and stop before it where they do not"
         ),
     ] = False
+    departures: Annotated[
+        bool,
+        about(
+            "by contacts, whether a train that begins beyond the first contact starts the warning by its departure:"
+            " its unit asks by radio, and leaves as late as the road needs"
+        ),
+    ] = False
     road: Annotated[
         CrossingRoad | None, about("the road, which SUMO carries; left out: nothing drives over it")
     ] = None

@@ -56,6 +56,31 @@ class PredictedArrival(NamedTuple):
         return self.arrives_s - (run_m / mean_mps if run_m > 0.0 else 0.0) if holds else None
 
 
+def begins_beyond_contact(crossing: LevelCrossing, mission: Mission) -> bool:
+    """Whether a train has its first mark between a crossing's first contact and the road, on a path over it."""
+    begins_m, road_m = mission.targets[0].mark_m, mission.path.to_road_m(crossing)
+    before_m, _ = crossing.contacts_from_road_m(mission.path.direction)
+    return road_m - before_m <= begins_m < road_m
+
+
+def no_contact_passed(crossing: LevelCrossing, mission: Mission, before: Mission | None) -> bool:
+    """Whether no contact has warned of a train: it begins beyond the first one, and has not come over that as the train
+    before, which went the same way.
+    """
+    if (
+        before is not None
+        and before.path.direction is mission.path.direction
+        and crossing.piece_id in before.path
+    ):
+        return begins_beyond_contact(crossing, mission) and begins_beyond_contact(crossing, before)
+    return begins_beyond_contact(crossing, mission)
+
+
+def _is_asked(crossing: LevelCrossing, mission: Mission, before: Mission | None) -> bool:
+    """Whether a unit asks a crossing on its path, and does not pass it unheard."""
+    return not crossing.warns_departures or no_contact_passed(crossing, mission, before)
+
+
 @dataclass(frozen=True)
 class CrossingOnPath:
     """A crossing between two path coordinates (m), in which span, and after which stop of the mission."""
@@ -71,7 +96,7 @@ class CrossingOnPath:
         """What a unit is told of it when its safe rear has left it."""
         crossing = self.crossing
         times_s = (crossing.warning_s, crossing.closing_s, least_closed_s(crossing))
-        if not crossing.by_radio:  # it closes by itself, and is asked once it ends the movement limit
+        if crossing.has_protection:  # it closes by itself, and is asked once it ends the movement limit
             times_s = (HELD_FROM_S - EARLY_S, 0.0, 0.0)
         return CrossingPlace(
             crossing.id,
@@ -82,6 +107,7 @@ class CrossingOnPath:
             under=True,
             beyond=True,
             clear=True,
+            departs=crossing.warns_departures,
         )
 
 
@@ -130,7 +156,7 @@ class CrossingsAhead:
         marks_m = [target.mark_m for target in mission.targets]
         found: list[CrossingOnPath] = []
         for crossing in self._by_radio:
-            if crossing.piece_id not in path:
+            if crossing.piece_id not in path or not _is_asked(crossing, mission, was):
                 continue
             start_m = path.to_road_m(crossing)
             span, stop = bisect_right(starts_m, start_m) - 1, bisect_right(marks_m, start_m) - 1

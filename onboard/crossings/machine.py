@@ -60,7 +60,8 @@ class CrossingPlace(msgspec.Struct, frozen=True):
     `clears_s`: until its rear is beyond at the present speed. `warning_s`, `closing_s` and `least_s` are the line's:
     the whole warning, its part until closed, and from closed to the front at least. `span` and `stop`: in which span of
     the plan it lies, and which stop is the last before it. `entered`: the front may be on it, `under`: surely is, or
-    was, `beyond`: surely has left it, `clear`: the rear too. `stands`: the train does.
+    was, `beyond`: surely has left it, `clear`: the rear too. `stands`: the train does. `departs`: no contact warns of
+    it, so it does not start before the crossing has proved closed, or will have in time.
     """
 
     crossing_id: str
@@ -78,6 +79,7 @@ class CrossingPlace(msgspec.Struct, frozen=True):
     beyond: bool = False
     clear: bool = False
     stands: bool = False
+    departs: bool = False
 
     @property
     def warns_s(self) -> float:
@@ -185,6 +187,17 @@ def may_pass(
         return True
     old_enough = now_s + place.fastest_s >= view.since_s + place.least_s or not KEEPS_LEAST_TIME
     return view.phase is CrossingPhase.PROVEN and now_s < view.until_s and old_enough
+
+
+def starts_too_soon(view: CrossingView, place: CrossingPlace, now_s: float) -> bool:
+    """Whether a train that starts now, or when it is to leave, may come before a proof that its departure waits for:
+    the crossing has not heard of it, or what it was asked last cannot be so in time.
+    """
+    if not place.departs or view.phase is CrossingPhase.PROVEN:
+        return False
+    proves_s = max(view.said_s, view.begins_s) + place.closing_s + PROOF_LATE_S
+    needs_s = now_s + min(place.proof_s, place.arrives_s - place.least_s)
+    return place.due_s <= 0.0 and not (view.answered and proves_s <= needs_s)
 
 
 def wake_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> float:

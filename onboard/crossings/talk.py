@@ -23,6 +23,7 @@ from onboard.crossings.machine import (
     CrossingUnplaced,
     CrossingView,
     may_pass,
+    starts_too_soon,
     step,
     wake_s,
 )
@@ -143,12 +144,17 @@ class CrossingTalk:
         return min(ahead, key=lambda place: place.fastest_s, default=_NOWHERE).crossing_id
 
     def start_held_by(self, now_s: float) -> str:
-        """The crossing so near that a train that stands does not start for it; empty: none."""
+        """The crossing so near that a train that stands does not start for it, or of which its departure is to warn;
+        empty: none.
+        """
         if not self._stands:
             return ""
         place = self._places.get(self.held_before(now_s))
-        near = place is not None and place.stands and place.fastest_s < (place.least_s or NEAR_S)
-        return place.crossing_id if place is not None and near else ""
+        if place is None or not place.stands:
+            return ""
+        near = place.fastest_s < (place.least_s or NEAR_S)
+        waits = near or starts_too_soon(self._views[place.crossing_id], place, now_s)
+        return place.crossing_id if waits else ""
 
     def kept_standing_by(self, now_s: float) -> str:
         """The crossing for which a train stands that would go on now; empty: none, or one that is proven and has but to

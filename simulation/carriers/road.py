@@ -96,12 +96,15 @@ class Road:
 
     def routes(self, begin_s: float) -> Path:
         """Draw the vehicles of the run and write SUMO's file of them."""
-        vehicles = road_vehicles(self.roads, self._seed, self._today, begin_s, self._end_s)
-        vehicles = tuple(vehicle for vehicle in vehicles if vehicle.depart_s >= begin_s)
+        vehicles = self._comers(begin_s)
         self._known = {vehicle.id: vehicle for vehicle in vehicles}
         path = self._folder / "road.rou.xml"
         path.write_bytes(road_routes_xml(self.roads, vehicles))
         return path
+
+    def _comers(self, begin_s: float) -> tuple[RoadVehicle, ...]:
+        drawn = road_vehicles(self.roads, self._seed, self._today, begin_s, self._end_s)
+        return tuple(vehicle for vehicle in drawn if vehicle.depart_s >= begin_s)
 
     def begin(self, api: SumoApi, begin_s: float) -> None:
         """SUMO has started, at that time."""

@@ -18,11 +18,12 @@ PARTS: Final[Mapping[str, str]] = {
     "sweep": "study.evaluate.sweep_bench",
     "certificate": "study.evaluate.certificate",
     "crossings": "study.evaluate.crossings_bench",
+    "road": "study.evaluate.road_queueing",
     "start": "study.evaluate.start_bench",
     "serve": "console.serve_bench",
 }
 ROUNDS: Final = 5
-ROUNDS_OF: Final[Mapping[str, int]] = {"crossings": 3}  # five minutes
+ROUNDS_OF: Final[Mapping[str, int]] = {"crossings": 3, "road": 3}  # five minutes, and half a minute
 DEFAULT: Final = "links"  # of minutes; the others are asked for by name
 
 

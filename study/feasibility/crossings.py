@@ -15,6 +15,7 @@ from typing import Final
 from network.files.crossings import LONG_S, least_warning_s
 from network.model import CrossingControl, Direction, LevelCrossing, Line
 from onboard.authority.coverage import covered_at
+from onboard.crossings.ahead import no_contact_passed
 from onboard.crossings.machine import EARLY_S
 from simulation.setup import Setup
 from study.feasibility.finding import Finding, FindingKind, Severity
@@ -54,7 +55,7 @@ def _of_direction(
         elif warns_s > LONG_S:
             remedy = f"more than {LONG_S:g} s, and longer before slower trains: by radio it is constant"
             yield _finding(crossing, trains, Severity.TIGHT, said, remedy, None)
-        yield from _unwarned(crossing, direction, trains, day)
+        yield from _unwarned(setup, crossing, direction, trains, day)
     elif setup.line_signals is not None:
         said = f"level crossing {crossing.id} is closed by units, and with [line_signals] there are none"
         yield _finding(crossing, trains, Severity.IMPOSSIBLE, said, 'control = "contacts"', None)
@@ -66,38 +67,26 @@ def _of_direction(
 
 
 def _unwarned(
-    crossing: LevelCrossing, direction: Direction, trains: list[PlannedTrain], day: PlannedDay
+    setup: Setup, crossing: LevelCrossing, direction: Direction, trains: list[PlannedTrain], day: PlannedDay
 ) -> Iterator[Finding]:
     """Trains that begin beyond their first contact, having turned or come in there: none of them passes it."""
     name, least_s = direction.name.lower(), least_warning_s(crossing)
-    before = {later.number: sooner for own in day.trains.values() for sooner, later in pairwise(own)}
+    before = {
+        later.number: sooner.duty.mission for own in day.trains.values() for sooner, later in pairwise(own)
+    }
     silent = [
-        train
-        for train in trains
-        if not _passes_contact(crossing, train)
-        and not (train.number in before and _came_over_contact(crossing, train, before[train.number]))
+        train for train in trains if no_contact_passed(crossing, train.duty.mission, before.get(train.number))
     ]
+    if silent and crossing.warns_departures and setup.line_signals is None:
+        yield from _radio(day.line, crossing, direction, silent)
+        return
     places = dict.fromkeys(train.duty.mission.targets[0].section_id for train in silent)
     for place in places:
         own = [train for train in silent if train.duty.mission.targets[0].section_id == place]
         said = f"level crossing {crossing.id} does not warn of {name} trains that begin in {place}, beyond its first"
         said += " contact"
-        remedy = f"{least_s:g} s are the least: a first contact that they pass so long before, or by radio"
+        remedy = f"{least_s:g} s are the least: a first contact that they pass so long before, departures, or by radio"
         yield _finding(crossing, own, Severity.IMPOSSIBLE, said, remedy, least_s)
-
-
-def _passes_contact(crossing: LevelCrossing, train: PlannedTrain) -> bool:
-    """Whether its front passes the first contact; who begins beyond the road needs none."""
-    mission = train.duty.mission
-    begins_m, road_m = mission.targets[0].mark_m, mission.path.to_road_m(crossing)
-    before_m, _ = crossing.contacts_from_road_m(mission.direction)
-    return not road_m - before_m <= begins_m < road_m
-
-
-def _came_over_contact(crossing: LevelCrossing, train: PlannedTrain, sooner: PlannedTrain) -> bool:
-    """Whether its set passed the contact as the train before, which went the same way and stopped short of the road."""
-    same_way = sooner.direction is train.direction and crossing.piece_id in sooner.duty.mission.path
-    return same_way and _passes_contact(crossing, sooner)
 
 
 def _radio(

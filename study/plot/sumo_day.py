@@ -1,6 +1,7 @@
 """A scenario for plain SUMO, to be looked at in sumo-gui and netedit: net, trains, scenery and configuration.
 
 Trains are SUMO's own there: no units, no sections, no radio. Their routes and marks are those that the run draws up.
+Roads are those of the run with its vehicles; no crossing closes, and trains and vehicles do not see one another.
 """
 
 from __future__ import annotations
@@ -14,14 +15,18 @@ from typing import Final
 
 from host.scratch import scratch
 from network.errors import COMMAND_LINE, InputError
+from network.files.crossing_road import roads_of
 from network.model import Direction, Line
 from network.timetable import Diagram
 from onboard.mission import NoWay, Target
+from simulation.carriers.road_demand import road_vehicles
+from simulation.carriers.road_of_run import roads_at
 from simulation.setup import Setup
 from simulation.world.roster import Duty, drawn_up
 from study.record.as_run import trains_as_run
 from study.record.read_back import RunRead
 from sumo_cfg.build import net_for
+from sumo_cfg.road_traffic import road_routes_xml
 from sumo_cfg.scenery import scenery_xml, stop_id
 from sumo_cfg.traffic import SumoVehicle, VehicleStop, VehicleType, config_xml, routes_xml
 from sumo_cfg.writer import edge_id
@@ -52,7 +57,16 @@ def setup_as_run(run: RunRead) -> Setup:
     timetable = replace(
         run.timetable, trains=trains, diagrams=tuple(diagram for diagram in kept if diagram.train_numbers)
     )
-    return Setup(run.name, run.line, timetable, run.trains, operation=run.settings.tables.operation)
+    return Setup(
+        run.name,
+        run.line,
+        timetable,
+        run.trains,
+        seed=run.settings.seed,
+        operation=run.settings.tables.operation,
+        roads=roads_of(run.inputs.line, str(run.directory)),
+        day=run.settings.tables.tuning.days,
+    )
 
 
 def export_sumo(name: str, setup: Setup, out: Path) -> SumoDay:
@@ -64,14 +78,20 @@ def export_sumo(name: str, setup: Setup, out: Path) -> SumoDay:
     types = [_type(kind, setup.line) for kind in {kind.id: kind for kind in setup.trains.values()}.values()]
     begin_s = min((vehicle.depart_s for vehicle in vehicles), default=0.0)
     end_s = max((train.calls[-1].last_s for train in setup.timetable.trains.values()), default=0)
+    from_s, until_s, roads = max(0.0, begin_s - BEFORE_S), end_s + AFTER_S, roads_at(setup)
     with scratch("branchline-") as folder:
-        net = net_for(setup.line, folder)
+        net = net_for(setup.line, folder, roads)
         content = gzip.decompress(net.read_bytes()) if net.suffix == ".gz" else net.read_bytes()
+    routes = {f"{name}.rou.xml": routes_xml(types, vehicles)}
+    if roads:
+        on_road = road_vehicles(roads, setup.seed, setup.today, from_s, until_s)
+        on_road = tuple(one for one in on_road if from_s <= one.depart_s < until_s)
+        routes[f"{name}.road.rou.xml"] = road_routes_xml(roads, on_road)
     files = {
         f"{name}.net.xml": content,
-        f"{name}.rou.xml": routes_xml(types, vehicles),
+        **routes,
         f"{name}.add.xml": scenery_xml(setup.line),
-        f"{name}.sumocfg": config_xml(name, max(0.0, begin_s - BEFORE_S), end_s + AFTER_S),
+        f"{name}.sumocfg": config_xml(name, from_s, until_s, tuple(routes)),
     }
     written = write_files(out, files)
     stops = sum(len(vehicle.stops) for vehicle in vehicles)

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
+from onboard.crossings import ahead, talk
 from onboard.crossings import machine as crossings
-from onboard.crossings import talk
 from onboard.crossings.machine import CrossingPhase, CrossingSeen, CrossingUnplaced, CrossingView
 from onboard.duty.records import DutyState
 from onboard.motion import UnitMotion
@@ -35,6 +35,17 @@ def passes_unproven_crossings(patch: pytest.MonkeyPatch) -> None:
 def asks_no_crossing_in_time(patch: pytest.MonkeyPatch) -> None:
     """Announces itself when its front could be there at once."""
     patch.setattr(crossings.CrossingPlace, "due_s", property(lambda self: self.fastest_s - 10.0))
+
+
+@switch
+def leaves_unannounced(patch: pytest.MonkeyPatch) -> None:
+    """A unit that takes every contact for one that has warned of its train."""
+    patch.setattr(ahead, "no_contact_passed", lambda *_: False)
+
+
+@switch
+def leaves_before_the_road_is_ready(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(talk, "starts_too_soon", lambda *_: False)
 
 
 @switch

@@ -119,6 +119,28 @@ def test_by_contacts_the_warning_lasts_as_long_as_the_way_from_the_first_of_them
     assert entered.t_s - lit.t_s == pytest.approx(road_s - contact_s, abs=2.0 * STEP_S)
 
 
+def test_a_departure_is_delayed_by_what_the_warning_lacks() -> None:
+    """Nothing is heard until 10 s after it should have left: then 15 s to closed, 1 s for the telegram and 15 s more,
+    less its run to the road, which its unit takes for 4 s shorter at most; and the road has its least time.
+    """
+    planned = run("121_crossing_departure_late")
+    cut = ScriptedFault(Cut(target=LINK), Trigger(at_s=TEN_S - 600.0), 610.0)
+    late = run("121_crossing_departure_late", cut)
+    leaves_s, late_s = (
+        next(e.t_s for e in result.journal.entries if isinstance(e.event, Departs))
+        for result in (planned, late)
+    )
+    (usual,), (short,) = (crossing_tables(result)["warnings"].to_dicts() for result in (planned, late))
+    assert (leaves_s, usual["from_stand"]) == (pytest.approx(TEN_S, abs=0.1), True)
+    assert 35.0 - 1.0 <= usual["warned_s"] <= 35.0 + 4.0
+    lit_s = short["at_s"] - short["warned_s"]
+    needs_s = lit_s + 15.0 + 1.0 + 15.0 - (usual["at_s"] - leaves_s)
+    assert TEN_S + 10.0 < lit_s < late_s
+    assert needs_s <= late_s <= needs_s + 4.0
+    assert 15.0 <= short["closed_s"] <= 20.0
+    assert list(broken_rules(late)) == []
+
+
 def test_tables_and_figures_of_a_day_say_how_long_the_road_was_closed_and_warned() -> None:
     """By contacts from 0.5 km to the rear at 0.853 km, and 8 s until the barriers are up; by radio for 35 s."""
     setup, result = drill("107_crossing_contacts"), run("107_crossing_contacts")

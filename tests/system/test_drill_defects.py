@@ -420,6 +420,11 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
             "the train comes onto the road by its driver's leave alone",
         ),
         "119_crossing_detector_blind": ("feels_no_button", Checker.SUMO_COLLISION),
+        "120_crossing_departure": ("leaves_unannounced", "its unit asks before it leaves"),
+        "121_crossing_departure_late": (
+            "leaves_before_the_road_is_ready",
+            "the train does not leave while it has not heard that the crossing knows of it",
+        ),
         "110_crossing_busy_road": ("is_not_seen_on_the_road", Checker.SUMO_COLLISION),
     }
 )

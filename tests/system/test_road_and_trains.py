@@ -20,9 +20,10 @@ from simulation.result import Ending, RunResult
 from simulation.setup import STEPS_PER_S, Setup
 from simulation.world.trains import CarrierDisagrees
 from study.collect.road import road_table
+from study.evaluate.road_queueing import Closures, RoadByList
 from study.runner.run import CarrierKind, PartyLink, execute, simulation_of
 from sumo_cfg.road_net import RoadAt
-from tests.simulation.carriers.roads import CROSSING, Closures, Detected, RoadByList, road_of
+from tests.simulation.carriers.roads import CROSSING, Detected, road_of
 
 pytestmark = pytest.mark.system
 

@@ -49,6 +49,7 @@ from wayside.said import Barred, BarUnit, Unbarred, UnbarUnit
 BARRIERS = CrossingConfig("line", "C", barriers=True, closing_s=15.0, closed_s=20.0)
 LAMPS = CrossingConfig("line", "C", barriers=False, closing_s=0.0, closed_s=30.0)
 PROTECTED = CrossingConfig("line", "C", barriers=True, closing_s=15.0, closed_s=20.0, protection=True)
+DEPARTURES = CrossingConfig("line", "C", barriers=True, closing_s=15.0, closed_s=20.0, departures=True)
 UP = CrossingDetected(lamps=False, lowered=False, raised=True)
 MOVING = CrossingDetected(lamps=True, lowered=False, raised=False)
 DOWN = CrossingDetected(lamps=True, lowered=True, raised=False)
@@ -440,3 +441,56 @@ def test_with_protection_a_button_on_the_open_road_is_told_too() -> None:
     box.do(asks(50.0))
     pressed = CrossingDetected(lamps=False, lowered=False, raised=True, button=True)
     assert box.do(pressed, 5.0) == [("u", CrossingClear(False, VALID_S), 1)]
+
+
+def departing(*more: CrossingEvent) -> Box:
+    """With departures: u has asked twice, and what comes then happens while it is closed."""
+    box = Box(DEPARTURES)
+    box.do(UP)
+    box.do(asks(35.0))
+    box.do(asks(35.0))
+    box.do(MOVING)
+    box.do(DOWN, 15.0)
+    for event in more:
+        box.do(event)
+    return box
+
+
+def test_with_departures_a_unit_has_its_proof_and_its_rear_or_its_word_counts_it_out() -> None:
+    box = departing()
+    assert (box.state, box.device.memory.units, box.device.memory.counted) == (CLOSED, ("u",), 1)
+    assert box.do(asks(5.0), 16.0) == [("u", CrossingProof(True, VALID_S), 1)]
+    assert departing(GONE, leaves()).state is OPEN
+    assert departing(leaves(), GONE).state is OPEN
+    assert departing(leaves()).state is CLOSED  # its rear has yet to pass the last contact
+    assert departing(CrossingLeft("u", 1, CrossingOver(passed=False))).state is OPEN
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_with_departures_the_train_behind_keeps_it_closed(first: bool) -> None:
+    """Whichever comes first, the word of the one ahead or its rear at the last contact."""
+    box = departing(COMES, *((leaves(), GONE) if first else (GONE, leaves())))
+    assert (box.state, box.device.memory.counted) == (CLOSED, 1)
+    box.do(GONE)
+    assert box.state is OPEN
+
+
+def test_with_departures_one_given_up_before_it_closes_leaves_nothing_behind() -> None:
+    box = Box(DEPARTURES)
+    box.do(UP)
+    box.do(asks(90.0))
+    box.do(CrossingLeft("u", 1, CrossingOver(passed=False)), 5.0)
+    box.do(COMES, 10.0)
+    box.do(GONE, 60.0)
+    assert (box.state, box.device.memory.counted) == (OPEN, 0)
+
+
+def test_with_departures_persons_do_not_strike_off_who_has_spoken_since() -> None:
+    """Of u and a train counted in, the latter alone is struck off; u's rear then opens the road."""
+    box = departing(COMES, NoTrainComes("a"), NoTrainComes("b"))
+    box.do(asks(5.0), 20.0)
+    box.do(CrossingTimeDue(), 20.0 + FREES_S)
+    assert (box.state, box.device.memory.units, box.device.memory.counted) == (CLOSED, ("u",), 1)
+    box.do(GONE)
+    box.do(leaves())
+    assert box.state is OPEN

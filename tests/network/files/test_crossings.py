@@ -111,6 +111,17 @@ def test_roads_are_read_from_the_tables_that_were_found_right() -> None:
             'crossings[0].protection is true; expected false, or control = "contacts" and a device: by radio a crossing'
             " proves itself closed",
         ),
+        *(
+            (
+                [*keys, "departures = true"],
+                'crossings[0].departures is true; expected false, or control = "contacts", a device, and no protection:'
+                " whoever asks hears that it is closed",
+            )
+            for keys in (
+                [],
+                ['control = "contacts"', "start_down_km = 0.6", "start_up_km = 0.8", "protection = true"],
+            )
+        ),
         (
             ['kind = "4"', "road = { vehicles_per_h = [60.0] }"],
             'crossings[0].road; expected kind = "1" or "3": drivers stop for lamps and barriers, and there are none',

@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import pytest
 
-from network.model import CrossingClass, CrossingControl, LevelCrossing, Line
-from onboard.crossings.ahead import CrossingsAhead
+from network.model import CrossingClass, CrossingControl, Direction, LevelCrossing, Line
+from onboard.crossings.ahead import CrossingsAhead, no_contact_passed
 from onboard.crossings.machine import CrossingPlace
 from onboard.mission import Mission
 from onboard.motion import UnitMotion
@@ -102,3 +102,15 @@ def test_what_is_under_the_train_stays_under_it_when_it_turns(ahead: CrossingsAh
     place = place_at(ahead, float(row.position_m), 0.0)
     assert place.under
     assert not place.clear
+
+
+@pytest.mark.parametrize(("start_m", "unwarned"), [(439.0, True), (441.0, False)])
+def test_a_contact_warns_of_a_train_that_begins_before_it(
+    mission: Mission, back: Mission, start_m: float, unwarned: bool
+) -> None:
+    """T1 begins at 440 m; who came over the contact as the train before, the same way, has been warned of."""
+    starts_m = {Direction.DOWN: start_m, Direction.UP: 1200.0}
+    crossing = replace(CROSSING, control=CrossingControl.CONTACTS, starts_m=starts_m)
+    assert no_contact_passed(crossing, mission, None) is unwarned
+    assert no_contact_passed(crossing, mission, back) is unwarned
+    assert no_contact_passed(crossing, mission, mission) is unwarned

@@ -26,6 +26,7 @@ from onboard.crossings.machine import (
     CrossingUnplaced,
     CrossingView,
     may_pass,
+    starts_too_soon,
     step,
     table_rows,
     wake_s,
@@ -229,3 +230,23 @@ def test_a_crossing_that_lost_its_memory_hears_three_times_of_a_train_on_it() ->
 
 def test_every_row_says_what_happens() -> None:
     assert len(table_rows()) == len(TABLE)
+
+
+@pytest.mark.parametrize(
+    ("said_s", "answered", "now_s", "too_soon"),
+    [
+        (0.0, True, 2.9, True),  # proven by 0 + 15 + 1 s, and 15 s before the front: in 2.9 + 28 - 15 s
+        (0.0, True, 3.1, False),
+        (0.0, False, 3.1, True),
+        (4.0, True, 3.1, True),
+    ],
+)
+def test_a_departure_that_warns_waits_for_what_the_road_still_needs(
+    said_s: float, answered: bool, now_s: float, too_soon: bool
+) -> None:
+    """28 s from its start to the road, braking from 20 s on; of a crossing whose contact it has passed it need not."""
+    place = replace(NEAR, arrives_s=28.0, proof_s=20.0, stands=True, departs=True)
+    view = replace(ASKED_VIEW, said_s=said_s, begins_s=-7.0, answered=answered)
+    assert starts_too_soon(view, place, now_s) is too_soon
+    assert not starts_too_soon(view, replace(place, departs=False), now_s)
+    assert not starts_too_soon(PROVEN_VIEW, place, now_s)

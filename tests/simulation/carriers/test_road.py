@@ -1,4 +1,4 @@
-"""The road in real SUMO: it waits as queueing theory says, for barriers alone, and a train strikes what stands."""
+"""The road in real SUMO: it waits for barriers alone, and a train strikes what stands."""
 
 from __future__ import annotations
 
@@ -12,16 +12,13 @@ import pytest
 
 from network.files.crossing_road import CrossingRoad
 from network.model import Direction
-from simulation.carriers import road_demand
 from simulation.carriers.road_demand import road_vehicles
+from study.evaluate.road_queueing import RISING_S, RoadRun
 from tests.simulation.carriers.roads import (
     CROSSING,
-    LOWERING_S,
     PIECE,
     POSITION_M,
-    RISING_S,
-    WARNING_S,
-    Carried,
+    Detected,
     carried,
     road_at,
     road_of,
@@ -41,18 +38,18 @@ class WithRoad(Protocol):
         road: CrossingRoad,
         closures: Sequence[tuple[float, float]] = (),
         end_s: float = 3600.0,
-    ) -> Carried: ...
+    ) -> RoadRun: ...
 
 
 @pytest.fixture
 def with_road(tmp_path: Path) -> Iterator[WithRoad]:
-    made: list[Carried] = []
+    made: list[RoadRun] = []
 
     def make(
         road: CrossingRoad,
         closures: Sequence[tuple[float, float]] = (),
         end_s: float = 3600.0,
-    ) -> Carried:
+    ) -> RoadRun:
         for one in made:
             one.carrier.close()
         made.append(carried(tmp_path, road, closures, end_s))
@@ -63,54 +60,11 @@ def with_road(tmp_path: Path) -> Iterator[WithRoad]:
         one.carrier.close()
 
 
-def entries(run: Carried, end_s: float) -> list[tuple[float, str]]:
-    """When each vehicle came over its stop line, s, to half a second, and which."""
-    found: list[tuple[float, str]] = []
-    before: set[str] = set()
-    while run.steps * STEP_S < end_s:
-        run.run([], 5)
-        now = run.over()
-        found += [(run.steps * STEP_S, vehicle_id) for vehicle_id in sorted(now - before)]
-        before = now
-    return found
-
-
-def test_delay_under_closures_is_that_of_deterministic_queueing(
-    with_road: WithRoad, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Each closure costs q r^2 / (2 (1 - q/s)) a way: q and s are the flows of arrival and of discharge, r the time for
-    which nobody is let in. s and what is lost as a queue starts are measured at a queue that does not end in time. All
-    drive alike here: slow ones before fast ones cost time without any barrier.
-    """
-    monkeypatch.setattr(road_demand, "SPEED_SIGMA", 0.0)
-    busy = with_road(road_of(vehicles_per_h=(3000.0,), heavy_share=0.0), [(120.0, 300.0)])
-    times_s = [t_s for t_s, vehicle_id in entries(busy, 400.0) if t_s > 300.0 and ".right." in vehicle_id]
-    fourth_s, last_s = times_s[3], times_s[23]
-    flow = 20.0 / (last_s - fourth_s)
-    assert 0.35 < flow < 0.65  # 1260 to 2340 vehicles an hour and lane
-    lost_s = fourth_s - (300.0 + RISING_S) - 4.0 / flow
-    assert 0.0 < lost_s < 5.0
-
-    road = road_of(vehicles_per_h=(600.0,), heavy_share=0.0)
-    closures = [(300.0 * k + 100.0, 300.0 * k + 150.0) for k in range(24)]
-    run = with_road(road, closures, end_s=7199.0)
-    run.run([], 76_000)
-    totals = run.road.totals.of.values()
-    arrival = sum(total.passages for total in totals) / 2 / 7200.0
-    assert arrival < flow / 3.0  # undersaturated by far
-    # As the lamps begin, those still go who would have to brake harder than drivers do, 4.5 m/s2.
-    shut_s = WARNING_S + LOWERING_S + 50.0 + RISING_S + lost_s - road.speed_mps / (2.0 * 4.5)
-    queueing_s = 2 * len(closures) * arrival * shut_s**2 / (2.0 * (1.0 - arrival / flow))
-    assert sum(total.waited_s for total in totals) == pytest.approx(queueing_s, rel=0.10)
-    deepest = arrival * shut_s  # of vehicles, on average, as the barriers open
-    assert deepest < max(total.queue for total in totals) < deepest + 4.0 * math.sqrt(deepest)
-
-
 def test_all_come_and_none_is_under_a_lowered_barrier(with_road: WithRoad) -> None:
     closures = [(200.0 * k + 50.0, 200.0 * k + 130.0) for k in range(9)]
     road = road_of(vehicles_per_h=(900.0,), lanes=2)
     run = with_road(road, closures, end_s=1799.0)
-    late = [t_s for t_s, _ in entries(run, 1900.0) if any(a + 1.0 < t_s <= b + RISING_S for a, b in closures)]
+    late = [t_s for t_s, _ in run.entries(1900.0) if any(a + 1.0 < t_s <= b + RISING_S for a, b in closures)]
     assert late == []
     came = [v for v in road_vehicles([road_at(road)], 1, (), 0.0, 1799.0) if v.depart_s < 1800.0]
     assert (
@@ -140,7 +94,7 @@ def test_the_road_is_the_same_with_a_train_elsewhere(with_road: WithRoad) -> Non
         if train:
             run.carrier.reverse("T", ["3", "P2.normal", "P2.stem", "1"], Direction.UP)
         run.run([("T", speeds)] if train else [], 350)
-        seen.append(entries(run, 900.0))
+        seen.append(run.entries(900.0))
     assert seen[0] == seen[1]
     assert len(seen[0]) > 200
 
@@ -212,6 +166,7 @@ def test_a_detector_hears_of_a_vehicle_on_a_closed_crossing_alone(with_road: Wit
     run.run([], 300)
     run.road.stall(CROSSING, stands=False)
     run.run([], 300)
+    assert isinstance(run.detectors, Detected)
     (first, second) = run.detectors.told
     assert first == (CROSSING, 200, True)  # as the barriers are down
     assert second[0::2] == (CROSSING, False)
@@ -231,7 +186,7 @@ def test_who_looks_sees_what_stands_there_whatever_is_closed(with_road: WithRoad
 
 def test_who_drives_over_it_blocks_nothing(with_road: WithRoad) -> None:
     run = with_road(road_of(vehicles_per_h=(900.0,)))
-    while not run.over():
+    while not run.road.over():
         run.run([], 1)
     for _ in range(20):
         run.run([], 1)
@@ -247,26 +202,26 @@ def test_drivers_stop_for_a_train_that_creeps_over_an_open_crossing_until_it_is_
     run.run([], 600)
     run.road.creeps_over(CROSSING, "T")
     run.run([("T", [0.0] * 200)], 200)
-    assert run.over() == set()
+    assert run.road.over() == set()
     for _ in range(16):
         run.run([("T", [5.0] * 10)], 10)
-        assert run.over() == set()
+        assert run.road.over() == set()
     run.run([("T", [5.0] * 60)], 60)
-    assert run.over() != set()
+    assert run.road.over() != set()
     assert run.road.struck == []
 
 
 def test_a_vehicle_that_is_there_stalls_at_once_and_drives_on_in_the_end(with_road: WithRoad) -> None:
     """Nobody is put there then, and whoever comes behind it waits, as it does, for what the fault lasts."""
     run = with_road(road_of(vehicles_per_h=(900.0,), heavy_share=0.0))
-    while not (there := {v for v in run.over() if ".right." in v}):
+    while not (there := {v for v in run.road.over() if ".right." in v}):
         run.run([], 1)
     run.road.stall(CROSSING, stands=True)
     run.run([], 600)
-    assert {v for v in run.over() if ".right." in v} >= there
+    assert {v for v in run.road.over() if ".right." in v} >= there
     run.road.stall(CROSSING, stands=False)
     run.run([], 600)
-    assert run.over().isdisjoint(there)
+    assert run.road.over().isdisjoint(there)
     total = run.road.totals.of[CROSSING, 0]
     assert 60.0 < total.waited_s_max < 70.0
     assert total.queue >= 3  # of 450 an hour, in a minute seven or eight come
@@ -276,7 +231,7 @@ def test_a_vehicle_that_is_there_stalls_at_once_and_drives_on_in_the_end(with_ro
 def test_drivers_go_round_half_barriers_when_their_patience_is_over(with_road: WithRoad, half: bool) -> None:
     road = road_of(vehicles_per_h=(300.0,), half_barriers=half, round_share=1.0, round_after_s=10.0)
     run = with_road(road, [(60.0, 360.0)])
-    inside = [(t_s, vehicle_id) for t_s, vehicle_id in entries(run, 360.0) if t_s > 62.0]
+    inside = [(t_s, vehicle_id) for t_s, vehicle_id in run.entries(360.0) if t_s > 62.0]
     assert bool(inside) is half
     patience_s = {v.id: v.patience_s for v in road_vehicles([road_at(road)], 1, (), 0.0, 1.0)}
     depart_s = {v.id: v.depart_s for v in road_vehicles([road_at(road)], 1, (), 0.0, 1.0)}
@@ -286,7 +241,7 @@ def test_drivers_go_round_half_barriers_when_their_patience_is_over(with_road: W
 
 def test_nobody_goes_round_who_is_not_drawn_to(with_road: WithRoad) -> None:
     run = with_road(road_of(vehicles_per_h=(300.0,), half_barriers=True), [(60.0, 360.0)])
-    assert [t_s for t_s, _ in entries(run, 360.0) if t_s > 62.0] == []
+    assert [t_s for t_s, _ in run.entries(360.0) if t_s > 62.0] == []
 
 
 def test_a_share_stalls_on_the_track_for_as_long_as_drawn(with_road: WithRoad) -> None:

@@ -88,6 +88,17 @@ def test_who_begins_beyond_the_first_contact_is_not_warned_of(tmp_path: Path, st
     )
 
 
+def test_with_departures_it_is_warned_of_where_the_radio_reaches(tmp_path: Path) -> None:
+    """T1 begins at km 0.44; where it does not, its unit asks too late."""
+    own = ('control = "contacts"', "start_down_km = 0.40", "start_up_km = 1.3", "departures = true")
+    assert found(tmp_path, *own) == []
+    parts = "{ from_km = 0.0, to_km = 0.6 }, { from_km = 0.9, to_km = 1.41 }"
+    (finding,) = found(
+        tmp_path, *own, before=f'patch.line.set = {{ "alignments.main.coverage" = [{parts}] }}'
+    )
+    assert "does not reach at km 0.6" in finding.text
+
+
 def test_who_turns_beyond_the_first_contact_is_not_warned_of(tmp_path: Path) -> None:
     """T2 goes back from B, where the contact of up trains lies behind it."""
     turning = 'timetable = "rtri_turn_back"'

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
@@ -166,6 +167,84 @@ def test_a_run_directory_shows_the_day_as_it_ran(tmp_path: Path) -> None:
             compared += 1
     assert compared >= 15
     assert ran.collisions == 0
+
+
+@pytest.fixture
+def crossed(tmp_path: Path) -> Scenario:
+    """A day on the test line with a road, of another seed than the default."""
+    file = tmp_path / "crossed.toml"
+    file.write_text(
+        'extends = "rtri_test_line"\nid = "crossed"\nname = "A road"\nseed = 7\n'
+        '[[patch.line.add.crossings]]\nid = "C1"\nsection = "6"\nkm = 0.75\nroad = { vehicles_per_h = [600.0] }\n',
+        encoding="utf-8",
+    )
+    return load_scenario(str(file))
+
+
+@pytest.mark.system
+def test_a_road_is_in_it_and_nothing_stops_on_it(crossed: Scenario, tmp_path: Path) -> None:
+    """Signals are off: netconvert's own program would stop the road for 5 s of 90. Of 600 an
+    hour in 64 minutes 640 come, and four in a hundred are away from that by chance.
+    """
+    ran = run_sumo(crossed, tmp_path / "out")
+    of_road = [trip for trip in ran.trips if trip["id"].startswith("road.")]
+    assert 500 < len(of_road) < 760
+    assert {float(trip["waitingTime"]) for trip in of_road} == {0.0}
+    assert len(ran.trips) == len(of_road) + 1
+
+
+@pytest.mark.system
+def test_a_run_directory_has_the_vehicles_of_the_run(crossed: Scenario, tmp_path: Path) -> None:
+    """Each from its departure as drawn; with another seed others come."""
+    write_run(execute(crossed, PartyLink.SIMULATED), tmp_path / "run")
+    run = read_run(tmp_path / "run")
+    of_road = [
+        export_sumo(name, setup, tmp_path / name).config.with_name(f"{name}.road.rou.xml")
+        for name, setup in (
+            ("as_run", setup_as_run(run)),
+            ("planned", crossed.setup),
+            ("other", replace(crossed.setup, seed=8)),
+        )
+    ]
+    as_run, planned, other = (
+        {vehicle.attrib["id"]: vehicle.attrib["depart"] for vehicle in ET.parse(file).iterfind("vehicle")}
+        for file in of_road
+    )
+    both = as_run.keys() & planned.keys()
+    assert len(both) > 500
+    assert {name: as_run[name] for name in both} == {name: planned[name] for name in both}
+    assert other != planned
+
+
+@pytest.mark.system
+def test_sumo_gui_opens_it_without_a_word(crossed: Scenario, tmp_path: Path) -> None:
+    """Where there is a display to be had; netedit, which nothing ends but a person, reads the same files."""
+    server = shutil.which("Xvfb")
+    if server is None:
+        pytest.skip("no Xvfb, the display of tests")
+    day = export_sumo(crossed.id, crossed.setup, tmp_path)
+    read, write = os.pipe()
+    with subprocess.Popen(
+        [server, "-displayfd", str(write)], pass_fds=[write], stderr=subprocess.DEVNULL
+    ) as display:
+        os.close(write)
+        with os.fdopen(read) as said:
+            number = said.readline().strip()
+        try:
+            done = subprocess.run(
+                [Path(sumo.SUMO_HOME) / "bin" / "sumo-gui", "-c", day.config, "--start", "--quit-on-end"],
+                env={**os.environ, "SUMO_HOME": str(sumo.SUMO_HOME), "DISPLAY": f":{number}"},
+                capture_output=True,
+                text=True,
+                check=False,
+                timeout=120.0,
+            )
+        finally:
+            display.terminate()
+    if done.returncode == 127:
+        pytest.skip(f"sumo-gui does not start here: {done.stderr.strip()}")
+    complaints = [line for line in done.stderr.splitlines() if "Fontconfig" not in line]
+    assert (done.returncode, complaints) == (0, [])
 
 
 def test_a_set_that_leaves_the_line_and_comes_again_is_two_vehicles() -> None:

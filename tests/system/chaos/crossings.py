@@ -1,6 +1,7 @@
 """Level crossings drawn onto a drawn line: by radio and by contacts, with barriers and without, some with a road.
 
-Contacts lie on the open section of their crossing, so that every train passes the first of them.
+Contacts lie on the open section of their crossing, so that every train passes the first of them, unless departures
+warn.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from network.model import Line, Piece, SectionKind
 from tests.system.chaos.draw import Draw
 
 ONE_P, TWO_P, ON_TRACK_P = 0.6, 0.25, 0.15
-CONTACTS_P, WARNING_ALONE_P, ROAD_P, DETECTOR_P = 0.2, 0.25, 0.3, 0.4
+CONTACTS_P, DEPARTURES_P, WARNING_ALONE_P, ROAD_P, DETECTOR_P = 0.2, 0.3, 0.25, 0.3, 0.4
 FROM_END_M: Final = 40.0
 ALONG_S: Final = 45.0  # from the first contact to the road at the line's speed
 VEHICLES_PER_H: Final = (60.0, 240.0, 600.0)
@@ -46,9 +47,10 @@ def _crossing(piece: Piece, crossing_id: str, speed_kmh: int, draw: Draw) -> Row
         row |= {"detector": draw.of("detector").chance(DETECTOR_P)}
     way_m = round(ALONG_S * speed_kmh / 3.6)
     room = at_m - way_m > piece.from_m and at_m + way_m < piece.to_m
-    if room and draw.of("control").chance(CONTACTS_P):
-        contacts = {"start_down_km": (at_m - way_m) / 1000.0, "start_up_km": (at_m + way_m) / 1000.0}
-        row |= {"control": "contacts"} | contacts
+    departures = draw.of("departures").chance(DEPARTURES_P)
+    if (room or departures) and draw.of("control").chance(CONTACTS_P):
+        contacts: Row = {"start_down_km": (at_m - way_m) / 1000.0, "start_up_km": (at_m + way_m) / 1000.0}
+        row |= {"control": "contacts", "departures": departures} | contacts
     if draw.of("road").chance(ROAD_P):
         row |= {"road": {"vehicles_per_h": [draw.of("vehicles").one_of(VEHICLES_PER_H)]}}
     return row
