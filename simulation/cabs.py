@@ -7,6 +7,7 @@ finished, the line is left, the portal may be entered) goes on to the duties.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from typing import Final
 
@@ -40,6 +41,7 @@ class Cabs:
         # A timer that is put off still ends a stretch where no crossing is: positions are taken from SUMO there.
         self._one_timer = any(crossing.tells_units for crossing in world.setup.line.crossings.values())
         self._crew = Crew(world.trains, world.on_board, world.wayside, world.journal)
+        self._answers: Counter[int] = Counter()  # how many each slot has given
         self._looking: set[int] = set()  # slots whose crew has a next look on the agenda
         self._pauses = Pauses(world.setup)
         self._about_to: set[tuple[Pause, int]] = set()  # what a crew is going to do, by its slot
@@ -63,6 +65,8 @@ class Cabs:
         if answered is None:
             return
         answer, notes = answered
+        self._answers[slot] += 1
+        number = self._answers[slot]
         stock_id = self._trains.stock_ids[slot]
         for note in notes:
             self._journal.write(now_s, stock_id, note)
@@ -71,6 +75,8 @@ class Cabs:
         for told in answer.told:
             self.told(slot, told, step)
         self._look(slot, step)
+        if self._one_timer and self._answers[slot] > number:
+            return  # what it has been told since has set its timer
         self._wakes.discard(slot)
         if self._one_timer:
             self._agenda.withdraw(AgendaKind.UNIT_TIMER, stock_id, step)

@@ -178,7 +178,9 @@ def seek_radio(duty: DutyStep) -> None:
 
 
 def heard(duty: DutyStep) -> None:
-    """The radio reaches it."""
+    """The radio reaches it, wherever it thinks that it is: what waits for that can be said."""
+    if not duty.state.place.covered:
+        duty.set(place=replace(duty.state.place, covered=True))
     if duty.state.seeks_radio:
         duty.set(seeks_radio=False)
 

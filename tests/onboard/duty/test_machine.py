@@ -15,6 +15,7 @@ from onboard.authority.records import (
     OpenRequest,
     PeerRestarted,
     ProofHeard,
+    QueryHeard,
     RequestKind,
     SendCommand,
     SendRequest,
@@ -51,6 +52,7 @@ from tests.onboard.duty.rows_told import TOLD
 from tests.onboard.duty.rows_vehicle import UNABLE, VEHICLE
 from tests.onboard.duty.stage import (
     AT_A,
+    AT_B,
     BEFORE_5,
     BEFORE_7,
     FINISHED,
@@ -69,6 +71,7 @@ from tests.onboard.duty.stage import (
     ROUTE_OPEN,
     RUNNING,
     SECTIONS,
+    SIGN_OFF_OPEN,
     SIGNING_OFF,
     SIGNING_ON,
     STANDING,
@@ -192,6 +195,17 @@ def test_halted_where_no_radio_reaches_it_runs_on_sight_to_where_it_hears(state:
     assert command_of(PLAN, on).drive  # by its own reckoning: it has yet to hear something
     told, _ = step(PLAN, TIMES, on, TelegramHeard(ContestHeard(("8",))), reached, NOW_S)
     assert not command_of(PLAN, told).drive
+
+
+def test_what_waits_for_the_radio_is_said_when_anything_is_heard() -> None:
+    """By a position that lies it stands where no radio reaches, and would wait for ever."""
+    waits = replace(SIGN_OFF_OPEN, sent=False)
+    state = replace(SIGNING_OFF, authority=replace(HOLDS_8, requests=(waits,)))
+    shadow = moved(AT_B, covered=False)
+    silent, actions = step(PLAN, TIMES, state, Looked(), shadow, NOW_S)
+    assert not any(isinstance(action, SendRequest) for action in actions)
+    _, actions = step(PLAN, TIMES, silent, TelegramHeard(QueryHeard()), shadow, NOW_S)
+    assert SendRequest(waits) in actions
 
 
 EXAMPLES: Final[dict[type[Event], Event]] = {type(event): event for _, event, _, _, _ in CASES.values()}
