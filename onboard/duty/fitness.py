@@ -77,5 +77,4 @@ def way_is_free(duty: DutyStep) -> bool:
     beyond = limit.joint > own + 1 or limit.before is None
     on_track = duty.leg_from_stop(duty.state.at) is not None
     way = limit.joint >= place.reach and (beyond or not on_track) and not place.crossing
-    halted = duty.state.halted and not duty.state.seeks_radio
-    return place.known and way and not place.unfit and not halted
+    return place.known and way and not place.unfit and not duty.state.must_stand

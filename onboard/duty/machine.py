@@ -227,7 +227,7 @@ def timer_due(duty: DutyStep, event: TimerDue) -> None:
             duty.set(may_leave=True)
         case timer if timer == ABLE:
             fitness.look_again(duty)
-        case timer if timer == RELEASE and duty.state.halted and not duty.state.seeks_radio:
+        case timer if timer == RELEASE and duty.state.must_stand:
             duty.await_release()  # not before register and unit agree
         case timer if timer == RELEASE and not fitness.acknowledged(duty):
             pass

@@ -113,6 +113,11 @@ class DutyState(msgspec.Struct, frozen=True):
     ordered: str = ""
     next_train: str = ""
 
+    @property
+    def must_stand(self) -> bool:
+        """Halted, and not on its way to where it can be heard."""
+        return self.halted and not self.seeks_radio
+
 
 # events: people -------------------------------------------------------------------------------------------------
 

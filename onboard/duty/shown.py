@@ -34,7 +34,7 @@ def command_of(plan: DutyPlan, state: DutyState) -> DrivingCommand:
     freed = min(state.freed, kept_until_stand(plan, state))
     may_run = state.released and not at_end and (state.stands_at is None or state.may_leave)
     return DrivingCommand(
-        drive=(running or (on_sight_now and may_run)) and (not state.halted or state.seeks_radio),
+        drive=(running or (on_sight_now and may_run)) and not state.must_stand,
         on_sight=on_sight_now,
         at_mark=state.phase is DutyPhase.STANDING,
         target=state.at + 1 if running and state.at + 1 < len(plan.stops) else None,
