@@ -42,12 +42,12 @@ class Elsewhere:
     def chosen(self, party_ids: Iterable[str]) -> frozenset[str]:
         """Those of these parties that are elsewhere. InputError for an unknown one, and for one that is denied."""
         known = frozenset(party_ids)
-        chosen = frozenset(self.party_ids) or known
+        chosen, denied = frozenset(self.party_ids) or known, denied_in(self.certificates)
         for party_id in sorted(chosen):
             if party_id not in known:
                 names = ", ".join(sorted(known))
                 raise InputError(COMMAND_LINE, "--elsewhere", party_id, f"a party that is a process: {names}")
-            if party_id in denied_in(self.certificates):
+            if party_id in denied:
                 file = self.certificates / DENIED_FILE
                 raise InputError(
                     str(file), "", party_id, "no party that is to take part: its certificate counts no more"
