@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Final
 
 from network.model import Position
@@ -79,6 +80,9 @@ class Injector:
         self._effects = Effects(world, cabs, duties, platforms)
         self._record = ServiceRecord(world.wayside.sections_of)
         self._courses: dict[int, ItemCourse] = {}
+        self._looks: dict[
+            int, Callable[[], Act | None]
+        ] = {}  # by act, of those who look again as they come to do it
         self._words: list[Input] = []  # what people are about to enter
         self._pauses = Pauses(world.setup)
         self._triggers = _triggers_of(script)
@@ -129,10 +133,16 @@ class Injector:
         """Whether a fault has begun and is not over."""
         return number in self._in_force
 
-    def add(self, act: Act, at_s: float) -> None:
-        """Somebody has made up their mind during the run; whatever its trigger, the act is due at `at_s`."""
+    def add(self, act: Act, at_s: float, look: Callable[[], Act | None] | None = None) -> None:
+        """Somebody has made up their mind during the run; whatever its trigger, the act is due at `at_s`.
+
+        Who looks again then does what `look` gives instead, or, if that is None, nothing.
+        """
         self._acts.append(act)
-        self._come_due(ACTS + len(self._acts) - 1, at_s)
+        key = ACTS + len(self._acts) - 1
+        if look is not None:
+            self._looks[key] = look
+        self._come_due(key, at_s)
 
     def _seen(self, key: int, at_s: float) -> None:
         """What a trigger waited for has come; a person who has said no time acts on it after one of their own."""
@@ -158,8 +168,8 @@ class Injector:
             self._end(key)
         elif key < ACTS:
             self._begin(key, self._faults[key])
-        else:
-            act = self._acts[key - ACTS]
+        elif (act := self._looks.pop(key, partial(self._acts.__getitem__, key - ACTS))()) is not None:
+            self._acts[key - ACTS] = act
             self._courses[key] = ItemCourse(act, step / STEPS_PER_S)
             self._act(act)
 

@@ -14,12 +14,16 @@ down as acts of a drill.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from typing import Final
 
 from network.model import SectionKind
 from onboard.crossing_notes import CrossingCreep
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints, UnitRestarted
 from radio.chance import generator
+from radio.envelope import AGE_MAX_S, CLOCK_SKEW_MAX_S
 from radio.messages import ClaimQuery
 from radio.noted import Sent
 from simulation.events import Acted, JournalEntry, Left
@@ -65,6 +69,7 @@ class Staff:
         self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
         self._pauses: Final = Pauses(world.setup)
         self._next_look = 0
+        self._word_from_s = 0.0  # before, what was granted may be on the air, and nobody's word is taken
         self._from_s: dict[tuple[Pause, str], float] = {}  # when people act on what they have seen
         self._restores = False  # the manager has lost the picture of the line
         self._stage: ReentryStage | None = None  # of its re-entry; None: nobody looks at it yet
@@ -97,6 +102,7 @@ class Staff:
             case Started(epoch=epoch) if entry.who == MANAGER_ID:
                 self._awaited = dict.fromkeys(self._trains.stock_ids)
                 self._restores, self._stage = epoch > 1, None
+                self._word_from_s = entry.t_s + AGE_MAX_S + CLOCK_SKEW_MAX_S
                 self._again_s.clear()
                 self._from_s = {key: at for key, at in self._from_s.items() if key[0] not in _OF_MANAGER}
             case PictureChanged(stage=stage):
@@ -121,6 +127,7 @@ class Staff:
                 self._bars.setdefault(unit_id, {})[entry.who] = _BARS[act]
             case Barred(unit_id=unit_id) if entry.who == MANAGER_ID:
                 self._awaited.setdefault(unit_id)
+                self._word_from_s = entry.t_s + AGE_MAX_S + CLOCK_SKEW_MAX_S
             case Refused(unit_id=unit_id, section_ids=section_ids, why=why) if why.endswith(IN_STATION):
                 self._not_freed.setdefault(unit_id, set()).update(section_ids)
             case Left(unit_id=unit_id):
@@ -169,29 +176,32 @@ class Staff:
             self._from_s[key] = t_s + self._pauses.steps(pause, what) * STEP_S
         return t_s >= self._from_s[key]
 
-    def _act(
-        self,
-        t_s: float,
-        kind: ActKind,
-        target: str,
-        person: str,
-        sections: tuple[str, ...] = (),
-        position: str = "",
-        place: str = "",
-    ) -> None:
-        """Do it in the next step, and not again at once."""
-        key = (kind, target, person)
-        if t_s < self._again_s.get(key, 0.0):
+    def _act(self, t_s: float, kind: ActKind, target: str, person: str) -> None:
+        """Do it after a time of their own, and not again at once."""
+        self._act_as_seen(t_s, partial(Act, kind, target, _NOW, person))
+
+    def _act_as_seen(self, t_s: float, look: Callable[[], Act | None]) -> None:
+        """Do what is seen to be needed; who comes to do it looks again, and does what is needed then, if anything."""
+        if (act := look()) is None or t_s < self._again_s.get(key := (act.kind, act.target, act.person), 0.0):
             return
+        kind, _, person = key
         self._tries[key] += 1
         self._again_s[key] = t_s + AGAIN_S * min(self._tries[key], TIRED_AFTER)
         # Nobody says two things at once.
         from_s = max(t_s + STEP_S, self._speaks_until_s.get(person, 0.0))
         at_s = round(from_s + self._pauses.steps(Pause.WORD, person) * STEP_S, 1)
         self._speaks_until_s[person] = at_s
-        act = Act(kind, target, Trigger(at_s=at_s), person, sections, position, place=place)
-        self.acts.append(act)
-        self._injector.add(act, at_s)
+
+        def done() -> Act | None:
+            early = kind in _OF_THE_LINE and at_s <= self._word_from_s
+            if early or (seen := look()) is None:
+                self._again_s.pop(key, None)
+                self._tries[key] -= 1
+                return None
+            self.acts.append(replace(seen, trigger=Trigger(at_s=at_s)))
+            return self.acts[-1]
+
+        self._injector.add(act, at_s, done)
 
     def _see_to_bars(self, t_s: float) -> None:
         """Two persons bar a unit, or unbar it once it is known what it holds, and say it again where a device does not
@@ -237,7 +247,11 @@ class Staff:
         for crossing_id in closed:
             if crossing_id not in self._wayside.down and self._ripe(Pause.ROAD, crossing_id, t_s):
                 for person in (CONTROLLER, STAFF):
-                    self._act(t_s, ActKind.FREE_ROAD, crossing_id, person)
+                    self._act_as_seen(t_s, partial(self._free_road, crossing_id, person))
+
+    def _free_road(self, crossing_id: str, person: str) -> Act | None:
+        closed = crossing_id in self._roads.for_nothing()
+        return Act(ActKind.FREE_ROAD, crossing_id, _NOW, person) if closed else None
 
     def _see_to_guards(self, t_s: float) -> None:
         """Somebody goes to a level crossing that is out of order, as is seen or as a driver who crept over it has
@@ -257,10 +271,12 @@ class Staff:
         asked = self._asked_for(points_id, machine)
         if not (asked or machine.stuck or machine.state is MachineState.BETWEEN):
             self._from_s.pop((Pause.POINTS, points_id), None)
-        elif self._ripe(Pause.POINTS, points_id, t_s) and (
-            position := asked or self._safe(points_id, machine)
-        ):
-            self._act(t_s, ActKind.REPAIR_POINTS, points_id, STAFF, position=position)
+        elif self._ripe(Pause.POINTS, points_id, t_s):
+            self._act_as_seen(t_s, partial(self._wind, points_id, machine))
+
+    def _wind(self, points_id: str, machine: PointMachine) -> Act | None:
+        position = self._asked_for(points_id, machine) or self._safe(points_id, machine)
+        return Act(ActKind.REPAIR_POINTS, points_id, _NOW, STAFF, position=position) if position else None
 
     def _asked_for(self, points_id: str, machine: PointMachine) -> str:
         """How a crew needs points that lie otherwise, with its train in their section and short of the blades, where
@@ -325,15 +341,17 @@ class Staff:
     def _say_who_left(self, t_s: float) -> None:
         """By which portal those have left that the manager may yet have on the line; else all is to be swept."""
         for slot, unit_id in enumerate(self._trains.stock_ids):
-            if unit_id in self._left and not self._held(slot):
-                self._act(t_s, ActKind.CONFIRM_OUTSIDE, unit_id, CONTROLLER, place=self._portal(slot))
+            if unit_id in self._left:
+                self._act_as_seen(t_s, partial(self._off_the_line, slot, CONTROLLER))
 
     def _say_what_was_granted(self, t_s: float) -> None:
         """What units were granted and have forgotten: else another train may come to where they have to go on."""
         for slot in self._trains.active():
-            if granted := self._granted_ahead(slot):
-                unit_id = self._trains.stock_ids[slot]
-                self._act(t_s, ActKind.ENTER_SECTION, unit_id, CONTROLLER, granted)
+            self._act_as_seen(t_s, partial(self._entered_as_granted, slot))
+
+    def _entered_as_granted(self, slot: int) -> Act | None:
+        granted, unit_id = self._granted_ahead(slot), self._trains.stock_ids[slot]
+        return Act(ActKind.ENTER_SECTION, unit_id, _NOW, CONTROLLER, granted) if granted else None
 
     def _granted_ahead(self, slot: int) -> tuple[str, ...]:
         """What lies ahead of the train of the route that its unit has forgotten, as the controller remembers it."""
@@ -349,29 +367,42 @@ class Staff:
 
     def _enter_all(self, t_s: float) -> None:
         """Two persons enter every section of the line, alike; one accepts the picture."""
-        stock_ids = self._trains.stock_ids
-        held = {unit_id: held for slot, unit_id in enumerate(stock_ids) if (held := self._held(slot))}
+        for person in (CONTROLLER, STAFF):
+            for unit_id in (*self._trains.stock_ids, LINE):
+                self._act_as_seen(t_s, partial(self._entered, unit_id, person))
+        self._act(t_s, ActKind.ACCEPT_PICTURE, LINE, CONTROLLER)
+
+    def _entered(self, unit_id: str, person: str) -> Act | None:
+        """What is a unit's, or nobody's; none: there is no such section."""
+        held = {other: self._held(slot) for slot, other in enumerate(self._trains.stock_ids)}
         taken = {section for mine in held.values() for section in mine}
         free = tuple(section for section in self._setup.line.sections if section not in taken)
-        for person in (CONTROLLER, STAFF):
-            for unit_id, sections in ({**held, LINE: free} if free else held).items():
-                self._act(t_s, ActKind.ENTER_SECTION, unit_id, person, sections)
-        self._act(t_s, ActKind.ACCEPT_PICTURE, LINE, CONTROLLER)
+        sections = held.get(unit_id, free)
+        return Act(ActKind.ENTER_SECTION, unit_id, _NOW, person, sections) if sections else None
 
     def _speak_for(self, t_s: float, unit_id: str) -> None:
         """Two persons say of a silent unit what is so, and so does who has said anything else of it: for their word
-        counts only where nobody has it in more. Of a train that moves nobody can.
+        counts only where nobody has it in more.
         """
-        slot, held = self._trains.slot_of[unit_id], self._held(self._trains.slot_of[unit_id])
-        persons = dict.fromkeys((CONTROLLER, STAFF, *self._spoke.get(unit_id, ())))
-        if not held:
-            for person in persons:
-                self._act(t_s, ActKind.CONFIRM_OUTSIDE, unit_id, person, place=self._portal(slot))
-        elif self._trains.plants[slot].speed_mps <= 0.0:
-            said = {*held, *self._not_freed.get(unit_id, ())}
-            in_order = tuple(section for section in self._setup.line.sections if section in said)
-            for person in persons:
-                self._act(t_s, ActKind.CONFIRM_HOLDING, unit_id, person, in_order)
+        slot = self._trains.slot_of[unit_id]
+        for person in dict.fromkeys((CONTROLLER, STAFF, *self._spoke.get(unit_id, ()))):
+            self._act_as_seen(t_s, partial(self._off_the_line, slot, person))
+            self._act_as_seen(t_s, partial(self._standing, slot, person))
+
+    def _off_the_line(self, slot: int, person: str) -> Act | None:
+        if self._held(slot):
+            return None
+        unit_id, portal = self._trains.stock_ids[slot], self._portal(slot)
+        return Act(ActKind.CONFIRM_OUTSIDE, unit_id, _NOW, person, place=portal)
+
+    def _standing(self, slot: int, person: str) -> Act | None:
+        """What a train is in and holds, with what the word cannot free; of one that moves nobody can say it."""
+        unit_id, held = self._trains.stock_ids[slot], self._held(slot)
+        if not held or self._trains.plants[slot].speed_mps > 0.0:
+            return None
+        said = {*held, *self._not_freed.get(unit_id, ())}
+        in_order = tuple(section for section in self._setup.line.sections if section in said)
+        return Act(ActKind.CONFIRM_HOLDING, unit_id, _NOW, person, in_order)
 
     def _portal(self, slot: int) -> str:
         """The portal before which stock that is not on the line stands."""
@@ -392,6 +423,8 @@ class Staff:
         return tuple(section for section in self._setup.line.sections if section in held)
 
 
+_NOW: Final = Trigger(at_s=0.0)  # of what is seen; when it is done is said then
 _BARS: Final = {ActKind.BAR_UNIT.value: True, ActKind.UNBAR_UNIT.value: False}
 _WORDS: Final = (ActKind.CONFIRM_HOLDING.value, ActKind.CONFIRM_OUTSIDE.value)
+_OF_THE_LINE: Final = (ActKind.CONFIRM_HOLDING, ActKind.CONFIRM_OUTSIDE, ActKind.ENTER_SECTION)
 _OF_MANAGER: Final = (Pause.PICTURE, Pause.SILENT)

@@ -23,7 +23,8 @@ from radio.messages import (
     SignOff,
 )
 from radio.noted import TookEffect
-from simulation import duties, staff
+from simulation import duties, injector, staff
+from simulation.faults.script import Act
 from tests.system.switchboard import K1_ON_P7_S, K2_ON_P7_S, switch
 from wayside import acts, barring, block_manager, entering, leaving, point_terminal, reentry, register
 from wayside.actions import Action, Send, Show
@@ -317,3 +318,14 @@ def overtakes_before_a_portal(patch: pytest.MonkeyPatch) -> None:
 def staff_call_nobody_back(patch: pytest.MonkeyPatch) -> None:
     """Who has said something else of a silent unit is not asked to say what is so."""
     patch.setattr(staff, "_WORDS", ())
+
+
+@switch
+def staff_speak_from_memory(patch: pytest.MonkeyPatch) -> None:
+    """Of where trains stand and what they hold, staff say what they saw before the time that their word takes."""
+    add = injector.Injector.add
+
+    def as_seen_first(self: injector.Injector, act: Act, at_s: float, look: object = None) -> None:
+        add(self, act, at_s, None if look is None else lambda: act)
+
+    patch.setattr(injector.Injector, "add", as_seen_first)
