@@ -54,6 +54,12 @@ def explore(
         Path | None,
         typer.Option("--chart", help="File for the way to a wrong state, as a sequence chart (Mermaid)."),
     ] = None,
+    drill: Annotated[
+        Path | None,
+        typer.Option(
+            "--drill", help="Folder to be made: the way to a wrong state as a drill on a line, which is run."
+        ),
+    ] = None,
     trains: Annotated[int, typer.Option("--trains", min=1, max=3, help="How many trains there are.")] = 2,
     crossing: Annotated[
         str | None,
@@ -69,7 +75,9 @@ def explore(
     if crossing is not None:
         _explore_crossing(crossing, config, states, as_json=as_json)
     from network.errors import InputError
+    from study.record.directory import check_out
     from verify.certificate import write
+    from verify.evidence.story_drill import FILES, WHAT
     from verify.explore import certificate_of, explored
     from verify.restored import RESTORED, restored
 
@@ -77,6 +85,8 @@ def explore(
     if names == ["list"]:
         end_with({"restore": sorted(RESTORED)}, sorted(RESTORED), good=True, as_json=as_json)
     _known(names, sorted(RESTORED))
+    if drill is not None:
+        check_out(drill, FILES.__contains__, WHAT, "--drill")
     began_s = time.process_time()
     line = _line(config)._replace(trains=trains)
     with restored(*names):
@@ -84,8 +94,12 @@ def explore(
             found = explored(line, states, _watch, collisions_alone=collisions)
         except OverflowError as error:
             raise InputError("CONFIG", "", config, f"numbers with which a state has room: {error}") from error
-    took_s = max(time.process_time() - began_s, 1e-3)
-    figures, lines = _found(found, took_s)
+        took_s = max(time.process_time() - began_s, 1e-3)
+        figures, lines = _found(found, took_s)
+        if drill is not None and found.told:
+            more, told = _told_on_line(found, drill)
+            figures |= more
+            lines += told
     if chart is not None and found.chart:
         chart.write_text(f"```mermaid\n{found.chart}```\n", "utf-8")
         lines.append(f"chart: {chart}")
@@ -94,6 +108,18 @@ def explore(
         figures |= {"certificate": str(out), "digest": digest}
         lines.append(f"certificate: {out}, {out.stat().st_size / _MEGABYTE:.1f} MB, digest {digest}")
     end_with(figures, lines, good=found.holds, as_json=as_json)
+
+
+def _told_on_line(found: ExploredSpace, out: Path) -> tuple[dict[str, object], list[str]]:
+    """The story as a drill, and what the line breaks in it with the machines as they are now."""
+    from verify.evidence.story_drill import UntoldError, told_on_line
+
+    try:
+        told = told_on_line(found, out)
+    except UntoldError as error:
+        return {"drill": None, "untold": str(error)}, [f"no drill tells it: {error}"]
+    lines = [f"drill: {told.drill}; on the line it breaks:", *(f"  {text}" for text in told.broken)]
+    return {"drill": str(told.drill), "drill_breaks": list(told.broken)}, lines
 
 
 def _explore_crossing(kind: str, config: str, states: int, *, as_json: bool) -> NoReturn:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Final, NamedTuple
 
 from verify.certificate import FORMAT, Certificate, sources_digest
+from verify.composition import Following
 from verify.expansion import Expansion
 from verify.explored_line import ExploredLine
 from verify.parties import ExploredParties
@@ -30,6 +31,7 @@ class ExploredSpace(NamedTuple):
     dead: int = 0
     story: tuple[str, ...] = ()
     chart: str = ""  # the story as a sequence chart, in Mermaid
+    told: tuple[Following, ...] = ()  # the story event by event
 
     @property
     def holds(self) -> bool:
@@ -57,7 +59,7 @@ def explored(
     rule = "" if dead else teller.composition.broken(teller.line_state(wrong))
     told = teller.events(space.levels, wrong)
     return ExploredSpace(
-        line, parties, expansion, space, rank, rule, dead, teller.story(told), teller.chart(told)
+        line, parties, expansion, space, rank, rule, dead, teller.story(told), teller.chart(told), told
     )
 
 

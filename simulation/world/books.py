@@ -113,10 +113,11 @@ class Books:
             return
         self._moved.add(slot)
         self._energy.moves(slot, round(now_s * STEPS_PER_S))
-        stop = self._open_stop.get(slot)
-        if stop is not None:
+        stop, duty = self._open_stop.get(slot), self._trains.duties[slot]
+        if stop is not None and duty is not None:
             stop.departure_s = now_s
             self._open_stop[slot] = None
+            self._come_to(duty, self._at.get(slot, 0))  # a train may call but once, where it begins
 
     def look_for_arrival(self, slot: int, now_s: float) -> None:
         """A train that has come to a stand at a target at which it had not called has arrived there."""
@@ -144,7 +145,12 @@ class Books:
             return
         self._called[slot] = self._record(slot, duty, index)
         self._arrive(slot, self._called[slot], target, now_s)
-        if target is [t for t in targets if t.station_id is not None][-1]:
+        self._come_to(duty, index)
+
+    def _come_to(self, duty: Duty, index: int) -> None:
+        """A train is, or has been, at a target; at the last one with a station it has arrived."""
+        calls = [i for i, target in enumerate(duty.mission.targets) if target.station_id is not None]
+        if index == calls[-1] and duty.train.number not in self.arrived:
             self.arrived.append(duty.train.number)
 
     def _arrive(self, slot: int, record: StopRecord, target: Target, now_s: float) -> None:

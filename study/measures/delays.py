@@ -208,9 +208,13 @@ def _enters(number: str, seen: _JournalFacts, setup: Setup) -> tuple[float | Non
 def _never_came(
     stock_id: str, stops: Sequence[StopRecord], seen: _JournalFacts, setup: Setup, cut: Collection[str]
 ) -> Iterator[_Moment]:
-    """Of each train of a set that did not come to its end, the first arrival from where on it never came."""
+    """Of each train of a set that did not come to its end, the first arrival from where on it never came; of one that
+    calls but once, its departure.
+    """
     ran = {stop.number for stop in stops}
-    came = {(stop.number, stop.station_id) for stop in stops if stop.arrival_s is not None}
+    came = {
+        (stop.number, stop.station_id) for stop in stops if (stop.arrival_s, stop.departure_s) != (None, None)
+    }
     numbers = (d.train_numbers for d in setup.timetable.diagrams if d.stock_id == stock_id)
     for number in (number for each in numbers for number in each):
         train = setup.timetable.trains[number]
@@ -219,7 +223,8 @@ def _never_came(
         reached = max(
             (k for k, call in enumerate(train.calls) if (number, call.station_id) in came), default=0
         )
-        call = next(c for c in train.calls[reached + 1 :] if c.stops and c.arrival_s is not None)
+        arrivals = (c for c in train.calls[reached + 1 :] if c.stops and c.arrival_s is not None)
+        call = next(arrivals, train.calls[-1])
         planned_s, end_s = float(call.first_s), setup.latest_end_s
         stop = StopRecord(stock_id, number, train.revenue, call.station_id, call.track or "", planned_s, None)
         comes_s, entry_s = (None, 0.0) if number in ran else _enters(number, seen, setup)

@@ -132,11 +132,12 @@ def worst_off(stops: pl.DataFrame) -> dict[str, Any] | None:
 
 
 def arrived_trains(stops: pl.DataFrame, timetable: Timetable) -> set[str]:
-    """Numbers of the revenue trains that arrived at their last planned call."""
+    """Numbers of the revenue trains that came to their last planned call: a train that calls but once departs there."""
     last_calls = {
         (number, train.calls[-1].station_id) for number, train in timetable.trains.items() if train.revenue
     }
-    reached = stops.filter(pl.col("arrival_s").is_not_null()).select("train", "station").iter_rows()
+    came = pl.any_horizontal(pl.col("arrival_s", "departure_s").is_not_null())
+    reached = stops.filter(came).select("train", "station").iter_rows()
     return {number for number, station in reached if (number, station) in last_calls}
 
 

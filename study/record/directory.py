@@ -65,10 +65,15 @@ def write_whole(path: Path, data: bytes) -> None:
     aside.replace(path)
 
 
-def check_out(out: Path, owns: Callable[[str], bool] = RUN_FILES.__contains__, what: str = "a run") -> None:
+def check_out(
+    out: Path,
+    owns: Callable[[str], bool] = RUN_FILES.__contains__,
+    what: str = "a run",
+    option: str = "--out",
+) -> None:
     """Only a run directory may be replaced: anything else in the way is somebody's work. Raises InputError.
 
-    Another `what` is what has other files of its own, by their names.
+    Another `what` is what has other files of its own, by their names; `option` is what names it on the command line.
     """
     expected = f"a new directory, or one that holds {what} and nothing else"
     try:
@@ -76,9 +81,9 @@ def check_out(out: Path, owns: Callable[[str], bool] = RUN_FILES.__contains__, w
     except FileNotFoundError:
         return
     except OSError as error:
-        raise InputError("command line", "--out", out, f"{expected} ({error.strerror})") from error
+        raise InputError("command line", option, out, f"{expected} ({error.strerror})") from error
     if strange:
-        raise InputError("command line", "--out", out, f"{expected}; it holds {min(strange)}")
+        raise InputError("command line", option, out, f"{expected}; it holds {min(strange)}")
 
 
 @contextmanager
@@ -118,7 +123,7 @@ class Reserved:
         try:
             with room.open("wb", buffering=0) as stream:
                 self._held.append(room)
-                os.posix_fallocate(stream.fileno(), 0, size_bytes)
+                os.posix_fallocate(stream.fileno(), 0, max(size_bytes, 1))  # of nothing: an error
         except OSError as error:
             self.free_room()
             why = f"{error.strerror}; a run writes {size_bytes / 1e6:.1f} MB and more at its end"
