@@ -193,3 +193,71 @@ def test_a_barred_train_that_may_come_in_is_not_said_to_be_outside(tmp_path: Pat
         (ActKind.CONFIRM_HOLDING, "K2", ("PW",))
     }
     assert not run.result.violations
+
+
+def _wrong_word(tmp_path: Path) -> FinishedRun:
+    """Of K2, which waits outside and is not heard for a minute after the manager's restart, one says what is not so."""
+    file = tmp_path / "wrong.toml"
+    file.write_text(
+        'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "wrong"\nname = "wrong"\n'
+        "people = { react = true, sigma = 0.0 }\n"
+        '[[fault]]\nkind = "restart"\ntarget = "block-manager"\nstart = "10:00:20"\n'
+        '[[fault]]\nkind = "cut"\ntarget = "K2 -> block-manager"\nstart = "10:00:15"\nduration_s = 60.0\n'
+        '[[act]]\nkind = "confirm_holding"\ntarget = "K2"\nsections = ["10"]\nstart = "10:00:40"\n'
+        'person = "trackman"\n',
+        "utf-8",
+    )
+    return run_drill(str(file), PartyLink.SIMULATED).run
+
+
+@pytest.mark.parametrize("corrects", [True, False])
+def test_a_wrong_word_is_taken_back_when_its_unit_speaks_for_itself(
+    corrects: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """K2 says that it is outside; what the trackman has entered for it would keep the line from being defined."""
+    if not corrects:
+        monkeypatch.setattr(Staff, "_taken_back", lambda *_: None)
+    run = _wrong_word(tmp_path)
+    said = [(act.kind, act.person) for act in _acts(run) if act.target == "K2"]
+    wrong = (ActKind.CONFIRM_HOLDING, "trackman")
+    assert said == [wrong, (ActKind.TAKE_BACK, "trackman")] if corrects else [wrong]
+    assert (run.result.unfinished == ()) is corrects
+
+
+def test_nobody_speaks_for_a_unit_that_has_answered_what_one_person_said(tmp_path: Path) -> None:
+    """K1 says what the register has, so nothing but the refusal of the trackman's word shows that it was heard."""
+    file = tmp_path / "answers.toml"
+    file.write_text(
+        'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "answers"\nname = "answers"\n'
+        "people = { react = true, sigma = 0.0, silent_s = 60.0 }\n"
+        '[[act]]\nkind = "confirm_holding"\ntarget = "K1"\nsections = ["8"]\nstart = "10:02:00"\n'
+        'person = "trackman"\n',
+        "utf-8",
+    )
+    run = run_drill(str(file), PartyLink.SIMULATED).run
+    assert [act.person for act in _acts(run)] == ["trackman"]
+    assert not run.result.unfinished
+
+
+def test_a_unit_that_has_booted_and_has_no_number_yet_is_said_to_hold_what_it_was_granted(
+    tmp_path: Path,
+) -> None:
+    """K1 stands in section 6 with its way into B, which manager and unit have both forgotten; its crew takes five
+    minutes.
+    """
+    file = tmp_path / "numberless.toml"
+    faults = "".join(
+        f'[[fault]]\nkind = "power_off"\ntarget = "{party}"\nstart = "10:00:35"\nduration_s = {lasts_s}\n'
+        for party, lasts_s in (("block-manager", 1.0), ("K1", 20.0))
+    )
+    file.write_text(
+        'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "numberless"\nname = "numberless"\n'
+        "people = { react = true, sigma = 0.0, picture_s = 15.0, silent_s = 60.0, boot_s = 300.0 }\n"
+        + faults,
+        "utf-8",
+    )
+    run = run_drill(str(file), PartyLink.SIMULATED).run
+    said = [act for act in _acts(run) if act.kind is ActKind.CONFIRM_HOLDING and act.target == "K1"]
+    assert {act.sections for act in said} == {("6", "7", "8")}
+    assert not run.result.unfinished
+    assert not run.result.violations
