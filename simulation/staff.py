@@ -126,6 +126,11 @@ class Staff:
                 self._from_s.pop((Pause.SILENT, unit_id), None)
             case Acted(act=act, target=unit_id, section_ids=section_ids) if act in _WORDS:
                 self._spoke.setdefault(unit_id, {})[entry.who] = section_ids
+            case Acted(act=ActKind.ENTER_SECTION.value, target=unit_id, section_ids=section_ids) if (
+                unit_id and entry.who not in (CONTROLLER, STAFF)
+            ):
+                said = self._spoke.setdefault(unit_id, {})
+                said[entry.who] = (*said.get(entry.who, ()), *section_ids)
             case _:
                 self._see_units(entry)
 
@@ -217,7 +222,8 @@ class Staff:
         know it. A register that is being restored has nothing of it, and on the open line takes its own word alone.
         """
         for kind, unit_id in self._mad.due(t_s, self._setup.people.mean_s(Pause.SILENT)):
-            if kind is ActKind.UNBAR_UNIT and unit_id in self._awaited and not self._restores:
+            awaited = unit_id in self._awaited and self._mad.is_barred(unit_id)
+            if kind is ActKind.UNBAR_UNIT and awaited and not self._restores:
                 continue  # their word was too early: the register would have of it what it claimed falsely
             for person in (CONTROLLER, STAFF):
                 self._act(t_s, kind, unit_id, person)

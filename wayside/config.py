@@ -194,8 +194,8 @@ class TerminalConfig(msgspec.Struct, frozen=True, tag="point-terminal"):
 
 class CrossingConfig(msgspec.Struct, frozen=True, tag="level-crossing"):
     """Fixed data of the device of a level crossing: from the start of the warning to closed, and from there to the
-    train, s; without `barriers` lamps alone close it. `contacts` control it; with `protection` units hear from it whether
-    anything is on it, with `departures` trains that begin beyond the first contact ask it to close.
+    train, s; without `barriers` lamps alone close it. `contacts` control it; with `protection` units hear from it
+    whether anything is on it, with `departures` trains that begin beyond the first contact ask it to close.
     """
 
     line_id: str

@@ -14,6 +14,7 @@ from simulation.staff import Staff
 from study.drilling.drill import find_drill, run_drill
 from study.runner.run import FinishedRun, PartyLink
 from tests.nightly import others_nightly
+from wayside.said import ConfirmedByHand
 
 pytestmark = pytest.mark.system
 
@@ -195,7 +196,7 @@ def test_a_barred_train_that_may_come_in_is_not_said_to_be_outside(tmp_path: Pat
     assert not run.result.violations
 
 
-def _wrong_word(tmp_path: Path) -> FinishedRun:
+def _wrong_word(tmp_path: Path, kind: ActKind) -> FinishedRun:
     """Of K2, which waits outside and is not heard for a minute after the manager's restart, one says what is not so."""
     file = tmp_path / "wrong.toml"
     file.write_text(
@@ -203,23 +204,24 @@ def _wrong_word(tmp_path: Path) -> FinishedRun:
         "people = { react = true, sigma = 0.0 }\n"
         '[[fault]]\nkind = "restart"\ntarget = "block-manager"\nstart = "10:00:20"\n'
         '[[fault]]\nkind = "cut"\ntarget = "K2 -> block-manager"\nstart = "10:00:15"\nduration_s = 60.0\n'
-        '[[act]]\nkind = "confirm_holding"\ntarget = "K2"\nsections = ["10"]\nstart = "10:00:40"\n'
+        f'[[act]]\nkind = "{kind.value}"\ntarget = "K2"\nsections = ["10"]\nstart = "10:00:40"\n'
         'person = "trackman"\n',
         "utf-8",
     )
     return run_drill(str(file), PartyLink.SIMULATED).run
 
 
+@pytest.mark.parametrize("kind", [ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION])
 @pytest.mark.parametrize("corrects", [True, False])
 def test_a_wrong_word_is_taken_back_when_its_unit_speaks_for_itself(
-    corrects: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    kind: ActKind, corrects: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """K2 says that it is outside; what the trackman has entered for it would keep the line from being defined."""
     if not corrects:
         monkeypatch.setattr(Staff, "_taken_back", lambda *_: None)
-    run = _wrong_word(tmp_path)
+    run = _wrong_word(tmp_path, kind)
     said = [(act.kind, act.person) for act in _acts(run) if act.target == "K2"]
-    wrong = (ActKind.CONFIRM_HOLDING, "trackman")
+    wrong = (kind, "trackman")
     assert said == [wrong, (ActKind.TAKE_BACK, "trackman")] if corrects else [wrong]
     assert (run.result.unfinished == ()) is corrects
 
@@ -261,3 +263,30 @@ def test_a_unit_that_has_booted_and_has_no_number_yet_is_said_to_hold_what_it_wa
     assert {act.sections for act in said} == {("6", "7", "8")}
     assert not run.result.unfinished
     assert not run.result.violations
+
+
+def test_who_is_barred_at_terminals_alone_is_unbarred_whatever_the_manager_has_asked(tmp_path: Path) -> None:
+    """The manager was off when K1 was barred. What the trackman enters just before the picture is accepted has it ask K1,
+    whose answer changes nothing; it stands on open line, where nobody's word counts against its own.
+    """
+    file = tmp_path / "alone.toml"
+    said = (
+        ("bar_unit", "10:00:25", "Sato"),
+        ("bar_unit", "10:00:26", "Mori"),
+        ("unbar_unit", "10:00:45", "Sato"),  # he and Mori do not agree any more
+    )
+    file.write_text(
+        'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "alone"\nname = "alone"\n'
+        "people = { react = true, sigma = 0.0 }\n"
+        '[[fault]]\nkind = "power_off"\ntarget = "block-manager"\nstart = "10:00:20"\nduration_s = 30.0\n'
+        '[[act]]\nkind = "enter_section"\ntarget = "K1"\nsections = ["10"]\nstart = "10:02:02"\nperson = "trackman"\n'
+        + "".join(
+            f'[[act]]\nkind = "{kind}"\ntarget = "K1"\nstart = "{at}"\nperson = "{person}"\n'
+            for kind, at, person in said
+        ),
+        "utf-8",
+    )
+    run = run_drill(str(file), PartyLink.SIMULATED).run
+    by_hand = [entry.event for entry in run.result.journal.entries if isinstance(entry.event, ConfirmedByHand)]
+    assert [event.unit_id for event in by_hand if "10" in event.section_ids] == ["K1"]
+    assert not run.result.unfinished
