@@ -165,12 +165,17 @@ class Staff:
             case _:
                 pass
 
-    def look(self, step: int) -> None:
-        """Look round, if it is time. Stretches are not cut for it, so it may be late by one of them."""
+    def look(self, step: int, *, worked_by_people: bool = False) -> None:
+        """Look round, if it is time. Stretches are not cut for it, so it may be late by one of them. While people work
+        the line without the block manager, staff see to nothing but roads.
+        """
         if step < self._next_look:
             return
         self._next_look = step + LOOKS_EVERY_STEPS
         t_s = step * STEP_S
+        if worked_by_people:
+            self._see_to_roads(t_s)
+            return
         self._see_to_power(t_s)
         for points_id, machine in self._wayside.machines.items():
             self._see_to_points(t_s, points_id, machine)

@@ -14,6 +14,7 @@ from simulation.staff import Staff
 from study.drilling.drill import find_drill, run_drill
 from study.runner.run import FinishedRun, PartyLink
 from tests.nightly import others_nightly
+from wayside.crossing_said import CrossingOpens
 from wayside.said import ConfirmedByHand
 
 pytestmark = pytest.mark.system
@@ -289,4 +290,23 @@ def test_who_is_barred_at_terminals_alone_is_unbarred_whatever_the_manager_has_a
     run = run_drill(str(file), PartyLink.SIMULATED).run
     by_hand = [entry.event for entry in run.result.journal.entries if isinstance(entry.event, ConfirmedByHand)]
     assert [event.unit_id for event in by_hand if "10" in event.section_ids] == ["K1"]
+    assert not run.result.unfinished
+
+
+def test_a_road_is_freed_while_people_work_the_line(tmp_path: Path) -> None:
+    """The manager is off for hours, and K1's unit is cut out before the crossing has heard that it is over it."""
+    file = tmp_path / "road.toml"
+    file.write_text(
+        'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "road"\nname = "road"\n'
+        "people = { react = true, notice_s = 20.0, reach_s = 60.0 }\n"
+        'substitute = { staffed = ["A"], speed_kmh = 35.0 }\n'
+        '[[patch.line.add.crossings]]\nid = "C1"\nsection = "6"\nkm = 0.75\n'
+        '[[fault]]\nkind = "power_off"\ntarget = "block-manager"\nstart = "10:00:10"\n'
+        '[[fault]]\nkind = "cut"\ntarget = "K1 -> C1"\nstart = "10:00:45"\nduration_s = 900.0\n',
+        "utf-8",
+    )
+    run = run_drill(str(file), PartyLink.SIMULATED).run
+    assert {act.kind for act in _acts(run)} == {ActKind.FREE_ROAD}
+    struck_off = [e.event.struck_off for e in run.result.journal.entries if isinstance(e.event, CrossingOpens)]
+    assert struck_off == [("K1",)]
     assert not run.result.unfinished
