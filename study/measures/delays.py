@@ -219,7 +219,9 @@ def _never_came(
         reached = max(
             (k for k, call in enumerate(train.calls) if (number, call.station_id) in came), default=0
         )
-        call = next(c for c in train.calls[reached + 1 :] if c.stops and c.arrival_s is not None)
+        call = next((c for c in train.calls[reached + 1 :] if c.stops and c.arrival_s is not None), None)
+        if call is None:  # nowhere to come to: it leaves the line from its only stop
+            continue
         planned_s, end_s = float(call.first_s), setup.latest_end_s
         stop = StopRecord(stock_id, number, train.revenue, call.station_id, call.track or "", planned_s, None)
         comes_s, entry_s = (None, 0.0) if number in ran else _enters(number, seen, setup)
