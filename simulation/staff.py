@@ -21,12 +21,12 @@ from typing import Final
 
 from network.model import SectionKind
 from onboard.crossing_notes import CrossingCreep
-from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
+from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints, Holds
 from radio.chance import generator
 from radio.envelope import AGE_MAX_S, CLOCK_SKEW_MAX_S
 from radio.messages import ClaimQuery
 from radio.noted import Sent
-from simulation.events import Acted, JournalEntry, Left, PowerOn
+from simulation.events import Acted, CutOut, JournalEntry, Left, PowerOn
 from simulation.faults.crossings import IN_ORDER
 from simulation.faults.script import Act, ActKind, Trigger
 from simulation.injector import Injector
@@ -82,6 +82,7 @@ class Staff:
             str, dict[str, tuple[str, ...]]
         ] = {}  # what each person has said that a unit holds, since that was known, or while the line is restored
         self._routes: dict[str, set[str]] = {}  # what each unit was granted and has not given back
+        self._shown: dict[str, set[str]] = {}  # what each unit has shown last that it holds
         self._not_freed: dict[
             str, set[str]
         ] = {}  # what a unit holds in the picture and their word cannot free
@@ -154,6 +155,13 @@ class Staff:
                 self._routes.get(unit_id, set()).difference_update(section_ids)
             case PowerOn(device_id=unit_id):
                 self._forgetful.add(unit_id)
+                self._shown.pop(unit_id, None)
+            case CutOut(unit_id=unit_id):
+                self._routes.pop(unit_id, None)
+            case Holds(section_ids=section_ids):
+                left = self._shown.get(entry.who, set()).difference(section_ids)
+                self._shown[entry.who] = set(section_ids)
+                self._routes.get(entry.who, set()).difference_update(left)
             case CrossingCreep(crossing_id=crossing_id):
                 self._reported.add(crossing_id)
             case CrossingProven():

@@ -242,28 +242,41 @@ def test_nobody_speaks_for_a_unit_that_has_answered_what_one_person_said(tmp_pat
     assert not run.result.unfinished
 
 
-def test_a_unit_that_has_booted_and_has_no_number_yet_is_said_to_hold_what_it_was_granted(
-    tmp_path: Path,
-) -> None:
-    """K1 stands in section 6 with its way into B, which manager and unit have both forgotten; its crew takes five
-    minutes.
-    """
-    file = tmp_path / "numberless.toml"
+PEOPLE_WITH_A_SLOW_CREW: Final = "sigma = 0.0, picture_s = 15.0, silent_s = 60.0, boot_s = 300.0"
+
+
+def _spoken_for(tmp_path: Path, timetable: str, *off: tuple[str, str, float]) -> set[tuple[str, ...]]:
+    """What persons say that K1 holds, whose crew takes five minutes to enter its number after a boot."""
     faults = "".join(
-        f'[[fault]]\nkind = "power_off"\ntarget = "{party}"\nstart = "10:00:35"\nduration_s = {lasts_s}\n'
-        for party, lasts_s in (("block-manager", 1.0), ("K1", 20.0))
+        f'[[fault]]\nkind = "power_off"\ntarget = "{party}"\nstart = "{at}"\nduration_s = {lasts_s}\n'
+        for party, at, lasts_s in off
     )
+    file = tmp_path / "spoken.toml"
     file.write_text(
-        'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "numberless"\nname = "numberless"\n'
-        "people = { react = true, sigma = 0.0, picture_s = 15.0, silent_s = 60.0, boot_s = 300.0 }\n"
-        + faults,
+        f'extends = "rtri_test_line"\ntimetable = "{timetable}"\nid = "spoken"\nname = "spoken"\n'
+        f"people = {{ react = true, {PEOPLE_WITH_A_SLOW_CREW} }}\n{faults}",
         "utf-8",
     )
     run = run_drill(str(file), PartyLink.SIMULATED).run
-    said = [act for act in _acts(run) if act.kind is ActKind.CONFIRM_HOLDING and act.target == "K1"]
-    assert {act.sections for act in said} == {("6", "7", "8")}
     assert not run.result.unfinished
     assert not run.result.violations
+    acts = [act for act in _acts(run) if act.kind in (ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION)]
+    return {act.sections for act in acts if act.target == "K1"}
+
+
+def test_a_unit_that_has_booted_and_has_no_number_yet_is_said_to_hold_what_it_was_granted(
+    tmp_path: Path,
+) -> None:
+    """K1 stands in section 6 with its way into B, which manager and unit have both forgotten."""
+    off = ("block-manager", "10:00:35", 1.0), ("K1", "10:00:35", 20.0)
+    assert _spoken_for(tmp_path, "rtri_two_trains", *off) == {("6", "7", "8"), ("7", "8")}
+
+
+def test_what_a_train_has_run_through_is_not_said_to_be_held_when_it_lies_ahead_again(tmp_path: Path) -> None:
+    """K1 came into B while the manager was off, which never had of its unit that it gave its way back, and has turned."""
+    came_in = ("block-manager", "10:00:40", 80.0)
+    off = came_in, ("block-manager", "10:03:40", 1.0), ("K1", "10:03:40", 20.0)
+    assert _spoken_for(tmp_path, "rtri_turn_back", *off) == {("8",)}
 
 
 def test_who_is_barred_at_terminals_alone_is_unbarred_whatever_the_manager_has_asked(tmp_path: Path) -> None:
