@@ -136,7 +136,7 @@ class Staff:
                 self._see_units(entry)
 
     def _see_units(self, entry: JournalEntry) -> None:
-        """What becomes of units: barred, gone, granted something, started again."""
+        """What becomes of units, crossings and points: barred, gone, crept over, waited at."""
         match entry.event:
             case Acted(act=act, target=unit_id) if act in _BARS:
                 self._bars.setdefault(unit_id, {})[entry.who] = _BARS[act]
@@ -148,6 +148,20 @@ class Staff:
             case Left(unit_id=unit_id):
                 self._left.add(unit_id)
                 self._routes.pop(unit_id, None)
+            case CrossingCreep(crossing_id=crossing_id):
+                self._reported.add(crossing_id)
+            case CrossingProven():
+                self._reported.discard(entry.who)
+            case CrewWaitsAtPoints(points_id=points_id):
+                self._waits_at[points_id] = entry.who
+            case CrewCheckedPoints(points_id=points_id):
+                self._waits_at.pop(points_id, None)
+            case _:
+                self._see_grants(entry)
+
+    def _see_grants(self, entry: JournalEntry) -> None:
+        """What units were granted and have given back, as people remember it, and which of them have forgotten it."""
+        match entry.event:
             case Granted(unit_id=unit_id, section_ids=section_ids):
                 self._routes.setdefault(unit_id, set()).update(section_ids)
                 self._forgetful.discard(unit_id)
@@ -162,14 +176,6 @@ class Staff:
                 left = self._shown.get(entry.who, set()).difference(section_ids)
                 self._shown[entry.who] = set(section_ids)
                 self._routes.get(entry.who, set()).difference_update(left)
-            case CrossingCreep(crossing_id=crossing_id):
-                self._reported.add(crossing_id)
-            case CrossingProven():
-                self._reported.discard(entry.who)
-            case CrewWaitsAtPoints(points_id=points_id):
-                self._waits_at[points_id] = entry.who
-            case CrewCheckedPoints(points_id=points_id):
-                self._waits_at.pop(points_id, None)
             case _:
                 pass
 
@@ -177,13 +183,13 @@ class Staff:
         """Look round, if it is time. Stretches are not cut for it, so it may be late by one of them. While people work
         the line without the block manager, staff see to nothing but roads.
         """
-        if step < self._next_look:
-            return
-        self._next_look = step + LOOKS_EVERY_STEPS
         t_s = step * STEP_S
         if worked_by_people:
             self._see_to_roads(t_s)
             return
+        if step < self._next_look:
+            return
+        self._next_look = step + LOOKS_EVERY_STEPS
         self._see_to_power(t_s)
         for points_id, machine in self._wayside.machines.items():
             self._see_to_points(t_s, points_id, machine)

@@ -78,7 +78,9 @@ class LineSight:
             case WorkingStep.POINTS:
                 lets = self._are_free(self._points_sections(hop), hop.stock_id)
                 if all(each.step is not WorkingStep.AGREE for each in work.table):  # nobody has looked before
-                    lets = lets and self._may_be_let_in(hop, hop.after_block if work.block else hop.section_ids)
+                    lets = lets and self._may_be_let_in(
+                        hop, hop.after_block if work.block else hop.section_ids
+                    )
             case WorkingStep.BOARD:
                 lets = self._can_board(work, hop)
             case WorkingStep.CUT_OUT:

@@ -273,15 +273,15 @@ def test_a_unit_that_has_booted_and_has_no_number_yet_is_said_to_hold_what_it_wa
 
 
 def test_what_a_train_has_run_through_is_not_said_to_be_held_when_it_lies_ahead_again(tmp_path: Path) -> None:
-    """K1 came into B while the manager was off, which never had of its unit that it gave its way back, and has turned."""
+    """K1 came into B while the manager was off, which never heard that it gave its way back, and has turned."""
     came_in = ("block-manager", "10:00:40", 80.0)
     off = came_in, ("block-manager", "10:03:40", 1.0), ("K1", "10:03:40", 20.0)
     assert _spoken_for(tmp_path, "rtri_turn_back", *off) == {("8",)}
 
 
 def test_who_is_barred_at_terminals_alone_is_unbarred_whatever_the_manager_has_asked(tmp_path: Path) -> None:
-    """The manager was off when K1 was barred. What the trackman enters just before the picture is accepted has it ask K1,
-    whose answer changes nothing; it stands on open line, where nobody's word counts against its own.
+    """The manager was off when K1 was barred. What the trackman enters just before the picture is accepted has it ask
+    K1, whose answer changes nothing; it stands on open line, where nobody's word counts against its own.
     """
     file = tmp_path / "alone.toml"
     said = (
@@ -301,7 +301,9 @@ def test_who_is_barred_at_terminals_alone_is_unbarred_whatever_the_manager_has_a
         "utf-8",
     )
     run = run_drill(str(file), PartyLink.SIMULATED).run
-    by_hand = [entry.event for entry in run.result.journal.entries if isinstance(entry.event, ConfirmedByHand)]
+    by_hand = [
+        entry.event for entry in run.result.journal.entries if isinstance(entry.event, ConfirmedByHand)
+    ]
     assert [event.unit_id for event in by_hand if "10" in event.section_ids] == ["K1"]
     assert not run.result.unfinished
 
@@ -320,6 +322,8 @@ def test_a_road_is_freed_while_people_work_the_line(tmp_path: Path) -> None:
     )
     run = run_drill(str(file), PartyLink.SIMULATED).run
     assert {act.kind for act in _acts(run)} == {ActKind.FREE_ROAD}
-    struck_off = [e.event.struck_off for e in run.result.journal.entries if isinstance(e.event, CrossingOpens)]
+    struck_off = [
+        e.event.struck_off for e in run.result.journal.entries if isinstance(e.event, CrossingOpens)
+    ]
     assert struck_off == [("K1",)]
     assert not run.result.unfinished
