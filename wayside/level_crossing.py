@@ -152,8 +152,8 @@ CrossingStep = tuple[CrossingDevice, tuple[Action, ...]]
 def start(
     config: CrossingConfig, memory: CrossingMemory, *, lost: bool = False, again: bool = False
 ) -> CrossingDevice:
-    """A device after a (re)start: closed, for whoever had announced itself; `lost`: nobody knows who had. `again`: it
-    was dark, so a front may have passed a contact meanwhile: one train more counts as counted in.
+    """A device after a (re)start: closed, for whoever had announced itself; `lost`: nobody knows who had. `again`: a
+    front may have passed a contact while it was dark, so one train more counts as counted in.
     """
     if again and config.contacts:
         memory = replace(memory, counted=memory.counted + 1)
@@ -184,8 +184,7 @@ def step(device: CrossingDevice, event: CrossingEvent, now_s: float) -> Crossing
 
 def _bar(device: CrossingDevice, event: BarUnit | UnbarUnit, now_s: float) -> CrossingStep:
     """What it says counts no more, or counts again, once a second person says the same; it has no proof, and what is
-    closed for it stays closed. Where it had one since persons said that no train comes, nobody is struck off before
-    that has died.
+    closed for it stays closed. One that it has had since persons spoke dies before anybody is struck off.
     """
     before, bar = device.memory.bars, isinstance(event, BarUnit)
     bars = barring.bars_after_word(before, event.unit_id, event.person, bar=bar)
@@ -284,9 +283,8 @@ def _proofs(device: CrossingDevice) -> tuple[Send, ...]:
 def _announced(device: CrossingDevice, event: ClosureAsked, now_s: float) -> CrossingDevice:
     approach = Approach(_starts_s(device.config, event.message, now_s), event.correlation)
     known = device.approaches.get(event.unit_id)
+    device = _comes(device) if known is None else device
     device = replace(device, approaches={**device.approaches, event.unit_id: approach})
-    if known is None:
-        device = _comes(device)
     if not device.config.departures:
         return device
     if known is None:
