@@ -406,6 +406,21 @@ def test_an_act_added_during_the_run_is_done_at_its_time_after_those_of_the_scri
     ]
 
 
+def test_who_looks_again_says_what_is_so_then_or_nothing() -> None:
+    world = World()
+    before = Act(ActKind.CONFIRM_HOLDING, "K1", Trigger(at_s=0.0), sections=("3",))
+    now = replace(before, sections=("3", "3-4", "4"))
+    world.injector.add(before, 20.0, lambda: now)
+    world.injector.add(before, 30.0, lambda: None)
+    world.injector.add(before, 40.0)
+    world.run_to(400)
+    assert [word.section_ids for _, word in world.inputs] == [now.sections, before.sections]
+    assert [(course.item, course.begun_s) for course in world.injector.courses] == [
+        (now, 20.0),
+        (before, 40.0),
+    ]
+
+
 def test_a_script_can_be_taken_up_later() -> None:
     """As if it had been there from the beginning: the same items at the same steps, what is past at once."""
     failures = (

@@ -284,7 +284,8 @@ def tells_no_unit_what_persons_added(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def staff_unbar_at_once(patch: pytest.MonkeyPatch) -> None:
-    """Whether or not it is known by then what the unit holds."""
+    """Whether or not it is known by then what the unit holds, and whether or not they were heard who said it."""
+    patch.setattr(staff, "_OF_THE_LINE", ())
     see = staff.Staff._see_to_bars
 
     def whoever_is_awaited(self: staff.Staff, t_s: float) -> None:
