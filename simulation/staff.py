@@ -38,6 +38,7 @@ from simulation.setup import STEP_S, STEPS_PER_S
 from simulation.world.point_machine import MachineState, PointMachine
 from simulation.world.stage import World
 from wayside import acts
+from wayside.acts import IN_STATION
 from wayside.config import MANAGER_ID, ReentryMode
 from wayside.crossing_said import CrossingProven
 from wayside.register import ReentryStage
@@ -143,7 +144,7 @@ class Staff:
             case Barred(unit_id=unit_id) if entry.who == MANAGER_ID:
                 self._awaited.setdefault(unit_id)
                 self._word_from_s = entry.t_s + AGE_MAX_S + CLOCK_SKEW_MAX_S
-            case Refused(unit_id=unit_id, section_ids=section_ids, why=why) if why.endswith(acts.IN_STATION):
+            case Refused(unit_id=unit_id, section_ids=section_ids, why=why) if why.endswith(IN_STATION):
                 self._not_freed.setdefault(unit_id, set()).update(section_ids)
             case Left(unit_id=unit_id):
                 self._left.add(unit_id)
