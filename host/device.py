@@ -178,7 +178,7 @@ class _LevelCrossing:
             memory = msgspec.msgpack.decode(kept, type=CrossingMemory) if kept else CrossingMemory()
         except msgspec.MsgspecError:
             memory, lost = CrossingMemory(), True
-        self.device = level_crossing.start(config, memory, lost=lost)
+        self.device = level_crossing.start(config, memory, lost=lost, again=durable.epoch > 1)
 
     @property
     def state(self) -> CrossingDevice:

@@ -174,8 +174,9 @@ class Simulation:
     def settle(self) -> Ending | None:
         """Do what is due now. Returns why the run is over; None while it goes on."""
         self._lookout.look(self._step)
-        if self.staff is not None and not (self.by_people is not None and self.by_people.busy):
-            self.staff.look(self._step)
+        if self.staff is not None:
+            busy = self.by_people is not None and self.by_people.busy
+            self.staff.look(self._step, worked_by_people=busy)
         while (item := self._agenda.pop_due(self._step)) is not None:
             self._handle(item)
         if self.by_people is not None:

@@ -138,7 +138,8 @@ _ASK: Final = ProcedureRow(
 _AGREE: Final = ProcedureRow(
     WorkingStep.AGREE, Part.TRAIN, ActingRole.RECEIVING, ActingRole.SENDING,
     "train {train} may come through {block}; I let none in", (WorkingStep.ASK,), Pause.TELEPHONE,
-    "its arrival track and the points before it are free", WorkingStep.ASK,
+    "its arrival track and points are free, of authority too, and by the plan no train comes there before",
+    WorkingStep.ASK,
 )  # fmt: skip
 _POINTS: Final = ProcedureRow(
     WorkingStep.POINTS, Part.TRAIN, ActingRole.OPERATORS, ActingRole.OPERATORS,

@@ -21,12 +21,12 @@ from typing import Final
 
 from network.model import SectionKind
 from onboard.crossing_notes import CrossingCreep
-from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints, UnitRestarted
+from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints, Holds
 from radio.chance import generator
 from radio.envelope import AGE_MAX_S, CLOCK_SKEW_MAX_S
 from radio.messages import ClaimQuery
 from radio.noted import Sent
-from simulation.events import Acted, JournalEntry, Left
+from simulation.events import Acted, CutOut, JournalEntry, Left, PowerOn
 from simulation.faults.crossings import IN_ORDER
 from simulation.faults.script import Act, ActKind, Trigger
 from simulation.injector import Injector
@@ -37,6 +37,7 @@ from simulation.roads_closed import RoadsClosedForNothing
 from simulation.setup import STEP_S, STEPS_PER_S
 from simulation.world.point_machine import MachineState, PointMachine
 from simulation.world.stage import World
+from wayside import acts
 from wayside.acts import IN_STATION
 from wayside.config import MANAGER_ID, ReentryMode
 from wayside.crossing_said import CrossingProven
@@ -79,9 +80,10 @@ class Staff:
         ] = {}  # what each person said last: whether a unit is to be barred
         self._speaks_until_s: dict[str, float] = {}
         self._spoke: dict[
-            str, dict[str, None]
-        ] = {}  # who has said where a unit's train is, since that was known
+            str, dict[str, tuple[str, ...]]
+        ] = {}  # what each person has said that a unit holds, since that was known, or while the line is restored
         self._routes: dict[str, set[str]] = {}  # what each unit was granted and has not given back
+        self._shown: dict[str, set[str]] = {}  # what each unit has shown last that it holds
         self._not_freed: dict[
             str, set[str]
         ] = {}  # what a unit holds in the picture and their word cannot free
@@ -104,24 +106,38 @@ class Staff:
                 self._restores, self._stage = epoch > 1, None
                 self._word_from_s = entry.t_s + AGE_MAX_S + CLOCK_SKEW_MAX_S
                 self._again_s.clear()
+                self._spoke.clear()
                 self._from_s = {key: at for key, at in self._from_s.items() if key[0] not in _OF_MANAGER}
             case PictureChanged(stage=stage):
-                self._restores = stage != ReentryStage.DEFINED.value
                 self._stage = ReentryStage(stage)
+                self._restores = self._stage is not ReentryStage.DEFINED
+                if not self._restores:
+                    self._spoke.clear()
             case Sent(source=source, receiver=unit_id, kind=ClaimQuery.__name__) if source == MANAGER_ID:
                 self._awaited.setdefault(unit_id)
-            case Accepted(unit_id=unit_id) | Outside(unit_id=unit_id) | ConfirmedByHand(unit_id=unit_id):
+            case (
+                Accepted(unit_id=unit_id)
+                | Outside(unit_id=unit_id)
+                | ConfirmedByHand(unit_id=unit_id)
+                | Refused(unit_id=unit_id, why=acts.SPEAKS)
+            ):
                 self._awaited.pop(unit_id, None)
                 self._not_freed.pop(unit_id, None)
-                self._spoke.pop(unit_id, None)
+                if not self._restores:
+                    self._spoke.pop(unit_id, None)
                 self._from_s.pop((Pause.SILENT, unit_id), None)
-            case Acted(act=act, target=unit_id) if act in _WORDS:
-                self._spoke.setdefault(unit_id, {})[entry.who] = None
+            case Acted(act=act, target=unit_id, section_ids=section_ids) if act in _WORDS:
+                self._spoke.setdefault(unit_id, {})[entry.who] = section_ids
+            case Acted(act=ActKind.ENTER_SECTION.value, target=unit_id, section_ids=section_ids) if (
+                unit_id and entry.who not in (CONTROLLER, STAFF)
+            ):
+                said = self._spoke.setdefault(unit_id, {})
+                said[entry.who] = (*said.get(entry.who, ()), *section_ids)
             case _:
                 self._see_units(entry)
 
     def _see_units(self, entry: JournalEntry) -> None:
-        """What becomes of units: barred, gone, granted something, started again."""
+        """What becomes of units, crossings and points: barred, gone, crept over, waited at."""
         match entry.event:
             case Acted(act=act, target=unit_id) if act in _BARS:
                 self._bars.setdefault(unit_id, {})[entry.who] = _BARS[act]
@@ -133,13 +149,6 @@ class Staff:
             case Left(unit_id=unit_id):
                 self._left.add(unit_id)
                 self._routes.pop(unit_id, None)
-            case Granted(unit_id=unit_id, section_ids=section_ids):
-                self._routes.setdefault(unit_id, set()).update(section_ids)
-                self._forgetful.discard(unit_id)
-            case Freed(unit_id=unit_id, section_ids=section_ids):
-                self._routes.get(unit_id, set()).difference_update(section_ids)
-            case UnitRestarted():
-                self._forgetful.add(entry.who)
             case CrossingCreep(crossing_id=crossing_id):
                 self._reported.add(crossing_id)
             case CrossingProven():
@@ -149,14 +158,39 @@ class Staff:
             case CrewCheckedPoints(points_id=points_id):
                 self._waits_at.pop(points_id, None)
             case _:
+                self._see_grants(entry)
+
+    def _see_grants(self, entry: JournalEntry) -> None:
+        """What units were granted and have given back, as people remember it, and which of them have forgotten it."""
+        match entry.event:
+            case Granted(unit_id=unit_id, section_ids=section_ids):
+                self._routes.setdefault(unit_id, set()).update(section_ids)
+                self._forgetful.discard(unit_id)
+            case Freed(unit_id=unit_id, section_ids=section_ids):
+                self._routes.get(unit_id, set()).difference_update(section_ids)
+            case PowerOn(device_id=unit_id):
+                self._forgetful.add(unit_id)
+                self._shown.pop(unit_id, None)
+            case CutOut(unit_id=unit_id):
+                self._routes.pop(unit_id, None)
+            case Holds(section_ids=section_ids):
+                left = self._shown.get(entry.who, set()).difference(section_ids)
+                self._shown[entry.who] = set(section_ids)
+                self._routes.get(entry.who, set()).difference_update(left)
+            case _:
                 pass
 
-    def look(self, step: int) -> None:
-        """Look round, if it is time. Stretches are not cut for it, so it may be late by one of them."""
+    def look(self, step: int, *, worked_by_people: bool = False) -> None:
+        """Look round, if it is time. Stretches are not cut for it, so it may be late by one of them. While people work
+        the line without the block manager, staff see to nothing but roads.
+        """
+        t_s = step * STEP_S
+        if worked_by_people:
+            self._see_to_roads(t_s)
+            return
         if step < self._next_look:
             return
         self._next_look = step + LOOKS_EVERY_STEPS
-        t_s = step * STEP_S
         self._see_to_power(t_s)
         for points_id, machine in self._wayside.machines.items():
             self._see_to_points(t_s, points_id, machine)
@@ -208,7 +242,8 @@ class Staff:
         know it. A register that is being restored has nothing of it, and on the open line takes its own word alone.
         """
         for kind, unit_id in self._mad.due(t_s, self._setup.people.mean_s(Pause.SILENT)):
-            if kind is ActKind.UNBAR_UNIT and unit_id in self._awaited and not self._restores:
+            awaited = unit_id in self._awaited and self._mad.is_barred(unit_id)
+            if kind is ActKind.UNBAR_UNIT and awaited and not self._restores:
                 continue  # their word was too early: the register would have of it what it claimed falsely
             for person in (CONTROLLER, STAFF):
                 self._act(t_s, kind, unit_id, person)
@@ -326,6 +361,7 @@ class Staff:
         """By hand all of it is entered again and again; else the controller looks by himself until he can accept it."""
         if not self._restores or not self._ripe(Pause.PICTURE, LINE, t_s):
             return
+        self._see_to_words(t_s)
         if self._setup.operation.reentry is ReentryMode.BY_HAND:
             self._enter_all(t_s)
             return
@@ -337,6 +373,18 @@ class Staff:
             CONTROLLER,
         ) not in self._again_s or self._stage is ReentryStage.COMPLETE:
             self._act(t_s, ActKind.REENTER_ASSISTED, LINE, CONTROLLER)
+
+    def _see_to_words(self, t_s: float) -> None:
+        """Who has said more of a unit than is so takes it back once the unit speaks for itself: it would block."""
+        for unit_id, said in self._spoke.items():
+            for person in said:
+                self._act_as_seen(t_s, partial(self._taken_back, unit_id, person))
+
+    def _taken_back(self, unit_id: str, person: str) -> Act | None:
+        said = self._spoke.get(unit_id, {}).get(person, ())
+        if unit_id in self._awaited or not set(said).difference(self._held(self._trains.slot_of[unit_id])):
+            return None
+        return Act(ActKind.TAKE_BACK, unit_id, _NOW, person)
 
     def _say_who_left(self, t_s: float) -> None:
         """By which portal those have left that the manager may yet have on the line; else all is to be swept."""
@@ -425,6 +473,11 @@ class Staff:
 
 _NOW: Final = Trigger(at_s=0.0)  # of what is seen; when it is done is said then
 _BARS: Final = {ActKind.BAR_UNIT.value: True, ActKind.UNBAR_UNIT.value: False}
-_WORDS: Final = (ActKind.CONFIRM_HOLDING.value, ActKind.CONFIRM_OUTSIDE.value)
-_OF_THE_LINE: Final = (ActKind.CONFIRM_HOLDING, ActKind.CONFIRM_OUTSIDE, ActKind.ENTER_SECTION)
+_OF_THE_LINE: Final = (
+    ActKind.CONFIRM_HOLDING,
+    ActKind.CONFIRM_OUTSIDE,
+    ActKind.TAKE_BACK,
+    ActKind.ENTER_SECTION,
+)
+_WORDS: Final = tuple(kind.value for kind in _OF_THE_LINE[:3])
 _OF_MANAGER: Final = (Pause.PICTURE, Pause.SILENT)

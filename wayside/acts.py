@@ -89,7 +89,7 @@ def spoke(register: Register, unit_id: str, message: AnyMessage) -> Step:
     if unit_id not in register.doubted or (isinstance(message, Claim) and message.section_ids is None):
         return register, ()
     register = reentry.without_words(register.without_doubt(unit_id), unit_id)
-    return register, (Show(Refused(unit_id=unit_id, why="it speaks for itself: no word counts")),)
+    return register, (Show(Refused(unit_id=unit_id, why=SPEAKS)),)
 
 
 def _bar(register: Register, event: BarUnit | UnbarUnit, now_s: float) -> Step:
@@ -350,6 +350,7 @@ def _new_contradictions(before: Register, after: Register) -> tuple[Show, ...]:
 
 
 _SECOND_PERSON: Final = "it may be on the line; a second person must say the same"
+SPEAKS: Final = "it speaks for itself: no word counts"
 IN_STATION: Final = "a silent unit must stand in a station"  # for what it may hold yet to be freed
 _STILL_ASKED: Final = "the unit is still being asked; say it again if it stays silent"
 _Handler = Callable[[Register, Any], Step]

@@ -13,7 +13,7 @@ from typing import Final
 import msgspec
 
 from network.errors import InputError
-from network.model import CrossingClass, Line, Route, SectionKind
+from network.model import CrossingClass, CrossingControl, Line, Route, SectionKind
 from network.virtual_blocks import radio_reaches
 from radio.envelope import AGE_MAX_S
 
@@ -194,8 +194,8 @@ class TerminalConfig(msgspec.Struct, frozen=True, tag="point-terminal"):
 
 class CrossingConfig(msgspec.Struct, frozen=True, tag="level-crossing"):
     """Fixed data of the device of a level crossing: from the start of the warning to closed, and from there to the
-    train, s; without `barriers` lamps alone close it. `protection`: contacts control it, and units hear from it whether
-    anything is on it; `departures`: likewise, and trains that begin beyond the first of them ask it to close.
+    train, s; without `barriers` lamps alone close it. `contacts` control it; with `protection` units hear from it
+    whether anything is on it, with `departures` trains that begin beyond the first contact ask it to close.
     """
 
     line_id: str
@@ -206,6 +206,7 @@ class CrossingConfig(msgspec.Struct, frozen=True, tag="level-crossing"):
     telegram_age_max_s: float = AGE_MAX_S
     protection: bool = False
     departures: bool = False
+    contacts: bool = False
 
 
 DeviceConfig = ManagerConfig | TerminalConfig | CrossingConfig
@@ -286,6 +287,7 @@ def crossing_configs(line: Line, age_max_s: float = AGE_MAX_S) -> tuple[Crossing
             age_max_s,
             crossing.has_protection,
             crossing.warns_departures,
+            crossing.control is CrossingControl.CONTACTS,
         )
         for crossing in line.crossings.values()
         if crossing.has_device

@@ -93,9 +93,9 @@ class CrossingDevice(msgspec.Struct, frozen=True):
     `lit_s`: since when lamps are detected; `deadline_s`: when what was commanded must be detected; `held_s`: closed
     until then, since the memory was lost (negative infinity: it was not, infinity: and nothing has happened yet);
     `believed_s`: until then a unit may still go by what was proved of lamps that went out.
-    `persons` have said since it closed that no train comes; two of them strike off at `frees_s` who has said nothing
-    since, and as many as were `doubted` of the trains that contacts have counted in. `listening`: units that are told
-    whether anything is on it, and the correlation of what each asked last.
+    `persons` have said since a train was announced or counted in last that no train comes; two of them strike off at
+    `frees_s` who has said nothing since, and as many as were `doubted` of the trains that contacts have counted in.
+    `listening`: units that are told whether anything is on it, and the correlation of what each asked last.
     """
 
     config: CrossingConfig
@@ -149,8 +149,14 @@ CrossingEvent = (
 CrossingStep = tuple[CrossingDevice, tuple[Action, ...]]
 
 
-def start(config: CrossingConfig, memory: CrossingMemory, *, lost: bool = False) -> CrossingDevice:
-    """A device after a (re)start: closed, for whoever had announced itself; `lost`: nobody knows who had."""
+def start(
+    config: CrossingConfig, memory: CrossingMemory, *, lost: bool = False, again: bool = False
+) -> CrossingDevice:
+    """A device after a (re)start: closed, for whoever had announced itself; `lost`: nobody knows who had. `again`: a
+    front may have passed a contact while it was dark, so one train more counts as counted in.
+    """
+    if again and config.contacts:
+        memory = replace(memory, counted=memory.counted + 1)
     wanted = bool(memory.units or memory.counted or lost)
     return CrossingDevice(
         config,
@@ -166,7 +172,7 @@ def step(device: CrossingDevice, event: CrossingEvent, now_s: float) -> Crossing
     if device.held_s == math.inf:
         device = replace(device, held_s=now_s + REANNOUNCED_S)
     if isinstance(event, BarUnit | UnbarUnit):
-        return _bar(device, event)
+        return _bar(device, event, now_s)
     if isinstance(event, ClosureAsked | CrossingLeft) and event.unit_id in device.memory.bars.barred:
         return device, ()
     after, actions = TABLE[device.state, type(event)](device, event, now_s)
@@ -176,9 +182,9 @@ def step(device: CrossingDevice, event: CrossingEvent, now_s: float) -> Crossing
     return (after if kept == after.memory else replace(after, memory=kept)), actions
 
 
-def _bar(device: CrossingDevice, event: BarUnit | UnbarUnit) -> CrossingStep:
+def _bar(device: CrossingDevice, event: BarUnit | UnbarUnit, now_s: float) -> CrossingStep:
     """What it says counts no more, or counts again, once a second person says the same; it has no proof, and what is
-    closed for it stays closed.
+    closed for it stays closed. One that it has had since persons spoke dies before anybody is struck off.
     """
     before, bar = device.memory.bars, isinstance(event, BarUnit)
     bars = barring.bars_after_word(before, event.unit_id, event.person, bar=bar)
@@ -187,6 +193,8 @@ def _bar(device: CrossingDevice, event: BarUnit | UnbarUnit) -> CrossingStep:
         return device, ()
     note = Barred if bar else Unbarred
     device, withdrawn = _doubted(device, {event.unit_id})
+    if withdrawn and device.frees_s < math.inf:
+        device = replace(device, frees_s=now_s + FREES_S)
     return device, (Show(note(unit_id=event.unit_id, by=event.person)), *withdrawn)
 
 
@@ -275,6 +283,7 @@ def _proofs(device: CrossingDevice) -> tuple[Send, ...]:
 def _announced(device: CrossingDevice, event: ClosureAsked, now_s: float) -> CrossingDevice:
     approach = Approach(_starts_s(device.config, event.message, now_s), event.correlation)
     known = device.approaches.get(event.unit_id)
+    device = _comes(device) if known is None else device
     device = replace(device, approaches={**device.approaches, event.unit_id: approach})
     if not device.config.departures:
         return device
@@ -282,6 +291,11 @@ def _announced(device: CrossingDevice, event: ClosureAsked, now_s: float) -> Cro
         return _counted(device, 1)
     heard_again = known.starts_s == -math.inf
     return replace(device, doubted=max(device.doubted - 1, 0)) if heard_again else device
+
+
+def _comes(device: CrossingDevice) -> CrossingDevice:
+    """A train comes: what one person alone has said before was not said of it."""
+    return replace(device, persons=()) if device.frees_s == math.inf else device
 
 
 def _counted(device: CrossingDevice, more: int) -> CrossingDevice:
@@ -452,7 +466,7 @@ def _contact_open(device: CrossingDevice, event: CrossingContact, now_s: float) 
 def _contact_closed(device: CrossingDevice, event: CrossingContact, now_s: float) -> CrossingStep:
     """Another front counted in, or a rear counted out: opens behind the last one."""
     device = _counted(device, 1 if event.first else -1)
-    return (device, ()) if event.first else _open_if_free(device, now_s)
+    return (_comes(device), ()) if event.first else _open_if_free(device, now_s)
 
 
 TABLE: Final[Mapping[tuple[CrossingState, type], Callable[[CrossingDevice, Any, float], CrossingStep]]] = (

@@ -42,6 +42,11 @@ class Hop:
         return self.block or next(p for p in (self.destination, self.origin) if p)
 
     @property
+    def ends_s(self) -> float:
+        """When the plan has it end, s."""
+        return self.planned_s + self.run_s
+
+    @property
     def order(self) -> tuple[float, str]:
         """Its place in the plan."""
         return self.planned_s, self.train

@@ -11,7 +11,7 @@ from simulation.duties import Duties
 from simulation.procedure import Part, ProcedureRow, WorkingStep
 from simulation.setup import STEPS_PER_S
 from simulation.substitute.by_hand import HandDriver
-from simulation.substitute.hops import Hop
+from simulation.substitute.hops import Hop, hops_of
 from simulation.substitute.work import Work
 from simulation.world.stage import World
 from wayside.config import MANAGER_ID
@@ -35,6 +35,7 @@ class LineSight:
         self._setup = world.setup
         self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
         self._duties, self._drivers = duties, drivers
+        self._hops: Final = hops_of(world.drawn)
 
     def lets(self, work: Work, row: ProcedureRow, hop: Hop | None, step: int) -> bool:
         """Whether the world lets a step be done as its table has it: what the step waits for has come."""
@@ -73,10 +74,13 @@ class LineSight:
     def _lets_train(self, work: Work, kind: WorkingStep, hop: Hop, step: int) -> bool:
         match kind:
             case WorkingStep.AGREE:
-                lets = self._are_free(hop.after_block, hop.stock_id)
+                lets = self._may_be_let_in(hop, hop.after_block)
             case WorkingStep.POINTS:
-                ahead = hop.section_ids if not work.block else ()
-                lets = self._are_free((*self._points_sections(hop), *ahead), hop.stock_id)
+                lets = self._are_free(self._points_sections(hop), hop.stock_id)
+                if all(each.step is not WorkingStep.AGREE for each in work.table):  # nobody has looked before
+                    lets = lets and self._may_be_let_in(
+                        hop, hop.after_block if work.block else hop.section_ids
+                    )
             case WorkingStep.BOARD:
                 lets = self._can_board(work, hop)
             case WorkingStep.CUT_OUT:
@@ -105,6 +109,24 @@ class LineSight:
         under = self._trains.sections_under()
         others = (sections for other, sections in under.items() if other != stock_id)
         return not any(sections.intersection(section_ids) for sections in others)
+
+    def _may_be_let_in(self, hop: Hop, section_ids: tuple[str, ...]) -> bool:
+        """No train is in these sections, no unit that works shows its driver that it may run there, and none that ends
+        there before by the plan, coming another way, is yet to come: who lets them in keeps several books.
+        """
+        wanted, slots = set(section_ids), self._trains.slot_of.items()
+        others = (slot for stock_id, slot in slots if stock_id != hop.stock_id)
+        under_authority = (slot for slot in others if slot not in self._on_board.unpowered)
+        if any(wanted.intersection(self._on_board.shown_to_driver(slot).held) for slot in under_authority):
+            return False
+        return self._are_free(section_ids, hop.stock_id) and all(
+            self.is_over(other)
+            for other in self._hops
+            if other.stock_id != hop.stock_id
+            and other.work != hop.work
+            and other.section_ids[-1] in wanted
+            and other.ends_s < hop.ends_s
+        )
 
     def _points_sections(self, hop: Hop) -> tuple[str, ...]:
         return tuple(self._setup.line.points[points].section_id for points, _ in hop.points)

@@ -78,6 +78,8 @@ class Crew:
         truth.sight_m = self._obstacle_m(slot)
         if slot in self.by_hand:
             truth.sight_m = min(truth.sight_m, self._open_crossing(slot)[1])
+        elif not self._on_board.drives_on_sight(slot):
+            self._creeps.pop(slot, None)  # leave that he did not use: his unit asks the crossing now
         if not self._on_board.drives_on_sight(slot) or plan is None or duty is None:
             return
         front_m, shown = float(truth.position_m), self._on_board.shown_to_driver(slot)

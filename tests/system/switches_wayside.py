@@ -274,6 +274,7 @@ def staff_say_no_more_than_what_is_so(patch: pytest.MonkeyPatch) -> None:
 @switch
 def keeps_what_others_say_that_it_holds(patch: pytest.MonkeyPatch) -> None:
     """A unit that hears that the register has more than it holds does not give that back."""
+    patch.setattr(staff.Staff, "_taken_back", lambda *_: None)  # nor does who has said it take it back
     patch.setattr(agreement, "report_now", lambda state: (state, ()))
 
 

@@ -14,6 +14,8 @@ from simulation.staff import Staff
 from study.drilling.drill import find_drill, run_drill
 from study.runner.run import FinishedRun, PartyLink
 from tests.nightly import others_nightly
+from wayside.crossing_said import CrossingOpens
+from wayside.said import ConfirmedByHand
 
 pytestmark = pytest.mark.system
 
@@ -193,3 +195,135 @@ def test_a_barred_train_that_may_come_in_is_not_said_to_be_outside(tmp_path: Pat
         (ActKind.CONFIRM_HOLDING, "K2", ("PW",))
     }
     assert not run.result.violations
+
+
+def _wrong_word(tmp_path: Path, kind: ActKind) -> FinishedRun:
+    """Of K2, which waits outside and is not heard for a minute after the manager's restart, one says what is not so."""
+    file = tmp_path / "wrong.toml"
+    file.write_text(
+        'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "wrong"\nname = "wrong"\n'
+        "people = { react = true, sigma = 0.0 }\n"
+        '[[fault]]\nkind = "restart"\ntarget = "block-manager"\nstart = "10:00:20"\n'
+        '[[fault]]\nkind = "cut"\ntarget = "K2 -> block-manager"\nstart = "10:00:15"\nduration_s = 60.0\n'
+        f'[[act]]\nkind = "{kind.value}"\ntarget = "K2"\nsections = ["10"]\nstart = "10:00:40"\n'
+        'person = "trackman"\n',
+        "utf-8",
+    )
+    return run_drill(str(file), PartyLink.SIMULATED).run
+
+
+@pytest.mark.parametrize("kind", [ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION])
+@pytest.mark.parametrize("corrects", [True, False])
+def test_a_wrong_word_is_taken_back_when_its_unit_speaks_for_itself(
+    kind: ActKind, corrects: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """K2 says that it is outside; what the trackman has entered for it would keep the line from being defined."""
+    if not corrects:
+        monkeypatch.setattr(Staff, "_taken_back", lambda *_: None)
+    run = _wrong_word(tmp_path, kind)
+    said = [(act.kind, act.person) for act in _acts(run) if act.target == "K2"]
+    wrong = (kind, "trackman")
+    assert said == [wrong, (ActKind.TAKE_BACK, "trackman")] if corrects else [wrong]
+    assert (run.result.unfinished == ()) is corrects
+
+
+def test_nobody_speaks_for_a_unit_that_has_answered_what_one_person_said(tmp_path: Path) -> None:
+    """K1 says what the register has, so nothing but the refusal of the trackman's word shows that it was heard."""
+    file = tmp_path / "answers.toml"
+    file.write_text(
+        'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "answers"\nname = "answers"\n'
+        "people = { react = true, sigma = 0.0, silent_s = 60.0 }\n"
+        '[[act]]\nkind = "confirm_holding"\ntarget = "K1"\nsections = ["8"]\nstart = "10:02:00"\n'
+        'person = "trackman"\n',
+        "utf-8",
+    )
+    run = run_drill(str(file), PartyLink.SIMULATED).run
+    assert [act.person for act in _acts(run)] == ["trackman"]
+    assert not run.result.unfinished
+
+
+PEOPLE_WITH_A_SLOW_CREW: Final = "sigma = 0.0, picture_s = 15.0, silent_s = 60.0, boot_s = 300.0"
+
+
+def _spoken_for(tmp_path: Path, timetable: str, *off: tuple[str, str, float]) -> set[tuple[str, ...]]:
+    """What persons say that K1 holds, whose crew takes five minutes to enter its number after a boot."""
+    faults = "".join(
+        f'[[fault]]\nkind = "power_off"\ntarget = "{party}"\nstart = "{at}"\nduration_s = {lasts_s}\n'
+        for party, at, lasts_s in off
+    )
+    file = tmp_path / "spoken.toml"
+    file.write_text(
+        f'extends = "rtri_test_line"\ntimetable = "{timetable}"\nid = "spoken"\nname = "spoken"\n'
+        f"people = {{ react = true, {PEOPLE_WITH_A_SLOW_CREW} }}\n{faults}",
+        "utf-8",
+    )
+    run = run_drill(str(file), PartyLink.SIMULATED).run
+    assert not run.result.unfinished
+    assert not run.result.violations
+    acts = [act for act in _acts(run) if act.kind in (ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION)]
+    return {act.sections for act in acts if act.target == "K1"}
+
+
+def test_a_unit_that_has_booted_and_has_no_number_yet_is_said_to_hold_what_it_was_granted(
+    tmp_path: Path,
+) -> None:
+    """K1 stands in section 6 with its way into B, which manager and unit have both forgotten."""
+    off = ("block-manager", "10:00:35", 1.0), ("K1", "10:00:35", 20.0)
+    assert _spoken_for(tmp_path, "rtri_two_trains", *off) == {("6", "7", "8"), ("7", "8")}
+
+
+def test_what_a_train_has_run_through_is_not_said_to_be_held_when_it_lies_ahead_again(tmp_path: Path) -> None:
+    """K1 came into B while the manager was off, which never heard that it gave its way back, and has turned."""
+    came_in = ("block-manager", "10:00:40", 80.0)
+    off = came_in, ("block-manager", "10:03:40", 1.0), ("K1", "10:03:40", 20.0)
+    assert _spoken_for(tmp_path, "rtri_turn_back", *off) == {("8",)}
+
+
+def test_who_is_barred_at_terminals_alone_is_unbarred_whatever_the_manager_has_asked(tmp_path: Path) -> None:
+    """The manager was off when K1 was barred. What the trackman enters just before the picture is accepted has it ask
+    K1, whose answer changes nothing; it stands on open line, where nobody's word counts against its own.
+    """
+    file = tmp_path / "alone.toml"
+    said = (
+        ("bar_unit", "10:00:25", "Sato"),
+        ("bar_unit", "10:00:26", "Mori"),
+        ("unbar_unit", "10:00:45", "Sato"),  # he and Mori do not agree any more
+    )
+    file.write_text(
+        'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "alone"\nname = "alone"\n'
+        "people = { react = true, sigma = 0.0 }\n"
+        '[[fault]]\nkind = "power_off"\ntarget = "block-manager"\nstart = "10:00:20"\nduration_s = 30.0\n'
+        '[[act]]\nkind = "enter_section"\ntarget = "K1"\nsections = ["10"]\nstart = "10:02:02"\nperson = "trackman"\n'
+        + "".join(
+            f'[[act]]\nkind = "{kind}"\ntarget = "K1"\nstart = "{at}"\nperson = "{person}"\n'
+            for kind, at, person in said
+        ),
+        "utf-8",
+    )
+    run = run_drill(str(file), PartyLink.SIMULATED).run
+    by_hand = [
+        entry.event for entry in run.result.journal.entries if isinstance(entry.event, ConfirmedByHand)
+    ]
+    assert [event.unit_id for event in by_hand if "10" in event.section_ids] == ["K1"]
+    assert not run.result.unfinished
+
+
+def test_a_road_is_freed_while_people_work_the_line(tmp_path: Path) -> None:
+    """The manager is off for hours, and K1's unit is cut out before the crossing has heard that it is over it."""
+    file = tmp_path / "road.toml"
+    file.write_text(
+        'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "road"\nname = "road"\n'
+        "people = { react = true, notice_s = 20.0, reach_s = 60.0 }\n"
+        'substitute = { staffed = ["A"], speed_kmh = 35.0 }\n'
+        '[[patch.line.add.crossings]]\nid = "C1"\nsection = "6"\nkm = 0.75\n'
+        '[[fault]]\nkind = "power_off"\ntarget = "block-manager"\nstart = "10:00:10"\n'
+        '[[fault]]\nkind = "cut"\ntarget = "K1 -> C1"\nstart = "10:00:45"\nduration_s = 900.0\n',
+        "utf-8",
+    )
+    run = run_drill(str(file), PartyLink.SIMULATED).run
+    assert {act.kind for act in _acts(run)} == {ActKind.FREE_ROAD}
+    struck_off = [
+        e.event.struck_off for e in run.result.journal.entries if isinstance(e.event, CrossingOpens)
+    ]
+    assert struck_off == [("K1",)]
+    assert not run.result.unfinished

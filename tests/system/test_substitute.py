@@ -198,3 +198,83 @@ def test_a_unit_cut_in_without_power_is_not_held_to_what_it_held_before(tmp_path
     run = run_drill(str(file), PartyLink.SIMULATED).run
     assert run.result.violations == ()
     assert not run.result.unfinished
+
+
+# K2 comes from the east to track 1 of B, and is to be gone again before K1 comes there from A.
+ONE_TRACK: Final = """
+[timetable]
+id = "one_track"
+name = "Two sets that come to one track one after the other"
+line = "rtri_test_line"
+dwell_min_s = 20
+assumed = ["everything"]
+
+[[trains]]
+number = "T2"
+direction = "up"
+calls = [{ station = "B", track = "1", arrival = "10:02:00" }]
+begins = "portal:PE"
+ends = "becomes:T3"
+
+[[trains]]
+number = "T3"
+direction = "down"
+calls = [{ station = "B", track = "1", departure = "10:06:00" }]
+begins = "from:T2"
+ends = "portal:PE"
+
+[[trains]]
+number = "T1"
+direction = "down"
+calls = [
+  { station = "A", track = "1", departure = "10:10:00" },
+  { station = "B", track = "1", arrival = "10:12:00" },
+]
+begins = "stabled"
+ends = "stabled"
+
+[[diagrams]]
+stock = "K2"
+trains = ["T2", "T3"]
+
+[[diagrams]]
+stock = "K1"
+trains = ["T1"]
+"""
+MEET: Final = {
+    # Both come late, as staff take a quarter of an hour to B: each is next in the book of its section.
+    "two books": (("A",), 900.0, "09:57:00", ""),
+    # K2 stands before the line with its way into B, which its unit alone knows of, and a door that is open.
+    "authority": (
+        ("A", "B"),
+        60.0,
+        "10:01:30",
+        '[[fault]]\nkind = "doors"\ntarget = "K2"\nstart = "09:58:30"\nduration_s = 890.0\n',
+    ),
+}
+
+
+@pytest.mark.parametrize("looks", [True, False])
+@pytest.mark.parametrize("how", MEET)
+def test_two_are_not_let_into_one_track(
+    how: str, looks: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not looks:
+        monkeypatch.setattr(
+            sight.LineSight, "_may_be_let_in", lambda self, hop, ids: self._are_free(ids, hop.stock_id)
+        )
+    staffed, reach_s, off, fault = MEET[how]
+    (tmp_path / "one_track.toml").write_text(ONE_TRACK, "utf-8")
+    file = tmp_path / "meet.toml"
+    file.write_text(
+        'extends = "rtri_test_line"\nid = "meet"\nname = "meet"\ntimetable = "one_track.toml"\n'
+        f"people = {{ react = true, notice_s = 20.0, reach_s = {reach_s}, sigma = 0.0 }}\n"
+        "limits = { stall_limit_s = 10800.0 }\n"
+        f"substitute = {{ staffed = {list(staffed)}, speed_kmh = 35.0 }}\n{fault}"
+        f'[[fault]]\nkind = "power_off"\ntarget = "block-manager"\nstart = "{off}"\nduration_s = 3600.0\n',
+        "utf-8",
+    )
+    result = execute(load_scenario(str(file)), PartyLink.SIMULATED).result
+    met = [v for v in result.violations if v.checker == Checker.ONE_TRAIN_A_SECTION.value]
+    assert bool(met) is not looks
+    assert bool(result.unfinished) is (not looks and how == "authority")

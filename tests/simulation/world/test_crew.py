@@ -63,7 +63,7 @@ class Cab:
             drives_on_sight=lambda _slot: self.on_sight,
             unpowered=set[int](),
         )
-        self.duties = trains.duties
+        self.trains, self.duties = trains, trains.duties
         self.machine = PointMachine("P7", 6.0, Position.NORMAL)
         self.crossings: Any = SimpleNamespace(on_line=())
         self.crew = Crew(trains, on_board, cast("Any", self), self.journal)
@@ -266,3 +266,37 @@ def test_it_watches_nothing_that_is_not_held_or_too_far_away_to_be_seen(mission:
         cab.truth.position_m = cab.start_m("7") - away_m
         cab.machine = PointMachine("P7", 6.0, Position.REVERSE)
         assert not cab.crew.watches(0)
+
+
+class RoadAhead:
+    """A path on which the road of a crossing C1, by radio and open, begins at `road_m`."""
+
+    def __init__(self, road_m: float) -> None:
+        self.road_m = road_m
+
+    def __contains__(self, _piece_id: str) -> bool:
+        return True
+
+    def to_road_m(self, _crossing: object) -> float:
+        return self.road_m
+
+
+@pytest.mark.parametrize("found", [False, True])
+def test_leave_to_creep_ends_where_the_unit_asks_the_crossing_again(mission: Mission, found: bool) -> None:
+    """Given to a train on sight whose unit then finds its position: on sight again there, another day, it stops."""
+    cab = Cab(mission, 0.0, "6", "7", "8")
+    cab.truth.position_m = cab.start_m("6") + 50.0
+    road_m = cab.truth.position_m + 5.0
+    cab.trains.true_path = lambda _slot: RoadAhead(road_m)
+    cab.crossings.on_line = (SimpleNamespace(id="C1", piece_id="6", by_radio=True),)
+    cab.crossings.is_blocked = cab.crossings.is_closed = lambda _id: False
+    cab.crossings.creeps_over = lambda *_: None
+    assert cab.sight_m() == road_m - 5.0
+    assert cab.crew.waits_at_crossing(0) == "C1"
+    cab.crew.creep(0, 10.0)
+    assert cab.sight_m() > road_m
+    if found:
+        cab.on_sight = False
+        cab.sight_m()
+        cab.on_sight = True
+    assert (cab.sight_m() == road_m - 5.0) is found
