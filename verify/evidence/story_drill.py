@@ -189,7 +189,7 @@ def _script(space: ExploredSpace, scenario: Scenario, *, late: bool) -> Script:
     for events, over, trouble in sorted(bounds, key=lambda bound: bound[:2]):
         setup = replace(scenario.setup, script=_so_far(troubles))
         entries = _run(replace(scenario, setup=setup), CarrierKind.PLAIN).journal.entries
-        came = _Course(composition, told, troubles, entries)
+        came = _CourseOfStory(composition, told, troubles, entries)
         if over:
             assert trouble.from_s is not None
             trouble.to_s = max(came.by(events) + STEP_S, trouble.from_s + LEAST_S)
@@ -213,7 +213,7 @@ def _so_far(troubles: Sequence[_Trouble]) -> Script:
     return Script(tuple(faults), tuple(acts))
 
 
-class _Course:
+class _CourseOfStory:
     """A run held against the story: when each event came of those that a journal has, in the order of each party."""
 
     def __init__(
