@@ -78,15 +78,15 @@ class CrossingTalk:
                 self._take(crossing_id, CrossingSeen(None) if says else CrossingUnplaced(), now_s)
             return
         self._goes_on = state.phase is DutyPhase.RUNNING or leaves_in_s <= 0.0
-        self._places = {
-            place.crossing_id: _as_it_runs(place, state, leaves_in_s)
-            for place in places
-            if not place.clear or self._is_due_to_say(place.crossing_id)
-        }
-        self._stands = any(place.stands for place in places)
-        for crossing_id in self._places:
-            if crossing_id not in self._views:
-                self._views[crossing_id] = CrossingView(crossing_id, forgot=self._forgot)
+        self._places, self._stands = {}, False
+        for place in places:
+            crossing_id = place.crossing_id
+            view = self._views.get(crossing_id) or CrossingView(crossing_id, forgot=self._forgot)
+            if place.clear and view.phase is CrossingPhase.AHEAD and not view.forgot:
+                continue  # it lies behind, and knows that
+            self._views[crossing_id] = view
+            self._places[crossing_id] = _as_it_runs(place, state, leaves_in_s)
+            self._stands = self._stands or place.stands
         self._live = [
             crossing_id
             for crossing_id, view in self._views.items()
@@ -178,11 +178,6 @@ class CrossingTalk:
             return min((max(at_s + 2.0, now_s + 0.1) for at_s in said), default=math.inf)
         views = self._views
         return min((wake_s(views[id_], seen.get(id_), now_s) for id_ in self._live), default=math.inf)
-
-    def _is_due_to_say(self, crossing_id: str) -> bool:
-        """Whether a crossing behind has yet to hear so."""
-        view = self._views.get(crossing_id)
-        return self._forgot if view is None else view.forgot or view.phase is not CrossingPhase.AHEAD
 
     def _take(self, crossing_id: str, event: CrossingEvent, now_s: float) -> None:
         before, self._held = self._views[crossing_id], None

@@ -162,7 +162,7 @@ def test_a_stock_off_the_line_is_left_alone(rtri_setup: Setup) -> None:
 def truth_at(position_m: float, rows: int) -> TruthRow:
     row: TruthRow = np.zeros(1, dtype=TRUTH).view(np.recarray)[0]
     row.position_m, row.profile_rows = position_m, rows
-    row.front_boundary_m = row.rear_boundary_m = row.sign_m = np.inf
+    row.front_boundary_m = row.rear_boundary_m = row.sign_m = row.crossing_m = np.inf
     return row
 
 
