@@ -163,6 +163,7 @@ class CrossingsAhead:
         self._deceleration_mps2: Final = float(behaviour.settings.stop_deceleration_mps2)
         self._pace: Final = pace
         self._on_path: tuple[CrossingOnPath, ...] = ()
+        self._starts_m: dict[str, float] = {}
         self._mission: Mission | None = None
         self._front_m = 0.0
         settings = behaviour.settings
@@ -198,6 +199,7 @@ class CrossingsAhead:
             found += [self._under(one, turned=turned) for one in before if one.crossing.id not in known]
         kept = (one for one in found if one.crossing.id in known or one.end_m > self._rear_m())
         self._on_path = tuple(sorted(kept, key=lambda one: one.start_m))
+        self._starts_m = {one.crossing.id: one.start_m for one in self._on_path}
         self._front_m = float(self._row.position_m)
 
     def _rear_m(self) -> float:
@@ -219,10 +221,7 @@ class CrossingsAhead:
 
     def nearer(self, limit_m: float, crossing_id: str) -> float:
         """The movement limit, m: as it is, or before this crossing if that comes first; empty: before none."""
-        if not crossing_id:
-            return limit_m
-        starts_m = (one.start_m for one in self._on_path if one.crossing.id == crossing_id)
-        return min(limit_m, next(starts_m, math.inf) - STOPS_SHORT_M)
+        return min(limit_m, self._starts_m.get(crossing_id, math.inf) - STOPS_SHORT_M)
 
     def places(self, load_share: float) -> tuple[CrossingPlace, ...] | None:
         """How the train is to each of them now, up to the first that is far ahead; None: its position is unknown."""

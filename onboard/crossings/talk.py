@@ -136,12 +136,12 @@ class CrossingTalk:
         return self._first_closed(now_s, math.inf)
 
     def _first_closed(self, now_s: float, held_from_s: float) -> str:
-        ahead = (
+        closed = [
             place
-            for place in self._places.values()
-            if not may_pass(self._views[place.crossing_id], place, now_s, held_from_s)
-        )
-        return min(ahead, key=lambda place: place.fastest_s, default=_NOWHERE).crossing_id
+            for crossing_id, place in self._places.items()
+            if not may_pass(self._views[crossing_id], place, now_s, held_from_s)
+        ]
+        return min(closed, key=lambda place: place.fastest_s).crossing_id if closed else ""
 
     def start_held_by(self, now_s: float) -> str:
         """The crossing so near that a train that stands does not start for it, or of which its departure is to warn;
@@ -177,7 +177,7 @@ class CrossingTalk:
             said = (view.said_s for view in self._views.values() if view.phase is CrossingPhase.LEAVING)
             return min((max(at_s + 2.0, now_s + 0.1) for at_s in said), default=math.inf)
         views = self._views
-        return min((wake_s(views[id_], seen.get(id_), now_s) for id_ in self._live), default=math.inf)
+        return min([wake_s(views[id_], seen.get(id_), now_s) for id_ in self._live], default=math.inf)
 
     def _take(self, crossing_id: str, event: CrossingEvent, now_s: float) -> None:
         before, self._held = self._views[crossing_id], None
@@ -191,9 +191,6 @@ class CrossingTalk:
                 self.letters.append(CrossingLetter(crossing_id, action, correlation))
             else:
                 self.notes.append(action)
-
-
-_NOWHERE: Final = CrossingPlace("", 0, 0, 0.0, 0.0, 0.0)
 
 
 def _as_it_runs(place: CrossingPlace, state: DutyState, leaves_in_s: float) -> CrossingPlace:

@@ -155,24 +155,22 @@ class CrossingLookout:
         self._ahead: dict[int, list[CrossingPlaceAhead]] = {}
         self._front_m: dict[int, float] = {}
 
-    def follow(self) -> None:
-        """Take up the paths that trains are on by now, and let the kernel know of what comes next on each."""
-        if not self._crossings:
-            return
-        active = self._trains.active()
+    def follow(self) -> list[int]:
+        """Take up the paths that trains are on by now, and let the kernel know of what comes next on each; who is
+        looked at.
+        """
+        active = self._trains.active() if self._crossings else []
         for slot in active:
             if self._paths.get(slot) is not self._trains.paths[slot]:
                 self._follow(slot)
         if len(self._paths) > len(active):
             for slot in self._paths.keys() - set(active):
                 del self._paths[slot], self._ahead[slot]
+        return active
 
     def look(self, step: int) -> None:
         """Who has passed what by now."""
-        if not self._crossings:
-            return
-        self.follow()
-        for slot in self._trains.active():
+        for slot in self.follow():
             truth = self._trains.truths[slot]
             front_m = self._front_m[slot] = float(truth.position_m)
             if front_m >= truth.crossing_m:
