@@ -119,7 +119,7 @@ class WaysideWorld:
             source=source,
             receiver=destination,
             size_bytes=len(data),
-            arrives_s=tuple(round(delivery.step / STEPS_PER_S, 1) for delivery in deliveries),
+            arrives_s=tuple([delivery.step / STEPS_PER_S for delivery in deliveries]),
             **terms,
         )
         self._journal.write(step / STEPS_PER_S, source, sent)
