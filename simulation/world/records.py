@@ -36,7 +36,7 @@ class TruthRow(Protocol):
     profile_rows: int
     front_boundary_m: Annotated[float, "path coordinate at which the front leaves its piece"]
     rear_boundary_m: float
-    crossing_m: Annotated[float, "path coordinate of the front at what comes next of level crossings; +inf: nothing"]
+    crossing_m: Annotated[float, "the front's at the next road or contact of a level crossing; +inf: none"]
     tag_next: Annotated[int, "row of the tag pool; the next tag ahead"]
     tag_end: int
     track_end_m: Annotated[float, "where the track ends, which every driver sees"]

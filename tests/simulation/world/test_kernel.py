@@ -13,6 +13,7 @@ from simulation.setup import STEP_S, Setup, unit_configs
 from simulation.world.kernel import advance, new_sheet, passed_in_step, track_under
 from simulation.world.on_board import OnBoard
 from simulation.world.records import (
+    PASSED_CROSSING,
     PASSED_FROM_A_STAND,
     PASSED_FRONT,
     PASSED_REAR,
@@ -193,6 +194,10 @@ def test_what_front_and_rear_pass() -> None:
     truth.tag_next = 2
     truth.position_m, truth.rear_boundary_m = 200.0, np.inf
     assert passed_in_step(truth, tags_m, 40.0) == 0  # no tag left
+    truth.crossing_m = 200.1
+    assert passed_in_step(truth, tags_m, 40.0) == 0
+    truth.crossing_m = 200.0
+    assert passed_in_step(truth, tags_m, 40.0) == PASSED_CROSSING
 
 
 def test_stock_that_stood_without_driving_tells_the_carrier_how_it_begins_to_move(rtri_setup: Setup) -> None:
