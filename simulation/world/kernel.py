@@ -387,7 +387,7 @@ def advance(
             happened |= found | events
             whole = step % TRACE_EVERY_STEPS == 0
             moves = row.plant.speed_mps > 0.0 or row.board.unit.mode == MODE_DRIVE
-            if (whole and moves) or (found | events) != 0:
+            if (whole and moves) or (found & ~PASSED_CROSSING | events) != 0:
                 sample(trace[trace_used], row, step, slot)
                 trace_used += 1
         done += 1
