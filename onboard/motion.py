@@ -8,7 +8,7 @@ watch for). What the train may do is decided by the duty (`onboard.duty`); nothi
 from __future__ import annotations
 
 import math
-from bisect import bisect_left, bisect_right
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
@@ -218,11 +218,8 @@ class UnitMotion:
         joints_m, marks_m = self._joints_m, self._marks_m
         # Still moving, the mark just ahead is yet to be stopped at; one left before is not.
         within_m = ARRIVED_WITHIN_M if stands else -ARRIVED_WITHIN_M
-        by_it = range(
-            bisect_right(marks_m, position_m - ARRIVED_WITHIN_M),
-            bisect_left(marks_m, position_m + ARRIVED_WITHIN_M),
-        )
-        near = min(by_it, key=lambda i: abs(marks_m[i] - position_m), default=-1)
+        nearest = min(range(len(marks_m)), key=lambda i: abs(marks_m[i] - position_m))
+        near = nearest if abs(marks_m[nearest] - position_m) < ARRIVED_WITHIN_M else -1
         return PlaceInJoints(
             known=True,
             covered=covered_at(self._line, mission.path, position_m),
