@@ -232,7 +232,7 @@ class UnitMotion:
             clear_at_mark=bisect_right(self._ends_m, rear_m),
             reach=bisect_right(joints_m, position_m + 2.0 * self._parameters.standoff_m),
             near=near,
-            passed=max((i for i, mark_m in enumerate(marks_m) if mark_m <= position_m + within_m), default=0),
+            passed=max(bisect_right(marks_m, position_m + within_m) - 1, 0),
             unfit=self.vehicle.unfit,
             unable=self._unable(mission, near) if stands and near >= 0 else None,
             unsure=stands and (self._to_be_seen or (near >= 0 and self._fixes.unsure)),

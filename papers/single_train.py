@@ -53,7 +53,7 @@ def prepared_row(
     row = stock.view(np.recarray)[0]
     fit_law(row.board.laws, driving.law, law_settings, drawn)
     row.truth.active = row.truth.powered = 1
-    for name in ("front_boundary_m", "rear_boundary_m", "sign_m", "sight_m", "track_end_m"):
+    for name in ("front_boundary_m", "rear_boundary_m", "sign_m", "sight_m", "crossing_m", "track_end_m"):
         row.truth[name] = np.inf
     tachometer.fit_train(row.sensors.tachometer, row.body)
     slide_protection.fit_train(row.sensors.slide_protection, row.body)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import heapq
-from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Final
+from typing import Final, NamedTuple
 
 EARLY_MAX: Final = 1_000_000  # items that may be put in first
 
@@ -24,15 +23,14 @@ class AgendaKind(IntEnum):
     PROCEDURE = 8  # people who work a line by substitute working look round
 
 
-@dataclass(order=True, frozen=True, slots=True)
-class Item:
-    """One thing due."""
+class Item(NamedTuple):
+    """One thing due; no two have the same order."""
 
     step: int
     kind: AgendaKind
     order: int
-    subject: str = field(compare=False)
-    data: bytes | None = field(compare=False, default=None)
+    subject: str
+    data: bytes | None = None
 
 
 class Agenda:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Final
 
 SLOWEST: float = -0.9  # however many drifts add up, a clock goes on
 
@@ -20,9 +21,12 @@ class Clock:
 
     def true_s(self, shown_s: float) -> float:
         """The true time at which it shows this, s."""
-        return shown_s if self == Clock() else (shown_s - self.ahead_s) / (1.0 + self.drift)
+        return (shown_s - self.ahead_s) / (1.0 + self.drift) if self.ahead_s or self.drift else shown_s
 
     def wrong(self, offset_s: float, drift: float, since_s: float) -> Clock:
         """The same clock, further ahead by `offset_s` since a true time, and by `drift` for each second since then."""
         ahead_s = self.ahead_s + offset_s - drift * since_s
         return replace(self, ahead_s=ahead_s, drift=max(self.drift + drift, SLOWEST))
+
+
+RIGHT: Final = Clock()

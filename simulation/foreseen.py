@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -25,8 +24,7 @@ class TrainMotion(NamedTuple):
     speed_mps: float
 
 
-@dataclass(frozen=True, slots=True)
-class ForeseenStretch:
+class ForeseenStretch(NamedTuple):
     """`before` and `first_row`: the stocks and the use of the trace as it began, so that it can be run anew."""
 
     done: int  # steps

@@ -192,8 +192,7 @@ class Simulation:
     @property
     def horizon_step(self) -> int:
         """No stretch that begins now goes beyond this step."""
-        beyond = self._lookout.horizon_step(self._step)
-        horizon = int(min(self._step + STANDING_STEPS_MAX, self._limit_step, beyond))
+        horizon = min(self._step + STANDING_STEPS_MAX, self._limit_step)
         next_due = self._agenda.next_step()
         return horizon if next_due is None else min(horizon, next_due)
 
@@ -354,6 +353,7 @@ class Simulation:
 
     def _stretch_end(self) -> int:
         """Where the stretch that begins now ends at the latest."""
+        self._lookout.follow()
         watched_step = self._step + WATCHING_STEPS
         return min(self.horizon_step, watched_step) if self._cabs.watch_out() else self.horizon_step
 

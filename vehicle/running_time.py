@@ -22,6 +22,7 @@ from vehicle.wire import power_at_grip_w
 
 STEPS_MAX: Final = 200_000
 ALL_MOTORS: Final = 1.0
+FASTEST_MPS: Final = 100.0  # no train comes further in a step
 LAID_DOWN_TO_S: Final = 5  # as running times are laid down
 
 
@@ -52,14 +53,25 @@ class Conditions(NamedTuple):
 
 @compiled
 def _pattern_squared(
-    limit_mps: NDArray[np.float64], start_m: float, stop_m: float, deceleration_mps2: float
+    limit_mps: NDArray[np.float64], start_m: float, stop_m: float, deceleration_mps2: float, looks_m: float
 ) -> NDArray[np.float64]:
-    """Square of the permitted speed at each metre from floor(start) to ceil(stop), m^2/s^2."""
+    """Square of the permitted speed at each metre from floor(start) to ceil(stop), m^2/s^2; no further than what counts
+    for who looks at it as far as `looks_m`.
+    """
     first = math.floor(start_m)
     last = math.ceil(stop_m)
-    squared = np.empty(last - first + 1)
     # Beyond the stop the pattern runs on below zero, so that it is exact at a stop between two metres.
-    squared[last - first] = -2.0 * deceleration_mps2 * (last - stop_m)
+    at_end = -2.0 * deceleration_mps2 * (last - stop_m)
+    if looks_m < stop_m:
+        top_mps = 0.0
+        for i in range(first, math.ceil(looks_m) + 1):
+            top_mps = max(top_mps, limit_mps[i])
+        counts_m = looks_m + top_mps * top_mps / (2.0 * deceleration_mps2) + 2.0
+        if counts_m < stop_m:
+            last = math.ceil(counts_m)
+            at_end = limit_mps[last] * limit_mps[last]
+    squared = np.empty(last - first + 1)
+    squared[last - first] = at_end
     for i in range(last - 1, first - 1, -1):
         limit = limit_mps[i]
         squared[i - first] = min(limit * limit, squared[i + 1 - first] + 2.0 * deceleration_mps2)
@@ -240,7 +252,7 @@ def _run(
     load_share, motors_share, adhesion_factor = conditions
     inertia = equivalent_mass_kg(train, load_share)
     first = math.floor(start_m)
-    squared = _pattern_squared(limit_mps, start_m, stop_m, deceleration_mps2)
+    squared = _pattern_squared(limit_mps, start_m, stop_m, deceleration_mps2, until_m + FASTEST_MPS * dt_s)
     position, speed, time_s, energy_j = start_m, initial_mps, 0.0, 0.0
     drop = deceleration_mps2 * dt_s
     for step in range(STEPS_MAX):

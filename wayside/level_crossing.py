@@ -21,7 +21,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
 from typing import Any, Final
@@ -113,8 +112,7 @@ class CrossingDevice(msgspec.Struct, frozen=True):
     listening: Mapping[str, int] = msgspec.field(default_factory=dict[str, int])
 
 
-@dataclass(frozen=True, slots=True)
-class ClosureAsked:
+class ClosureAsked(msgspec.Struct, frozen=True):
     """Event: a request passed the envelope's checks."""
 
     unit_id: str
@@ -122,8 +120,7 @@ class ClosureAsked:
     message: CrossingRequest
 
 
-@dataclass(frozen=True, slots=True)
-class CrossingLeft:
+class CrossingLeft(msgspec.Struct, frozen=True):
     """Event: a unit's word that it is over it, or has given it up, passed the envelope's checks."""
 
     unit_id: str
@@ -131,8 +128,7 @@ class CrossingLeft:
     message: CrossingOver
 
 
-@dataclass(frozen=True, slots=True)
-class CrossingTimeDue:
+class CrossingTimeDue(msgspec.Struct, frozen=True):
     """Event: look at the times at which warnings must begin, and at the limit of what was commanded."""
 
 

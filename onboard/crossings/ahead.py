@@ -11,7 +11,7 @@ import math
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import msgspec
 import numpy as np
@@ -26,6 +26,7 @@ from onboard.driving.supervision import RESERVE_M
 from onboard.mission import Mission
 from onboard.records import BehaviourRow, UnitRow
 from onboard.unit_records import UnitParameters
+from vehicle.compiled import compiled
 from vehicle.records import TrainRow
 from vehicle.running_time import predicted_run
 
@@ -111,6 +112,35 @@ class CrossingOnPath:
         )
 
 
+@compiled
+def _arrives_s(
+    train: NDArray[np.void],
+    load_share: float,
+    climb_m: NDArray[np.float64],
+    limit_mps: NDArray[np.float64],
+    from_m: float,
+    stop_m: float,
+    cruise_mps: float,
+    deceleration_mps2: float,
+    speed_mps: float,
+    road_m: float,
+) -> float:
+    """The time of `predicted_run` to a road, s; the train as a row of one, as numpy hands records over slowly."""
+    return predicted_run(
+        train[0],
+        load_share,
+        climb_m,
+        limit_mps,
+        from_m,
+        stop_m,
+        cruise_mps,
+        deceleration_mps2,
+        PREDICTION_STEP_S,
+        speed_mps,
+        road_m,
+    )[0]
+
+
 class CrossingsAhead:
     """The crossings of one unit's path that it hears by radio. `row` is its row of UNIT."""
 
@@ -126,12 +156,14 @@ class CrossingsAhead:
         self._by_radio: Final = [crossing for crossing in line.crossings.values() if crossing.tells_units]
         self._parameters: Final = parameters
         self._row: Final = row
-        self._train: Final = train
+        record: Any = train
+        self._train: Final[NDArray[np.void]] = np.frombuffer(record, record.dtype)
         self._length_m: Final = float(train.length_m)
         self._predicted: dict[str, PredictedArrival] = {}
         self._deceleration_mps2: Final = float(behaviour.settings.stop_deceleration_mps2)
         self._pace: Final = pace
         self._on_path: tuple[CrossingOnPath, ...] = ()
+        self._starts_m: dict[str, float] = {}
         self._mission: Mission | None = None
         self._front_m = 0.0
         settings = behaviour.settings
@@ -167,6 +199,7 @@ class CrossingsAhead:
             found += [self._under(one, turned=turned) for one in before if one.crossing.id not in known]
         kept = (one for one in found if one.crossing.id in known or one.end_m > self._rear_m())
         self._on_path = tuple(sorted(kept, key=lambda one: one.start_m))
+        self._starts_m = {one.crossing.id: one.start_m for one in self._on_path}
         self._front_m = float(self._row.position_m)
 
     def _rear_m(self) -> float:
@@ -188,10 +221,7 @@ class CrossingsAhead:
 
     def nearer(self, limit_m: float, crossing_id: str) -> float:
         """The movement limit, m: as it is, or before this crossing if that comes first; empty: before none."""
-        if not crossing_id:
-            return limit_m
-        starts_m = (one.start_m for one in self._on_path if one.crossing.id == crossing_id)
-        return min(limit_m, next(starts_m, math.inf) - STOPS_SHORT_M)
+        return min(limit_m, self._starts_m.get(crossing_id, math.inf) - STOPS_SHORT_M)
 
     def places(self, load_share: float) -> tuple[CrossingPlace, ...] | None:
         """How the train is to each of them now, up to the first that is far ahead; None: its position is unknown."""
@@ -263,7 +293,7 @@ class CrossingsAhead:
         following = one.stop + 1
         stop_m = mission.targets[following].mark_m if following < len(mission.targets) else math.inf
         stop_m = max(min(stop_m, len(limit_mps) - 1.0), one.start_m)
-        return predicted_run(
+        return _arrives_s(
             self._train,
             load_share,
             self._pace.climb_m,
@@ -272,10 +302,9 @@ class CrossingsAhead:
             stop_m,
             cruise_mps,
             self._deceleration_mps2,
-            PREDICTION_STEP_S,
             float(self._row.speed_mps),
             one.start_m,
-        )[0]
+        )
 
     def _brakes_s(self, start_m: float, way_m: float, cruise_mps: float) -> float:
         """How long before the crossing a train at its speed there would begin to brake for it, s."""

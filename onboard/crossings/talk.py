@@ -78,15 +78,15 @@ class CrossingTalk:
                 self._take(crossing_id, CrossingSeen(None) if says else CrossingUnplaced(), now_s)
             return
         self._goes_on = state.phase is DutyPhase.RUNNING or leaves_in_s <= 0.0
-        self._places = {
-            place.crossing_id: _as_it_runs(place, state, leaves_in_s)
-            for place in places
-            if not place.clear or self._is_due_to_say(place.crossing_id)
-        }
-        self._stands = any(place.stands for place in places)
-        for crossing_id in self._places:
-            if crossing_id not in self._views:
-                self._views[crossing_id] = CrossingView(crossing_id, forgot=self._forgot)
+        self._places, self._stands = {}, False
+        for place in places:
+            crossing_id = place.crossing_id
+            view = self._views.get(crossing_id) or CrossingView(crossing_id, forgot=self._forgot)
+            if place.clear and view.phase is CrossingPhase.AHEAD and not view.forgot:
+                continue  # it lies behind, and knows that
+            self._views[crossing_id] = view
+            self._places[crossing_id] = _as_it_runs(place, state, leaves_in_s)
+            self._stands = self._stands or place.stands
         self._live = [
             crossing_id
             for crossing_id, view in self._views.items()
@@ -136,12 +136,12 @@ class CrossingTalk:
         return self._first_closed(now_s, math.inf)
 
     def _first_closed(self, now_s: float, held_from_s: float) -> str:
-        ahead = (
+        closed = [
             place
-            for place in self._places.values()
-            if not may_pass(self._views[place.crossing_id], place, now_s, held_from_s)
-        )
-        return min(ahead, key=lambda place: place.fastest_s, default=_NOWHERE).crossing_id
+            for crossing_id, place in self._places.items()
+            if not may_pass(self._views[crossing_id], place, now_s, held_from_s)
+        ]
+        return min(closed, key=lambda place: place.fastest_s).crossing_id if closed else ""
 
     def start_held_by(self, now_s: float) -> str:
         """The crossing so near that a train that stands does not start for it, or of which its departure is to warn;
@@ -177,12 +177,7 @@ class CrossingTalk:
             said = (view.said_s for view in self._views.values() if view.phase is CrossingPhase.LEAVING)
             return min((max(at_s + 2.0, now_s + 0.1) for at_s in said), default=math.inf)
         views = self._views
-        return min((wake_s(views[id_], seen.get(id_), now_s) for id_ in self._live), default=math.inf)
-
-    def _is_due_to_say(self, crossing_id: str) -> bool:
-        """Whether a crossing behind has yet to hear so."""
-        view = self._views.get(crossing_id)
-        return self._forgot if view is None else view.forgot or view.phase is not CrossingPhase.AHEAD
+        return min([wake_s(views[id_], seen.get(id_), now_s) for id_ in self._live], default=math.inf)
 
     def _take(self, crossing_id: str, event: CrossingEvent, now_s: float) -> None:
         before, self._held = self._views[crossing_id], None
@@ -196,9 +191,6 @@ class CrossingTalk:
                 self.letters.append(CrossingLetter(crossing_id, action, correlation))
             else:
                 self.notes.append(action)
-
-
-_NOWHERE: Final = CrossingPlace("", 0, 0, 0.0, 0.0, 0.0)
 
 
 def _as_it_runs(place: CrossingPlace, state: DutyState, leaves_in_s: float) -> CrossingPlace:

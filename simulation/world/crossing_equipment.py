@@ -10,9 +10,12 @@ raised when no warning is given, and lowered when one is.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Final
+
+import msgspec
+from msgspec.structs import replace
 
 from network.model import CrossingClass, LevelCrossing
 from radio.table import TableCell, rows
@@ -22,8 +25,7 @@ from simulation.faults.crossings import IN_ORDER, CrossingCondition
 from wayside.crossing_said import CloseCrossing, CrossingDetected, OpenCrossing
 
 
-@dataclass(frozen=True, slots=True)
-class CrossingEquipment:
+class CrossingEquipment(msgspec.Struct, frozen=True):
     """The equipment of one crossing. `closes`: it is to be closed; `lamps_first_s`: they shine so long before the
     barriers move, which takes `lowering_s`; `due_s`: when these have come to their end, None: they do not move.
     """

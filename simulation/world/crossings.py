@@ -1,7 +1,7 @@
 """Level crossings in the simulated world: their equipment, and the fronts and rears that pass contacts and roads.
 
 The equipment of each is `crossing_equipment`; a device without power lets it close, as relays fall. `CrossingLookout`
-follows the true fronts and rears: no stretch goes beyond the step in which one can first pass a place that matters.
+follows the true fronts and rears: a stretch ends with the step in which one passes a place that matters.
 """
 
 from __future__ import annotations
@@ -35,12 +35,9 @@ from simulation.world.crossing_equipment import (
     EquipmentEvent,
     ObstacleDetected,
 )
-from simulation.world.kernel import MOVING_STEPS_MAX
 from simulation.world.trains import Trains
 from wayside.crossing_said import CloseCrossing, CrossingContact
 from wayside.said import Input
-
-GAINS_MPS2: Final = 1.5  # no train gains speed faster, downhill either
 
 ShowsDevice = Callable[[int, str, Input], None]
 
@@ -157,54 +154,39 @@ class CrossingLookout:
         self._paths: dict[int, Path] = {}
         self._ahead: dict[int, list[CrossingPlaceAhead]] = {}
         self._front_m: dict[int, float] = {}
-        self._not_before: dict[int, int] = {}  # what `_steps_to` came to last on this path: a step
 
-    def horizon_step(self, step: int) -> float:
-        """The step in which a train can first pass a place; infinite where none is ahead of any.
-
-        Where a train cannot pass one within a stretch while trains move, an earlier answer does.
+    def follow(self) -> list[int]:
+        """Take up the paths that trains are on by now, and let the kernel know of what comes next on each; who is
+        looked at.
         """
-        if not self._crossings:
-            return math.inf
-        horizon = math.inf
-        for slot in self._trains.active():
-            at_step = self._not_before.get(slot, 0)
-            if at_step <= step + MOVING_STEPS_MAX or self._paths.get(slot) is not self._trains.paths[slot]:
-                at_step = self._not_before[slot] = step + self._steps_to(slot)
-            horizon = min(horizon, at_step)
-        return horizon
-
-    def look(self, step: int) -> None:
-        """Who has passed what by now."""
-        if not self._crossings:
-            return
-        active = self._trains.active()
-        if len(self._paths) > len(active) or any(slot not in active for slot in self._paths):
-            for slot in [slot for slot in self._paths if slot not in active]:
-                del self._paths[slot], self._ahead[slot]
+        active = self._trains.active() if self._crossings else []
         for slot in active:
             if self._paths.get(slot) is not self._trains.paths[slot]:
                 self._follow(slot)
-            front_m = self._front_m[slot] = float(self._trains.truths[slot].position_m)
-            ahead = self._ahead[slot]
-            while ahead and ahead[0].at_m <= front_m:
-                self._passed(slot, step, ahead.pop(0))
+        if len(self._paths) > len(active):
+            for slot in self._paths.keys() - set(active):
+                del self._paths[slot], self._ahead[slot]
+        return active
 
-    def _steps_to(self, slot: int) -> int:
-        """Steps within which the train cannot have passed the next place, and one more."""
-        self._follow(slot)
-        if not self._ahead[slot]:
-            return 2**31
-        way_m = self._ahead[slot][0].at_m - float(self._trains.truths[slot].position_m)
-        speed_mps = float(self._trains.plants[slot].speed_mps)
-        takes_s = (math.sqrt(speed_mps**2 + 2.0 * GAINS_MPS2 * max(way_m, 0.0)) - speed_mps) / GAINS_MPS2
-        return max(math.floor(takes_s * STEPS_PER_S), 1)
+    def look(self, step: int) -> None:
+        """Who has passed what by now."""
+        for slot in self.follow():
+            truth = self._trains.truths[slot]
+            front_m = self._front_m[slot] = float(truth.position_m)
+            if front_m >= truth.crossing_m:
+                ahead = self._ahead[slot]
+                while ahead and ahead[0].at_m <= front_m:
+                    self._passed(slot, step, ahead.pop(0))
+                self._expect(slot)
+
+    def _expect(self, slot: int) -> None:
+        """The stretch ends where the train comes to the next place."""
+        ahead = self._ahead[slot]
+        self._trains.truths[slot].crossing_m = ahead[0].at_m if ahead else math.inf
 
     def _follow(self, slot: int) -> None:
-        """Take up the path that the train is on, if it is another; who stands on a road has come onto it before."""
+        """Take up another path that the train is on; who stands on a road has come onto it before."""
         path, before = self._trains.true_path(slot), self._paths.get(slot)
-        if path is before:
-            return
         front_m = float(self._trains.truths[slot].position_m)
         places = [place for c in self._crossings for place in self._places_of(c, slot, path)]
         ahead = [place for place in places if place.at_m > front_m]
@@ -218,6 +200,7 @@ class CrossingLookout:
             ]
         self._paths[slot], self._front_m[slot] = path, front_m
         self._ahead[slot] = sorted(ahead, key=lambda place: place.at_m)
+        self._expect(slot)
 
     def _places_of(self, crossing: LevelCrossing, slot: int, path: Path) -> list[CrossingPlaceAhead]:
         if crossing.piece_id not in path:

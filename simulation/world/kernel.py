@@ -20,6 +20,7 @@ from simulation.sensors.scene import NO_TAG_M
 from simulation.sensors.table import sense_all
 from simulation.world.charge_control import drain, offer_power, steer
 from simulation.world.records import (
+    PASSED_CROSSING,
     PASSED_FROM_A_STAND,
     PASSED_FRONT,
     PASSED_REAR,
@@ -121,6 +122,8 @@ def passed_in_step(truth: TruthRow, tag_positions_m: NDArray[np.float64], length
         found |= PASSED_FRONT
     if now_m - length_m >= truth.rear_boundary_m:
         found |= PASSED_REAR
+    if now_m >= truth.crossing_m:
+        found |= PASSED_CROSSING
     return found
 
 
@@ -384,7 +387,7 @@ def advance(
             happened |= found | events
             whole = step % TRACE_EVERY_STEPS == 0
             moves = row.plant.speed_mps > 0.0 or row.board.unit.mode == MODE_DRIVE
-            if (whole and moves) or (found | events) != 0:
+            if (whole and moves) or (found & ~PASSED_CROSSING | events) != 0:
                 sample(trace[trace_used], row, step, slot)
                 trace_used += 1
         done += 1

@@ -15,7 +15,7 @@ from radio.messages import RouteRequest
 from radio.noted import Lost, LostWhere, Sent
 from simulation.agenda import Agenda, AgendaKind
 from simulation.carriers.road import Road
-from simulation.clock import Clock
+from simulation.clock import RIGHT, Clock
 from simulation.events import (
     WORLD,
     Commissioned,
@@ -119,7 +119,7 @@ class WaysideWorld:
             source=source,
             receiver=destination,
             size_bytes=len(data),
-            arrives_s=tuple(round(delivery.step / STEPS_PER_S, 1) for delivery in deliveries),
+            arrives_s=tuple([delivery.step / STEPS_PER_S for delivery in deliveries]),
             **terms,
         )
         self._journal.write(step / STEPS_PER_S, source, sent)
@@ -152,7 +152,7 @@ class WaysideWorld:
             self._frozen[device_id].extend(telegrams)
             return
         inputs = self._inputs.pop(device_id, [])
-        own_s = self._clocks.get(device_id, Clock()).shows(step / STEPS_PER_S)
+        own_s = self._clocks.get(device_id, RIGHT).shows(step / STEPS_PER_S)
         self._take(step, device_id, self._devices.advance(device_id, own_s, telegrams, inputs))
 
     def points_due(self, step: int, points_id: str) -> None:
@@ -182,7 +182,7 @@ class WaysideWorld:
         if device_id in self.crossings.equipment and self._wakes.pop(device_id, step) > step:
             self._agenda.withdraw(AgendaKind.TO_DEVICE, device_id, step)
         if done.wake_at_s is not None:
-            wake_at_s = self._clocks.get(device_id, Clock()).true_s(done.wake_at_s)
+            wake_at_s = self._clocks.get(device_id, RIGHT).true_s(done.wake_at_s)
             wake_step = max(step_not_before(wake_at_s), step + 1)
             if self._wakes.get(device_id) != wake_step:
                 self._wakes[device_id] = wake_step

@@ -20,6 +20,7 @@ from vehicle.records import PlantRow, TrainRow
 PASSED_TAG: Final = 1
 PASSED_FRONT: Final = 2  # the front passed the end of a track piece
 PASSED_REAR: Final = 4  # the rear passed the end of a track piece
+PASSED_CROSSING: Final = 8  # the front came to a road, or front or rear to a contact, of a level crossing
 PASSED_TO_A_STAND: Final = 16  # the train came to a stand
 PASSED_FROM_A_STAND: Final = 32  # it began to move
 
@@ -35,6 +36,7 @@ class TruthRow(Protocol):
     profile_rows: int
     front_boundary_m: Annotated[float, "path coordinate at which the front leaves its piece"]
     rear_boundary_m: float
+    crossing_m: Annotated[float, "the front's at the next road or contact of a level crossing; +inf: none"]
     tag_next: Annotated[int, "row of the tag pool; the next tag ahead"]
     tag_end: int
     track_end_m: Annotated[float, "where the track ends, which every driver sees"]

@@ -148,7 +148,7 @@ class Trains:
         fit_collation(self.readers[slot].curvature, setup, stock_id, MOUNTING)
         truth = self.truths[slot]
         truth.powered = 1
-        truth.sight_m = truth.sign_m = math.inf
+        truth.sight_m = truth.sign_m = truth.crossing_m = math.inf
         truth.carries_more = int(bool(setup.sensors.carried_by(stock_id) - {PositionSensor.TAGS}))
         truth.wheels_vary = int(setup.sensors.wheels_vary)
         truth.lead_bogie_m, truth.bogie_base_m = LEAD_BOGIE_M, BOGIE_BASE_M

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from vehicle.dynamics import step
 from vehicle.mass import equivalent_mass_kg, mass_kg
 from vehicle.resistance import climb_m, resistance_n
-from vehicle.running_time import predicted_run
+from vehicle.running_time import predicted_course, predicted_run
 from vehicle.traction import full_force_n
 from vehicle.train_file import new_plant
 
@@ -200,3 +200,15 @@ def test_no_train_is_predicted_to_pull_more_than_its_driven_axles_hold(
         2.0 * 1000.0 * (1.0 / 1.11 + 1.0 / 1.0)
     )  # a triangle of speeds, if it reaches the limit
     assert time_s > best_s
+
+
+@pytest.mark.parametrize("until_m", [300.0, 1480.5, 1700.0, 1999.5, 2600.0])
+def test_a_place_on_the_way_is_passed_as_on_the_whole_run(br642: Rows, until_m: float) -> None:
+    """Slow track from 2000 m on: before it the train brakes for what lies beyond the place."""
+    elevation, limit = flat(30.0, 6000)
+    limit[2000:2400] = 8.0
+    run = br642[0], 0.5, elevation, limit, 10.0, 5500.5, 25.0, 0.6, 0.5
+    times_s, fronts_m, _ = predicted_course(*run).T
+    k = int(np.searchsorted(fronts_m, until_m)) - 1
+    share = (until_m - fronts_m[k]) / (fronts_m[k + 1] - fronts_m[k])
+    assert predicted_run(*run, until_m=until_m)[0] == pytest.approx(times_s[k] + 0.5 * share, abs=1e-9)

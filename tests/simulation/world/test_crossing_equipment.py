@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import dataclasses
 
 import pytest
+from msgspec.structs import replace
 
 from network.model import CrossingClass, CrossingControl, LevelCrossing
 from simulation.carriers.road_shown import CrossingShown
@@ -94,7 +95,7 @@ def test_contacts_show_what_is_so_or_nothing() -> None:
 
 
 def test_without_barriers_lamps_are_all() -> None:
-    lamps = equipment_of(replace(LINE, kind=CrossingClass.WARNING, closing_s=0.0, closed_s=30.0))
+    lamps = equipment_of(dataclasses.replace(LINE, kind=CrossingClass.WARNING, closing_s=0.0, closed_s=30.0))
     lit = step(lamps, CLOSE, 100.0)
     assert (lit.lit, lit.barriers, lit.due_s) == (True, LOWERED, None)
     assert step(lit, OPENS, 130.0).barriers is RAISED
@@ -104,7 +105,7 @@ def test_drivers_see_lamps_and_barriers() -> None:
     """The class alone decides whether there are barriers to be seen."""
     assert shown(after((100.0, CLOSE))) == CrossingShown(LOWERING, lamps=True)
     assert shown(after((100.0, CLOSE), (115.0, OVER))) == CrossingShown(LOWERED, lamps=True)
-    lamps = equipment_of(replace(LINE, kind=CrossingClass.WARNING, closing_s=0.0, closed_s=30.0))
+    lamps = equipment_of(dataclasses.replace(LINE, kind=CrossingClass.WARNING, closing_s=0.0, closed_s=30.0))
     assert shown(step(lamps, CLOSE, 100.0)) == CrossingShown(RAISED, lamps=True)
 
 

@@ -13,6 +13,7 @@ from simulation.setup import STEP_S, Setup, unit_configs
 from simulation.world.kernel import advance, new_sheet, passed_in_step, track_under
 from simulation.world.on_board import OnBoard
 from simulation.world.records import (
+    PASSED_CROSSING,
     PASSED_FROM_A_STAND,
     PASSED_FRONT,
     PASSED_REAR,
@@ -162,7 +163,7 @@ def test_a_stock_off_the_line_is_left_alone(rtri_setup: Setup) -> None:
 def truth_at(position_m: float, rows: int) -> TruthRow:
     row: TruthRow = np.zeros(1, dtype=TRUTH).view(np.recarray)[0]
     row.position_m, row.profile_rows = position_m, rows
-    row.front_boundary_m = row.rear_boundary_m = row.sign_m = np.inf
+    row.front_boundary_m = row.rear_boundary_m = row.sign_m = row.crossing_m = np.inf
     return row
 
 
@@ -193,6 +194,10 @@ def test_what_front_and_rear_pass() -> None:
     truth.tag_next = 2
     truth.position_m, truth.rear_boundary_m = 200.0, np.inf
     assert passed_in_step(truth, tags_m, 40.0) == 0  # no tag left
+    truth.crossing_m = 200.1
+    assert passed_in_step(truth, tags_m, 40.0) == 0
+    truth.crossing_m = 200.0
+    assert passed_in_step(truth, tags_m, 40.0) == PASSED_CROSSING
 
 
 def test_stock_that_stood_without_driving_tells_the_carrier_how_it_begins_to_move(rtri_setup: Setup) -> None:
