@@ -65,7 +65,9 @@ def _print(day: ArrangedDay, limit_s: int) -> None:
 
     rows = [day.text]
     if day.beyond:
-        rows.insert(0, f"no plan moves every printed time by {limit_s} s or less; the least that would do:")
+        none = "no plan" if day.arranged.proven or day.none_within_s >= limit_s else "no plan that was found"
+        would = "least that would do" if day.arranged.proven else "best that was found"
+        rows.insert(0, f"{none} moves every printed time by {limit_s} s or less; the {would}:")
         rows[1:1] = list(_named(day, day.beyond, "  "))
         if day.lacking is not None:
             rows.insert(0, lacking_text(day.line, day.lacking))
@@ -83,7 +85,7 @@ def _print(day: ArrangedDay, limit_s: int) -> None:
         rows.append(f"empty working added: {number}, {way} at {clock(calls[0].last_s)[:-3]}")
     rows.append(f"{_proof(day, limit_s)}, where none is moved by more than {day.arranged.reach_s} s")
     if day.beyond and day.none_within_s:
-        rows.append(f"proven: no plan moves each of them by {day.none_within_s} s or less")
+        rows.append(f"proven: no plan moves every printed time by {day.none_within_s} s or less")
     sys.stdout.write("\n".join(rows) + "\n")
 
 

@@ -74,7 +74,7 @@ def nearest_plan(
         found: list[tuple[int, int, Arranged]] = []
         certain = True
         for index, trains in enumerate(days):
-            if left <= 0:
+            if left <= (WIDE_WORK + FIRST_WORK if found else 0.0):
                 why, certain = "none was found", False
                 break
             tell = _of_reach(tell_all, reach_s)

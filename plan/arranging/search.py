@@ -131,7 +131,7 @@ def cost_of(moves: Iterable[PrintedMove], lacking: Mapping[str, int], limit_s: i
 def gap_of(trains: Sequence[TrainToArrange], plan: Arranged, limit_s: int) -> tuple[float, float]:
     """By how much a plan is from the least at most, s, and which share of what it counts: 0 where it is proven.
 
-    As the model weighs it: a second beyond the limit as many, a stop that nobody prints or another track as part of one.
+    As the model weighs it: a second beyond the limit as many, a stop that nobody prints or another track as a part.
     """
     if plan.proven:
         return 0.0, 0.0
