@@ -98,13 +98,13 @@ def _told(
             halts = replace(halts, names=halts.names - no_room)
             continue
         if not halts.names:  # a plan of the line as it is, but for these tracks
-            plan, work = improved(trains, chosen, limit_s, tracks, min(max(left - spent, 0.0), STEPS_WORK))
-            return _as_told(plan, chosen.more_tracks), spent + work
+            best, work = improved(trains, chosen, limit_s, tracks, min(max(left - spent, 0.0), STEPS_WORK))
+            return _as_told(best, chosen.more_tracks), spent + work
         for other in halts.laid(laid) if laid else days:
-            found, work = _with(other, tracks, limit_s, reach_s, min(max(left - spent, 0.0), STEPS_WORK))
+            plan, work = _with(other, tracks, limit_s, reach_s, min(max(left - spent, 0.0), STEPS_WORK))
             spent += work
-            if found is not None:
-                return _as_told(found, chosen.more_tracks), spent
+            if plan is not None:
+                return _as_told(plan, chosen.more_tracks), spent
         break
     return None, spent
 

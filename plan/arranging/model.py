@@ -26,7 +26,7 @@ from plan.arranging.problem import (
     TrainToArrange,
     Visit,
 )
-from plan.arranging.telling import Tell, Told
+from plan.arranging.telling import FoundSoFar, Tell
 from plan.arranging.windows import earliest_s, latest_each_s, latest_s
 
 SEED: Final = 1
@@ -388,7 +388,7 @@ class ArrangeModel:
             solver.parameters.search_branching = cp_model.FIXED_SEARCH
         told = None
         if tell is not None and aim is Aim.LEAST:
-            told = Told(tell, SECOND, "" if self._reach_s == self._limit_s else BEYOND_TEXT)
+            told = FoundSoFar(tell, SECOND, "" if self._reach_s == self._limit_s else BEYOND_TEXT)
             solver.best_bound_callback = told.on_bound
         status = solver.solve(self.model, told)
         work = solver.response_proto.deterministic_time

@@ -13,7 +13,7 @@ def tell_nobody(_text: str) -> None:
     """Where nobody waits for it."""
 
 
-class Told(cp_model.CpSolverSolutionCallback):
+class FoundSoFar(cp_model.CpSolverSolutionCallback):
     """Tells the best plan and the bound as they come, in units of which one counts `unit`; the search is the same."""
 
     def __init__(self, tell: Tell, unit: int, counted: str) -> None:
