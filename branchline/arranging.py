@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -11,12 +12,13 @@ import typer
 
 from branchline.ending import end, judged_outcome, print_json
 from branchline.options import Json
-from branchline.progress import print_aside
+from branchline.progress import print_aside, said_if_long
 
 if TYPE_CHECKING:
     from plan.arranging.arrange import ArrangedDay
     from plan.arranging.problem import PrintedMove
 
+NOTHING_SHARE: Final = 0.95  # who may be so far from the least has no bound worth telling
 NAMED: Final = 20  # moves that are named, the furthest first; --json has all
 
 
@@ -45,7 +47,8 @@ def arrange(
     from plan.arranging.files import checked_files, write_day
 
     checked_files(out, scenario)
-    day = arranged_by_name(line, timetable, train, limit)
+    with said_if_long(f"arranging {timetable}", ever_rarer=False) as tell:
+        day = arranged_by_name(line, timetable, train, limit, tell)
     for path in write_day(day, line, train, out, scenario):
         print_aside(f"wrote {path}")
     outcome = judged_outcome(not day.beyond)
@@ -62,7 +65,9 @@ def _print(day: ArrangedDay, limit_s: int) -> None:
 
     rows = [day.text]
     if day.beyond:
-        rows.insert(0, f"no plan moves every printed time by {limit_s} s or less; the least that would do:")
+        none = "no plan" if day.arranged.proven or day.none_within_s >= limit_s else "no plan that was found"
+        would = "least that would do" if day.arranged.proven else "best that was found"
+        rows.insert(0, f"{none} moves every printed time by {limit_s} s or less; the {would}:")
         rows[1:1] = list(_named(day, day.beyond, "  "))
         if day.lacking is not None:
             rows.insert(0, lacking_text(day.line, day.lacking))
@@ -78,13 +83,25 @@ def _print(day: ArrangedDay, limit_s: int) -> None:
         calls = day.timetable.trains[number].calls
         way = " - ".join(day.line.stations[calls[at].station_id].name for at in (0, -1))
         rows.append(f"empty working added: {number}, {way} at {clock(calls[0].last_s)[:-3]}")
-    proof = "the least that there is"
-    if not day.arranged.proven:
-        proof = (
-            "less may do" if day.beyond else f"at least {day.arranged.bound_s:.0f} s are needed in all"
-        )  # the bound of a plan beyond the limit is none in seconds
-    rows.append(f"{proof}, where none is moved by more than {day.arranged.reach_s} s")
+    rows.append(f"{_proof(day, limit_s)}, where none is moved by more than {day.arranged.reach_s} s")
+    if day.beyond and day.none_within_s:
+        rows.append(f"proven: no plan moves every printed time by {day.none_within_s} s or less")
     sys.stdout.write("\n".join(rows) + "\n")
+
+
+def _proof(day: ArrangedDay, limit_s: int) -> str:
+    """How far the plan is from the least, at most."""
+    if day.arranged.proven:
+        return "the least that there is"
+    gap_s, share = day.gap
+    if not day.beyond:
+        return f"the best that was found, at most {math.ceil(gap_s)} s from the least"
+    if share > NOTHING_SHARE:
+        return "the best that was found; how much less would do is not known"
+    return (
+        f"the best that was found, at most {math.ceil(100.0 * share)} % from the least, a second beyond {limit_s} s"
+        " counting a thousandfold"
+    )
 
 
 def _named(day: ArrangedDay, moves: Sequence[PrintedMove], mark: str) -> Iterator[str]:

@@ -224,8 +224,9 @@ def _arranged(
             from plan.arranging.arrange import LIMIT_S, arranged_day
         from vehicle.train_file import load_train, train_named
 
-        with said_if_long(f"arranging {name}, which has departures alone"):
-            day = arranged_day(line, imported.file, name, load_train(train_named(train_name)), LIMIT_S)
+        train = load_train(train_named(train_name))
+        with said_if_long(f"arranging {name}, which has departures alone", ever_rarer=False) as tell:
+            day = arranged_day(line, imported.file, name, train, LIMIT_S, tell=tell)
     except InputError as why:
         return imported, [f"not, as of the source alone no plan is found: {why}"]
     if day.beyond:

@@ -36,20 +36,29 @@ SPOKEN_AFTER_S: Final = 2.0  # of silence
 
 
 @contextmanager
-def said_if_long(what: str) -> Generator[None]:
-    """Says what goes on if it takes longer than a person waits, and again whenever twice the time has gone by."""
+def said_if_long(what: str, *, ever_rarer: bool = True) -> Generator[Callable[[str], None]]:
+    """Says what goes on if it takes longer than a person waits, and again after twice the time, or after as much.
+
+    What the block gives it is said with it.
+    """
     ended = threading.Event()
+    doing = ""
+
+    def tell(text: str) -> None:
+        nonlocal doing
+        doing = f", {text}"
 
     def watch() -> None:
-        so_far_s = SPOKEN_AFTER_S
-        while not ended.wait(so_far_s if so_far_s == SPOKEN_AFTER_S else 0.5 * so_far_s):
-            print_aside(f"{what}: {so_far_s:g} s so far")
-            so_far_s *= 2.0
+        so_far_s = wait_s = SPOKEN_AFTER_S
+        while not ended.wait(wait_s):
+            print_aside(f"{what}: {so_far_s:g} s so far{doing}")
+            wait_s = so_far_s if ever_rarer else wait_s
+            so_far_s += wait_s
 
     watcher = threading.Thread(target=watch, daemon=True)
     watcher.start()
     try:
-        yield
+        yield tell
     finally:
         ended.set()
         watcher.join()

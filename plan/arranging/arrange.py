@@ -21,6 +21,8 @@ from plan.arranging.lacking import NO_HALTS, Day, Halts, MoreTracks
 from plan.arranging.line_times import LineTimes, line_times
 from plan.arranging.nearest import NothingFoundError, nearest_plan
 from plan.arranging.problem import Arranged, PrintedMove, Standing, TrainToArrange
+from plan.arranging.search import gap_of
+from plan.arranging.telling import Tell, tell_nobody
 from plan.arranging.written import MovesOfDay, arranged_file, moves_of_day
 from vehicle.train_file import TrainType, load_train, train_named
 
@@ -52,7 +54,9 @@ class ArrangedDay:
     added: tuple[tuple[str, str, int], ...]  # train, station and time, s, of a call that no source prints
     empty: tuple[str, ...]  # numbers of empty workings that were added
     arranged: Arranged
+    gap: tuple[float, float]  # from the least at most, s, and as a share of what is counted (`search.gap_of`)
     lacking: MoreTracks | None  # tracks with which no printed time would be beyond the limit
+    none_within_s: int  # no plan moves each printed time by so much at most, which is proven
 
     @property
     def text(self) -> str:
@@ -74,7 +78,9 @@ class ArrangedDay:
             "lacking": None if self.lacking is None else asdict(self.lacking),
             "proven": self.arranged.proven,
             "bound_s": round(self.arranged.bound_s, 1),
+            "gap_s": round(self.gap[0], 1),
             "reach_s": self.arranged.reach_s,
+            "none_within_s": self.none_within_s,
             "moves": [asdict(move) for move in self.moves],
             "beyond": [asdict(move) for move in self.beyond],
             "added_stops": [
@@ -84,22 +90,32 @@ class ArrangedDay:
         }
 
 
-def arrange(line_name: str, timetable_name: str, train_name: str, limit_s: int) -> ArrangedDay:
+def arrange(
+    line_name: str, timetable_name: str, train_name: str, limit_s: int, tell: Tell = tell_nobody
+) -> ArrangedDay:
     """The nearest plan to a timetable that works on a line with a kind of train. Raises InputError."""
     line_path = shipped_line(line_name)
     line = load_line(line_path)
     path = shipped_timetable(timetable_name)
     file = parse_toml(read_text(path), str(path), TimetableFile)
-    return arranged_day(line, file, str(path), load_train(train_named(train_name)), limit_s, line_path)
+    return arranged_day(line, file, str(path), load_train(train_named(train_name)), limit_s, line_path, tell)
 
 
 def arranged_day(
-    line: Line, file: TimetableFile, name: str, train: TrainType, limit_s: int, line_path: Path | None = None
+    line: Line,
+    file: TimetableFile,
+    name: str,
+    train: TrainType,
+    limit_s: int,
+    line_path: Path | None = None,
+    tell: Tell = tell_nobody,
 ) -> ArrangedDay:
     """The same of what has been read; `name` names the timetable in errors.
 
     `line_path`: the line's file, where second tracks at its halts are looked at too, if the limit cannot be kept.
+    `tell` takes what is being done.
     """
+    tell("running and blocking times")
     drafts = tuple(_drafts(line, file, name, train))
     halts = NO_HALTS
     if line_path is not None:
@@ -121,7 +137,7 @@ def arranged_day(
         along_m = {station.id: station.position_m for station in stations}
         halts = Halts(frozenset(s.id for s in stations if s.is_halt), along_m, room, laid)
     try:
-        found = nearest_plan([draft.trains for draft in drafts], limit_s, halts)
+        found = nearest_plan([draft.trains for draft in drafts], limit_s, halts, tell)
     except NothingFoundError as why:
         expected = f"a day for which the line has room: {why}"
         if why.lacking is not None:
@@ -143,7 +159,9 @@ def arranged_day(
         tuple(_added(draft.trains, arranged)),
         draft.empty,
         arranged,
+        gap_of(draft.trains, arranged, limit_s),
         found.lacking,
+        found.none_within_s,
     )
 
 

@@ -14,6 +14,7 @@ from typing import Final
 from plan.arranging.model import ANOTHER, REACH_S, Aim, ArrangeModel, NoRoomError
 from plan.arranging.problem import Arranged, ArrangedVisit, Leg, Standing, TrainToArrange, Visit
 from plan.arranging.search import improved, with_fewer_tracks
+from plan.arranging.telling import Tell, tell_nobody
 
 LACKING_WORK: Final = 0.4  # of the solver's counted work, for all days and choices
 CHOICE_WORK: Final = 0.1  # for one choice of tracks
@@ -57,9 +58,12 @@ class Halts:
 NO_HALTS: Final = Halts(frozenset(), {}, lambda _: True, lambda _: ())
 
 
-def more_tracks(days: Sequence[Day], halts: Halts, limit_s: int) -> MoreTracks | None:
+def more_tracks(
+    days: Sequence[Day], halts: Halts, limit_s: int, tell: Tell = tell_nobody
+) -> MoreTracks | None:
     """The fewest for the limit, or else for the least reach beyond it; None where none were found."""
     left = LACKING_WORK
+    tell("looking for tracks that lack")
     halts = replace(halts, names=frozenset(name for name in halts.names if halts.room((name,))))
     for reach_s in dict.fromkeys((limit_s, max(limit_s, REACH_S // 6))):
         found: list[MoreTracks] = []
@@ -93,6 +97,9 @@ def _told(
         if no_room := halts.without_room(laid):
             halts = replace(halts, names=halts.names - no_room)
             continue
+        if not halts.names:  # a plan of the line as it is, but for these tracks
+            best, work = improved(trains, chosen, limit_s, tracks, min(max(left - spent, 0.0), STEPS_WORK))
+            return _as_told(best, chosen.more_tracks), spent + work
         for other in halts.laid(laid) if laid else days:
             plan, work = _with(other, tracks, limit_s, reach_s, min(max(left - spent, 0.0), STEPS_WORK))
             spent += work

@@ -8,7 +8,7 @@ allowed counts a thousandfold, so that where nothing else works the least that w
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from itertools import pairwise
@@ -26,15 +26,19 @@ from plan.arranging.problem import (
     TrainToArrange,
     Visit,
 )
+from plan.arranging.telling import FoundSoFar, Tell
+from plan.arranging.windows import earliest_s, latest_each_s, latest_s
 
 SEED: Final = 1
 REACH_S: Final = 4 * 3600  # assumed: nobody would call it the same train that is moved by more
 EARLY_S: Final = 60  # an arrival may be this much before its print: nobody gets on
-WAITS_S: Final = 3600  # assumed: a train may wait so long on its way to an end of which no time is printed
 PRESOLVED_S: Final = (
     1200  # as found: with more room for moves presolve took a minute once, otherwise less than a second
 )
 SECOND: Final = 20  # weight of a second
+EARLY_COST: Final = (
+    1  # more for one by which an arrival is early: of two plans the one that keeps to the minute
+)
 STOP_COST: Final = 5  # a stop that no source prints, where it saves nothing
 TRACK_COST: Final = 1  # a track that is not the usual one
 BEYOND_COST: Final = 1000 * SECOND
@@ -47,18 +51,23 @@ SLOWER_SHARE: Final = (
 DAY_BEGINS_S: Final = -3600
 PORTAL_S: Final = 180  # assumed: from a portal to leaving the station behind it, with the stop there, or back
 ANOTHER: Final = "+"  # stands for the section of a track that a station does not have
+BEYOND_TEXT: Final = f", a second beyond the limit as {BEYOND_COST // SECOND}"
 EXCLUSIVE = True  # off: a section is anybody's at any time
 
 IntVar = cp_model.IntVar
 
 
 class NoRoomError(ValueError):
-    """No plan: mostly sets that stand over have no tracks. `certain`: there is none, not only that none was found."""
+    """No plan: mostly sets that stand over have no tracks. `certain`: there is none, not only that none was found.
 
-    def __init__(self, why: str, *, certain: bool = True, work: float = 0.0) -> None:
+    `bound_s`: below which there is none, as in `Arranged`.
+    """
+
+    def __init__(self, why: str, *, certain: bool = True, work: float = 0.0, bound_s: float = 0.0) -> None:
         super().__init__(why)
         self.certain: Final = certain
         self.work: Final = work
+        self.bound_s: Final = bound_s
 
 
 class Aim(Enum):
@@ -107,9 +116,9 @@ class ArrangeModel:
         self._reach_s = reach_s
         self._held: dict[str, list[tuple[object, cp_model.IntervalVar]]] = defaultdict(list)
         self._cost: list[cp_model.LinearExpr | IntVar] = []
-        self._late: list[tuple[IntVar, IntVar | None]] = []  # of each printed time, and what of it is beyond
+        self._move_costs: list[cp_model.LinearExpr | IntVar] = []  # as in `search.cost_of`
         self._moves: list[tuple[TrainToArrange, Visit, str, int, IntVar | int]] = []
-        self._ends_s = max(_latest_s(train) for train in trains) + 2 * reach_s
+        self._ends_s = max(latest_s(train) for train in trains) + 2 * reach_s
         self.vars: Final = {
             train.number: _settled_vars(train, self._settled_at[train.number])
             if train.number in self._settled_at
@@ -124,17 +133,18 @@ class ArrangeModel:
                 self.model.add(first.departs >= before.arrives + train.turn_s)
             self._hold(train, becomes.get(train.number))
         self._exclude()
-        self.model.minimize(sum(self._cost))
+        self._move_costs += [MORE_COST * count for count in self._more.values()]
+        self.model.minimize(sum([*self._cost, *self._move_costs]))
 
     # times ------------------------------------------------------------------------------------------------------------
 
     def _train(self, train: TrainToArrange) -> list[_VisitVars]:
         found: list[_VisitVars] = []
         reach_s = max(self._reach_s, train.until_s - train.from_s)
-        earliest_s = _earliest_s(train)
-        latest_s = _latest_each_s(train, earliest_s, reach_s)
+        soonest_s = earliest_s(train)
+        by_then_s = latest_each_s(train, soonest_s, reach_s)
         for index, (visit, (comes_s, leaves_s), to_s) in enumerate(
-            zip(train.visits, earliest_s, latest_s, strict=True)
+            zip(train.visits, soonest_s, by_then_s, strict=True)
         ):
             name = f"{train.number} {visit.station_id}"
             arrives = self.model.new_int_var(comes_s, to_s, f"{name} a")
@@ -186,15 +196,17 @@ class ArrangeModel:
         name = f"{train.number} {visit.station_id} {what}"
         late = self.model.new_int_var(0, self._reach_s, f"{name} late")
         self.model.add(late >= at - printed_s)
+        moved = [late]
         if what == "arrival":
-            self.model.add(late >= printed_s - at)
-        self._cost.append(SECOND * late)
-        beyond = None
-        if self._reach_s > self._limit_s:
+            early = self.model.new_int_var(0, EARLY_S, f"{name} early")
+            self.model.add(early >= printed_s - at)
+            self._move_costs.append(EARLY_COST * early)
+            moved.append(early)
+        self._move_costs += [SECOND * by for by in moved]
+        for by in moved if self._reach_s > self._limit_s else ():
             beyond = self.model.new_int_var(0, self._reach_s, f"{name} beyond")
-            self.model.add(beyond >= late - self._limit_s)
-            self._cost.append(BEYOND_COST * beyond)
-        self._late.append((late, beyond))
+            self.model.add(beyond >= by - self._limit_s)
+            self._move_costs.append(BEYOND_COST * beyond)
         self._moves.append((train, visit, what, printed_s, at))
 
     # what is held -----------------------------------------------------------------------------------------------------
@@ -324,7 +336,6 @@ class ArrangeModel:
                 0, 1 if has else self._more_max[station_id], f"{station_id} more"
             )
             self.model.add_cumulative(intervals, [1] * len(intervals), count + has)
-            self._cost.append(MORE_COST * count)
 
     def begin_with(self, visits: Mapping[str, Sequence[ArrangedVisit]]) -> None:
         """A plan to begin from."""
@@ -341,7 +352,9 @@ class ArrangeModel:
 
     # the answer -------------------------------------------------------------------------------------------------------
 
-    def solve(self, work_max: float, aim: Aim = Aim.LEAST, below: int | None = None) -> Arranged:
+    def solve(
+        self, work_max: float, aim: Aim = Aim.LEAST, below: int | None = None, tell: Tell | None = None
+    ) -> Arranged:
         """The best plan that so much counted work finds; NoRoomError where there is none.
 
         `below`: and none that moves printed times by as much, weighted as in `cost_of`.
@@ -354,7 +367,7 @@ class ArrangeModel:
         if aim is Aim.FEWEST:
             self.model.minimize(sum(self._more.values()))
         if below is not None:
-            self.model.add(sum(self._move_costs()) < below)
+            self.model.add(sum(self._move_costs) < below)
         solver = cp_model.CpSolver()
         solver.parameters.random_seed = SEED
         solver.parameters.num_workers = 1
@@ -362,19 +375,28 @@ class ArrangeModel:
         # Orders decide and sums of moves relax badly: without linear programs, and from below, the proof comes sooner.
         solver.parameters.linearization_level = 0
         solver.parameters.optimize_with_core = aim in {Aim.LEAST, Aim.FEWEST}
+        solver.parameters.core_minimization_level = 1
+        # What is beyond the limit may be much of one time: the most of each conflict, not a second more and again.
+        solver.parameters.cover_optimization = self._reach_s > self._limit_s
+        # Precedences seen at once, not when a search has run into them: the proof then comes at all (decision 244).
+        solver.parameters.use_strong_propagation_in_disjunctive = aim is not Aim.ANY
         # Trains that push each other through a wide reach second by second: presolve does not count such work.
         solver.parameters.cp_model_presolve = self._reach_s <= PRESOLVED_S
         if (
             aim is Aim.ANY
         ):  # as a dispatcher does it: what can be first in the day is settled first, as soon as it can be
             solver.parameters.search_branching = cp_model.FIXED_SEARCH
-        status = solver.solve(self.model)
+        told = None
+        if tell is not None and aim is Aim.LEAST:
+            told = FoundSoFar(tell, SECOND, "" if self._reach_s == self._limit_s else BEYOND_TEXT)
+            solver.best_bound_callback = told.on_bound
+        status = solver.solve(self.model, told)
         work = solver.response_proto.deterministic_time
+        bound_s = solver.best_objective_bound / SECOND if aim is Aim.LEAST else 0.0
         if status not in {cp_model.OPTIMAL, cp_model.FEASIBLE}:
             certain = status == cp_model.INFEASIBLE
-            raise NoRoomError(
-                "no plan keeps all trains apart" if certain else "none was found", certain=certain, work=work
-            )
+            why = "no plan keeps all trains apart" if certain else "none was found"
+            raise NoRoomError(why, certain=certain, work=work, bound_s=bound_s)
         visits = {number: self._settled(own, solver) for number, own in self.vars.items()}
         moves = tuple(
             PrintedMove(train.number, visit.station_id, what, printed_s, by_s)
@@ -385,18 +407,11 @@ class ArrangeModel:
             visits,
             moves,
             status == cp_model.OPTIMAL and aim in {Aim.LEAST, Aim.FEWEST},
-            solver.best_objective_bound / SECOND if aim is Aim.LEAST else 0.0,
+            bound_s,
             self._reach_s,
             work,
             {name: count for name, at in self._more.items() if (count := solver.value(at))},
         )
-
-    def _move_costs(self) -> Iterator[cp_model.LinearExpr]:
-        for late, beyond in self._late:
-            yield SECOND * late
-            if beyond is not None:
-                yield BEYOND_COST * beyond
-        yield from (MORE_COST * count for count in self._more.values())
 
     def _settled(self, own: Sequence[_VisitVars], solver: cp_model.CpSolver) -> tuple[ArrangedVisit, ...]:
         found: list[ArrangedVisit] = []
@@ -440,52 +455,3 @@ def _if(one: _VisitVars, *, stands: bool) -> list[cp_model.LiteralT]:
     if one.stands is None:
         return []
     return [one.stands if stands else ~one.stands]
-
-
-def _earliest_s(train: TrainToArrange) -> list[tuple[int, int]]:
-    """When a train can come and leave at the earliest, s, leaving as printed where it can."""
-    found: list[tuple[int, int]] = []
-    for before, visit in pairwise((None, *train.visits)):
-        if visit is None:
-            continue
-        if before is None:
-            arrives_s = _begins_s(train)
-        elif visit.run is None:
-            raise ValueError(f"{visit.station_id}: no running time")
-        else:
-            runs_s = [run_s for one, other, run_s in visit.run.ways() if before.can(one) and visit.can(other)]
-            arrives_s = found[-1][1] + min(runs_s)
-        departs_s = arrives_s + (visit.stay_s if before and visit.standing is Standing.ALWAYS else 0)
-        found.append((arrives_s, max(departs_s, visit.departure_s or departs_s)))
-    return found
-
-
-def _latest_each_s(train: TrainToArrange, earliest_s: Sequence[tuple[int, int]], reach_s: int) -> list[int]:
-    """When a train leaves each of its visits at the latest, s: so much after print, and in time for what follows."""
-    found: list[int] = []
-    follows: Visit | None = None
-    for visit, (comes_s, leaves_s) in zip(reversed(train.visits), reversed(earliest_s), strict=True):
-        if visit.departure_s is not None:
-            latest_s = leaves_s + reach_s
-        elif follows is None or follows.run is None:
-            latest_s = (
-                comes_s + WAITS_S if visit.arrival_s is None else max(comes_s, visit.arrival_s)
-            ) + reach_s
-        else:
-            latest_s = found[-1] - min(run_s for _, _, run_s in follows.run.ways())
-        found.append(latest_s)
-        follows = visit
-    return found[::-1]
-
-
-def _begins_s(train: TrainToArrange) -> int:
-    first = train.visits[0]
-    if first.departure_s is not None:
-        return first.departure_s
-    printed_s = [s for visit in train.visits for s in (visit.arrival_s, visit.departure_s) if s is not None]
-    least_s = sum(visit.run.stop_stop + visit.stay_s for visit in train.visits if visit.run is not None)
-    return train.from_s if not printed_s else printed_s[0] - least_s
-
-
-def _latest_s(train: TrainToArrange) -> int:
-    return max(s for v in train.visits for s in (v.arrival_s, v.departure_s, train.until_s) if s is not None)

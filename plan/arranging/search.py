@@ -10,18 +10,37 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
-from plan.arranging.model import ANOTHER, BEYOND_COST, MORE_COST, SECOND, Aim, ArrangeModel, NoRoomError
-from plan.arranging.problem import Arranged, ArrangedVisit, PrintedMove, TrainToArrange
+from plan.arranging.model import (
+    ANOTHER,
+    BEYOND_COST,
+    EARLY_COST,
+    MORE_COST,
+    SECOND,
+    STOP_COST,
+    TRACK_COST,
+    Aim,
+    ArrangeModel,
+    NoRoomError,
+)
+from plan.arranging.problem import Arranged, ArrangedVisit, PrintedMove, Standing, TrainToArrange
+from plan.arranging.telling import Tell, tell_nobody
 
+MINUTE_S: Final = 60
 SPANS_S: Final = (3600, 7200, 10_800)  # assumed: how long a stretch is, one after the other
 STRETCH_WORK: Final = 0.04  # of the solver's counted work for one stretch
+GAIN_MIN: Final = 0.01  # of what moves in a stretch count: who gains less there goes on elsewhere
 BUILDING_WORK: Final = 0.01  # counted for each besides: to state it takes time, too
 
 Visits = Mapping[str, tuple[ArrangedVisit, ...]]
 
 
 def improved(
-    trains: Sequence[TrainToArrange], plan: Arranged, limit_s: int, more: Mapping[str, int], work_max: float
+    trains: Sequence[TrainToArrange],
+    plan: Arranged,
+    limit_s: int,
+    more: Mapping[str, int],
+    work_max: float,
+    tell: Tell = tell_nobody,
 ) -> tuple[Arranged, float]:
     """A plan that is better, where so much counted work finds one, and how much it took."""
     spent = 0.0
@@ -30,10 +49,16 @@ def improved(
         while (free := _worst(trains, plan, limit_s, span_s, tried)) is not None:
             if spent >= work_max:
                 return plan, spent
+            total_s = sum(abs(move.by_s) for move in plan.moves)
+            tell(f"better in steps of {span_s // MINUTE_S} min, moves of {total_s} s in all so far")
+            worth = _worth(plan, free, limit_s)
             tried[free] = _state(plan, free)
-            better, work = _better(trains, plan, free, limit_s, more, _worth(plan, free, limit_s))
+            better, work = _better(trains, plan, free, limit_s, more, worth)
             spent += work + BUILDING_WORK
-            plan = better or plan
+            if better is not None:
+                plan = better
+                if _worth(plan, free, limit_s) > (1.0 - GAIN_MIN) * worth:
+                    tried[free] = None
     return plan, spent
 
 
@@ -44,11 +69,18 @@ def _worst(
     span_s: int,
     tried: Mapping[frozenset[str], object],
 ) -> frozenset[str] | None:
-    """The trains of the stretch in which moves count most, of those that are not tried as they are."""
+    """The trains of the stretch in which moves count most, of those that are not tried as they are.
+
+    `tried`: the state in which a stretch was; None: it gains next to nothing.
+    """
     found = [
         _running(trains, plan.visits, from_s, from_s + span_s) for from_s in _stretches(plan.visits, span_s)
     ]
-    new = [free for free in found if tried.get(free) != _state(plan, free) and _worth(plan, free, limit_s)]
+    new = [
+        free
+        for free in found
+        if tried.get(free, ()) not in {None, _state(plan, free)} and _worth(plan, free, limit_s)
+    ]
     return max(new, key=lambda free: _worth(plan, free, limit_s), default=None)
 
 
@@ -89,9 +121,27 @@ def with_fewer_tracks(
 
 def cost_of(moves: Iterable[PrintedMove], lacking: Mapping[str, int], limit_s: int) -> int:
     """What moves of printed times and tracks that lack count together, as in the model."""
-    by_s = [abs(move.by_s) for move in moves]
-    beyond_s = sum(max(0, s - limit_s) for s in by_s)
-    return SECOND * sum(by_s) + BEYOND_COST * beyond_s + MORE_COST * sum(lacking.values())
+    by_s = [move.by_s for move in moves]
+    beyond_s = sum(max(0, abs(s) - limit_s) for s in by_s)
+    early_s = sum(max(0, -s) for s in by_s)
+    moved = SECOND * sum(map(abs, by_s)) + EARLY_COST * early_s
+    return moved + BEYOND_COST * beyond_s + MORE_COST * sum(lacking.values())
+
+
+def gap_of(trains: Sequence[TrainToArrange], plan: Arranged, limit_s: int) -> tuple[float, float]:
+    """By how much a plan is from the least at most, s, and which share of what it counts: 0 where it is proven.
+
+    As the model weighs it: a second beyond the limit as many, a stop that nobody prints or another track as a part.
+    """
+    if plan.proven:
+        return 0.0, 0.0
+    counts = cost_of(plan.moves, plan.more_tracks, limit_s)
+    for train in trains:
+        for visit, here in zip(train.visits, plan.visits[train.number], strict=True):
+            counts += STOP_COST * (here.stands and visit.standing is Standing.MAY)
+            counts += TRACK_COST * (here.track in visit.tracks[1:])
+    gap_s = max(0.0, counts / SECOND - plan.bound_s)
+    return gap_s, gap_s * SECOND / counts if counts else 0.0
 
 
 def _better(

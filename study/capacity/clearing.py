@@ -9,6 +9,7 @@ the way.
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -75,13 +76,17 @@ class Clearing:
         `doubt`: share of the way since the last tag that the odometer may have shown too much, for a release on it.
         """
         known_m = _known_m(journey.mission)
-        for last_m, next_m in zip(known_m, (*known_m[1:], math.inf), strict=True):
+        growth = self.growth
+        least_m = self.unit.tag_accuracy_m + self.pulse_m
+        first = max(
+            bisect_right(known_m, max(from_m, end_m)) - 1, 0
+        )  # before it the front is not beyond either
+        for at, last_m in enumerate(known_m[first:], first):
             begin_m = max(from_m, last_m)
-            if begin_m >= next_m:
-                continue
-            rear_m = begin_m - self.bound_m(journey, begin_m) - journey.length_m - doubt * (begin_m - last_m)
-            at_m = begin_m + max(end_m - rear_m, 0.0) / (1.0 - self.growth - doubt)
-            if at_m < next_m:
+            since_m = max(begin_m - known_m[max(at - self.unit.tags_wrong_together, 0)], 0.0)
+            rear_m = begin_m - (least_m + growth * since_m) - journey.length_m - doubt * (begin_m - last_m)
+            at_m = begin_m + max(end_m - rear_m, 0.0) / (1.0 - growth - doubt)
+            if at + 1 == len(known_m) or at_m < known_m[at + 1]:
                 return at_m
         return math.inf
 

@@ -37,16 +37,25 @@ def test_compiling_that_takes_a_while_is_told_with_the_time_left(
     ]  # fmt: skip
 
 
-def test_what_takes_long_says_so_ever_less_often(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("rarer", "told_s", "waits_s"),
+    [(True, (2, 4, 8), [2.0, 2.0, 4.0, 8.0]), (False, (2, 4, 6), [2.0, 2.0, 2.0, 2.0])],
+)
+def test_what_takes_long_says_so_ever_less_often_or_every_2_s(
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    rarer: bool,
+    told_s: tuple[int, ...],
+    waits_s: list[float],
 ) -> None:
     waited_s: list[float] = []
-    done = Event()
+    done, told = Event(), Event()
 
     class Watched(Event):
         def wait(self, timeout: float | None = None) -> bool:
             if timeout is None:  # a thread's own, that it has started
                 return super().wait()
+            told.wait()
             waited_s.append(timeout)
             if len(waited_s) <= 3:
                 return False
@@ -54,7 +63,9 @@ def test_what_takes_long_says_so_ever_less_often(
             return super().wait()
 
     monkeypatch.setattr(progress.threading, "Event", Watched)
-    with said_if_long("fitting"):
+    with said_if_long("fitting", ever_rarer=rarer) as tell:
+        tell("curve 2")
+        told.set()
         done.wait()
-    assert capsys.readouterr().err.splitlines() == [f"fitting: {so_far} s so far" for so_far in (2, 4, 8)]
-    assert waited_s == [2.0, 2.0, 4.0, 8.0]
+    assert capsys.readouterr().err.splitlines() == [f"fitting: {s} s so far, curve 2" for s in told_s]
+    assert waited_s == waits_s

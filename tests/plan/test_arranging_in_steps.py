@@ -12,7 +12,7 @@ import pytest
 
 from network.files.timetable_schema import CallTable
 from network.timetable import Call
-from plan.arranging import nearest
+from plan.arranging import nearest, search
 from plan.arranging.draft import _printed
 from plan.arranging.lacking import Day, Halts, MoreTracks
 from plan.arranging.model import ANOTHER, Aim, ArrangeModel
@@ -27,7 +27,7 @@ from plan.arranging.problem import (
     TrainToArrange,
     Visit,
 )
-from plan.arranging.search import improved, with_fewer_tracks
+from plan.arranging.search import gap_of, improved, with_fewer_tracks
 from tests.plan.small_day import NOON, RUN, train_of
 
 TRACKS: dict[str, tuple[str, ...]] = {"A": ("A.1", "A.2"), "L": ("L.1",), "B": ("B.1", "B.2")}
@@ -103,6 +103,51 @@ def test_where_the_day_as_a_whole_is_too_much_the_answer_comes_in_steps(
     assert (arranged.moves, arranged.proven) == (LEAST, False)
 
 
+def test_what_is_done_is_told_as_it_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(nearest, "WHOLE_WORK", 0.0)
+    told: list[str] = []
+    nearest_plan([_meet()], 300, tell_all=told.append)
+    head = "moves by 300 s at most: "
+    assert told[:2] == [f"{head}looking for the least", f"{head}looking for any plan"]
+    assert any("better in steps of 60 min" in text for text in told)
+
+
+def test_the_least_is_told_with_its_bound() -> None:
+    told: list[str] = []
+    plan = ArrangeModel(_meet(), 300, 300).solve(0.1, tell=told.append)
+    assert plan.proven
+    assert told[-1] == "moves of 30 s in all found, 30 s needed at least"
+
+
+def test_how_far_a_plan_is_from_the_least_at_most() -> None:
+    """230 s against a bound of 30 s; a second beyond a limit of 200 s as 1,000 more."""
+    plan = replace(_late(by_s=200), bound_s=30.0)
+    assert gap_of(_meet(), plan, 300) == (200.0, 200 / 230)
+    assert gap_of(_meet(), plan, 200) == (30_200.0, 30_200 / 30_230)
+    assert gap_of(_meet(), replace(plan, proven=True), 300) == (0.0, 0.0)
+
+
+def test_a_stop_that_nobody_prints_counts_in_it_as_in_the_model() -> None:
+    """A quarter of a second."""
+    down, up = _meet()
+    loop = replace(down.visits[1], standing=Standing.MAY)
+    trains = [replace(down, visits=(down.visits[0], loop, down.visits[2])), up]
+    assert gap_of(trains, replace(_late(by_s=0), bound_s=30.0), 300)[0] == 0.25
+
+
+def test_a_stretch_in_which_next_to_nothing_is_gained_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One in which each step gains a second is not what all steps go to."""
+    asked: list[int] = []
+
+    def gains_a_second(*_given: object) -> tuple[Arranged, float]:
+        asked.append(1)
+        return _late(by_s=500 - len(asked)), 0.0
+
+    monkeypatch.setattr(search, "_better", gains_a_second)
+    improved(_meet(), _late(by_s=500), 300, {}, work_max=0.5)
+    assert len(asked) == len(search.SPANS_S)
+
+
 def test_any_plan_keeps_trains_apart() -> None:
     plan = ArrangeModel(_meet(), 300, 300).solve(0.1, Aim.ANY)
     assert plan.visits["2"][1].departure_s >= plan.visits["1"][1].arrival_s >= NOON + 300
@@ -144,6 +189,7 @@ def test_the_halt_at_which_trains_could_meet_is_named_with_them() -> None:
     plan = nearest_plan([_by_a_halt()], 60, _room([_meet()]))
     assert max(move.by_s for move in plan.arranged.moves) == 570
     assert plan.lacking == MoreTracks({"L": 1}, 30, {"L": ("1", "2")})
+    assert plan.none_within_s == 300
 
 
 def test_a_halt_without_room_for_a_second_track_is_not_named() -> None:

@@ -121,6 +121,11 @@ def test_an_arrival_before_its_print_counts_as_one_after_it() -> None:
     assert plan.bound_s == pytest.approx(30.0, abs=0.5)
 
 
+def test_of_two_plans_with_the_same_moves_the_one_that_keeps_to_the_minute() -> None:
+    """Down 30 s early, or up 30 s late, which is in the minute that is printed."""
+    assert _against(limit_s=300).moves == (PrintedMove("2", "B", "departure", NOON + 330, 30),)
+
+
 def test_two_moves_within_the_limit_are_better_than_one_beyond_it() -> None:
     moves = {(move.number, move.by_s) for move in _against(limit_s=15).moves}
     assert moves == {("1", -15), ("2", 15)}
