@@ -28,6 +28,7 @@ from onboard.localisation.curvature_bounds import (
     WHITE_PER_M,
     WORSE,
     best_count,
+    beyond_in_block,
     calibrate,
     explained_by_jump,
     explains,
@@ -160,7 +161,7 @@ def fix_by(own: CurvatureRow, unit: UnitRow, count: int) -> int:
     weigh_shift(own, least, count)
     # what is left beyond what is stated counts as white noise: a gyro that has gone worse
     beyond = own.free[least] / count - WORSE * own.rail_variance_per_m2 - own.misfit / count
-    white = max(beyond, 0.0) / WHITE_PER_M
+    white = max(beyond, beyond_in_block(own, least, count), 0.0) / WHITE_PER_M
     noise = noise_of(own, own.slope2, own.bend2, own.slow_mean_s_per_m) + white
     sure_m = own.settings.sure_sigmas * math.sqrt(noise / own.left) if own.left > 0.0 else np.inf
     if not (sure_m <= NEAR_M and explains(own, least, count, white)):

@@ -34,6 +34,9 @@ WORSE: Final = (
 )
 
 
+WORSE_IN_BLOCK: Final = 5.0  # the same of a block, of some three independent values
+
+
 @compiled
 def gain_doubt(own: CurvatureRow) -> float:
     """What a curvature by gyro and wheels may be wrong by, as a share."""
@@ -133,6 +136,24 @@ def misfit_of(
     doubt_m = own.ahead_m - own.then_ahead_m[i] + own.behind_m - own.then_behind_m[i]
     uneven = abs(own.slow_s_per_m[i] - own.slow_mean_s_per_m)
     return float(abs(slope) * doubt_m / 2.0 + gain * abs(bent_per_m) + bias_radps * uneven)
+
+
+@compiled
+def beyond_in_block(own: CurvatureRow, shift: int, count: int) -> float:
+    """What is left beyond what is stated in the worst block, 1/m2, where that is more than chance makes of it: a gyro
+    that has gone worse on the way, which the mean over all that is compared does not show yet.
+    """
+    end, newest = own.at + WINDOW_MAX, own.whole - 1 + shift
+    worst = block2 = 0.0
+    for k in range(count - 1):
+        away = own.known_per_m[newest - k] - own.bent_per_m[end - 1 - k] - own.mean_per_m
+        block2 += away * away
+        if (k + 1) % BLOCK_M == 0:
+            worst = max(worst, block2 / BLOCK_M)
+            block2 = 0.0
+    worst -= own.misfit / count
+    noisy = worst > WORSE_IN_BLOCK * own.rail_variance_per_m2
+    return float(worst - WORSE * own.rail_variance_per_m2) if noisy else 0.0
 
 
 @compiled

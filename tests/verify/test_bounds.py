@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from papers.joint_faults import FAILS, carried_in
+from papers.joint_faults import FAILS, Trouble, carried_in
 from papers.position_fusion import FORGIVING, JOINT
-from verify.evidence.bounds import TriedRun, in_words, search, try_out
+from verify.evidence.bounds import Candidate, TriedRun, in_words, search, try_out
 
 SEED = 2
 
@@ -35,6 +35,15 @@ def test_no_searched_run_leaves_its_bounds(
     for tried in nearest:
         known = {kind for sensor in carried_in(tried.candidate.number) for kind in FAILS.get(sensor, {})}
         assert {t.kind for t in tried.candidate.troubles} <= known | {"no_output", "gnss_frozen"}
+
+
+def test_a_gyro_that_goes_bad_within_what_is_compared_moves_nothing() -> None:
+    """Noise of 61 times what is stated in the newest metres, none in those before: on the mean it hardly shows."""
+    worse = [
+        Trouble("gyro_noise", None, 4235.0 + k, 7235.0 + k, "gyro_noise", {"factor": factor})
+        for k, factor in ((0.0, 8.69), (73.0, 7.06))
+    ]
+    assert not try_out(40001, Candidate(105, tuple(worse)), JOINT).broken
 
 
 def test_the_same_seed_gives_the_same_search() -> None:
