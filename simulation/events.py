@@ -19,6 +19,7 @@ from onboard.crossing_notes import CrossingCreep
 from onboard.notes import Holds, ProofDropped, Proven, Reported, UnitRestarted
 from radio.noted import Lost, Noted, Sent, TookEffect
 from wayside import said
+from wayside.crossing_said import CrossingOpens
 from wayside.said import Accepted, Barred, ConfirmedByHand, Freed, Granted, Outside, PictureChanged, Started
 
 # What the checkers match on; they take it from here, so that they import nothing of who writes it.
@@ -27,6 +28,7 @@ __all__ = [
     "Barred",
     "ConfirmedByHand",
     "CrossingCreep",
+    "CrossingOpens",
     "Freed",
     "Granted",
     "Holds",

@@ -149,12 +149,13 @@ class Checkers:
         """
         body = self._bodies[unit_id]
         self._proofs.pop(unit_id, None)
-        self._crossings.forget(unit_id)
         self._locking.forget_losses(unit_id)
         if body.speed_mps > 0.0:
             text = f"{unit_id} changed ends at {body.speed_mps:.1f} m/s"
             self._log.note(t_s, Checker.NO_JUMP, unit_id, text)
+        run_m = body.run_m
         self._track.turn(body)
+        self._crossings.turned(body, run_m)
 
     def observe(
         self, t_s: float, unit_id: str, edge_id: str, lane_position_m: float, speed_mps: float

@@ -17,6 +17,7 @@ from simulation.events import (
     CrossingBarriers,
     CrossingCreep,
     CrossingLamps,
+    CrossingOpens,
     CutOut,
     PointsForced,
     PointsLocked,
@@ -53,6 +54,16 @@ class Case:
     start: Callable[[], Stage]
     bad: Act
     good: Act
+
+
+def ceases(stage: Stage) -> Stage:
+    """The barriers over W begin to rise."""
+    return stage.world(CrossingBarriers(crossing_id="W", state=BarrierState.RISING))
+
+
+def on_the_road() -> Stage:
+    """A came onto the closed road over W, and its rear has 24 m to go to it."""
+    return at_crossings().shut("W", 15.0, 20.0).see("A", ("W+", 249.0), ("W+", 255.0), ("W+", 265.0))
 
 
 def let_in_to_t2(stage: Stage) -> Stage:
@@ -356,6 +367,34 @@ CASES = (
             .see("A", ("W+", 255.0))
         ),
         lambda s: s.shut("W", 15.0, 20.0).see("A", ("W+", 255.0)),
+    ),
+    Case(
+        "a road that was asked to close only when it was too late to stop",
+        Checker.CROSSING_OPEN,
+        lambda: at_crossings().see("A", ("W+", 210.0), ("W+", 240.0), speed_mps=25.0),
+        lambda s: s.world(CrossingLamps(crossing_id="W", lit=True)).see("A", ("W+", 255.0), speed_mps=25.0),
+        lambda s: ceases(s.shut("W", 15.0, 20.0)).see("A", ("W+", 255.0), speed_mps=25.0),
+    ),
+    Case(
+        "a road that ceased to be closed too late to stop, and it stood before it",
+        Checker.CROSSING_OPEN,
+        lambda: ceases(at_crossings().see("A", ("W+", 240.0), speed_mps=25.0).shut("W", 15.0, 20.0)),
+        lambda s: s.see("A", ("W+", 249.0), speed_mps=0.0).see("A", ("W+", 255.0)),
+        lambda s: s.see("A", ("W+", 255.0), speed_mps=25.0),
+    ),
+    Case(
+        "a road that opens with the rear yet to clear it",
+        Checker.CROSSING_OPEN,
+        on_the_road,
+        lambda s: s.entry("W", CrossingOpens()),
+        lambda s: s.see("A", ("W+", 295.0)).entry("W", CrossingOpens()),
+    ),
+    Case(
+        "a road that opens under who has turned on it",
+        Checker.CROSSING_OPEN,
+        lambda: on_the_road().see("A", ("W+", 265.0), speed_mps=0.0).turn("A"),
+        lambda s: s.see("A", ("W-", 85.0)).entry("W", CrossingOpens()),
+        lambda s: s.see("A", ("W-", 92.0)).entry("W", CrossingOpens()),
     ),
     Case(
         "a road without barriers, unlit",
