@@ -84,7 +84,7 @@ class Checkers:
         self._liveness = LivenessWatch(self._log)
         self._entries = EntryWatch(net, overlaps, {facts.section_id for facts in points.values()}, self._log)
         self._pilots = PilotWatch(pilots_needs, self._log)
-        self._crossings = CrossingWatch(crossings, creep_mps, brakes, self._log)
+        self._crossings = CrossingWatch(net, crossings, creep_mps, brakes, self._log)
         self._unit_ids = tuple(unit_ids)  # registered on the line, whatever the manager says of them
         self._bodies: dict[str, Body] = {}
         self._occupants: dict[str, set[str]] = {}

@@ -23,6 +23,7 @@ from simulation.events import (
 from simulation.judge.body import RESOLUTION_M, Body
 from simulation.judge.locking import GuaranteedBrake
 from simulation.judge.log import Checker, Log
+from sumo_cfg.truth_map import NetMap
 
 TIME_TOLERANCE_S: Final = 0.11  # a front is seen at the end of a step
 CREEP_MARGIN_MPS: Final = 0.6
@@ -54,12 +55,14 @@ class CrossingWatch:
 
     def __init__(
         self,
+        net: NetMap,
         crossings: Mapping[str, CrossingFacts],
         creep_mps: float,
         brakes: Mapping[str, GuaranteedBrake],
         log: Log,
     ) -> None:
         self._facts, self._creep_mps, self._brakes, self._log = crossings, creep_mps, brakes, log
+        self._edges = net.edges
         self._roads = {crossing_id: _WatchedRoad() for crossing_id in crossings}
         self._on_edge: dict[str, list[tuple[float, str]]] = {}
         for crossing_id, facts in crossings.items():
@@ -113,14 +116,24 @@ class CrossingWatch:
         """Who cannot stop any more before a road that was closed since `was_s` and is not any more."""
         if was_s == math.inf or self._closed_s(crossing_id) < math.inf:
             return
-        begins_m = self._facts[crossing_id].begins_m
         for body in bodies:
-            room_m = begins_m.get(body.edge_id, -math.inf) - body.front_m
             brake = self._brakes.get(body.unit_id)
-            if brake is not None and room_m > 0.0:
+            if brake is not None:
                 late_m = body.speed_mps * (brake.reaction_s + TOLD_WITHIN_S)
-                if room_m <= late_m + body.speed_mps**2 / (2.0 * brake.deceleration_mps2):
+                stops_m = late_m + body.speed_mps**2 / (2.0 * brake.deceleration_mps2)
+                if self._comes_within(body, crossing_id, stops_m):
                     self._too_late.add((body.unit_id, crossing_id))
+
+    def _comes_within(self, body: Body, crossing_id: str, stops_m: float) -> bool:
+        """Whether the road begins so near before a front, whichever way that goes."""
+        begins_m = self._facts[crossing_id].begins_m
+        ways = [(self._edges[body.path[-1]], -body.front_m)]
+        for edge, at_m in ways:  # grows as it goes
+            if 0.0 < at_m + begins_m.get(edge.id, -math.inf) <= stops_m:
+                return True
+            if at_m + edge.length_m <= stops_m:
+                ways += [(self._edges[onto], at_m + edge.length_m) for onto in edge.next_edge_ids]
+        return False
 
     def forget(self, unit_id: str) -> None:
         """The train has turned, or is off the line: where its front was says nothing any more."""

@@ -30,6 +30,7 @@ from simulation.events import (
     UnitRestarted,
 )
 from simulation.judge.checkers import Checker
+from simulation.judge.crossings import CrossingFacts
 from simulation.judge.liveness import LOOKS_EVERY_S, STANDS_S
 from tests.simulation.judge.stage import (
     Stage,
@@ -42,6 +43,7 @@ from tests.simulation.judge.stage import (
 )
 
 Act = Callable[[Stage], Stage]
+DARK = CrossingLamps(crossing_id="T", lit=False)
 GUARDED = CrossingCreep(crossing_id="W", guarded=True)
 
 
@@ -59,6 +61,12 @@ class Case:
 def ceases(stage: Stage) -> Stage:
     """The barriers over W begin to rise."""
     return stage.world(CrossingBarriers(crossing_id="W", state=BarrierState.RISING))
+
+
+def before_a_joint() -> Stage:
+    """A runs on points 1 towards a road 10 m beyond them, which is closed."""
+    road = CrossingFacts({"T1+": 10.0, "T1-": 244.0}, False, 20.0, 20.0)
+    return on_points({"T": road}).shut("T", 0.0, 21.0)
 
 
 def on_the_road() -> Stage:
@@ -381,6 +389,13 @@ CASES = (
         lambda: ceases(at_crossings().see("A", ("W+", 240.0), speed_mps=25.0).shut("W", 15.0, 20.0)),
         lambda s: s.see("A", ("W+", 249.0), speed_mps=0.0).see("A", ("W+", 255.0)),
         lambda s: s.see("A", ("W+", 255.0), speed_mps=25.0),
+    ),
+    Case(
+        "a road beyond a joint that ceased to be closed in time to stop, and too late",
+        Checker.CROSSING_OPEN,
+        before_a_joint,
+        lambda s: s.see("A", ("normal1+", 21.0), speed_mps=1.0).world(DARK).see("A", ("T1+", 15.0)),
+        lambda s: s.see("A", ("normal1+", 21.0), speed_mps=9.0).world(DARK).see("A", ("T1+", 15.0)),
     ),
     Case(
         "a road that opens with the rear yet to clear it",
