@@ -20,7 +20,17 @@ from onboard.notes import Holds, ProofDropped, Proven, Reported, UnitRestarted
 from radio.noted import Lost, Noted, Sent, TookEffect
 from wayside import said
 from wayside.crossing_said import CrossingOpens
-from wayside.said import Accepted, Barred, ConfirmedByHand, Freed, Granted, Outside, PictureChanged, Started
+from wayside.said import (
+    Accepted,
+    Barred,
+    ConfirmedByHand,
+    Freed,
+    Granted,
+    Outside,
+    PictureChanged,
+    Started,
+    TakenBack,
+)
 
 # What the checkers match on; they take it from here, so that they import nothing of who writes it.
 __all__ = [
@@ -38,6 +48,7 @@ __all__ = [
     "Proven",
     "Reported",
     "Started",
+    "TakenBack",
     "TookEffect",
     "UnitRestarted",
 ]

@@ -38,6 +38,7 @@ from simulation.events import (
     Proven,
     Reported,
     Started,
+    TakenBack,
     TookEffect,
     UnitRestarted,
     Unsafe,
@@ -334,6 +335,8 @@ class Checkers:
                 self._outside(t_s, unit_id)
             case Barred(unit_id=unit_id):
                 self._register.barred(unit_id)
+            case TakenBack(unit_id=unit_id):
+                self._register.taken_back(unit_id)
             case PictureChanged(stage="defined"):
                 self._register.defined()
             case Started(epoch=epoch):

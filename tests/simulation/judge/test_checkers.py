@@ -27,6 +27,7 @@ from simulation.events import (
     Reported,
     RoadStopped,
     Started,
+    TakenBack,
     UnitRestarted,
 )
 from simulation.judge.checkers import Checker
@@ -278,6 +279,13 @@ CASES = (
         lambda: second(authorised()).entry(MANAGER, Started(epoch=1)).accept("A", "W", "P1", "T1"),
         lambda s: s.bar("B").grant("A", "P2", "B"),
         lambda s: s.accept("B", "E").bar("B").grant("A", "P2", "B"),
+    ),
+    Case(
+        "persons take back what they had said of a unit",
+        Checker.UNDEFINED_GRANTS_NOTHING,
+        lambda: second(authorised()).by_hand("B", "E").entry(MANAGER, TakenBack(unit_id="B", by="Sato")),
+        lambda s: s.grant("A", "P2", "B"),
+        lambda s: s.accept("B", "E").grant("A", "P2", "B"),
     ),
     Case(
         "a unit on the line that is on no list",
