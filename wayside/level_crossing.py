@@ -90,7 +90,8 @@ class Approach(msgspec.Struct, frozen=True, array_like=True):
 class CrossingDevice(msgspec.Struct, frozen=True):
     """State of the device.
 
-    `lit_s`: since when lamps are detected; `deadline_s`: when what was commanded must be detected; `believed_s`: until then a unit may still go by what was proved of lamps that went out.
+    `lit_s`: since when lamps are detected; `deadline_s`: when what was commanded must be detected; `believed_s`: until
+    then a unit may still go by what was proved of lamps that went out.
     `persons` have said since a train was announced or counted in last that no train comes; two of them strike off at
     `frees_s` who has said nothing since, and as many as were `doubted` of the trains that contacts have counted in.
     `listening`: units that are told whether anything is on it, and the correlation of what each asked last.
@@ -150,8 +151,8 @@ def start(
     config: CrossingConfig, memory: CrossingMemory, *, lost: bool = False, again: bool = False
 ) -> CrossingDevice:
     """A device after a (re)start: closed, for whoever had announced itself; `lost`: nobody knows who had, and may stand
-    on it unheard, so persons must say that no train comes. `again`: a front may have passed a contact while it was dark,
-    so one train more counts as counted in.
+    on it unheard, so persons must say that no train comes. `again`: a front may have passed a contact while it was
+    dark, so one train more counts as counted in.
     """
     if again and config.contacts:
         memory = replace(memory, counted=memory.counted + 1)
@@ -348,11 +349,11 @@ def _leave_open(device: CrossingDevice, event: CrossingLeft, _now_s: float) -> C
 def _leave_closed(device: CrossingDevice, event: CrossingLeft, now_s: float) -> CrossingStep:
     """Not announced any more; opens behind the last one. Confirmed, as often as it is said."""
     device, confirmed = _leave_open(device, event, now_s)
-    device, opened = _open_if_free(device, now_s)
+    device, opened = _open_if_free(device)
     return device, (*confirmed, *opened)
 
 
-def _open_if_free(device: CrossingDevice, now_s: float, struck_off: tuple[str, ...] = ()) -> CrossingStep:
+def _open_if_free(device: CrossingDevice, struck_off: tuple[str, ...] = ()) -> CrossingStep:
     if _wanted(device):
         return device, ()
     opened = replace(
@@ -446,7 +447,7 @@ def _expire(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) -> Cr
         device = replace(device, deadline_s=math.inf)
         actions = (Show(CrossingUnproven(why=WhyUnproven.LATE)),)
     device, struck_off = _strike_off(device, now_s)
-    device, opened = _open_if_free(device, now_s, struck_off)
+    device, opened = _open_if_free(device, struck_off)
     return device, (*actions, *opened)
 
 
@@ -457,10 +458,10 @@ def _contact_open(device: CrossingDevice, event: CrossingContact, now_s: float) 
     return _close(_counted(device, 1), "", now_s)
 
 
-def _contact_closed(device: CrossingDevice, event: CrossingContact, now_s: float) -> CrossingStep:
+def _contact_closed(device: CrossingDevice, event: CrossingContact, _now_s: float) -> CrossingStep:
     """Another front counted in, or a rear counted out: opens behind the last one."""
     device = _counted(device, 1 if event.first else -1)
-    return (_comes(device), ()) if event.first else _open_if_free(device, now_s)
+    return (_comes(device), ()) if event.first else _open_if_free(device)
 
 
 TABLE: Final[Mapping[tuple[CrossingState, type], Callable[[CrossingDevice, Any, float], CrossingStep]]] = (

@@ -33,6 +33,7 @@ from verify.on_air import InAir, opened
 from wayside.actions import Action, Drive, Send
 from wayside.crossing_said import CloseCrossing, CrossingDetected, OpenCrossing
 from wayside.level_crossing import (
+    WHOEVER,
     Approach,
     ClosureAsked,
     CrossingDevice,
@@ -40,7 +41,6 @@ from wayside.level_crossing import (
     CrossingLeft,
     CrossingMemory,
     CrossingState,
-    WHOEVER,
     CrossingTimeDue,
     start,
     step,
@@ -130,8 +130,8 @@ class GateStep(NamedTuple):
 
 class Rider(NamedTuple):
     """What the judge sees of the train. `guarded`: on the road by a proof, or with one; `proven`: with one that holds;
-    `committed`: it can stop no more; `comes`: it is on the road or near, or its unit says again and again that it comes; `believes`: it has a proof,
-    or one is on its way.
+    `committed`: it can stop no more; `comes`: it is on the road or near, or its unit says again and again that it comes;
+    `believes`: it has a proof, or one is on its way.
     """
 
     guarded: bool

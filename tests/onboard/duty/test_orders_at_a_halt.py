@@ -15,9 +15,7 @@ IN_6 = 2  # span
 HALT = replace(PLAN.stops[0], place="H", span=IN_6, clear=0)
 WITH_HALT = replace(PLAN, stops=(PLAN.stops[0], HALT, PLAN.stops[1]))
 AT_HALT = moved(ON_6, stands=True, near=1, passed=1)
-HAS_A_PART = Authority(
-    held=("6",), on_line=True, requests=(replace(ROUTE_OPEN, section_ids=("7", "8")),)
-)
+HAS_A_PART = Authority(held=("6",), on_line=True, requests=(replace(ROUTE_OPEN, section_ids=("7", "8")),))
 WAITS = DutyState(DutyPhase.STANDING, AT_HALT, HAS_A_PART, at=1, may_ask=True)
 
 
