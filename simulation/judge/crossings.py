@@ -72,9 +72,7 @@ class CrossingWatch:
         self._leave: set[tuple[str, str]] = set()
         self._stopped: set[tuple[str, str]] = set()  # for whom which road has been stopped by hand
         self._too_late: set[tuple[str, str]] = set()  # who could not stop when which road ceased to be closed
-        self._on_road: dict[
-            tuple[str, str], float
-        ] = {}  # what a front had run when it came onto which road, m
+        self._on_road: dict[tuple[str, str], float] = {}  # run of a front when it came onto which road, m
 
     def see(self, entry: JournalEntry, bodies: Iterable[Body]) -> None:
         """Lamps and barriers change; a driver has leave to creep over a crossing, once, that of somebody who guards it

@@ -130,7 +130,7 @@ class GateStep(NamedTuple):
 
 class Rider(NamedTuple):
     """What the judge sees of the train. `guarded`: on the road by a proof, or with one; `proven`: with one that holds;
-    `committed`: it can stop no more; `comes`: it is on the road or near, or its unit says again and again that it comes;
+    `committed`: it can stop no more; `comes`: it is on the road, or near, or its unit says over and over that it does;
     `believes`: it has a proof, or one is on its way.
     """
 
