@@ -246,14 +246,6 @@ def test_one_that_has_lost_its_memory_stays_closed_until_persons_say_that_no_tra
     assert (box.state, box.drives) == (OPEN, [OpenCrossing("C")])
 
 
-def test_that_its_memory_was_lost_is_not_forgotten_with_the_next_power_cut() -> None:
-    box = Box(lost=True)
-    box.do(DOWN, 100.0)
-    again = Box(memory=box.device.memory)
-    again.do(DOWN, 110.0)
-    assert again.state is not OPEN
-
-
 def test_after_a_power_cut_without_trains_it_is_opened() -> None:
     box = Box()
     box.do(DOWN)

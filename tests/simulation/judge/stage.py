@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -27,7 +28,7 @@ from simulation.events import (
     Started,
     TookEffect,
 )
-from simulation.judge.checkers import Checkers, GuaranteedBrake, PointsFacts
+from simulation.judge.checkers import Checker, Checkers, GuaranteedBrake, PointsFacts
 from simulation.judge.crossings import CrossingFacts
 from simulation.judge.entering import TrackOverlap
 from simulation.judge.liveness import LOOKS_EVERY_S, TrainAndDisplay
@@ -241,3 +242,17 @@ def restarted(*heard: str) -> Stage:
     if "B" in heard:
         stage.outside("B")
     return stage
+
+
+Act = Callable[[Stage], Stage]
+
+
+@dataclass(frozen=True)
+class Case:
+    """From one situation, what must not be done (`bad`) and what may (`good`)."""
+
+    name: str
+    checker: Checker
+    start: Callable[[], Stage]
+    bad: Act
+    good: Act
