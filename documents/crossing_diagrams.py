@@ -35,7 +35,7 @@ def devices() -> Explored[Keyed]:
 
 
 def _keyed(device: CrossingDevice) -> Keyed:
-    known = device.state, device.memory, device.detected, device.deadline_s, device.lit_s, device.held_s
+    known = device.state, device.memory, device.detected, device.deadline_s, device.lit_s
     said = device.persons, device.frees_s, device.doubted
     return Keyed((*known, *said, tuple(sorted(device.approaches.items(), key=str))), device)
 

@@ -239,8 +239,8 @@ NOT_SHOWN: Final = (
     " have counted in. Of any other the unit speaks in time, or its proof has died and it stops.",
     "States of three units at once: a run is held against the exploration by pairs and one section at a time, without"
     " what is on the air; trains that begin on the line, barred units and lost stores are in runs, not in the model.",
-    "A level crossing whose device has lost its memory, while the unit of a train that stands on it cannot be heard: it"
-    " opens after a minute and a half. Road vehicles, detectors and contacts are in runs, not in the exploration.",
+    "Of level crossings, road vehicles, detectors, contacts and the persons who free one are in runs, not in the"
+    " exploration.",
     "An intruder who takes telegrams off the air as he likes (deletion) or has a unit's own keys: the first delays,"
     " the second stops the line until he is barred.",
     "Devices on other machines: that their programs are the same, and that folders are carried to them in secret."

@@ -19,7 +19,18 @@ from onboard.crossing_notes import CrossingCreep
 from onboard.notes import Holds, ProofDropped, Proven, Reported, UnitRestarted
 from radio.noted import Lost, Noted, Sent, TookEffect
 from wayside import said
-from wayside.said import Accepted, Barred, ConfirmedByHand, Freed, Granted, Outside, PictureChanged, Started
+from wayside.crossing_said import CrossingOpens
+from wayside.said import (
+    Accepted,
+    Barred,
+    ConfirmedByHand,
+    Freed,
+    Granted,
+    Outside,
+    PictureChanged,
+    Started,
+    TakenBack,
+)
 
 # What the checkers match on; they take it from here, so that they import nothing of who writes it.
 __all__ = [
@@ -27,6 +38,7 @@ __all__ = [
     "Barred",
     "ConfirmedByHand",
     "CrossingCreep",
+    "CrossingOpens",
     "Freed",
     "Granted",
     "Holds",
@@ -36,6 +48,7 @@ __all__ = [
     "Proven",
     "Reported",
     "Started",
+    "TakenBack",
     "TookEffect",
     "UnitRestarted",
 ]

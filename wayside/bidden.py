@@ -11,7 +11,7 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from radio.messages import RefusalReason, TrainOrdered
+from radio.messages import RefusalReason, RouteRequest, TrainOrdered
 from wayside.actions import Action, Show
 from wayside.register import Against, BiddenUnit, Register
 from wayside.said import EndTrain, LetGo, LetWait, Refused, TrainEndBidden, WaitBidden, WaitOver
@@ -87,6 +87,23 @@ def heard(
     if now_s >= mine.until_s:
         return _without(register, unit_id), None
     return register, (RefusalReason.NOT_ITS_TURN, mine.section_id or None, mine.behind or None)
+
+
+def weighed(
+    register: Register, unit_id: str, message: RouteRequest, against: Against | None
+) -> tuple[Register, Against | None, TrainOrdered | None]:
+    """The register, why a request for what a unit does not hold yet is refused, if so, and what it is told instead: to
+    end its train where another has its way, too.
+    """
+    mine = register.bidden.get(unit_id)
+    ends = mine is not None and bool(mine.next_train)
+    free = against is None or (ends and against[0] is RefusalReason.HELD)
+    if not free or set(message.section_ids) <= set(register.held_by(unit_id)):
+        return register, against, None
+    register, instead = heard(register, unit_id, message.route_id, register.now_s)
+    if isinstance(instead, TrainOrdered):
+        return register, against, instead
+    return register, instead or against, None
 
 
 def settled(before: Register, register: Register) -> tuple[Register, tuple[Action, ...]]:

@@ -144,11 +144,9 @@ def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
         order = TrackOrdered(heard.message.route_id, instead)
         return register, (Send(heard.unit_id, order, heard.correlation),)
     against = _against(register, heard, frozenset(held))
-    if against is None and not set(heard.message.section_ids) <= set(held):
-        register, instead_of = bidden.heard(register, heard.unit_id, heard.message.route_id, register.now_s)
-        if isinstance(instead_of, TrainOrdered):
-            return register, (Send(heard.unit_id, instead_of, heard.correlation),)
-        against = instead_of
+    register, against, ends = bidden.weighed(register, heard.unit_id, heard.message, against)
+    if ends is not None:
+        return register, (Send(heard.unit_id, ends, heard.correlation),)
     register, against, leave = entering.weighed(register, heard.unit_id, heard.message, against)
     wanted, part = heard.message.section_ids, tuple[str, ...]()
     shown, more = tuple[Action, ...](), tuple[Action, ...]()

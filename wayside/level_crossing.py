@@ -51,11 +51,11 @@ from wayside.said import Barred, BarUnit, Unbarred, UnbarUnit
 
 VALID_S: Final = 15.0  # assumed: in the second half of it a unit can ask again three times
 TELEGRAM_S: Final = 1.0  # assumed: a proof under way
-REANNOUNCED_S: Final = 90.0  # units that are heard at all have said again by then that they come
 # Of who says nothing the last proof has died, 20 s after it was sent at the latest, and who could not stop any more
 # then has come onto the road: 44 s later from 110 km/h at 0.7 m/s2.
 FREES_S: Final = 65.0
 PERSONS: Final = 2  # who must say the same
+WHOEVER: Final = ""  # had announced itself before the memory was lost: it never says that it is over it
 _TIME_TOLERANCE_S: Final = 1e-9
 
 
@@ -89,9 +89,8 @@ class Approach(msgspec.Struct, frozen=True, array_like=True):
 class CrossingDevice(msgspec.Struct, frozen=True):
     """State of the device.
 
-    `lit_s`: since when lamps are detected; `deadline_s`: when what was commanded must be detected; `held_s`: closed
-    until then, since the memory was lost (negative infinity: it was not, infinity: and nothing has happened yet);
-    `believed_s`: until then a unit may still go by what was proved of lamps that went out.
+    `lit_s`: since when lamps are detected; `deadline_s`: when what was commanded must be detected; `believed_s`: until
+    then a unit may still go by what was proved of lamps that went out.
     `persons` have said since a train was announced or counted in last that no train comes; two of them strike off at
     `frees_s` who has said nothing since, and as many as were `doubted` of the trains that contacts have counted in.
     `listening`: units that are told whether anything is on it, and the correlation of what each asked last.
@@ -104,7 +103,6 @@ class CrossingDevice(msgspec.Struct, frozen=True):
     detected: CrossingDetected = CrossingDetected(lamps=False, lowered=False, raised=False)
     lit_s: float = math.inf
     deadline_s: float | None = None
-    held_s: float = -math.inf
     believed_s: float = -math.inf
     persons: tuple[str, ...] = ()
     frees_s: float = math.inf
@@ -148,25 +146,25 @@ CrossingStep = tuple[CrossingDevice, tuple[Action, ...]]
 def start(
     config: CrossingConfig, memory: CrossingMemory, *, lost: bool = False, again: bool = False
 ) -> CrossingDevice:
-    """A device after a (re)start: closed, for whoever had announced itself; `lost`: nobody knows who had. `again`: a
-    front may have passed a contact while it was dark, so one train more counts as counted in.
+    """A device after a (re)start: closed, for whoever had announced itself; `lost`: nobody knows who had, and may stand
+    on it unheard, so persons must say that no train comes. `again`: a front may have passed a contact while it was
+    dark, so one train more counts as counted in.
     """
     if again and config.contacts:
         memory = replace(memory, counted=memory.counted + 1)
-    wanted = bool(memory.units or memory.counted or lost)
+    if lost:
+        memory = replace(memory, units=(*memory.units, WHOEVER))
+    wanted = bool(memory.units or memory.counted)
     return CrossingDevice(
         config,
         memory,
         CrossingState.CLOSING if wanted else CrossingState.OPEN,
         dict.fromkeys(memory.units, Approach()),
-        held_s=math.inf if lost else -math.inf,
     )
 
 
 def step(device: CrossingDevice, event: CrossingEvent, now_s: float) -> CrossingStep:
     """The next state and what to do. Never raises for what a unit sends."""
-    if device.held_s == math.inf:
-        device = replace(device, held_s=now_s + REANNOUNCED_S)
     if isinstance(event, BarUnit | UnbarUnit):
         return _bar(device, event, now_s)
     if isinstance(event, ClosureAsked | CrossingLeft) and event.unit_id in device.memory.bars.barred:
@@ -207,10 +205,8 @@ def _doubted(device: CrossingDevice, unit_ids: Collection[str]) -> tuple[Crossin
 
 
 def wake_at_s(device: CrossingDevice) -> float | None:
-    """When the next warning must begin, or what was commanded must be detected, or a lost memory holds no more."""
+    """When the next warning must begin, or what was commanded must be detected, or who is silent is struck off."""
     times_s = [device.frees_s]
-    if device.state is not CrossingState.OPEN and not _wanted(device):
-        times_s.append(device.held_s)
     if device.state is CrossingState.OPEN:
         times_s += [approach.starts_s for approach in device.approaches.values()]
     elif device.state is CrossingState.CLOSING and _shuts(device):
@@ -349,18 +345,17 @@ def _leave_open(device: CrossingDevice, event: CrossingLeft, _now_s: float) -> C
 def _leave_closed(device: CrossingDevice, event: CrossingLeft, now_s: float) -> CrossingStep:
     """Not announced any more; opens behind the last one. Confirmed, as often as it is said."""
     device, confirmed = _leave_open(device, event, now_s)
-    device, opened = _open_if_free(device, now_s)
+    device, opened = _open_if_free(device)
     return device, (*confirmed, *opened)
 
 
-def _open_if_free(device: CrossingDevice, now_s: float, struck_off: tuple[str, ...] = ()) -> CrossingStep:
-    if _wanted(device) or now_s < device.held_s - _TIME_TOLERANCE_S:
+def _open_if_free(device: CrossingDevice, struck_off: tuple[str, ...] = ()) -> CrossingStep:
+    if _wanted(device):
         return device, ()
     opened = replace(
         device,
         state=CrossingState.OPEN,
         deadline_s=None,
-        held_s=-math.inf,
         persons=(),
         frees_s=math.inf,
         doubted=0,
@@ -440,7 +435,7 @@ def _detect_closed(device: CrossingDevice, event: CrossingDetected, now_s: float
 
 
 def _expire(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) -> CrossingStep:
-    """Not detected in time is noted, and stays commanded; a lost memory holds the crossing for a time only."""
+    """Not detected in time is noted, and stays commanded; who is silent since persons spoke is struck off."""
     actions: tuple[Action, ...] = ()
     if device.state is CrossingState.CLOSING and _shows_closed(device, now_s):
         device, actions = _prove(device, now_s)
@@ -448,7 +443,7 @@ def _expire(device: CrossingDevice, _event: CrossingTimeDue, now_s: float) -> Cr
         device = replace(device, deadline_s=math.inf)
         actions = (Show(CrossingUnproven(why=WhyUnproven.LATE)),)
     device, struck_off = _strike_off(device, now_s)
-    device, opened = _open_if_free(device, now_s, struck_off)
+    device, opened = _open_if_free(device, struck_off)
     return device, (*actions, *opened)
 
 
@@ -459,10 +454,10 @@ def _contact_open(device: CrossingDevice, event: CrossingContact, now_s: float) 
     return _close(_counted(device, 1), "", now_s)
 
 
-def _contact_closed(device: CrossingDevice, event: CrossingContact, now_s: float) -> CrossingStep:
+def _contact_closed(device: CrossingDevice, event: CrossingContact, _now_s: float) -> CrossingStep:
     """Another front counted in, or a rear counted out: opens behind the last one."""
     device = _counted(device, 1 if event.first else -1)
-    return (_comes(device), ()) if event.first else _open_if_free(device, now_s)
+    return (_comes(device), ()) if event.first else _open_if_free(device)
 
 
 TABLE: Final[Mapping[tuple[CrossingState, type], Callable[[CrossingDevice, Any, float], CrossingStep]]] = (

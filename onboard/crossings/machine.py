@@ -36,7 +36,7 @@ ENTERS_S: Final = 3.0  # so much later than predicted the front may come, and th
 PROOF_LATE_S: Final = 1.0  # a telegram on its way
 HOLDS_YET_S: Final = 6.0  # a proof that holds no longer is asked for again: three times, if they are lost
 STILL_S: Final = (
-    29.5  # said at least so often: three times while a crossing that lost its memory stays closed
+    29.5  # said at least so often: twice before persons have a crossing opened for which it is silent
 )
 GIVE_UP_S: Final = 30.0  # assumed: who stands so long without going on there lets the road go
 KEEPS_LEAST_TIME = True  # off: a proof counts at once, however near the train is

@@ -90,7 +90,9 @@ def _can_be_done(duty: DutyStep, event: TrackChangeOrdered | TrainEndOrdered) ->
     answers = event.answers and request is not None and request.subject == event.route_id
     if ONCE and not answers:
         return False
-    if may_have_entered(duty) or not duty.state.place.known:
+    leg = duty.leg_from_stop(duty.state.at)  # none at a halt on the way, and the part behind it has been run
+    begins = leg is not None and leg.route_id == event.route_id
+    if not begins or may_have_entered(duty) or not duty.state.place.known:
         refuse(duty, event.route_id, OrderRefusalReason.MAY_HAVE_ENTERED)
         return False
     return True

@@ -45,6 +45,11 @@ class Body:
     overrun: frozenset[str] = frozenset()
     fresh: list[str] = field(default_factory=list)
 
+    @property
+    def run_m(self) -> float:
+        """How far the front has run, m; from where it was first seen, but for a constant."""
+        return self.behind_m + self.front_m
+
 
 class NetTrack:
     """The net, for following bodies along it."""
@@ -89,10 +94,6 @@ class NetTrack:
         body.front_m = front_m
         self._spread(body)
         return continuous
-
-    def run_m(self, body: Body) -> float:
-        """How far the front has run, m; from where it was first seen, but for a constant."""
-        return body.behind_m + body.front_m
 
     def height_m(self, body: Body) -> float:
         """How high the track under the front lies, m; from where it was first seen, but for a constant."""

@@ -38,6 +38,7 @@ from simulation.events import (
     Proven,
     Reported,
     Started,
+    TakenBack,
     TookEffect,
     UnitRestarted,
     Unsafe,
@@ -84,7 +85,7 @@ class Checkers:
         self._liveness = LivenessWatch(self._log)
         self._entries = EntryWatch(net, overlaps, {facts.section_id for facts in points.values()}, self._log)
         self._pilots = PilotWatch(pilots_needs, self._log)
-        self._crossings = CrossingWatch(crossings, creep_mps, brakes, self._log)
+        self._crossings = CrossingWatch(net, crossings, creep_mps, brakes, self._log)
         self._unit_ids = tuple(unit_ids)  # registered on the line, whatever the manager says of them
         self._bodies: dict[str, Body] = {}
         self._occupants: dict[str, set[str]] = {}
@@ -149,12 +150,13 @@ class Checkers:
         """
         body = self._bodies[unit_id]
         self._proofs.pop(unit_id, None)
-        self._crossings.forget(unit_id)
         self._locking.forget_losses(unit_id)
         if body.speed_mps > 0.0:
             text = f"{unit_id} changed ends at {body.speed_mps:.1f} m/s"
             self._log.note(t_s, Checker.NO_JUMP, unit_id, text)
+        run_m = body.run_m
         self._track.turn(body)
+        self._crossings.turned(body, run_m)
 
     def observe(
         self, t_s: float, unit_id: str, edge_id: str, lane_position_m: float, speed_mps: float
@@ -333,6 +335,8 @@ class Checkers:
                 self._outside(t_s, unit_id)
             case Barred(unit_id=unit_id):
                 self._register.barred(unit_id)
+            case TakenBack(unit_id=unit_id):
+                self._register.taken_back(unit_id)
             case PictureChanged(stage="defined"):
                 self._register.defined()
             case Started(epoch=epoch):

@@ -16,12 +16,14 @@ from simulation.events import (
     CrossingBarriers,
     CrossingCreep,
     CrossingLamps,
+    CrossingOpens,
     JournalEntry,
     RoadStopped,
 )
 from simulation.judge.body import RESOLUTION_M, Body
 from simulation.judge.locking import GuaranteedBrake
 from simulation.judge.log import Checker, Log
+from sumo_cfg.truth_map import NetMap
 
 TIME_TOLERANCE_S: Final = 0.11  # a front is seen at the end of a step
 CREEP_MARGIN_MPS: Final = 0.6
@@ -48,17 +50,19 @@ class _WatchedRoad:
 
 class CrossingWatch:
     """Checks `crossing-open` and `crossing-warning`: no front comes onto a road that is not closed, or not for its
-    least times, unless its driver has leave to creep over it and does.
+    least times, unless its driver has leave to creep over it and does; and none opens under whoever came so.
     """
 
     def __init__(
         self,
+        net: NetMap,
         crossings: Mapping[str, CrossingFacts],
         creep_mps: float,
         brakes: Mapping[str, GuaranteedBrake],
         log: Log,
     ) -> None:
         self._facts, self._creep_mps, self._brakes, self._log = crossings, creep_mps, brakes, log
+        self._edges = net.edges
         self._roads = {crossing_id: _WatchedRoad() for crossing_id in crossings}
         self._on_edge: dict[str, list[tuple[float, str]]] = {}
         for crossing_id, facts in crossings.items():
@@ -68,6 +72,7 @@ class CrossingWatch:
         self._leave: set[tuple[str, str]] = set()
         self._stopped: set[tuple[str, str]] = set()  # for whom which road has been stopped by hand
         self._too_late: set[tuple[str, str]] = set()  # who could not stop when which road ceased to be closed
+        self._on_road: dict[tuple[str, str], float] = {}  # run of a front when it came onto which road, m
 
     def see(self, entry: JournalEntry, bodies: Iterable[Body]) -> None:
         """Lamps and barriers change; a driver has leave to creep over a crossing, once, that of somebody who guards it
@@ -75,13 +80,16 @@ class CrossingWatch:
         """
         match entry.event:
             case CrossingLamps(crossing_id=crossing_id, lit=lit):
-                self._ceases(crossing_id, bodies)
-                road = self._roads[crossing_id]
+                road, was_s = self._roads[crossing_id], self._closed_s(crossing_id)
                 if lit or road.lowered_s == math.inf:  # barriers that are down hold who has been warned
                     road.lit_s = entry.t_s if lit else math.inf
+                self._ceases(crossing_id, was_s, bodies)
             case CrossingBarriers(crossing_id=crossing_id, state=state):
-                self._ceases(crossing_id, bodies)
-                self._roads[crossing_id].lowered_s = entry.t_s if state is BarrierState.LOWERED else math.inf
+                road, was_s = self._roads[crossing_id], self._closed_s(crossing_id)
+                road.lowered_s = entry.t_s if state is BarrierState.LOWERED else math.inf
+                self._ceases(crossing_id, was_s, bodies)
+            case CrossingOpens():
+                self._opens(entry.t_s, entry.who, bodies)
             case RoadStopped(crossing_id=crossing_id, unit_id=unit_id):
                 self._stopped.add((unit_id, crossing_id))
             case CrossingCreep(crossing_id=crossing_id, guarded=guarded):
@@ -91,25 +99,64 @@ class CrossingWatch:
             case _:
                 pass
 
-    def _ceases(self, crossing_id: str, bodies: Iterable[Body]) -> None:
-        """Who cannot stop any more before a road that perhaps ceases to be closed now."""
-        begins_m = self._facts[crossing_id].begins_m
+    def _opens(self, t_s: float, crossing_id: str, bodies: Iterable[Body]) -> None:
+        """Its device opens it: no train is on the road that came there while it was closed."""
         for body in bodies:
-            room_m = begins_m.get(body.edge_id, -math.inf) - body.front_m
+            came_m = self._on_road.get((body.unit_id, crossing_id), -math.inf)
+            if body.run_m - came_m < body.length_m:
+                text = f"level crossing {crossing_id} opens under {body.unit_id}"
+                self._log.note(t_s, Checker.CROSSING_OPEN, f"{crossing_id} {body.unit_id}", text)
+
+    def _closed_s(self, crossing_id: str) -> float:
+        """Since when (s) the road is closed; infinite: it is not."""
+        road = self._roads[crossing_id]
+        return road.lowered_s if self._facts[crossing_id].has_barriers else road.lit_s
+
+    def _ceases(self, crossing_id: str, was_s: float, bodies: Iterable[Body]) -> None:
+        """Who cannot stop any more before a road that was closed since `was_s` and is not any more."""
+        if was_s == math.inf or self._closed_s(crossing_id) < math.inf:
+            return
+        for body in bodies:
             brake = self._brakes.get(body.unit_id)
-            if brake is not None and room_m > 0.0:
+            if brake is not None:
                 late_m = body.speed_mps * (brake.reaction_s + TOLD_WITHIN_S)
-                if room_m <= late_m + body.speed_mps**2 / (2.0 * brake.deceleration_mps2):
+                stops_m = late_m + body.speed_mps**2 / (2.0 * brake.deceleration_mps2)
+                if self._comes_within(body, crossing_id, stops_m):
                     self._too_late.add((body.unit_id, crossing_id))
+
+    def _comes_within(self, body: Body, crossing_id: str, stops_m: float) -> bool:
+        """Whether the road begins so near before a front, whichever way that goes."""
+        begins_m = self._facts[crossing_id].begins_m
+        ways = [(self._edges[body.path[-1]], -body.front_m)]
+        for edge, at_m in ways:  # grows as it goes
+            if 0.0 < at_m + begins_m.get(edge.id, -math.inf) <= stops_m:
+                return True
+            if at_m + edge.length_m <= stops_m:
+                ways += [(self._edges[onto], at_m + edge.length_m) for onto in edge.next_edge_ids]
+        return False
 
     def forget(self, unit_id: str) -> None:
         """The train has turned, or is off the line: where its front was says nothing any more."""
         self._seen.pop(unit_id, None)
+        self._could_stop(unit_id)
+        self._on_road = {pair: came_m for pair, came_m in self._on_road.items() if pair[0] != unit_id}
+
+    def turned(self, body: Body, was_run_m: float) -> None:
+        """The train has turned in place: it is off a road that it was on when it has run back as far as it had come."""
+        mine = {pair: was_run_m - at for pair, at in self._on_road.items() if pair[0] == body.unit_id}
+        self.forget(body.unit_id)
+        still = {pair: run_m for pair, run_m in mine.items() if run_m < body.length_m}
+        self._on_road |= {pair: body.run_m - body.length_m + run_m for pair, run_m in still.items()}
+
+    def _could_stop(self, unit_id: str) -> None:
+        self._too_late = {pair for pair in self._too_late if pair[0] != unit_id}
 
     def observe(self, t_s: float, body: Body, edge_id: str, front_m: float) -> None:
         """Where SUMO has a train's front now."""
         if not self._on_edge:
             return
+        if body.speed_mps == 0.0 and self._too_late:
+            self._could_stop(body.unit_id)
         before = self._seen.get(body.unit_id)
         self._seen[body.unit_id] = (edge_id, front_m)
         if before is None:
@@ -134,7 +181,8 @@ class CrossingWatch:
         self._too_late.discard(pair)
         if creeps:
             return
-        closed_s = road.lowered_s if facts.has_barriers else road.lit_s
+        self._on_road[pair] = body.run_m
+        closed_s = self._closed_s(crossing_id)
         who = f"{body.unit_id} came onto level crossing {crossing_id} at {body.speed_mps:.1f} m/s"
         subject = f"{crossing_id} {body.unit_id}"
         if closed_s > t_s:

@@ -69,7 +69,7 @@ class RouteLocking:
         """The unit has no proofs any more of these points."""
         if body.unit_id in self._brakes and body.speed_mps > 0.0:
             losses = self._losses.setdefault(body.unit_id, {})
-            run_m, height_m = self._track.run_m(body), self._track.height_m(body)
+            run_m, height_m = body.run_m, self._track.height_m(body)
             for points_id, proof in proofs.items():
                 losses[points_id] = _Loss(proof, body.speed_mps, body.acceleration_mps2, run_m, height_m)
 
@@ -100,7 +100,7 @@ class RouteLocking:
             return []
         found: list[str] = []
         for points_id, loss in losses.items():
-            limit2 = self._limit2(body, loss, self._track.run_m(body))
+            limit2 = self._limit2(body, loss, body.run_m)
             if loss.braked and body.speed_mps > math.sqrt(max(limit2, 0.0)) + TOLERANCE_MPS:
                 loss.braked = False
                 found += [points_id] if loss.entered else []
@@ -111,7 +111,7 @@ class RouteLocking:
         loss = self._losses.get(body.unit_id, {}).get(points_id)
         if loss is None:
             return "without a proof"
-        now_m = self._track.run_m(body)
+        now_m = body.run_m
         joint_m = now_m - body.front_m if self._track.piece_of(body.edge_id) == piece_id else now_m
         lost_m = joint_m - loss.run_m
         limit_mps = math.sqrt(max(self._limit2(body, loss, now_m), 0.0))

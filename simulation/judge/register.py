@@ -11,7 +11,8 @@ class RegisterWatch:
     """Follows the register and checks `no-double-grant`, `undefined-grants-nothing` and `tokens-grow`.
 
     After a restart the register is undefined until every unit that was registered is heard of. Until then the
-    last known holding of such a unit still stands as what it was given, but not against others' claims.
+    last known holding of such a unit still stands as what it was given, but not against others' claims. So it is of one
+    about which persons take their word back.
     """
 
     def __init__(self, log: Log) -> None:
@@ -38,7 +39,7 @@ class RegisterWatch:
         if self._unheard:
             unheard = ", ".join(sorted(self._unheard))
             text = (
-                f"route {route} granted to {unit_id} while undefined: {unheard} not heard since the restart"
+                f"route {route} granted to {unit_id} while undefined: of {unheard} nobody knows what it holds"
             )
             self._log.note(t_s, Checker.UNDEFINED_GRANTS_NOTHING, unit_id, text)
         if token <= self._token_max:
@@ -75,6 +76,11 @@ class RegisterWatch:
     def barred(self, unit_id: str) -> None:
         """Persons barred a unit: while the line is restored nothing that it has said is left in the register."""
         if self._restoring:
+            self._unheard.add(unit_id)
+
+    def taken_back(self, unit_id: str) -> None:
+        """Persons were wrong about a unit: on a running line nobody knows where it is until it is heard of again."""
+        if not self._restoring:
             self._unheard.add(unit_id)
 
     def defined(self) -> None:

@@ -107,6 +107,16 @@ def test_a_train_is_told_to_end_until_it_says_so_or_often_enough(desk: Desk) -> 
     assert isinstance(desk.hear("u1", OVER, correlation=3), RouteGranted)
 
 
+def test_a_train_is_told_to_end_where_another_has_its_way() -> None:
+    """u2 stands in C and cannot go on: u1 in B would wait for it for ever; but who only waits is refused as ever."""
+    desk = defined(u1=("B",), u2=("C",))
+    bid(desk, EndTrain("u1", "Abe", "12"))
+    assert desk.hear("u1", OVER) == TrainOrdered("over", "12")
+    bid(desk, LetWait("u1", "Abe", 60.0))
+    refused = desk.hear("u1", OVER, correlation=2)
+    assert isinstance(refused, RouteRefused) and refused.reason is RefusalReason.HELD
+
+
 def test_an_order_that_is_never_answered_is_given_up(desk: Desk) -> None:
     bid(desk, EndTrain("u1", "Abe", "12"))
     for number in range(TOLD_MAX):

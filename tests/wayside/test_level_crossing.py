@@ -29,7 +29,6 @@ from wayside.crossing_said import (
 )
 from wayside.level_crossing import (
     FREES_S,
-    REANNOUNCED_S,
     TABLE,
     VALID_S,
     ClosureAsked,
@@ -232,14 +231,18 @@ def test_after_a_restart_it_is_closed_until_each_that_had_announced_itself_says_
     assert again.state is OPEN
 
 
-def test_one_that_has_lost_its_memory_stays_closed_until_all_that_come_have_said_so_again() -> None:
+def test_one_that_has_lost_its_memory_stays_closed_until_persons_say_that_no_train_comes() -> None:
+    """Whoever it had announced may stand on it without power, and says nothing."""
     box = Box(lost=True)
     box.do(DOWN, 100.0)
     box.do(CrossingTimeDue(), 115.0)
-    assert (box.state, wake_at_s(box.device)) == (CLOSED, 100.0 + REANNOUNCED_S)
-    box.do(CrossingTimeDue(), 189.0)
+    assert (box.state, wake_at_s(box.device)) == (CLOSED, None)
+    box.do(asks(3.0, unit="v"), 300.0)
+    box.do(leaves("v"), 310.0)  # another has passed
     assert box.state is CLOSED
-    box.do(CrossingTimeDue(), 190.0)
+    box.do(NoTrainComes("Abe"), 400.0)
+    box.do(NoTrainComes("Ito"), 401.0)
+    box.do(CrossingTimeDue(), 401.0 + FREES_S)
     assert (box.state, box.drives) == (OPEN, [OpenCrossing("C")])
 
 

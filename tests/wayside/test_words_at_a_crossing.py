@@ -88,3 +88,11 @@ def test_by_contacts_a_front_may_have_come_while_it_was_dark(contacts: bool, sta
     box.do(GONE, 60.0)
     assert box.state is OPEN
     assert start(config, CrossingMemory()).state is OPEN  # its first start
+
+
+def test_that_a_memory_was_lost_is_not_forgotten_with_the_next_power_cut() -> None:
+    box = Box(lost=True)
+    box.do(DOWN, 100.0)
+    again = Box(memory=box.device.memory)
+    again.do(DOWN, 110.0)
+    assert again.state is not OPEN

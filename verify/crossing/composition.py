@@ -77,7 +77,7 @@ class CrossingComposition:
                 yield Happened("train", step.name, self._at_train(state, step), step.trouble)
         seen = _seen(state)
         for made in self._gates.events(state.gate):
-            if not ((made.unheard and seen.talks) or (made.unproven and seen.believes)):
+            if not ((made.alone and seen.comes) or (made.unproven and seen.believes)):
                 yield Happened("device", made.name, self._at_gate(state, made), made.trouble)
         if state.cut:
             yield Happened(NETWORKS, "are there again", state._replace(cut=False), free)

@@ -32,7 +32,7 @@ FACT, HEAD, PASSED_BY = range(3)
 AFTER, COSTS, TOLD, ANEW = range(4)
 # of a gate
 BROKEN, RESTS = range(2)
-EFFECT, CEASES, OPENS, TROUBLE, UNHEARD, UNPROVEN = range(1, 7)
+EFFECT, CEASES, OPENS, TROUBLE, ALONE, UNPROVEN = range(1, 7)
 
 
 class Parts(NamedTuple):
@@ -162,7 +162,7 @@ class CrossingExpansion:
 
     def _of_gate(self, number: int) -> list[Sequence[int]]:
         steps = self.gates.events(self.gate_states[number])
-        return [(*self._row(s), s.trouble, s.unheard, s.unproven) for s in steps]
+        return [(*self._row(s), s.trouble, s.alone, s.unproven) for s in steps]
 
     def _gate_hears(self, number: int, telegram: int) -> Sequence[int]:
         return self._row(self.gates.hear(self.gate_states[number], self.telegrams.things[telegram]))
@@ -215,7 +215,7 @@ class CrossingExpansion:
         yield self._afforded(whose, states.left[whose], gate, column(AFTER), column(COSTS))
         whose, column = self._gate_choices.of(states.gate)
         fact = self._cell_rows.column(FACT)[states.cell[whose]]
-        may = (column(UNHEARD) == 0) | (fact >> Rider._fields.index("talks") & 1 == 0)
+        may = (column(ALONE) == 0) | (fact >> Rider._fields.index("comes") & 1 == 0)
         may &= (column(UNPROVEN) == 0) | (fact >> Rider._fields.index("believes") & 1 == 0)
         row = [column(index)[may] for index in range(TROUBLE + 1)]
         yield self._gate_done(whose[may], states.at(whose[may]), row, np.zeros(int(may.sum()), np.int64))

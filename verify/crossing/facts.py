@@ -18,7 +18,7 @@ def gate_key(gate: GateState) -> GateKey:
     device = gate.device
     approaches = tuple(sorted(device.approaches.items()))
     known = device.memory, device.state, device.detected
-    times_s = device.lit_s, device.deadline_s, device.held_s, device.believed_s
+    times_s = device.lit_s, device.deadline_s, device.believed_s
     return (*gate._replace(device=None), approaches, *known, *times_s)  # type: ignore[arg-type]
 
 
@@ -34,12 +34,13 @@ def seen_of(rider: RiderState, down: Iterable[InAir], *, cut: bool) -> Rider:
     view = rider.view
     relies = view is not None and view.phase in (CrossingPhase.PROVEN, CrossingPhase.PASSING)
     proven = relies and view is not None and view.until_s > 0.0
-    talks = rider.power and rider.known and rider.at is not TrainAt.AWAY and not cut
+    at_road = rider.at in (TrainAt.BRAKING, TrainAt.PERHAPS_BEFORE, *ON_ROAD)
+    says = rider.power and rider.known and rider.at is not TrainAt.AWAY and not cut
     return Rider(
         guarded=proven or (rider.at in ON_ROAD and rider.by_proof),
         proven=proven,
         committed=committed(rider),
-        talks=talks and view is not None and view.phase in ANNOUNCED,
+        comes=proven or at_road or (says and view is not None and view.phase in ANNOUNCED),
         believes=proven or any(getattr(telegram.message, "closed", False) for telegram in down),
     )
 

@@ -2,8 +2,8 @@
 device, which sees at once what its equipment shows.
 
 What the judge keeps says what a train on the road would meet, apart from what device and unit know. Three things are
-known of times: a proof heard in a closure is no older than that closure; a unit that can be heard has said again that
-it comes before a lost memory opens the road; and a proof of before has run out when the device proves closed anew.
+known of times: a proof heard in a closure is no older than that closure; persons free a road after a memory was lost
+only while no train comes; and a proof of before has run out when the device proves closed anew.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ from verify.on_air import InAir, opened
 from wayside.actions import Action, Drive, Send
 from wayside.crossing_said import CloseCrossing, CrossingDetected, OpenCrossing
 from wayside.level_crossing import (
+    WHOEVER,
     Approach,
     ClosureAsked,
     CrossingDevice,
@@ -113,8 +114,8 @@ class GateState(NamedTuple):
 
 
 class GateStep(NamedTuple):
-    """What comes of a step. `ceases`, `opens`: the road is closed no more, is commanded open; `unheard`: only while the
-    unit cannot be heard; `unproven`: only while it has no proof, nor is one on its way.
+    """What comes of a step. `ceases`, `opens`: the road is closed no more, is commanded open; `alone`: only while no
+    train comes; `unproven`: only while it has no proof, nor is one on its way.
     """
 
     name: str
@@ -123,20 +124,20 @@ class GateStep(NamedTuple):
     ceases: bool = False
     opens: bool = False
     trouble: CrossingTrouble = CrossingTrouble.NONE
-    unheard: bool = False
+    alone: bool = False
     unproven: bool = False
 
 
 class Rider(NamedTuple):
     """What the judge sees of the train. `guarded`: on the road by a proof, or with one; `proven`: with one that holds;
-    `committed`: it can stop no more; `talks`: its unit says again and again that it comes; `believes`: it has a proof,
-    or one is on its way.
+    `committed`: it can stop no more; `comes`: it is on the road, or near, or its unit says over and over that it does;
+    `believes`: it has a proof, or one is on its way.
     """
 
     guarded: bool
     proven: bool
     committed: bool
-    talks: bool
+    comes: bool
     believes: bool
 
 
@@ -192,9 +193,9 @@ class GateModel:
             yield timed._replace(unproven=True)
         if device.deadline_s == RUNS_S:
             yield self._timed("is not closed in time", state, replace(device, deadline_s=NOW_S))
-        if device.held_s == RUNS_S:
-            timed = self._timed("holds its lost memory no longer", state, replace(device, held_s=NOW_S))
-            yield timed._replace(unheard=True)
+        if WHOEVER in device.approaches:
+            timed = self._timed("is freed by persons", state, replace(device, frees_s=NOW_S))
+            yield timed._replace(alone=True)
 
     def _timed(self, name: str, state: GateState, device: CrossingDevice) -> GateStep:
         return self._took(name, state._replace(device=device), CrossingTimeDue())
@@ -331,7 +332,6 @@ def _settled(device: CrossingDevice) -> CrossingDevice:
         approaches=approaches,
         lit_s=since_s(device.lit_s),
         deadline_s=deadline_s if deadline_s is None or math.isinf(deadline_s) else RUNS_S,
-        held_s=_ahead(device.held_s),
         believed_s=_ahead(device.believed_s),
     )
 

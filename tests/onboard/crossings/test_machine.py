@@ -32,7 +32,7 @@ from onboard.crossings.machine import (
     wake_s,
 )
 from radio.messages import CrossingOver, CrossingRequest
-from wayside.level_crossing import REANNOUNCED_S
+from wayside.level_crossing import FREES_S
 
 AHEAD, ASKED, PROVEN, PASSING, LEAVING = CrossingPhase
 VIEW = CrossingView("C")
@@ -224,8 +224,8 @@ def test_a_proof_that_would_end_too_soon_is_asked_for_three_times() -> None:
     assert said_s == [6.0, 8.0, 10.0]
 
 
-def test_a_crossing_that_lost_its_memory_hears_three_times_of_a_train_on_it() -> None:
-    assert 3.0 * STILL_S < REANNOUNCED_S
+def test_a_crossing_that_persons_free_hears_twice_of_a_train_on_it() -> None:
+    assert 2.0 * STILL_S < FREES_S
 
 
 def test_every_row_says_what_happens() -> None:

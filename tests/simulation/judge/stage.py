@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -27,7 +28,7 @@ from simulation.events import (
     Started,
     TookEffect,
 )
-from simulation.judge.checkers import Checkers, GuaranteedBrake, PointsFacts
+from simulation.judge.checkers import Checker, Checkers, GuaranteedBrake, PointsFacts
 from simulation.judge.crossings import CrossingFacts
 from simulation.judge.entering import TrackOverlap
 from simulation.judge.liveness import LOOKS_EVERY_S, TrainAndDisplay
@@ -204,22 +205,22 @@ class Stage:
         return {violation.checker for violation in self.checkers.violations}
 
 
-def authorised(unit_ids: tuple[str, ...] = ("A", "B")) -> Stage:
+def authorised(
+    unit_ids: tuple[str, ...] = ("A", "B"), crossings: Mapping[str, CrossingFacts] = NO_CROSSINGS
+) -> Stage:
     """A stands in the portal W and may run to T1, points 1 proven in normal."""
-    stage = Stage(unit_ids).put("A", "W+").sign_on("A", "W").grant("A", "P1", "T1")
+    stage = Stage(unit_ids, crossings).put("A", "W+").sign_on("A", "W").grant("A", "P1", "T1")
     return stage.holds("A", "W", "P1", "T1").prove("A", "1", "normal")
 
 
 def at_crossings() -> Stage:
     """A may run on in W up to T1; B stands in E, and may run within it."""
-    stage = Stage(("A", "B"), CROSSINGS).put("A", "W+").sign_on("A", "W").grant("A", "P1", "T1")
-    stage.holds("A", "W", "P1", "T1").prove("A", "1", "normal")
-    return second(stage)
+    return second(authorised(crossings=CROSSINGS))
 
 
-def on_points() -> Stage:
+def on_points(crossings: Mapping[str, CrossingFacts] = NO_CROSSINGS) -> Stage:
     """A has its front on the normal leg and its rear still in W: 10 + 20 of its 40 m are on the points."""
-    return authorised().see("A", ("stem1+", 5.0), ("normal1+", 20.0))
+    return authorised(crossings=crossings).see("A", ("stem1+", 5.0), ("normal1+", 20.0))
 
 
 def in_track() -> Stage:
@@ -241,3 +242,17 @@ def restarted(*heard: str) -> Stage:
     if "B" in heard:
         stage.outside("B")
     return stage
+
+
+Act = Callable[[Stage], Stage]
+
+
+@dataclass(frozen=True)
+class Case:
+    """From one situation, what must not be done (`bad`) and what may (`good`)."""
+
+    name: str
+    checker: Checker
+    start: Callable[[], Stage]
+    bad: Act
+    good: Act

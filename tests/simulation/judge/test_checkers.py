@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
 
 import pytest
 
@@ -12,11 +10,7 @@ from network.model import Position
 from simulation.events import (
     MANAGER,
     WORLD,
-    BarrierState,
     Collision,
-    CrossingBarriers,
-    CrossingCreep,
-    CrossingLamps,
     CutOut,
     PointsForced,
     PointsLocked,
@@ -24,35 +18,22 @@ from simulation.events import (
     PointsUnlocked,
     ProofDropped,
     Reported,
-    RoadStopped,
     Started,
+    TakenBack,
     UnitRestarted,
 )
 from simulation.judge.checkers import Checker
 from simulation.judge.liveness import LOOKS_EVERY_S, STANDS_S
+from tests.simulation.judge.crossing_cases import CROSSING_CASES
 from tests.simulation.judge.stage import (
+    Case,
     Stage,
-    at_crossings,
     authorised,
     in_track,
     on_points,
     restarted,
     second,
 )
-
-Act = Callable[[Stage], Stage]
-GUARDED = CrossingCreep(crossing_id="W", guarded=True)
-
-
-@dataclass(frozen=True)
-class Case:
-    """From one situation, what must not be done (`bad`) and what may (`good`)."""
-
-    name: str
-    checker: Checker
-    start: Callable[[], Stage]
-    bad: Act
-    good: Act
 
 
 def let_in_to_t2(stage: Stage) -> Stage:
@@ -261,6 +242,13 @@ CASES = (
         lambda s: s.accept("B", "E").bar("B").grant("A", "P2", "B"),
     ),
     Case(
+        "persons take back what they had said of a unit",
+        Checker.UNDEFINED_GRANTS_NOTHING,
+        lambda: second(authorised()).by_hand("B", "E").entry(MANAGER, TakenBack(unit_id="B", by="Sato")),
+        lambda s: s.grant("A", "P2", "B"),
+        lambda s: s.accept("B", "E").grant("A", "P2", "B"),
+    ),
+    Case(
         "a unit on the line that is on no list",
         Checker.UNDEFINED_GRANTS_NOTHING,
         lambda: second(authorised(("A",))),
@@ -339,70 +327,7 @@ CASES = (
         lambda s: s.see("A", ("T1+", 50.0), ("normal2+", 5.0), ("stem2+", 5.0), ("B+", 5.0)),
         lambda s: s.see("A", ("T1+", 50.0)),
     ),
-    Case(
-        "a road with its barriers still coming down",
-        Checker.CROSSING_OPEN,
-        at_crossings,
-        lambda s: s.world(CrossingLamps(crossing_id="W", lit=True)).see("A", ("W+", 255.0)),
-        lambda s: s.shut("W", 15.0, 20.0).see("A", ("W+", 255.0)),
-    ),
-    Case(
-        "a road whose barriers have risen again",
-        Checker.CROSSING_OPEN,
-        at_crossings,
-        lambda s: (
-            s.shut("W", 15.0, 20.0)
-            .world(CrossingBarriers(crossing_id="W", state=BarrierState.RISING))
-            .see("A", ("W+", 255.0))
-        ),
-        lambda s: s.shut("W", 15.0, 20.0).see("A", ("W+", 255.0)),
-    ),
-    Case(
-        "a road without barriers, unlit",
-        Checker.CROSSING_OPEN,
-        at_crossings,
-        lambda s: s.see("B", ("E-", 250.0)),
-        lambda s: s.shut("E", 0.0, 21.0).see("B", ("E-", 250.0)),
-    ),
-    Case(
-        "by leave to creep, and faster",
-        Checker.CROSSING_OPEN,
-        at_crossings,
-        lambda s: s.entry("A", CrossingCreep(crossing_id="W")).see("A", ("W+", 255.0), speed_mps=5.0),
-        lambda s: s.entry("A", CrossingCreep(crossing_id="W")).see("A", ("W+", 255.0), speed_mps=4.0),
-    ),
-    Case(
-        "by the word of who guards it, its road not stopped",
-        Checker.CROSSING_OPEN,
-        at_crossings,
-        lambda s: s.entry("A", GUARDED).see("A", ("W+", 255.0), speed_mps=4.0),
-        lambda s: (
-            s.world(RoadStopped(crossing_id="W", unit_id="A"))
-            .entry("A", GUARDED)
-            .see("A", ("W+", 255.0), speed_mps=4.0)
-        ),
-    ),
-    Case(
-        "by leave to creep over another",
-        Checker.CROSSING_OPEN,
-        at_crossings,
-        lambda s: s.entry("B", CrossingCreep(crossing_id="W")).see("B", ("E-", 250.0), speed_mps=4.0),
-        lambda s: s.entry("B", CrossingCreep(crossing_id="E")).see("B", ("E-", 250.0), speed_mps=4.0),
-    ),
-    Case(
-        "14 s after it was closed",
-        Checker.CROSSING_WARNING,
-        at_crossings,
-        lambda s: s.shut("W", 15.0, 12.0).see("A", ("W+", 255.0)),
-        lambda s: s.shut("W", 10.0, 15.0).see("A", ("W+", 255.0)),
-    ),
-    Case(
-        "23 s after its lamps were lit",
-        Checker.CROSSING_WARNING,
-        at_crossings,
-        lambda s: s.shut("W", 5.0, 17.0).see("A", ("W+", 255.0)),
-        lambda s: s.shut("W", 10.0, 15.0).see("A", ("W+", 255.0)),
-    ),
+    *CROSSING_CASES,
     Case(
         "to an edge that does not follow",
         Checker.NO_JUMP,

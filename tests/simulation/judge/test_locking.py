@@ -132,6 +132,6 @@ def test_a_run_and_its_climb_are_counted_over_the_joints_of_edges() -> None:
     seen = []
     for edge_id, front_m in places:
         track.follow(body, edge_id, front_m)
-        seen.append((track.run_m(body), track.height_m(body)))
+        seen.append((body.run_m, track.height_m(body)))
     assert [run_m - seen[0][0] for run_m, _ in seen] == pytest.approx([0.0, 100.0, 205.0, 222.0])
     assert [height_m - seen[0][1] for _, height_m in seen] == pytest.approx([0.0, 1.0, 1.5, 1.0])
