@@ -109,10 +109,12 @@ class Rate:
 
 
 def day_of(legs: Sequence[SetLeg]) -> Period:
-    """From the first departure to the last arrival, in whole hours, of which a day has one that none arrives in."""
-    begin_h = math.floor(min(leg.departs_s for leg in legs) / HOUR_S)
-    ends_h = [math.ceil(leg.arrives_s / HOUR_S) for leg in legs if math.isfinite(leg.arrives_s)]
-    return Period("day", begin_h * HOUR_S, max(ends_h, default=begin_h + 1) * HOUR_S, peak=False)
+    """From the first departure to the last arrival, in whole hours."""
+    begin_s = min(leg.departs_s for leg in legs)
+    ends = [leg.arrives_s for leg in legs if math.isfinite(leg.arrives_s)]
+    return Period(
+        "day", math.floor(begin_s / HOUR_S) * HOUR_S, math.ceil(max(ends) / HOUR_S) * HOUR_S, peak=False
+    )
 
 
 def peak_of(legs: Sequence[SetLeg], day: Period, length_s: float = PEAK_S) -> Period:

@@ -274,8 +274,7 @@ def draw_punctuality(run: ChosenRun) -> Figure | None:
         axes.spines[:].set_color(RULE)
     share.set_ylim(0.0, 112.0)
     share.legend(loc="lower right", ncols=2, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
-    if late.get_legend_handles_labels()[0]:  # none where no train came
-        late.legend(loc="lower right", ncols=6, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+    late.legend(loc="lower right", ncols=6, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
     if table["whole_minutes"].all():
         late.text(0.0, 1.02, WHOLE_MINUTES, transform=late.transAxes, fontsize=6.5, color=PALE, va="bottom")
     return figure
@@ -294,7 +293,7 @@ def _draw_lateness(axes: Axes, at: Any, rows: Sequence[dict[str, Any]], what: st
     known = [(x, row) for x, row in zip(at, rows, strict=True) if row["mean_s"] is not None]
     if not known:
         return
-    first = not axes.get_legend_handles_labels()[0]
+    first = what == "arrival"
     x = [x for x, _ in known]
     mean_s = [row["mean_s"] for _, row in known]
     sigma_s = [row["sigma_s"] or 0.0 for _, row in known]
