@@ -104,10 +104,13 @@ def export_gtfs(
 ) -> None:
     """Write a timetable as a GTFS feed; of a run directory, the day as it was run."""
     from exchange.gtfs.writer import write_gtfs
+    from network.errors import COMMAND_LINE, InputError
 
     facts = _facts(agency, url, timezone, (first, last), weekdays, centre)
     line, timetable, as_run = timetables_of(source)
     if as_run is not None:
+        if not as_run:
+            raise InputError(COMMAND_LINE, "SOURCE", source, "a run in which a train ran")
         timetable = replace(timetable, trains={train.number: train for train in as_run})
     rows = write_gtfs(out, line, timetable, facts)
     if centre == _CENTRE:

@@ -29,6 +29,11 @@ TYPE_ACCELERATION_MPS2: Final = 100.0
 TYPE_SPEED_MPS: Final = 200.0
 
 
+def clock_ahead_s(begin_s: float) -> float:
+    """What SUMO's clock is ahead of a run that begins then: it knows no time before midnight."""
+    return max(-begin_s, 0.0)
+
+
 def sumo_command(net: Path, step_s: float = STEP_S, routes: Path | None = None) -> tuple[str, ...]:
     """The command for `libsumo.start`: exact motion, own authority, collisions only reported.
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -22,7 +23,7 @@ from simulation.carriers.road_totals import RoadTotals
 from simulation.carriers.sumo_api import SumoApi
 from simulation.carriers.trail import Trail
 from simulation.events import BarrierState, VehicleStruck
-from sumo_cfg.options import STEP_S
+from sumo_cfg.options import STEP_S, clock_ahead_s
 from sumo_cfg.road_net import RoadAt, RoadPart, RoadWay
 from sumo_cfg.road_traffic import CAR, ROUND, WIDTH_M, RoadVehicle, road_routes_xml, stall_at_m
 
@@ -99,7 +100,9 @@ class Road:
         vehicles = self._comers(begin_s)
         self._known = {vehicle.id: vehicle for vehicle in vehicles}
         path = self._folder / "road.rou.xml"
-        path.write_bytes(road_routes_xml(self.roads, vehicles))
+        ahead_s = clock_ahead_s(begin_s)
+        by_sumo = [replace(vehicle, depart_s=vehicle.depart_s + ahead_s) for vehicle in vehicles]
+        path.write_bytes(road_routes_xml(self.roads, by_sumo))
         return path
 
     def _comers(self, begin_s: float) -> tuple[RoadVehicle, ...]:

@@ -10,7 +10,7 @@ from network.model import Direction
 from simulation.carriers.carrier import Truth
 from simulation.carriers.sumo_api import SumoApi, in_process
 from simulation.carriers.touching import text_of
-from sumo_cfg.options import LANE_CHANGE_MODE, SPEED_MODE, add_train_type, sumo_command
+from sumo_cfg.options import LANE_CHANGE_MODE, SPEED_MODE, add_train_type, clock_ahead_s, sumo_command
 
 SIGN: Final = {Direction.DOWN: "+", Direction.UP: "-"}
 DIRECTION: Final = {"+": Direction.DOWN, "-": Direction.UP}
@@ -31,7 +31,8 @@ class SumoCarrier:
     ) -> None:
         self._sumo = in_process() if api is None else api
         self._open = True
-        self._sumo.start([*sumo_command(net, routes=routes), "--begin", f"{begin_s:.1f}"])
+        begin = f"{begin_s + clock_ahead_s(begin_s):.1f}"
+        self._sumo.start([*sumo_command(net, routes=routes), "--begin", begin])
         self._collisions: dict[tuple[str, str], str] = {}
         self._lengths_m: dict[str, float] = {}
         self._routes = 0

@@ -122,7 +122,10 @@ def slack_of(occupation: Occupation, dwell_min_s: float = math.inf) -> dict[Occu
 
 
 def legs_of(occupations: Iterable[Occupation], is_place: IsPlace) -> tuple[SetLeg, ...]:
-    """The legs of every set, in order of time; an occupation of a place ends the leg into it and starts the next."""
+    """The legs that sets ran, in order of time; an occupation of a place ends the leg into it and starts the next.
+
+    What a set held and never entered is none.
+    """
     by_stock: dict[str, list[Occupation]] = defaultdict(list)
     for one in occupations:
         by_stock[one.stock_id].append(one)
@@ -141,7 +144,8 @@ def legs_of(occupations: Iterable[Occupation], is_place: IsPlace) -> tuple[SetLe
                 start, way = one, []
         if way:
             found.append(_leg(stock_id, start, way, ends=False))
-    return tuple(sorted(found, key=lambda leg: (leg.departs_s, leg.stock_id)))
+    run = (leg for leg in found if math.isfinite(leg.departs_s))
+    return tuple(sorted(run, key=lambda leg: (leg.departs_s, leg.stock_id)))
 
 
 def _leg(stock_id: str, start: Occupation | None, way: list[Occupation], *, ends: bool) -> SetLeg:

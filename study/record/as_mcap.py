@@ -21,6 +21,7 @@ from study.record.directory import JOURNAL_FILE
 from study.record.read_back import RunRead
 
 NS_PER_S: Final = 1_000_000_000
+DAY_NS: Final = 86_400 * NS_PER_S
 JSON: Final = "json"
 SCHEMA: Final = "jsonschema"
 
@@ -77,8 +78,11 @@ class _Channels:
         return self._channels[topic]
 
     def write(self, messages: Iterator[tuple[int, int, bytes]]) -> None:
-        """All messages, in order of time."""
-        for number, (at_ns, channel, data) in enumerate(messages):
+        """All messages, in order of time: from midnight, or from the one before if the run begins before midnight."""
+        ahead_ns = 0  # MCAP has no negative times
+        for number, (since_ns, channel, data) in enumerate(messages):
+            ahead_ns = max(ahead_ns, -(since_ns // DAY_NS) * DAY_NS)
+            at_ns = since_ns + ahead_ns
             self._writer.add_message(channel, log_time=at_ns, publish_time=at_ns, sequence=number, data=data)
         self._writer.finish()  # type: ignore[no-untyped-call]  # mcap leaves this one without types
 

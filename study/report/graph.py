@@ -118,7 +118,8 @@ def _draw_crossings(axes: Axes, run: ReportedRun, room_m: float) -> None:
 
 def station_label(station: Station) -> str:
     """Romanised name, with the Japanese one where a font has it."""
-    japanese = f" {station.name_ja}" if station.name_ja and can_write_japanese() else ""
+    other = station.name_ja if station.name_ja != station.name else ""
+    japanese = f" {other}" if other and can_write_japanese() else ""
     return f"{station.name}{japanese}"
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from network.clock import clock as whole_clock
 from network.model import Direction
 from study.report.face import japanese_font
 
@@ -147,9 +148,8 @@ def unit_colours(units: list[str]) -> dict[str, str]:
 
 def clock(time_s: float, *, seconds: bool = False) -> str:
     """HH:MM, or HH:MM:SS, of seconds since midnight; hours go on after 23 as in a Japanese timetable."""
-    whole_s = round(time_s)
-    text = f"{whole_s // 3600:02d}:{whole_s // 60 % 60:02d}"
-    return f"{text}:{whole_s % 60:02d}" if seconds else text
+    text = whole_clock(time_s)
+    return text if seconds else text[: -len(":00")]
 
 
 @dataclass(frozen=True, slots=True)

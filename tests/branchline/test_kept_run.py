@@ -10,9 +10,10 @@ from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Final
 
+import polars as pl
 import pytest
 
-from study.record.directory import FORMAT
+from study.record.directory import FORMAT, digests_of_tables
 from study.record.figure import Figure
 from study.record.tables import ROWS
 from study.wording.phrase import Phrase
@@ -74,3 +75,15 @@ def test_a_directory_of_a_later_format_is_refused_by_its_number_and_one_without_
         ended = main("plot", str(copy), "waits", "--out", "waits.csv")
         assert ended.code == code
         assert ("format is 2; expected at most 1" in ended.err) is (code == 2)
+
+
+def test_a_run_in_which_no_train_came_anywhere(main: Callable[..., Any], tmp_path: Path) -> None:
+    copy = shutil.copytree(KEPT, tmp_path / "copy")
+    stops = pl.read_parquet(copy / "stops.parquet")
+    nowhere = stops.with_columns(arrival_s=pl.lit(None, pl.Float64), departure_s=pl.lit(None, pl.Float64))
+    nowhere.write_parquet(copy / "stops.parquet")
+    shown = json.loads((copy / "shown.json").read_text("utf-8"))
+    shown["tables"] = digests_of_tables(copy)
+    (copy / "shown.json").write_text(json.dumps(shown), "utf-8")
+    ended = main("export", "gtfs", str(copy), "day.zip")
+    assert ended.code == 2 and "SOURCE" in ended.err and "in which a train ran" in ended.err

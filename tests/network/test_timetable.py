@@ -293,3 +293,12 @@ def test_shipped_names(tmp_path: Path) -> None:
         shipped_line("nowhere")
     with pytest.raises(InputError, match="an existing file"):
         shipped_line(str(tmp_path / "none.toml"))
+
+
+def test_ten_minutes_before_midnight_are_minus_ten_minutes() -> None:
+    assert [clock(time_s) for time_s in (-600.0, -0.4, 0.0, 3600.0)] == [
+        "-00:10:00",
+        "00:00:00",
+        "00:00:00",
+        "01:00:00",
+    ]

@@ -25,8 +25,8 @@ Carry = Callable[..., Came]
 def on_sumo(tmp_path_factory: pytest.TempPathFactory) -> Carry:
     net = net_in(tmp_path_factory.mktemp("net"))
 
-    def carry(trains: tuple[Going, ...], stretch: int = 50) -> Came:
-        carrier = SumoCarrier(net, 0.0)
+    def carry(trains: tuple[Going, ...], stretch: int = 50, begin_s: float = 0.0) -> Came:
+        carrier = SumoCarrier(net, begin_s)
         try:
             return carried(carrier, trains, stretch)
         finally:
@@ -125,6 +125,11 @@ def test_a_look_that_is_left_out_finds_nothing(name: str) -> None:
 def test_stretches_change_nothing(stretch: int, on_sumo: Carry) -> None:
     for case in CASES.values():
         assert on_plain(case.trains, stretch) == on_plain(case.trains) == on_sumo(case.trains, stretch)
+
+
+def test_a_run_may_begin_before_midnight(on_sumo: Carry) -> None:
+    trains = CASES["head-on"].trains
+    assert on_sumo(trains, begin_s=-120.0) == on_sumo(trains)
 
 
 @given(trains=meetings(), stretch=st.integers(1, 60))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -11,9 +12,9 @@ from hypothesis import strategies as st
 from network.model import Direction
 from study.capacity import compression
 from study.capacity.compression import Compressed, ContradictionError, StandingRule, compressed
-from study.capacity.legs import SetLeg
+from study.capacity.legs import SetLeg, legs_of
 from study.capacity.occupation import OccupationCost, conflicts_of
-from tests.study.capacity.hand_made import Made, day, legs
+from tests.study.capacity.hand_made import Made, day, held, legs
 
 LOW = {"L": frozenset({"S1"}), "M": frozenset({"S1", "L.1", "S2"})}
 HIGH = {"L": frozenset({"S2", "M.1", "S3"}), "M": frozenset({"S3"})}
@@ -105,3 +106,10 @@ def test_trains_that_each_come_after_the_other_are_named() -> None:
 def test_a_part_without_trains_takes_no_time() -> None:
     found = compressed(legs(day("L")), frozenset({"elsewhere"}))
     assert (found.occupied_s, found.chain, found.section_id) == (0.0, (), "")
+
+
+def test_what_was_held_and_never_entered_is_no_leg() -> None:
+    """A train that stands at its portal for ever holds its route."""
+    waits = replace(held("S1", "1", 0.0, 100.0), enters_s=math.inf, leaves_s=math.inf)
+    found = legs_of([waits, held("S2", "2", 200.0, 300.0)], lambda section: "." in section)
+    assert [leg.number for leg in found] == ["2"]

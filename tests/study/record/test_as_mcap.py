@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import polars as pl
 import pytest
 
 from scenario.scenario import load_scenario
@@ -18,7 +20,7 @@ pytestmark = pytest.mark.system
 
 def test_the_whole_run_comes_back(tmp_path: Path) -> None:
     reader = pytest.importorskip("mcap.reader", reason="the extra [mcap] is not installed")
-    from study.record.as_mcap import NS_PER_S, write_mcap
+    from study.record.as_mcap import DAY_NS, NS_PER_S, write_mcap
 
     with reserved(tmp_path / "run") as place:
         done = execute(load_scenario("rtri_test_line"), PartyLink.SIMULATED, journal=place.journal)
@@ -40,3 +42,11 @@ def test_the_whole_run_comes_back(tmp_path: Path) -> None:
         assert (schema.encoding, channel.message_encoding) == ("jsonschema", "json")
         assert set(data) <= set(keys)
         assert message.log_time == round(data.get("t", data.get("t_s")) * NS_PER_S)
+
+    begins_s = run.tables.trajectory["t_s"].min()
+    early = run.tables.trajectory.with_columns(t_s=pl.col("t_s") - begins_s - 60.0)
+    write_mcap(replace(run, directory=tmp_path, tables=replace(run.tables, trajectory=early)), file)
+    with file.open("rb") as stream:
+        messages = list(reader.make_reader(stream).iter_messages())
+    assert len(messages) == counts.samples
+    assert messages[0][2].log_time == DAY_NS - 60 * NS_PER_S  # since the midnight before

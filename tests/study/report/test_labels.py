@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -13,12 +14,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from network.files.line_file import load_line
+from network.files.shipped import shipped_line
 from study.measures.summary import summarise
 from study.report import graph, labels
 from study.report.charts import draw_delays, draw_energy, draw_stop_errors
 from study.report.curve import chosen_trains, draw_run_curve
 from study.report.data import ReportedRun
-from study.report.graph import draw_train_graph
+from study.report.graph import draw_train_graph, station_label
 from study.report.labels import Box, dense
 from study.report.occupancy import draw_occupancy
 from study.report.style import drawing
@@ -168,3 +171,9 @@ def test_boxes_apart_do_not_overlap() -> None:
     assert not turned.overlaps(Box(6.0, -6.0, 3.0, 3.0, 0.0))  # its level extent would
     assert turned.overlaps(Box(6.0, 6.0, 3.0, 3.0, 0.0))
     assert turned.covers(np.array([[5.0, 5.0], [5.0, -5.0]])) == 1
+
+
+def test_a_name_in_one_script_stands_once() -> None:
+    station = load_line(shipped_line("karasuyama")).stations["OGN"]
+    assert station_label(replace(station, name=station.name_ja)) == station.name_ja
+    assert station_label(station).startswith(station.name)
