@@ -78,22 +78,23 @@ class CrossingTalk:
                 self._take(crossing_id, CrossingSeen(None) if says else CrossingUnplaced(), now_s)
             return
         self._goes_on = state.phase is DutyPhase.RUNNING or leaves_in_s <= 0.0
-        self._places, self._stands = {}, False
+        here: dict[str, CrossingPlace] = {}
+        self._places, self._stands = here, False
         for place in places:
             crossing_id = place.crossing_id
             view = self._views.get(crossing_id) or CrossingView(crossing_id, forgot=self._forgot)
             if place.clear and view.phase is CrossingPhase.AHEAD and not view.forgot:
                 continue  # it lies behind, and knows that
             self._views[crossing_id] = view
-            self._places[crossing_id] = _as_it_runs(place, state, leaves_in_s)
+            here[crossing_id] = _as_it_runs(place, state, leaves_in_s)
             self._stands = self._stands or place.stands
         self._live = [
             crossing_id
             for crossing_id, view in self._views.items()
-            if view.phase is not CrossingPhase.AHEAD or crossing_id in self._places
+            if view.phase is not CrossingPhase.AHEAD or crossing_id in here
         ]
         for crossing_id in self._live:
-            self._take(crossing_id, CrossingSeen(self._places.get(crossing_id)), now_s)
+            self._take(crossing_id, CrossingSeen(here.get(crossing_id)), now_s)
 
     def hear(self, heard: Received, now_s: float) -> bool:
         """Take a telegram, if it is a level crossing's; whether it was."""
