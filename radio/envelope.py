@@ -43,6 +43,7 @@ AGE_MAX_S: Final = 5.0
 TELEGRAM_BYTES_MAX: Final = 4096
 SEQUENCE_WINDOW: Final = 64
 CLOCK_SKEW_MAX_S: Final = 1.0  # two clocks in order differ by no more
+ON_THE_AIR_S: Final = AGE_MAX_S + CLOCK_SKEW_MAX_S  # after which what was sent takes no effect any more
 _ROUNDING_S: Final = 1e-6
 
 

@@ -23,7 +23,7 @@ from network.model import SectionKind
 from onboard.crossing_notes import CrossingCreep
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints, Holds
 from radio.chance import generator
-from radio.envelope import AGE_MAX_S, CLOCK_SKEW_MAX_S
+from radio.envelope import ON_THE_AIR_S
 from radio.messages import ClaimQuery
 from radio.noted import Sent
 from simulation.events import Acted, CutOut, JournalEntry, Left, PowerOn
@@ -104,7 +104,7 @@ class Staff:
             case Started(epoch=epoch) if entry.who == MANAGER_ID:
                 self._awaited = dict.fromkeys(self._trains.stock_ids)
                 self._restores, self._stage = epoch > 1, None
-                self._word_from_s = entry.t_s + AGE_MAX_S + CLOCK_SKEW_MAX_S
+                self._word_from_s = entry.t_s + ON_THE_AIR_S
                 self._again_s.clear()
                 self._spoke.clear()
                 self._from_s = {key: at for key, at in self._from_s.items() if key[0] not in _OF_MANAGER}
@@ -143,7 +143,7 @@ class Staff:
                 self._bars.setdefault(unit_id, {})[entry.who] = _BARS[act]
             case Barred(unit_id=unit_id) if entry.who == MANAGER_ID:
                 self._awaited.setdefault(unit_id)
-                self._word_from_s = entry.t_s + AGE_MAX_S + CLOCK_SKEW_MAX_S
+                self._word_from_s = entry.t_s + ON_THE_AIR_S
             case Refused(unit_id=unit_id, section_ids=section_ids, why=why) if why.endswith(IN_STATION):
                 self._not_freed.setdefault(unit_id, set()).update(section_ids)
             case Left(unit_id=unit_id):

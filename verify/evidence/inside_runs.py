@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from typing import Final
 
-from host.scratch import scratch
 from onboard.duty.records import DutyPhase
 from onboard.duty_parameters import ReleaseRule
 from scenario.scenario import Scenario, load_scenario
@@ -14,11 +13,9 @@ from simulation.events import JournalEntry
 from simulation.journal import Journal
 from simulation.result import RunResult
 from study.drilling.drill import drills_in, find_drill, shipped_drills
-from study.runner.run import CarrierKind, RunOptions, UnitsAt, carrier_factory, run_to_end
-from sumo_cfg.build import net_for
-from sumo_cfg.truth_map import read_net
+from study.runner.run import CarrierKind, UnitsAt
 from verify.evidence.inside import FirstSeen, InsideFigures, PairWatch
-from verify.evidence.watched import WatchedParties
+from verify.evidence.watched import WatchedParties, result_of
 from verify.explore import explored
 from verify.explored_line import Budgets, ExploredLine
 from verify.pair_set import views_of
@@ -88,18 +85,14 @@ def watched_run(scenario: Scenario, views: frozenset[PairView], figures: InsideF
         made.watch(count)
         return made
 
-    with scratch("inside-") as folder:
-        net = net_for(scenario.setup.line, folder)
-        options = RunOptions(
-            carrier_factory(CarrierKind.PLAIN, scenario.setup.line, net),
-            read_net(net),
-            folder,
-            units=UnitsAt.PROCESSES,  # as parties, so that they can be looked at; in this process all the same
-            watch=lambda parties: WatchedParties(parties, watch.look),
-            journal=journal,
-        )
-        _, result = run_to_end(scenario, options)
-    return result
+    # units as parties, so that they can be looked at; in this process all the same
+    return result_of(
+        scenario,
+        CarrierKind.PLAIN,
+        UnitsAt.PROCESSES,
+        lambda parties: WatchedParties(parties, watch.look),
+        journal,
+    )
 
 
 def lacking(view: PairView) -> str:

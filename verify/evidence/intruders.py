@@ -20,7 +20,6 @@ import numpy as np
 from host.local import LocalParties
 from host.parties import Parties
 from host.party import Advance
-from host.scratch import scratch
 from radio.chance import generator
 from radio.envelope import AGE_MAX_S, DropReason, Envelope, encode, header_of
 from radio.keys import KEY_BYTES, KeyRing
@@ -29,10 +28,8 @@ from radio.noted import TelegramDropped
 from scenario.scenario import Scenario
 from simulation.journal import encode_entry
 from simulation.result import RunResult
-from study.runner.run import CarrierKind, RunOptions, UnitsAt, carrier_factory, run_to_end
-from sumo_cfg.build import net_for
-from sumo_cfg.truth_map import read_net
-from verify.evidence.watched import PartyState, WatchedParties
+from study.runner.run import CarrierKind, UnitsAt
+from verify.evidence.watched import PartyState, WatchedParties, result_of
 from wayside.config import MANAGER_ID
 
 STRANGER: Final = "stranger"
@@ -216,16 +213,12 @@ def intruded(scenario: Scenario, seed: int, attacks: Sequence[Attack]) -> list[I
 
 
 def _run(scenario: Scenario, attack: Attack | None, seed: int, sent: Counter[str]) -> RunResult:
-    with scratch("intruders-") as folder:
-        net = net_for(scenario.setup.line, folder)
-        options = RunOptions(
-            carrier_factory(CarrierKind.PLAIN, scenario.setup.line, net),
-            read_net(net),
-            folder,
-            units=UnitsAt.PROCESSES,
-            watch=None if attack is None else lambda parties: IntrudedParties(parties, attack, seed, sent),
-        )
-        return run_to_end(scenario, options)[1]
+    return result_of(
+        scenario,
+        CarrierKind.PLAIN,
+        UnitsAt.PROCESSES,
+        None if attack is None else lambda parties: IntrudedParties(parties, attack, seed, sent),
+    )
 
 
 def _lines(result: RunResult) -> list[bytes]:

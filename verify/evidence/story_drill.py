@@ -19,25 +19,22 @@ from pathlib import Path
 from shutil import copytree
 from typing import Final, NamedTuple
 
-from host.scratch import scratch
 from network.clock import clock
 from onboard.notes import MissionBegun
-from radio.envelope import AGE_MAX_S, CLOCK_SKEW_MAX_S
+from radio.envelope import ON_THE_AIR_S
 from radio.noted import Sent, TookEffect
 from scenario.scenario import Scenario, load_scenario
 from simulation.events import Entered, JournalEntry, Left
 from simulation.faults.devices import PowerCut
 from simulation.faults.links import Cut, FaultyLink
 from simulation.faults.script import Act, ActKind, Script, ScriptedFault, Trigger
-from simulation.result import RunResult
 from simulation.setup import STEP_S
 from study.drilling.replay_file import replay_of
 from study.record.directory import replacing_folder
 from study.runner.outcome import broken_rules, unfinished
-from study.runner.run import CarrierKind, RunOptions, carrier_factory, run_to_end
-from sumo_cfg.build import net_for
-from sumo_cfg.truth_map import read_net
+from study.runner.run import CarrierKind
 from verify.composition import HEARS, Composition, Following
+from verify.evidence.watched import result_of
 from verify.explore import ExploredSpace
 from verify.explored_line import PORTAL, TERMINALS, UNITS, UnwishedFor
 from verify.train import PEERS
@@ -129,15 +126,8 @@ def _told_in(folder: Path, found: ExploredSpace, apart_s: int, *, late: bool) ->
 
 def broken_by(drill: Path) -> tuple[str, ...]:
     """Run a drill: which rules it breaks, and what is missing at its end."""
-    result = _run(load_scenario(str(drill)), CarrierKind.SUMO)
+    result = result_of(load_scenario(str(drill)), CarrierKind.SUMO)
     return (*(text for _, text in broken_rules(result)), *unfinished(result))
-
-
-def _run(scenario: Scenario, carrier: CarrierKind) -> RunResult:
-    with scratch("story-") as folder:
-        net = net_for(scenario.setup.line, folder)
-        options = RunOptions(carrier_factory(carrier, scenario.setup.line, net), read_net(net), folder)
-        return run_to_end(scenario, options)[1]
 
 
 def _times(first: str, apart_s: int) -> str:
@@ -188,7 +178,7 @@ def _script(space: ExploredSpace, scenario: Scenario, *, late: bool) -> Script:
     bounds += [(trouble.ends, True, trouble) for trouble in troubles if trouble.ends is not None]
     for events, over, trouble in sorted(bounds, key=lambda bound: bound[:2]):
         setup = replace(scenario.setup, script=_so_far(troubles))
-        entries = _run(replace(scenario, setup=setup), CarrierKind.PLAIN).journal.entries
+        entries = result_of(replace(scenario, setup=setup), CarrierKind.PLAIN).journal.entries
         came = _CourseOfStory(composition, told, troubles, entries)
         if over:
             assert trouble.from_s is not None
@@ -316,7 +306,7 @@ def _troubles(told: Sequence[Following], *, late: bool) -> Iterator[_Trouble]:
         elif who == MANAGER_ID:
             acts = _acts(found.what)
             restarted |= any(act.kind is ActKind.BAR_UNIT for act in acts)
-            wait_s = AGE_MAX_S + CLOCK_SKEW_MAX_S + 1.0 if restarted else STEP_S
+            wait_s = ON_THE_AIR_S + 1.0 if restarted else STEP_S
             for act in acts:
                 yield _Trouble(number, None, act, waits_s=wait_s)
 

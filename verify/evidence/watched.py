@@ -1,4 +1,4 @@
-"""A run's parties, each of which somebody looks at after it has acted."""
+"""A run without its tables, and its parties, each of which somebody looks at after it has acted."""
 
 from __future__ import annotations
 
@@ -10,14 +10,36 @@ from host.device import DeviceParty
 from host.local import LocalParties
 from host.parties import Parties
 from host.party import Advance
+from host.scratch import scratch
 from host.unit import UnitParty
 from onboard.duty.records import DutyState
 from onboard.plan import DutyPlan
+from scenario.scenario import Scenario
+from simulation.journal import Journal
+from simulation.result import RunResult
+from study.runner.run import CarrierKind, RunOptions, UnitsAt, carrier_factory, run_to_end
+from sumo_cfg.build import net_for
+from sumo_cfg.truth_map import read_net
 from wayside.point_terminal import Terminal
 from wayside.register import Register
 
 PartyState = Register | Terminal | tuple[DutyPlan, DutyState] | None  # None: without power
 Look = Callable[[str, PartyState], None]
+
+
+def result_of(
+    scenario: Scenario,
+    carrier: CarrierKind,
+    units: UnitsAt = UnitsAt.SIMULATOR,
+    watch: Callable[[Parties], Parties] | None = None,
+    journal: Callable[[], Journal] = Journal,
+) -> RunResult:
+    """Run a scenario to its end, of which nothing stays. Raises Crashed for a bug."""
+    with scratch("evidence-") as folder:
+        net = net_for(scenario.setup.line, folder)
+        make = carrier_factory(carrier, scenario.setup.line, net)
+        options = RunOptions(make, read_net(net), folder, units=units, watch=watch, journal=journal)
+        return run_to_end(scenario, options)[1]
 
 
 class WatchedParties:
