@@ -131,10 +131,12 @@ def predicted_run(
     dt_s: float,
     initial_mps: float = 0.0,
     until_m: float = math.inf,
+    rolls: bool = False,
 ) -> tuple[float, float]:
     """Time (s) and net energy at the wire (J: traction + auxiliary - regenerated) from `start_m` to a stop.
 
-    With `until_m` before the stop: to where the front passes that, on its way to the stop.
+    With `until_m` before the stop: to where the front passes that, on its way to the stop. A train that is faster than
+    its cruise speed brakes down to it; or, if it `rolls`, only the resistance makes it slower.
 
     `elevation_m[i]` is the height at metre i counted in the direction of travel, curves included
     (`vehicle.resistance.climb_m`), `limit_mps[i]` the limit for the train's front from metre i to i + 1 (train
@@ -154,6 +156,7 @@ def predicted_run(
         initial_mps,
         until_m,
         np.empty((0, 3)),
+        rolls,
     )
     return time_s, energy_j
 
@@ -247,6 +250,7 @@ def _run(
     initial_mps: float,
     until_m: float,
     course: NDArray[np.float64],
+    rolls: bool = False,
 ) -> tuple[float, float, float]:
     """Time (s), net energy (J) and where the front is then (m); see `predicted_run`. Fills the rows of `course`."""
     load_share, motors_share, adhesion_factor = conditions
@@ -266,7 +270,8 @@ def _run(
         full_n = full_pull_n(train, load_share, motors_share, adhesion_factor, speed)
         resist_n = held_back_n(train, load_share, elevation_m, position, speed)
         free = speed + (full_n - resist_n) / inertia * dt_s
-        wanted = max(0.0, min(free, max(cruise_mps, speed - drop)))
+        slower = min(resist_n / inertia * dt_s, drop) if rolls else drop
+        wanted = max(0.0, min(free, max(cruise_mps, speed - max(slower, 0.0))))
         after = _held_mps(squared, limit_mps, first, position, stop_m, speed, wanted, deceleration_mps2, dt_s)
         after = max(after, min(speed - drop, free))
         distance = 0.5 * (speed + after) * dt_s

@@ -138,6 +138,7 @@ def _arrives_s(
         PREDICTION_STEP_S,
         speed_mps,
         road_m,
+        rolls=True,
     )[0]
 
 

@@ -212,3 +212,34 @@ def test_a_place_on_the_way_is_passed_as_on_the_whole_run(br642: Rows, until_m: 
     k = int(np.searchsorted(fronts_m, until_m)) - 1
     share = (until_m - fronts_m[k]) / (fronts_m[k + 1] - fronts_m[k])
     assert predicted_run(*run, until_m=until_m)[0] == pytest.approx(times_s[k] + 0.5 * share, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("permille", "loses_mps2"), [(0.0, 0.0), (-10.0, 0.0), (10.0, 0.0981 * 77_900 / 84_132)]
+)
+def test_who_is_faster_than_meant_rolls(
+    ev_e301: Rows, changed: Change, permille: float, loses_mps2: float
+) -> None:
+    """Without resistance from 15 m/s, where 10 are meant: kept on the level and downhill, lost uphill by the climb."""
+    _, limit = flat()
+    row = changed(ev_e301, free=True)[0]
+    run = (
+        row,
+        0.0,
+        np.arange(limit.size) * permille * 1e-3,
+        limit,
+        100.0,
+        4000.0,
+        10.0,
+        0.7,
+        0.1,
+        15.0,
+        1600.0,
+    )
+    rolled_m = min((15.0**2 - 10.0**2) / (2.0 * loses_mps2), 1500.0) if loses_mps2 else 1500.0
+    mean_mps = 0.5 * (15.0 + (10.0 if loses_mps2 else 15.0))
+    assert predicted_run(*run, rolls=True)[0] == pytest.approx(
+        rolled_m / mean_mps + (1500.0 - rolled_m) / 10.0, abs=0.1
+    )
+    braked_m = (15.0**2 - 10.0**2) / (2.0 * 0.7)
+    assert predicted_run(*run)[0] == pytest.approx(braked_m / 12.5 + (1500.0 - braked_m) / 10.0, abs=0.1)

@@ -81,6 +81,13 @@ def test_the_front_may_come_as_soon_as_its_bound_says(ahead: CrossingsAhead) -> 
     assert before.arrives_s - wide.arrives_s == pytest.approx(3.0, abs=0.02)
 
 
+def test_who_is_faster_than_meant_is_there_as_soon_as_it_rolls(ahead: CrossingsAhead) -> None:
+    """At 10 m/s where 8 are meant: it does not brake to these, and nothing but its resistance makes it slower."""
+    ahead._row.cruise_mps = 8.0
+    place = place_at(ahead, 200.0)
+    assert (ROAD_M - 203.0) / 10.0 <= place.arrives_s < (ROAD_M - 203.0) / 9.5
+
+
 def test_it_must_know_before_it_would_brake(ahead: CrossingsAhead) -> None:
     """From 10 m/s at 0.6 m/s^2: 8.3 s to lose the speed at half of it, 2 s of the brake, 26 m of room."""
     ahead._row.cruise_mps = 10.0
