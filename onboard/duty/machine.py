@@ -245,7 +245,7 @@ def heard(duty: DutyStep, event: TelegramHeard) -> None:
     asked = duty.state.authority.open(RequestKind.ROUTE)
     remember_entered(duty)
     on_sight.heard(duty)
-    duty.authority(event.event)
+    orders.hear(duty, event.event)
     leg = next((x for x in duty.plan.legs if asked is not None and x.route_id == asked.subject), None)
     now = duty.state.authority.open(RequestKind.ROUTE)
     if leg is not None and asked is not None and (now is None or now.section_ids != asked.section_ids):
