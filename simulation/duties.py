@@ -443,6 +443,15 @@ class Duties:
             return index, -1.0
         return index, float(self._books.next_target(slot) - 1) if stage is StockStage.ON_LINE else math.inf
 
+    def is_to_turn(self, slot: int) -> bool:
+        """Whether the stock stands where its train ends, and neither its unit nor its driver has ended that yet: a unit
+        does once the manager has confirmed what it has given back.
+        """
+        duty = self._trains.duties[slot]
+        if duty is None or duty.becomes is None or duty in self._becoming:
+            return False
+        return self._books.next_target(slot) == len(duty.mission.targets)
+
     def waits_outside(self, slot: int) -> bool:
         """Whether the stock stands outside its portal."""
         return self._stage[slot] is StockStage.WAITING

@@ -373,6 +373,12 @@ def waits_where_no_radio_reaches(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
+def waits_for_units_to_end_trains(patch: pytest.MonkeyPatch) -> None:
+    """By substitute working nobody turns a train whose unit, without a manager, does not end it."""
+    patch.setattr(Duties, "is_to_turn", lambda *_: False)
+
+
+@switch
 def keeps_what_lies_beyond_a_gap(patch: pytest.MonkeyPatch) -> None:
     """On sight, what the register gave it beyond what it lacks is its own until it comes there."""
     for module in (arrival, on_sight, crew):
