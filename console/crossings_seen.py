@@ -58,8 +58,10 @@ class _Crossing:
         """A word holds as long as a proof does; one that it is open also while no unit is announced that it answers."""
         if self.heard_s is None:
             return RoadState.UNHEARD
-        asked = self.line.by_radio and not self.announced  # one that contacts close opens and closes unheard
-        lasts = (self.heard is RoadState.OPEN and asked) or now_s - self.heard_s <= VALID_S
+        unasked = (
+            self.line.by_radio and not self.announced
+        )  # one that contacts close opens and closes unheard
+        lasts = (self.heard is RoadState.OPEN and unasked) or now_s - self.heard_s <= VALID_S
         return self.heard if lasts else RoadState.UNHEARD
 
     @property

@@ -83,4 +83,6 @@ def limit_mps(unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void]) ->
     ceiling = path[path_index(unit, unit.position_m + unit.bound_ahead_m + RESERVE_M)].permitted_mps
     ceiling, settings = min(ceiling, unit.restricted_mps), behaviour.settings
     limit = min(here, ahead, lowered_mps(unit.permitted_mps, ceiling, settings.service_margin_mps))
-    return float(min(limit, lowered_mps(unit.restricted_mps, unit.restricted_mps, settings.driving_margin_mps)))
+    return float(
+        min(limit, lowered_mps(unit.restricted_mps, unit.restricted_mps, settings.driving_margin_mps))
+    )

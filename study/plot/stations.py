@@ -260,8 +260,9 @@ def draw_punctuality(run: ChosenRun) -> Figure | None:
         rows = {row["station"]: row for row in table.filter(pl.col("what") == what).to_dicts()}
         at = np.array([i for i, s in enumerate(stations) if s in rows]) + aside
         own = [rows[s] for s in stations if s in rows]
-        _draw_share(share, at, own, what, colour)
-        _draw_lateness(late, at, own, colour)
+        if own:
+            _draw_share(share, at, own, what, colour)
+            _draw_lateness(late, at, own, colour)
     everywhere = phrase("all stations").in_(run.choice.language)
     labels = [everywhere if s == ALL_STATIONS else _in_lines(run.name(s)) for s in stations]
     late.set_xticks(range(len(stations)), labels, fontsize=7 if len(labels) < 16 else 6)

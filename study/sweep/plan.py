@@ -112,7 +112,10 @@ def load_plan(name: str, days: int | None = None, carrier: str | None = None) ->
         raise InputError("command line", "--days", days, f"{SWEEP_DAYS.text()} ({SWEEP_DAYS.name})")
     if not SEED.holds(table.seeds.first + count - 1):
         raise InputError(
-            name, "seeds.first", table.seeds.first, f"a first seed at least {count - 1} below the greatest seed"
+            name,
+            "seeds.first",
+            table.seeds.first,
+            f"a first seed at least {count - 1} below the greatest seed",
         )
     scenario = _found(folder, table.scenario)
     try:

@@ -97,7 +97,9 @@ def test_each_seat_sees_a_crossing_as_far_as_it_can_know_it(crossed: Scenario) -
     assert result.digest == run_drill("rtri/100_crossing", PartyLink.SIMULATED).run.result.digest
 
 
-@pytest.mark.parametrize(("contact_km", "heard"), [(0.2, "C1"), (0.46, None)], ids=["begins beyond", "passes"])
+@pytest.mark.parametrize(
+    ("contact_km", "heard"), [(0.2, "C1"), (0.46, None)], ids=["begins beyond", "passes"]
+)
 def test_a_cab_shows_no_crossing_whose_contact_its_train_passes(
     contact_km: float, heard: str | None, tmp_path: Path
 ) -> None:

@@ -208,12 +208,13 @@ def test_a_limit_ahead_counts_from_the_furthest_place_where_the_front_may_be(
 
 @pytest.mark.parametrize("restricted", [False, True])
 @pytest.mark.parametrize(
-    ("limit_kmh", "kept_mps"), [(1.0, 0.1389), (3.0, 0.4167), (5.0, 0.6944), (7.2, 1.0), (8.0, 1.0222), (15.0, 2.9667)]
+    ("limit_kmh", "kept_mps"),
+    [(1.0, 0.1389), (3.0, 0.4167), (5.0, 0.6944), (7.2, 1.0), (8.0, 1.0222), (15.0, 2.9667)],
 )
 def test_under_no_limit_does_a_train_stand_for_its_margins(
     train: TrainRow, behaviour: BehaviourRow, limit_kmh: float, kept_mps: float, restricted: bool
 ) -> None:
-    """Driving keeps 1.2 m/s below a limit; by that alone a train would stand at 4.3 km/h. So with what it may run on sight."""
+    """Driving keeps 1.2 m/s below a limit, and by that alone would stand at 4.3 km/h. So with the speed on sight."""
     level = np.zeros(TRACK_M)
     limits = np.full(TRACK_M, 27.0 if restricted else limit_kmh / 3.6)
     path = pattern_of(level, level, limits, train, behaviour)

@@ -55,7 +55,7 @@ def test_the_last_day_has_the_greatest_seed_and_none_a_greater(tmp_path: Path) -
     """Twelve days from 2^63 - 12; 63 bits hold 2^63 - 1."""
     plan = plan_of(tmp_path, SWEEP.replace("first = 1", f"first = {2**63 - 12}"))
     assert plan.spec(plan.points[0], 11).seed == 2**63 - 1
-    with pytest.raises(InputError, match="seeds.first"):
+    with pytest.raises(InputError, match=r"seeds\.first"):
         plan_of(tmp_path, SWEEP.replace("first = 1", f"first = {2**63 - 11}"))
 
 
