@@ -293,7 +293,7 @@ def test_one_hop_is_drawn_of_several_runs_and_a_run_of_another_line_is_refused(r
 def test_punctuality_says_what_its_marks_are_where_no_train_has_arrived(
     late_s: float | None, told: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Departures alone, at a station whose name would lie over its neighbours'; without any, it says that there are none."""
+    """Departures alone, at a station whose name would lie over its neighbours'; without any, that none is there."""
     figures = dict.fromkeys(("mean_s", "sigma_s", "p95_s", "worst_s"), late_s)
     row = {
         "station": "A",
