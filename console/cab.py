@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Final
 
 from console.crossings_seen import CrossingsSeen
 from console.protocol import CabShown, CrossingInCab
 from console.session import Session
-from network.model import LevelCrossing, Line
+from network.model import LevelCrossing
 from network.path import Path
 from onboard.crossings.ahead import STOPS_SHORT_M
 from onboard.driving.laws.by_hand import by_hand
@@ -42,7 +43,11 @@ def cab_of(session: Session, unit: str, crossings: CrossingsSeen) -> CabShown:
     handed = LAWS[int(laws.number)].name == by_hand.__name__
     waits = simulation.waits_for(slot)
     line, path = session.scenario.setup.line, trains.true_path(slot) if on_line else None
-    ahead = None if motion is None or path is None else _next_crossing(line, path, motion.position_m + off_m)
+    ahead = None
+    if motion is not None and path is not None:
+        roads = line.crossings.values()
+        heard = (one for one in roads if one.tells_units and simulation.on_board.asks_crossing(slot, one.id))
+        ahead = _next_crossing(heard, path, motion.position_m + off_m)
     limit_m = float(row.stop_limit_m)
     # Where the limit is that which the unit keeps before a crossing, that is why it ends there.
     at_road = (
@@ -78,10 +83,12 @@ def cab_of(session: Session, unit: str, crossings: CrossingsSeen) -> CabShown:
     )
 
 
-def _next_crossing(line: Line, path: Path, front_m: float) -> tuple[LevelCrossing, float] | None:
-    """The first crossing before the front that its unit hears, and where its road begins along the path, m."""
-    heard = (one for one in line.crossings.values() if one.tells_units and one.piece_id in path)
-    ahead = [(one, road_m) for one in heard if (road_m := path.to_road_m(one)) > front_m]
+def _next_crossing(
+    heard: Iterable[LevelCrossing], path: Path, front_m: float
+) -> tuple[LevelCrossing, float] | None:
+    """The first of these crossings, which its unit hears, before the front, and where its road begins, m."""
+    on_path = (one for one in heard if one.piece_id in path)
+    ahead = [(one, road_m) for one in on_path if (road_m := path.to_road_m(one)) > front_m]
     return min(ahead, key=lambda found: found[1], default=None)
 
 

@@ -55,10 +55,13 @@ class _Crossing:
         self.heard, self.heard_s = state, t_s
 
     def known(self, now_s: float) -> RoadState:
-        """A word holds as long as a proof does; one that it is open also while no unit is announced that it answers."""
+        """A word holds as long as a proof does; one that it is open also while no unit is announced that it answers, of a
+        crossing that nothing but units close.
+        """
         if self.heard_s is None:
             return RoadState.UNHEARD
-        lasts = (self.heard is RoadState.OPEN and not self.announced) or now_s - self.heard_s <= VALID_S
+        unasked = self.line.by_radio and not self.announced
+        lasts = (self.heard is RoadState.OPEN and unasked) or now_s - self.heard_s <= VALID_S
         return self.heard if lasts else RoadState.UNHEARD
 
     @property

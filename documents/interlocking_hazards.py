@@ -152,6 +152,7 @@ HAZARDS: Final = (
             "karasuyama/95c_way_on_opens_late",
             "rtri/95_substitute_working",
             "rtri/95b_pilots_ticket",
+            "rtri/134_terminus_under_authority",
         ),
     ),
     Hazard(
@@ -420,6 +421,7 @@ HAZARDS: Final = (
             "rtri/50_unit_power_before_entry",
             "rtri/51_not_at_its_mark",
             "rtri/52_unit_frozen",
+            "rtri/133_lost_in_a_shadow",
             "karasuyama/51_route_given_back_at_halt",
         ),
         (

@@ -83,9 +83,7 @@ class Duties:
         self._next = dict.fromkeys(world.trains.stock_ids, 0)
         self._stage = [StockStage.OUTSIDE] * len(world.trains.stock_ids)
         self._becoming: list[Duty] = []
-        self._begun_again: set[int] = (
-            set()
-        )  # slots whose unit has not finished its last train again since a boot
+        self._begun_again = set[int]()  # slots whose unit has not finished its last train again since a boot
         self._outside: dict[str, list[int]] = {}  # who stands behind another before a portal, in order
         sections = world.setup.line.sections.values()
         self._portals: Final = {section.id for section in sections if section.kind is SectionKind.PORTAL}
@@ -144,7 +142,7 @@ class Duties:
         for slot, stock_id in enumerate(self._trains.stock_ids):
             if not self.has_duty(slot):
                 continue
-            number = self._duties[stock_id][self._next[stock_id] - 1].train.number
+            number = self._present(slot).train.number
             stands = bool(self._trains.plants[slot].speed_mps == 0.0)
             why = self._crew_is_to(slot) or self._cabs.waits_for(slot)
             waiting.append(Waiting(stock_id, number, self.place(slot), why, stands))
@@ -159,10 +157,9 @@ class Duties:
     def overdue_s(self, now_s: float) -> float:
         """For how long the train that is most behind its plan should have gone on, s; 0 where none is."""
         late_s = 0.0
-        for slot, stock_id in enumerate(self._trains.stock_ids):
-            stage, duty = self._stage[slot], self._trains.duties[slot]
+        for slot, (stage, duty) in enumerate(zip(self._stage, self._trains.duties, strict=True)):
             if stage is StockStage.WAITING:
-                late_s = max(late_s, now_s - self._duties[stock_id][self._next[stock_id] - 1].comes_s)
+                late_s = max(late_s, now_s - self._present(slot).comes_s)
             elif stage is StockStage.ON_LINE and duty is not None:
                 at = self._books.next_target(slot) - 1
                 due_s = duty.mission.targets[at].departure_s
@@ -178,7 +175,7 @@ class Duties:
         """
         stock_id = self._trains.stock_ids[slot]
         if self._stage[slot] is StockStage.WAITING:  # accepted, but its portal was not free
-            self._enter(slot, self._duties[stock_id][self._next[stock_id] - 1], step)
+            self._enter(slot, self._present(slot), step)
             return
         on_line = self._stage[slot] is StockStage.ON_LINE
         if self._is_yet_to_finish(slot):
@@ -235,11 +232,7 @@ class Duties:
         queue = self._outside.setdefault(portal, [])
         if slot not in queue:
             queue.append(slot)
-        waiting = [
-            self._duties[stock_id][self._next[stock_id] - 1]
-            for other, stock_id in enumerate(self._trains.stock_ids)
-            if self._stage[other] is StockStage.WAITING
-        ]
+        waiting = [self._present(i) for i, stage in enumerate(self._stage) if stage is StockStage.WAITING]
         if is_behind(slot, queue) or any(other.mission.spans[0].section_id == portal for other in waiting):
             return True
         queue.remove(slot)
@@ -279,7 +272,7 @@ class Duties:
         del self._due[pause, slot]
         if slot in self._on_board.unpowered:
             return
-        following = self._duties[self._trains.stock_ids[slot]][self._next[self._trains.stock_ids[slot]] - 1]
+        following = self._present(slot)
         match pause:
             case Pause.SIGN_ON | Pause.BOOT if self._stage[slot] is StockStage.WAITING:
                 happened = self._on_board.enter_number(slot, following, comes_on_line=True, turned=False)
@@ -412,6 +405,11 @@ class Duties:
         self._trains.compare([slot], [seen])
         self._begin(slot, duty, step)
 
+    def _present(self, slot: int) -> Duty:
+        """The stock's duty, which it has or waits outside for."""
+        stock_id = self._trains.stock_ids[slot]
+        return self._duties[stock_id][self._next[stock_id] - 1]
+
     def _begin(self, slot: int, duty: Duty, step: int) -> None:
         self._on_board.load_is(slot, float(self._trains.plants[slot].load_share))
         self._books.begin_train(slot, duty, step)
@@ -443,14 +441,20 @@ class Duties:
             return index, -1.0
         return index, float(self._books.next_target(slot) - 1) if stage is StockStage.ON_LINE else math.inf
 
+    def is_to_turn(self, slot: int) -> bool:
+        """Whether the stock stands where its train ends, which neither its unit nor its driver has ended yet."""
+        duty = self._trains.duties[slot]
+        if duty is None or duty.becomes is None or duty in self._becoming:
+            return False
+        return self._books.next_target(slot) == len(duty.mission.targets)
+
     def waits_outside(self, slot: int) -> bool:
         """Whether the stock stands outside its portal."""
         return self._stage[slot] is StockStage.WAITING
 
     def enter_by_hand(self, slot: int, step: int) -> None:
         """A train whose unit is cut out comes in by its portal."""
-        stock_id = self._trains.stock_ids[slot]
-        self._enter(slot, self._duties[stock_id][self._next[stock_id] - 1], step)
+        self._enter(slot, self._present(slot), step)
 
     def finish_by_hand(self, slot: int, step: int) -> bool:
         """Its journey is over; whether it then leaves the line."""
@@ -462,10 +466,8 @@ class Duties:
 
     def leave_by_hand(self, slot: int, step: int) -> None:
         """It leaves the line by the portal where it stands."""
-        duty = self._trains.duties[slot]
-        if duty is not None:
-            stock_id, number = self._trains.stock_ids[slot], duty.train.number
-            self._journal.write(step / STEPS_PER_S, stock_id, MissionDone(train=number))
+        done = MissionDone(train=self._present(slot).train.number)
+        self._journal.write(step / STEPS_PER_S, self._trains.stock_ids[slot], done)
         self._leave(slot, step)
 
     def haul_away(self, slot: int, step: int) -> None:
@@ -491,10 +493,7 @@ class Duties:
         for portal in portals:
             self._wayside.input(step, MANAGER_ID, BoundaryPassed(portal))
         self._cabs.tell(slot, step, (OffTheLine(),))
-        following = self._next[stock_id]
-        if following >= len(self._duties[stock_id]):
-            self._stage[slot] = StockStage.DONE
-            return
-        self._stage[slot] = StockStage.OUTSIDE
-        comes_step = round(self._duties[stock_id][following].comes_s / STEP_S)
-        self._agenda.put(max(comes_step, step + 1), AgendaKind.DUTY, stock_id)
+        following = self._duties[stock_id][self._next[stock_id] :]
+        self._stage[slot] = StockStage.OUTSIDE if following else StockStage.DONE
+        for duty in following[:1]:
+            self._agenda.put(max(round(duty.comes_s / STEP_S), step + 1), AgendaKind.DUTY, stock_id)

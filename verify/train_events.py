@@ -148,6 +148,8 @@ def _may_go_on(model: ExploredTrain, state: TrainState) -> bool:
     if state.known and duty.phase is not DutyPhase.ON_SIGHT:
         return duty.limit.joint > joint
     span = plan.spans[joint]
+    if duty.seeks_radio:
+        return False
     return duty.authority.holds(span.section_id) and all(n in duty.authority.proven for n in span.points)
 
 

@@ -77,7 +77,7 @@ def one_of(known: Iterable[str], wanted: str = "") -> str:
     """
     names = nearest_first(list(dict.fromkeys(known)), wanted)
     if not names:
-        return "nothing, because none is defined"
+        return "one that is defined, and none is"
     text, count = "", 0
     for name in names:
         if len(text) + len(name) > CHOICES_CHARACTERS_MAX:

@@ -203,6 +203,10 @@ class CrossingsAhead:
         self._starts_m = {one.crossing.id: one.start_m for one in self._on_path}
         self._front_m = float(self._row.position_m)
 
+    def asks(self, crossing_id: str) -> bool:
+        """Whether the unit asks this crossing: not one whose contact its train passes."""
+        return crossing_id in self._starts_m
+
     def _rear_m(self) -> float:
         """The safe rear, m."""
         row = self._row

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from onboard.driving.pattern import lowered_by, lowered_mps
 from onboard.driving.supervision import RESERVE_M, path_index
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.compiled import compiled
@@ -25,11 +26,12 @@ def kept_along_mps(
     `bound_m`: by how much its front may be further on than it believes, on each metre; shape (n,).
     """
     metres = np.arange(path.size)
-    furthest_m, margin_mps = bound_m + RESERVE_M, 2.0 * behaviour.settings.service_margin_mps
+    furthest_m = bound_m + RESERVE_M
+    permitted_mps = lowered_by(path["permitted_mps"], 2.0 * behaviour.settings.service_margin_mps)
 
     def pattern(at_m: NDArray[np.int64]) -> NDArray[np.float64]:
         here, there = (np.minimum(m.astype(np.int64), path.size - 1) for m in (at_m, at_m + furthest_m))
-        kept_mps = np.minimum(path["driving_mps"][here], path["permitted_mps"][there] - margin_mps)
+        kept_mps = np.minimum(path["driving_mps"][here], permitted_mps[there])
         return np.asarray(kept_mps, dtype=np.float64)
 
     ahead_m = np.maximum(path["driving_mps"] * LOOK_AHEAD_S, 1.0).astype(np.int64)
@@ -68,8 +70,9 @@ def pattern_mps(unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void], 
     That one counts from where the front may be at the furthest, so with a wide bound it is the lower.
     """
     furthest_m = position_m + unit.bound_ahead_m + RESERVE_M
-    permitted = path[path_index(unit, furthest_m)].permitted_mps - 2.0 * behaviour.settings.service_margin_mps
-    return float(max(min(path[path_index(unit, position_m)].driving_mps, permitted), 0.0))
+    permitted = path[path_index(unit, furthest_m)].permitted_mps
+    permitted = lowered_mps(permitted, permitted, 2.0 * behaviour.settings.service_margin_mps)
+    return float(min(path[path_index(unit, position_m)].driving_mps, permitted))
 
 
 @compiled
@@ -77,7 +80,9 @@ def limit_mps(unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void]) ->
     """Speed that driving stays under, whatever its law: the limits here and ahead, and the permitted speed."""
     here = pattern_mps(unit, behaviour, path, unit.position_m)
     ahead = pattern_mps(unit, behaviour, path, unit.position_m + max(unit.speed_mps * LOOK_AHEAD_S, 1.0))
-    limit = min(here, ahead)
-    limit = min(limit, unit.permitted_mps - behaviour.settings.service_margin_mps)
-    limit = min(limit, unit.restricted_mps - behaviour.settings.driving_margin_mps)
-    return float(max(limit, 0.0))
+    ceiling = path[path_index(unit, unit.position_m + unit.bound_ahead_m + RESERVE_M)].permitted_mps
+    ceiling, settings = min(ceiling, unit.restricted_mps), behaviour.settings
+    limit = min(here, ahead, lowered_mps(unit.permitted_mps, ceiling, settings.service_margin_mps))
+    return float(
+        min(limit, lowered_mps(unit.restricted_mps, unit.restricted_mps, settings.driving_margin_mps))
+    )

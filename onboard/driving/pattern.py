@@ -17,7 +17,8 @@ from vehicle.mass import GRAVITY_MPS2
 from vehicle.records import TrainRow
 from vehicle.resistance import climb_m
 
-CRAWL_MPS: Final = 1.0  # no margin below a limit makes a train slower than this
+CRAWL_MPS: Final = 1.0  # no margin below a limit makes a train slower than this,
+CRAWL_SHARE: Final = 0.5  # or than this share of the limit
 
 
 @compiled
@@ -57,8 +58,14 @@ def limit_for_train(limit_mps: NDArray[np.float64], train: TrainRow) -> NDArray[
 
 
 def lowered_by(limit_mps: NDArray[np.float64], margin_mps: float) -> NDArray[np.float64]:
-    """Limits less the distance that driving keeps from them; no train creeps for it."""
-    return np.maximum(limit_mps - margin_mps, CRAWL_MPS)
+    """Limits less the distance that driving keeps from them; no train stands for it."""
+    return np.maximum(limit_mps - margin_mps, np.minimum(CRAWL_MPS, CRAWL_SHARE * limit_mps))
+
+
+@compiled
+def lowered_mps(speed_mps: float, limit_mps: float, margin_mps: float) -> float:
+    """A speed less the distance that driving keeps from a limit, as `lowered_by`; m/s."""
+    return float(max(speed_mps - min(margin_mps, limit_mps - min(CRAWL_MPS, CRAWL_SHARE * limit_mps)), 0.0))
 
 
 def mean_over_length(elevation_m: NDArray[np.float64], length_m: float) -> NDArray[np.float64]:

@@ -227,7 +227,7 @@ def timer_due(duty: DutyStep, event: TimerDue) -> None:
             duty.set(may_leave=True)
         case timer if timer == ABLE:
             fitness.look_again(duty)
-        case timer if timer == RELEASE and duty.state.must_stand:
+        case timer if timer == RELEASE and duty.state.must_stand and not on_sight.hears_nothing(duty):
             duty.await_release()  # not before register and unit agree
         case timer if timer == RELEASE and not fitness.acknowledged(duty):
             pass
@@ -245,7 +245,7 @@ def heard(duty: DutyStep, event: TelegramHeard) -> None:
     asked = duty.state.authority.open(RequestKind.ROUTE)
     remember_entered(duty)
     on_sight.heard(duty)
-    duty.authority(event.event)
+    orders.hear(duty, event.event)
     leg = next((x for x in duty.plan.legs if asked is not None and x.route_id == asked.subject), None)
     now = duty.state.authority.open(RequestKind.ROUTE)
     if leg is not None and asked is not None and (now is None or now.section_ids != asked.section_ids):
@@ -299,7 +299,7 @@ def react(duty: DutyStep) -> None:
     if mismatch is duty.state.halted:
         on_sight.seek_radio(duty)
         return
-    duty.set(halted=mismatch, seeks_radio=False)
+    duty.set(halted=mismatch, seeks_radio=False, listens=False)
     if mismatch:
         duty.actions.append(DrivingOrder.STOP)
         duty.set(place=msgspec.structs.replace(duty.state.place, emergency=True))

@@ -171,6 +171,8 @@ def seek_radio(duty: DutyStep) -> None:
     end of the section that it stands in, until it hears something.
     """
     state = duty.state
+    if state.phase is DutyPhase.ON_SIGHT:
+        return  # by what it hears
     on_its_way = state.halted and state.phase in MAY_LOSE and state.place.known
     seeks = on_its_way and (state.seeks_radio or (state.place.stands and not state.place.covered))
     if seeks is not state.seeks_radio:
@@ -181,8 +183,19 @@ def heard(duty: DutyStep) -> None:
     """The radio reaches it, wherever it thinks that it is: what waits for that can be said."""
     if not duty.state.place.covered:
         duty.set(place=replace(duty.state.place, covered=True))
-    if duty.state.seeks_radio:
-        duty.set(seeks_radio=False)
+    if duty.state.seeks_radio and duty.state.phase is DutyPhase.ON_SIGHT:
+        duty.await_release()  # so that it listens again
+    if duty.state.seeks_radio or duty.state.listens:
+        duty.set(seeks_radio=False, listens=False)
+
+
+def hears_nothing(duty: DutyStep) -> bool:
+    """Whether a train halted on sight, whose driver may acknowledge its stop, has heard nothing since it was asked
+    last: no place tells it where the radio reaches. It goes on to there, by its crew's eye within the section.
+    """
+    if duty.state.phase is DutyPhase.ON_SIGHT:
+        duty.set(seeks_radio=duty.state.listens, listens=not duty.state.listens)
+    return duty.state.seeks_radio
 
 
 def behind_by_eye(duty: DutyStep, stop: int) -> int:

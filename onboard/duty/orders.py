@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from onboard import notes
 from onboard.authority.records import (
+    Event,
     GiveBack,
+    GrantHeard,
     RequestKind,
     SendRefusal,
     TakeBackOrdered,
@@ -73,22 +75,33 @@ def _give_back_ahead(duty: DutyStep) -> None:
 def change_track(duty: DutyStep, event: TrackChangeOrdered) -> None:
     """To the request outstanding: has the driver take up the way ordered; not once the front may have left."""
     if _can_be_done(duty, event):
-        duty.set(ordered=event.instead, next_train="")
+        duty.set(ordered=event.instead)
         duty.actions.append(WayOrdered(event.route_id, event.instead))
 
 
 def end_train(duty: DutyStep, event: TrainEndOrdered) -> None:
     """To the request outstanding: has the driver end the train here; not once the front may have left."""
     if _can_be_done(duty, event):
-        duty.set(next_train=event.train, ordered="")
+        duty.set(next_train=event.train)
         duty.actions.append(TrainEndsHere(event.train))
+
+
+def hear(duty: DutyStep, event: Event) -> None:
+    """A telegram for the authority; a grant not while the driver takes up what was ordered, which gives it up."""
+    if not (isinstance(event, GrantHeard) and _takes_up(duty.state)):
+        duty.authority(event)
+
+
+def _takes_up(state: DutyState) -> bool:
+    """Whether the driver has been told of an order, and has yet to say what came of it."""
+    return state.phase is DutyPhase.STANDING and bool(state.ordered or state.next_train)
 
 
 def _can_be_done(duty: DutyStep, event: TrackChangeOrdered | TrainEndOrdered) -> bool:
     """Whether an order answers the request outstanding, of a train surely short of its route; the other is refused."""
     request = duty.state.authority.open(RequestKind.ROUTE)
     answers = event.answers and request is not None and request.subject == event.route_id
-    if ONCE and not answers:
+    if (ONCE and not answers) or _takes_up(duty.state):
         return False
     leg = duty.leg_from_stop(duty.state.at)  # none at a halt on the way, and the part behind it has been run
     begins = leg is not None and leg.route_id == event.route_id
@@ -147,7 +160,8 @@ def take_back(duty: DutyStep, event: TakeBackOrdered) -> None:
     state = duty.state
     leg = None if state.at + 1 >= len(duty.plan.stops) else duty.leg_from_stop(state.at)
     holds = leg is not None and any(map(state.authority.holds, leg.section_ids))
-    if leg is None or not event.newest or leg.route_id != event.route_id or not holds:
+    given_up = leg is None or leg.route_id != event.route_id or _takes_up(state)
+    if given_up or not event.newest or not holds:
         refuse(duty, event.route_id, OrderRefusalReason.NOT_HELD)
     elif not state.place.known or not state.place.stands or may_have_entered(duty):
         refuse(duty, event.route_id, OrderRefusalReason.MAY_HAVE_ENTERED)

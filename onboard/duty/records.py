@@ -87,7 +87,8 @@ class DutyState(msgspec.Struct, frozen=True):
     `entered`: points sections that the train came onto by their proof. `proved`: spans that the tags read so far prove
     to be behind the train; `freed`: those of them that are to be given back, the arrival being told, or each at once.
     `halted`: braked because register and unit contradict each other; `seeks_radio`: on sight all the same, within where
-    it stands, to where it can be heard; `sweeps`: runs on sight through what it holds.
+    it stands, to where it can be heard; `listens`: without a position, it has heard nothing since its driver was
+    asked to acknowledge that; `sweeps`: runs on sight through what it holds.
     `unable`: why it may not leave its stop, as its driver was told. `ordered`: the route by which the dispatcher wants
     it to go instead of the one that it asks for, until its driver has taken up that way; `next_train`: as which train
     he wants its set to go on from here, until its driver has ended this one.
@@ -105,6 +106,7 @@ class DutyState(msgspec.Struct, frozen=True):
     limit: StopLimit = StopLimit(0, None, "no mission")
     halted: bool = False
     seeks_radio: bool = False
+    listens: bool = False
     sweeps: bool = False
     may_ask: bool = False
     may_leave: bool = False
@@ -369,8 +371,8 @@ class DrivingCommand(msgspec.Struct, frozen=True):
     and proven, and what the train waits for, is shown to the driver. `sweeps`: what is held must first be passed on
     sight; `confirm`: the driver is asked whether the whole train is at its mark; `unable`: told why the train may not
     leave. `before_crossing`: the level crossing before which the limit lies, `guarded`: that at which it must lie
-    should nobody say more, `at_crossing`: the one that keeps it standing; `creeps`: over one on sight. `orders` are
-    given once.
+    should nobody say more, `at_crossing`: the one that keeps it standing; `creeps`: over one on sight;
+    `within_section`: on sight, no further than the end of that where it stands. `orders` are given once.
     """
 
     drive: bool = False
@@ -388,6 +390,7 @@ class DrivingCommand(msgspec.Struct, frozen=True):
     proven: tuple[PointsNeeded, ...] = ()
     waits_for: str = ""
     sweeps: bool = False
+    within_section: bool = False
     confirm: bool = False
     unable: Unable | None = None
     before_crossing: str = ""

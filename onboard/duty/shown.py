@@ -48,6 +48,7 @@ def command_of(plan: DutyPlan, state: DutyState) -> DrivingCommand:
         proven=state.authority.proven,
         waits_for=waits_for(plan, state),
         sweeps=state.sweeps or state.seeks_radio,
+        within_section=on_sight_now and state.seeks_radio,
         confirm=to_confirm(plan, state),
         unable=state.unable,
     )

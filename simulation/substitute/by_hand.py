@@ -72,18 +72,22 @@ class HandDriver:
         self.ceilings_mps: Final[dict[int, float]] = {}  # of trains that are to run slower for a while
 
     def cut_out(self, slot: int, step: int) -> None:
-        """The driver cuts the unit out; a train outside its portal comes in by it."""
-        if slot in self.driven:
+        """The driver cuts the unit out, if it is not; a train outside its portal comes in by it."""
+        outside = self._duties.waits_outside(slot)
+        if slot in self.driven and not outside:
             return
-        self._cabs.power_off(slot, step)
-        self._cabs.unit_cut_out(slot, out=True)
-        if FORGETS:
-            self._on_board.lose_store(slot)
-        self._write(step, CutOut(unit_id=self._trains.stock_ids[slot]))
+        if slot not in self.driven:
+            self._cabs.power_off(slot, step)
+            self._cabs.unit_cut_out(slot, out=True)
+            if FORGETS:
+                self._on_board.lose_store(slot)
+            self._write(step, CutOut(unit_id=self._trains.stock_ids[slot]))
         self.driven[slot] = DrivenTrain(None)
-        if self._duties.waits_outside(slot):
+        if outside:
             self._duties.enter_by_hand(slot, step)
         self._take_up(slot)
+        if self._duties.is_to_turn(slot):
+            self._over(slot, self.driven[slot], step / STEPS_PER_S)
 
     def cut_in(self, slot: int, step: int) -> None:
         """The driver cuts the unit in again; it has forgotten, and boots once staff have commissioned it."""

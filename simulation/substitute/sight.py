@@ -63,6 +63,8 @@ class LineSight:
                 why = WAY_IN_TAKEN
             case WorkingStep.GO if self._trains.slot_of[hop.stock_id] not in self._drivers.driven:
                 why = NOT_CUT_OUT
+            case WorkingStep.GO if not self._has_turned(hop):
+                why = NOT_HERE
             case WorkingStep.ALIGHT if work.book.pilot != hop.stock_id:
                 why = NOT_ABOARD
             case WorkingStep.ALIGHT if not self._has_come(hop):
@@ -86,7 +88,7 @@ class LineSight:
             case WorkingStep.CUT_OUT:
                 lets = self._may_come_in(hop)
             case WorkingStep.GO:
-                lets = step / STEPS_PER_S >= hop.planned_s
+                lets = step / STEPS_PER_S >= hop.planned_s and self._has_turned(hop)
             case WorkingStep.ARRIVED:
                 lets = self._has_come(hop)
             case WorkingStep.ALIGHT:  # who has it reported too early does not get off sooner by that
@@ -139,13 +141,18 @@ class LineSight:
     # where trains are -------------------------------------------------------------------------------------------------
 
     def stands(self, hop: Hop) -> bool:
-        """Whether the train stands where the way begins, on the line or outside its portal."""
+        """Whether the train stands where the way begins, on the line or outside its portal, or is yet to turn there."""
         slot = self._trains.slot_of[hop.stock_id]
         duty, at = self._duties.progress(slot)
+        turns = hop.begin == 0 and duty == hop.duty - 1 and self._duties.is_to_turn(slot)
         begins = (-1.0, 0.0) if hop.begin == 0 else (float(hop.begin),)
-        if (duty, at) not in [(hop.duty, target) for target in begins]:
+        if not turns and (duty, at) not in [(hop.duty, target) for target in begins]:
             return False
         return at < 0.0 or self.stands_still(slot)
+
+    def _has_turned(self, hop: Hop) -> bool:
+        """Whether the train before it is over, and its driver has this one's number."""
+        return self._duties.progress(self._trains.slot_of[hop.stock_id])[0] == hop.duty
 
     def is_over(self, hop: Hop) -> bool:
         """Whether the train has come to where the way ends, or further."""

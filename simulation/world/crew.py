@@ -337,7 +337,7 @@ class Crew:
             if span is here:
                 begun = True
             elif begun:
-                if span.section_id not in shown.held:
+                if shown.within_section or span.section_id not in shown.held:
                     break
                 end_m = span.end_m
         return end_m - (STOPS_SHORT_M if here.kind is SectionKind.TRACK else 0.0)

@@ -182,6 +182,10 @@ class OnBoard:
         """A train to come has another way than was drawn up."""
         self._plans.pop((duty.mission.number, slot), None)
 
+    def asks_crossing(self, slot: int, crossing_id: str) -> bool:
+        """Whether the unit asks a level crossing on its way."""
+        return self._motions[slot].crossings.asks(crossing_id)
+
     def tag_read(self, slot: int, tag_id: int, odometer_m: float) -> list[Sensed]:
         """The reader read a tag."""
         return [] if self._deaf(slot) else self._motions[slot].tag_read(tag_id, odometer_m)

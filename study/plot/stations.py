@@ -39,6 +39,8 @@ LABEL_PT: Final = 6.0
 AXES_SHARE: Final = 0.86  # of the width, beside the names of the tracks
 CELL_IN: Final = 0.42
 LEAST_COLUMNS: Final = 6
+LINE_MAX: Final = 14  # characters of a name beside which another stands
+NOBODY: Final = "no train has come or left"
 WHOLE_MINUTES: Final = "The plan is in whole minutes: less than one minute says little."
 
 
@@ -258,8 +260,9 @@ def draw_punctuality(run: ChosenRun) -> Figure | None:
         rows = {row["station"]: row for row in table.filter(pl.col("what") == what).to_dicts()}
         at = np.array([i for i, s in enumerate(stations) if s in rows]) + aside
         own = [rows[s] for s in stations if s in rows]
-        _draw_share(share, at, own, what, colour)
-        _draw_lateness(late, at, own, what, colour)
+        if own:
+            _draw_share(share, at, own, what, colour)
+            _draw_lateness(late, at, own, colour)
     everywhere = phrase("all stations").in_(run.choice.language)
     labels = [everywhere if s == ALL_STATIONS else _in_lines(run.name(s)) for s in stations]
     late.set_xticks(range(len(stations)), labels, fontsize=7 if len(labels) < 16 else 6)
@@ -274,7 +277,15 @@ def draw_punctuality(run: ChosenRun) -> Figure | None:
         axes.spines[:].set_color(RULE)
     share.set_ylim(0.0, 112.0)
     share.legend(loc="lower right", ncols=2, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
-    late.legend(loc="lower right", ncols=6, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+    legend: dict[str, Any] = {}
+    for handle, label in zip(*late.get_legend_handles_labels(), strict=True):
+        legend.setdefault(label, handle)  # arrivals come first
+    if legend:
+        late.legend(
+            legend.values(), legend, loc="lower right", ncols=6, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2
+        )
+    else:
+        late.text(0.5, 0.5, NOBODY, transform=late.transAxes, fontsize=8, color=PALE, ha="center")
     if table["whole_minutes"].all():
         late.text(0.0, 1.02, WHOLE_MINUTES, transform=late.transAxes, fontsize=6.5, color=PALE, va="bottom")
     return figure
@@ -289,11 +300,10 @@ def _draw_share(axes: Axes, at: Any, rows: Sequence[dict[str, Any]], what: str, 
         )
 
 
-def _draw_lateness(axes: Axes, at: Any, rows: Sequence[dict[str, Any]], what: str, colour: str) -> None:  # noqa: ANN401 - positions
+def _draw_lateness(axes: Axes, at: Any, rows: Sequence[dict[str, Any]], colour: str) -> None:  # noqa: ANN401 - positions
     known = [(x, row) for x, row in zip(at, rows, strict=True) if row["mean_s"] is not None]
     if not known:
         return
-    first = what == "arrival"
     x = [x for x, _ in known]
     mean_s = [row["mean_s"] for _, row in known]
     sigma_s = [row["sigma_s"] or 0.0 for _, row in known]
@@ -306,11 +316,11 @@ def _draw_lateness(axes: Axes, at: Any, rows: Sequence[dict[str, Any]], what: st
         lw=1.2,
         capsize=2.5,
         color=colour,
-        label="mean ± σ" if first else None,
+        label="mean ± σ",
     )
     p95_s, worst_s = [row["p95_s"] for _, row in known], [row["worst_s"] for _, row in known]
-    dots(axes, x, p95_s, "_", 11, colour, mew=1.6, label="95th percentile" if first else None)
-    dots(axes, x, worst_s, "x", 4.5, RED, label="worst" if first else None)
+    dots(axes, x, p95_s, "_", 11, colour, mew=1.6, label="95th percentile")
+    dots(axes, x, worst_s, "x", 4.5, RED, label="worst")
     for at_x, row in known:
         beside(
             axes,
@@ -326,4 +336,5 @@ def _draw_lateness(axes: Axes, at: Any, rows: Sequence[dict[str, Any]], what: st
 
 
 def _in_lines(name: str) -> str:
-    return name.replace(" ", "\n").replace("-", "-\n", 1) if len(name) > 9 else name
+    lines = name.replace(" ", "\n").replace("-", "-\n", 1).split("\n") if len(name) > 9 else [name]
+    return "\n".join(line if len(line) <= LINE_MAX else f"{line[: LINE_MAX - 1]}." for line in lines)

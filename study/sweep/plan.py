@@ -110,9 +110,12 @@ def load_plan(name: str, days: int | None = None, carrier: str | None = None) ->
     count = table.seeds.days if days is None else days
     if not SWEEP_DAYS.holds(count):
         raise InputError("command line", "--days", days, f"{SWEEP_DAYS.text()} ({SWEEP_DAYS.name})")
-    if not SEED.holds(table.seeds.first + count):
+    if not SEED.holds(table.seeds.first + count - 1):
         raise InputError(
-            name, "seeds.first", table.seeds.first, f"a first seed at least {count} below the greatest seed"
+            name,
+            "seeds.first",
+            table.seeds.first,
+            f"a first seed at least {count - 1} below the greatest seed",
         )
     scenario = _found(folder, table.scenario)
     try:

@@ -97,6 +97,26 @@ def test_each_seat_sees_a_crossing_as_far_as_it_can_know_it(crossed: Scenario) -
     assert result.digest == run_drill("rtri/100_crossing", PartyLink.SIMULATED).run.result.digest
 
 
+@pytest.mark.parametrize(
+    ("contact_km", "heard"), [(0.2, "C1"), (0.46, None)], ids=["begins beyond", "passes"]
+)
+def test_a_cab_shows_no_crossing_whose_contact_its_train_passes(
+    contact_km: float, heard: str | None, tmp_path: Path
+) -> None:
+    """It stands at km 0.44. By a departure its unit asks; coming over the contact it asks nothing and hears nothing."""
+    crossing = '[[patch.line.add.crossings]]\nid = "C1"\nsection = "6"\nkm = 0.75\ncontrol = "contacts"\n'
+    contacts = f"departures = true\nstart_down_km = {contact_km}\nstart_up_km = 1.3\n"
+    (tmp_path / "contact.toml").write_text(
+        f'extends = "rtri_test_line"\nid = "contact"\nname = "contact"\n\n{crossing}{contacts}', "utf-8"
+    )
+    with Session(load_scenario(str(tmp_path / "contact.toml"))) as session:
+        desk = Desk(session)
+        desk.cabs = frozenset({"K1"})
+        go_to(session, -5.0)
+        ahead = desk.moment.cabs["K1"].crossing
+    assert (None if ahead is None else ahead.name) == heard
+
+
 def test_a_crossing_can_be_broken_in_every_way(crossed: Scenario) -> None:
     with Session(crossed) as session:
         welcome = Desk(session).welcome(Seat.INSTRUCTOR)

@@ -34,6 +34,7 @@ from wayside.crossing_said import WhyUnproven
 CROSSING: Final = LevelCrossing(
     "C1", "C1", CrossingClass.BARRIERS, CrossingControl.RADIO, "6", 750.0, 6.0, 8.0, 15.0, 20.0
 )
+DEPARTURES: Final = replace(CROSSING, control=CrossingControl.CONTACTS, warns_departures=True)
 PROTECTED: Final = replace(CROSSING, control=CrossingControl.CONTACTS, has_protection=True)
 LIT, DARK = (CrossingLamps(crossing_id="C1", lit=lit) for lit in (True, False))
 DOWN, UP = (CrossingBarriers(crossing_id="C1", state=s) for s in (BarrierState.LOWERED, BarrierState.RAISED))
@@ -98,6 +99,15 @@ def test_an_open_crossing_says_nothing_for_hours_but_not_to_a_train_that_comes()
     assert only(opened.known(later)).announced == ()
     opened.see(JournalEntry(later, "C1", ASKS))
     assert only(opened.known(later + 1.0)).state is RoadState.UNHEARD
+
+
+def test_one_that_contacts_close_is_not_known_as_open_for_longer_than_a_word_holds() -> None:
+    """A train that departs asks it; the next one comes over its contact, and nobody hears that the road closes."""
+    left = ((50.0, "C1", SAYS_OVER), (50.0, "C1", OPENS), (50.1, "K1", OVER_HEARD), (120.0, "C1", WARNS))
+    found = seen(*CLOSES, *left, crossing=DEPARTURES)
+    assert only(found.known(65.0)).state is RoadState.OPEN
+    assert only(found.known(121.0)).state is RoadState.UNHEARD
+    assert only(found.truth()).state is RoadState.WARNING
 
 
 @pytest.mark.parametrize(

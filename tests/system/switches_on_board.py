@@ -369,6 +369,13 @@ def goes_on_as_if_it_had_been_on(patch: pytest.MonkeyPatch) -> None:
 def waits_where_no_radio_reaches(patch: pytest.MonkeyPatch) -> None:
     """A train that is halted there stands until it hears that it may go on."""
     patch.setattr(on_sight, "seek_radio", lambda _duty: None)
+    patch.setattr(on_sight, "hears_nothing", lambda _duty: False)
+
+
+@switch
+def waits_for_units_to_end_trains(patch: pytest.MonkeyPatch) -> None:
+    """By substitute working nobody turns a train whose unit, without a manager, does not end it."""
+    patch.setattr(Duties, "is_to_turn", lambda *_: False)
 
 
 @switch

@@ -389,6 +389,11 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "130_other_track_late": ("obeys_whenever", "nobody is told that it cannot be done, as it is done"),
         "131_ends_early_late": ("obeys_whenever", "T2 is not ended, and nobody is told that it cannot be"),
         "132_route_back_late": ("obeys_whenever", "it answers nothing"),
+        "134_terminus_under_authority": (
+            "waits_for_units_to_end_trains",
+            "T2 is back at A by the pilot's leave, while the block manager is off",
+        ),
+        "133_lost_in_a_shadow": ("waits_where_no_radio_reaches", Checker.EVERYONE_ARRIVES),
         "95_substitute_working": (remembers_while_cut_out, "no invariant is broken"),
         "95b_pilots_ticket": (gives_no_tickets, "T1 goes by the pilot's ticket"),
         "100_crossing": ("asks_no_crossing_in_time", "it has warned for no less than 34 s"),

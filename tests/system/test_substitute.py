@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from documents.steps_left_out import outcome_of, shared_sections, without
+from onboard.notes import MissionDone
 from scenario.scenario import Scenario, load_scenario
 from simulation.events import CutOut, ProcedureStep, StepLeftOut, UnitRestrains
 from simulation.judge.checkers import Checker
@@ -46,6 +47,48 @@ kind = "power_off"
 target = "K1"
 start = "10:00:38"
 duration_s = 1200.0
+"""
+AGAIN_TIMES: Final = """
+[timetable]
+id = "times"
+name = "A stock that leaves the line and comes again"
+line = "rtri_test_line"
+dwell_min_s = 20
+
+[[trains]]
+number = "T1"
+direction = "down"
+calls = [
+  { station = "A", track = "1", departure = "10:06:00" },
+  { station = "B", track = "1", arrival = "10:08:00", departure = "10:09:00" },
+]
+begins = "stabled"
+ends = "portal:PE"
+
+[[trains]]
+number = "T2"
+direction = "up"
+calls = [{ station = "B", track = "2", arrival = "10:25:00" }]
+begins = "portal:PE"
+ends = "stabled"
+
+[[diagrams]]
+stock = "K1"
+trains = ["T1", "T2"]
+"""
+AGAIN: Final = """
+extends = "rtri_test_line"
+id = "again"
+name = "A stock that leaves the line and comes again"
+timetable = "times.toml"
+people = { react = true, notice_s = 20.0, reach_s = 60.0 }
+substitute = { staffed = ["A", "B"], speed_kmh = 35.0 }
+
+[[fault]]
+kind = "power_off"
+target = "block-manager"
+start = "10:00:00"
+duration_s = 3600.0
 """
 STEPS: Final = [row.step for row in PROCEDURES[Regime.TELEPHONE]]
 
@@ -89,6 +132,16 @@ def test_a_pilot_goes_by_road_to_where_no_train_brings_him(
     told = [entry for entry in result.journal.entries if isinstance(entry.event, ProcedureStep)]
     boards = [t.t_s for t in told if (t.event.step, t.event.block) == ("board", "6")]  # type: ignore[union-attr]
     assert len(boards) == 1 + by_road
+    assert result.violations == ()
+
+
+def test_a_stock_that_has_left_by_hand_comes_in_again(tmp_path: Path) -> None:
+    """Its unit is cut out already; within the hour that the manager is off it is at B."""
+    (tmp_path / "times.toml").write_text(AGAIN_TIMES, "utf-8")
+    (tmp_path / "again.toml").write_text(AGAIN, "utf-8")
+    result = execute(load_scenario(str(tmp_path / "again.toml")), PartyLink.SIMULATED).result
+    done = {e.event.train: e.t_s for e in result.journal.entries if isinstance(e.event, MissionDone)}
+    assert done["T2"] < 11 * 3600.0
     assert result.violations == ()
 
 

@@ -9,6 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from onboard.driving.ahead import kept_along_mps, limit_mps
 from onboard.driving.pattern import pattern_of
 from onboard.driving.supervision import RESERVE_M, stop_curve_mps, supervise
 from onboard.localisation.tachometer import locate
@@ -203,3 +204,24 @@ def test_a_limit_ahead_counts_from_the_furthest_place_where_the_front_may_be(
     unit.position_m, unit.bound_ahead_m = 190.0 - RESERVE_M, 10.0
     supervise(unit, train, behaviour, path)
     assert unit.permitted_mps == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize("restricted", [False, True])
+@pytest.mark.parametrize(
+    ("limit_kmh", "kept_mps"),
+    [(1.0, 0.1389), (3.0, 0.4167), (5.0, 0.6944), (7.2, 1.0), (8.0, 1.0222), (15.0, 2.9667)],
+)
+def test_under_no_limit_does_a_train_stand_for_its_margins(
+    train: TrainRow, behaviour: BehaviourRow, limit_kmh: float, kept_mps: float, restricted: bool
+) -> None:
+    """Driving keeps 1.2 m/s below a limit, and by that alone would stand at 4.3 km/h. So with the speed on sight."""
+    level = np.zeros(TRACK_M)
+    limits = np.full(TRACK_M, 27.0 if restricted else limit_kmh / 3.6)
+    path = pattern_of(level, level, limits, train, behaviour)
+    unit = prepared(2400.0)
+    unit.restricted_mps = limit_kmh / 3.6 if restricted else np.inf
+    supervise(unit, train, behaviour, path)
+    assert limit_mps(unit, behaviour, path) == pytest.approx(kept_mps, abs=1e-4)
+    if not restricted:
+        assert path["driving_mps"][100] == pytest.approx(kept_mps, abs=1e-4)
+        assert kept_along_mps(path, behaviour, level)[100] == pytest.approx(kept_mps, abs=1e-4)

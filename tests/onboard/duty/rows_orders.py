@@ -9,6 +9,7 @@ from msgspec.structs import replace
 from onboard import notes
 from onboard.authority.records import (
     Action,
+    GrantHeard,
     Renew,
     RequestKind,
     SendRefusal,
@@ -23,7 +24,9 @@ from onboard.duty.records import (
     ASK,
     DutyPhase,
     NoSuchWay,
+    StopLimit,
     TakeUpWay,
+    TelegramHeard,
     TrainEndsHere,
     WayOrdered,
 )
@@ -60,6 +63,14 @@ HOLDS_ROUTE: Final = replace(
     wanted=(P5,),
     limit=BEFORE_7,
 )
+GRANT: Final = GrantHeard("3>8", SECTIONS, ("5", "7"), answers=True, fresh=True, newer=True)
+HAS_A_PART: Final = replace(
+    ORDERED,
+    authority=replace(
+        HOLDS_3, held=("3", "5", "6"), requests=(replace(ROUTE_OPEN, section_ids=("7", "8")),), proven=(P5,)
+    ),
+    limit=StopLimit(3, "7", "not held"),
+)
 NOT_READY: Final = moved(AT_A, unfit="doors not closed")
 
 
@@ -89,6 +100,28 @@ ORDERS: Final[dict[str, Case]] = {
         NOT_READY,
         replace(HOLDS_ROUTE, place=NOT_READY),
         (),
+    ),
+    "a grant of the way that its driver is giving up": (
+        ORDERED,
+        TelegramHeard(GRANT),
+        AT_A,
+        ORDERED,
+        (),
+    ),
+    "a grant to who is ending its train": (ENDS, TelegramHeard(GRANT), AT_A, ENDS, ()),
+    "a second order, before its driver has spoken": (
+        ORDERED,
+        TrackChangeOrdered("3>8", "3>10", answers=True),
+        AT_A,
+        ORDERED,
+        (),
+    ),
+    "a route of which it has a part, which its driver is giving up": (
+        HAS_A_PART,
+        TakeBackOrdered("3>8", newest=True, hold_s=30.0),
+        AT_A,
+        HAS_A_PART,
+        refused(OrderRefusalReason.NOT_HELD),
     ),
     "no other track once the front may have left": (
         ASKS,

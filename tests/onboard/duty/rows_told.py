@@ -166,7 +166,7 @@ TOLD: Final[dict[str, Case]] = {
             halted(STATES[at]),
             TimerDue(RELEASE),
             halted(STATES[at]).place,
-            replace(halted(STATES[at]), released=False),
+            replace(halted(STATES[at]), released=False, listens=at is DutyPhase.ON_SIGHT),
             (RELEASE_LATER,),
         )
         for at in (DutyPhase.STANDING, DutyPhase.RUNNING, DutyPhase.ON_SIGHT)

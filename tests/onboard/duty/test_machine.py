@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from onboard.authority.records import (
     Authority,
+    ConfirmationHeard,
     ContestHeard,
     GrantHeard,
     OpenCommand,
@@ -19,6 +20,7 @@ from onboard.authority.records import (
     RequestKind,
     SendCommand,
     SendRequest,
+    SetTimer,
     SignOnHeard,
 )
 from onboard.duty import on_sight
@@ -35,6 +37,7 @@ from onboard.duty.records import (
     Event,
     Looked,
     PlaceInJoints,
+    PositionLost,
     StopLimit,
     SwitchedOn,
     TagBelieved,
@@ -195,6 +198,41 @@ def test_halted_where_no_radio_reaches_it_runs_on_sight_to_where_it_hears(state:
     assert command_of(PLAN, on).drive  # by its own reckoning: it has yet to hear something
     told, _ = step(PLAN, TIMES, on, TelegramHeard(ContestHeard(("8",))), reached, NOW_S)
     assert not command_of(PLAN, told).drive
+
+
+def test_halted_on_sight_it_goes_on_to_where_it_hears_when_it_has_heard_nothing() -> None:
+    """Without a position no place tells whether the radio reaches it: from one time that its driver may acknowledge the
+    stop to the next it listens, and what it then hears brings it to a stand again.
+    """
+    stopped = replace(LOST, emergency=True)
+    authority = replace(HOLDS_REST, requests=(REPORT_OPEN,), mismatch="contested: 8")
+    state = replace(ON_SIGHT, authority=authority, place=stopped, halted=True, released=False)
+    query = TelegramHeard(QueryHeard())
+    listens, actions = step(PLAN, TIMES, state, TimerDue(RELEASE), stopped, NOW_S)
+    assert (command_of(PLAN, listens).drive, actions) == (False, (SetTimer(RELEASE, 30.0),))
+    heard, _ = step(PLAN, TIMES, listens, query, stopped, NOW_S)
+    listens_again, _ = step(PLAN, TIMES, heard, TimerDue(RELEASE), stopped, NOW_S)
+    assert not command_of(PLAN, listens_again).drive
+    seeks, actions = step(PLAN, TIMES, listens_again, TimerDue(RELEASE), stopped, NOW_S)
+    assert DrivingOrder.RELEASE in actions
+    shown = command_of(PLAN, seeks)
+    assert (shown.drive, shown.on_sight, shown.within_section) == (True, True, True)
+    runs = moved(LOST, stands=False)
+    told, actions = step(PLAN, TIMES, seeks, query, runs, NOW_S)
+    assert SetTimer(RELEASE, 30.0) in actions
+    assert not command_of(PLAN, told).drive
+    agrees = ConfirmationHeard(HOLDS_REST.held, answers=True, newer=False)
+    agreed, _ = step(PLAN, TIMES, seeks, TelegramHeard(agrees), runs, NOW_S)
+    released, _ = step(PLAN, TIMES, agreed, TimerDue(RELEASE), LOST, NOW_S)
+    shown = command_of(PLAN, released)
+    assert (shown.drive, shown.within_section) == (True, False)
+
+
+def test_who_was_on_the_way_to_where_it_hears_and_loses_its_position_goes_on() -> None:
+    seeks = replace(RUNNING, authority=replace(HOLDS_REST, mismatch="contested: 8"), halted=True)
+    lost, _ = step(PLAN, TIMES, replace(seeks, seeks_radio=True), PositionLost(), LOST, NOW_S)
+    shown = command_of(PLAN, step(PLAN, TIMES, lost, TimerDue(RELEASE), LOST, NOW_S)[0])
+    assert (shown.drive, shown.within_section) == (True, True)
 
 
 def test_what_waits_for_the_radio_is_said_when_anything_is_heard() -> None:

@@ -98,6 +98,8 @@ def test_points_proven_or_looked_at_are_passed_to_the_mark(mission: Mission) -> 
     proven = cab.plan.spans[mission.span_index("7")].points
     cab.shown = msgspec.structs.replace(cab.shown, proven=proven)
     assert cab.sight_m() == pytest.approx(mission.targets[-1].mark_m + 2.0)
+    cab.shown = msgspec.structs.replace(cab.shown, within_section=True)
+    assert cab.sight_m() == cab.start_m("7")
 
 
 @pytest.mark.parametrize("beyond_m", [-0.9, -0.1, 0.5])

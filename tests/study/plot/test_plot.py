@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import matplotlib as mpl
 import polars as pl
@@ -15,6 +17,7 @@ from matplotlib.text import Text
 from network.errors import InputError
 from scenario.scenario import load_scenario
 from study.measures.wait_text import at_time
+from study.plot import stations
 from study.plot.choice import Choice, chosen_run, time_of
 from study.plot.kinds import KINDS, PlotKind, PlotOption, kind_of
 from study.plot.words import plot_word
@@ -282,3 +285,34 @@ def test_one_hop_is_drawn_of_several_runs_and_a_run_of_another_line_is_refused(r
         chosen_run(read, Choice(train, beside=(other,)))
     with pytest.raises(InputError, match="--with"):
         write_plot(read, kind_of("margins"), Choice(beside=(read,)), Format.CSV, Path("never.csv"))
+
+
+@pytest.mark.parametrize(
+    ("late_s", "told"), [(90.0, {"mean ± σ", "95th percentile", "worst"}), (None, set())]
+)
+def test_punctuality_says_what_its_marks_are_where_no_train_has_arrived(
+    late_s: float | None, told: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Departures alone, at a station whose name would lie over its neighbours'; without any, that none is there."""
+    figures = dict.fromkeys(("mean_s", "sigma_s", "p95_s", "worst_s"), late_s)
+    row = {
+        "station": "A",
+        "what": "departure",
+        "on_time_share": 0.0,
+        "worst_train": "T1",
+        "whole_minutes": False,
+    }
+    monkeypatch.setattr(stations, "punctuality_table", lambda _run: pl.DataFrame([row | figures]))
+    run: Any = SimpleNamespace(
+        stations=[SimpleNamespace(id="A")], name=lambda _id: "A" * 80, choice=SimpleNamespace(language="en")
+    )
+    figure = stations.draw_punctuality(run)
+    assert figure is not None
+    share, late = figure.axes
+    legend = late.get_legend()
+    assert {text.get_text() for text in (legend.get_texts() if legend else ())} == told
+    assert [text.get_text() for text in late.texts if text.get_text() == stations.NOBODY] == (
+        [] if told else [stations.NOBODY]
+    )
+    assert [text.get_text() for text in share.get_legend().get_texts()] == ["departure"]
+    assert late.get_xticklabels()[0].get_text() == "A" * 13 + "."

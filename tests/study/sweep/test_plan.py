@@ -51,6 +51,14 @@ def test_points_and_days(tmp_path: Path) -> None:
     assert not plan_of(tmp_path, SWEEP, carrier="sumo").runs_twice(0)
 
 
+def test_the_last_day_has_the_greatest_seed_and_none_a_greater(tmp_path: Path) -> None:
+    """Twelve days from 2^63 - 12; 63 bits hold 2^63 - 1."""
+    plan = plan_of(tmp_path, SWEEP.replace("first = 1", f"first = {2**63 - 12}"))
+    assert plan.spec(plan.points[0], 11).seed == 2**63 - 1
+    with pytest.raises(InputError, match=r"seeds\.first"):
+        plan_of(tmp_path, SWEEP.replace("first = 1", f"first = {2**63 - 11}"))
+
+
 def test_point_is_the_scenario_written_by_hand(tmp_path: Path) -> None:
     plan = plan_of(tmp_path, SWEEP + DRAW)
     spec = plan.spec(plan.points[1], 2)
