@@ -143,19 +143,24 @@ def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
     if instead:
         order = TrackOrdered(heard.message.route_id, instead)
         return register, (Send(heard.unit_id, order, heard.correlation),)
-    against = _against(register, heard, frozenset(held))
-    register, against, ends = bidden.weighed(register, heard.unit_id, heard.message, against)
+    refused = against = _against(register, heard, frozenset(held))
+    wanted, part = (
+        heard.message.section_ids,
+        dispatch.part_to_grant(register, heard.unit_id, heard.message, against),
+    )
+    shown, more = tuple[Action, ...](), tuple[Action, ...]()
+    if part:  # what keeps a whole route back keeps its beginning back, too
+        wanted, against = part, None
+    asks = replace(heard.message, section_ids=wanted)
+    register, against, ends = bidden.weighed(register, heard.unit_id, asks, against)
     if ends is not None:
         return register, (Send(heard.unit_id, ends, heard.correlation),)
-    register, against, leave = entering.weighed(register, heard.unit_id, heard.message, against)
-    wanted, part = heard.message.section_ids, tuple[str, ...]()
-    shown, more = tuple[Action, ...](), tuple[Action, ...]()
-    if against is not None and against[0] is RefusalReason.HELD:
-        register, part, shown = dispatch.part_to_grant(register, heard.unit_id, heard.message)
-    if part:
-        wanted, against = part, None
-    elif not leave and (against is not None or not set(wanted) <= set(held)):
-        asked = DispatchRequest(heard.unit_id, heard.message.route_id)
+    register, against, leave = entering.weighed(register, heard.unit_id, asks, against)
+    asked = DispatchRequest(heard.unit_id, heard.message.route_id)
+    if part and against is None:
+        register, part, shown = dispatch.weigh_part(register, asked, part)
+        against = None if part else refused
+    if not (leave or (part and against is None)) and (against is not None or not set(wanted) <= set(held)):
         decision = orders.decide(register, asked, against)
         register, against, more = decision.register, decision.against, decision.actions
         if decision.order is not None:
