@@ -113,7 +113,7 @@ def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
     if register.restoring:
         heard_s = {**register.reentry.heard_s, heard.unit_id: now_s}
         register = replace(register, reentry=replace(register.reentry, heard_s=heard_s))
-    register, taken_back = acts.spoke(register, heard.unit_id, heard.message)
+    register, taken_back = acts.spoke(register, heard.unit_id, heard.epoch, heard.message)
     if register.days is not None or register.bidden:
         register = replace(register, now_s=now_s)
     unit = register.unit(heard.unit_id)
