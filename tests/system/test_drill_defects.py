@@ -16,6 +16,7 @@ import pytest
 
 from onboard.authority import machine as authority
 from onboard.authority import records as sym
+from onboard.authority import sign_on
 from onboard.authority.records import Authority
 from onboard.authority.tables import Result, SignOnStanding
 from onboard.duty import entering as duty_entering
@@ -53,6 +54,11 @@ Switch = Callable[[pytest.MonkeyPatch], None]
 
 FOLDER: Final = "rtri/"
 TRAIN_M: Final = 40.0
+
+
+def goes_by_proofs_of_before(patch: pytest.MonkeyPatch) -> None:
+    """A unit that persons have spoken for goes by what its points showed it before."""
+    patch.setattr(sign_on, "FORGETS_PROOFS", False)
 
 
 def remembers_while_cut_out(patch: pytest.MonkeyPatch) -> None:
@@ -389,6 +395,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "130_other_track_late": ("obeys_whenever", "nobody is told that it cannot be done, as it is done"),
         "131_ends_early_late": ("obeys_whenever", "T2 is not ended, and nobody is told that it cannot be"),
         "132_route_back_late": ("obeys_whenever", "it answers nothing"),
+        "135_proofs_of_before": (goes_by_proofs_of_before, Checker.POINTS_UNDER_TRAIN),
         "95_substitute_working": (remembers_while_cut_out, "no invariant is broken"),
         "95b_pilots_ticket": (gives_no_tickets, "T1 goes by the pilot's ticket"),
         "100_crossing": ("asks_no_crossing_in_time", "it has warned for no less than 34 s"),
