@@ -52,7 +52,8 @@ class PointsState(Enum):
     FREE = "free"  # never commanded
     THROWING = "throwing"
     PROVEN = "proven"  # in the position commanded and locked, as detected
-    UNPROVEN = "unproven"  # commanded, but not (or no longer, or not yet since a restart) detected
+    UNPROVEN = "unproven"  # commanded, but not (or no longer) detected
+    REMEMBERED = "remembered"  # commanded before a restart, and not looked at since
 
 
 class Commitment(msgspec.Struct, frozen=True, array_like=True):
@@ -115,7 +116,7 @@ def start(config: TerminalConfig, key: bytes, memory: TerminalMemory) -> Termina
     views = {
         entry.points_id: PointsView(
             entry,
-            PointsState.UNPROVEN if entry.points_id in memory.commitments else PointsState.FREE,
+            PointsState.REMEMBERED if entry.points_id in memory.commitments else PointsState.FREE,
             PointsDetected(entry.points_id, None, False),
         )
         for entry in config.points
@@ -249,7 +250,7 @@ def _detect(terminal: Terminal, event: PointsDetected, _now_s: float) -> Termina
 
 
 def _detect_committed(terminal: Terminal, event: PointsDetected, _now_s: float) -> TerminalStep:
-    """Thrown, or found in place after a restart: the proof goes to the unit that commanded."""
+    """In place: the proof goes to the unit that commanded."""
     view = replace(terminal.views[event.points_id], detected=event)
     commitment = terminal.memory.commitments[event.points_id]
     if not _shows(event, commitment.position):
@@ -266,6 +267,14 @@ def _detect_proven(terminal: Terminal, event: PointsDetected, _now_s: float) -> 
         return _with(terminal, view), ()
     view = replace(view, state=PointsState.UNPROVEN)
     return _with(terminal, view), (_unproven_note(commitment, view, "lost"), _proof(view, commitment))
+
+
+def _detect_remembered(terminal: Terminal, event: PointsDetected, now_s: float) -> TerminalStep:
+    """In place: the proof goes to the unit that commanded. Else what it may have been shown before the restart is
+    withdrawn.
+    """
+    in_place = _shows(event, terminal.memory.commitments[event.points_id].position)
+    return (_detect_committed if in_place else _detect_proven)(terminal, event, now_s)
 
 
 def _expire(terminal: Terminal, now_s: float) -> TerminalStep:
@@ -352,6 +361,8 @@ TABLE: Final[Mapping[tuple[PointsState, type], Callable[[Terminal, Any, float], 
             (PointsState.PROVEN, PointsDetected): _detect_proven,
             (PointsState.UNPROVEN, Commanded): _command,
             (PointsState.UNPROVEN, PointsDetected): _detect_committed,
+            (PointsState.REMEMBERED, Commanded): _command,
+            (PointsState.REMEMBERED, PointsDetected): _detect_remembered,
         }
     )
 )

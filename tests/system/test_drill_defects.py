@@ -43,10 +43,11 @@ from simulation.world.points import WaysideWorld
 from study.drilling.drill import shipped_drills
 from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
-from wayside import dispatch, orders
+from wayside import dispatch, orders, point_terminal
 from wayside.config import MANAGER_ID, TerminalConfig, terminal_configs
 from wayside.dispatch import DispatchRequest
 from wayside.register import Against, Register
+from wayside.said import PointsDetected
 
 pytestmark = pytest.mark.system
 
@@ -59,6 +60,13 @@ TRAIN_M: Final = 40.0
 def goes_by_proofs_of_before(patch: pytest.MonkeyPatch) -> None:
     """A unit that persons have spoken for goes by what its points showed it before."""
     patch.setattr(sign_on, "FORGETS_PROOFS", False)
+
+
+def looks_at_points_in_silence(patch: pytest.MonkeyPatch) -> None:
+    """A terminal that was off says nothing of points that lie otherwise than it proved before."""
+    row = point_terminal.PointsState.REMEMBERED, PointsDetected
+    silent = {**point_terminal.TABLE, row: point_terminal._detect_committed}
+    patch.setattr(point_terminal, "TABLE", silent)
 
 
 def remembers_while_cut_out(patch: pytest.MonkeyPatch) -> None:
@@ -396,6 +404,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "131_ends_early_late": ("obeys_whenever", "T2 is not ended, and nobody is told that it cannot be"),
         "132_route_back_late": ("obeys_whenever", "it answers nothing"),
         "135_proofs_of_before": (goes_by_proofs_of_before, Checker.POINTS_UNDER_TRAIN),
+        "136_terminal_dark_points_set": (looks_at_points_in_silence, Checker.POINTS_UNDER_TRAIN),
         "95_substitute_working": (remembers_while_cut_out, "no invariant is broken"),
         "95b_pilots_ticket": (gives_no_tickets, "T1 goes by the pilot's ticket"),
         "100_crossing": ("asks_no_crossing_in_time", "it has warned for no less than 34 s"),

@@ -174,11 +174,23 @@ def test_after_a_restart_it_remembers_but_proves_nothing_it_does_not_see() -> No
     box.do(command(5))
     box.do(PointsDetected("p1", R, True))
     again = Box(box.terminal.memory, lying=None)
-    assert again.state() is PointsState.UNPROVEN
+    assert again.state() is PointsState.REMEMBERED
     assert again.do(command(4, N)) == [("u1", refused(4, PointsRefusalReason.OLD_TOKEN))]
     assert again.do(command(5, N)) == [("u1", refused(5, PointsRefusalReason.LOCKED))]
     assert again.do(PointsDetected("p1", R, True)) == [("u1", proof(5))]
     assert again.drives == []
+
+
+@pytest.mark.parametrize(("lies", "locked"), [(N, True), (None, False), (R, False)])
+def test_what_holds_no_longer_after_a_restart_is_withdrawn(lies: Position | None, locked: bool) -> None:
+    """Set by hand, forced open or unlocked while it was off: the unit that had them proven would run over them."""
+    box = Box()
+    box.do(command(5))
+    box.do(PointsDetected("p1", R, True))
+    again = Box(box.terminal.memory, lying=None)
+    withdrawn = PointsProof("p1", lies, locked, lies is not None, 5)
+    assert again.do(PointsDetected("p1", lies, locked)) == [("u1", withdrawn)]
+    assert again.state() is PointsState.UNPROVEN
 
 
 def test_detection_of_points_it_does_not_have() -> None:
@@ -195,6 +207,8 @@ def in_state(state: PointsState) -> Box:
     if state is PointsState.UNPROVEN:
         box.now_s = 8.0
         box.do(Expired())
+    if state is PointsState.REMEMBERED:
+        box = Box(box.terminal.memory, lying=None)
     assert box.state() is state
     return box
 
@@ -208,6 +222,7 @@ def in_state(state: PointsState) -> Box:
         (PointsState.PROVEN, 4, PointsState.THROWING, True),
         (PointsState.UNPROVEN, 3, PointsState.THROWING, True),
         (PointsState.UNPROVEN, 4, PointsState.THROWING, True),
+        (PointsState.REMEMBERED, 3, PointsState.THROWING, True),
     ],
 )
 def test_commands_in_each_state(state: PointsState, token: int, after: PointsState, throws: bool) -> None:
