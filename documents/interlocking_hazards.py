@@ -285,11 +285,12 @@ HAZARDS: Final = (
     Hazard(
         "Points lose their position after they were proven",
         "turned by hand, forced open, detection lost",
-        "the terminal withdraws the proof unasked, the unit takes its stop limit back; too late to stop, it brakes, and"
-        " the points stay locked for it (judged by the guaranteed brake)",
+        "the terminal withdraws the proof unasked, after a restart too, and again until the points are commanded; the unit"
+        " takes its stop limit back; too late to stop, it brakes, and the points stay locked for it (judged by the"
+        " guaranteed brake)",
         ("wayside.point_terminal", "onboard.authority.machine", "simulation.judge.locking"),
         (Checker.PROVEN_BEFORE_ENTRY, Checker.POINTS_UNDER_TRAIN),
-        ("rtri/56_proof_lost_in_braking",),
+        ("rtri/56_proof_lost_in_braking", "rtri/136_terminal_dark_points_set", "rtri/137_withdrawal_lost"),
         ("a withdrawn proof still counts",),
     ),
     Hazard(

@@ -44,6 +44,7 @@ from wayside.said import (
 )
 
 _TIME_TOLERANCE_S: Final = 1e-9
+WITHDRAWN_AGAIN_S: Final = 5.0  # assumed: as often as the block manager asks; the telegram may have been lost
 
 
 class PointsState(Enum):
@@ -73,7 +74,9 @@ class TerminalMemory(msgspec.Struct, frozen=True):
 
 
 class PointsView(msgspec.Struct, frozen=True):
-    """One set of points as the terminal sees it; `correlation` is that of the command being carried out."""
+    """One set of points as the terminal sees it; `correlation` is that of the command being carried out. `deadline_s`:
+    when a throw has failed, or a proof that was withdrawn is withdrawn again.
+    """
 
     entry: PointsEntry
     state: PointsState
@@ -102,7 +105,7 @@ class Commanded:
 
 @dataclass(frozen=True, slots=True)
 class Expired:
-    """Event: look at the time limits of throws."""
+    """Event: look at the time limits of throws, and at what was withdrawn."""
 
 
 TerminalEvent = Commanded | PointsDetected | BarUnit | UnbarUnit | Expired
@@ -151,7 +154,7 @@ def _bar(terminal: Terminal, event: BarUnit | UnbarUnit) -> TerminalStep:
 
 
 def wake_at_s(terminal: Terminal) -> float | None:
-    """When the first running throw reaches its limit."""
+    """When the first running throw reaches its limit, or a proof is withdrawn again."""
     return min(
         (view.deadline_s for view in terminal.views.values() if view.deadline_s is not None), default=None
     )
@@ -259,13 +262,13 @@ def _detect_committed(terminal: Terminal, event: PointsDetected, _now_s: float) 
     return _with(terminal, view), (_proven_note(commitment, view), _proof(view, commitment))
 
 
-def _detect_proven(terminal: Terminal, event: PointsDetected, _now_s: float) -> TerminalStep:
-    """A proof that no longer holds is withdrawn at once, unasked."""
+def _detect_proven(terminal: Terminal, event: PointsDetected, now_s: float) -> TerminalStep:
+    """A proof that no longer holds is withdrawn at once, unasked, and again until they are commanded or lie so."""
     view = replace(terminal.views[event.points_id], detected=event)
     commitment = terminal.memory.commitments[event.points_id]
     if _shows(event, commitment.position):
         return _with(terminal, view), ()
-    view = replace(view, state=PointsState.UNPROVEN)
+    view = replace(view, state=PointsState.UNPROVEN, deadline_s=now_s + WITHDRAWN_AGAIN_S)
     return _with(terminal, view), (_unproven_note(commitment, view, "lost"), _proof(view, commitment))
 
 
@@ -283,6 +286,10 @@ def _expire(terminal: Terminal, now_s: float) -> TerminalStep:
         if view.deadline_s is None or now_s < view.deadline_s - _TIME_TOLERANCE_S:
             continue
         commitment = terminal.memory.commitments[points_id]
+        if view.state is PointsState.UNPROVEN:
+            terminal = _with(terminal, replace(view, deadline_s=now_s + WITHDRAWN_AGAIN_S))
+            actions.append(_proof(view, commitment))
+            continue
         terminal = _with(terminal, replace(view, state=PointsState.UNPROVEN, deadline_s=None))
         refused = PointsRefused(points_id, PointsRefusalReason.NOT_DETECTED, commitment.token)
         actions += (

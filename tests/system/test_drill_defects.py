@@ -69,6 +69,11 @@ def looks_at_points_in_silence(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(point_terminal, "TABLE", silent)
 
 
+def withdraws_once(patch: pytest.MonkeyPatch) -> None:
+    """A terminal says once that points lie otherwise than it has proved, whether or not that is heard."""
+    patch.setattr(point_terminal, "WITHDRAWN_AGAIN_S", math.inf)
+
+
 def remembers_while_cut_out(patch: pytest.MonkeyPatch) -> None:
     """A unit that is cut in again takes what it last knew for what is so."""
     patch.setattr(by_hand, "FORGETS", False)
@@ -405,6 +410,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "132_route_back_late": ("obeys_whenever", "it answers nothing"),
         "135_proofs_of_before": (goes_by_proofs_of_before, Checker.POINTS_UNDER_TRAIN),
         "136_terminal_dark_points_set": (looks_at_points_in_silence, Checker.POINTS_UNDER_TRAIN),
+        "137_withdrawal_lost": (withdraws_once, Checker.POINTS_UNDER_TRAIN),
         "95_substitute_working": (remembers_while_cut_out, "no invariant is broken"),
         "95b_pilots_ticket": (gives_no_tickets, "T1 goes by the pilot's ticket"),
         "100_crossing": ("asks_no_crossing_in_time", "it has warned for no less than 34 s"),

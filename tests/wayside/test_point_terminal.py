@@ -167,6 +167,24 @@ def test_a_proof_that_no_longer_holds_is_withdrawn_unasked() -> None:
     box.do(command(1, N))
     assert box.do(PointsDetected("p1", None, False)) == [("u1", proof(1, None))]
     assert box.do(PointsDetected("p1", N, True)) == [("u1", proof(1, N))]
+    assert wake_at_s(box.terminal) is None
+
+
+def test_it_is_withdrawn_again_until_the_points_are_commanded_or_in_place() -> None:
+    """The telegram may have been lost, and its train would run over them."""
+    for ends in (command(1, N), PointsDetected("p1", N, True)):
+        box = Box()
+        box.do(command(1, N))
+        box.do(PointsDetected("p1", None, False))
+        for _ in range(3):
+            again_s = wake_at_s(box.terminal)
+            assert again_s == box.now_s + 5.0
+            assert box.do(Expired()) == []
+            box.now_s = again_s
+            assert box.do(Expired()) == [("u1", proof(1, None))]
+        box.do(ends)
+        box.do(PointsDetected("p1", N, True))
+        assert wake_at_s(box.terminal) is None
 
 
 def test_after_a_restart_it_remembers_but_proves_nothing_it_does_not_see() -> None:
