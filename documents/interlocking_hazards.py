@@ -285,7 +285,7 @@ HAZARDS: Final = (
     Hazard(
         "Points lose their position after they were proven",
         "turned by hand, forced open, detection lost",
-        "the terminal withdraws the proof unasked, after a restart too, and again until the points are commanded; the unit"
+        "the terminal withdraws the proof unasked, after a restart too, and again until they are commanded; the unit"
         " takes its stop limit back; too late to stop, it brakes, and the points stay locked for it (judged by the"
         " guaranteed brake)",
         ("wayside.point_terminal", "onboard.authority.machine", "simulation.judge.locking"),
