@@ -76,7 +76,7 @@ def weigh_request(
         waits = replace(trip, asked_s=trip.asked_s if trip.asked_s is not None else register.now_s)
         return register.with_trip(asked.unit_id, waits), against, ()
     if place != stands.at[index]:
-        stands = _skipped(stands, index, place)
+        stands = replace(stands, at=(*stands.at[:index], place, *stands.at[index + 1 :]))
     return _Weighing(register, days, stands, index).done()
 
 
@@ -135,10 +135,6 @@ def order_now(
         return register, None, ()
     register, shows = with_order(register, days, stands)
     return register, register.solved, shows
-
-
-def _skipped(stands: Stands, index: int, place: int) -> Stands:
-    return replace(stands, at=(*stands.at[:index], place, *stands.at[index + 1 :]))
 
 
 class _Weighing:
@@ -348,7 +344,8 @@ class _Weighing:
             if turn.why and self._trip.said != turn.why:
                 self._shows.append(Show(OrderChanged(unit_id=self._unit_id, other_id=other_id, why=turn.why)))
             return None
-        self._held_by_order()
+        if self._trip.held_s is None:
+            self._trip = replace(self._trip, held_s=self._register.now_s)
         self._held_back(turn.why, other_id, turn.section_id)
         return RefusalReason.NOT_ITS_TURN, turn.section_id, other_id
 
@@ -356,10 +353,6 @@ class _Weighing:
         self._register, order, shows = order_now(self._register, self._days, self._stands, self._index)
         self._shows += shows
         return order
-
-    def _held_by_order(self) -> None:
-        if self._trip.held_s is None:
-            self._trip = replace(self._trip, held_s=self._register.now_s)
 
     # what follows ---------------------------------------------------------------------------------------------
 
@@ -375,11 +368,7 @@ class _Weighing:
             )
             self._shows.append(Show(note))
         asked_s = self._register.now_s if self._trip.asked_s is None else self._trip.asked_s
-        self._trip = replace(self._trip, asked_s=asked_s)
-        self._say(why)
-
-    def _say(self, why: str) -> None:
-        self._trip = replace(self._trip, said=why)
+        self._trip = replace(self._trip, asked_s=asked_s, said=why)
         self._register = self._register.with_trip(self._unit_id, self._trip)
 
     def _granted(self, after: CertificateAnswer | None) -> None:

@@ -16,7 +16,6 @@ import pytest
 
 from onboard.authority import machine as authority
 from onboard.authority import records as sym
-from onboard.authority import sign_on
 from onboard.authority.records import Authority
 from onboard.authority.tables import Result, SignOnStanding
 from onboard.duty import entering as duty_entering
@@ -43,11 +42,10 @@ from simulation.world.points import WaysideWorld
 from study.drilling.drill import shipped_drills
 from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
-from wayside import dispatch, orders, point_terminal
+from wayside import dispatch, orders
 from wayside.config import MANAGER_ID, TerminalConfig, terminal_configs
 from wayside.dispatch import DispatchRequest
 from wayside.register import Against, Register
-from wayside.said import PointsDetected
 
 pytestmark = pytest.mark.system
 
@@ -55,23 +53,6 @@ Switch = Callable[[pytest.MonkeyPatch], None]
 
 FOLDER: Final = "rtri/"
 TRAIN_M: Final = 40.0
-
-
-def goes_by_proofs_of_before(patch: pytest.MonkeyPatch) -> None:
-    """A unit that persons have spoken for goes by what its points showed it before."""
-    patch.setattr(sign_on, "FORGETS_PROOFS", False)
-
-
-def looks_at_points_in_silence(patch: pytest.MonkeyPatch) -> None:
-    """A terminal that was off says nothing of points that lie otherwise than it proved before."""
-    row = point_terminal.PointsState.REMEMBERED, PointsDetected
-    silent = {**point_terminal.TABLE, row: point_terminal._detect_committed}
-    patch.setattr(point_terminal, "TABLE", silent)
-
-
-def withdraws_once(patch: pytest.MonkeyPatch) -> None:
-    """A terminal says once that points lie otherwise than it has proved, whether or not that is heard."""
-    patch.setattr(point_terminal, "WITHDRAWN_AGAIN_S", math.inf)
 
 
 def remembers_while_cut_out(patch: pytest.MonkeyPatch) -> None:
@@ -408,9 +389,9 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "130_other_track_late": ("obeys_whenever", "nobody is told that it cannot be done, as it is done"),
         "131_ends_early_late": ("obeys_whenever", "T2 is not ended, and nobody is told that it cannot be"),
         "132_route_back_late": ("obeys_whenever", "it answers nothing"),
-        "135_proofs_of_before": (goes_by_proofs_of_before, Checker.POINTS_UNDER_TRAIN),
-        "136_terminal_dark_points_set": (looks_at_points_in_silence, Checker.POINTS_UNDER_TRAIN),
-        "137_withdrawal_lost": (withdraws_once, Checker.POINTS_UNDER_TRAIN),
+        "135_proofs_of_before": ("goes_by_proofs_of_before", Checker.POINTS_UNDER_TRAIN),
+        "136_terminal_dark_points_set": ("looks_at_points_in_silence", Checker.POINTS_UNDER_TRAIN),
+        "137_withdrawal_lost": ("withdraws_once", Checker.POINTS_UNDER_TRAIN),
         "95_substitute_working": (remembers_while_cut_out, "no invariant is broken"),
         "95b_pilots_ticket": (gives_no_tickets, "T1 goes by the pilot's ticket"),
         "100_crossing": ("asks_no_crossing_in_time", "it has warned for no less than 34 s"),
