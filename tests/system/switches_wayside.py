@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec
@@ -344,4 +343,4 @@ def looks_at_points_in_silence(patch: pytest.MonkeyPatch) -> None:
 @switch
 def withdraws_once(patch: pytest.MonkeyPatch) -> None:
     """A terminal says once that points lie otherwise than it has proved, whether or not that is heard."""
-    patch.setattr(point_terminal, "WITHDRAWN_AGAIN_S", math.inf)
+    patch.setattr(point_terminal, "WITHDRAWN_AGAIN_S", 86_400.0)
