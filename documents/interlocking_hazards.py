@@ -71,7 +71,7 @@ HAZARDS: Final = (
         "Two persons are wrong about a silent unit that is on the line",
         "a train with its radio cut is said to stand, or to have left, where it does not",
         "a place must be named, in a station; what no unit speaks for is locked until a train on sight has run through;"
-        " who is heard again and claims what another holds stops both",
+        " who is heard again and claims what another holds stops both, and has its points proven anew",
         ("wayside.acts", "wayside.reentry", "onboard.authority.agreement", "simulation.world.crew"),
         (Checker.SUMO_COLLISION, Checker.INSIDE_HOLDING),
         (
@@ -79,6 +79,7 @@ HAZARDS: Final = (
             "rtri/53b_two_wrong_persons",
             "rtri/53c_wrong_word_taken_back",
             "rtri/55_unit_dead_for_good",
+            "rtri/135_proofs_of_before",
         ),
     ),
     Hazard(
@@ -285,11 +286,12 @@ HAZARDS: Final = (
     Hazard(
         "Points lose their position after they were proven",
         "turned by hand, forced open, detection lost",
-        "the terminal withdraws the proof unasked, the unit takes its stop limit back; too late to stop, it brakes, and"
-        " the points stay locked for it (judged by the guaranteed brake)",
+        "the terminal withdraws the proof unasked, after a restart too, and again until they are commanded; the unit"
+        " takes its stop limit back; too late to stop, it brakes, and the points stay locked for it (judged by the"
+        " guaranteed brake)",
         ("wayside.point_terminal", "onboard.authority.machine", "simulation.judge.locking"),
         (Checker.PROVEN_BEFORE_ENTRY, Checker.POINTS_UNDER_TRAIN),
-        ("rtri/56_proof_lost_in_braking",),
+        ("rtri/56_proof_lost_in_braking", "rtri/136_terminal_dark_points_set", "rtri/137_withdrawal_lost"),
         ("a withdrawn proof still counts",),
     ),
     Hazard(

@@ -219,7 +219,7 @@ class PointsCommand(Message, frozen=True, array_like=True, tag=14):
 
 class PointsProof(Message, frozen=True, array_like=True, tag=15):
     """Terminal to unit: what is detected. Only `detected` and `locked` in the position asked for is a
-    proof.
+    proof. What takes one back only restricts; it is said again until the points are commanded, or lie so.
     """
 
     points_id: str

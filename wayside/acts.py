@@ -82,11 +82,16 @@ def act(register: Register, event: Act, now_s: float) -> Step:
     return UNIT_ACTS[phase, register.unit(event.unit_id).standing, type(event)](register, event)
 
 
-def spoke(register: Register, unit_id: str, message: AnyMessage) -> Step:
+def spoke(register: Register, unit_id: str, epoch: int, message: AnyMessage) -> Step:
     """A unit is heard of which a person has said something after it had reported: no word counts, unless it does not
-    know itself.
+    know itself, or says after another boot than signed off that it holds nothing, which does not count.
     """
-    if unit_id not in register.doubted or (isinstance(message, Claim) and message.section_ids is None):
+    unit = register.unit(unit_id)
+    another_boot = unit.standing is UnitStanding.LEAVING and epoch != unit.epoch
+    says_nothing = isinstance(message, Claim) and (
+        message.section_ids is None or (another_boot and not message.section_ids)
+    )
+    if says_nothing or unit_id not in register.doubted:
         return register, ()
     register = reentry.without_words(register.without_doubt(unit_id), unit_id)
     return register, (Show(Refused(unit_id=unit_id, why=SPEAKS)),)

@@ -43,7 +43,6 @@ from radio.messages import (
     SignOff,
     SignOn,
     SignOnAccepted,
-    SignOnRefused,
     TrackOrdered,
     TrainOrdered,
 )
@@ -51,7 +50,16 @@ from radio.table import TableCell, rows
 from wayside import acts, bidden, cutting, dispatch, entering, leaving, orders, reentry, reports
 from wayside.actions import Action, Send, Show
 from wayside.dispatch import DispatchRequest
-from wayside.heard import Heard, challenge, newly_contested, show_refusal, tell_contested
+from wayside.heard import (
+    Heard,
+    challenge,
+    has_heard,
+    is_to_hear,
+    newly_contested,
+    refuse_claim,
+    show_refusal,
+    tell_contested,
+)
 from wayside.reentry import Step
 from wayside.register import Against, Register, RegisteredUnit, UnitStanding
 from wayside.said import (
@@ -113,14 +121,15 @@ def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
     if register.restoring:
         heard_s = {**register.reentry.heard_s, heard.unit_id: now_s}
         register = replace(register, reentry=replace(register.reentry, heard_s=heard_s))
-    register, taken_back = acts.spoke(register, heard.unit_id, heard.message)
+    register, taken_back = acts.spoke(register, heard.unit_id, heard.epoch, heard.message)
     if register.days is not None or register.bidden:
         register = replace(register, now_s=now_s)
+    register = has_heard(register, heard)
     unit = register.unit(heard.unit_id)
     if unit.claim_needed and heard.epoch <= unit.epoch and not isinstance(heard.message, Claim):
         return register, (*taken_back, Send(heard.unit_id, ClaimQuery(), heard.correlation))
-    handler = TELEGRAMS.get((unit.standing, type(heard.message)), _not_for_manager)
-    register, actions = handler(register, heard)
+    row = unit.standing, type(heard.message)
+    register, actions = TELEGRAMS.get(row, _not_for_manager)(register, heard)
     if isinstance(heard.message, NextTrainReport | OrderRefused):
         register = bidden.answered(register, heard.unit_id)
     return register, (*taken_back, *actions)
@@ -143,19 +152,24 @@ def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
     if instead:
         order = TrackOrdered(heard.message.route_id, instead)
         return register, (Send(heard.unit_id, order, heard.correlation),)
-    against = _against(register, heard, frozenset(held))
-    register, against, ends = bidden.weighed(register, heard.unit_id, heard.message, against)
+    refused = against = _against(register, heard, frozenset(held))
+    wanted, part = (
+        heard.message.section_ids,
+        dispatch.part_to_grant(register, heard.unit_id, heard.message, against),
+    )
+    shown, more = tuple[Action, ...](), tuple[Action, ...]()
+    if part:  # what keeps a whole route back keeps its beginning back, too
+        wanted, against = part, None
+    asks = replace(heard.message, section_ids=wanted)
+    register, against, ends = bidden.weighed(register, heard.unit_id, asks, against)
     if ends is not None:
         return register, (Send(heard.unit_id, ends, heard.correlation),)
-    register, against, leave = entering.weighed(register, heard.unit_id, heard.message, against)
-    wanted, part = heard.message.section_ids, tuple[str, ...]()
-    shown, more = tuple[Action, ...](), tuple[Action, ...]()
-    if against is not None and against[0] is RefusalReason.HELD:
-        register, part, shown = dispatch.part_to_grant(register, heard.unit_id, heard.message)
-    if part:
-        wanted, against = part, None
-    elif not leave and (against is not None or not set(wanted) <= set(held)):
-        asked = DispatchRequest(heard.unit_id, heard.message.route_id)
+    register, against, leave = entering.weighed(register, heard.unit_id, asks, against)
+    asked = DispatchRequest(heard.unit_id, heard.message.route_id)
+    if part and against is None:
+        register, part, shown = dispatch.weigh_part(register, asked, part)
+        against = None if part else refused
+    if not (leave or (part and against is None)) and (against is not None or not set(wanted) <= set(held)):
         decision = orders.decide(register, asked, against)
         register, against, more = decision.register, decision.against, decision.actions
         if decision.order is not None:
@@ -232,7 +246,7 @@ def _request_not_signed_on(register: Register, heard: Heard[RouteRequest]) -> St
 def _sign_on(register: Register, heard: Heard[SignOn]) -> Step:
     """A claim: added if nobody else holds it, else disputed. A portal it does not hold yet: a wish to enter."""
     if heard.message.unit_id != heard.unit_id:
-        return _refuse_claim(register, heard, RefusalReason.WRONG_UNIT)
+        return refuse_claim(register, heard, RefusalReason.WRONG_UNIT)
     standing, claimed = register.unit(heard.unit_id).standing, heard.message.section_ids
     # Of a unit known to be outside, even an old wish to enter is only a wish; and a unit that reports is only added to.
     outside = standing is UnitStanding.OUTSIDE and register.asks_to_enter(heard.unit_id, claimed or ())
@@ -263,7 +277,7 @@ def _take_claim(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step
     if claimed == () and unit.standing is UnitStanding.BY_HAND:
         return _deny_entry(register, heard)
     if unknown := [section_id for section_id in claimed or () if section_id not in register.plan.order]:
-        return _refuse_claim(register, heard, RefusalReason.UNKNOWN_SECTION, unknown[0])
+        return refuse_claim(register, heard, RefusalReason.UNKNOWN_SECTION, unknown[0])
     return _weigh_claim(register, heard, claimed or ())
 
 
@@ -289,7 +303,7 @@ def _weigh_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claime
         register = register.with_unit(unit_id, disputed)
         section_id, other_id = conflict
         shown = Contradicted(unit_id=unit_id, section_ids=(section_id,), token=unit.token, other_id=other_id)
-        register, refusal = _refuse_claim(register, heard, RefusalReason.HELD, section_id, other_id)
+        register, refusal = refuse_claim(register, heard, RefusalReason.HELD, section_id, other_id)
         return register, (Show(shown), *refusal)
     return _accept_claim(register, heard, claimed)
 
@@ -309,7 +323,7 @@ def _does_not_know(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> S
     if standing is UnitStanding.DISPUTED:
         register = reentry.unheard(register, heard.unit_id)
     register, shown = reentry.on_line_after_all(register, heard.unit_id, heard.epoch)
-    register, refusal = _refuse_claim(register, heard, RefusalReason.CLAIM_NEEDED)
+    register, refusal = refuse_claim(register, heard, RefusalReason.CLAIM_NEEDED)
     return register, (*shown, *refusal)
 
 
@@ -318,7 +332,7 @@ def _deny_entry(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step
     unit_id = heard.unit_id
     why = "entered by hand, says it is outside"
     shown = Contradicted(unit_id=unit_id, section_ids=register.held_by(unit_id), why=why)
-    register, refusal = _refuse_claim(register, heard, RefusalReason.CLAIM_NEEDED)
+    register, refusal = refuse_claim(register, heard, RefusalReason.CLAIM_NEEDED)
     return register, (Show(shown), *refusal)
 
 
@@ -333,7 +347,7 @@ def _never_granted(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> S
         register, actions = _take_claim(register, replace(heard, message=replace(heard.message, token=0)))
     else:
         register = replace(register, ledger=register.ledger | {unit_id})  # two persons must say where it is
-        register, actions = _refuse_claim(register, heard, RefusalReason.UNKNOWN_TOKEN)
+        register, actions = refuse_claim(register, heard, RefusalReason.UNKNOWN_TOKEN)
     return register, (shown, *actions)
 
 
@@ -365,7 +379,7 @@ def _enter(
     if against is None:
         register, actions = _accept_claim(register, heard, portals)
     else:
-        register, actions = _refuse_claim(register, heard, *against)
+        register, actions = refuse_claim(register, heard, *against)
     return register, (*shows, *shown, *actions)
 
 
@@ -376,8 +390,7 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     register, shown = reentry.said_outside(register, unit_id) if empty else (register, ())
     added = tuple(section_id for section_id in claimed if section_id not in before)
     register = register.with_held(unit_id, (*before, *added))
-    held = register.held_by(unit_id)
-    token = max(unit.token, heard.message.token)
+    held, token = register.held_by(unit_id), max(unit.token, heard.message.token)
     # What it claims may have been another's since, who then commanded points in it under a greater token.
     lost = not register.restoring and (bool(added) or unit.standing is not UnitStanding.REPORTED)
     if held and (lost or token == 0 or token > register.token_max):
@@ -388,7 +401,9 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     after = RegisteredUnit(standing, heard.epoch, token, unit.route_id, correlation)
     unproven = not held and (bool(shown) or unit.unproven)
     to_give_back = isinstance(heard.message, Claim) and 0 < len(claimed) < len(held)
-    after = entering.carried_over(unit, replace(after, unproven=unproven, silent=to_give_back), held)
+    needed = (lost or unit.claim_needed) and is_to_hear(heard, after)
+    after = replace(after, unproven=unproven, silent=to_give_back, claim_needed=needed)
+    after = entering.carried_over(unit, after, held)
     register = register.with_unit(unit_id, after)
     actions, was = list[Action](shown), unit.standing.value
     if added or after.standing is not unit.standing or after.epoch != unit.epoch:
@@ -398,19 +413,6 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     capabilities = register.capabilities(unit_id, held, token)
     accepted = SignOnAccepted(held, token, after.route_id, capabilities, register.on_sight(held))
     return register, (*actions, Send(unit_id, accepted, heard.correlation))
-
-
-def _refuse_claim(
-    register: Register,
-    heard: Heard[SignOn] | Heard[Claim],
-    reason: RefusalReason,
-    section_id: str | None = None,
-    holder: str | None = None,
-) -> Step:
-    return register, (
-        show_refusal(heard.unit_id, reason, section_id, holder),
-        Send(heard.unit_id, SignOnRefused(reason, section_id, holder), heard.correlation),
-    )
 
 
 def _sign_on_leaving(register: Register, heard: Heard[SignOn]) -> Step:

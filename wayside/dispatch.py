@@ -76,22 +76,18 @@ def weigh_request(
         waits = replace(trip, asked_s=trip.asked_s if trip.asked_s is not None else register.now_s)
         return register.with_trip(asked.unit_id, waits), against, ()
     if place != stands.at[index]:
-        stands = _skipped(stands, index, place)
+        stands = replace(stands, at=(*stands.at[:index], place, *stands.at[index + 1 :]))
     return _Weighing(register, days, stands, index).done()
 
 
 def part_to_grant(
-    register: Register, unit_id: str, message: RouteRequest
-) -> tuple[Register, tuple[str, ...], tuple[Show, ...]]:
-    """The part of a way that may be granted (empty: nothing but the whole may be), the register with it weighed, and
-    what the journal is told.
-    """
-    if register.days is None or not register.days.parts:
-        return register, (), ()
-    part = free_part(register, unit_id, register.plan.routes[message.route_id], message.section_ids)
-    if not set(part).difference(register.held_by(unit_id)):
-        return register, part, ()  # what it has already, as its answer may have been lost
-    return weigh_part(register, DispatchRequest(unit_id, message.route_id), part)
+    register: Register, unit_id: str, message: RouteRequest, against: Against | None
+) -> tuple[str, ...]:
+    """The part of a way that is free where another holds the rest; empty: nothing but the whole may be granted."""
+    parts = register.days is not None and register.days.parts
+    if not parts or against is None or against[0] is not RefusalReason.HELD:
+        return ()
+    return free_part(register, unit_id, register.plan.routes[message.route_id], message.section_ids)
 
 
 def weigh_part(
@@ -102,6 +98,8 @@ def weigh_part(
 
     Its move is still to be made, from there: a train that waits on open line stands in others' way.
     """
+    if not set(part).difference(register.held_by(asked.unit_id)):
+        return register, part, ()  # what it has already, as its answer may have been lost
     days = register.days
     if days is None or not days.parts or asked.unit_id not in days.index:
         return register, (), ()
@@ -115,7 +113,7 @@ def weigh_part(
         has |= days.bits[section_id]
     after = Stands(stands.at, (*stands.holds[:index], has, *stands.holds[index + 1 :]))
     found = finishing_order(after.trains(days), STEPS_MAX)
-    if found.proof is not CertificateProof.ORDER:
+    if found.proof is not CertificateProof.ORDER or in_doubt(register, days, after, index) is not None:
         return register, (), ()
     register, waits, shown = _Weighing(register, days, stands, index).by_order()
     if waits is not None:
@@ -137,10 +135,6 @@ def order_now(
         return register, None, ()
     register, shows = with_order(register, days, stands)
     return register, register.solved, shows
-
-
-def _skipped(stands: Stands, index: int, place: int) -> Stands:
-    return replace(stands, at=(*stands.at[:index], place, *stands.at[index + 1 :]))
 
 
 class _Weighing:
@@ -329,7 +323,7 @@ class _Weighing:
 
     def _in_doubt(self) -> Against | None:
         """Refused: not all could finish if a train did as it was ordered, and it has not answered."""
-        other = in_doubt(self._register, self._days, self._stands, self._index)
+        other = in_doubt(self._register, self._days, self._stands.after(self._days, self._index), self._index)
         if other is None:
             return None
         other_id, section_id = self._days.unit_ids[other], self._next_section(other)
@@ -350,7 +344,8 @@ class _Weighing:
             if turn.why and self._trip.said != turn.why:
                 self._shows.append(Show(OrderChanged(unit_id=self._unit_id, other_id=other_id, why=turn.why)))
             return None
-        self._held_by_order()
+        if self._trip.held_s is None:
+            self._trip = replace(self._trip, held_s=self._register.now_s)
         self._held_back(turn.why, other_id, turn.section_id)
         return RefusalReason.NOT_ITS_TURN, turn.section_id, other_id
 
@@ -358,10 +353,6 @@ class _Weighing:
         self._register, order, shows = order_now(self._register, self._days, self._stands, self._index)
         self._shows += shows
         return order
-
-    def _held_by_order(self) -> None:
-        if self._trip.held_s is None:
-            self._trip = replace(self._trip, held_s=self._register.now_s)
 
     # what follows ---------------------------------------------------------------------------------------------
 
@@ -377,11 +368,7 @@ class _Weighing:
             )
             self._shows.append(Show(note))
         asked_s = self._register.now_s if self._trip.asked_s is None else self._trip.asked_s
-        self._trip = replace(self._trip, asked_s=asked_s)
-        self._say(why)
-
-    def _say(self, why: str) -> None:
-        self._trip = replace(self._trip, said=why)
+        self._trip = replace(self._trip, asked_s=asked_s, said=why)
         self._register = self._register.with_trip(self._unit_id, self._trip)
 
     def _granted(self, after: CertificateAnswer | None) -> None:

@@ -44,6 +44,7 @@ from wayside.said import (
 )
 
 _TIME_TOLERANCE_S: Final = 1e-9
+WITHDRAWN_AGAIN_S: Final = 5.0  # assumed: as often as the block manager asks; the telegram may have been lost
 
 
 class PointsState(Enum):
@@ -52,7 +53,8 @@ class PointsState(Enum):
     FREE = "free"  # never commanded
     THROWING = "throwing"
     PROVEN = "proven"  # in the position commanded and locked, as detected
-    UNPROVEN = "unproven"  # commanded, but not (or no longer, or not yet since a restart) detected
+    UNPROVEN = "unproven"  # commanded, but not (or no longer) detected
+    REMEMBERED = "remembered"  # commanded before a restart, and not looked at since
 
 
 class Commitment(msgspec.Struct, frozen=True, array_like=True):
@@ -72,7 +74,9 @@ class TerminalMemory(msgspec.Struct, frozen=True):
 
 
 class PointsView(msgspec.Struct, frozen=True):
-    """One set of points as the terminal sees it; `correlation` is that of the command being carried out."""
+    """One set of points as the terminal sees it; `correlation` is that of the command being carried out. `deadline_s`:
+    when a throw has failed, or a proof that was withdrawn is withdrawn again.
+    """
 
     entry: PointsEntry
     state: PointsState
@@ -101,7 +105,7 @@ class Commanded:
 
 @dataclass(frozen=True, slots=True)
 class Expired:
-    """Event: look at the time limits of throws."""
+    """Event: look at the time limits of throws, and at what was withdrawn."""
 
 
 TerminalEvent = Commanded | PointsDetected | BarUnit | UnbarUnit | Expired
@@ -115,7 +119,7 @@ def start(config: TerminalConfig, key: bytes, memory: TerminalMemory) -> Termina
     views = {
         entry.points_id: PointsView(
             entry,
-            PointsState.UNPROVEN if entry.points_id in memory.commitments else PointsState.FREE,
+            PointsState.REMEMBERED if entry.points_id in memory.commitments else PointsState.FREE,
             PointsDetected(entry.points_id, None, False),
         )
         for entry in config.points
@@ -150,7 +154,7 @@ def _bar(terminal: Terminal, event: BarUnit | UnbarUnit) -> TerminalStep:
 
 
 def wake_at_s(terminal: Terminal) -> float | None:
-    """When the first running throw reaches its limit."""
+    """When the first running throw reaches its limit, or a proof is withdrawn again."""
     return min(
         (view.deadline_s for view in terminal.views.values() if view.deadline_s is not None), default=None
     )
@@ -249,7 +253,7 @@ def _detect(terminal: Terminal, event: PointsDetected, _now_s: float) -> Termina
 
 
 def _detect_committed(terminal: Terminal, event: PointsDetected, _now_s: float) -> TerminalStep:
-    """Thrown, or found in place after a restart: the proof goes to the unit that commanded."""
+    """In place: the proof goes to the unit that commanded."""
     view = replace(terminal.views[event.points_id], detected=event)
     commitment = terminal.memory.commitments[event.points_id]
     if not _shows(event, commitment.position):
@@ -258,14 +262,22 @@ def _detect_committed(terminal: Terminal, event: PointsDetected, _now_s: float) 
     return _with(terminal, view), (_proven_note(commitment, view), _proof(view, commitment))
 
 
-def _detect_proven(terminal: Terminal, event: PointsDetected, _now_s: float) -> TerminalStep:
-    """A proof that no longer holds is withdrawn at once, unasked."""
+def _detect_proven(terminal: Terminal, event: PointsDetected, now_s: float) -> TerminalStep:
+    """A proof that no longer holds is withdrawn at once, unasked, and again until they are commanded or lie so."""
     view = replace(terminal.views[event.points_id], detected=event)
     commitment = terminal.memory.commitments[event.points_id]
     if _shows(event, commitment.position):
         return _with(terminal, view), ()
-    view = replace(view, state=PointsState.UNPROVEN)
+    view = replace(view, state=PointsState.UNPROVEN, deadline_s=now_s + WITHDRAWN_AGAIN_S)
     return _with(terminal, view), (_unproven_note(commitment, view, "lost"), _proof(view, commitment))
+
+
+def _detect_remembered(terminal: Terminal, event: PointsDetected, now_s: float) -> TerminalStep:
+    """In place: the proof goes to the unit that commanded. Else what it may have been shown before the restart is
+    withdrawn.
+    """
+    in_place = _shows(event, terminal.memory.commitments[event.points_id].position)
+    return (_detect_committed if in_place else _detect_proven)(terminal, event, now_s)
 
 
 def _expire(terminal: Terminal, now_s: float) -> TerminalStep:
@@ -274,6 +286,10 @@ def _expire(terminal: Terminal, now_s: float) -> TerminalStep:
         if view.deadline_s is None or now_s < view.deadline_s - _TIME_TOLERANCE_S:
             continue
         commitment = terminal.memory.commitments[points_id]
+        if view.state is PointsState.UNPROVEN:
+            terminal = _with(terminal, replace(view, deadline_s=now_s + WITHDRAWN_AGAIN_S))
+            actions.append(_proof(view, commitment))
+            continue
         terminal = _with(terminal, replace(view, state=PointsState.UNPROVEN, deadline_s=None))
         refused = PointsRefused(points_id, PointsRefusalReason.NOT_DETECTED, commitment.token)
         actions += (
@@ -352,6 +368,8 @@ TABLE: Final[Mapping[tuple[PointsState, type], Callable[[Terminal, Any, float], 
             (PointsState.PROVEN, PointsDetected): _detect_proven,
             (PointsState.UNPROVEN, Commanded): _command,
             (PointsState.UNPROVEN, PointsDetected): _detect_committed,
+            (PointsState.REMEMBERED, Commanded): _command,
+            (PointsState.REMEMBERED, PointsDetected): _detect_remembered,
         }
     )
 )

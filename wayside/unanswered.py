@@ -5,8 +5,6 @@ Invariant: while one is out, nothing is granted to others after which not all co
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from wayside.certificate import STEPS_MAX, CertificateProof, finishing_order
 from wayside.journeys import Days, Stands
 from wayside.register import Register
@@ -14,22 +12,16 @@ from wayside.register import Register
 EITHER_WAY = True  # off: who was ordered to go on as another train counts as if it were not
 
 
-def in_doubt(register: Register, days: Days, stands: Stands, index: int) -> int | None:
-    """A stock that was ordered to go on as another train, if not all could finish should it do so once that one has
-    made its next move; None: all can either way.
+def in_doubt(register: Register, days: Days, after: Stands, index: int) -> int | None:
+    """A stock that was ordered to go on as another train, if not all could finish should it do so `after` the grant to
+    stock `index`; None: all can either way.
     """
-    for other in _ordered(register, days, index) if EITHER_WAY else ():
-        unit_id = days.unit_ids[other]
-        cut = days.with_cut(other, stands.at[other], register.trip(unit_id).next_train)
+    for other, unit_id in enumerate(days.unit_ids) if EITHER_WAY else ():
+        next_train = register.trip(unit_id).next_train if other != index else ""
+        cut = days.with_cut(other, after.at[other], next_train) if next_train else None
         if cut is None:
             continue
-        found = finishing_order(stands.after(cut, index).trains(cut), STEPS_MAX)
+        found = finishing_order(after.trains(cut), STEPS_MAX)
         if found.proof is not CertificateProof.ORDER:
             return other
     return None
-
-
-def _ordered(register: Register, days: Days, index: int) -> Iterator[int]:
-    for other, unit_id in enumerate(days.unit_ids):
-        if other != index and register.trip(unit_id).next_train:
-            yield other

@@ -37,10 +37,13 @@ from onboard.authority.tables import (
     closed,
     holds,
     opened,
+    points_anew,
     refused,
     report_now,
     take_newer,
 )
+
+FORGETS_PROOFS = True  # off: what was proven before its claim counts, though the points were another's since
 
 
 def begin(state: Authority, event: BeginOnLine) -> Result:
@@ -91,9 +94,15 @@ def signed_on(state: Authority, event: SignOnHeard) -> Result:
 
 
 def claim_accepted(state: Authority, event: SignOnHeard) -> Result:
-    """To a claim: takes a greater token, never sections; what is open is asked anew."""
+    """To a claim: takes a greater token, never sections; what is open is asked anew, and points, which may have been
+    another's meanwhile, are proven anew.
+    """
     state = replace(state, unswept=tuple(s for s in event.on_sight if state.holds(s)))
-    return take_newer(state, event.commandable) if event.newer else (state, ())
+    if not event.newer:
+        return state, ()
+    state, actions = take_newer(state)
+    state, anew = points_anew(state, event.commandable) if FORGETS_PROOFS else (state, ())
+    return state, (*actions, *anew)
 
 
 def sign_on_refused(state: Authority, event: RefusalHeard) -> Result:

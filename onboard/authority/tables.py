@@ -114,19 +114,25 @@ def agrees(state: Authority) -> Result:
     return replace(state, mismatch=""), (Write(notes.Agreed()),)
 
 
-def take_newer(state: Authority, commandable: tuple[str, ...] = ()) -> Result:
-    """Take a greater token. What is outstanding is asked anew, so that no answer to the old request fits.
-
-    Points under way in sections of `commandable`, which come with a capability, are commanded under the new token.
-    """
-    known = tuple(s for s in state.held if s in commandable or s in state.commandable)
-    anew = [c.needed for c in state.commands if c.needed.section_id in commandable]
-    commands = tuple(replace(c, sent=False) if c.needed in anew else c for c in state.commands)
-    state = replace(state, commandable=known, commands=commands)
-    actions: tuple[Action, ...] = (Take(()), *map(Commit, anew))
+def take_newer(state: Authority) -> Result:
+    """Take a greater token. What is outstanding is asked anew, so that no answer to the old request fits."""
+    actions: tuple[Action, ...] = (Take(()),)
     for ask in (RequestKind.ROUTE, RequestKind.SIGN_OFF):
         request = state.open(ask)
         if request is not None:
             state = changed(state, replace(request, sent=False))
             actions = (*actions, Renew(ask))
     return state, actions
+
+
+def points_anew(state: Authority, commandable: tuple[str, ...]) -> Result:
+    """Of points nothing is known any more, nor may be commanded but with a capability that came with the newer token.
+
+    Those under way are commanded anew under that; others are given up.
+    """
+    anew = tuple(c for c in state.commands if c.needed.section_id in commandable)
+    gone = tuple(c for c in state.commands if c not in anew)
+    known = tuple(s for s in state.held if s in commandable)
+    commands = tuple(replace(c, sent=False) for c in anew)
+    state = replace(state, commandable=known, commands=commands, proven=(), unsaid=())
+    return state, (*(Commit(c.needed) for c in anew), *(StopTimer(c.timer) for c in gone))

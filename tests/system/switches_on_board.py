@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from network.model import Position
-from onboard.authority import agreement, points, report
+from onboard.authority import agreement, points, report, sign_on
 from onboard.authority import records as sym
 from onboard.authority.records import Authority
 from onboard.authority.tables import Handler, Result
@@ -383,3 +383,9 @@ def keeps_what_lies_beyond_a_gap(patch: pytest.MonkeyPatch) -> None:
     """On sight, what the register gave it beyond what it lacks is its own until it comes there."""
     for module in (arrival, on_sight, crew):
         patch.setattr(module, "beyond_gap", lambda *_: ())
+
+
+@switch
+def goes_by_proofs_of_before(patch: pytest.MonkeyPatch) -> None:
+    """A unit that persons have spoken for goes by what its points showed it before."""
+    patch.setattr(sign_on, "FORGETS_PROOFS", False)

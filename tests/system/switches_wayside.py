@@ -30,7 +30,7 @@ from wayside import acts, barring, block_manager, entering, leaving, point_termi
 from wayside.actions import Action, Send, Show
 from wayside.config import ManagerConfig
 from wayside.register import Register, UnitStanding
-from wayside.said import Freed
+from wayside.said import Freed, PointsDetected
 
 # block manager ----------------------------------------------------------------------------------------------
 
@@ -331,3 +331,16 @@ def staff_speak_from_memory(patch: pytest.MonkeyPatch) -> None:
         add(self, act, at_s, None if look is None else lambda: act)
 
     patch.setattr(injector.Injector, "add", as_seen_first)
+
+
+@switch
+def looks_at_points_in_silence(patch: pytest.MonkeyPatch) -> None:
+    """A terminal that was off says nothing of points that lie otherwise than it proved before."""
+    row = point_terminal.PointsState.REMEMBERED, PointsDetected
+    patch.setattr(point_terminal, "TABLE", {**point_terminal.TABLE, row: point_terminal._detect_committed})
+
+
+@switch
+def withdraws_once(patch: pytest.MonkeyPatch) -> None:
+    """A terminal says once that points lie otherwise than it has proved, whether or not that is heard."""
+    patch.setattr(point_terminal, "WITHDRAWN_AGAIN_S", 86_400.0)

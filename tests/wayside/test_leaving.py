@@ -105,6 +105,22 @@ def test_its_own_word_frees_it_in_the_boot_that_signed_off() -> None:
     assert desk.standing("u1") is UnitStanding.OUTSIDE
 
 
+@pytest.mark.parametrize(("says", "held"), [((), ()), (("P9",), ("P9",))])
+def test_persons_speak_for_one_that_started_again_once_it_was_off_the_line(
+    says: tuple[str, ...], held: tuple[str, ...]
+) -> None:
+    """The manager was off when the contact counted it out. That it holds nothing frees nothing, nor ends their word."""
+    desk = signed_off()
+    for now_s in (10.0, 20.0, 30.0):
+        for person in ("Sato", "Kato"):
+            desk.act(ConfirmOutside("u1", person, "P9"))
+        desk.ask(now_s)
+        claims(desk, *says, epoch=2)
+    assert desk.register.held_by("u1") == ("P9",)
+    desk.act(ConfirmOutside("u1", "Sato", "P9"))
+    assert desk.register.held_by("u1") == held
+
+
 @pytest.mark.parametrize("message", [SignOn("u1", None), SignOn("u1", ("P9",))])
 def test_started_again_in_its_portal_it_is_on_the_line_as_before(message: SignOn) -> None:
     desk = signed_off()

@@ -14,10 +14,11 @@ import pytest
 
 from plan.dispatching.asked import answer_to
 from radio.messages import Claim, HoldingReport, RouteGranted, RouteRefused, RouteRequest, SignOn
-from wayside import dispatch, parts
+from wayside import dispatch, parts, unanswered
 from wayside.actions import Send
 from wayside.block_manager import Heard, step
 from wayside.config import (
+    CutRules,
     DispatchEntry,
     JourneyMove,
     ManagerConfig,
@@ -29,12 +30,13 @@ from wayside.config import (
 from wayside.parts import free_part
 from wayside.places import stands_of
 from wayside.register import Register, start
+from wayside.said import LetGo, LetWait
 from wayside.solved_order import question_of
 
 OPEN: Final = ("1", "2", "3", "4")
 SECTIONS: Final = tuple(
     SectionEntry(s, open_line=s in OPEN, hears=s in OPEN)
-    for s in ("A1", "A2", "A3", "1", "2", "3", "B", "4", "C1", "C2", "C3")
+    for s in ("A1", "A2", "A3", "1", "2", "3", "B", "4", "C1", "C2", "C3", "D", "D1")
 )
 ROUTES: Final = {
     "A1>B": RouteEntry("A1>B", "A1", ("1", "2", "3", "B")),
@@ -45,6 +47,7 @@ ROUTES: Final = {
     "B>C3": RouteEntry("B>C3", "B", ("4", "C3")),
     "B>A1": RouteEntry("B>A1", "B", ("3", "2", "1", "A1")),
     "C2>B": RouteEntry("C2>B", "C2", ("4", "B")),
+    "D>A3": RouteEntry("D>A3", "D", ("D1", "A3"), ("D1",), ("1",)),  # whose overrun on A3 fouls block 1
 }
 
 
@@ -239,3 +242,38 @@ def test_a_train_with_a_part_is_first_already() -> None:
     assert line.ask("u2", "A2>B") == ("1", "2")
     line.keeps("u2", "2")
     assert line.ask("u3", "A3>B") == ("1",)
+
+
+def test_no_part_is_granted_into_the_overrun_of_a_train_that_comes_in() -> None:
+    line = Line({"u1": "A1", "u2": "A2", "u3": "D"}, *FOLLOWING, moves("u3", "D>A3"))
+    assert line.ask("u1", "A1>B")
+    line.keeps("u1", "2", "3", "B")
+    assert line.ask("u3", "D>A3") == ("D1", "A3")
+    assert line.ask("u3", "D>A3", "D1", "A3") == ("D1", "A3")  # now it has leave to come in
+    assert line.ask("u2", "A2>B") == ()
+    line.keeps("u3", "A3")
+    assert line.ask("u2", "A2>B") == ("1",)
+
+
+def test_who_is_told_to_wait_is_granted_no_part() -> None:
+    line = following()
+    line.register, _ = step(line.register, LetWait("u2", "Sato", 300.0), line.now_s)
+    assert line.ask("u2", "A2>B") == ()
+    line.register, _ = step(line.register, LetGo("u2", "Sato"), line.now_s)
+    assert line.ask("u2", "A2>B") == ("1",)
+
+
+@pytest.mark.parametrize("either_way", [True, False])
+def test_no_part_is_granted_against_a_train_that_may_turn_back(
+    either_way: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """u1 at B was ordered to go back to A, not on to C, and has not answered; u2 would hold the blocks between."""
+    monkeypatch.setattr(unanswered, "EITHER_WAY", either_way)
+    there = moves("u1", "B>C2", "C2>B", "B>A1").moves
+    numbered = zip(there, ("1", "1b", "1b"), "BCB", strict=True)
+    day = tuple(msgspec.structs.replace(m, train=t, begins_at=s) for m, t, s in numbered)
+    cuts = CutRules(turn_back_at=("B",))
+    line = Line({"u1": "B", "u2": "A2"}, StockMoves("u1", day), moves("u2", "A2>B", "B>C3"), cuts=cuts)
+    trip = msgspec.structs.replace(line.register.trip("u1"), next_train="1b")
+    line.register = line.register.with_trip("u1", trip)
+    assert line.ask("u2", "A2>B") == (() if either_way else ("1", "2", "3"))

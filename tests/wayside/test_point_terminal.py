@@ -167,6 +167,24 @@ def test_a_proof_that_no_longer_holds_is_withdrawn_unasked() -> None:
     box.do(command(1, N))
     assert box.do(PointsDetected("p1", None, False)) == [("u1", proof(1, None))]
     assert box.do(PointsDetected("p1", N, True)) == [("u1", proof(1, N))]
+    assert wake_at_s(box.terminal) is None
+
+
+def test_it_is_withdrawn_again_until_the_points_are_commanded_or_in_place() -> None:
+    """The telegram may have been lost, and its train would run over them."""
+    for ends in (command(1, N), PointsDetected("p1", N, True)):
+        box = Box()
+        box.do(command(1, N))
+        box.do(PointsDetected("p1", None, False))
+        for _ in range(3):
+            again_s = wake_at_s(box.terminal)
+            assert again_s == box.now_s + 5.0
+            assert box.do(Expired()) == []
+            box.now_s = again_s
+            assert box.do(Expired()) == [("u1", proof(1, None))]
+        box.do(ends)
+        box.do(PointsDetected("p1", N, True))
+        assert wake_at_s(box.terminal) is None
 
 
 def test_after_a_restart_it_remembers_but_proves_nothing_it_does_not_see() -> None:
@@ -174,11 +192,23 @@ def test_after_a_restart_it_remembers_but_proves_nothing_it_does_not_see() -> No
     box.do(command(5))
     box.do(PointsDetected("p1", R, True))
     again = Box(box.terminal.memory, lying=None)
-    assert again.state() is PointsState.UNPROVEN
+    assert again.state() is PointsState.REMEMBERED
     assert again.do(command(4, N)) == [("u1", refused(4, PointsRefusalReason.OLD_TOKEN))]
     assert again.do(command(5, N)) == [("u1", refused(5, PointsRefusalReason.LOCKED))]
     assert again.do(PointsDetected("p1", R, True)) == [("u1", proof(5))]
     assert again.drives == []
+
+
+@pytest.mark.parametrize(("lies", "locked"), [(N, True), (None, False), (R, False)])
+def test_what_holds_no_longer_after_a_restart_is_withdrawn(lies: Position | None, locked: bool) -> None:
+    """Set by hand, forced open or unlocked while it was off: the unit that had them proven would run over them."""
+    box = Box()
+    box.do(command(5))
+    box.do(PointsDetected("p1", R, True))
+    again = Box(box.terminal.memory, lying=None)
+    withdrawn = PointsProof("p1", lies, locked, lies is not None, 5)
+    assert again.do(PointsDetected("p1", lies, locked)) == [("u1", withdrawn)]
+    assert again.state() is PointsState.UNPROVEN
 
 
 def test_detection_of_points_it_does_not_have() -> None:
@@ -195,6 +225,8 @@ def in_state(state: PointsState) -> Box:
     if state is PointsState.UNPROVEN:
         box.now_s = 8.0
         box.do(Expired())
+    if state is PointsState.REMEMBERED:
+        box = Box(box.terminal.memory, lying=None)
     assert box.state() is state
     return box
 
@@ -208,6 +240,7 @@ def in_state(state: PointsState) -> Box:
         (PointsState.PROVEN, 4, PointsState.THROWING, True),
         (PointsState.UNPROVEN, 3, PointsState.THROWING, True),
         (PointsState.UNPROVEN, 4, PointsState.THROWING, True),
+        (PointsState.REMEMBERED, 3, PointsState.THROWING, True),
     ],
 )
 def test_commands_in_each_state(state: PointsState, token: int, after: PointsState, throws: bool) -> None:

@@ -6,11 +6,15 @@ import pytest
 
 from radio.messages import (
     Claim,
+    ClaimQuery,
+    HoldingConfirmed,
     HoldingReport,
     RouteGranted,
     RouteRequest,
+    SignOnAccepted,
     SignOnRefused,
 )
+from tests.wayside.manager_desk import defined
 from tests.wayside.reentry_desk import HELD, Desk
 from wayside import reentry
 from wayside.config import ReentryMode
@@ -164,3 +168,25 @@ def test_an_acceptance_dies_with_a_new_contradiction() -> None:
     assert not desk.register.defined
     desk.act(AcceptPicture("Sato"))
     assert desk.register.defined
+
+
+def test_who_was_spoken_for_hears_of_its_token_from_the_answer_to_its_claim_and_from_nothing_else() -> None:
+    """What the points showed it before does not count under that; so until it has heard it, it is only asked again."""
+    desk, held = defined(u1=("B",)), ("B", "C", "D", "E")
+    granted = desk.hear("u1", RouteRequest("u1", "over", held[1:]))
+    assert isinstance(granted, RouteGranted)
+    for now_s in (10.0, 20.0, 30.0):
+        for person in ("Sato", "Mori"):
+            desk.act(ConfirmHolding("u1", ("B",), person))
+        desk.ask(now_s)
+    desk.act(ConfirmHolding("u1", ("B",), "Sato"))
+    assert desk.standing("u1") is UnitStanding.BY_HAND
+    accepted = desk.hear("u1", Claim(held, granted.token))
+    assert isinstance(accepted, SignOnAccepted)
+    assert accepted.token > granted.token
+    for asks in (HoldingReport(held, granted.token), RouteRequest("u1", "over", held[1:])):
+        assert desk.hear("u1", asks) == ClaimQuery()
+    assert desk.hear("u1", Claim(held, granted.token)) == accepted
+    for token in (accepted.token, granted.token):  # the second was under way
+        confirmed = desk.hear("u1", HoldingReport(held, token))
+        assert confirmed == HoldingConfirmed(held, accepted.token, on_sight=("C", "D", "E"))

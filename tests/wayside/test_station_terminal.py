@@ -207,5 +207,6 @@ def test_after_a_restart_each_is_proven_as_its_contacts_show() -> None:
     station.terminal = start(CONFIG, KEY, station.terminal.memory)
     station.said = []
     station.show_all()
-    assert station.said == [proof("p1", R, 1), proof("q", R, 2)]
+    withdrawn = PointsProof("p2", None, False, False, 1)
+    assert station.said == [proof("p1", R, 1), withdrawn, proof("q", R, 2)]
     assert station.states()["p2"] is PointsState.UNPROVEN
