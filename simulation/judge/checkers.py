@@ -166,11 +166,12 @@ class Checkers:
         if t_s > body.seen_s:
             body.acceleration_mps2 = (speed_mps - body.speed_mps) / (t_s - body.seen_s)
         body.seen_s, body.speed_mps = t_s, speed_mps
-        self._crossings.observe(t_s, body, edge_id, lane_position_m)
         if edge_id == body.edge_id and body.front_m <= lane_position_m < body.still_to_m:
             body.front_m = lane_position_m
         elif edge_id != body.turned_from:
             self._settle(t_s, body, edge_id, lane_position_m)
+        if edge_id == body.path[-1]:
+            self._crossings.observe(t_s, body)
         if speed_mps == 0.0:
             self._rail.train_stood(unit_id)
             self._entries.stands(body)
