@@ -325,7 +325,7 @@ class Staff:
         near = [
             (other, piece)
             for other in self._trains.active()
-            for piece in self._pieces_under(other) & {points.stem_piece, *legs}
+            for piece in self._trains.pieces_under(other) & {points.stem_piece, *legs}
         ]
         if len(near) != 1 or near[0][0] != slot:
             return ""

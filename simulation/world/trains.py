@@ -294,10 +294,7 @@ class Trains:
 
     def stands_in(self, section_id: str) -> bool:
         """Whether any train truly stands in a section, wholly or in part."""
-        return any(self._is_in(slot, section_id) for slot in self.active())
-
-    def _is_in(self, slot: int, section_id: str) -> bool:
-        return not self.pieces_under(slot).isdisjoint(self.setup.line.sections[section_id].piece_ids)
+        return any(section_id in under for under in self.sections_under().values())
 
     def pieces_under(self, slot: int) -> set[str]:
         """The pieces that a train truly stands on, wholly or in part."""
@@ -308,8 +305,9 @@ class Trains:
 
     def sections_under(self) -> dict[str, set[str]]:
         """The sections that each train on the line truly stands in, by stock id."""
+        pieces = self.setup.line.pieces
         return {
-            self.stock_ids[slot]: {s for s in self.setup.line.sections if self._is_in(slot, s)}
+            self.stock_ids[slot]: {pieces[piece_id].section_id for piece_id in self.pieces_under(slot)}
             for slot in self.active()
         }
 
