@@ -329,12 +329,9 @@ class Checkers:
             case Freed(unit_id=unit_id, section_ids=section_ids):
                 self._register.freed(unit_id, section_ids)
                 self._note_change(t_s, unit_id)
-            case Accepted(unit_id=unit_id, section_ids=section_ids):
-                self._register.accepted(t_s, unit_id, section_ids)
-                self._taken(t_s, unit_id)
-            case ConfirmedByHand(unit_id=unit_id, section_ids=section_ids):
-                self._register.accepted(t_s, unit_id, section_ids)
-                self._taken(t_s, unit_id)
+            case Accepted() | ConfirmedByHand():
+                self._register.accepted(t_s, event.unit_id, event.section_ids)
+                self._taken(t_s, event.unit_id)
             case Outside(unit_id=unit_id):
                 self._register.outside(unit_id)
                 self._outside(t_s, unit_id)
