@@ -305,6 +305,15 @@ HAZARDS: Final = (
         ("supervision leaves no room to brake", "a train runs beyond what it holds"),
     ),
     Hazard(
+        "A train runs faster than its way allows",
+        "driver or automatic driving keep no limit, or units have it otherwise than it is",
+        "supervision brakes by the limits over the whole train, by the service brake and then the emergency brake",
+        ("onboard.driving.supervision", "onboard.driving.pattern"),
+        (Checker.TOO_FAST,),
+        (),
+        ("a unit's map lacks a limit",),
+    ),
+    Hazard(
         "A train starts or runs on that is not fit to",
         "a door that is not closed, a brake without its pressure, less pull than the gradients of its way need",
         "no departure before the unit sees both in order, and none to a stop that it predicts not to reach; on the way"

@@ -389,13 +389,9 @@ class Duties:
         self._trains.place(slot, duty)
         if self._charging is not None:
             self._charging.enters(slot, step)
-        length_m = float(self._trains.kinds[slot].length_m)
-        position_m = float(self._trains.truths[slot].position_m)
-        under = tuple(
-            path_step.piece_id + SIGN[duty.mission.direction]
-            for path_step in duty.mission.path.steps
-            if path_step.end_m > position_m - length_m and path_step.start_m < position_m
-        )
+        length_m, on = float(self._trains.bodies[slot].length_m), self._trains.pieces_under(slot)
+        pieces = (path_step.piece_id for path_step in duty.mission.path.steps)
+        under = tuple(piece_id + SIGN[duty.mission.direction] for piece_id in pieces if piece_id in on)
         entered = Entered(unit_id=stock_id, train=duty.train.number, edge_ids=under)
         self._journal.write(step / STEPS_PER_S, WORLD, entered)
         self._checkers.entered(stock_id, length_m, under)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 
 from network.files.crossings import least_closed_s, least_warning_s
@@ -11,6 +12,7 @@ from simulation.judge.body import Heights
 from simulation.judge.checkers import Checkers, GuaranteedBrake, PointsFacts
 from simulation.judge.crossings import CrossingFacts
 from simulation.judge.entering import TrackOverlap
+from simulation.judge.speed import LimitOnEdge, TrueLimits
 from simulation.procedure import WorkingStep, before_entry
 from simulation.setup import Setup, behaviour_row
 from simulation.world.trains import SIGN
@@ -30,7 +32,34 @@ def checkers_of(setup: Setup, net: NetMap, stock_ids: Collection[str]) -> Checke
     heights, overlaps = edge_heights(line), track_overlaps(line)
     needs, crossings = pilots_needs(setup), crossing_facts(line)
     creep_mps = setup.unit.restricted_mps
-    return Checkers(net, points, stock_ids, brakes, heights, share, overlaps, needs, crossings, creep_mps)
+    limits = true_limits(setup, stock_ids)
+    return Checkers(
+        net, points, stock_ids, brakes, heights, share, overlaps, needs, crossings, creep_mps, limits
+    )
+
+
+def true_limits(setup: Setup, stock_ids: Collection[str]) -> TrueLimits:
+    """Speed limits by SUMO's edges: of the alignment, and of points where a train goes over their reverse leg."""
+    line = setup.line
+    found: dict[str, list[LimitOnEdge]] = {}
+    for piece in line.pieces.values():
+        for limit in line.alignments[piece.alignment_id].limits:
+            down_m = limit.from_m - piece.from_m, limit.to_m - piece.from_m
+            up_m = piece.to_m - limit.to_m, piece.to_m - limit.from_m
+            for direction in (
+                limit.directions if down_m[0] < piece.length_m and up_m[0] < piece.length_m else ()
+            ):
+                along_m = down_m if direction is Direction.DOWN else up_m
+                found.setdefault(piece.id + SIGN[direction], []).append(
+                    LimitOnEdge(*along_m, limit.speed_mps)
+                )
+    for points in line.points.values():
+        diverging = LimitOnEdge(0.0, math.inf, points.diverging_limit_mps)
+        for direction in Direction:
+            found.setdefault(points.reverse_piece + SIGN[direction], []).append(diverging)
+    kinds = {stock_id: setup.trains[stock_id].row[0] for stock_id in stock_ids}
+    tops_mps = {i: min(line.max_speed_mps, float(kind["speed_max_mps"])) for i, kind in kinds.items()}
+    return TrueLimits(found, tops_mps, setup.driving.emergency_margin_mps)
 
 
 def crossing_facts(line: Line) -> dict[str, CrossingFacts]:

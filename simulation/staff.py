@@ -325,7 +325,7 @@ class Staff:
         near = [
             (other, piece)
             for other in self._trains.active()
-            for piece in self._pieces_under(other) & {points.stem_piece, *legs}
+            for piece in self._trains.pieces_under(other) & {points.stem_piece, *legs}
         ]
         if len(near) != 1 or near[0][0] != slot:
             return ""
@@ -338,7 +338,7 @@ class Staff:
         if machine.position is not None:
             return machine.position.value
         points = self._setup.line.points[points_id]
-        under = {piece for slot in self._trains.active() for piece in self._pieces_under(slot)}
+        under = {piece for slot in self._trains.active() for piece in self._trains.pieces_under(slot)}
         legs = {points.normal_piece: "normal", points.reverse_piece: "reverse"}
         taken = [position for piece, position in legs.items() if piece in under]
         if taken:
@@ -348,12 +348,6 @@ class Staff:
         tries = self._tries[ActKind.REPAIR_POINTS, points_id, STAFF]
         chance = generator(self._setup.seed, "staff", points_id, str(tries), *self._setup.today)
         return tuple(legs.values())[int(chance.integers(2))]
-
-    def _pieces_under(self, slot: int) -> set[str]:
-        front_m = float(self._trains.truths[slot].position_m)
-        rear_m = front_m - float(self._trains.kinds[slot].length_m)
-        steps = self._trains.true_path(slot).steps
-        return {step.piece_id for step in steps if step.end_m > rear_m and step.start_m < front_m}
 
     # the picture of the line --------------------------------------------------------------------------------------
 

@@ -54,6 +54,7 @@ from simulation.judge.pilot import PilotWatch
 from simulation.judge.points import PointsFacts, PointsWatch, ProvenPoints
 from simulation.judge.rail import LowAdhesion, RailWatch
 from simulation.judge.register import RegisterWatch
+from simulation.judge.speed import NO_LIMITS, SpeedWatch, TrueLimits
 from simulation.procedure import WorkingStep
 from sumo_cfg.truth_map import NetMap
 
@@ -75,6 +76,7 @@ class Checkers:
         pilots_needs: Mapping[str, Sequence[WorkingStep]] = MappingProxyType({}),
         crossings: Mapping[str, CrossingFacts] = MappingProxyType({}),
         creep_mps: float = 0.0,
+        limits: TrueLimits = NO_LIMITS,
     ) -> None:
         self._log = Log()
         self._track = NetTrack(net, heights)
@@ -86,6 +88,7 @@ class Checkers:
         self._entries = EntryWatch(net, overlaps, {facts.section_id for facts in points.values()}, self._log)
         self._pilots = PilotWatch(pilots_needs, self._log)
         self._crossings = CrossingWatch(net, crossings, creep_mps, brakes, self._log)
+        self._speed = SpeedWatch(net, limits, self._log)
         self._unit_ids = tuple(unit_ids)  # registered on the line, whatever the manager says of them
         self._bodies: dict[str, Body] = {}
         self._occupants: dict[str, set[str]] = {}
@@ -166,11 +169,13 @@ class Checkers:
         if t_s > body.seen_s:
             body.acceleration_mps2 = (speed_mps - body.speed_mps) / (t_s - body.seen_s)
         body.seen_s, body.speed_mps = t_s, speed_mps
-        self._crossings.observe(t_s, body, edge_id, lane_position_m)
         if edge_id == body.edge_id and body.front_m <= lane_position_m < body.still_to_m:
             body.front_m = lane_position_m
         elif edge_id != body.turned_from:
             self._settle(t_s, body, edge_id, lane_position_m)
+        if edge_id == body.path[-1]:
+            self._crossings.observe(t_s, body)
+        self._speed.observe(t_s, body, self._rail)
         if speed_mps == 0.0:
             self._rail.train_stood(unit_id)
             self._entries.stands(body)
@@ -324,12 +329,9 @@ class Checkers:
             case Freed(unit_id=unit_id, section_ids=section_ids):
                 self._register.freed(unit_id, section_ids)
                 self._note_change(t_s, unit_id)
-            case Accepted(unit_id=unit_id, section_ids=section_ids):
-                self._register.accepted(t_s, unit_id, section_ids)
-                self._taken(t_s, unit_id)
-            case ConfirmedByHand(unit_id=unit_id, section_ids=section_ids):
-                self._register.accepted(t_s, unit_id, section_ids)
-                self._taken(t_s, unit_id)
+            case Accepted() | ConfirmedByHand():
+                self._register.accepted(t_s, event.unit_id, event.section_ids)
+                self._taken(t_s, event.unit_id)
             case Outside(unit_id=unit_id):
                 self._register.outside(unit_id)
                 self._outside(t_s, unit_id)

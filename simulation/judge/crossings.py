@@ -1,7 +1,8 @@
 """Level crossings: what the road truly shows when a front comes onto them, as SUMO has it, and for how long it has.
 
-A road that ceases to be closed when a train can no longer stop before it, by its guaranteed emergency brake, is outside
-the design: told, and no breach of a rule.
+A road whose lamps fail when a train can no longer stop before it, by its guaranteed emergency brake, is outside the
+design: told, and no breach of a rule. So is one that opens then because persons alone say of that train that it does
+not come; one that its device opens otherwise is not.
 """
 
 from __future__ import annotations
@@ -42,10 +43,13 @@ class CrossingFacts:
 
 @dataclass(slots=True)
 class _WatchedRoad:
-    """Since when (s) lamps shine and barriers are down; infinite: they do not, are not."""
+    """Since when (s) lamps shine and barriers are down; infinite: they do not, are not. `freed_of`: who was struck
+    off by persons' word when its device opened it; None: it has not.
+    """
 
     lit_s: float = math.inf
     lowered_s: float = math.inf
+    freed_of: tuple[str, ...] | None = None
 
 
 class CrossingWatch:
@@ -64,6 +68,9 @@ class CrossingWatch:
         self._facts, self._creep_mps, self._brakes, self._log = crossings, creep_mps, brakes, log
         self._edges = net.edges
         self._roads = {crossing_id: _WatchedRoad() for crossing_id in crossings}
+        self._width_m = {
+            crossing_id: self._width_of(facts.begins_m) for crossing_id, facts in crossings.items()
+        }
         self._on_edge: dict[str, list[tuple[float, str]]] = {}
         for crossing_id, facts in crossings.items():
             for edge_id, begins_m in facts.begins_m.items():
@@ -81,6 +88,7 @@ class CrossingWatch:
         match entry.event:
             case CrossingLamps(crossing_id=crossing_id, lit=lit):
                 road, was_s = self._roads[crossing_id], self._closed_s(crossing_id)
+                road.freed_of = None if lit else road.freed_of
                 if lit or road.lowered_s == math.inf:  # barriers that are down hold who has been warned
                     road.lit_s = entry.t_s if lit else math.inf
                 self._ceases(crossing_id, was_s, bodies)
@@ -88,7 +96,8 @@ class CrossingWatch:
                 road, was_s = self._roads[crossing_id], self._closed_s(crossing_id)
                 road.lowered_s = entry.t_s if state is BarrierState.LOWERED else math.inf
                 self._ceases(crossing_id, was_s, bodies)
-            case CrossingOpens():
+            case CrossingOpens(struck_off=struck_off):
+                self._roads[entry.who].freed_of = struck_off
                 self._opens(entry.t_s, entry.who, bodies)
             case RoadStopped(crossing_id=crossing_id, unit_id=unit_id):
                 self._stopped.add((unit_id, crossing_id))
@@ -103,7 +112,7 @@ class CrossingWatch:
         """Its device opens it: no train is on the road that came there while it was closed."""
         for body in bodies:
             came_m = self._on_road.get((body.unit_id, crossing_id), -math.inf)
-            if body.run_m - came_m < body.length_m:
+            if body.run_m - came_m < body.length_m + self._width_m[crossing_id]:
                 text = f"level crossing {crossing_id} opens under {body.unit_id}"
                 self._log.note(t_s, Checker.CROSSING_OPEN, f"{crossing_id} {body.unit_id}", text)
 
@@ -113,12 +122,16 @@ class CrossingWatch:
         return road.lowered_s if self._facts[crossing_id].has_barriers else road.lit_s
 
     def _ceases(self, crossing_id: str, was_s: float, bodies: Iterable[Body]) -> None:
-        """Who cannot stop any more before a road that was closed since `was_s` and is not any more."""
+        """Who cannot stop any more before a road that was closed since `was_s` and is not any more, unless its device
+        has opened it for others: without that no barriers rise.
+        """
         if was_s == math.inf or self._closed_s(crossing_id) < math.inf:
             return
+        freed_of = self._roads[crossing_id].freed_of
+        fails = freed_of is None and not self._facts[crossing_id].has_barriers
         for body in bodies:
             brake = self._brakes.get(body.unit_id)
-            if brake is not None:
+            if brake is not None and (fails or not {body.unit_id, ""}.isdisjoint(freed_of or ())):
                 late_m = body.speed_mps * (brake.reaction_s + TOLD_WITHIN_S)
                 stops_m = late_m + body.speed_mps**2 / (2.0 * brake.deceleration_mps2)
                 if self._comes_within(body, crossing_id, stops_m):
@@ -145,16 +158,26 @@ class CrossingWatch:
         """The train has turned in place: it is off a road that it was on when it has run back as far as it had come."""
         mine = {pair: was_run_m - at for pair, at in self._on_road.items() if pair[0] == body.unit_id}
         self.forget(body.unit_id)
-        still = {pair: run_m for pair, run_m in mine.items() if run_m < body.length_m}
-        self._on_road |= {pair: body.run_m - body.length_m + run_m for pair, run_m in still.items()}
+        for pair, run_m in mine.items():
+            lies_m = body.length_m + self._width_m[pair[1]]
+            if run_m < lies_m:
+                self._on_road[pair] = body.run_m - lies_m + run_m
+        self._seen[body.unit_id] = (body.path[-1], body.front_m)
+
+    def _width_of(self, begins_m: Mapping[str, float]) -> float:
+        """How wide a road is, as its two sides lie on the edges of either direction, m."""
+        edge_id, from_m = next(iter(begins_m.items()))
+        edge = self._edges[edge_id]
+        return edge.length_m - from_m - begins_m[edge.bidi_edge_id]
 
     def _could_stop(self, unit_id: str) -> None:
         self._too_late = {pair for pair in self._too_late if pair[0] != unit_id}
 
-    def observe(self, t_s: float, body: Body, edge_id: str, front_m: float) -> None:
+    def observe(self, t_s: float, body: Body) -> None:
         """Where SUMO has a train's front now."""
         if not self._on_edge:
             return
+        edge_id, front_m = body.path[-1], body.front_m
         if body.speed_mps == 0.0 and self._too_late:
             self._could_stop(body.unit_id)
         before = self._seen.get(body.unit_id)
@@ -165,13 +188,15 @@ class CrossingWatch:
         for begins_m, crossing_id in self._on_edge.get(edge_id, ()):
             from_m = was_m if was_edge == edge_id else -math.inf
             if from_m < begins_m - RESOLUTION_M <= front_m:
-                self._entered(t_s, body, crossing_id)
+                self._entered(t_s, body, crossing_id, body.behind_m + begins_m)
         if was_edge != edge_id:
+            begun_m = body.behind_m - self._edges[was_edge].length_m
             for begins_m, crossing_id in self._on_edge.get(was_edge, ()):
                 if was_m < begins_m - RESOLUTION_M:
-                    self._entered(t_s, body, crossing_id)
+                    self._entered(t_s, body, crossing_id, begun_m + begins_m)
 
-    def _entered(self, t_s: float, body: Body, crossing_id: str) -> None:
+    def _entered(self, t_s: float, body: Body, crossing_id: str, came_m: float) -> None:
+        """Its front came onto a road that begins `came_m` along its run."""
         facts, road = self._facts[crossing_id], self._roads[crossing_id]
         pair = (body.unit_id, crossing_id)
         creeps = pair in self._leave and body.speed_mps <= self._creep_mps + CREEP_MARGIN_MPS
@@ -181,7 +206,7 @@ class CrossingWatch:
         self._too_late.discard(pair)
         if creeps:
             return
-        self._on_road[pair] = body.run_m
+        self._on_road[pair] = came_m
         closed_s = self._closed_s(crossing_id)
         who = f"{body.unit_id} came onto level crossing {crossing_id} at {body.speed_mps:.1f} m/s"
         subject = f"{crossing_id} {body.unit_id}"

@@ -30,6 +30,7 @@ class Checker(StrEnum):
     PILOTS_LEAVE = "pilots-leave"
     CROSSING_OPEN = "crossing-open"
     CROSSING_WARNING = "crossing-warning"
+    TOO_FAST = "too-fast"
 
 
 @dataclass(frozen=True, slots=True)

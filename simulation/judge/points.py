@@ -143,11 +143,7 @@ class PointsWatch:
         machine.position, machine.locked = position, locked
 
     def _standing_on(self, points_id: str, bodies: Iterable[Body]) -> list[Body]:
-        return [
-            body
-            for body in bodies
-            if any((need := self._needs.get(piece)) and need[0] == points_id for piece in body.pieces)
-        ]
+        return [body for body in bodies if points_id in self.points_under(body)]
 
     def _check_all(self, t_s: float, points_id: str, bodies: Iterable[Body]) -> None:
         for body in self._standing_on(points_id, bodies):

@@ -121,12 +121,12 @@ def _moved(equipment: CrossingEquipment, now_s: float) -> CrossingEquipment:
 
 def _close(equipment: CrossingEquipment, _event: CloseCrossing, now_s: float) -> CrossingEquipment:
     """Lamps shine at once, and in their time the barriers come down."""
-    return _moved(replace(equipment, closes=True), now_s)
+    return equipment if equipment.closes else _moved(replace(equipment, closes=True), now_s)
 
 
 def _open(equipment: CrossingEquipment, _event: OpenCrossing, now_s: float) -> CrossingEquipment:
     """Lamps go out, and the barriers go up."""
-    return _moved(replace(equipment, closes=False), now_s)
+    return _moved(replace(equipment, closes=False), now_s) if equipment.closes else equipment
 
 
 def _arrive(equipment: CrossingEquipment, _event: BarrierTimeOver, now_s: float) -> CrossingEquipment:
@@ -158,18 +158,12 @@ TABLE: Final[
     Mapping[tuple[BarrierState, type], Callable[[CrossingEquipment, Any, float], CrossingEquipment]]
 ] = MappingProxyType(
     {
-        (BarrierState.RAISED, CloseCrossing): _close,
-        (BarrierState.RAISED, OpenCrossing): _stay,
         (BarrierState.RAISED, BarrierTimeOver): _stay,
-        (BarrierState.RISING, CloseCrossing): _close,
-        (BarrierState.RISING, OpenCrossing): _stay,
         (BarrierState.RISING, BarrierTimeOver): _arrive,
-        (BarrierState.LOWERING, CloseCrossing): _stay,
-        (BarrierState.LOWERING, OpenCrossing): _open,
         (BarrierState.LOWERING, BarrierTimeOver): _arrive,
-        (BarrierState.LOWERED, CloseCrossing): _stay,
-        (BarrierState.LOWERED, OpenCrossing): _open,
         (BarrierState.LOWERED, BarrierTimeOver): _stay,
+        **dict.fromkeys(((at, CloseCrossing) for at in BarrierState), _close),
+        **dict.fromkeys(((at, OpenCrossing) for at in BarrierState), _open),
         **dict.fromkeys(((at, ConditionChanged) for at in BarrierState), _change),
         **dict.fromkeys(((at, ObstacleDetected) for at in BarrierState), _detect),
     }

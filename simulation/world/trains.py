@@ -294,19 +294,20 @@ class Trains:
 
     def stands_in(self, section_id: str) -> bool:
         """Whether any train truly stands in a section, wholly or in part."""
-        return any(self._is_in(slot, section_id) for slot in self.active())
+        return any(section_id in under for under in self.sections_under().values())
 
-    def _is_in(self, slot: int, section_id: str) -> bool:
-        pieces = set(self.setup.line.sections[section_id].piece_ids)
+    def pieces_under(self, slot: int) -> set[str]:
+        """The pieces that a train truly stands on, wholly or in part."""
         front_m = float(self.truths[slot].position_m)
-        rear_m = front_m - float(self.kinds[slot].length_m)
+        rear_m = front_m - float(self.bodies[slot].length_m)
         steps = self.true_path(slot).steps
-        return any(s.piece_id in pieces and s.end_m > rear_m and s.start_m < front_m for s in steps)
+        return {step.piece_id for step in steps if step.end_m > rear_m and step.start_m < front_m}
 
     def sections_under(self) -> dict[str, set[str]]:
         """The sections that each train on the line truly stands in, by stock id."""
+        pieces = self.setup.line.pieces
         return {
-            self.stock_ids[slot]: {s for s in self.setup.line.sections if self._is_in(slot, s)}
+            self.stock_ids[slot]: {pieces[piece_id].section_id for piece_id in self.pieces_under(slot)}
             for slot in self.active()
         }
 

@@ -10,10 +10,13 @@ import pytest
 from network.errors import InputError
 from scenario.scenario import load_scenario
 from simulation.carriers.plain_track import PlainTrack
+from simulation.judge.checkers import Checker
 from simulation.setup import STEP_S, Setup
 from simulation.world.roster import draw_up
 from simulation.world.trains import Trains
+from study.runner.run import CarrierKind, PartyLink, execute
 
+RELEASED = Checker.RELEASE_BEHIND_REAR.value
 BASE = 'extends = "rtri_test_line"\nid = "s"\n'
 SLOW = "[belief.line]\nadd = { limits = [ { from_km = 0.0, to_km = 1.41, speed_kmh = 18 } ] }\n"
 
@@ -52,6 +55,15 @@ def test_a_limit_that_only_units_know_is_in_their_patterns_and_nowhere_else(tmp_
     assert pattern_rows(trains)["permitted_mps"].max() <= 5.0
     assert trains.pool.profile["limit_mps"].min() > 5.0
     assert pattern_rows(placed(setup_of(tmp_path, "")))["permitted_mps"].max() > 5.0
+
+
+def test_who_is_longer_than_its_unit_believes_is_judged_as_it_is(tmp_path: Path) -> None:
+    """Its 40 m are still on the points when the unit has 1.2 m of it beyond them, and gives them back."""
+    text = '[operation]\nrelease = "section"\n[belief.trains]\nK1 = "oda_scale_car"\n'
+    (tmp_path / "s.toml").write_text(BASE + text, "utf-8")
+    run = execute(load_scenario(str(tmp_path / "s.toml")), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    broken = {violation.subject for violation in run.result.violations if violation.checker == RELEASED}
+    assert broken >= {"5 K1"}
 
 
 def test_a_tag_lies_where_it_is_and_is_expected_where_it_is_believed(tmp_path: Path) -> None:

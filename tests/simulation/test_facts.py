@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
-from simulation.facts import brake_of, edge_heights
+from simulation.facts import brake_of, edge_heights, true_limits
 from simulation.setup import Setup
 
 
@@ -26,3 +28,25 @@ def test_an_edge_lies_as_high_as_its_counterpart_seen_from_the_other_end(karasuy
         assert [at_m for at_m, _ in up] == pytest.approx(
             [piece.length_m - at_m for at_m, _ in reversed(down)]
         )
+
+
+def test_a_limit_lies_on_the_edges_of_its_directions(karasuyama_setup: Setup) -> None:
+    """55 km/h from 6.767 to 6.932 km, either way; 30 km/h from 20.104 to 20.304 km, down; the EV-E301 runs 100 km/h."""
+    line, limits = karasuyama_setup.line, true_limits(karasuyama_setup, ["V1"])
+    found = {
+        (round(3.6 * limit.speed_mps), edge[-1], round(at_m), round(end_m))
+        for edge, on_it in limits.on_edges.items()
+        for limit in on_it
+        for piece in [line.pieces[edge[:-1]]]
+        for at_m, end_m in [
+            (piece.from_m + limit.from_m, piece.from_m + limit.to_m)
+            if edge.endswith("+")
+            else (piece.to_m - limit.from_m, piece.to_m - limit.to_m)
+        ]
+        if math.isfinite(end_m)
+    }
+    assert {each for each in found if each[0] == 30} == {(30, "+", 20104, 20304)}
+    assert found >= {(55, "+", 6767, 6932), (55, "-", 6932, 6767)}
+    assert limits.tops_mps["V1"] <= 100 / 3.6
+    diverging = {points.reverse_piece + sign for points in line.points.values() for sign in "+-"}
+    assert {edge for edge, on_it in limits.on_edges.items() if on_it[-1].to_m == math.inf} == diverging

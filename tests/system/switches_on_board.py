@@ -16,6 +16,7 @@ from onboard.authority import agreement, points, report, sign_on
 from onboard.authority import records as sym
 from onboard.authority.records import Authority
 from onboard.authority.tables import Handler, Result
+from onboard.driving import pattern
 from onboard.duty import arrival, on_sight, shown
 from onboard.duty import machine as duty_machine
 from onboard.duty.duty_step import DutyStep
@@ -244,6 +245,13 @@ def bounds_do_not_grow(patch: pytest.MonkeyPatch) -> None:
 
     patch.setattr(UnitMotion, "_take_up", certain)
     patch.setattr(WheelScale, "apply", measured)
+
+
+@switch
+def knows_no_limits(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(
+        pattern, "limit_for_length", lambda limit_mps, _length_m: np.full_like(limit_mps, limit_mps.max())
+    )
 
 
 @switch

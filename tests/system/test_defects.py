@@ -251,6 +251,12 @@ DEFECTS: Final = (
         "keeps_no_least_time",
         (Checker.CROSSING_WARNING,),
     ),
+    Defect(
+        "a unit's map lacks a limit",
+        "slow_stretch",
+        "knows_no_limits",
+        (Checker.TOO_FAST,),
+    ),
 )
 
 # One for each checker.
@@ -263,6 +269,7 @@ EVERY_RUN: Final = tuple(
         "grants_while_undefined",
         "passes_unproven_crossings",
         "keeps_no_least_time",
+        "knows_no_limits",
         "lets_all_come_in",
         "tokens_begin_anew",
         "silence_frees",

@@ -14,14 +14,15 @@ from simulation.events import (
 )
 from simulation.judge.checkers import Checker
 from simulation.judge.crossings import CrossingFacts
-from tests.simulation.judge.stage import Case, Stage, at_crossings, on_points
+from tests.simulation.judge.stage import Case, Stage, at_crossings, authorised, on_points
 
 DARK = CrossingLamps(crossing_id="T", lit=False)
 GUARDED = CrossingCreep(crossing_id="W", guarded=True)
 
 
-def ceases(stage: Stage) -> Stage:
-    """The barriers over W begin to rise."""
+def opens(stage: Stage, *struck_off: str) -> Stage:
+    """The device of W opens it, striking off whom its persons named: the barriers begin to rise."""
+    stage.entry("W", CrossingOpens(struck_off=struck_off))
     return stage.world(CrossingBarriers(crossing_id="W", state=BarrierState.RISING))
 
 
@@ -31,8 +32,14 @@ def before_a_joint() -> Stage:
     return on_points({"T": road}).shut("T", 0.0, 21.0)
 
 
+def turned_before_a_road() -> Stage:
+    """A has turned in W, and a road begins 4 m ahead of what was its rear."""
+    road = CrossingFacts({"W+": 150.0, "W-": 144.0}, False, 20.0, 20.0)
+    return authorised(crossings={"W": road}).turn("A")
+
+
 def on_the_road() -> Stage:
-    """A came onto the closed road over W, and its rear has 24 m to go to it."""
+    """A came onto the closed road over W, whose far side its rear passes once its front is at 296 m."""
     return at_crossings().shut("W", 15.0, 20.0).see("A", ("W+", 249.0), ("W+", 255.0), ("W+", 265.0))
 
 
@@ -60,12 +67,12 @@ CROSSING_CASES: Final = (
         Checker.CROSSING_OPEN,
         lambda: at_crossings().see("A", ("W+", 210.0), ("W+", 240.0), speed_mps=25.0),
         lambda s: s.world(CrossingLamps(crossing_id="W", lit=True)).see("A", ("W+", 255.0), speed_mps=25.0),
-        lambda s: ceases(s.shut("W", 15.0, 20.0)).see("A", ("W+", 255.0), speed_mps=25.0),
+        lambda s: opens(s.shut("W", 15.0, 20.0), "A").see("A", ("W+", 255.0), speed_mps=25.0),
     ),
     Case(
         "a road that ceased to be closed too late to stop, and it stood before it",
         Checker.CROSSING_OPEN,
-        lambda: ceases(at_crossings().see("A", ("W+", 240.0), speed_mps=25.0).shut("W", 15.0, 20.0)),
+        lambda: opens(at_crossings().see("A", ("W+", 240.0), speed_mps=25.0).shut("W", 15.0, 20.0), "A"),
         lambda s: s.see("A", ("W+", 249.0), speed_mps=0.0).see("A", ("W+", 255.0)),
         lambda s: s.see("A", ("W+", 255.0), speed_mps=25.0),
     ),
@@ -77,11 +84,34 @@ CROSSING_CASES: Final = (
         lambda s: s.see("A", ("normal1+", 21.0), speed_mps=9.0).world(DARK).see("A", ("T1+", 15.0)),
     ),
     Case(
+        "a road that its device opens too late to stop, and one that two persons have freed",
+        Checker.CROSSING_OPEN,
+        lambda: at_crossings().see("A", ("W+", 240.0), speed_mps=25.0).shut("W", 15.0, 20.0),
+        lambda s: opens(s, "B").see("A", ("W+", 255.0), speed_mps=25.0),
+        lambda s: opens(s, "A").see("A", ("W+", 255.0), speed_mps=25.0),
+    ),
+    Case(
+        "a road without barriers that its device opens too late to stop, and one whose lamps fail after it",
+        Checker.CROSSING_OPEN,
+        lambda: before_a_joint().see("A", ("normal1+", 21.0), speed_mps=9.0),
+        lambda s: s.entry("T", CrossingOpens()).world(DARK).see("A", ("T1+", 15.0)),
+        lambda s: (
+            s.entry("T", CrossingOpens()).world(DARK).shut("T", 0.0, 21.0).world(DARK).see("A", ("T1+", 15.0))
+        ),
+    ),
+    Case(
         "a road that opens with the rear yet to clear it",
         Checker.CROSSING_OPEN,
         on_the_road,
-        lambda s: s.entry("W", CrossingOpens()),
         lambda s: s.see("A", ("W+", 295.0)).entry("W", CrossingOpens()),
+        lambda s: s.see("A", ("W+", 297.0)).entry("W", CrossingOpens()),
+    ),
+    Case(
+        "an open road near before who has turned",
+        Checker.CROSSING_OPEN,
+        turned_before_a_road,
+        lambda s: s.see("A", ("W-", 145.0)),
+        lambda s: s.shut("W", 0.0, 21.0).see("A", ("W-", 145.0)),
     ),
     Case(
         "a road that opens under who has turned on it",

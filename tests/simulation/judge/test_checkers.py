@@ -327,6 +327,20 @@ CASES = (
         lambda s: s.see("A", ("T1+", 50.0), ("normal2+", 5.0), ("stem2+", 5.0), ("B+", 5.0)),
         lambda s: s.see("A", ("T1+", 50.0)),
     ),
+    Case(
+        "through a limit with its rear",
+        Checker.TOO_FAST,
+        lambda: let_in_to_t2(second(authorised())).see("B", ("E-", 269.0), speed_mps=25.0),
+        lambda s: s.see("B", ("B-", 19.0), speed_mps=18.1),
+        lambda s: s.see("B", ("B-", 19.0), speed_mps=17.9).see("B", ("B-", 20.0), speed_mps=25.0),
+    ),
+    Case(
+        "beyond its own greatest speed",
+        Checker.TOO_FAST,
+        authorised,
+        lambda s: s.see("A", ("W+", 240.0), speed_mps=28.1),
+        lambda s: s.see("A", ("W+", 240.0), speed_mps=27.9),
+    ),
     *CROSSING_CASES,
     Case(
         "to an edge that does not follow",

@@ -81,6 +81,31 @@ def test_what_sticks_stays_where_it_is_until_it_is_mended(
     assert (found.barriers, found.due_s) == (barriers, due_s)
 
 
+DOWN = [(100.0, CLOSE), (115.0, OVER), (116.0, STUCK), (130.0, OPENS)]
+
+
+@pytest.mark.parametrize(
+    ("happened", "lit", "barriers", "due_s"),
+    [
+        ([*DOWN, (200.0, CLOSE)], True, LOWERED, None),
+        ([*DOWN, (200.0, CLOSE), (240.0, MENDED)], True, LOWERED, None),
+        (
+            [(100.0, CLOSE), (110.0, STUCK), (120.0, OPENS), (200.0, CLOSE), (240.0, MENDED)],
+            True,
+            LOWERING,
+            255.0,
+        ),
+        ([(90.0, STUCK), (100.0, CLOSE), (130.0, OPENS), (240.0, MENDED)], False, RAISED, None),
+    ],
+)
+def test_what_sticks_is_commanded_all_the_same(
+    happened: list[tuple[float, EquipmentEvent]], lit: bool, barriers: BarrierState, due_s: float | None
+) -> None:
+    """The next train's warning shines though they never rose; mended, they go where the last command has them."""
+    found = after(*happened)
+    assert (found.lit, found.barriers, found.due_s) == (lit, barriers, due_s)
+
+
 def test_contacts_show_what_is_so_or_nothing() -> None:
     down = after((100.0, CLOSE), (115.0, OVER))
     assert detection(down) == CrossingDetected(lamps=True, lowered=True, raised=False)
