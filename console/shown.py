@@ -174,8 +174,10 @@ def _true_train(session: Session, train: TrainShown) -> TrainShown:
     path = trains.true_path(slot)
     piece = session.scenario.setup.line.pieces[path.step_at(motion.position_m).piece_id]
     waits_for = session.simulation.waits_for(slot) if motion.speed_mps == 0.0 else ""
+    duty = trains.duties[slot]  # a unit that is off tells of no train
     return msgspec.structs.replace(
         train,
+        train=train.train if duty is None else duty.train.number,
         at_m=path.kilometrage_m(motion.position_m),
         section=piece.section_id,
         speed_mps=motion.speed_mps,

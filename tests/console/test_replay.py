@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
 from typing import Final
 
 import msgspec
@@ -18,10 +20,13 @@ from console.seats import Seat
 from console.server import BESIDE_PATH, SOCKET_PATH, DeskServer
 from console.shown import SentSoFar, state_for
 from network.errors import InputError
-from scenario.scenario import Scenario
+from scenario.scenario import Scenario, load_scenario
+from simulation.judge.checkers import Checker
 from study.record.directory import reserved
 from study.record.read_back import RunRead, read_run
+from study.record.shown import RuleBroken
 from study.runner.run import PartyLink, execute, fill_run
+from tests.console.conftest import TWO
 
 pytestmark = pytest.mark.system
 
@@ -77,6 +82,34 @@ def test_it_runs_at_a_pace_to_its_end_and_jumps_to_the_next_event(run: RunRead) 
     known = replay.moment.known
     assert (known.time_s, known.digest) == (welcome.end_s, run.summary["digest"])
     assert known.ended == run.summary["ended_because"]
+
+
+def test_a_run_that_went_wrong_shows_its_trains_and_what_was_broken(tmp_path: Path) -> None:
+    """The manager is off from 10:00:10 on and knows of no train; K1 stands from 10:00:40 on and nobody reacts."""
+    file, out = tmp_path / "wrong.toml", tmp_path / "wrong"
+    faults = (("block-manager", "10:00:10"), ("K1", "10:00:40"))
+    tables = "".join(
+        f'[[fault]]\nkind = "power_off"\ntarget = "{target}"\nstart = "{start}"\n' for target, start in faults
+    )
+    file.write_text(TWO + tables, "utf-8")
+    with reserved(out) as place:
+        fill_run(execute(load_scenario(str(file)), PartyLink.SIMULATED, journal=place.journal), place)
+    read = read_run(out)
+    overran = RuleBroken(TEN + 50.0, Checker.INSIDE_HOLDING.value, "K1 overran")
+    replay = Replay(replace(read, shown=replace(read.shown, violations=(overran,))))
+    standing, moving, stopped = (shown(replay, TEN + s) for s in (-60.0, 20.0, 200.0))
+    for state, runs in ((standing, False), (moving, True), (stopped, False)):
+        train = next(train for train in state.trains if train.unit == "K1")
+        assert train.at_m is not None and bool(train.speed_mps) is runs and train.train == "T1"
+    assert not moving.manager_on and all(not train.sections for train in moving.trains)
+    assert [rule.rule for rule in moving.rules if rule.broken] == []
+    assert [rule.first for rule in stopped.rules if rule.broken] == ["K1 overran"]
+    ended = shown(replay, 200_000.0)
+    broken = {rule.rule: (rule.broken, rule.first) for rule in ended.rules if rule.broken}
+    assert broken == {
+        Checker.INSIDE_HOLDING.value: (1, "K1 overran"),
+        Checker.EVERYONE_ARRIVES.value: (2, "T1 has not arrived"),
+    }
 
 
 def test_nobody_acts_in_a_run_that_has_ended(run: RunRead) -> None:
