@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 import msgspec
+import httpx2
 import pytest
 from starlette.testclient import TestClient
 
@@ -153,6 +155,43 @@ def test_a_run_beside_another_has_a_socket_of_its_own(run: RunRead) -> None:
                 seen.append((said, answer["good"], float(answer["text"])))
         assert seen == [(["welcome", "state"], True, TEN), (["welcome", "state"], True, TEN + 1.0)]
         assert [live.moment.known.time_s for live in lives] != [TEN + 1.0] * 2
+
+
+def test_what_cannot_be_opened_leaves_no_page_at_a_run_that_is_no_more(run: RunRead) -> None:
+    """Two that are asked for at once are opened one after the other; of one that does not begin nothing is left."""
+    server, opening, most = DeskServer(on_loopback(8580)), [0], [0]
+    lives: list[LiveDesk] = []
+
+    def opens(asked: LibraryRequest) -> LiveDesk:
+        opening[0] += 1
+        most[0] = max(most[0], opening[0])
+        try:
+            if asked.name == "nothing":
+                raise InputError("desk", "name", asked.name, "something of the library")
+            while lives:
+                lives.pop().stop()
+            live = LiveDesk(run if asked.name == "two" else load_scenario("karasuyama_bad_days"), server.changed)
+            live.start()
+            lives.append(live)
+            return live
+        finally:
+            opening[0] -= 1
+
+    server.opens = opens
+
+    async def ask_all(*names: str) -> list[int]:
+        transport = httpx2.ASGITransport(app=server.app)
+        async with httpx2.AsyncClient(transport=transport, base_url=f"http://{HOST}") as client:
+            bodies = [{"kind": "run", "name": name} for name in names]
+            answers = await asyncio.gather(*(client.post("/open", json=body) for body in bodies))
+        return [answer.status_code for answer in answers]
+
+    assert asyncio.run(ask_all("two", "two")) == [200, 200]
+    assert most == [1]
+    assert asyncio.run(ask_all("nothing")) == [400]
+    assert server.desk is lives[0] and not lives[0].is_over  # it goes on
+    assert asyncio.run(ask_all("bad_days")) == [400]
+    assert server.desk is None and lives == []
 
 
 def test_only_the_instructor_and_only_a_page_of_the_desk_opens_something() -> None:
