@@ -15,6 +15,7 @@ from network.errors import COMMAND_LINE, InputError
 
 if TYPE_CHECKING:
     from console.access import AccessRules
+    from console.live import LiveDesk
     from scenario.scenario import Scenario
     from study.record.read_back import RunRead
 
@@ -72,10 +73,11 @@ def serve(
         if tokens is not None:
             write_tokens(rules, tokens)
         server = DeskServer(rules)
-        config = uvicorn.Config(
-            server.app, log_level="warning", ws="websockets-sansio", ws_max_size=MESSAGE_BYTES_MAX
+        web = uvicorn.Server(
+            uvicorn.Config(
+                server.app, log_level="warning", ws="websockets-sansio", ws_max_size=MESSAGE_BYTES_MAX
+            )
         )
-        web = uvicorn.Server(config)
         desks: list[LiveDesk] = []
 
         def changed() -> None:
@@ -107,10 +109,16 @@ def serve(
         try:
             web.run(sockets=[bound])
         finally:
-            for desk in desks:
-                desk.stop()
-        if (error := next((desk.error for desk in desks if desk.error is not None), None)) is not None:
-            raise error
+            _stop(desks)
+
+
+def _stop(desks: list[LiveDesk]) -> None:
+    """End all runs; raises what has broken one off."""
+    for desk in desks:
+        desk.stop()
+    for desk in desks:
+        if desk.error is not None:
+            raise desk.error
 
 
 def _tell(address: str, rules: AccessRules, tokens: Path | None) -> None:

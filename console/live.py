@@ -149,7 +149,11 @@ class LiveDesk:
                 w for w in (wait_s, shown_s + UPDATES_EVERY_S - now_s if stale else None) if w is not None
             ]
             try:
-                asked = self._queue.get(timeout=min(max(min(until_s), 0.0), LOOKS_EVERY_S)) if until_s else self._queue.get()
+                asked = (
+                    self._queue.get(timeout=min(max(min(until_s), 0.0), LOOKS_EVERY_S))
+                    if until_s
+                    else self._queue.get()
+                )
             except Empty:
                 continue
             if asked is None:

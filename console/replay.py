@@ -179,9 +179,7 @@ class Replay:
         at_m, speed_mps, piece, number = at
         section = self._read.line.pieces[piece].section_id
         number = number if speed_mps else train.train or number  # a unit that is off tells of no train
-        return msgspec.structs.replace(
-            train, train=number, at_m=at_m, speed_mps=speed_mps, section=section
-        )
+        return msgspec.structs.replace(train, train=number, at_m=at_m, speed_mps=speed_mps, section=section)
 
     def _rules(self, now_s: float) -> tuple[RuleShown, ...]:
         texts: dict[str, list[str]] = {}

@@ -1,9 +1,9 @@
 """What came of a session for those who worked it: how soon faults were acted on and over, what was lost, what wrong.
 
 Times of a fault, of the scenario's own script too: *shown*, when the first alarm after it stood on the dispatcher's
-page; *acted*, when somebody at a seat did the first thing after that, refused or not; *recovered*, when it was over, the
-register whole again and no train late any more (`study.measures.recovery`). What never came is None, and a run that goes on
-is judged as it stands.
+page; *acted*, when somebody at a seat did the first thing after that, refused or not; *recovered*, when it was over,
+the register whole again and no train late any more (`study.measures.recovery`). What never came is None, and a run
+that goes on is judged as it stands.
 """
 
 from __future__ import annotations
@@ -78,9 +78,8 @@ class FaultScore(msgspec.Struct, frozen=True, kw_only=True):
 
 class DeskScore(msgspec.Struct, frozen=True, kw_only=True):
     """The protocol of a session. `refused_words`: entries that the block manager refused, but for those that wait for a
-    second person to say the same; `irregular`: acts outside the
-    running by the timetable, by kind. `lost_train_minutes` of a run that goes on: what has not come and should have counts
-    as if it came now.
+    second person to say the same; `irregular`: acts outside the running by the timetable, by kind.
+    `lost_train_minutes` of a run that goes on: what has not come and should have counts as if it came now.
     """
 
     run: str

@@ -43,7 +43,7 @@ from study.wording.catalogue import phrases_of
 
 SOCKET_PATH: Final = "/desk"
 BESIDE_PATH: Final = "/beside"  # of the other run, where two are looked at side by side
-WORDS_IN: Final = ("desk", "act", "rule", "party")  # contexts of the catalogue
+WORDS_IN: Final = ("desk", "act", "rule", "party", "ending")  # contexts of the catalogue
 REFUSED_CODE, FULL_CODE, GONE_CODE = 1008, 1013, 1012
 HEADERS: Final = {
     "Content-Security-Policy": "default-src 'self'; img-src 'self' data:; frame-ancestors 'self'",

@@ -1,9 +1,9 @@
 """When a line was late, and how long until no train was any more (遅延の回復).
 
 A train is late from LATE_S after a departure that it should have made, until it leaves a stop less late than that or
-has come to its last; one that never comes there is late from its next call until the run ends whatever happens, a call that was cancelled
-for as long as the scenario states. Stretches of such
-times, of all trains together, are cut where for a moment no train is late.
+has come to its last; one that never comes there is late from its next call until the run ends whatever happens, a call
+that was cancelled for as long as the scenario states. Stretches of such times, of all trains together, are cut where
+for a moment no train is late.
 """
 
 from __future__ import annotations

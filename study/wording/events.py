@@ -186,9 +186,7 @@ EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
         phrase("telegram dropped by {receiver}{kind}{source}{why}"),
         {"kind": phrase(": {}", "clause"), "source": phrase(" of {}", "clause"), **_WHY},
     ),
-    said.NoOrderKnown: EventWording(
-        "order", phrase("no order is known in which all can finish: {unit_ids}")
-    ),
+    said.NoOrderKnown: EventWording("order", phrase("no order is known in which all can finish: {unit_ids}")),
     notes.UnitRestarted: EventWording("fault", phrase("the unit is switched on again")),
     notes.VehicleUnfit: EventWording("fault", phrase("the vehicle is not in order{why}"), _WHY),
     notes.Mismatch: EventWording(

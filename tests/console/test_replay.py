@@ -8,8 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-import msgspec
 import httpx2
+import msgspec
 import pytest
 from starlette.testclient import TestClient
 
@@ -170,7 +170,9 @@ def test_what_cannot_be_opened_leaves_no_page_at_a_run_that_is_no_more(run: RunR
                 raise InputError("desk", "name", asked.name, "something of the library")
             while lives:
                 lives.pop().stop()
-            live = LiveDesk(run if asked.name == "two" else load_scenario("karasuyama_bad_days"), server.changed)
+            live = LiveDesk(
+                run if asked.name == "two" else load_scenario("karasuyama_bad_days"), server.changed
+            )
             live.start()
             lives.append(live)
             return live

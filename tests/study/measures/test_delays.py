@@ -172,6 +172,9 @@ def test_late_until_a_departure_on_time_the_last_stop_or_for_ever(setup: Setup) 
     assert late_stretches(ON_TIME[:3], plan) == (LateStretch(1860.0, 5900.0, over=False),)
     on_the_way = ON_TIME[:4]  # left to plan, and never came
     assert late_stretches(on_the_way, plan) == (LateStretch(2360.0, 5900.0, over=False),)
+    before_b = ON_TIME[:1]  # it should have left B at 1230
+    assert late_stretches(before_b, plan) == (LateStretch(1290.0, 5900.0, over=False),)
+    assert late_stretches(before_b, plan, 1280.0) == ()  # as far as the run has come
 
 
 def test_a_delay_is_over_when_the_stretch_in_which_it_came_is(setup: Setup) -> None:
