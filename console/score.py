@@ -14,10 +14,10 @@ from typing import Final
 import msgspec
 
 from console.protocol import DeedShown, RuleShown, SeatMessage
-from console.session import Deed, Session
+from console.session import Session
+from console.shown import deeds_shown, rules_shown
 from simulation.events import StepNoted, word_of
 from simulation.faults.script import Act, ActKind, ItemCourse, ScriptedFault
-from simulation.judge.checkers import Checker
 from simulation.result import Ending
 from simulation.setup import STEPS_PER_S, step_not_before
 from study.drilling.replay_file import clock_of
@@ -105,8 +105,7 @@ def score_of(
 ) -> DeskScore:
     """The protocol until now."""
     ended, setup = session.ended, session.scenario.setup
-    acts = [deed for deed in session.deeds if isinstance(deed.item, Act) and deed.step <= session.step]
-    counts = session.simulation.checkers.counts
+    acts = [d.item for d in session.deeds if isinstance(d.item, Act) and d.step <= session.step]
     figures = figures_of_stops(session.simulation.stops, setup.timetable, _until_s(session))
     return DeskScore(
         run=session.scenario.id,
@@ -122,18 +121,12 @@ def score_of(
             for course in session.simulation.injector.courses
             if isinstance(course.item, ScriptedFault)
         ),
-        deeds=tuple(_deed(number, deed) for number, deed in enumerate(session.deeds)),
+        deeds=deeds_shown(session),
         refused_acts=refused,
-        refused_words=_refused_words(session, {act.item.person for act in acts if isinstance(act.item, Act)}),
-        irregular=dict(
-            Counter(
-                act.item.kind.value
-                for act in acts
-                if isinstance(act.item, Act) and act.item.kind in IRREGULAR
-            )
-        ),
+        refused_words=_refused_words(session, {act.person for act in acts}),
+        irregular=dict(Counter(act.kind.value for act in acts if act.kind in IRREGULAR)),
         steps=_steps(session),
-        rules=tuple(RuleShown(rule=rule.value, broken=counts.get(rule.value, 0)) for rule in Checker),
+        rules=rules_shown(session),
         messages=messages,
     )
 
@@ -141,12 +134,6 @@ def score_of(
 def score_json(score: DeskScore) -> str:
     """As a file has it."""
     return msgspec.json.format(msgspec.json.encode(score), indent=1).decode() + "\n"
-
-
-def _deed(number: int, deed: Deed) -> DeedShown:
-    words = item_text(deed.item)
-    time_s = deed.step / STEPS_PER_S
-    return DeedShown(deed=number, time_s=time_s, text=words.en, text_ja=words.in_("ja"), ends=False)
 
 
 def _refused_words(session: Session, persons: set[str]) -> tuple[RefusedAct, ...]:
@@ -172,7 +159,8 @@ def _fault(session: Session, course: ItemCourse, refused: tuple[RefusedAct, ...]
     began_s = course.begun_s
     line = session.line
     alarms = (e.shown.time_s for e in line.events if e.shown.alarm and not e.truth)
-    shown_s = min((t for t in (*alarms, *_undefined(session)) if t >= began_s), default=None)
+    lost = (off_s for off_s, _ in line.outages)  # the picture: the manager was switched off, or began again
+    shown_s = min((t for t in (*alarms, *lost) if t >= began_s), default=None)
     since_s = began_s if shown_s is None else shown_s
     done = [d.step / STEPS_PER_S for d in session.deeds if isinstance(d.item, Act)] + [
         r.time_s for r in refused
@@ -188,11 +176,6 @@ def _fault(session: Session, course: ItemCourse, refused: tuple[RefusedAct, ...]
         acted_s=None if acted_s is None else round(acted_s - began_s, 1),
         recovered_s=None if recovered_s is None else round(recovered_s - began_s, 1),
     )
-
-
-def _undefined(session: Session) -> list[float]:
-    """When the picture was lost: the manager was switched off, or began again."""
-    return [off_s for off_s, _ in session.line.outages]
 
 
 def _recovered(session: Session, course: ItemCourse) -> float | None:
