@@ -15,6 +15,7 @@ from network.errors import COMMAND_LINE, InputError
 
 if TYPE_CHECKING:
     from console.access import AccessRules
+    from console.live import LiveDesk
     from scenario.scenario import Scenario
     from study.record.read_back import RunRead
 
@@ -72,18 +73,28 @@ def serve(
         if tokens is not None:
             write_tokens(rules, tokens)
         server = DeskServer(rules)
+        web = uvicorn.Server(
+            uvicorn.Config(
+                server.app, log_level="warning", ws="websockets-sansio", ws_max_size=MESSAGE_BYTES_MAX
+            )
+        )
         desks: list[LiveDesk] = []
 
+        def changed() -> None:
+            server.changed()
+            web.should_exit = web.should_exit or any(desk.error is not None for desk in desks)
+
         def begin(what: Scenario | RunRead) -> LiveDesk:
-            desk = LiveDesk(what, server.changed)
+            desk = LiveDesk(what, changed)
             desk.start()
             desks.append(desk)
             return desk
 
         def open_from_library(asked: LibraryRequest) -> LiveDesk:
+            what = taken_from_library(asked)
             while desks:
                 desks.pop().stop()
-            return begin(taken_from_library(asked))
+            return begin(what)
 
         if first is None:
             server.opens = open_from_library
@@ -95,14 +106,19 @@ def serve(
         if open_page:
             seat = "?seat=instructor" if first is not None and not page else ""
             webbrowser.open(f"http://{host}:{at}/{page}{seat}")
-        config = uvicorn.Config(
-            server.app, log_level="warning", ws="websockets-sansio", ws_max_size=MESSAGE_BYTES_MAX
-        )
         try:
-            uvicorn.Server(config).run(sockets=[bound])
+            web.run(sockets=[bound])
         finally:
-            while desks:
-                desks.pop().stop()
+            _stop(desks)
+
+
+def _stop(desks: list[LiveDesk]) -> None:
+    """End all runs; raises what has broken one off."""
+    for desk in desks:
+        desk.stop()
+    for desk in desks:
+        if desk.error is not None:
+            raise desk.error
 
 
 def _tell(address: str, rules: AccessRules, tokens: Path | None) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import polars as pl
 
+from branchline.comparing import check_over
 from branchline.questions import ALL_CUTS, CapacityAsked, LineCapacity, LineHeadways, capacity_of, headways_of
 from branchline.sources import loaded_source
 from branchline.whole_run import RunAsked, run_whole
@@ -228,6 +229,7 @@ def compare(
     over_s: float = 1.0,
 ) -> RunsCompared:
     """What changed from a run to others of the same line; times that moved by no more than `over_s` are left out."""
+    check_over(over_s)
     runs = (base, other, *more)
     directories = [each.directory if isinstance(each, OpenedRun) else Path(each) for each in runs]
     return RunsCompared(compared(read_sides(directories), over_s))

@@ -51,7 +51,9 @@ class AccessRules:
         """Why a request with these headers is refused. A browser says of which origin its page is; others say none."""
         if self.hosts is not None and host not in self.hosts:
             return Refusal.HOST
-        if origin is not None and origin != f"http://{host}":
+        # What encrypts for a desk that others reach stands before it, and pages come by that.
+        schemes = ("http",) if self.tokens is None else ("http", "https")
+        if origin is not None and origin not in (f"{scheme}://{host}" for scheme in schemes):
             return Refusal.ORIGIN
         return None
 

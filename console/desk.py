@@ -110,6 +110,8 @@ class Desk:
             case SaveDrill(id=own_id, title=title):
                 if not is_identifier(own_id):
                     raise InputError(AT_DESK, "id", own_id, IDENTIFIER_HELP)
+                if not self._session.has_script:
+                    raise InputError(AT_DESK, "", None, "something that was done: nothing makes no drill")
                 text = self._session.drill_text(own_id, title or own_id)
             case AskProtocol():
                 text = score_json(score_of(self._session, tuple(self._refused), tuple(self._messages)))
@@ -123,6 +125,9 @@ class Desk:
             case GoBack(time_s=time_s):
                 self._session.go_back(step_not_before(time_s))
                 self._branch += 1
+                back_s = self._session.now_s
+                self._messages = [said for said in self._messages if said.time_s <= back_s]
+                self._refused = [act for act in self._refused if act.time_s <= back_s]
                 self._stand(now_s)
             case _:
                 self._move(request, now_s)

@@ -35,7 +35,6 @@ from simulation.events import (
     VehicleStruck,
 )
 from simulation.setup import Setup
-from study.measures.recovery import LATE_S
 from study.wording.events import EVENT_WORDINGS, event_text
 from study.wording.phrase import names_of
 from wayside import said
@@ -89,7 +88,6 @@ class LineSeen:
         self.defined = False
         self.manager_on = True
         self.outages: list[tuple[float, float | None]] = []  # from when until when nothing was defined
-        self.late: list[GraphPoint] = []  # where trains were late
         self._begun = False  # the line has been defined once
         self._names: Final = names_of(setup.line)
         self._line, self._timetable = setup.line, setup.timetable
@@ -228,10 +226,7 @@ class LineSeen:
         if planned_s is not None:
             heard.late_s = t_s - planned_s
         at_m = self._line.stations[station].position_m
-        point = GraphPoint(train=heard.train, time_s=t_s, at_m=at_m)
-        self.graph.append(point)
-        if planned_s is not None and t_s - planned_s >= LATE_S:
-            self.late.append(point)
+        self.graph.append(GraphPoint(train=heard.train, time_s=t_s, at_m=at_m))
 
 
 def _refuses_person(entry: JournalEntry) -> bool:

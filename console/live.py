@@ -26,6 +26,7 @@ from study.runner.collector import collecting_rarely
 
 UPDATES_EVERY_S: Final = 0.095  # a little under what is wanted, ten a second
 WAITING_MAX: Final = 256  # requests
+LOOKS_EVERY_S: Final = 3600.0  # a run whose next step is due later than that: no clock waits for ever
 
 Take = Callable[[DeskAnswer], None]
 
@@ -61,6 +62,7 @@ class LiveDesk:
         self._welcomes: dict[Seat, Welcome] = {}
         self._moment: DeskMoment | None = None
         self._cabs: frozenset[str] = frozenset()
+        self.is_over = False
         self.error: BaseException | None = None
 
     def start(self) -> None:
@@ -105,6 +107,16 @@ class LiveDesk:
             self._queue.put_nowait(_QueuedRequest(seat, request, take, unit))
         except Full:
             take(DeskAnswer(number=request.number, good=False, why="the desk is busy: ask again"))
+        if self.is_over:
+            self._refuse_all()
+
+    def _refuse_all(self) -> None:
+        """Nobody is left who waits for an answer of a run that is no more."""
+        with suppress(Empty):
+            while True:
+                asked = self._queue.get_nowait()
+                if isinstance(asked, _QueuedRequest):
+                    _refuse(asked)
 
     def _run(self) -> None:
         try:
@@ -116,6 +128,8 @@ class LiveDesk:
         except BaseException as error:
             self.error = error
         finally:
+            self.is_over = True
+            self._refuse_all()
             self._ready.set()
             self._changed()
 
@@ -135,7 +149,11 @@ class LiveDesk:
                 w for w in (wait_s, shown_s + UPDATES_EVERY_S - now_s if stale else None) if w is not None
             ]
             try:
-                asked = self._queue.get(timeout=max(min(until_s), 0.0)) if until_s else self._queue.get()
+                asked = (
+                    self._queue.get(timeout=min(max(min(until_s), 0.0), LOOKS_EVERY_S))
+                    if until_s
+                    else self._queue.get()
+                )
             except Empty:
                 continue
             if asked is None:
@@ -143,7 +161,17 @@ class LiveDesk:
             stale = True
             if isinstance(asked, _Looked):
                 continue
-            asked.take(desk.ask(asked.seat, asked.request, time.monotonic(), asked.unit))
+            try:
+                answer = desk.ask(asked.seat, asked.request, time.monotonic(), asked.unit)
+            except BaseException:
+                _refuse(asked)
+                raise
+            asked.take(answer)
+
+
+def _refuse(asked: _QueuedRequest) -> None:
+    why = "the run is no more: it was ended here, or by an error"
+    asked.take(DeskAnswer(number=asked.request.number, good=False, why=why))
 
 
 @contextmanager

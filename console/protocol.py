@@ -50,6 +50,12 @@ class NumberedRequest(Said, frozen=True, kw_only=True):
     number: int = 0
 
 
+class MessageNumber(msgspec.Struct, frozen=True):
+    """The number of a message, whatever else it has."""
+
+    number: int = 0
+
+
 class SetPace(NumberedRequest, frozen=True, kw_only=True, tag="pace"):
     """Run so many times as fast as real time; 0: stand."""
 
@@ -431,6 +437,7 @@ class State(Said, frozen=True, kw_only=True, tag="state"):
 Heard = Welcome | State | DeskAnswer
 _REQUESTS: Final[msgspec.json.Decoder[Request]] = msgspec.json.Decoder(Request)
 _HELLO: Final = msgspec.json.Decoder(Hello)
+_NUMBER: Final = msgspec.json.Decoder(MessageNumber)
 _ENCODER: Final = msgspec.json.Encoder()
 
 
@@ -442,6 +449,14 @@ def hello_of(data: str | bytes) -> Hello:
 def request_of(data: str | bytes) -> Request:
     """A further message. Raises msgspec.DecodeError for anything else."""
     return _REQUESTS.decode(data)
+
+
+def number_of(data: str | bytes) -> int:
+    """The number of a message that is not understood; 0 where it has none."""
+    try:
+        return _NUMBER.decode(data).number
+    except msgspec.DecodeError:
+        return 0
 
 
 def encoded(message: Heard) -> str:

@@ -31,6 +31,7 @@ from console.protocol import (
 from console.seats import Seat
 from console.shown import DeskMoment, drawn_line
 from network.errors import InputError
+from simulation.events import Entered, Left
 from simulation.journal import read_journal
 from simulation.judge.checkers import Checker
 from simulation.setup import STEPS_PER_S
@@ -43,20 +44,21 @@ LOOKED_AT = "a run that has ended: it is looked at, and nothing is done"
 
 
 class _Trajectory:
-    """Where one unit was, by its samples."""
+    """Where one unit was, by its samples: there are none of where it stands."""
 
     def __init__(self, read: RunRead, unit: str) -> None:
         frame = read.tables.trajectory.filter(read.tables.trajectory["unit"] == unit).sort("t_s")
         self._times = frame["t_s"].to_numpy()
-        self._rows = frame.select("kilometrage_m", "speed_mps", "piece").rows()
+        self._rows = frame.select("kilometrage_m", "speed_mps", "piece", "train").rows()
 
-    def at(self, time_s: float) -> tuple[float, float, str] | None:
-        """Kilometrage, m, speed, m/s, and piece, as last sampled; None before it was on the line."""
-        k = int(np.searchsorted(self._times, time_s, side="right")) - 1
-        if k < 0:
+    def at(self, time_s: float) -> tuple[float, float, str, str] | None:
+        """Kilometrage, m, speed, m/s, piece and train, as last sampled, or as it stood first; None: it never ran."""
+        if not self._rows:
             return None
-        at_m, speed_mps, piece = self._rows[k]
-        return at_m, speed_mps if time_s - self._times[k] <= SHOWN_FOR_S else 0.0, piece
+        k = int(np.searchsorted(self._times, time_s, side="right")) - 1
+        at_m, speed_mps, piece, train = self._rows[max(k, 0)]
+        runs = k >= 0 and time_s - self._times[k] <= SHOWN_FOR_S
+        return at_m, speed_mps if runs else 0.0, piece, train
 
 
 class Replay:
@@ -70,6 +72,7 @@ class Replay:
         self._branch = 0
         self._fed = 0
         self._line = LineSeen(self._setup)
+        self._there: set[str] = set()  # units that are truly on the line
         first_s, last_s = (self._times[0], self._times[-1]) if self._times else (0.0, 0.0)
         self._first, self._last = int(first_s * STEPS_PER_S), int(last_s * STEPS_PER_S) + 1
         self._step = self._first
@@ -151,6 +154,7 @@ class Replay:
     def _to(self, step: int) -> None:
         if step < self._step:
             self._line, self._fed = LineSeen(self._setup), 0
+            self._there.clear()
             self._branch += 1
         self._step = step
         self._feed()
@@ -159,22 +163,35 @@ class Replay:
         upto = bisect_right(self._times, self._step / STEPS_PER_S)
         for entry in self._entries[self._fed : upto]:
             self._line.see(entry)
+            match entry.event:
+                case Entered(unit_id=unit):
+                    self._there.add(unit)
+                case Left(unit_id=unit):
+                    self._there.discard(unit)
+                case _:
+                    pass
         self._fed = max(self._fed, upto)
 
     def _true(self, train: TrainShown, now_s: float) -> TrainShown:
-        at = self._ways[train.unit].at(now_s) if train.sections else None
+        at = self._ways[train.unit].at(now_s) if train.unit in self._there else None
         if at is None:
             return train
-        section = self._read.line.pieces[at[2]].section_id
-        return msgspec.structs.replace(train, at_m=at[0], speed_mps=at[1], section=section)
+        at_m, speed_mps, piece, number = at
+        section = self._read.line.pieces[piece].section_id
+        number = number if speed_mps else train.train or number  # a unit that is off tells of no train
+        return msgspec.structs.replace(train, train=number, at_m=at_m, speed_mps=speed_mps, section=section)
 
     def _rules(self, now_s: float) -> tuple[RuleShown, ...]:
-        found = [v for v in self._read.summary.get("violations", ()) if v["t_s"] <= now_s]
+        texts: dict[str, list[str]] = {}
+        for broken in self._read.shown.violations:
+            if broken.t_s <= now_s:
+                texts.setdefault(broken.checker, []).append(broken.text)
+        if self._step >= self._last:  # judged at the end alone, and told by the summary
+            arrives = Checker.EVERYONE_ARRIVES.value
+            told = (str(text).partition(f" {arrives}: ") for text in self._read.summary.get("violations", ()))
+            texts[arrives] = [text for _, found, text in told if found]
         return tuple(
-            RuleShown(
-                rule=rule.value,
-                broken=sum(v["checker"] == rule.value for v in found),
-                first=next((v["text"] for v in found if v["checker"] == rule.value), ""),
-            )
+            RuleShown(rule=rule.value, broken=len(own), first=next(iter(own), ""))
             for rule in Checker
+            for own in (texts.get(rule.value, []),)
         )

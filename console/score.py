@@ -1,8 +1,9 @@
 """What came of a session for those who worked it: how soon faults were acted on and over, what was lost, what wrong.
 
-Times of a fault: *shown*, when the first alarm after it stood on the dispatcher's page; *acted*, when somebody at a
-seat did the first thing after that, refused or not; *recovered*, when the register was whole again and the last train
-that was late by `LATE_S` since had called. What never came is None, and a run that goes on is judged as it stands.
+Times of a fault, of the scenario's own script too: *shown*, when the first alarm after it stood on the dispatcher's
+page; *acted*, when somebody at a seat did the first thing after that, refused or not; *recovered*, when it was over,
+the register whole again and no train late any more (`study.measures.recovery`). What never came is None, and a run
+that goes on is judged as it stands.
 """
 
 from __future__ import annotations
@@ -13,17 +14,19 @@ from typing import Final
 import msgspec
 
 from console.protocol import DeedShown, RuleShown, SeatMessage
-from console.session import Deed, Session
+from console.session import Session
+from console.shown import deeds_shown, rules_shown
 from simulation.events import StepNoted, word_of
-from simulation.faults.script import Act, ActKind, ScriptedFault
-from simulation.judge.checkers import Checker
-from simulation.setup import STEPS_PER_S
+from simulation.faults.script import Act, ActKind, ItemCourse, ScriptedFault
+from simulation.result import Ending
+from simulation.setup import STEPS_PER_S, step_not_before
 from study.drilling.replay_file import clock_of
-from study.measures.day_figures import day_figures
-from study.measures.recovery import LATE_S
+from study.measures.day_figures import figures_of_stops
+from study.measures.recovery import late_stretches
 from study.wording.events import event_text
 from study.wording.phrase import names_of
 from study.wording.script import item_text
+from wayside.acts import SECOND_PERSON
 from wayside.said import Refused
 
 IRREGULAR: Final = frozenset(
@@ -65,7 +68,6 @@ class StepScore(msgspec.Struct, frozen=True):
 class FaultScore(msgspec.Struct, frozen=True, kw_only=True):
     """A fault, and how long after its beginning it was shown, acted on and recovered from, s."""
 
-    deed: int
     began_s: float
     text: str
     text_ja: str
@@ -75,8 +77,9 @@ class FaultScore(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class DeskScore(msgspec.Struct, frozen=True, kw_only=True):
-    """The protocol of a session. `refused_words`: entries that the block manager refused; `irregular`: acts outside the
-    running by the timetable, by kind. `lost_train_minutes` of a run that goes on are those of the trains under way.
+    """The protocol of a session. `refused_words`: entries that the block manager refused, but for those that wait for a
+    second person to say the same; `irregular`: acts outside the running by the timetable, by kind.
+    `lost_train_minutes` of a run that goes on: what has not come and should have counts as if it came now.
     """
 
     run: str
@@ -101,12 +104,9 @@ def score_of(
     session: Session, refused: tuple[RefusedAct, ...], messages: tuple[SeatMessage, ...]
 ) -> DeskScore:
     """The protocol until now."""
-    ended, line, setup = session.ended, session.line, session.scenario.setup
-    acts = [deed for deed in session.deeds if isinstance(deed.item, Act) and deed.step <= session.step]
-    counts = session.simulation.checkers.counts
-    lost = sum(max(0.0, t.late_s or 0.0) for t in line.trains) / 60.0
-    if ended is not None:
-        lost = day_figures(session.result, setup).lost_train_minutes
+    ended, setup = session.ended, session.scenario.setup
+    acts = [d.item for d in session.deeds if isinstance(d.item, Act) and d.step <= session.step]
+    figures = figures_of_stops(session.simulation.stops, setup.timetable, _until_s(session))
     return DeskScore(
         run=session.scenario.id,
         seed=setup.seed,
@@ -115,24 +115,18 @@ def score_of(
         digest="" if ended is None else session.result.digest,
         trains_planned=sum(train.revenue for train in setup.timetable.trains.values()),
         trains_arrived=sum(setup.timetable.trains[number].revenue for number in session.simulation.arrived),
-        lost_train_minutes=round(lost, 2),
+        lost_train_minutes=round(figures.lost_train_minutes, 2),
         faults=tuple(
-            _fault(session, number, deed, refused)
-            for number, deed in enumerate(session.deeds)
-            if isinstance(deed.item, ScriptedFault) and deed.step <= session.step
+            _fault(session, course, refused)
+            for course in session.simulation.injector.courses
+            if isinstance(course.item, ScriptedFault)
         ),
-        deeds=tuple(_deed(number, deed) for number, deed in enumerate(session.deeds)),
+        deeds=deeds_shown(session),
         refused_acts=refused,
-        refused_words=_refused_words(session, {act.item.person for act in acts if isinstance(act.item, Act)}),
-        irregular=dict(
-            Counter(
-                act.item.kind.value
-                for act in acts
-                if isinstance(act.item, Act) and act.item.kind in IRREGULAR
-            )
-        ),
+        refused_words=_refused_words(session, {act.person for act in acts}),
+        irregular=dict(Counter(act.kind.value for act in acts if act.kind in IRREGULAR)),
         steps=_steps(session),
-        rules=tuple(RuleShown(rule=rule.value, broken=counts.get(rule.value, 0)) for rule in Checker),
+        rules=rules_shown(session),
         messages=messages,
     )
 
@@ -142,18 +136,14 @@ def score_json(score: DeskScore) -> str:
     return msgspec.json.format(msgspec.json.encode(score), indent=1).decode() + "\n"
 
 
-def _deed(number: int, deed: Deed) -> DeedShown:
-    words = item_text(deed.item)
-    time_s = deed.step / STEPS_PER_S
-    return DeedShown(deed=number, time_s=time_s, text=words.en, text_ja=words.in_("ja"), ends=False)
-
-
 def _refused_words(session: Session, persons: set[str]) -> tuple[RefusedAct, ...]:
     entries = session.journal.entries
     return tuple(
         RefusedAct(e.t_s, e.event.why.partition(":")[0], e.event.why)
         for e in entries
-        if isinstance(e.event, Refused) and e.event.why.partition(":")[0] in persons
+        if isinstance(e.event, Refused)
+        and e.event.why.partition(":")[0] in persons
+        and not e.event.why.endswith(SECOND_PERSON)
     )
 
 
@@ -165,43 +155,43 @@ def _steps(session: Session) -> tuple[StepScore, ...]:
     return tuple(StepScore(e.t_s, e.who, word_of(type(e.event)), w.en, w.in_("ja")) for e, w in told)
 
 
-def _fault(session: Session, number: int, deed: Deed, refused: tuple[RefusedAct, ...]) -> FaultScore:
-    began_s = deed.step / STEPS_PER_S
+def _fault(session: Session, course: ItemCourse, refused: tuple[RefusedAct, ...]) -> FaultScore:
+    began_s = course.begun_s
     line = session.line
     alarms = (e.shown.time_s for e in line.events if e.shown.alarm and not e.truth)
-    shown_s = min((t for t in (*alarms, *_undefined(session)) if t >= began_s), default=None)
+    lost = (off_s for off_s, _ in line.outages)  # the picture: the manager was switched off, or began again
+    shown_s = min((t for t in (*alarms, *lost) if t >= began_s), default=None)
     since_s = began_s if shown_s is None else shown_s
     done = [d.step / STEPS_PER_S for d in session.deeds if isinstance(d.item, Act)] + [
         r.time_s for r in refused
     ]
     acted_s = min((t for t in done if since_s <= t <= session.now_s), default=None)
-    words = item_text(deed.item)
-    recovered_s = _recovered(session, began_s)
+    words, begun = item_text(course.item), clock_of(step_not_before(began_s))
+    recovered_s = _recovered(session, course)
     return FaultScore(
-        deed=number,
         began_s=began_s,
-        text=f"{clock_of(deed.step)} {words.en}",
-        text_ja=f"{clock_of(deed.step)} {words.in_('ja')}",
+        text=f"{begun} {words.en}",
+        text_ja=f"{begun} {words.in_('ja')}",
         shown_s=None if shown_s is None else round(shown_s - began_s, 1),
         acted_s=None if acted_s is None else round(acted_s - began_s, 1),
         recovered_s=None if recovered_s is None else round(recovered_s - began_s, 1),
     )
 
 
-def _undefined(session: Session) -> list[float]:
-    """When the picture was lost: the manager was switched off, or began again."""
-    return [off_s for off_s, _ in session.line.outages]
+def _recovered(session: Session, course: ItemCourse) -> float | None:
+    """When it was over, the register whole and no train late any more; None: it is not so yet."""
+    line, ended, end_s = session.line, session.ended, _until_s(session)
+    whole = line.defined and line.manager_on
+    if course.over_s is None or not whole or ended not in (None, Ending.FINISHED):
+        return None
+    late = late_stretches(session.simulation.stops, session.scenario.setup.timetable, end_s)
+    since = [one for one in late if one.to_s > course.begun_s]
+    if any(not one.over or one.to_s > end_s for one in since):
+        return None
+    outages_s = [on_s for off_s, on_s in line.outages if off_s >= course.begun_s and on_s is not None]
+    return max([course.over_s, *outages_s, *(one.to_s for one in since)])
 
 
-def _recovered(session: Session, began_s: float) -> float | None:
-    """When the register was whole and no train late any more; None: it is not so yet."""
-    line = session.line
-    if not (line.defined and line.manager_on):
-        return None
-    whole_s = max(
-        (on_s for off_s, on_s in line.outages if off_s >= began_s and on_s is not None), default=began_s
-    )
-    late = [p.time_s for p in line.late if p.time_s >= began_s]
-    if any((t.late_s or 0.0) >= LATE_S for t in line.trains if t.train) and session.ended is None:
-        return None
-    return max(whole_s, max(late, default=began_s))
+def _until_s(session: Session) -> float:
+    """When what has not come counts as come: at present, or after the end when the run ends whatever happens."""
+    return session.now_s if session.ended is None else session.scenario.setup.latest_end_s

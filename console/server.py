@@ -32,6 +32,7 @@ from console.protocol import (
     Welcome,
     encoded,
     hello_of,
+    number_of,
     request_of,
 )
 from console.seats import Seat
@@ -42,7 +43,7 @@ from study.wording.catalogue import phrases_of
 
 SOCKET_PATH: Final = "/desk"
 BESIDE_PATH: Final = "/beside"  # of the other run, where two are looked at side by side
-WORDS_IN: Final = ("desk", "act", "rule", "party")  # contexts of the catalogue
+WORDS_IN: Final = ("desk", "act", "rule", "party", "ending")  # contexts of the catalogue
 REFUSED_CODE, FULL_CODE, GONE_CODE = 1008, 1013, 1012
 HEADERS: Final = {
     "Content-Security-Policy": "default-src 'self'; img-src 'self' data:; frame-ancestors 'self'",
@@ -63,6 +64,11 @@ class DeskDoor(Protocol):
     @property
     def moment(self) -> DeskMoment:
         """The present."""
+        ...
+
+    @property
+    def is_over(self) -> bool:
+        """Whether its run was ended here, or by an error: it answers no more."""
         ...
 
     def welcome(self, seat: Seat) -> Welcome:
@@ -92,6 +98,7 @@ class DeskServer:
         self._clock: Final = clock
         self._connections: set[_Connection] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._opening = asyncio.Lock()  # SUMO carries one run a process
         self._told = False  # that there is something new, and nobody has looked yet
         self.app = Starlette(
             routes=[
@@ -157,12 +164,17 @@ class DeskServer:
         if why is not None or asked is None or self.opens is None:
             self._refuse(why or Refusal.FORM)
             return PlainTextResponse((why or Refusal.FORM).value, 403)
-        try:
-            self.desk = await asyncio.to_thread(self.opens, asked)
-        except InputError as error:
-            return PlainTextResponse(str(error), 400)
-        for connection in tuple(self._connections):
-            await connection.send_away()
+        async with self._opening:
+            try:
+                self.desk = await asyncio.to_thread(self.opens, asked)
+            except InputError as error:
+                return PlainTextResponse(str(error), 400)
+            finally:
+                if self.desk is not None and self.desk.is_over:
+                    self.desk = None
+                for connection in tuple(self._connections):
+                    if connection.desk is not self.desk:
+                        await connection.send_away()
         return JSONResponse({}, headers=HEADERS)
 
     async def _face(self, request: PageRequest) -> Response:
@@ -295,13 +307,15 @@ class _Connection:
         answers = asyncio.Queue[DeskAnswer](1)
 
         def take(answer: DeskAnswer) -> None:
-            loop.call_soon_threadsafe(answers.put_nowait, answer)
+            with suppress(RuntimeError):  # the server is no more
+                loop.call_soon_threadsafe(answers.put_nowait, answer)
 
         while self._refused < REFUSED_MAX:
             text = await self._text()
             may, self._allowance = self._allowance.after(self._clock())
             if not may:
                 self._count(Refusal.RATE)
+                await self._refuse_message(text, Refusal.RATE.value)
                 continue
             if len(text.encode()) > MESSAGE_BYTES_MAX:
                 self._count(Refusal.SIZE)
@@ -310,11 +324,15 @@ class _Connection:
                 request = request_of(text)
             except msgspec.DecodeError as error:
                 self._count(Refusal.FORM)
-                await self.send(encoded(DeskAnswer(number=0, good=False, why=str(error))))
+                await self._refuse_message(text, str(error))
                 continue
             desk.ask(seat, request, take, self.unit)
             await self.send(encoded(await answers.get()))
         await self.close(Refusal.RATE)
+
+    async def _refuse_message(self, text: str, why: str) -> None:
+        """Whoever said it waits for an answer with its number, where it has one."""
+        await self.send(encoded(DeskAnswer(number=number_of(text), good=False, why=why)))
 
     def _count(self, why: Refusal) -> None:
         self._refused += 1

@@ -217,6 +217,9 @@ class Session:
             **fault.fault.parameters(),
             **keys,
         }
+        if fault.duration_s is not None:  # it is over when it would have been
+            ends = self.deeds[number].step + round(fault.duration_s * STEPS_PER_S)
+            table = {"duration_s": max(ends - self._free_step(), 1) / STEPS_PER_S, **table}
         changed = self.fail(table)
         self.end_fault(number)
         return changed
@@ -277,6 +280,12 @@ class Session:
             tuple(item for item in items if isinstance(item, ScriptedFault)),
             tuple(item for item in items if isinstance(item, Act)),
         )
+
+    @property
+    def has_script(self) -> bool:
+        """Whether there is a fault or an act, of the scenario's or done here."""
+        own = self._scenario.setup.script
+        return bool(self.deeds or own.faults or own.acts)
 
     def _whole_script(self) -> Script:
         own, done = self._scenario.setup.script, self.script()

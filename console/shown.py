@@ -150,8 +150,8 @@ def moment_of(
         points=_points(session),
         crossings=line.crossings.truth(_blocked(session)),
         silent=_silent(session),
-        deeds=_deeds(session),
-        rules=_rules(session),
+        deeds=deeds_shown(session),
+        rules=rules_shown(session),
     )
     return DeskMoment(
         truth,
@@ -174,8 +174,10 @@ def _true_train(session: Session, train: TrainShown) -> TrainShown:
     path = trains.true_path(slot)
     piece = session.scenario.setup.line.pieces[path.step_at(motion.position_m).piece_id]
     waits_for = session.simulation.waits_for(slot) if motion.speed_mps == 0.0 else ""
+    duty = trains.duties[slot]  # a unit that is off tells of no train
     return msgspec.structs.replace(
         train,
+        train=train.train if duty is None else duty.train.number,
         at_m=path.kilometrage_m(motion.position_m),
         section=piece.section_id,
         speed_mps=motion.speed_mps,
@@ -209,24 +211,23 @@ def _silent(session: Session) -> tuple[str, ...]:
     return tuple(sorted((*units, *simulation.wayside.down)))
 
 
-def _deeds(session: Session) -> tuple[DeedShown, ...]:
-    shown: list[DeedShown] = []
-    for number, deed in enumerate(session.deeds):
-        words = item_text(deed.item)
-        ends = session.can_end(number)
-        shown.append(
-            DeedShown(
-                deed=number,
-                time_s=deed.step / STEPS_PER_S,
-                text=words.en,
-                text_ja=words.in_("ja"),
-                ends=ends,
-            )
+def deeds_shown(session: Session) -> tuple[DeedShown, ...]:
+    """What was done, in words."""
+    return tuple(
+        DeedShown(
+            deed=number,
+            time_s=deed.step / STEPS_PER_S,
+            text=words.en,
+            text_ja=words.in_("ja"),
+            ends=session.can_end(number),
         )
-    return tuple(shown)
+        for number, deed in enumerate(session.deeds)
+        for words in (item_text(deed.item),)
+    )
 
 
-def _rules(session: Session) -> tuple[RuleShown, ...]:
+def rules_shown(session: Session) -> tuple[RuleShown, ...]:
+    """Every checker, and what it found."""
     counts = session.simulation.checkers.counts
     first = {found.checker: found.text for found in reversed(session.simulation.checkers.violations)}
     return tuple(

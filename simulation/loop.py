@@ -6,7 +6,7 @@ Pure simulated time: a run is a function of its setup and seed. `step` counts st
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -32,7 +32,7 @@ from simulation.journal import Journal
 from simulation.late_day import late_day
 from simulation.people import Pause
 from simulation.platforms import Platforms
-from simulation.result import Ending, RunResult, numbers_due
+from simulation.result import Ending, RunResult, StopRecord, numbers_due
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.staff import Staff
 from simulation.toes import Toes
@@ -208,6 +208,11 @@ class Simulation:
     def arrived(self) -> tuple[str, ...]:
         """Numbers of the trains that have come to their last stop."""
         return tuple(self._books.arrived)
+
+    @property
+    def stops(self) -> Sequence[StopRecord]:
+        """Every call that a train has made, by the truth."""
+        return self._books.stops
 
     def waits_for(self, slot: int) -> str:
         """What a train waits for by what its unit shows and its driver sees."""

@@ -103,7 +103,7 @@ def _bar(register: Register, event: BarUnit | UnbarUnit, now_s: float) -> Step:
     bars = barring.bars_after_word(before, unit_id, event.person, bar=isinstance(event, BarUnit))
     register = replace(register, bars=bars)
     if bars.barred == before.barred:
-        why = "a second person must say the same" if bars.words != before.words else "it is so already"
+        why = SECOND_PERSON if bars.words != before.words else "it is so already"
         return register, (_refused(event, why),)
     if isinstance(event, BarUnit):
         return replace(_shut_out(register, event), barred_s=now_s), (
@@ -354,7 +354,8 @@ def _new_contradictions(before: Register, after: Register) -> tuple[Show, ...]:
     )
 
 
-_SECOND_PERSON: Final = "it may be on the line; a second person must say the same"
+SECOND_PERSON: Final = "a second person must say the same"
+_SECOND_PERSON: Final = f"it may be on the line; {SECOND_PERSON}"
 SPEAKS: Final = "it speaks for itself: no word counts"
 IN_STATION: Final = "a silent unit must stand in a station"  # for what it may hold yet to be freed
 _STILL_ASKED: Final = "the unit is still being asked; say it again if it stays silent"

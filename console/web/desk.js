@@ -6,7 +6,7 @@ import { crossingTable } from "./roads.js";
 import { scorePage } from "./score.js";
 import { schematic, trainGraph } from "./schematic.js";
 import { element } from "./tables.js";
-import { clock } from "./view.js";
+import { clock, late } from "./view.js";
 import { connect } from "./wire.js";
 import { wordsIn } from "./words.js";
 
@@ -39,7 +39,7 @@ async function chooseSeat() {
     group("scenario", say("scenarios")), group("drill", say("drills")), group("run", say("finished runs"))));
   if (!running) return document.querySelector("main").remove();
   const main = document.querySelector("main");
-  connect(`ws://${location.host}/desk`, "guest", location.hash.slice(1), (known) => {
+  connect("desk", "guest", location.hash.slice(1), (known) => {
     if (!known?.welcome || main.querySelector(".seats")) return;
     main.replaceChildren(make("div", { class: "seats" }, make("h1", {}, say("Take a seat")),
       ...["instructor", "dispatcher", "staff"].map((name) => make("a", { href: address({ seat: name }) }, say(name))),
@@ -50,7 +50,7 @@ async function chooseSeat() {
 async function tell(word, fields) {
   const answer = await ask(word, fields);
   const line = document.querySelector(".answer");
-  line.textContent = answer.good ? say("done") : answer.why;
+  line.textContent = answer.good ? say("done") : answer.why || say("no line to the desk");
   line.classList.toggle("bad", !answer.good);
   if (answer.good && word === "save") save(answer.text, `${fields.id}.toml`, "application/toml");
   if (answer.good && run && TOGETHER.includes(word)) together({ word, fields });
@@ -133,8 +133,6 @@ function pick(kind, id) {
   for (const option of sections?.options ?? []) if (option.value === id) option.selected = !option.selected;
 }
 
-const late = (train) => train.late_s === null ? "–" : `${train.late_s < -0.5 ? "−" : "+"}${clock(Math.abs(train.late_s), true).slice(3)}`;
-
 function trainTable({ state }) {
   const truth = state.rules.length > 0;
   const heads = ["train", "unit", "late", "last at", "heard", "holds", ...(truth ? ["km/h", "waits for"] : []), "order"];
@@ -145,7 +143,7 @@ function trainTable({ state }) {
     const name = bid ? say("let go") : say("hold back");
     return make("td", {}, kept, may ? make("button", { type: "button", "aria-label": `${train.unit}: ${name}`, onclick: act(bid ? "let_go" : "hold_train", bid ? {} : { hold_s: 300 }) }, name) : null);
   };
-  const rows = state.trains.filter((train) => train.train).map((train) => [train.train, train.unit, late(train), train.station, clock(train.heard_s, true), [...new Set([train.sections[0], train.sections.at(-1)])].join(" … "),
+  const rows = state.trains.filter((train) => train.train).map((train) => [train.train, train.unit, late(train.late_s), train.station, clock(train.heard_s, true), [...new Set([train.sections[0], train.sections.at(-1)])].join(" … "),
     ...(truth ? [train.speed_mps === null ? "–" : (train.speed_mps * 3.6).toFixed(0), lang === "ja" ? train.waits_for_ja : train.waits_for] : []), order(train)]);
   return make("table", {}, make("caption", { class: "unseen" }, say("trains")), make("thead", {}, make("tr", {}, ...heads.map((head) => make("th", { scope: "col" }, say(head))))),
     make("tbody", {}, ...rows.map((row) => make("tr", {}, ...row.map((cell) => cell instanceof Node ? cell : make("td", {}, cell))))));
@@ -192,7 +190,7 @@ function show(known, reason) {
   at("#clock").textContent = clock(Math.floor(state.time_s), true);
   const slide = at("#slider");
   if (slide && document.activeElement !== slide) slide.value = state.time_s;
-  at("#running").textContent = state.ended ? `${say("ended")}: ${state.ended}` : say(state.running ? "runs" : "stands");
+  at("#running").textContent = state.ended ? `${say("ended")}: ${words.say(state.ended, {}, "ending")}` : say(state.running ? "runs" : "stands");
   for (const one of document.querySelectorAll("[data-pace]")) one.setAttribute("aria-pressed", String(Number(one.dataset.pace) === state.factor));
   keptFocus(at(".schematic"), schematic(known, words, pick));
   at(".graph").replaceChildren(trainGraph(known, words, run ? { width: 560, height: 160 } : {}));
@@ -210,7 +208,7 @@ function show(known, reason) {
   alarm(known);
 }
 
-if (seat) ask = connect(`ws://${location.host}/${run ?? "desk"}`, seat, location.hash.slice(1), show, unit);
+if (seat) ask = connect(run ?? "desk", seat, location.hash.slice(1), show, unit);
 else chooseSeat();
 if (run) { // beside another one, which tells what it was asked, so that both go the same way
   document.body.classList.add("beside");

@@ -3,6 +3,7 @@ import { element } from "./tables.js";
 import { clock } from "./view.js";
 
 const KMH = 3.6, TOP = 110;
+const OWN_MS = 500; // as long the page goes by what was asked here, and not by what it is shown
 const KEYS = { ArrowUp: 1, ArrowDown: -1 };
 
 /** The cab as a part of the page; `tell` does what the driver does, and what is shown comes by the function returned. */
@@ -12,14 +13,18 @@ export function cab(welcome, words, tell) {
   const place = (id) => { const found = welcome.stations.find((one) => one.id === id); return found ? (words.lang === "ja" ? found.name_ja : found.name) : id || "–"; };
   const cells = new Map();
   const row = (name, id) => { const cell = make("td", { id: `cab-${id}` }); cells.set(id, cell); return make("tr", {}, make("th", { scope: "row" }, name), cell); };
-  let shown = null, handle = 0;
+  let shown = null, handle = 0, asked_ms = -OWN_MS;
   const act = (kind, more = {}) => tell("act", { act: { kind, target: shown.unit, ...more } });
   const set = (notch) => {
     if (!shown) return;
-    handle = Math.max(-shown.brake_notches, Math.min(shown.power_notches, notch));
+    const to = Math.max(-shown.brake_notches, Math.min(shown.power_notches, notch));
+    if (to === handle && fresh()) return; // a key that is held down repeats itself, and each act takes a step of its own
+    [handle, asked_ms] = [to, performance.now()];
     act("drive", { notch: handle });
   };
-  const step = (by) => set((shown?.by_hand ? handle : 0) + by);
+  const fresh = () => performance.now() - asked_ms < OWN_MS;
+  const step = (by) => set((fresh() || shown?.by_hand ? handle : 0) + by);
+  const release = (kind) => { asked_ms = -OWN_MS; act(kind); };
   const button = (text, key, click) => make("button", { type: "button", onclick: click, "aria-keyshortcuts": key }, `${text} (${key})`);
   const host = make("div", { class: "cab" },
     make("div", { class: "dial" }, make("div", { class: "speed", id: "cab-speed" }), make("div", { class: "scale", role: "img", id: "cab-scale" })),
@@ -28,15 +33,15 @@ export function cab(welcome, words, tell) {
       row(say("next stop"), "stop"), row(say("distance"), "distance"), row(say("arrives"), "arrives"), row(say("departs"), "departs"), row(say("waits for"), "waits"), ...(welcome.crossings.length ? [row(say("level crossing"), "crossing")] : []), row(say("holds"), "held"))),
     make("div", { class: "handle", role: "group", "aria-label": say("handle") },
       button(say("power"), "↑", () => step(1)), button(say("brake"), "↓", () => step(-1)), button(say("coast"), "0", () => set(0)),
-      button(say("full brake"), "B", () => set(-shown.brake_notches)), button(say("back to ATO"), "A", () => act("drive_by_ato")), button(say("return the route"), "G", () => act("give_back"))),
+      button(say("full brake"), "B", () => set(-shown.brake_notches)), button(say("back to ATO"), "A", () => release("drive_by_ato")), button(say("return the route"), "G", () => act("give_back"))),
     make("p", {}, say("Whatever the handle asks for, the train brakes at limits and at the end of its authority.")));
-  const keys = { 0: () => set(0), b: () => set(-shown.brake_notches), a: () => act("drive_by_ato"), g: () => act("give_back") };
+  const keys = { 0: () => set(0), b: () => set(-shown.brake_notches), a: () => release("drive_by_ato"), g: () => act("give_back") };
   document.addEventListener("keydown", (event) => {
     if (!shown || event.ctrlKey || event.altKey || event.metaKey || ["INPUT", "SELECT", "TEXTAREA"].includes(event.target.tagName)) return;
     const does = event.key in KEYS ? () => step(KEYS[event.key]) : keys[event.key.toLowerCase()];
     if (!does) return;
     event.preventDefault();
-    does();
+    if (!event.repeat || event.key in KEYS) does();
   });
   const metres = (value) => value === null ? "–" : value >= 1000 ? `${(value / 1000).toFixed(2)} km` : `${value.toFixed(0)} m`;
   const kmh = (value) => value === null ? "–" : `${(value * KMH).toFixed(0)} km/h`;
@@ -51,7 +56,7 @@ export function cab(welcome, words, tell) {
   };
   const show = (now) => {
     shown = now;
-    if (now.by_hand) handle = now.handle;
+    if (now.by_hand && !fresh()) handle = now.handle;
     host.querySelector("#cab-speed").textContent = `${(now.speed_mps * KMH).toFixed(0)} km/h`;
     const bars = host.querySelector("#cab-scale");
     bars.setAttribute("aria-label", `${say("speed")} ${kmh(now.speed_mps)}, ${say("limit")} ${kmh(now.permitted_mps)}`);

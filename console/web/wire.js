@@ -2,6 +2,7 @@
 
 export const VERSION = 3;
 const AGAIN_MS = 500;
+const NO_LINE = { good: false, why: "" }; // what is asked while there is none is not done, as far as anybody here knows
 
 /** What a page knows after one more state; what only grows is kept as long as the run is on the same branch. */
 export function taken(known, state) {
@@ -16,11 +17,11 @@ export function taken(known, state) {
 }
 
 /** Connects, and goes on to; `show` is given what is known whenever there is more of it, null while there is no line. */
-export function connect(url, seat, token, show, unit = "") {
+export function connect(path, seat, token, show, unit = "") {
   const waiting = new Map();
   let socket = null, number = 0, known = { events: [], graph: [] };
   const open = () => {
-    socket = new WebSocket(url);
+    socket = new WebSocket(`${location.origin.replace(/^http/, "ws")}/${path}`);
     known = { events: [], graph: [] };
     socket.onopen = () => socket.send(JSON.stringify({ say: "hello", seat, unit, token, version: VERSION }));
     socket.onmessage = ({ data }) => {
@@ -30,6 +31,7 @@ export function connect(url, seat, token, show, unit = "") {
       else waiting.get(message.number)?.(message);
     };
     socket.onclose = ({ reason }) => {
+      for (const unheard of [...waiting.values()]) unheard(NO_LINE);
       show(null, reason);
       setTimeout(open, AGAIN_MS);
     };
@@ -38,6 +40,7 @@ export function connect(url, seat, token, show, unit = "") {
   return (say, fields = {}) => new Promise((resolve) => {
     number += 1;
     const own = number;
+    if (socket.readyState !== WebSocket.OPEN) return resolve(NO_LINE);
     waiting.set(own, (answer) => { waiting.delete(own); resolve(answer); });
     socket.send(JSON.stringify({ say, number: own, ...fields }));
   });

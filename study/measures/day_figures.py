@@ -90,7 +90,7 @@ def day_figures(result: RunResult, setup: Setup) -> DayFigures:
     """The figures of a day that was run."""
     figures = figures_of_stops(result.stops, setup.timetable, setup.latest_end_s)
     grown = delays.delays_of(result, setup)
-    stretches = late_stretches(result, setup.timetable, setup.latest_end_s)
+    stretches = late_stretches(result.stops, setup.timetable, setup.latest_end_s)
     begun_s = [one.at_s for one in grown if one.primary_s >= LATE_S]
     recoveries = recoveries_s(begun_s, stretches)
     lengths_s = [stretch.length_s for stretch in stretches]

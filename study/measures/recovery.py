@@ -1,9 +1,9 @@
 """When a line was late, and how long until no train was any more (遅延の回復).
 
 A train is late from LATE_S after a departure that it should have made, until it leaves a stop less late than that or
-has come to its last; one that never comes there is late until the run ends whatever happens, a call that was cancelled
-for as long as the scenario states. Stretches of such
-times, of all trains together, are cut where for a moment no train is late.
+has come to its last; one that never comes there is late from its next call until the run ends whatever happens, a call
+that was cancelled for as long as the scenario states. Stretches of such times, of all trains together, are cut where
+for a moment no train is late.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import Final
 
 from network.timetable import Timetable
-from simulation.result import RunResult, StopRecord
+from simulation.result import StopRecord
 from simulation.setup import latest_end_s
 
 LATE_S: Final = 60.0  # a departure that much after plan is late, as `study.drilling.scores` has it
@@ -36,25 +36,28 @@ class LateStretch:
 
 
 def late_stretches(
-    result: RunResult, timetable: Timetable, end_s: float | None = None
+    stops: Sequence[StopRecord], timetable: Timetable, end_s: float | None = None
 ) -> tuple[LateStretch, ...]:
-    """All of a run's, in order, without overlap. `end_s`: when it ends whatever happens; None: by the usual limit."""
+    """All of a run's, in order, without overlap. `end_s`: when it ends whatever happens, or how far it has come; None:
+    by the usual limit.
+    """
     end_s = latest_end_s(timetable) if end_s is None else end_s
     by_train: dict[str, list[StopRecord]] = defaultdict(list)
-    for stop in result.stops:
+    for stop in stops:
         if not stop.cancelled:
             by_train[stop.number].append(stop)
-    cancelled = [stop for stop in result.stops if stop.cancelled]
+    cancelled = [stop for stop in stops if stop.cancelled]
     cut = {stop.number for stop in cancelled}
     found = [
         one
-        for number, stops in by_train.items()
-        for one in _of_train(stops, timetable.trains[number].calls[-1].station_id, end_s)
+        for number, own in by_train.items()
+        for one in _of_train(own, timetable.trains[number].calls[-1].station_id, end_s)
     ]
     for number, train in timetable.trains.items():
-        came = {stop.station_id for stop in by_train.get(number, ()) if stop.arrival_s is not None}
-        from_s = (train.calls[-1] if number in by_train else train.calls[0]).last_s + LATE_S
-        if train.calls[-1].station_id not in came and from_s < end_s and number not in cut:
+        been = {stop.station_id for stop in by_train.get(number, ())}
+        made = max((k for k, call in enumerate(train.calls, 1) if call.station_id in been), default=0)
+        from_s = train.calls[made].last_s + LATE_S if made < len(train.calls) else end_s
+        if from_s < end_s and number not in cut:
             found.append(LateStretch(from_s, end_s, over=False))
     for stop in cancelled:
         planned_s = stop.planned_departure_s or stop.planned_arrival_s or 0.0

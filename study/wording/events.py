@@ -95,7 +95,7 @@ EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
         _OF_UNIT | {"unit_id": phrase(" of {}")},
     ),
     events.FaultBegan: EventWording("fault", phrase("{fault}")),
-    events.FaultOver: EventWording("fault over", phrase("{fault}")),
+    events.FaultOver: EventWording("fault over", phrase("{fault} is over")),
     events.Acted: EventWording("act", phrase("{acted}")),
     events.CameLate: EventWording(
         "late",
@@ -185,6 +185,12 @@ EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
         "telegram",
         phrase("telegram dropped by {receiver}{kind}{source}{why}"),
         {"kind": phrase(": {}", "clause"), "source": phrase(" of {}", "clause"), **_WHY},
+    ),
+    said.NoOrderKnown: EventWording("order", phrase("no order is known in which all can finish: {unit_ids}")),
+    notes.UnitRestarted: EventWording("fault", phrase("the unit is switched on again")),
+    notes.VehicleUnfit: EventWording("fault", phrase("the vehicle is not in order{why}"), _WHY),
+    notes.Mismatch: EventWording(
+        "contradiction", phrase("register and unit contradict each other{why}"), _WHY
     ),
     said.PointsUnproven: EventWording(
         "points",

@@ -9,6 +9,7 @@ from typing import Final
 
 import pytest
 
+from console.desk import Desk
 from console.live import WAITING_MAX, LiveDesk
 from console.protocol import DeskAnswer, DoAct, Fail, Request, RunTo, SaveDrill, SetPace
 from console.seats import Seat
@@ -78,6 +79,36 @@ def test_who_asks_too_much_at_once_is_told_so_and_the_run_does_not_wait(two_trai
         live.ask(Seat.GUEST, SetPace(number=number, factor=1.0), said.append)
     assert [answer.number for answer in said] == [WAITING_MAX, WAITING_MAX + 1, WAITING_MAX + 2]
     assert all("busy" in answer.why for answer in said)
+
+
+def test_a_pace_that_is_next_to_nothing_is_one(two_trains: Scenario) -> None:
+    """Its next step is due in 300,000 years, and no clock can wait so long."""
+    visitor = Visitor(two_trains)
+    visitor.live.start()
+    try:
+        assert visitor.ask(SetPace(factor=1e-14)).good
+        assert visitor.ask(SetPace(factor=0.0)).good
+    finally:
+        visitor.live.stop()
+    assert visitor.live.error is None
+
+
+def test_whoever_asks_something_of_a_run_that_breaks_off_is_answered(
+    two_trains: Scenario, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def breaks(_desk: Desk, *_asked: object) -> DeskAnswer:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(Desk, "ask", breaks)
+    visitor = Visitor(two_trains)
+    visitor.live.start()
+    try:
+        for number in (3, 4):
+            answer = visitor.ask(SetPace(number=number, factor=1.0))
+            assert (answer.number, answer.good) == (number, False) and "no more" in answer.why
+    finally:
+        visitor.live.stop()
+    assert visitor.live.is_over and isinstance(visitor.live.error, ZeroDivisionError)
 
 
 def test_what_keeps_it_from_beginning_is_raised_where_it_was_begun() -> None:

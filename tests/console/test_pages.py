@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 from importlib.resources import files
 
+from console.line_seen import ALARMS
 from console.protocol import RoadState, SectionState, StepState, schema
 from console.seats import RIGHTS, Seat
 from simulation.faults.script import ActKind
 from study.wording.catalogue import phrases_of
+from study.wording.events import EVENT_WORDINGS
 
 # What comes from a table, and not from a text of the module that says it.
 BY_VALUE = {
@@ -47,6 +49,10 @@ def test_every_act_is_some_seats_and_has_its_fields_on_the_page() -> None:
     kinds = {kind.value for kind in ActKind}
     assert set(re.findall(r"(\w+): \[", table[1])) == kinds
     assert {act.value for seat in Seat if seat is not Seat.INSTRUCTOR for act in RIGHTS[seat].acts} == kinds
+
+
+def test_every_alarm_has_words_or_nobody_would_hear_it() -> None:
+    assert set(ALARMS) - set(EVENT_WORDINGS) == set()
 
 
 def test_the_schema_knows_every_message_by_its_word() -> None:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
 from typing import Final
 
+import httpx2
 import msgspec
 import pytest
 from starlette.testclient import TestClient
@@ -18,10 +22,13 @@ from console.seats import Seat
 from console.server import BESIDE_PATH, SOCKET_PATH, DeskServer
 from console.shown import SentSoFar, state_for
 from network.errors import InputError
-from scenario.scenario import Scenario
+from scenario.scenario import Scenario, load_scenario
+from simulation.judge.checkers import Checker
 from study.record.directory import reserved
 from study.record.read_back import RunRead, read_run
+from study.record.shown import RuleBroken
 from study.runner.run import PartyLink, execute, fill_run
+from tests.console.conftest import TWO
 
 pytestmark = pytest.mark.system
 
@@ -79,6 +86,34 @@ def test_it_runs_at_a_pace_to_its_end_and_jumps_to_the_next_event(run: RunRead) 
     assert known.ended == run.summary["ended_because"]
 
 
+def test_a_run_that_went_wrong_shows_its_trains_and_what_was_broken(tmp_path: Path) -> None:
+    """The manager is off from 10:00:10 on and knows of no train; K1 stands from 10:00:40 on and nobody reacts."""
+    file, out = tmp_path / "wrong.toml", tmp_path / "wrong"
+    faults = (("block-manager", "10:00:10"), ("K1", "10:00:40"))
+    tables = "".join(
+        f'[[fault]]\nkind = "power_off"\ntarget = "{target}"\nstart = "{start}"\n' for target, start in faults
+    )
+    file.write_text(TWO + tables, "utf-8")
+    with reserved(out) as place:
+        fill_run(execute(load_scenario(str(file)), PartyLink.SIMULATED, journal=place.journal), place)
+    read = read_run(out)
+    overran = RuleBroken(TEN + 50.0, Checker.INSIDE_HOLDING.value, "K1 overran")
+    replay = Replay(replace(read, shown=replace(read.shown, violations=(overran,))))
+    standing, moving, stopped = (shown(replay, TEN + s) for s in (-60.0, 20.0, 200.0))
+    for state, runs in ((standing, False), (moving, True), (stopped, False)):
+        train = next(train for train in state.trains if train.unit == "K1")
+        assert train.at_m is not None and bool(train.speed_mps) is runs and train.train == "T1"
+    assert not moving.manager_on and all(not train.sections for train in moving.trains)
+    assert [rule.rule for rule in moving.rules if rule.broken] == []
+    assert [rule.first for rule in stopped.rules if rule.broken] == ["K1 overran"]
+    ended = shown(replay, 200_000.0)
+    broken = {rule.rule: (rule.broken, rule.first) for rule in ended.rules if rule.broken}
+    assert broken == {
+        Checker.INSIDE_HOLDING.value: (1, "K1 overran"),
+        Checker.EVERYONE_ARRIVES.value: (2, "T1 has not arrived"),
+    }
+
+
 def test_nobody_acts_in_a_run_that_has_ended(run: RunRead) -> None:
     answer = Replay(run).ask(Seat.INSTRUCTOR, DoAct(act={"kind": "give_back", "target": "K1"}), 0.0)
     assert not answer.good and "looked at" in answer.why
@@ -120,6 +155,45 @@ def test_a_run_beside_another_has_a_socket_of_its_own(run: RunRead) -> None:
                 seen.append((said, answer["good"], float(answer["text"])))
         assert seen == [(["welcome", "state"], True, TEN), (["welcome", "state"], True, TEN + 1.0)]
         assert [live.moment.known.time_s for live in lives] != [TEN + 1.0] * 2
+
+
+def test_what_cannot_be_opened_leaves_no_page_at_a_run_that_is_no_more(run: RunRead) -> None:
+    """Two that are asked for at once are opened one after the other; of one that does not begin nothing is left."""
+    server, opening, most = DeskServer(on_loopback(8580)), [0], [0]
+    lives: list[LiveDesk] = []
+
+    def opens(asked: LibraryRequest) -> LiveDesk:
+        opening[0] += 1
+        most[0] = max(most[0], opening[0])
+        try:
+            if asked.name == "nothing":
+                raise InputError("desk", "name", asked.name, "something of the library")
+            while lives:
+                lives.pop().stop()
+            live = LiveDesk(
+                run if asked.name == "two" else load_scenario("karasuyama_bad_days"), server.changed
+            )
+            live.start()
+            lives.append(live)
+            return live
+        finally:
+            opening[0] -= 1
+
+    server.opens = opens
+
+    async def ask_all(*names: str) -> list[int]:
+        transport = httpx2.ASGITransport(app=server.app)
+        async with httpx2.AsyncClient(transport=transport, base_url=f"http://{HOST}") as client:
+            bodies = [{"kind": "run", "name": name} for name in names]
+            answers = await asyncio.gather(*(client.post("/open", json=body) for body in bodies))
+        return [answer.status_code for answer in answers]
+
+    assert asyncio.run(ask_all("two", "two")) == [200, 200]
+    assert most == [1]
+    assert asyncio.run(ask_all("nothing")) == [400]
+    assert server.desk is lives[0] and not lives[0].is_over  # it goes on
+    assert asyncio.run(ask_all("bad_days")) == [400]
+    assert server.desk is None and lives == []
 
 
 def test_only_the_instructor_and_only_a_page_of_the_desk_opens_something() -> None:

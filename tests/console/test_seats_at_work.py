@@ -19,16 +19,19 @@ from console.protocol import (
     GoBack,
     Request,
     RunTo,
+    SaveDrill,
     SayToSeat,
 )
 from console.seats import Seat
 from console.session import Session
 from console.shown import SentSoFar, state_for
-from scenario.scenario import Scenario
+from scenario.scenario import Scenario, load_scenario
+from simulation.faults.script import ScriptedFault
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
-from study.drilling.drill import run_drill
+from study.drilling.drill import find_drill, run_drill
 from study.runner.run import PartyLink
+from tests.console.conftest import TWO
 
 pytestmark = pytest.mark.system
 
@@ -129,6 +132,9 @@ def test_what_a_dispatcher_gets_wrong_is_said_in_both_languages_and_counted(two_
         session.run_to((TEN - 100) * STEPS_PER_S)
         wrong = act(desk, Seat.DISPATCHER, "hold_train", target="K1", behind="K2")
         assert not wrong.good and "over which section" in wrong.why
+        assert act(
+            desk, Seat.DISPATCHER, "bar_unit", target="K2"
+        ).good  # right, and waits for a second person
         assert act(desk, Seat.DISPATCHER, "let_go", target="K1").good  # heard, and refused by the manager
         session.run_to((TEN - 90) * STEPS_PER_S)
         said = session.line.events[-1].shown
@@ -180,6 +186,89 @@ def test_a_fault_goes_on_with_other_figures(two_trains: Scenario, tmp_path: Path
         assert [session.can_end(number) for number in (begun.deed, changed.deed)] == [False, True]
         result = session.run_to_end()
     assert replayed(session, tmp_path).digest == result.digest
+
+
+def test_a_fault_with_other_figures_is_over_when_it_would_have_been(two_trains: Scenario) -> None:
+    with Session(two_trains) as session:
+        desk = Desk(session)
+        session.run_to((TEN - 100) * STEPS_PER_S)
+        loss = {"kind": "loss", "target": "K1 <-> block-manager", "p": 0.2, "duration_s": 60.0}
+        begun = ask(desk, Fail(fault=loss)).deed
+        session.run_to((TEN - 80) * STEPS_PER_S)
+        changed = [ask(desk, ChangeFault(deed=begun or 0, keys={"p": 0.4})).deed or 0]
+        session.run_to((TEN - 70) * STEPS_PER_S)
+        changed.append(ask(desk, ChangeFault(deed=changed[0], keys={"p": 0.6, "duration_s": 90.0})).deed or 0)
+        ends = [
+            deed.step / STEPS_PER_S + deed.item.duration_s
+            for deed in (session.deeds[number] for number in changed)
+            if isinstance(deed.item, ScriptedFault) and deed.item.duration_s is not None
+        ]
+    assert ends == pytest.approx([TEN - 100 + 0.1 + 60.0, TEN - 70 + 0.1 + 90.0])
+
+
+def scored(desk: Desk) -> dict[str, Any]:
+    return dict(json.loads(ask(desk, AskProtocol()).text))
+
+
+def test_nobody_has_recovered_while_a_train_stands_and_what_it_loses_grows(tmp_path: Path) -> None:
+    """K1 is without power between stations from 10:00:40 to 10:07:20 and nobody reacts: T1 is to come to B at 10:02:00
+    and to leave at 10:07:00, T3, which waits for it, to leave A at 10:05:00 and to come to B at 10:09:00.
+    """
+    file = tmp_path / "two.toml"
+    file.write_text(TWO, "utf-8")
+    with Session(load_scenario(str(file))) as session:
+        desk = Desk(session)
+        session.run_to((TEN + 40) * STEPS_PER_S)
+        ask(desk, Fail(fault={"kind": "power_off", "target": "K1", "duration_s": 400.0}))
+        seen = []
+        for after_s in (60, 200, 441, 510):
+            session.run_to((TEN + after_s) * STEPS_PER_S)
+            seen.append(scored(desk))
+        assert [score["faults"][0]["recovered_s"] for score in seen[1:]] == [None] * 3
+        assert [score["lost_train_minutes"] for score in seen] == [0.0, 1.33, 5.35, 6.5]
+        assert seen[-1]["faults"][0]["shown_s"] == pytest.approx(400.0, abs=20.0)  # it starts again
+        stops = session.run_to_end().stops
+        ended = scored(desk)
+    came = {(s.number, s.station_id): s.arrival_s or 0.0 for s in stops}
+    assert ended["faults"][0]["recovered_s"] == pytest.approx(came["T3", "B"] - TEN - 40.1, abs=0.1)
+    lost_s = came["T1", "B"] - TEN - 120 + came["T3", "B"] - TEN - 540
+    assert ended["lost_train_minutes"] == pytest.approx(lost_s / 60.0, abs=0.01)
+
+
+def test_a_fault_of_the_drill_that_is_served_is_in_its_protocol() -> None:
+    with Session(load_scenario(find_drill("rtri/09_manager_power"))) as session:
+        desk = Desk(session)
+        session.run_to((TEN + 4) * STEPS_PER_S)
+        assert scored(desk)["faults"] == []
+        session.run_to((TEN + 20) * STEPS_PER_S)
+        (fault,) = scored(desk)["faults"]
+    assert (fault["began_s"], fault["shown_s"], fault["recovered_s"]) == (TEN + 5.0, 0.0, None)
+
+
+def test_what_was_refused_and_said_is_undone_with_the_rest(two_trains: Scenario) -> None:
+    """Otherwise somebody would have acted on a fault who, as the run now is, has not."""
+    with Session(two_trains) as session:
+        desk = Desk(session)
+        session.run_to((TEN - 200) * STEPS_PER_S)
+        ask(desk, Fail(fault={"kind": "power_off", "target": "block-manager"}))
+        session.run_to((TEN - 150) * STEPS_PER_S)
+        assert not act(desk, Seat.DISPATCHER, "hold_train", target="K9").good
+        assert ask(desk, SayToSeat(text="snow")).good
+        assert scored(desk)["faults"][0]["acted_s"] == pytest.approx(49.9)
+        assert ask(desk, GoBack(time_s=TEN - 170.0)).good
+        session.run_to((TEN - 100) * STEPS_PER_S)
+        score = scored(desk)
+    assert (score["refused_acts"], score["messages"], score["faults"][0]["acted_s"]) == ([], [], None)
+
+
+def test_where_nothing_was_done_there_is_no_drill_to_save(two_trains: Scenario) -> None:
+    """`branchline drill` refuses a file in which nothing fails and nobody acts."""
+    with Session(two_trains) as session:
+        desk = Desk(session)
+        nothing = ask(desk, SaveDrill(id="saved"))
+        assert not nothing.good and "something that was done" in nothing.why
+        act(desk, Seat.DISPATCHER, "hold_train", target="K1")
+        assert ask(desk, SaveDrill(id="saved")).good
 
 
 def test_what_was_armed_before_is_kept_when_one_goes_back_and_what_came_later_is_not(

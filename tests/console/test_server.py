@@ -48,6 +48,10 @@ class Door:
     def moment(self) -> DeskMoment:
         return self.desk.moment
 
+    @property
+    def is_over(self) -> bool:
+        return False
+
     def welcome(self, seat: Seat) -> Welcome:
         return self.desk.welcome(seat)
 
@@ -142,6 +146,13 @@ def test_a_forged_origin_or_host_is_refused(door: Door, headers: dict[str, str],
         assert visit.client.get("/", headers=headers).status_code == 403
 
 
+def test_behind_what_encrypts_a_page_has_another_scheme(door: Door) -> None:
+    """`--listen` says to put the desk behind something that encrypts: its pages then come by https."""
+    for rules, taken in ((with_tokens(), True), (on_loopback(8580), False)):
+        assert (rules.refused(HOST, f"https://{HOST}") is None) is taken
+        assert rules.refused(HOST, "https://evil.example") is Refusal.ORIGIN
+
+
 def test_a_seat_opens_with_its_own_token_alone(door: Door) -> None:
     rules = with_tokens()
     assert rules.tokens is not None
@@ -216,6 +227,9 @@ def test_what_is_no_message_is_refused_and_the_connection_goes_on(door: Door, te
         assert answer(socket)["good"] is False
         socket.send_bytes(b"\xff")
         assert answer(socket)["good"] is False
+        say(socket, say="run_to", number=9, time_s=None)
+        refused = answer(socket)
+        assert (refused["number"], refused["good"]) == (9, False)
         say(socket, say="pace", number=1, factor=0.0)
         assert answer(socket) == {
             "say": "answer",
@@ -225,7 +239,7 @@ def test_what_is_no_message_is_refused_and_the_connection_goes_on(door: Door, te
             "text": "",
             "deed": None,
         }
-    assert visit.server.refused == {Refusal.FORM: 2}
+    assert visit.server.refused == {Refusal.FORM: 3}
 
 
 def test_a_message_that_is_too_long_ends_the_connection(door: Door) -> None:
@@ -241,15 +255,17 @@ def test_a_message_that_is_too_long_ends_the_connection(door: Door) -> None:
 
 
 def test_of_a_thousand_messages_a_second_forty_are_heard(door: Door) -> None:
-    """The clock stands: 40 at once, 100 are refused, and the connection is closed."""
+    """The clock stands: 40 at once, 100 are refused, each with its number, and the connection is closed."""
     visit, asked = Visit(door), door.asked
     with visit.connect(**ORIGIN) as socket:
         sit(socket, "instructor")
         for number in range(1000):
             say(socket, say="pace", number=number, factor=0.0)
+        said = []
         with pytest.raises(WebSocketDisconnect):
             while True:
-                socket.receive_json()
+                said.append(answer(socket))
+    assert [(one["number"], one["good"]) for one in said] == [(n, n < 40) for n in range(140)]
     assert door.asked - asked == 40
     assert visit.server.refused[Refusal.RATE] == 101
 

@@ -81,3 +81,8 @@ export function clock(time, seconds = false) {
   const text = `${two(Math.floor(whole / 3600))}:${two(Math.floor(whole / 60) % 60)}`;
   return seconds ? `${text}:${two(whole % 60)}` : text;
 }
+
+/** How late, +MM:SS, with hours where there are any; what is early has a minus. */
+export function late(time) {
+  return time === null ? "–" : `${time < -0.5 ? "−" : "+"}${clock(Math.abs(time), true).replace(/^00:/, "")}`;
+}

@@ -99,7 +99,7 @@ def split(found: Sequence[LatenessGrowth]) -> list[tuple[str, str, float, float,
 
 def test_a_day_to_plan_has_no_delays(setup: Setup) -> None:
     assert delays_of(result(ON_TIME), setup) == ()
-    assert late_stretches(result(ON_TIME), setup.timetable) == ()
+    assert late_stretches(ON_TIME, setup.timetable) == ()
 
 
 def test_doors_are_primary_waiting_for_another_is_secondary_and_the_rest_is_driving(setup: Setup) -> None:
@@ -160,18 +160,21 @@ def test_what_a_train_loses_on_sight_is_its_failures(setup: Setup) -> None:
 def test_late_until_a_departure_on_time_the_last_stop_or_for_ever(setup: Setup) -> None:
     plan = setup.timetable
     one = [stop("1", "A", (None, 1000.0), (None, 1100.0)), *ON_TIME[1:]]
-    assert late_stretches(result(one), plan) == (LateStretch(1060.0, 1230.0),)
+    assert late_stretches(one, plan) == (LateStretch(1060.0, 1230.0),)
     last = [
         *ON_TIME[:3],
         stop("2", "C", (None, 1800.0), (None, 1900.0)),
         stop("2", "A", (2300.0, None), (2350.0, None)),
     ]
-    assert late_stretches(result(last), plan) == (LateStretch(1860.0, 2350.0),)
+    assert late_stretches(last, plan) == (LateStretch(1860.0, 2350.0),)
     never = [*ON_TIME[:3], stop("2", "C", (None, 1800.0), (None, None))]
-    assert late_stretches(result(never), plan) == (LateStretch(1860.0, 5900.0, over=False),)
-    assert late_stretches(result(ON_TIME[:3]), plan) == (LateStretch(1860.0, 5900.0, over=False),)
+    assert late_stretches(never, plan) == (LateStretch(1860.0, 5900.0, over=False),)
+    assert late_stretches(ON_TIME[:3], plan) == (LateStretch(1860.0, 5900.0, over=False),)
     on_the_way = ON_TIME[:4]  # left to plan, and never came
-    assert late_stretches(result(on_the_way), plan) == (LateStretch(2360.0, 5900.0, over=False),)
+    assert late_stretches(on_the_way, plan) == (LateStretch(2360.0, 5900.0, over=False),)
+    before_b = ON_TIME[:1]  # it should have left B at 1230
+    assert late_stretches(before_b, plan) == (LateStretch(1290.0, 5900.0, over=False),)
+    assert late_stretches(before_b, plan, 1280.0) == ()  # as far as the run has come
 
 
 def test_a_delay_is_over_when_the_stretch_in_which_it_came_is(setup: Setup) -> None:

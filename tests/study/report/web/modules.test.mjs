@@ -5,7 +5,7 @@ import { deflateSync } from "node:zlib";
 
 const from = (name) => import(new URL(`../../../../study/report/web/${name}`, import.meta.url));
 const { column, dayOf, lastBefore, read, thinned, valueAt, waitAt } = await from("data.js");
-const { clock, clockGrid, niceStep, panned, spread, zoomed } = await from("view.js");
+const { clock, clockGrid, late, niceStep, panned, spread, zoomed } = await from("view.js");
 const { approaches, classOf, departures, punctualityClasses, stays } = await from("papers.js");
 const { csvOf, written } = await from("tables.js");
 const columnOf = (label, kind, values, digits = 0) => ({ label, heading: [label, `${label} (ja)`], kind, values, digits });
@@ -229,4 +229,8 @@ test("level crossings in view have a line, and a name where there is room", () =
   assert.deepEqual(names, ["c0", "c2"]);
   drawCrossings(context, { ...day, line: {} }, { y: (m) => m }, plot);
   assert.equal(lines.length, 3);
+});
+
+test("an hour late is not on time", () => {
+  assert.deepEqual([0, 65.4, 3605, -30, null].map(late), ["+00:00", "+01:05", "+01:00:05", "−00:30", "–"]);
 });
