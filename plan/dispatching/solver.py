@@ -108,7 +108,10 @@ def _before(
             first_run = min(runs[later.train].intersection(later.operations))
             left = then[earlier.train][last]
             # By another path another start may be the one that lets go of it, or takes it.
-            path = dispatch.trains[earlier.train].goes[last, left], dispatch.trains[later.train].runs[first_run]
+            path = (
+                dispatch.trains[earlier.train].goes[last, left],
+                dispatch.trains[later.train].runs[first_run],
+            )
             yield (earlier.train, left), (later.train, first_run), [*conditions, *path]
 
 
