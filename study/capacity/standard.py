@@ -180,14 +180,9 @@ def _timed(setup: Setup, path: StandardPath) -> StandardPath:
 
 def _places_m(own: PlannedTrain) -> dict[str | None, float]:
     """Where along its path a train is at each station at which it calls or that it is said to run through, m."""
-    return {
-        at.station_id: at_m
-        for stand in own.stands
-        for at, at_m in (
-            *((p, p.position_m) for p in stand.target.passings),
-            (stand.target, stand.target.mark_m),
-        )
-    }
+    targets = own.duty.mission.targets
+    passed_m = {at.station_id: at.position_m for target in targets for at in target.passings}
+    return passed_m | {target.station_id: target.mark_m for target in targets}
 
 
 def _spread(trains: Iterable[TimetableTrain]) -> tuple[TimetableTrain, ...]:
