@@ -13,7 +13,7 @@ import pytest
 
 from branchline.best_interval import write_answer
 from network.model import Direction
-from network.timetable import CallKind
+from network.timetable import CallKind, TimetableTrain
 from plan.even_day import Repetition, timetable_of
 from plan.least_interval import (
     AS_UNITS_ASK,
@@ -115,17 +115,13 @@ def test_a_pattern_is_of_trains_from_end_to_end() -> None:
 def test_trains_wait_where_they_are_said_to_beyond_a_station_that_none_stops_at(printed: bool) -> None:
     """Whether a timetable has a call there (通過) or says nothing, as of signal stations (信号場)."""
     setup = setup_of("busy_line")
-    trains = {
-        train.number: replace(
-            train,
-            calls=tuple(
-                replace(call, kind=CallKind.PASS, arrival_s=None) if call.station_id == "EDO" else call
-                for call in train.calls
-                if printed or call.station_id != "EDO"
-            ),
-        )
-        for train in setup.timetable.trains.values()
-    }
+    trains: dict[str, TimetableTrain] = {}
+    for number, train in setup.timetable.trains.items():
+        calls = [call for call in train.calls if printed or call.station_id != "EDO"]
+        if printed:
+            at = next(i for i, call in enumerate(calls) if call.station_id == "EDO")
+            calls[at] = replace(calls[at], kind=CallKind.PASS, arrival_s=None)
+        trains[number] = replace(train, calls=tuple(calls))
     setup = replace(setup, timetable=replace(setup.timetable, trains=trains))
     found = least_interval(setup)
     assert found.interval_s is not None
@@ -136,14 +132,14 @@ def test_trains_wait_where_they_are_said_to_beyond_a_station_that_none_stops_at(
             assert leg.end is not None
             station_id = setup.line.sections[leg.end.section_id].station_id
             waits_s[leg.direction, station_id] = out_s - into_s
-    stands = [
-        (train.direction, call.station_id, call.departure_s - call.arrival_s - setup.unit.dwell_min_s)
-        for train in day.trains.values()
-        for call in train.calls
-        if call.departure_s is not None and call.arrival_s is not None
-    ]
-    assert any(waits > 0 for _, _, waits in stands)
-    assert all(waits == waits_s[way, station_id] for way, station_id, waits in stands)
+    longest_s = 0.0
+    for train in day.trains.values():
+        for call in train.calls:
+            if call.departure_s is not None and call.arrival_s is not None:
+                stands_s = call.departure_s - call.arrival_s - setup.unit.dwell_min_s
+                assert stands_s == waits_s[train.direction, call.station_id]
+                longest_s = max(longest_s, stands_s)
+    assert longest_s > 0
 
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs/best.md").read_text("utf-8")
