@@ -48,8 +48,8 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
 
     A third of the time ahead is solved first, then two thirds, then all: what is near is certain and decides, and each
     begins with what the one before has found, or with the order found last. All moves planned before a time can be made
-    before all others. Tracks are chosen in the first third alone; where that costs anything, all of it is looked at once
-    more with all tracks, by the work that is left: a bound is of all that could be done.
+    before all others. Tracks are chosen in the first third alone; where that costs anything or leads nowhere, all of it
+    is looked at once more with all tracks, by the work that is left: a bound is of all that could be done.
     """
     asked = [
         index for index, train in enumerate(question.trains) if train.moves or train.holds or train.keeps
@@ -66,7 +66,8 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
             part = _near_choices(part)
         known = _known(part, (order, _of_these(part, last)))
         if known is None:
-            return OrderAnswer(lacking="no order was found in which all trains can run")
+            found = Answer(None, 0, impossible=False, work=0.0)
+            break
         found = _solved(part, known, question.work_max / STAGES)
         spent += found.work
         order = _order(part, found.solution or known)
@@ -77,27 +78,25 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
             ]
     whole = [_before(train, question.ahead_s) for train in all_tracks]
     chosen = any(move.others for train in whole for move in train.moves)
-    if chosen and found.solution is not None and found.solution.objective_value:
-        known = _known(whole, (order,))
-        found = Answer(found.solution, 0, impossible=False, work=spent)
-        if known is not None:
-            found = _solved(whole, known, max(question.work_max - spent, 0.0))
-            order = _order(whole, found.solution or known)
+    if chosen and (found.solution is None or found.solution.objective_value):
+        found = _solved(whole, _known(whole, (order,)), max(question.work_max - spent, 0.0))
+        order = () if found.solution is None else _order(whole, found.solution)
+    if found.solution is None:
+        return OrderAnswer(lacking="no order was found in which all trains can run")
     lost_s = sum(max(0, -move.due_s) for train in trains for move in train.moves if move.counts)
-    delay_s = 0 if found.solution is None else found.solution.objective_value
     return OrderAnswer(
         tuple(asked[index] for index, _ in order),
-        delay_s + lost_s,
+        found.solution.objective_value + lost_s,
         found.bound + lost_s,
         ends=tuple(end for _, end in order),
     )
 
 
-def _solved(trains: Sequence[OrderTrain], known: Solution, work: float) -> Answer:
-    """An order that is no worse than the known one; that one where making the model would take too long."""
+def _solved(trains: Sequence[OrderTrain], known: Solution | None, work: float) -> Answer:
+    """An order that is no worse than one that is known; that one where making the model would take too long."""
     if sum(len(move_ways(move)) for train in trains for move in train.moves) > MOVES_MAX:
         return Answer(known, 0, impossible=False, work=0.0)
-    return solve(_instance(trains, known.objective_value), work, known)
+    return solve(_instance(trains, None if known is None else known.objective_value), work, known)
 
 
 def move_ways(move: OrderMove) -> tuple[OrderWay, ...]:
