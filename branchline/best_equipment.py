@@ -54,7 +54,7 @@ def equipment(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Find the cheapest equipment for so many trains an hour: loops, points, limits, radio, release, virtual blocks.
+    """Find the cheapest equipment for so many trains an hour, evenly spaced: loops, points, limits, radio, release, virtual blocks.
 
     Every choice is computed, each least interval proven. Costs are assumed (a loop: 100) unless --cost says others.
     """
@@ -142,12 +142,15 @@ def _rows(
         best = curve[-1]
         cheaper = [one for one in found if one.choice.cost < best.choice.cost]
         yield (
-            f"{trains:g} trains an hour each way cost {best.choice.cost:g}: {_what(best.choice)};"
+            f"{trains:g} trains an hour each way, evenly spaced, cost {best.choice.cost:g}: {_what(best.choice)};"
             f" every {best.interval_s:.0f} s"
         )
         yield f"nothing cheaper does: each of {len(cheaper)} choices is proven to need more time, {_least(cheaper)}"
     elif trains is not None:
-        yield f"{trains:g} trains an hour each way cannot be had: each of {len(found)} choices needs more time, proven"
+        yield (
+            f"{trains:g} trains an hour each way, evenly spaced, cannot be had: each of {len(found)} choices needs more"
+            " time, proven"
+        )
     yield f"{'cost':>6}  {'interval':>8}  {'an hour':>7}  with"
     for one in curve:
         what = f"{_what(one.choice)}{_decides(one)}"

@@ -43,9 +43,9 @@ def interval(
 ) -> None:
     """Find the least interval at which a line takes a train each way, and prove that no second less does.
 
-    Trains run as they are driven, on the timetable's tracks, stop for the least time allowed and wait where a set can
-    stand. Sets that run to and fro all day may use two tracks of a terminus alternately, if that is quicker. All times
-    are whole seconds.
+    Trains run as they are driven, on the timetable's tracks, stop for the least time allowed and wait where they
+    stop and a set can stand. Sets that run to and fro all day may use two tracks of a terminus alternately, if that is
+    quicker. All times are whole seconds.
     """
     from network.files.json_input import read_json, write_aside
     from scenario.scenario import load_scenario

@@ -1,9 +1,9 @@
 """The least interval at which a line takes a train each way again and again, and why no smaller one does.
 
 The trains are standard paths (`study.capacity.standard`): as fast as they are driven, on the tracks of the timetable,
-with stops as short as can be, that may wait wherever a set can stand. They repeat at whole seconds, and every time of
-theirs is a whole second. What a smaller interval would need is told by proof for every second of it; whether an
-interval fits need not be monotone, so that a greater one than the least need not fit.
+with stops as short as can be, that may wait wherever they stop and a set can stand. They repeat at whole seconds, and
+every time of theirs is a whole second. What a smaller interval would need is told by proof for every second of it;
+whether an interval fits need not be monotone, so that a greater one than the least need not fit.
 """
 
 from __future__ import annotations

@@ -78,9 +78,9 @@ class _Line:
         self.holds = [train.holds for train in trains]
         self.running = sum(bool(choices[0]) for choices in self.choices)
         self.taken = 0
-        self._shared = 0  # what several wait for outside is taken until the last has gone
+        self.shared = 0  # what several wait for outside is taken until the last has gone
         for held in self.holds:
-            self._shared |= self.taken & held
+            self.shared |= self.taken & held
             self.taken |= held
 
     def ended(self, index: int) -> bool:
@@ -108,7 +108,7 @@ class _Line:
     def _hold(self, index: int, sections: int) -> None:
         held, self.holds[index] = self.holds[index], sections
         self.taken = (self.taken & ~held) | sections
-        if held & self._shared:
+        if held & self.shared:
             for other in self.holds:
                 self.taken |= other
 
@@ -230,7 +230,7 @@ class _Search:
         line whichever way it goes, else where it has no choice on the way, as another may be its only good one.
         """
         ahead, choices = self._trains[index].ahead, self._line.choices[index]
-        others = self._line.taken & ~self._line.holds[index]
+        others = self._line.taken & (~self._line.holds[index] | self._line.shared)
         ways, seen = [(move, len(choices[self._line.at[index]]) == 1)], {move}
         while ways:
             move, only = ways.pop()

@@ -48,7 +48,8 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
 
     A third of the time ahead is solved first, then two thirds, then all: what is near is certain and decides, and each
     begins with what the one before has found, or with the order found last. All moves planned before a time can be made
-    before all others. Tracks are chosen in the first third alone.
+    before all others. Tracks are chosen in the first third alone; where that costs anything or leads nowhere, all of it
+    is looked at once more with all tracks, by the work that is left: a bound is of all that could be done.
     """
     asked = [
         index for index, train in enumerate(question.trains) if train.moves or train.holds or train.keeps
@@ -58,31 +59,44 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
     told = zip(question.order, ends, strict=True)
     last = tuple((asked.index(index), end) for index, end in told if index in asked)
     order: Order = ()
-    found = Answer(None, 0, impossible=False, work=0.0)
+    found, spent, all_tracks = Answer(None, 0, impossible=False, work=0.0), 0.0, trains
     for stage in range(1, STAGES + 1):
         part = [_before(train, question.ahead_s * stage // STAGES) for train in trains]
         if stage == 1:
             part = _near_choices(part)
         known = _known(part, (order, _of_these(part, last)))
         if known is None:
-            return OrderAnswer(lacking="no order was found in which all trains can run")
-        found = Answer(known, 0, impossible=False, work=0.0)
-        if sum(len(move_ways(move)) for train in part for move in train.moves) <= MOVES_MAX:
-            found = solve(_instance(part, known.objective_value), question.work_max / STAGES, known)
+            found = Answer(None, 0, impossible=False, work=0.0)
+            break
+        found = _solved(part, known, question.work_max / STAGES)
+        spent += found.work
         order = _order(part, found.solution or known)
         if stage == 1:
             trains = [
                 _fixed(train, [end for each, end in order if each == index])
                 for index, train in enumerate(trains)
             ]
+    whole = [_before(train, question.ahead_s) for train in all_tracks]
+    chosen = any(move.others for train in whole for move in train.moves)
+    if chosen and (found.solution is None or found.solution.objective_value):
+        found = _solved(whole, _known(whole, (order,)), max(question.work_max - spent, 0.0))
+        order = () if found.solution is None else _order(whole, found.solution)
+    if found.solution is None:
+        return OrderAnswer(lacking="no order was found in which all trains can run")
     lost_s = sum(max(0, -move.due_s) for train in trains for move in train.moves if move.counts)
-    delay_s = 0 if found.solution is None else found.solution.objective_value
     return OrderAnswer(
         tuple(asked[index] for index, _ in order),
-        delay_s + lost_s,
+        found.solution.objective_value + lost_s,
         found.bound + lost_s,
         ends=tuple(end for _, end in order),
     )
+
+
+def _solved(trains: Sequence[OrderTrain], known: Solution | None, work: float) -> Answer:
+    """An order that is no worse than one that is known; that one where making the model would take too long."""
+    if sum(len(move_ways(move)) for train in trains for move in train.moves) > MOVES_MAX:
+        return Answer(known, 0, impossible=False, work=0.0)
+    return solve(_instance(trains, None if known is None else known.objective_value), work, known)
 
 
 def move_ways(move: OrderMove) -> tuple[OrderWay, ...]:

@@ -106,7 +106,13 @@ def _before(
                 continue
             last = max(runs[earlier.train].intersection(earlier.operations))
             first_run = min(runs[later.train].intersection(later.operations))
-            yield (earlier.train, then[earlier.train][last]), (later.train, first_run), conditions
+            left = then[earlier.train][last]
+            # By another path another start may be the one that lets go of it, or takes it.
+            path = (
+                dispatch.trains[earlier.train].goes[last, left],
+                dispatch.trains[later.train].runs[first_run],
+            )
+            yield (earlier.train, left), (later.train, first_run), [*conditions, *path]
 
 
 def _circle(dispatch: DispatchModel, solver: cp_model.CpSolver) -> list[Literal]:

@@ -92,9 +92,11 @@ def choices_of(with_tables: WithTables, asked: EquipmentAsked) -> list[Equipment
     line = with_tables({}).line
     loops = [asked.costing(one) for one in loops_to_lay(line) if not asked.without & {one.name, "loop"}]
     known = {"loop", *(one.name for one in (*loops_to_lay(line), *options_of(with_tables({})), *asked.own))}
-    for name in (*asked.costs, *asked.without):
-        if name not in known:
-            raise InputError(COMMAND_LINE, "--cost, --without", name, one_of(sorted(known), name))
+    needs = [name for one in asked.own for name in one.needs]
+    for key, names in ("--cost, --without", (*asked.costs, *asked.without)), ("--options, needs", needs):
+        for name in names:
+            if name not in known:
+                raise InputError(COMMAND_LINE, key, name, one_of(sorted(known), name))
     found: list[EquipmentChoice] = []
     for count in range(asked.loops + 1):
         for laid in combinations(loops, count):

@@ -1,13 +1,14 @@
 """Standard paths (標準列車) of a timetable: trains that could run between the others, made of what its own trains do.
 
-One calls wherever a train of its direction calls, on the same tracks, and comes from a portal and goes to one as they
-do. Where only one end of the line has portals it is a set there and back. It runs as units drive and stands no longer
-than they must, in whole seconds.
+One calls where that train of its direction does which has most stops, on the same tracks, and comes from a portal and
+goes to one as they do. Where only one end of the line has portals it is a set there and back. It runs as units drive
+and stands no longer than they must, in whole seconds.
 """
 
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
@@ -33,11 +34,15 @@ ORIGIN_S: Final = 43_200  # where standard paths are laid out before they are mo
 
 @dataclass(frozen=True, slots=True)
 class StandardPath:
-    """A set's trains in order; `name` says what they are: down, up, or there and back."""
+    """A set's trains in order; `name` says what they are: down, up, or there and back.
+
+    `comes_by`: of each call of each train, by which leg of the set, from place to place, it comes there.
+    """
 
     name: str
     trains: tuple[TimetableTrain, ...]
     kind_of_stock: str  # a stock id of the setup, of whose kind it is
+    comes_by: tuple[tuple[int, ...], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,14 +164,25 @@ def _timed(setup: Setup, path: StandardPath) -> StandardPath:
     """With the least times: running as units drive, shortest stops, changing ends with the points of the way out."""
     spread = _spread(path.trains)
     planned = planned_day(path_alone(setup, replace(path, trains=spread))).trains[ALONE]
-    at_s, trains = ORIGIN_S, list[TimetableTrain]()
+    at_s, trains, comes_by, legs = ORIGIN_S, list[TimetableTrain](), list[tuple[int, ...]](), 0
     for index, (train, own) in enumerate(zip(spread, planned, strict=True)):
         if index:
             at_s += math.ceil(setup.turn_s + setup.unit.request_lead_s)
         calls = _least_times(setup, train.calls, own, at_s)
         trains.append(replace(train, calls=calls))
+        places_m = [node.position_m for node in own.nodes]
+        at_m = _places_m(own)
+        comes_by.append(tuple(legs + bisect_left(places_m, at_m[call.station_id]) - 1 for call in calls))
+        legs += len(own.routes)
         at_s = calls[-1].first_s
-    return replace(path, trains=tuple(trains))
+    return replace(path, trains=tuple(trains), comes_by=tuple(comes_by))
+
+
+def _places_m(own: PlannedTrain) -> dict[str | None, float]:
+    """Where along its path a train is at each station at which it calls or that it is said to run through, m."""
+    targets = own.duty.mission.targets
+    passed_m = {at.station_id: at.position_m for target in targets for at in target.passings}
+    return passed_m | {target.station_id: target.mark_m for target in targets}
 
 
 def _spread(trains: Iterable[TimetableTrain]) -> tuple[TimetableTrain, ...]:
@@ -176,24 +192,28 @@ def _spread(trains: Iterable[TimetableTrain]) -> tuple[TimetableTrain, ...]:
         calls: list[Call] = []
         for call in train.calls:
             at_s += 1800
-            calls.append(replace(call, arrival_s=at_s, departure_s=at_s + 600))
+            calls.append(
+                replace(call, arrival_s=at_s if call.stops else None, departure_s=at_s + 600 * call.stops)
+            )
         last = replace(calls[-1], departure_s=None)
         found.append(replace(train, calls=(*calls[:-1], last)))
     return tuple(found)
 
 
 def _least_times(setup: Setup, calls: Sequence[Call], own: PlannedTrain, departs_s: int) -> tuple[Call, ...]:
-    runs_s = {stand.target.station_id: stand.run_s for stand in own.stands}
-    found: list[Call] = []
-    at_s = departs_s
-    for index, call in enumerate(calls):
-        if index == 0:
+    runs_s: dict[str | None, float] = {}
+    for stand in own.stands:
+        runs_s |= zip((p.station_id for p in stand.target.passings), stand.passes_s, strict=True)
+        runs_s[stand.target.station_id] = stand.run_s
+    found = [replace(calls[0], arrival_s=None, departure_s=departs_s)]
+    left_s = departs_s
+    for call in calls[1:]:
+        at_s = left_s + math.ceil(runs_s[call.station_id])
+        if not call.stops:
             found.append(replace(call, arrival_s=None, departure_s=at_s))
             continue
-        at_s += math.ceil(runs_s[call.station_id])
-        arrival_s, last = at_s, index == len(calls) - 1
-        at_s += 0 if last else math.ceil(setup.unit.dwell_min_s)
-        found.append(replace(call, arrival_s=arrival_s, departure_s=None if last else at_s))
+        left_s = at_s + math.ceil(setup.unit.dwell_min_s)
+        found.append(replace(call, arrival_s=at_s, departure_s=None if call is calls[-1] else left_s))
     return tuple(found)
 
 
@@ -212,17 +232,14 @@ class Added:
 
 def added_path(setup: Setup, path: StandardPath, number: int, moves_s: Sequence[float]) -> Added:
     """A path with each leg moved, s: from place to place, beginning with that from the portal; the n-th of the day."""
-    leg, names = 0, {train.number: f"X{number}-{at}" for at, train in enumerate(path.trains, start=1)}
+    names = {train.number: f"X{number}-{at}" for at, train in enumerate(path.trains, start=1)}
     trains: list[TimetableTrain] = []
     for index, train in enumerate(path.trains):
         calls: list[Call] = []
-        for place, call in enumerate(train.calls):
-            halt = setup.line.stations[call.station_id].is_halt
-            begins = place == 0 and not isinstance(train.begins, AtPortal)
-            comes_s = moves_s[leg]
-            leg += 0 if halt or begins else 1
-            last = index == len(path.trains) - 1 and place == len(train.calls) - 1
-            goes_s = moves_s[leg] if leg < len(moves_s) and not last else comes_s
+        for call, leg in zip(train.calls, path.comes_by[index], strict=True):
+            comes_s = moves_s[max(leg, 0)]
+            goes = leg if setup.line.stations[call.station_id].is_halt else leg + 1
+            goes_s = moves_s[goes] if goes < len(moves_s) else comes_s
             calls.append(
                 replace(
                     call,

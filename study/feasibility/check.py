@@ -47,7 +47,8 @@ def feasibility(setup: Setup) -> Feasibility:
     pairs = pairs_of(clashes_of(by_section))
     meets = day_meets(day)
     met = {frozenset((meet.down_train, meet.up_train)): meet for meet in meets}
-    passed = list(passings_of(setup, day))
+    # What a day in blocks knows nothing of:
+    beyond_blocks = [*passings_of(setup, day), *charge_of(setup, day)]
     findings = [
         *_missing(setup, day),
         *_nowhere(day),
@@ -55,9 +56,8 @@ def feasibility(setup: Setup) -> Feasibility:
         *entries_of(setup, day),
         *timing_of(setup, day),
         *climbs_of(setup, day),
-        *passed,
+        *beyond_blocks,
         *equipment_of(setup, day),
-        *charge_of(setup, day),
         *crossings_of(setup, day),
     ]
     paper = frozenset(frozenset(pair) for pair, found in pairs.items() if on_paper(found))
@@ -66,10 +66,8 @@ def feasibility(setup: Setup) -> Feasibility:
         slowed = {(n, f.place) for f in findings if f.kind is FindingKind.TAG for n in f.trains}
         rehearsal = Rehearsal(setup, day, frozenset(slowed))
         circles, lateness = list(_circles(day, rehearsal.waits)), list(_lateness(day, rehearsal.late))
-        late_passed = [
-            f for f in passed if f.severity is Severity.LATE
-        ]  # of which the day in blocks knows nothing
-        late = {number for finding in (*lateness, *late_passed) for number in finding.trains}
+        untold = [f for f in beyond_blocks if f.severity is Severity.LATE]
+        late = {number for finding in (*lateness, *untold) for number in finding.trains}
         if circles:  # and nothing shows who would have made up for what
             stuck = [frozenset(circle.trains) for circle in circles]
             findings = [

@@ -102,6 +102,24 @@ def test_a_circle_of_three_is_cut_though_times_allow_it(monkeypatch: pytest.Monk
         solve(in_time(*ring), WORK)
 
 
+def test_a_circle_by_one_path_forbids_no_other() -> None:
+    """A train may go straight on or by a siding beside its track, which another wants at 2 for no time at all.
+
+    Straight on it would let go of the track and have it again in one instant. By the siding nobody waits.
+    """
+    track = (ResourceUsage("track"),)
+    by_siding = (
+        TrainOperation(0, (1, 2), track, start_ub=0),
+        TrainOperation(1, (2,)),
+        TrainOperation(0, (), track, start_ub=2),
+    )
+    other = (TrainOperation(0, (1,), track, start_lb=2), TrainOperation(0, ()))
+    answer = solve(in_time(by_siding, other), WORK)
+    assert answer.solution is not None
+    assert answer.proven
+    assert answer.solution.objective_value == 2 + 2
+
+
 def test_a_released_resource_is_to_be_had_after_its_release_time() -> None:
     answer = solve(in_time(way((10, "x"), release=7), way((10, "x"), release=7)), WORK)
     assert answer.solution is not None
@@ -183,7 +201,7 @@ USES = st.lists(st.sampled_from("abcd"), max_size=2, unique=True)
 
 @st.composite
 def trains(draw: st.DrawFn) -> Train:
-    """Up to three operations, of which the second may be one of two."""
+    """Up to three operations, of which the second may be one of two, or be left out."""
 
     def operation(*successors: int) -> TrainOperation:
         release = draw(st.sampled_from((0, 0, 2)))
@@ -194,6 +212,8 @@ def trains(draw: st.DrawFn) -> Train:
 
     if draw(st.booleans()):
         return (operation(1), operation(2), TrainOperation(0, ()))
+    if draw(st.booleans()):
+        return (operation(1, 2), operation(2), operation(3), TrainOperation(0, ()))
     return (operation(1, 2), operation(3), operation(3), TrainOperation(0, ()))
 
 

@@ -72,6 +72,9 @@ def test_what_a_user_says_a_loop_costs_changes_the_curve() -> None:
     assert {c.names: c.cost for c in dear if len(c.names) == 1}["loop_SHN",] == 50.0
     with pytest.raises(InputError, match="loop_XYZ"):
         choices_of(with_tables, EquipmentAsked(1, costs={"loop_XYZ": 1.0}))
+    typo = EquipmentOption("signals", "more signals", 5.0, needs=("by_secton",))
+    with pytest.raises(InputError, match="by_secton"):
+        choices_of(with_tables, EquipmentAsked(0, own=(typo,)))
 
 
 def test_a_proof_with_a_choice_left_out_or_a_number_changed_is_refused() -> None:

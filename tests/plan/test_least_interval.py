@@ -6,11 +6,14 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 from branchline.best_interval import write_answer
+from network.model import Direction
+from network.timetable import CallKind, TimetableTrain
 from plan.even_day import Repetition, timetable_of
 from plan.least_interval import (
     AS_UNITS_ASK,
@@ -106,6 +109,37 @@ def test_a_loop_where_the_longest_stretch_is_halved() -> None:
 def test_a_pattern_is_of_trains_from_end_to_end() -> None:
     names = [path.name for path in pattern_of(setup_of("busy_line"), AS_UNITS_ASK).paths]
     assert names == ["down", "up"]
+
+
+@pytest.mark.parametrize("printed", [True, False])
+def test_trains_wait_where_they_are_said_to_beyond_a_station_that_none_stops_at(printed: bool) -> None:
+    """Whether a timetable has a call there (通過) or says nothing, as of signal stations (信号場)."""
+    setup = setup_of("busy_line")
+    trains: dict[str, TimetableTrain] = {}
+    for number, train in setup.timetable.trains.items():
+        calls = [call for call in train.calls if printed or call.station_id != "EDO"]
+        if printed:
+            at = next(i for i, call in enumerate(calls) if call.station_id == "EDO")
+            calls[at] = replace(calls[at], kind=CallKind.PASS, arrival_s=None)
+        trains[number] = replace(train, calls=tuple(calls))
+    setup = replace(setup, timetable=replace(setup.timetable, trains=trains))
+    found = least_interval(setup)
+    assert found.interval_s is not None
+    day = timetable_of(setup, Repetition(found.pattern, found.moves_s, found.interval_s), "none_at_edo")
+    waits_s: dict[tuple[Direction, str | None], float] = {}
+    for legs, moves_s in zip(found.pattern.legs, found.moves_s, strict=True):
+        for leg, (into_s, out_s) in zip(legs, pairwise(moves_s), strict=False):
+            assert leg.end is not None
+            station_id = setup.line.sections[leg.end.section_id].station_id
+            waits_s[leg.direction, station_id] = out_s - into_s
+    longest_s = 0.0
+    for train in day.trains.values():
+        for call in train.calls:
+            if call.departure_s is not None and call.arrival_s is not None:
+                stands_s = call.departure_s - call.arrival_s - setup.unit.dwell_min_s
+                assert stands_s == waits_s[train.direction, call.station_id]
+                longest_s = max(longest_s, stands_s)
+    assert longest_s > 0
 
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs/best.md").read_text("utf-8")

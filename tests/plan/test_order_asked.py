@@ -25,7 +25,14 @@ from wayside import order
 from wayside.config import JourneyMove, ManagerConfig, OrderRule
 from wayside.journeys import DayProgress, Stands, days_of
 from wayside.order import is_disturbed
-from wayside.order_question import OrderAnswer, OrderMove, OrderQuestion, OrderTrain, without_solver
+from wayside.order_question import (
+    OrderAnswer,
+    OrderMove,
+    OrderQuestion,
+    OrderTrain,
+    OrderWay,
+    without_solver,
+)
 from wayside.places import stands_of
 from wayside.said import HeldBack, OrderLacking
 from wayside.solved_order import question_of
@@ -329,6 +336,32 @@ def test_the_order_delays_least(question: OrderQuestion) -> None:
     found = answer_to(question)
     assert (found.delay_s, found.bound_s) == (best_s(question), best_s(question))
     assert found == answer_to(question)
+
+
+@pytest.mark.parametrize(("work", "goes_where"), [(3.0, ()), (1e-9, ()), (3.0, (5,))])
+def test_a_track_settled_early_is_no_bound_of_what_could_be_done(
+    work: float, goes_where: tuple[int, ...]
+) -> None:
+    """One stands on the first of two tracks for an hour, which another has to have after fifty minutes.
+
+    Nothing speaks against the first when the near third is settled; on the second nobody is late. Where the one is to
+    go to the place of the other (5), neither could go on from the first.
+    """
+    west, one, two, middle, east, beyond = range(6)
+    by_two, from_two = OrderWay(west, (middle, two), (two,)), OrderWay(two, (east, *goes_where), ())
+    stands = (
+        OrderMove((middle, one), (one,), 0, 100, 4000, 100, False, west, (by_two,)),
+        OrderMove((east, *goes_where), (), 4100, 100, 0, 4200, True, one, (from_two,)),
+    )
+    comes = (
+        OrderMove((east, one), (one,), 3000, 100, 20, 3100, False, beyond),
+        OrderMove((middle, west), (), 3200, 100, 0, 3300, True, one),
+    )
+    trains = OrderTrain((west,), 0, (west,), 0, stands), OrderTrain((beyond,), 0, (beyond,), 0, comes)
+    found = answer_to(OrderQuestion(trains, (), 7200, work))
+    assert not found.lacking
+    assert found.bound_s == 0
+    assert found.delay_s == 0 or work < 1.0
 
 
 def test_the_process_answers_as_the_function() -> None:

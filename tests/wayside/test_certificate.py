@@ -250,3 +250,14 @@ def test_a_train_that_ends_where_another_must_pass_goes_last(held: int) -> None:
     found = finishing_order([stays, passes])
     assert found.proof is CertificateProof.ORDER
     assert found.order[-1] == 0
+
+
+def test_who_leaves_a_queue_that_it_needs_again_is_in_the_way_of_those_that_stay_in_it() -> None:
+    """Two wait before a portal. One may stand on a track that the other goes over, and comes back by the queue."""
+    queue, track, far, beyond = 1, 2, 4, 8
+    comes_again = Train(queue, (Move(0, track), Move(queue, 0)))
+    waits = Train(queue, (Move(track | far, 0),))
+    ahead = Train(far, (Move(0, beyond),))
+    answer = finishing_order([comes_again, waits, ahead])
+    assert answer.proof is CertificateProof.ORDER
+    assert answer.order == (2, 1, 0, 0)

@@ -12,6 +12,8 @@ from simulation.setup import Setup
 from simulation.world.roster import drawn_up
 from simulation.world.ways import ways_of
 from study.feasibility import charge
+from study.feasibility.check import feasibility
+from study.feasibility.finding import FindingKind, Severity
 from vehicle.battery import available_j, stored_j
 
 KWH = 3.6e6
@@ -65,3 +67,15 @@ def test_what_is_run_off_the_line_is_taken_whole_however_short_the_time(setup: S
     charge._beyond(one, "321M", away_s)
     lost_j = float(one.battery["flows"]["lost_j"])
     assert before_j - available_j(one.battery) == pytest.approx(40.0 * KWH + lost_j, rel=1e-3)
+
+
+def test_a_plan_that_waits_for_a_charger_does_not_run_as_printed() -> None:
+    """A third of the power: a set charges ten minutes longer at Karasuyama, of which a day in blocks knows nothing."""
+    weak = {"patch": {"line": {"times": {"chargers.*.power_kw": 0.35}}}}
+    found = feasibility(load_scenario("karasuyama_battery", tables=weak).setup)
+    assert found.good
+    assert not found.on_time
+    (waits,) = (f for f in found.findings if f.kind is FindingKind.CHARGE)
+    assert waits.severity is Severity.LATE
+    assert waits.short_s is not None
+    assert waits.short_s > 300.0
