@@ -32,17 +32,13 @@ _OWN_NAME: Final = "a name that is no other party's"
 
 
 def check_parties(timetable_file: str, line_file: str, line: Line, timetable: Timetable) -> None:
-    """Stock, terminals, the block manager, the world and people have names that no two share, or InputError."""
+    """Stock, terminals, level crossings, the block manager, the world and people have names that no two share."""
     taken = dict.fromkeys((MANAGER_ID, WORLD, *PEOPLE), "a party of every run")
-    for points in line.points.values():
-        if points.terminal_id in taken:
-            raise InputError(
-                line_file,
-                f"points.{points.id}.terminal",
-                points.terminal_id,
-                f"{_OWN_NAME}; {taken[points.terminal_id]} has it",
-            )
-    taken |= {points.terminal_id: "a point terminal" for points in line.points.values()}
+    devices = [(f"points.{p.id}.terminal", p.terminal_id, "a point terminal") for p in line.points.values()]
+    devices += [(f"crossings.{name}.id", name, "a level crossing") for name in line.crossings]
+    for key, name, what in devices:
+        if taken.setdefault(name, what) != what:
+            raise InputError(line_file, key, name, f"{_OWN_NAME}; {taken[name]} has it")
     for i, diagram in enumerate(timetable.diagrams):
         if (whose := taken.get(diagram.stock_id)) is not None:
             key = f"diagrams[{i}].stock"

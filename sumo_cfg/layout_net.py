@@ -67,13 +67,7 @@ def plain_of(layout: ForeignLayout) -> PlainXml:
 
 def write_layout_net(layout: ForeignLayout, out: Path) -> None:
     """Build the SUMO net of a layout (extra `net`) and write it. Raises InputError as `plain_of` and `convert` do."""
-    content = convert(plain_of(layout), layout.name)
-    aside = out.with_name(out.name + ".part")
-    try:
-        aside.write_bytes(content)
-        aside.replace(out)
-    except OSError as error:
-        raise InputError(str(out), "", None, f"a writable path ({error.strerror})") from error
+    write_bytes_aside(out, convert(plain_of(layout), layout.name))
 
 
 def sumo_id(name: str) -> str:
