@@ -185,7 +185,9 @@ def _cut_all(
     remarks: _Remarks,
     without: Collection[str],
 ) -> tuple[list[_UntimedTrain], int]:
-    """Trains that run on the line, cut to it, and how many do not; what cannot be used, or may be of another day, is said."""
+    """Trains that run on the line, cut to it, and how many do not; what cannot be used is said, and what may be of
+    another day.
+    """
     found: list[tuple[PublishedTrain, list[Call], bool, bool]] = []
     names = {row.key: row.name for row in join.rows}
     usual = {station.key: station.usual for station in published.stations}

@@ -227,7 +227,7 @@ def seconds_of(file: str, key: str, text: str, not_before_s: int | None) -> int:
 def time_text(time_s: int, after_s: int | None = None) -> str:
     """HH:MM, with :SS where there are seconds; hours from 30 on are those of the day after.
 
-    With the time that is before, one over 12 h later is left as it is, which no file takes: it would be read as another.
+    With the time before it, one over 12 h later is left as it is, which no file takes: it would be read as another.
     """
     lost = after_s is not None and time_s - after_s > DAY_S // 2
     text = clock(time_s if time_s < WRITTEN_S_END or lost else time_s % DAY_S)

@@ -13,6 +13,7 @@ from exchange.layout import ForeignLayout, LayoutTrack, NodeKind, Place
 from exchange.layout_geometry import THROUGH_DEG_MIN, angle_deg, direction_from
 from exchange.sumo_net import NORMAL_AT
 from network.errors import InputError
+from network.files.json_input import write_bytes_aside
 from sumo_cfg.build import convert
 from sumo_cfg.writer import EDGE_SPEED_MPS, PlainXml
 

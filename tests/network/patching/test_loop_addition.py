@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from network.errors import InputError
+from network.files.edits import PatchInFile
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.graph import find_route, routes_from
-from network.files.edits import PatchInFile
 from network.model import Direction, Line, SectionKind
 from network.patching.patch import KEY, load_patched_line, patched_line
 from network.tag_layout import lay_tags
