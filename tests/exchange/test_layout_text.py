@@ -138,6 +138,25 @@ def test_level_crossings_go_into_the_list_where_one_track_lies_and_from_there_on
     assert as_dict(drawn)["level_crossings"][0] == ["Mill lane", "1", 2400.0, "3"]
 
 
+def test_stations_that_the_list_leaves_out_are_said() -> None:
+    """One at the place of another, one of its name, one without kilometrage; beside them two tracks side by side."""
+    tracks = (track("1", "a", "b", 0, 3000), track("2", "a", "b", 0, 3000))
+    stations = (
+        station("A", 200),
+        station("A2", 200),
+        station("B", 2800),
+        station("A", 900),
+        station("C", None),
+    )
+    text = station_list_toml(layout(tracks, stations))
+    assert [row["name"] for row in tomllib.loads(text)["stations"]] == ["A", "B"]
+    assert (
+        "# 3 stations left out, without a name or kilometrage, or with those of another: A2, A, C\n" in text
+    )
+    (said,) = tomllib.loads(text)["line"]["assumed"]
+    assert said.startswith("left out: 2 tracks side by side between A and B, at km 1.500")
+
+
 LIST = "name,km,tracks\nA,0.2,1\nB,3.0,2\nC,6.0,1\n"
 
 
