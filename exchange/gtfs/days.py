@@ -56,6 +56,8 @@ def read_services(feed: Feed) -> Services:
         for row in feed.rows("calendar.txt", ("service_id", *WEEKDAYS, "start_date", "end_date")):
             name, *days, first, last = row.texts
             key = f"line {row.line}"
+            if name in services:
+                raise InputError(file, f"{key}.service_id", name, "an id of its own")
             for day, text in zip(WEEKDAYS, days, strict=True):
                 if text not in ("0", "1"):
                     raise InputError(file, f"{key}.{day}", text, "0 or 1")

@@ -169,6 +169,8 @@ def _routes(feed: Feed) -> dict[str, tuple[int, str, str]]:
     found: dict[str, tuple[int, str, str]] = {}
     for row in feed.rows("routes.txt", ("route_id", "route_type"), ("route_short_name", "route_long_name")):
         route_id, kind, short, long = row.texts
+        if route_id in found:
+            raise InputError(file, f"line {row.line}.route_id", route_id, "an id of its own")
         if not kind.isdecimal() or len(kind) > 4:
             raise InputError(
                 file, f"line {row.line}.route_type", kind, "a number of GTFS's list of route types"
