@@ -18,7 +18,7 @@ from typing import Final
 from exchange.branches import branches
 from exchange.hidden_meets import hidden_meets
 from exchange.planned import TrainOnLine
-from exchange.published import PublishedTimetable, PublishedTrain
+from exchange.published import PublishedTimetable, PublishedTrain, some_names
 from exchange.running import (
     CHANGE_MPS2,
     DWELL_S,
@@ -41,7 +41,6 @@ from network.files.toml_input import one_of
 from network.model import Direction, Line, PlatformTrack, Station
 from network.timetable import WRITTEN_S_END, Call, CallKind, platform_of
 
-NAMED_MAX: Final = 8  # trains or stations named in one sentence
 MOVED_S_MAX: Final = 59  # of whole minutes: what a time may lie after the one that is published
 _TRACK_WORDS: Final = re.compile(
     r"番(?:線|乗り?場|のりば)?|号線|乗り場|のりば|ホーム|(?:track|platform|line|no)\.?", re.IGNORECASE
@@ -141,13 +140,6 @@ def onto_line(
     off = branches(published, line, join.ids)
     all_remarks = (*_of_join(join, line), *off, *remarks.sentences(), *meets)
     return OntoLine(tuple(trains), join, assumed, all_remarks, elsewhere)
-
-
-def some_names(names: Sequence[str]) -> str:
-    """Some of many names."""
-    shown = ", ".join(names[:NAMED_MAX])
-    more = len(names) - NAMED_MAX
-    return f"{shown} and {more} more" if more > 0 else shown
 
 
 def _times(

@@ -6,10 +6,13 @@ Nothing here knows a line of ours. Times are seconds after the midnight before t
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Final
 
 from network.timetable import Call
+
+NAMED_MAX: Final = 8  # trains or stations named in one sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,3 +63,9 @@ class PublishedTimetable:
     trains: tuple[PublishedTrain, ...]
     source: str
     left: tuple[str, ...] = ()
+
+
+def some_names(names: Sequence[str], most: int = NAMED_MAX) -> str:
+    """Some of many names, and how many more there are."""
+    shown, more = ", ".join(names[:most]), len(names) - most
+    return f"{shown} and {more} more" if more > 0 else shown

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from exchange.gtfs.tables import Feed
+from exchange.published import some_names
 from network.errors import COMMAND_LINE, InputError
 
 WEEKDAYS: Final = ("monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday")
@@ -101,8 +102,5 @@ def one_service(trips_of: Mapping[str, int]) -> str:
     if len(trips_of) == 1:
         return next(iter(trips_of))
     most = sorted(trips_of.items(), key=lambda item: (-item[1], item[0]))
-    shown = ", ".join(f"{name} ({count} trips)" for name, count in most[:_SHOWN_MAX])
-    more = f" and {len(most) - _SHOWN_MAX} more" if len(most) > _SHOWN_MAX else ""
-    raise InputError(
-        COMMAND_LINE, "--service", None, f"a service, or --date YYYY-MM-DD; there are: {shown}{more}"
-    )
+    shown = some_names([f"{name} ({count} trips)" for name, count in most], _SHOWN_MAX)
+    raise InputError(COMMAND_LINE, "--service", None, f"a service, or --date YYYY-MM-DD; there are: {shown}")
