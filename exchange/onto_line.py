@@ -213,19 +213,15 @@ def _cut_all(
         elif number != train.number:
             remarks.note("numbers: {}", f"{train.number} is {number}")
         try:
-            ours = _merged(
-                [
-                    _call(
-                        call,
-                        line.stations[join.ids[call.station_id]],
-                        usual.get(call.station_id, {}).get(train.direction, ""),
-                        direction,
-                        remarks,
-                        number,
-                    )
-                    for call in calls
-                ]
+            placed = (
+                (
+                    call,
+                    line.stations[join.ids[call.station_id]],
+                    usual[call.station_id].get(train.direction, ""),
+                )
+                for call in calls
             )
+            ours = _merged([_call(*each, direction, remarks, number) for each in placed])
             _check_one_way(ours, line, direction)
             cut = _UntimedTrain(train, number, direction, ours, before, after)
             _trim_passes(cut, line, remarks)

@@ -34,7 +34,7 @@ _OWN_NAME: Final = "a name that is no other party's"
 
 def check_parties(timetable_file: str, line_file: str, line: Line, timetable: Timetable) -> None:
     """Stock, terminals, level crossings, the block manager, the world and people have names that no two share."""
-    taken = dict.fromkeys((MANAGER_ID, WORLD, *PEOPLE), "a party of every run")
+    taken: dict[str, str] = dict.fromkeys((MANAGER_ID, WORLD, *PEOPLE), "a party of every run")
     devices = [(f"points.{p.id}.terminal", p.terminal_id, "a point terminal") for p in line.points.values()]
     devices += [(f"crossings.{name}.id", name, "a level crossing") for name in line.crossings]
     for key, name, what in devices:

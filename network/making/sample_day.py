@@ -17,7 +17,7 @@ from typing import Final
 from network.errors import COMMAND_LINE, InputError
 from network.files.json_input import write_aside
 from network.files.names import IDENTIFIER_HELP, is_identifier
-from network.making.line_text import toml_string
+from network.files.toml_text import text_toml
 from network.model import Direction, Line, SectionKind, Station
 from network.timetable import parse_timetable, time_text
 
@@ -94,7 +94,7 @@ def timetable_toml(line: Line, timetable_id: str) -> str:
     rows = [
         "[timetable]",
         f'id = "{timetable_id}"',
-        f"name = {toml_string(f'A first try of {line.name}'[:200])}",
+        f"name = {text_toml(f'A first try of {line.name}'[:200])}",
         f'line = "{line.id}"',
         f"dwell_min_s = {DWELL_S}",
         "assumed = [",
@@ -114,9 +114,9 @@ def timetable_toml(line: Line, timetable_id: str) -> str:
 def scenario_toml(line: Line, scenario_id: str, line_name: str, timetable_name: str) -> str:
     """A scenario with a stand-in train and the shipped scenarios' air."""
     return f"""id = "{scenario_id}"
-name = {toml_string(f"A first try of {line.name}"[:200])}
-line = {toml_string(line_name)}
-timetable = {toml_string(timetable_name)}
+name = {text_toml(f"A first try of {line.name}"[:200])}
+line = {text_toml(line_name)}
+timetable = {text_toml(timetable_name)}
 seed = 1
 assumed = [
   "train: BR 642 as a stand-in, a two-part diesel railcar of 41.7 m",

@@ -53,7 +53,8 @@ class Drill:
         """Faults and acts that never came due, in words: of these the verdicts say nothing."""
         begun = {id(course.item) for course in self.run.result.courses}
         script = self.run.scenario.setup.script
-        return tuple(item_text(i).en for i in (*script.faults, *script.acts) if id(i) not in begun)
+        items: tuple[ScriptedFault | Act, ...] = (*script.faults, *script.acts)
+        return tuple(item_text(i).en for i in items if id(i) not in begun)
 
     def as_dict(self) -> dict[str, Any]:
         """What `branchline drill --json` prints."""

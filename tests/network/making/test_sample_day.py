@@ -46,11 +46,11 @@ def test_without_a_loop_one_set_goes_there_and_back(tmp_path: Path) -> None:
 
 def test_a_way_of_a_day_and_more_is_read_as_it_was_written(tmp_path: Path) -> None:
     """360 km at 40 km/h, and a quarter more, are 11.3 h; 480 km are 15 h, and a file has hours up to 29."""
-    line = line_of(tmp_path, "name,km,tracks\nA,0,2\nC,360,2\nE,720,2\nF,1080,2\n", 40.0)
+    line = line_of(tmp_path, "name,km,tracks\nA,0,2\nC,360,2\nE,720,2\nF,800,2\n", 40.0)
     down = parse_timetable(timetable_toml(line, "t"), "t", line).trains["1D"]
-    for before, after in pairwise(down.calls):
+    for before, after in pairwise(down.calls[:3]):
         assert 11.25 * 3600 <= after.first_s - before.last_s < 11.5 * 3600
-    assert down.calls[-1].first_s > 39 * 3600
+    assert down.calls[-1].first_s > 30 * 3600
     far = line_of(tmp_path, "name,km,tracks\nA,0,2\nC,360,2\nE,840,2\n", 40.0)
     with pytest.raises(InputError, match=r"trains\[0\].calls\[2\].arrival is '3"):
         write_sample(far, tmp_path / "line.toml", tmp_path / "x.toml")
