@@ -131,6 +131,7 @@ def drill(
             sys.stdout.write(
                 f"  {'met    ' if verdict.passed else 'NOT MET'}  {verdict.text}: {verdict.happened}\n"
             )
+        sys.stdout.write("".join(f"  never came due: {text}\n" for text in done.never_due))
         sys.stdout.write(f"  {score_text(done.scores).en}\n")
     if not done.passed:
         tell_of_plan(done)

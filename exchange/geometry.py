@@ -13,7 +13,6 @@ most what the transition can bring up at 1 in 400.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -29,6 +28,7 @@ from network.alignment import bearing_rad, curvature_table, positions
 from network.errors import InputError
 from network.files.json_input import read_json, write_aside
 from network.files.names import TITLE_HELP, title_of
+from network.files.toml_text import text_toml
 from network.making.station_list import ONE_WAY
 from network.model import Alignment, Curve, Direction, SpeedLimit
 
@@ -360,16 +360,10 @@ def fragment(imported: ImportedGeometry) -> str:
         rows += [
             "",
             "[[stations]]",
-            _quoted("name_ja", station.name_ja),
+            f"name_ja = {text_toml(station.name_ja)}",
             f"km = {_km(station.position_m)}",
         ]
     return "\n".join(rows) + "\n"
-
-
-def _quoted(key: str, text: str) -> str:
-    return (
-        f"{key} = {json.dumps(text, ensure_ascii=False)}"  # what JSON escapes in a line, TOML escapes alike
-    )
 
 
 def _curve_row(curve: Curve) -> str:

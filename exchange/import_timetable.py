@@ -20,6 +20,7 @@ from exchange.timetable_writer import file_of_trains, timetable_toml
 from exchange.workings import SetRules, workings_of
 from network.errors import COMMAND_LINE, InputError
 from network.files.json_input import write_aside
+from network.files.names import title_of
 from network.files.timetable_schema import HeadTable, TimetableFile
 from network.model import Line
 from network.timetable import Timetable, timetable_of
@@ -114,7 +115,7 @@ def import_timetable(published: PublishedTimetable, line: Line, order: ImportOrd
         name=order.name or published.name,
         line=line.id,
         dwell_min_s=DWELL_MIN_S,
-        sources=[order.credit],
+        sources=[title_of(order.credit)],
     )
     assumed = (*order.additions.assumed, _dwell(onto.trains), *onto.assumed)
     file = file_of_trains(head, trains, workings, assumed)

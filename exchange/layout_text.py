@@ -80,10 +80,13 @@ def station_list_toml(layout: ForeignLayout) -> str:
     if name := title_of(layout.name):
         lines.append(f"name = {_text(name)}")
     lines.append(f"sources = [{_text(layout.source)}]")
-    assumed = [*layout.assumed, *(f"left out: {text}" for text in layout.left)]
+    assumed = [*layout.assumed, *(f"left out: {text}" for text in (*layout.left, *obstacles(layout)))]
     if assumed:
         lines += ["assumed = [", *(f"  {_text(text)}," for text in assumed), "]"]
     stations = stations_in_order(layout)
+    if left := [title_of(s.name) or s.key for s in layout.stations if s not in stations]:
+        where = "without a name or kilometrage, or with those of another"
+        lines += ["", f"# {count_text(len(left), 'station')} left out, {where}: {title_of(', '.join(left))}"]
     taken: set[str] = set()
     for index, station in enumerate(stations):
         lines += ["", "[[stations]]", f"name = {_text(title_of(station.name))}"]

@@ -15,7 +15,7 @@ from typing import Final
 
 import msgspec
 
-from exchange.published import PublishedStation, PublishedTimetable, PublishedTrain
+from exchange.published import PublishedStation, PublishedTimetable, PublishedTrain, some_names
 from exchange.station_order import ordered_stations, runs_down
 from network.clock import clock
 from network.errors import InputError
@@ -38,7 +38,6 @@ _DIRECTIONS: Final = (
 _TIME: Final = re.compile(r"([01]\d|2[0-3]):([0-5]\d)")
 _DAYS: Final = {"Weekday": "weekdays", "SaturdayHoliday": "weekends and holidays"}
 _WORD: Final = re.compile(r"(?<=[a-z])(?=[A-Z])")
-_NAMED_MAX: Final = 8
 _OUDIA: Final = b"FileType=OuDia"
 _FORM: Final = "a file of mini-tokyo-3d's train-timetables: a JSON array of trains, each with id, n, d and tt"
 
@@ -102,7 +101,7 @@ def read_mini_tokyo(
     left = [f"{len(rows) - len(ours)} trains of other calendars"] if len(ours) < len(rows) else []
     twice = [row for _, row in ours if len({call.s for call in row.tt}) < len(row.tt)]
     if twice:
-        left.append(f"trains that come twice to one station: {_named([row.n for row in twice])}")
+        left.append(f"trains that come twice to one station: {some_names([row.n for row in twice])}")
     kept = [(index, row) for index, row in ours if row not in twice]
     if not kept:
         raise InputError(file, "tt", None, "a train that comes to no station twice")
@@ -226,9 +225,3 @@ def _seconds(file: str, key: str, text: str, last_s: int | None) -> int:
     if time_s < last_s:
         raise InputError(file, key, text, f"a time not before {clock(last_s)[:-3]}")
     return time_s
-
-
-def _named(numbers: Sequence[str]) -> str:
-    more = len(numbers) - _NAMED_MAX
-    shown = ", ".join(numbers[:_NAMED_MAX])
-    return f"{shown} and {more} more" if more > 0 else shown

@@ -103,7 +103,7 @@ def make_line(list_file: Path, line_id: str, options: NewLineOptions) -> NewLine
     try:
         text = line_toml(words, alignment, layout, rule, crossings)
         line = parse_line(text, line_id)
-    except InputError as error:  # of a file that is not there: what can be changed is the list
+    except (InputError, ValueError) as error:  # of a file that is not there: what can be changed is the list
         expected = f"stations of which a line can be laid out; of these there would be {error}"
         raise InputError(stations.file, "stations", None, expected) from error
     return NewLine(text, line, joined.rows, remarks)

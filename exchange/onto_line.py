@@ -18,7 +18,7 @@ from typing import Final
 from exchange.branches import branches
 from exchange.hidden_meets import hidden_meets
 from exchange.planned import TrainOnLine
-from exchange.published import PublishedTimetable, PublishedTrain
+from exchange.published import PublishedTimetable, PublishedTrain, some_names
 from exchange.running import (
     CHANGE_MPS2,
     DWELL_S,
@@ -38,10 +38,9 @@ from exchange.train_numbers import numbers_of
 from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
 from network.files.toml_input import one_of
-from network.model import Direction, Line, PlatformTrack
-from network.timetable import Call, CallKind, platform_of
+from network.model import Direction, Line, PlatformTrack, Station
+from network.timetable import WRITTEN_S_END, Call, CallKind, platform_of
 
-NAMED_MAX: Final = 8  # trains or stations named in one sentence
 MOVED_S_MAX: Final = 59  # of whole minutes: what a time may lie after the one that is published
 _TRACK_WORDS: Final = re.compile(
     r"番(?:線|乗り?場|のりば)?|号線|乗り場|のりば|ホーム|(?:track|platform|line|no)\.?", re.IGNORECASE
@@ -117,7 +116,7 @@ def onto_line(
     file = published.source
     join = join_stations(file, published.stations, line, by_hand, hand_file=hand_file, in_order=in_order)
     remarks = _Remarks()
-    cuts = _cut_all(published, line, join, remarks, without)
+    cuts, elsewhere = _cut_all(published, line, join, remarks, without)
     times = _times(cuts, line, running, least)
     trains: list[TrainOnLine] = []
     computed = 0
@@ -140,16 +139,7 @@ def onto_line(
     meets = tuple(meet.text(line) for meet in hidden_meets(trains, line))
     off = branches(published, line, join.ids)
     all_remarks = (*_of_join(join, line), *off, *remarks.sentences(), *meets)
-    return OntoLine(
-        tuple(trains), join, assumed, all_remarks, len(published.trains) - len(cuts) - len(without)
-    )
-
-
-def some_names(names: Sequence[str]) -> str:
-    """Some of many names."""
-    shown = ", ".join(names[:NAMED_MAX])
-    more = len(names) - NAMED_MAX
-    return f"{shown} and {more} more" if more > 0 else shown
+    return OntoLine(tuple(trains), join, assumed, all_remarks, elsewhere)
 
 
 def _times(
@@ -186,10 +176,13 @@ def _cut_all(
     join: StationJoin,
     remarks: _Remarks,
     without: Collection[str],
-) -> list[_UntimedTrain]:
-    """Trains that run on the line, cut to it; what cannot be used is said, and what may be of another day."""
+) -> tuple[list[_UntimedTrain], int]:
+    """Trains that run on the line, cut to it, and how many do not; what cannot be used is said, and what may be of
+    another day.
+    """
     found: list[tuple[PublishedTrain, list[Call], bool, bool]] = []
     names = {row.key: row.name for row in join.rows}
+    usual = {station.key: station.usual for station in published.stations}
     for train in published.trains:
         joined = [i for i, call in enumerate(train.calls) if call.station_id in join.ids]
         stops = {join.ids[train.calls[i].station_id] for i in joined}
@@ -220,9 +213,15 @@ def _cut_all(
         elif number != train.number:
             remarks.note("numbers: {}", f"{train.number} is {number}")
         try:
-            ours = _merged(
-                [_call(call, join.ids[call.station_id], line, direction, remarks, number) for call in calls]
+            placed = (
+                (
+                    call,
+                    line.stations[join.ids[call.station_id]],
+                    usual[call.station_id].get(train.direction, ""),
+                )
+                for call in calls
             )
+            ours = _merged([_call(*each, direction, remarks, number) for each in placed])
             _check_one_way(ours, line, direction)
             cut = _UntimedTrain(train, number, direction, ours, before, after)
             _trim_passes(cut, line, remarks)
@@ -230,7 +229,7 @@ def _cut_all(
             remarks.note(f"left out: {{}} ({why})", number)
             continue
         cuts.append(cut)
-    return cuts
+    return cuts, len(published.trains) - len(found)
 
 
 def _runs_down(calls: Sequence[Call], line: Line, join: StationJoin) -> bool:
@@ -239,10 +238,11 @@ def _runs_down(calls: Sequence[Call], line: Line, join: StationJoin) -> bool:
 
 
 def _call(
-    call: Call, station_id: str, line: Line, direction: Direction, remarks: _Remarks, number: str
+    call: Call, station: Station, usual: str, direction: Direction, remarks: _Remarks, number: str
 ) -> Call:
-    """A call at a station of the line, with its track where the line has one of that name."""
-    station = line.stations[station_id]
+    """A call at a station of the line, with its track where the line has one of that name; `usual`: the source's name
+    of the one that such trains take, which is written where the line has another.
+    """
     track = None
     if call.track:
         track = _track_named(call.track, station.tracks, direction)
@@ -252,12 +252,15 @@ def _call(
                 " is taken for {}",
                 number,
             )
+    elif usual and (named := _track_named(usual, station.tracks, direction)):
+        own = next(track for track in station.tracks if track.name == named)
+        track = None if direction in own.directions else named
     arrival_s, departure_s = call.arrival_s, call.departure_s
     if not call.stops:
         arrival_s, departure_s = None, departure_s if departure_s is not None else arrival_s
     if arrival_s is not None and departure_s is not None and departure_s < arrival_s:
         raise UntimedError(f"it leaves {station.name} at {clock(departure_s)}, before it arrives")
-    return Call(station_id, track, arrival_s, departure_s, call.kind)
+    return Call(station.id, track, arrival_s, departure_s, call.kind)
 
 
 def _track_named(name: str, tracks: Sequence[PlatformTrack], direction: Direction) -> str | None:
@@ -326,6 +329,8 @@ def _timed(cut: _UntimedTrain, line: Line, times: KnownRunningTimes, remarks: _R
             calls[-1] = replace(last, departure_s=None)
     positions_m = [line.stations[call.station_id].position_m for call in calls]
     timed = _spaced(with_all_times(calls, positions_m, times), positions_m, line, cut.number, remarks)
+    if timed.calls[0].first_s >= WRITTEN_S_END:
+        raise UntimedError(f"it begins at {clock(timed.calls[0].first_s)}, which a day's file does not reach")
     _say_short(timed.calls, times, line, cut.number, remarks)
     return timed
 

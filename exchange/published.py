@@ -6,20 +6,28 @@ Nothing here knows a line of ours. Times are seconds after the midnight before t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final
 
 from network.timetable import Call
+
+NAMED_MAX: Final = 8  # trains or stations named in one sentence
 
 
 @dataclass(frozen=True, slots=True)
 class PublishedStation:
-    """A station of the source. `key` is what its calls name it by; names are empty where it has none."""
+    """A station of the source. `key` is what its calls name it by; names are empty where it has none.
+
+    `usual` names the track that trains of a direction ("down", "up") take whose calls name none, where it is said.
+    """
 
     key: str
     name: str
     name_ja: str = ""
     km: float | None = None
     tracks: tuple[str, ...] = ()  # names of its platform tracks (番線), where the source has them
+    usual: Mapping[str, str] = field(default_factory=dict[str, str])
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,3 +63,9 @@ class PublishedTimetable:
     trains: tuple[PublishedTrain, ...]
     source: str
     left: tuple[str, ...] = ()
+
+
+def some_names(names: Sequence[str], most: int = NAMED_MAX) -> str:
+    """Some of many names, and how many more there are."""
+    shown, more = ", ".join(names[:most]), len(names) - most
+    return f"{shown} and {more} more" if more > 0 else shown

@@ -6,14 +6,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from exchange.planned import TrainOnLine, Workings
-from network.clock import clock
 from network.files.line_schema import DIRECTIONS, DirectionName
 from network.files.timetable_schema import CallTable, DiagramTable, HeadTable, TimetableFile, TrainTable
+from network.files.toml_input import validate
 from network.files.toml_text import text_toml
 from network.model import Direction
-from network.timetable import DAY_S, Call, CallKind, Timetable, begins_text, ends_text
+from network.timetable import Call, CallKind, Timetable, begins_text, ends_text, time_text
 
-_LAST_WRITTEN_S = 30 * 3600  # files write hours up to 29; what is later is found again from the trains before
 _NAMES: dict[Direction, DirectionName] = {DIRECTIONS[name]: name for name in ("down", "up")}
 
 
@@ -42,7 +41,10 @@ def head_toml(head: HeadTable) -> list[str]:
 def file_of_trains(
     head: HeadTable, trains: Iterable[TrainOnLine], workings: Workings, assumed: Iterable[str]
 ) -> TimetableFile:
-    """The tables of a day's trains and of the sets that run them; what was assumed for these comes last."""
+    """The tables of a day's trains and of the sets that run them; what was assumed for these comes last.
+
+    Raises InputError, which names the timetable's id, for more trains than a file may have.
+    """
     tables: list[TrainTable] = []
     for train in trains:
         number, tracks = train.number, workings.tracks
@@ -54,7 +56,7 @@ def file_of_trains(
         tables.append(train_table(number, train.direction, calls, *ways, revenue=train.revenue))
     diagrams = [DiagramTable(stock=item.stock_id, trains=list(item.numbers)) for item in workings.diagrams]
     whole = head.model_copy(update={"assumed": [*assumed, *workings.assumed]})
-    return TimetableFile(timetable=whole, trains=tables, diagrams=diagrams)
+    return validate({"timetable": whole, "trains": tables, "diagrams": diagrams}, head.id, TimetableFile)
 
 
 def file_of_timetable(timetable: Timetable) -> TimetableFile:
@@ -68,12 +70,6 @@ def file_of_timetable(timetable: Timetable) -> TimetableFile:
         DiagramTable(stock=item.stock_id, trains=list(item.train_numbers)) for item in timetable.diagrams
     ]
     return TimetableFile(timetable=timetable.head, trains=trains, diagrams=diagrams)
-
-
-def time_text(time_s: int) -> str:
-    """HH:MM, with :SS where there are seconds; hours from 30 on are those of the day after."""
-    text = clock(time_s if time_s < _LAST_WRITTEN_S else time_s % DAY_S)
-    return text.removesuffix(":00") if text.count(":") == 2 else text
 
 
 def train_table(

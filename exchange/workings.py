@@ -17,6 +17,7 @@ from typing import Final
 
 from exchange.planned import TrainOnLine, Workings
 from exchange.portals import PortalWay, portal_of
+from exchange.published import some_names
 from exchange.sets import SetPlan, give_sets
 from exchange.standing import StandBetweenTrains, give_tracks, night_warnings, standing_tracks
 from network.errors import InputError
@@ -156,7 +157,7 @@ def _over_portals(day: _Day) -> None:
     for station_id, numbers in missing.items():
         name = day.line.stations[station_id].name
         day.warnings.append(
-            f"{_named(numbers)}: beyond {name} there is no portal; treated as beginning or ending there"
+            f"{some_names(numbers, _NAMED_MAX)}: beyond {name} there is no portal; treated as beginning or ending there"
         )
     if chosen:
         day.assumed.append(f"portals: nothing tells {', '.join(sorted(chosen))} from another one as near")
@@ -330,7 +331,7 @@ def _say_rules(day: _Day, published: int, turned: int) -> None:
     if day.waited:
         least = _minutes(day.rules.turn_min_s)
         day.assumed.append(
-            f"turning back takes {least} at least, so that {_named(day.waited)} had another set"
+            f"turning back takes {least} at least, so that {some_names(day.waited, _NAMED_MAX)} had another set"
         )
 
 
@@ -355,10 +356,3 @@ def _morning_and_evening(day: _Day, stands: Iterable[StandBetweenTrains]) -> Ite
                 f"stabled sets: {before} at {name} in the morning, {after} in the evening, so that the day can not be "
                 "repeated without a working that is not published"
             )
-
-
-def _named(numbers: Sequence[str]) -> str:
-    """Some of many numbers."""
-    shown = ", ".join(numbers[:_NAMED_MAX])
-    more = len(numbers) - _NAMED_MAX
-    return f"{shown} and {more} more" if more > 0 else shown

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import pairwise
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from network.clock import clock
 from network.errors import InputError
@@ -24,6 +24,9 @@ from network.graph import reachable_stops
 from network.model import Direction, Line, PlatformTrack, SectionKind
 
 DAY_S: Final = 86_400
+WRITTEN_S_END: Final = (
+    30 * 3600
+)  # files write hours up to 29; what is later is found again from what is before
 LAST_S_MAX: Final = 3 * DAY_S  # assumed: a run is of one day, and some hours around it
 _TIME: Final = re.compile(r"([01]\d|2[0-9]):([0-5]\d)(?::([0-5]\d))?")
 
@@ -219,6 +222,29 @@ def seconds_of(file: str, key: str, text: str, not_before_s: int | None) -> int:
     if time_s < not_before_s:
         raise InputError(file, key, text, f"a time not before {clock(not_before_s)}")
     return time_s
+
+
+def time_text(time_s: int, after_s: int | None = None) -> str:
+    """HH:MM, with :SS where there are seconds; hours from 30 on are those of the day after.
+
+    With the time before it, one over 12 h later is left as it is, which no file takes: it would be read as another.
+    """
+    lost = after_s is not None and time_s - after_s > DAY_S // 2
+    text = clock(time_s if time_s < WRITTEN_S_END or lost else time_s % DAY_S)
+    return text.removesuffix(":00") if text.count(":") == 2 else text
+
+
+def put_days(rows: Iterable[dict[str, Any]], timetable: Timetable) -> None:
+    """Write 00:10 as 24:10 in the tables of trains, where it is that: then it stays so when what is before is gone."""
+    for row in rows:
+        for table, call in zip(row["calls"], timetable.trains[row["number"]].calls, strict=True):
+            for name, time_s in (
+                ("arrival", call.arrival_s),
+                ("departure", call.departure_s),
+                ("pass", call.last_s),
+            ):
+                if name in table and time_s is not None and DAY_S <= time_s < WRITTEN_S_END:
+                    table[name] = time_text(time_s)
 
 
 def call_of(file: str, key: str, entry: CallTable, after_s: int | None) -> Call:

@@ -38,6 +38,7 @@ class BeliefTable(Record):
 
 
 def belief_of(
+    folders: Sequence[Path],
     path: Path,
     table: BeliefTable | None,
     line_file: Path,
@@ -45,7 +46,10 @@ def belief_of(
     line: Line,
     trains: Mapping[str, TrainType],
 ) -> Belief | None:
-    """The belief that a scenario's table gives; `line` and `trains` are what is so. InputError names the key."""
+    """The belief that a scenario's table gives; `line` and `trains` are what is so, train files lie in `folders`.
+
+    InputError names the key.
+    """
     if table is None:
         return None
     believed = line
@@ -57,18 +61,20 @@ def belief_of(
             if line.pieces.get(piece_id) != believed.pieces.get(piece_id):
                 expected = "a belief that leaves the track layout as it is"
                 raise InputError(str(path), f"{KEY}.line", piece_id, expected)
-    return Belief(believed, _trains(path, table.trains, trains))
+    return Belief(believed, _trains(folders, path, table.trains, trains))
 
 
-def _trains(path: Path, named: Mapping[str, str], trains: Mapping[str, TrainType]) -> dict[str, TrainType]:
+def _trains(
+    folders: Sequence[Path], path: Path, named: Mapping[str, str], trains: Mapping[str, TrainType]
+) -> dict[str, TrainType]:
     believed: dict[str, TrainType] = {}
     for stock_id, name in named.items():
         key = f"{KEY}.trains.{stock_id}"
         if stock_id not in trains:
             raise InputError(str(path), key, stock_id, f"a stock id: {one_of(sorted(trains), stock_id)}")
-        near = path.parent / name
+        near = next(filter(existing_file, (folder / name for folder in folders)), None)
         try:
-            kind = load_train(near if existing_file(near) else shipped_train(name))
+            kind = load_train(near or shipped_train(name))
         except InputError as error:
             raise InputError(str(path), key, name, error.expected) from error
         believed[stock_id] = replace(kind, id=f"{kind.id}, as {stock_id} believes")

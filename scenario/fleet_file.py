@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
 from network.errors import InputError
 from network.files.json_input import read_json
+from network.files.text_input import existing_file
 from network.files.toml_input import one_of
 from network.model import Line
 from network.raw import is_table
@@ -32,17 +33,13 @@ _OWN_NAME: Final = "a name that is no other party's"
 
 
 def check_parties(timetable_file: str, line_file: str, line: Line, timetable: Timetable) -> None:
-    """Stock, terminals, the block manager, the world and people have names that no two share, or InputError."""
-    taken = dict.fromkeys((MANAGER_ID, WORLD, *PEOPLE), "a party of every run")
-    for points in line.points.values():
-        if points.terminal_id in taken:
-            raise InputError(
-                line_file,
-                f"points.{points.id}.terminal",
-                points.terminal_id,
-                f"{_OWN_NAME}; {taken[points.terminal_id]} has it",
-            )
-    taken |= {points.terminal_id: "a point terminal" for points in line.points.values()}
+    """Stock, terminals, level crossings, the block manager, the world and people have names that no two share."""
+    taken: dict[str, str] = dict.fromkeys((MANAGER_ID, WORLD, *PEOPLE), "a party of every run")
+    devices = [(f"points.{p.id}.terminal", p.terminal_id, "a point terminal") for p in line.points.values()]
+    devices += [(f"crossings.{name}.id", name, "a level crossing") for name in line.crossings]
+    for key, name, what in devices:
+        if taken.setdefault(name, what) != what:
+            raise InputError(line_file, key, name, f"{_OWN_NAME}; {taken[name]} has it")
     for i, diagram in enumerate(timetable.diagrams):
         if (whose := taken.get(diagram.stock_id)) is not None:
             key = f"diagrams[{i}].stock"
@@ -150,11 +147,12 @@ def check_margins(file: str, driving: Driving) -> None:
         raise InputError(file, "driving.emergency_margin_mps", driving.emergency_margin_mps, expected)
 
 
-def learned_of(path: Path, tuning: Tuning, stock_ids: Iterable[str]) -> dict[str, Learned]:
-    """What trains know to begin with, by stock id: from the file that `tuning` names, beside the scenario."""
+def learned_of(folders: Sequence[Path], tuning: Tuning, stock_ids: Iterable[str]) -> dict[str, Learned]:
+    """What trains know to begin with, by stock id: from the file that `tuning` names, in the first folder with it."""
     if tuning.learned is None:
         return {}
-    known = read_learned(path.parent / tuning.learned)
+    files = [folder / tuning.learned for folder in folders]
+    known = read_learned(next(filter(existing_file, files), files[0]))
     return {stock_id: known[stock_id] for stock_id in stock_ids if stock_id in known}
 
 

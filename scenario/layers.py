@@ -113,6 +113,10 @@ def _names_of_files(table: Data) -> Iterator[str]:
         yield from ("trains.default" for key in trains if key == "default")
         stock = trains.get("stock")
         yield from (f"trains.stock.{name}" for name in (stock if is_table(stock) else ()))
+    for key, named in (("curvature", "map"), ("tuning", "learned"), ("belief", "trains")):
+        own = table.get(key)
+        if is_table(own) and named in own:
+            yield key
 
 
 def _paths(table: Mapping[str, Any], above: str = "") -> Iterator[str]:

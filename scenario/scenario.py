@@ -133,7 +133,8 @@ def _loaded(path: Path, layers: ScenarioLayers, seed: int | None) -> Scenario:
     check_sensors(str(path), tables.sensors, sorted(trains))
     check_window(str(path), tables.sensors, tables.curvature)
     check_grip(str(path), tables.driving, trains, line.max_speed_mps)
-    belief = belief_of(path, model.belief, line_file, layers.files.get("line", ()), line, trains)
+    folders = _folders(path, "belief", layers)
+    belief = belief_of(folders, path, model.belief, line_file, layers.files.get("line", ()), line, trains)
     believed = line if belief is None else belief.line
     setup = Setup(
         name=model.id,
@@ -144,7 +145,7 @@ def _loaded(path: Path, layers: ScenarioLayers, seed: int | None) -> Scenario:
         laws=laws_of(str(path), tables.driving, sorted(trains)),
         belief=belief,
         curvature_map=curvature_map_of(_folders(path, "curvature", layers), tables.curvature, believed),
-        learned=learned_of(path, tables.tuning, trains),
+        learned=learned_of(_folders(path, "tuning", layers), tables.tuning, trains),
         load=model.trains,
         roads=roads_of(line_data, str(line_file)),
         **run_tables(tables, timetable),

@@ -13,6 +13,7 @@ from exchange.layout import ForeignLayout, LayoutTrack, NodeKind, Place
 from exchange.layout_geometry import THROUGH_DEG_MIN, angle_deg, direction_from
 from exchange.sumo_net import NORMAL_AT
 from network.errors import InputError
+from network.files.json_input import write_bytes_aside
 from sumo_cfg.build import convert
 from sumo_cfg.writer import EDGE_SPEED_MPS, PlainXml
 
@@ -67,13 +68,7 @@ def plain_of(layout: ForeignLayout) -> PlainXml:
 
 def write_layout_net(layout: ForeignLayout, out: Path) -> None:
     """Build the SUMO net of a layout (extra `net`) and write it. Raises InputError as `plain_of` and `convert` do."""
-    content = convert(plain_of(layout), layout.name)
-    aside = out.with_name(out.name + ".part")
-    try:
-        aside.write_bytes(content)
-        aside.replace(out)
-    except OSError as error:
-        raise InputError(str(out), "", None, f"a writable path ({error.strerror})") from error
+    write_bytes_aside(out, convert(plain_of(layout), layout.name))
 
 
 def sumo_id(name: str) -> str:

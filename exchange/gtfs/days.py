@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from exchange.gtfs.tables import Feed
+from exchange.published import some_names
 from network.errors import COMMAND_LINE, InputError
 
 WEEKDAYS: Final = ("monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday")
@@ -56,6 +57,8 @@ def read_services(feed: Feed) -> Services:
         for row in feed.rows("calendar.txt", ("service_id", *WEEKDAYS, "start_date", "end_date")):
             name, *days, first, last = row.texts
             key = f"line {row.line}"
+            if name in services:
+                raise InputError(file, f"{key}.service_id", name, "an id of its own")
             for day, text in zip(WEEKDAYS, days, strict=True):
                 if text not in ("0", "1"):
                     raise InputError(file, f"{key}.{day}", text, "0 or 1")
@@ -99,8 +102,5 @@ def one_service(trips_of: Mapping[str, int]) -> str:
     if len(trips_of) == 1:
         return next(iter(trips_of))
     most = sorted(trips_of.items(), key=lambda item: (-item[1], item[0]))
-    shown = ", ".join(f"{name} ({count} trips)" for name, count in most[:_SHOWN_MAX])
-    more = f" and {len(most) - _SHOWN_MAX} more" if len(most) > _SHOWN_MAX else ""
-    raise InputError(
-        COMMAND_LINE, "--service", None, f"a service, or --date YYYY-MM-DD; there are: {shown}{more}"
-    )
+    shown = some_names([f"{name} ({count} trips)" for name, count in most], _SHOWN_MAX)
+    raise InputError(COMMAND_LINE, "--service", None, f"a service, or --date YYYY-MM-DD; there are: {shown}")

@@ -27,7 +27,7 @@ from exchange.gtfs.columns import (
 from exchange.gtfs.days import date_of, next_date, one_service, read_services
 from exchange.gtfs.stops import GtfsStop, read_stops
 from exchange.gtfs.tables import Feed
-from exchange.published import PublishedTimetable, PublishedTrain
+from exchange.published import PublishedTimetable, PublishedTrain, some_names
 from exchange.station_order import ordered_stations, runs_down
 from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
@@ -42,7 +42,6 @@ _LONG_S: Final = 6 * 3600  # between two calls: said, because a time is likely w
 _TIME: Final = re.compile(r"(\d{1,3}):([0-5]\d):([0-5]\d)")
 # Route types of rail, those of the extended list with them; buses, ferries and the like are left out.
 _RAIL: Final = (range(3), range(5, 8), range(12, 13), range(100, 118), range(400, 406), range(900, 907))
-_NAMED_MAX: Final = 8
 _KINDS: Final = {kind.value: kind for kind in CallKind}
 
 
@@ -125,7 +124,9 @@ class _Left:
 
     def sentences(self) -> tuple[str, ...]:
         """What is left, each with how many and some of them."""
-        return tuple(f"{len(names)} {reason}: {_named(names)}" for reason, names in self.by_reason.items())
+        return tuple(
+            f"{len(names)} {reason}: {some_names(names)}" for reason, names in self.by_reason.items()
+        )
 
 
 def read_gtfs(path: Path, choice: GtfsChoice | None = None) -> GtfsDay:
@@ -145,13 +146,12 @@ def read_gtfs(path: Path, choice: GtfsChoice | None = None) -> GtfsDay:
         raise InputError(
             str(path), "trips.txt", None, f"a trip by rail on that day ({'; '.join(left.sentences())})"
         )
-    numbers = _numbers(ours)
     runs = [(_stations_of(trip, stops), trip.down) for trip in ours]
     order = ordered_stations(runs)
     places = {key: i for i, key in enumerate(order)}
     trains = tuple(
-        _train(trip, number, stops, runs_down(run, places, says_down=trip.down))
-        for trip, number, (run, _) in zip(ours, numbers, runs, strict=True)
+        _train(trip, stops, runs_down(run, places, says_down=trip.down))
+        for trip, (run, _) in zip(ours, runs, strict=True)
     )
     published = PublishedTimetable(
         name=_name(routes, {trip.route for trip in ours}),
@@ -169,6 +169,8 @@ def _routes(feed: Feed) -> dict[str, tuple[int, str, str]]:
     found: dict[str, tuple[int, str, str]] = {}
     for row in feed.rows("routes.txt", ("route_id", "route_type"), ("route_short_name", "route_long_name")):
         route_id, kind, short, long = row.texts
+        if route_id in found:
+            raise InputError(file, f"line {row.line}.route_id", route_id, "an id of its own")
         if not kind.isdecimal() or len(kind) > 4:
             raise InputError(
                 file, f"line {row.line}.route_type", kind, "a number of GTFS's list of route types"
@@ -357,24 +359,12 @@ def _stations_of(trip: _GtfsTrip, stops: Mapping[str, GtfsStop]) -> tuple[str, .
     return tuple(key for i, key in enumerate(keys) if i == 0 or keys[i - 1] != key)
 
 
-def _numbers(trips: Iterable[_GtfsTrip]) -> list[str]:
-    """Numbers of trips; of those with the same one the second is ...-2."""
-    numbers: dict[str, None] = {}
-    for trip in trips:
-        name, again = trip.number, 1
-        while name in numbers:
-            again += 1
-            name = f"{trip.number}-{again}"
-        numbers[name] = None
-    return list(numbers)
-
-
-def _train(trip: _GtfsTrip, number: str, stops: Mapping[str, GtfsStop], down: bool) -> PublishedTrain:
+def _train(trip: _GtfsTrip, stops: Mapping[str, GtfsStop], down: bool) -> PublishedTrain:
     plain = [call for _, call in trip.calls]
     revenue = trip.revenue != "0" if trip.revenue else not all(call.no_passengers for call in plain)
     calls = tuple(_call(call, i, len(plain), stops, revenue=revenue) for i, call in enumerate(plain))
     return PublishedTrain(
-        number,
+        trip.number,
         "down" if down else "up",
         calls,
         revenue=revenue,
@@ -418,7 +408,9 @@ def _long_runs(trains: Iterable[PublishedTrain]) -> list[str]:
         times = [t for call in train.calls for t in (call.arrival_s, call.departure_s) if t is not None]
         if any(after - before > _LONG_S for before, after in pairwise(times)):
             found.append(train.number)
-    return [f"taken, but over {_LONG_S // 3600} h lie between two calls: {_named(found)}"] if found else []
+    return (
+        [f"taken, but over {_LONG_S // 3600} h lie between two calls: {some_names(found)}"] if found else []
+    )
 
 
 def _tables_left(feed: Feed) -> list[str]:
@@ -434,13 +426,6 @@ def _written(feed: Feed, trips: Mapping[str, _GtfsTrip], stops: Mapping[str, Gtf
         return None
     head = next((row.texts[0] for row in feed.rows("feed_info.txt", (TIMETABLE,))), "")
     trains = tuple(
-        WrittenTrain(_train(trip, trip.number, stops, down=trip.down), trip.begins, trip.ends)
-        for trip in trips.values()
+        WrittenTrain(_train(trip, stops, down=trip.down), trip.begins, trip.ends) for trip in trips.values()
     )
     return OwnFeed(head, trains) if head else None
-
-
-def _named(names: Sequence[str]) -> str:
-    more = len(names) - _NAMED_MAX
-    shown = ", ".join(names[:_NAMED_MAX])
-    return f"{shown} and {more} more" if more > 0 else shown

@@ -25,7 +25,7 @@ from exchange.gtfs.exact import head_written
 from exchange.timetable_writer import file_of_timetable
 from network.alignment import positions
 from network.clock import clock
-from network.errors import InputError
+from network.files.json_input import write_bytes_aside
 from network.model import Direction, Line, Station
 from network.timetable import Call, CallKind, Timetable, TimetableTrain, begins_text, ends_text, platform_of
 
@@ -70,12 +70,7 @@ def write_gtfs(out: Path, line: Line, timetable: Timetable, facts: FeedFacts | N
             entry = zipfile.ZipInfo(name, _EPOCH)
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, text.getvalue().encode())
-    aside = out.with_name(out.name + ".part")
-    try:
-        aside.write_bytes(data.getvalue())
-        aside.replace(out)
-    except OSError as error:
-        raise InputError(str(out), "", None, f"a writable path ({error.strerror})") from error
+    write_bytes_aside(out, data.getvalue())
     return {name: len(rows) - 1 for name, rows in tables.items()}
 
 

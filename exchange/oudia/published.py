@@ -27,7 +27,7 @@ NOT_FOR_PASSENGERS: Final = re.compile(
 def published_of(route: OudiaRoute, dia: OudiaDia) -> PublishedTimetable:
     """One Dia as a published timetable."""
     stations = tuple(
-        PublishedStation(str(i), station.name, tracks=station.tracks)
+        PublishedStation(str(i), station.name, tracks=station.tracks, usual=_usual(station))
         for i, station in enumerate(route.stations)
     )
     used = [train for train in dia.trains if train.runs and not train.cancelled]
@@ -44,6 +44,12 @@ def published_of(route: OudiaRoute, dia: OudiaDia) -> PublishedTimetable:
     if lost:
         left = (*left, f"{len(lost)} links between trains that have no number of their own")
     return PublishedTimetable(title, stations, trains, route.file, left)
+
+
+def _usual(station: OudiaStation) -> dict[str, str]:
+    """Names of the main tracks by direction."""
+    mains = (("down", station.down_main), ("up", station.up_main))
+    return {direction: station.tracks[main] for direction, main in mains if main < len(station.tracks)}
 
 
 def _shared(numbers: Mapping[str, int], train: OudiaTrain) -> bool:
@@ -128,6 +134,6 @@ def _call(key: str, of: OudiaCell, station: OudiaStation, direction: str) -> Cal
         if not stands:
             arrival_s, departure_s = None, departure_s if departure_s is not None else arrival_s
     track = None
-    if of.track is not None and of.track < len(station.tracks) and of.track != station.main(direction):
-        track = station.tracks[of.track]
+    if of.track is not None and of.track != station.main(direction):
+        track = station.tracks[of.track] if of.track < len(station.tracks) else f"[{of.track}]"
     return Call(key, track, arrival_s, departure_s, kind)

@@ -113,7 +113,7 @@ class Patched:
             numbers: list[Any] = old if is_list(old) else [old]
             if not numbers or any(isinstance(n, bool) or not isinstance(n, int | float) for n in numbers):
                 raise InputError(self.file, key, old, "a number that the file has, to multiply")
-            scaled = [number * factor for number in numbers]
+            scaled = [_scaled(number, factor) for number in numbers]
             node[step] = scaled if is_list(old) else scaled[0]
             self.origins[id(node), step] = key
 
@@ -224,6 +224,12 @@ def differences(file: str, old: object, new: object, path: str = "") -> Iterator
             yield from (Change(file=file, key=path, old=None, new=item) for item in new if item not in old)
     elif old != new:
         yield Change(file=file, key=path, old=old, new=new)
+
+
+def _scaled(number: float, factor: float) -> float:
+    """A number times a factor; a whole one stays whole, where it can."""
+    found = number * factor
+    return int(found) if isinstance(number, int) and found.is_integer() else found
 
 
 def _lists(node: Data) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
@@ -56,4 +57,6 @@ def write_bytes_aside(out_file: Path, data: bytes) -> None:
         aside.write_bytes(data)
         aside.replace(out_file)
     except OSError as error:
+        with suppress(OSError):
+            aside.unlink()
         raise InputError(str(out_file), "", None, f"a writable path ({error.strerror})") from error

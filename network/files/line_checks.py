@@ -285,6 +285,26 @@ def check_reachable(file: str, line: Line, keys: Mapping[str, str]) -> None:
             raise InputError(file, f"{keys[section.id]}.id", section.id, expected)
 
 
+def check_station_order(file: str, line: Line, keys: Mapping[str, str]) -> None:
+    """Stations follow each other by their kilometrages as their marks do: a train calls in this order."""
+    furthest: dict[tuple[str, Direction], tuple[float, str]] = {}
+    for station in sorted(line.stations.values(), key=lambda station: station.position_m):
+        marks = [
+            ((line.pieces[track.piece_id].alignment_id, direction), mark_m)
+            for track in station.tracks
+            for direction, mark_m in track.marks_m.items()
+        ]
+        for axis, mark_m in marks:
+            beyond_m, name = furthest.get(axis, (mark_m, ""))
+            if mark_m < beyond_m:
+                expected = (
+                    f"less than {name}'s, whose mark lies beyond (km {_km(beyond_m)}, not {_km(mark_m)})"
+                )
+                raise InputError(file, f"{keys[station.id]}.km", station.position_m / 1000.0, expected)
+        for axis, mark_m in marks:
+            furthest[axis] = max(furthest.get(axis, (mark_m, station.id)), (mark_m, station.id))
+
+
 def check_entries(file: str, line: Line, keys: Mapping[str, str]) -> None:
     """Where trains need leave to come in, the radio reaches those that wait for it before the points."""
     for route in all_routes(line) if fouled_sections(line) else ():

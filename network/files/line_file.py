@@ -100,7 +100,9 @@ def line_of(entry: LineFile, file: str) -> Line:
         section_id = str(error)
         expected = "a section with fewer ways from it to the next tracks"
         raise InputError(file, f"{keys[section_id]}.id", section_id, expected) from error
-    check.check_entries(file, line, {s.id: f"stations[{i}]" for i, s in enumerate(entry.stations)})
+    station_keys = {s.id: f"stations[{i}]" for i, s in enumerate(entry.stations)}
+    check.check_station_order(file, line, station_keys)
+    check.check_entries(file, line, station_keys)
     return with_blocks_of(line, _blocks(file, entry, line))
 
 

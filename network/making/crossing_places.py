@@ -39,8 +39,9 @@ def laid_crossings(
             section for section in layout.sections if _meets(section, middle_m - half_m, middle_m + half_m)
         ]
         whole = [one for one in here if _within(one, middle_m - half_m, middle_m + half_m)]
-        if len(here) != 1 or len(whole) != 1 or here[0].kind in _NO_ROAD:
-            there = ", ".join(section.id for section in here) or "nothing of the line"
+        fouled = [p.id for p in layout.points if p.from_m < middle_m + half_m and p.to_m > middle_m - half_m]
+        if len(here) != 1 or len(whole) != 1 or fouled or here[0].kind in _NO_ROAD:
+            there = ", ".join((*(section.id for section in here), *fouled)) or "nothing of the line"
             expected = f"a place on one track, clear of points and ends of sections (there: {there})"
             raise InputError(listed.file, f"{key}.km", row.km, expected)
         yield LaidCrossing(name, row, here[0].id)

@@ -196,6 +196,9 @@ def lay_out(
     layout = LineLayout()
     own = [(s, at_m) for s, at_m in zip(stations, places_m, strict=True) if not s.is_halt]
     halts = [(s, at_m) for s, at_m in zip(stations, places_m, strict=True) if s.is_halt]
+    for (before, before_m), (station, at_m) in pairwise(zip(stations, places_m, strict=True)):
+        if before_m >= at_m:
+            raise _too_near(file, station, before, at_m - before_m, 1.0)
     places = [_place(s, at_m, rule, first=i == 0, last=i == len(own) - 1) for i, (s, at_m) in enumerate(own)]
     for i in range(len(places) - 1):
         inside = [halt for halt in halts if places[i].at_m < halt[1] < places[i + 1].at_m]

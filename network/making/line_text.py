@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from network.files.line_file import parse_line
+from network.files.toml_text import text_toml
 from network.making.crossing_places import LaidCrossing
 from network.making.layout import LaidStation, LayoutRule, LineLayout, coverage_m
 from network.model import Alignment, Direction
@@ -59,11 +59,6 @@ def line_toml(
     return f"{comment}\n{tags_toml(line, lay_tags(line, rule.tags))}\n{bare}\n"
 
 
-def toml_string(text: str) -> str:
-    """A text as a TOML string: what JSON escapes in a line, TOML escapes alike."""
-    return json.dumps(text, ensure_ascii=False)
-
-
 def km_text(position_m: float) -> str:
     """Kilometres of a position in metres, to the micrometre and no longer than needed."""
     text = f"{position_m / 1000.0:.9f}".rstrip("0")
@@ -73,19 +68,19 @@ def km_text(position_m: float) -> str:
 
 def _head(words: LineHeader) -> Iterable[str]:
     yield "[line]"
-    yield f"id = {toml_string(words.id)}"
-    yield f"name = {toml_string(words.name)}"
+    yield f"id = {text_toml(words.id)}"
+    yield f"name = {text_toml(words.name)}"
     if words.name_ja:
-        yield f"name_ja = {toml_string(words.name_ja)}"
+        yield f"name_ja = {text_toml(words.name_ja)}"
     yield f"max_speed_kmh = {words.max_speed_kmh:g}"
     yield f"overlap_m = 0 {EQUIPPED}"
     for key, texts in (("sources", words.sources), ("assumed", words.assumed)):
         if texts:
-            yield from (f"{key} = [", *(f"  {toml_string(text)}," for text in texts), "]")
+            yield from (f"{key} = [", *(f"  {text_toml(text)}," for text in texts), "]")
 
 
 def _alignment(line: Alignment, layout: LineLayout) -> Iterable[str]:
-    yield from ("", "[[alignments]]", f"id = {toml_string(line.id)}")
+    yield from ("", "[[alignments]]", f"id = {text_toml(line.id)}")
     yield f"from_km = {km_text(line.from_m)}"
     yield f"to_km = {km_text(line.to_m)}"
     yield f"x_m = {line.x_m}"
@@ -158,7 +153,7 @@ def _crossing(crossing: LaidCrossing) -> Iterable[str]:
     yield from ("", "[[crossings]]", f'id = "{crossing.id}"', f'section = "{crossing.section}"')
     yield f"km = {km_text(metres(row.km))}"
     if row.name:
-        yield f"name = {toml_string(row.name)}"
+        yield f"name = {text_toml(row.name)}"
     yield f'kind = "{row.kind}"'
     yield f"width_m = {row.width_m:g}"
 
@@ -170,9 +165,9 @@ def _joints(layout: LineLayout) -> Iterable[str]:
 
 def _station(station: LaidStation, rule: LayoutRule) -> Iterable[str]:
     listed = station.listed
-    yield from ("", "[[stations]]", f'id = "{listed.id}"', f"name = {toml_string(listed.name)}")
+    yield from ("", "[[stations]]", f'id = "{listed.id}"', f"name = {text_toml(listed.name)}")
     if listed.name_ja:
-        yield f"name_ja = {toml_string(listed.name_ja)}"
+        yield f"name_ja = {text_toml(listed.name_ja)}"
     yield f"km = {km_text(station.place_m)}"
     yield f"halt = {'true' if listed.is_halt else 'false'}"
     half_m = rule.halt_half_m if listed.is_halt else rule.platform_half_m

@@ -14,12 +14,12 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
-from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
 from network.files.json_input import write_aside
 from network.files.names import IDENTIFIER_HELP, is_identifier
-from network.making.line_text import toml_string
+from network.files.toml_text import text_toml
 from network.model import Direction, Line, SectionKind, Station
+from network.timetable import parse_timetable, time_text
 
 STAND_IN_TRAIN: Final = "br642"
 BEGIN_S: Final = 6 * 3600
@@ -67,7 +67,9 @@ def write_sample(line: Line, line_file: Path, scenario_file: Path) -> tuple[Path
     """Write timetable and scenario; returns their paths. Raises InputError."""
     timetable_file = sample_timetable(line_file, scenario_file)
     where = Path(os.path.relpath(line_file.resolve(), scenario_file.parent.resolve())).as_posix()
-    write_aside(timetable_file, timetable_toml(line, timetable_file.stem))
+    text = timetable_toml(line, timetable_file.stem)
+    parse_timetable(text, str(timetable_file), line)
+    write_aside(timetable_file, text)
     write_aside(scenario_file, scenario_toml(line, scenario_file.stem, where, timetable_file.name))
     return timetable_file, scenario_file
 
@@ -92,7 +94,7 @@ def timetable_toml(line: Line, timetable_id: str) -> str:
     rows = [
         "[timetable]",
         f'id = "{timetable_id}"',
-        f"name = {toml_string(f'A first try of {line.name}'[:200])}",
+        f"name = {text_toml(f'A first try of {line.name}'[:200])}",
         f'line = "{line.id}"',
         f"dwell_min_s = {DWELL_S}",
         "assumed = [",
@@ -112,9 +114,9 @@ def timetable_toml(line: Line, timetable_id: str) -> str:
 def scenario_toml(line: Line, scenario_id: str, line_name: str, timetable_name: str) -> str:
     """A scenario with a stand-in train and the shipped scenarios' air."""
     return f"""id = "{scenario_id}"
-name = {toml_string(f"A first try of {line.name}"[:200])}
-line = {toml_string(line_name)}
-timetable = {toml_string(timetable_name)}
+name = {text_toml(f"A first try of {line.name}"[:200])}
+line = {text_toml(line_name)}
+timetable = {text_toml(timetable_name)}
 seed = 1
 assumed = [
   "train: BR 642 as a stand-in, a two-part diesel railcar of 41.7 m",
@@ -189,12 +191,14 @@ def _train_toml(trip: _SampleTrip) -> list[str]:
         "calls = [",
     ]
     calls = list(trip.calls())
+    before_s = trip.departs_s
     for i, (station, arrives_s, departs_s) in enumerate(calls):
         cells = [f'station = "{station.id}"']
         if i:
-            cells.append(f'arrival = "{clock(arrives_s)}"')
+            cells.append(f'arrival = "{time_text(arrives_s, before_s)}"')
         if i < len(calls) - 1:
-            cells.append(f'departure = "{clock(departs_s)}"')
+            cells.append(f'departure = "{time_text(departs_s)}"')
+        before_s = departs_s
         if station.is_signal_station:
             cells.append("operational = true")
         rows.append(f"  {{ {', '.join(cells)} }},")

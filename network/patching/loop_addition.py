@@ -157,13 +157,31 @@ def _sections(sections: Iterable[SectionTable], loop: _Loop) -> Iterator[Section
         if section.id != old.id:
             yield section
             continue
-        yield old.model_copy(update={"id": loop.names[0], "to_km": loop.low_km})
+        yield old.model_copy(update={"id": loop.names[0], "to_km": loop.low_km} | _blocks(loop, loop.low_km))
         yield SectionTable(id=f"{here}.W", kind="points", alignment=old.alignment)
         for name, _, offset_m in _TRACKS:
-            track = {"id": f"{here}.{name}", "kind": "track", "offset_m": old.offset_m + offset_m}
-            yield old.model_copy(update=track | {"from_km": low_km, "to_km": high_km})
+            yield SectionTable(
+                id=f"{here}.{name}",
+                kind="track",
+                alignment=old.alignment,
+                from_km=low_km,
+                to_km=high_km,
+                offset_m=old.offset_m + offset_m,
+            )
         yield SectionTable(id=f"{here}.E", kind="points", alignment=old.alignment)
-        yield old.model_copy(update={"id": loop.names[1], "from_km": loop.high_km})
+        yield old.model_copy(
+            update={"id": loop.names[1], "from_km": loop.high_km} | _blocks(loop, loop.high_km)
+        )
+
+
+def _blocks(loop: _Loop, cut_km: float) -> dict[str, int]:
+    """Of a section in virtual blocks its share of them for the half on either side; nothing for one without."""
+    old = loop.section
+    if old.virtual_blocks == 1:
+        return {}
+    from_km, to_km = _m(old.from_km), _m(old.to_km)
+    length_km = cut_km - from_km if cut_km == loop.low_km else to_km - cut_km
+    return {"virtual_blocks": max(1, round(old.virtual_blocks * length_km / (to_km - from_km)))}
 
 
 def _points(loop: _Loop) -> Iterator[PointsTable]:

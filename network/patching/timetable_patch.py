@@ -38,7 +38,7 @@ from network.files.quantities import Later, Stretch
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import Record, one_of, parse_table, read_text, validate
 from network.model import Line
-from network.timetable import Timetable, seconds_of, timetable_of
+from network.timetable import Timetable, put_days, seconds_of, time_text, timetable_of
 
 _LISTS = ("trains", "diagrams")
 
@@ -85,6 +85,7 @@ def patched_timetable(
     file = str(path)
     before = data = parse_table(read_text(path), file)
     timetable = timetable_of(validate(data, file, TimetableFile), file, line)
+    put_days(data["trains"], timetable)
     for asked in patches:
         patched = _patched(data, asked)
         data = patched.data
@@ -92,6 +93,7 @@ def patched_timetable(
             timetable = timetable_of(validate(data, file, TimetableFile), file, line)
         except InputError as error:
             raise patched.blame(error) from error
+        put_days(data["trains"], timetable)
     return timetable, data, tuple(differences(path.name, before, data))
 
 
@@ -120,6 +122,7 @@ def _add_like(patched: Patched, like: LikeTable, key: str) -> None:
         raise InputError(patched.file, f"{key}.train", like.train, one_of(trains, like.train))
     train = deepcopy(trains[like.train])
     before_s: int | None = None
+    written_s = 0
     for call in train["calls"]:
         planned_s = _times_s(patched.file, key, call, before_s)
         before_s = max(planned_s.values())
@@ -127,7 +130,8 @@ def _add_like(patched: Patched, like: LikeTable, key: str) -> None:
             if time_s + like.later_s < 0:
                 expected = f"times after midnight; {like.train} would be at {call['station']} before it"
                 raise InputError(patched.file, f"{key}.later_s", like.later_s, expected)
-            call[name] = clock(time_s + like.later_s)
+            call[name] = time_text(time_s + like.later_s, written_s)
+            written_s = time_s + like.later_s
     train["number"] = like.number
     for what, given in (("begins", like.begins), ("ends", like.ends)):
         train[what] = train[what] if given is None else given
@@ -165,6 +169,7 @@ def _scale_train(patched: Patched, train: Data, scale: ScaleTable, key: str) -> 
     """Whether any run of the train was stretched."""
     moved_s, before_s, changed = 0, None, False
     for call in train["calls"]:
+        written_s = moved_s + (before_s or 0)
         planned_s = _times_s(patched.file, key, call, before_s)
         first_s = min(planned_s.values())
         if before_s is not None and scale.from_s <= before_s < scale.to_s:
@@ -173,7 +178,7 @@ def _scale_train(patched: Patched, train: Data, scale: ScaleTable, key: str) -> 
         before_s = max(planned_s.values())
         if moved_s:
             for name, time_s in planned_s.items():
-                call[name] = clock(time_s + moved_s)
+                call[name] = time_text(time_s + moved_s, written_s)
             patched.origins[id(call), ""] = key
     return changed
 

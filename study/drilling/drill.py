@@ -48,6 +48,14 @@ class Drill:
         """Whether every expectation was met."""
         return all(verdict.passed for verdict in self.verdicts)
 
+    @property
+    def never_due(self) -> tuple[str, ...]:
+        """Faults and acts that never came due, in words: of these the verdicts say nothing."""
+        begun = {id(course.item) for course in self.run.result.courses}
+        script = self.run.scenario.setup.script
+        items: tuple[ScriptedFault | Act, ...] = (*script.faults, *script.acts)
+        return tuple(item_text(i).en for i in items if id(i) not in begun)
+
     def as_dict(self) -> dict[str, Any]:
         """What `branchline drill --json` prints."""
         return {
@@ -55,6 +63,7 @@ class Drill:
             "name": self.run.scenario.name,
             "passed": self.passed,
             "expectations": expectations_dict(self.verdicts),
+            "never_due": list(self.never_due),
             "scores": self.scores.as_dict(),
             "summary": self.run.summary,
         }

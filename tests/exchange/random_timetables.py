@@ -9,11 +9,10 @@ from itertools import pairwise
 from hypothesis import strategies as st
 
 from exchange.portals import PortalWay, portal_of
-from exchange.timetable_writer import time_text
 from network.files.quantities import SPEED
 from network.files.timetable_schema import CallTable, DiagramTable, HeadTable, TimetableFile, TrainTable
 from network.model import Direction, Line, Station
-from network.timetable import Timetable, timetable_of
+from network.timetable import Timetable, time_text, timetable_of
 
 _LAST_BEGIN_S = 29 * 3600
 _FASTEST_MPS = SPEED.spans[-1][1] / 3.6

@@ -235,6 +235,8 @@ def damaged(table: str, row: int, column: int, text: str) -> dict[str, list[list
         (damaged("trips.txt", 1, 3, "up"), r"direction_id is 'up'; expected 0, 1 or nothing"),
         (damaged("routes.txt", 1, 2, "rail"), r"route_type is 'rail'; expected a number"),
         (damaged("stops.txt", 2, 5, "Z"), r"stops.txt: line 3.parent_station is 'Z'; expected a stop"),
+        (damaged("routes.txt", 2, 0, "R"), r"routes.txt: line 3.route_id is 'R'; expected an id of its own"),
+        (damaged("calendar.txt", 2, 0, "WD"), r"calendar.txt: line 3.service_id is 'WD'; expected an id of"),
         (damaged("calendar.txt", 1, 1, "yes"), r"line 2.monday is 'yes'; expected 0 or 1"),
         (damaged("calendar.txt", 1, 8, "20260230"), r"start_date is '20260230'; expected a date YYYYMMDD"),
     ],

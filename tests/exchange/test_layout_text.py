@@ -138,11 +138,30 @@ def test_level_crossings_go_into_the_list_where_one_track_lies_and_from_there_on
     assert as_dict(drawn)["level_crossings"][0] == ["Mill lane", "1", 2400.0, "3"]
 
 
+def test_stations_that_the_list_leaves_out_are_said() -> None:
+    """One at the place of another, one of its name, one without kilometrage; beside them two tracks side by side."""
+    tracks = (track("1", "a", "b", 0, 3000), track("2", "a", "b", 0, 3000))
+    stations = (
+        station("A", 200),
+        station("A2", 200),
+        station("B", 2800),
+        station("A", 900),
+        station("C", None),
+    )
+    text = station_list_toml(layout(tracks, stations))
+    assert [row["name"] for row in tomllib.loads(text)["stations"]] == ["A", "B"]
+    assert (
+        "# 3 stations left out, without a name or kilometrage, or with those of another: A2, A, C\n" in text
+    )
+    (said,) = tomllib.loads(text)["line"]["assumed"]
+    assert said.startswith("left out: 2 tracks side by side between A and B, at km 1.500")
+
+
 LIST = "name,km,tracks\nA,0.2,1\nB,3.0,2\nC,6.0,1\n"
 
 
-def made_with(tmp_path: Path, crossings: str) -> Line:
-    (tmp_path / "stations.csv").write_text(LIST, "utf-8")
+def made_with(tmp_path: Path, crossings: str, stations: str = LIST) -> Line:
+    (tmp_path / "stations.csv").write_text(stations, "utf-8")
     (tmp_path / "crossings.csv").write_text(crossings, "utf-8")
     options = NewLineOptions(crossings=tmp_path / "crossings.csv")
     return make_line(tmp_path / "stations.csv", "l", options).line
@@ -155,6 +174,15 @@ def test_a_line_is_made_with_a_list_of_crossings(tmp_path: Path) -> None:
         "R7": (4500.0, "4", 3.5),
     }
     assert line.pieces[line.crossings["X1"].piece_id].from_m < 1400.0
+
+
+@pytest.mark.parametrize(("km", "points"), [(2.84, "B.12"), (3.16, "B.22")])
+def test_no_road_lies_on_the_first_of_three_tracks_where_points_of_the_others_are(
+    tmp_path: Path, km: float, points: str
+) -> None:
+    """The track that parts first begins 80 m before the others do: beside it lie the points between these."""
+    with pytest.raises(InputError, match=rf"clear of points .*\(there: B\.[123], {points}\)"):
+        made_with(tmp_path, f"km\n{km}\n", LIST.replace("B,3.0,2", "B,3.0,3"))
 
 
 @pytest.mark.parametrize(

@@ -298,6 +298,7 @@ def test_times_in_one_minute_are_moved_and_marked() -> None:
             (call("宝積寺", "10:00", PASS), call("大金", "10:20"), call("烏山", "10:40", PASS)),
             "less than two stations",
         ),
+        ((call("宝積寺", "30:10"), call("烏山", "30:40 -")), "it begins at 30:10:00"),
     ],
 )
 def test_a_train_that_cannot_be_is_left_out_and_why_is_said(calls: tuple[Call, ...], why: str) -> None:
@@ -305,6 +306,7 @@ def test_a_train_that_cannot_be_is_left_out_and_why_is_said(calls: tuple[Call, .
     onto = put(train("1M", *calls), good)
     assert [one.number for one in onto.trains] == ["3M"]
     assert any(text.startswith("left out: 1M (") and why in text for text in onto.remarks)
+    assert onto.elsewhere == 0
 
 
 def test_a_day_without_any_train_on_the_line_is_refused() -> None:
@@ -321,6 +323,19 @@ def test_tracks_are_found_by_name(name: str, track: str | None) -> None:
     )
     assert onto.trains[0].calls[1].track == track
     assert any("Ogane has no '3番線'" in text for text in onto.remarks) == (track is None)
+
+
+def test_the_usual_track_of_the_source_is_named_where_the_line_has_another() -> None:
+    """At Ogane our down trains take track 1. A source whose down trains take 2 is not put on ours."""
+    way = call("宝積寺", "10:00"), call("大金", "10:15 10:16"), call("烏山", "10:32 -")
+
+    def track(usual: dict[str, str]) -> str | None:
+        stations = tuple(replace(s, usual=usual) if s.key == "大金" else s for s in STATIONS)
+        onto = onto_line(PublishedTimetable("day", stations, (train("1M", *way),), "day.oud"), LINE)
+        return onto.trains[0].calls[1].track
+
+    assert track({"down": "2番線", "up": "1番線"}) == "2"
+    assert track({"down": "1番線", "up": "2番線"}) is track({"down": "9番線"}) is track({}) is None
 
 
 def test_numbers_are_made_identifiers_and_links_follow() -> None:

@@ -8,12 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exchange.timetable_writer import file_of_timetable, time_text, timetable_toml
+from exchange.planned import TrainOnLine, Workings
+from exchange.timetable_writer import file_of_timetable, file_of_trains, timetable_toml
+from network.errors import InputError
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_names, shipped_timetable
 from network.files.timetable_schema import CallTable, DiagramTable, HeadTable, TimetableFile, TrainTable
 from network.files.toml_input import parse_toml, read_text
-from network.timetable import parse_timetable, timetable_of
+from network.model import Direction
+from network.timetable import Call, parse_timetable, time_text, timetable_of
 
 LINES = {name: load_line(shipped_line(name)) for name in shipped_names("lines")}
 
@@ -68,6 +71,15 @@ files = st.builds(
 @given(files)
 def test_a_file_of_any_content_is_read_back_the_same(file: TimetableFile) -> None:
     assert parse_toml(timetable_toml(file), "written", TimetableFile) == file
+
+
+def test_more_trains_than_a_file_may_have_are_one_message() -> None:
+    numbers = [f"{i}" for i in range(2001)]
+    calls = (Call("HSK", None, None, 0), Call("KRS", None, 3600, None))
+    trains = [TrainOnLine(number, Direction.DOWN, calls) for number in numbers]
+    stabled = dict.fromkeys(numbers, "stabled")
+    with pytest.raises(InputError, match=r"^many: trains; expected at most 2000 entries, not 2001$"):
+        file_of_trains(HeadTable(id="many", line="karasuyama"), trains, Workings(stabled, stabled, ()), ())
 
 
 @given(st.integers(0, 30 * 3600 - 1))

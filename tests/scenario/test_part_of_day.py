@@ -110,6 +110,56 @@ def test_a_set_begins_earlier_where_another_has_used_its_track(monkeypatch: pyte
     assert both["A"].section_id == both["B"].section_id  # two sets on one track, without that rule
 
 
+# After midnight without its day, which follows from what is before.
+NIGHT = """
+[timetable]
+id = "night"
+line = "karasuyama"
+
+[[trains]]
+number = "2A"
+direction = "up"
+begins = "stabled"
+ends = "becomes:1A"
+calls = [
+  { station = "KRS", departure = "23:30" },
+  { station = "OGN", track = "2", arrival = "23:52", departure = "00:05" },
+  { station = "HSK", arrival = "00:27" },
+]
+
+[[trains]]
+number = "1A"
+direction = "down"
+begins = "from:2A"
+ends = "stabled"
+calls = [{ station = "HSK", departure = "00:40" }, { station = "KRS", arrival = "01:20" }]
+
+[[diagrams]]
+stock = "A"
+trains = ["2A", "1A"]
+"""
+
+
+def test_a_train_is_on_its_day_without_what_is_before_midnight(tmp_path: Path) -> None:
+    """Begun at 23:58 or 24:38, or without its first train: 00:05 is 24:05, and 00:40 is 24:40."""
+    (tmp_path / "night.toml").write_text(NIGHT, "utf-8")
+    head = 'extends = "karasuyama_weekday"\nid = "s"\nname = "Night"\ntimetable = "night.toml"\n'
+    (tmp_path / "s.toml").write_text(head, "utf-8")
+
+    def begins_s(begins: str | None, patch: dict[str, Any] | None = None) -> int:
+        tables = {} if patch is None else {"patch": {"timetable": patch}}
+        part = part_of_day(load_scenario(str(tmp_path / "s.toml"), tables=tables), begins, None)
+        timetable = part.setup.timetable
+        return timetable.trains[timetable.diagrams[-1].train_numbers[0]].calls[0].first_s
+
+    assert begins_s("23:58") == 24 * HOUR_S + 5 * 60
+    assert begins_s("24:38") == 24 * HOUR_S + 40 * 60
+    alone = {"remove": {"trains": ["2A"]}, "set": {"trains.1A.begins": "stabled"}}
+    assert begins_s(None, alone) == 24 * HOUR_S + 40 * 60
+    like = {"number": "9", "train": "1A", "later_s": 600, "stock": "Z", "begins": "stabled"}
+    assert begins_s(None, {"like": [like]}) == 24 * HOUR_S + 50 * 60
+
+
 @pytest.mark.parametrize(
     ("begins", "until", "said"),
     [

@@ -11,8 +11,12 @@ from hypothesis import strategies as st
 from network.errors import InputError
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Position
+from onboard.driving.tuning import Learned
 from onboard.driving_settings import Driving
+from onboard.localisation.curvature_map import design_map
+from onboard.localisation.curvature_map_file import write_map
 from radio.air import DelayShape
+from scenario.fleet_file import learned_json
 from scenario.layers import merged_tables
 from scenario.scenario import find_scenario, load_scenario, shipped_scenarios
 from simulation.settings import Sensors
@@ -187,13 +191,21 @@ def test_a_name_counts_from_the_file_that_says_it(tmp_path: Path) -> None:
     (below / "own_train.toml").write_text(shipped_train("br642").read_text("utf-8"), "utf-8")
     (below / "base.toml").write_text(
         'id = "base"\nname = "base"\nline = "own_lines.toml"\ntimetable = "own_timetables.toml"\n'
-        '[trains]\ndefault = "own_train.toml"\n',
+        '[trains]\ndefault = "own_train.toml"\n[belief.trains]\nK1 = "own_train.toml"\n'
+        '[curvature]\nmap = "own_map.json"\n[tuning]\nlearned = "own_learned.json"\n',
         "utf-8",
+    )
+    write_map(design_map(load_scenario("rtri_test_line").setup.line), below / "own_map.json")
+    counts = (1,) * 21
+    (below / "own_learned.json").write_text(
+        learned_json({"K1": Learned("K1", 0.5, counts, counts, 2, (7, 7))})
     )
     text = f'extends = "{below / "base.toml"}"\nid = "above"\nname = "above"\n'
     (above / "above.toml").write_text(text, "utf-8")
     setup = load_scenario(str(above / "above.toml")).setup
     assert {kind.id for kind in setup.trains.values()} == {"br642"}
     assert setup.line == load_scenario(str(below / "base.toml")).setup.line
+    assert setup.curvature_map is not None and set(setup.learned) == {"K1"}
+    assert setup.belief is not None and set(setup.belief.trains) == {"K1"}
     (above / "own_timetables.toml").write_text("nonsense", "utf-8")
     load_scenario(str(above / "above.toml"))  # what lies beside the upper one is not what the lower one means

@@ -35,6 +35,7 @@ PLACES = {
     "set": ('stock = "K1"', "t.toml", "diagrams[0].stock"),
     "train": ('id = "ev_e301"', "v.toml", "id"),
 }
+CROSSING = '{{ id = "{}", section = "6", km = 0.75 }}'
 PATHS = ["../..", "..", "/tmp/x", "a/b", "a\\\\b", "a\\u0000b", "nul", "a" * 65, "烏山"]
 
 
@@ -105,6 +106,12 @@ def test_without_the_rule_a_run_would_be_written_elsewhere(
         ('stock = "K1"', 'stock = "A-W"', "t.toml: diagrams[0].stock is 'A-W'"),
         ('stock = "K1"', 'stock = "world"', "t.toml: diagrams[0].stock is 'world'"),
         ('terminal = "A-W"', 'terminal = "controller"', "l.toml: points.P2.terminal is 'controller'"),
+        ("[line]", f"crossings = [{CROSSING.format('K1')}]\n[line]", "t.toml: diagrams[0].stock is 'K1'"),
+        (
+            "[line]",
+            f"crossings = [{CROSSING.format('world')}]\n[line]",
+            "l.toml: crossings.world.id is 'world'",
+        ),
     ],
 )
 def test_no_two_parties_have_one_name(

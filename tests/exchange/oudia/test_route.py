@@ -211,7 +211,7 @@ def test_a_track_is_named_where_it_is_not_the_main_one() -> None:
         train("EkiJikoku=1;600$1,1;610/611$0,1;630/$9", way="Nobori", number="2M"),
     )
     assert [call.track for call in down.calls] == [None, "待避線", "2番線"]
-    assert [call.track for call in up.calls] == [None, "1番線", None]
+    assert [call.track for call in up.calls] == [None, "1番線", "[9]"]  # there is none: who reads it says so
 
 
 def test_tracks_of_older_files_stand_in_a_value_of_their_own() -> None:

@@ -226,6 +226,13 @@ FAULTS = [
         "main",
     ),
     ("toe", changed("toe_km = 0.11", "toe_km = 0.16"), "points[0].toe_km", 0.16, "between from_km = 0.1"),
+    (
+        "a halt before A, by km",
+        changed("km = 1.5\n", "km = 0.2\n"),
+        "stations[0].km",
+        0.26,
+        "less than H's, whose mark",
+    ),
     ("unknown neighbour", changed('stem = "P"', 'stem = "Q"'), "points[0].stem", "Q", "one of "),
     (
         "points section as neighbour",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -224,6 +225,15 @@ def test_a_station_has_as_many_tracks_as_are_asked_for(
     pytest.importorskip("sumo", reason="netconvert comes with the extra `net`")
     (tmp_path / "net.xml").write_bytes(build_net(line))
     assert read_net(tmp_path / "net.xml")
+
+
+@pytest.mark.parametrize("km", [(0.0, 0.0004, 4.0), (0.0, 3.9998, 4.0)])
+def test_a_halt_where_a_station_is_does_not_vanish(tmp_path: Path, km: Sequence[float]) -> None:
+    rows: list[dict[str, object]] = [
+        {"name": n, "km": at, "tracks": 1} for n, at in zip("AHB", km, strict=True)
+    ]
+    with pytest.raises(InputError, match=r"expected at least 1 m from [AH], not 0 m"):
+        made(tmp_path, rows)
 
 
 @pytest.mark.parametrize("tracks", [0, TRACKS_MAX + 1])

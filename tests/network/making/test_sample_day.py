@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -13,10 +14,10 @@ from network.model import Line
 from network.timetable import Timetable, parse_timetable
 
 
-def line_of(tmp_path: Path, text: str) -> Line:
+def line_of(tmp_path: Path, text: str, max_speed_kmh: float = 60.0) -> Line:
     path = tmp_path / "list.csv"
     path.write_text(text, "utf-8")
-    return make_line(path, "drawn", NewLineOptions(max_speed_kmh=60.0)).line
+    return make_line(path, "drawn", NewLineOptions(max_speed_kmh=max_speed_kmh)).line
 
 
 def shared_stops(timetable: Timetable, down: str, up: str) -> list[str]:
@@ -41,6 +42,24 @@ def test_without_a_loop_one_set_goes_there_and_back(tmp_path: Path) -> None:
     line = line_of(tmp_path, "name,km,tracks\nA,0,2\nC,5,1\nE,12,2\n")
     timetable = parse_timetable(timetable_toml(line, "t"), "t", line)
     assert [diagram.train_numbers for diagram in timetable.diagrams] == [("1D", "2U")]
+
+
+def test_a_way_of_a_day_and_more_is_read_as_it_was_written(tmp_path: Path) -> None:
+    """360 km at 40 km/h, and a quarter more, are 11.3 h; 480 km are 15 h, and a file has hours up to 29."""
+    line = line_of(tmp_path, "name,km,tracks\nA,0,2\nC,360,2\nE,720,2\nF,800,2\n", 40.0)
+    down = parse_timetable(timetable_toml(line, "t"), "t", line).trains["1D"]
+    for before, after in pairwise(down.calls[:3]):
+        assert 11.25 * 3600 <= after.first_s - before.last_s < 11.5 * 3600
+    assert down.calls[-1].first_s > 30 * 3600
+    far = line_of(tmp_path, "name,km,tracks\nA,0,2\nC,360,2\nE,840,2\n", 40.0)
+    with pytest.raises(InputError, match=r"trains\[0\].calls\[2\].arrival is '3"):
+        write_sample(far, tmp_path / "line.toml", tmp_path / "x.toml")
+    assert not (tmp_path / "x_times.toml").exists()
+
+
+def test_a_way_too_long_for_its_tags_is_one_message(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="more than 99 tags around A"):
+        line_of(tmp_path, "name,km,tracks\nA,0,2\nC,1500,2\n")
 
 
 def test_no_leg_is_quicker_than_the_line_allows(tmp_path: Path) -> None:

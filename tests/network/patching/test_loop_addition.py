@@ -5,11 +5,12 @@ from __future__ import annotations
 import pytest
 
 from network.errors import InputError
+from network.files.edits import PatchInFile
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.graph import find_route, routes_from
-from network.model import Direction, Line
-from network.patching.patch import load_patched_line
+from network.model import Direction, Line, SectionKind
+from network.patching.patch import KEY, load_patched_line, patched_line
 from network.tag_layout import lay_tags
 
 HALTS = ("SHN", "NIT", "KNY", "KBN", "TAK")
@@ -55,6 +56,22 @@ def test_everything_else_stays(before: Line, halt: str) -> None:
         assert [t.marks_m for t in line.stations[name].tracks][:1] == [t.marks_m for t in station.tracks][:1]
     gone = {before.stations[halt].tracks[0].section_id}
     assert set(before.sections) - gone <= set(line.sections)
+
+
+def test_a_section_in_blocks_shares_them_out_by_length() -> None:
+    """12.3 km in four blocks; 5.526 km are left before the loop at Niita, 6.414 km behind it: two blocks each."""
+    blocks = {
+        "alignments.main.coverage": [{"from_km": -1.0, "to_km": 20.3}],
+        "sections.HSK-OGN.virtual_blocks": 4,
+    }
+    words = [
+        PatchInFile({"set": blocks}, "low.toml", KEY),
+        PatchInFile({"add_loops": ["NIT"]}, "up.toml", KEY),
+    ]
+    line, _, _ = patched_line(shipped_line("karasuyama"), words)
+    between = [s.id for s in line.sections.values() if s.kind is SectionKind.BETWEEN]
+    assert between == ["HSK-NIT_1", "HSK-NIT_2", "NIT-OGN_1", "NIT-OGN_2", "OGN-KRS"]
+    assert len(line.stations["NIT"].tracks) == 2
 
 
 @pytest.mark.parametrize("halts", [("NIT",), ("SHN", "TAK"), ("NIT", "KNY")])

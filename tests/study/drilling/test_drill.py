@@ -217,6 +217,15 @@ def test_a_frozen_unit_whose_pile_is_not_kept_does_not_get_in(
 
 
 @pytest.mark.system
+def test_what_never_came_due_is_said(tmp_path: Path) -> None:
+    """The run is over at a quarter past ten: a fault at eleven at night disturbs nothing, and all expected is met."""
+    fault = '[[fault]]\nkind = "frozen"\ntarget = "K1"\nduration_s = 1.0\nstart = '
+    drill = drill_of(tmp_path, f'{fault}"10:00:20"\n{fault}"23:00"\n'.replace("frozen", "power_off", 1))
+    assert drill.passed
+    assert drill.never_due == ("frozen K1",) == tuple(drill.as_dict()["never_due"])
+
+
+@pytest.mark.system
 def test_a_drills_directory_shows_the_drill(tmp_path: Path) -> None:
     drill = run_drill("rtri/21_points_stuck", PartyLink.SIMULATED)
     out = tmp_path / "out"
