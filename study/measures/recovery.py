@@ -52,7 +52,8 @@ def late_stretches(
         for one in _of_train(stops, timetable.trains[number].calls[-1].station_id, end_s)
     ]
     for number, train in timetable.trains.items():
-        came = {stop.station_id for stop in by_train.get(number, ()) if stop.arrival_s is not None}
+        stops = by_train.get(number, ())  # a train that calls but once leaves there
+        came = {s.station_id for s in stops if (s.arrival_s, s.departure_s) != (None, None)}
         from_s = (train.calls[-1] if number in by_train else train.calls[0]).last_s + LATE_S
         if train.calls[-1].station_id not in came and from_s < end_s and number not in cut:
             found.append(LateStretch(from_s, end_s, over=False))
