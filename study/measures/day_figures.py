@@ -91,9 +91,12 @@ def day_figures(result: RunResult, setup: Setup) -> DayFigures:
     """The figures of a day that was run."""
     figures = figures_of_stops(result.stops, setup.timetable, setup.latest_end_s)
     grown = delays.delays_of(result, setup)
-    stretches = late_stretches(result, setup.timetable, setup.latest_end_s)
-    begun_s = [one.at_s for one in grown if one.primary_s >= LATE_S]
-    recoveries = recoveries_s(begun_s, stretches)
+    end_s = setup.latest_end_s
+    stretches = late_stretches(result, setup.timetable, end_s)
+    begun = [one for one in grown if one.primary_s >= LATE_S]
+    # What never comes counts as there when the run ends, and is late until then.
+    never_s = [one.grown_s for one in begun if one.at_s >= end_s]
+    recoveries = (*recoveries_s((one.at_s for one in begun if one.at_s < end_s), stretches), *never_s)
     lengths_s = [stretch.length_s for stretch in stretches]
     closed_min, warned_s = _roads(
         result, setup, cut=bool(figures.missing or figures.cancelled or figures.shortened)
@@ -103,7 +106,7 @@ def day_figures(result: RunResult, setup: Setup) -> DayFigures:
         primary_s=_sum(grown, "primary_s"),
         secondary_s=_sum(grown, "secondary_s"),
         other_s=_sum(grown, "other_s"),
-        primary_delays=len(begun_s),
+        primary_delays=len(begun),
         recovery_s=_rounded(max(lengths_s, default=0.0)),
         recovery_mean_s=_rounded(math.fsum(recoveries) / len(recoveries)) if recoveries else 0.0,
         late_time_s=_rounded(math.fsum(lengths_s)),
