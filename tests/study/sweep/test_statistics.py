@@ -176,8 +176,9 @@ RARE: tuple[Drawn, float, tuple[float, ...]] = (
 
 
 def test_days_that_are_all_alike_end_no_sweep(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What comes on a day in 20 is on none of the first 20 days of a third of all sweeps (0.95^20 = 36 %): an interval from
-    0 to 0 there says that it never comes, and would hold the truth at most in the other two thirds.
+    """What comes on a day in 20 is on none of the first 20 days of a third of all sweeps (0.95^20 = 36 %).
+
+    An interval from 0 to 0 there says that it never comes, and would hold the truth at most in the other two thirds.
     """
     monkeypatch.setitem(SKEWED, "rare", RARE)
     all_looks = looks(20, 400)
