@@ -109,6 +109,8 @@ def _line(name: str, one: Mapping[str, Any] | None) -> str:
     }
     met = f"{one['judged'] - len(one['missed'])} of {one['judged']}"
     without = one["null_method"] + ("" if one["null_held"] else " (**meets it too**)")
+    if leads in one["missed"]:  # of the cases by which the idea is told apart it meets none
+        without += " (**neither meets it, which shows nothing**)"
     cells = (
         f"`{name}`",
         leads["case"],

@@ -14,7 +14,9 @@ from study.record.tables import make_table
 
 def margins_of(legs: Sequence[PlannedLeg], stops: pl.DataFrame) -> pl.DataFrame:
     """The table margins from what was planned and the table of stops; times that did not come are null."""
-    came = {(row["train"], row["station"]): row for row in stops.iter_rows(named=True)}
+    # Where a train is ended, what does not come has a row of its own.
+    ran = stops.filter(~pl.col("cancelled"))
+    came = {(row["train"], row["station"]): row for row in ran.iter_rows(named=True)}
     return make_table("margins", [_margin(leg, came) for leg in legs])
 
 

@@ -23,12 +23,15 @@ def with_passings(
 ) -> list[StopRecord]:
     """Each passing of trains that ran before the stop that follows it, or behind all where that never came.
 
-    `spans` are those of `rows_by_span`: a front passes between two rows of its trajectory.
+    `spans` are those of `rows_by_span`: a front passes between two rows of its trajectory. A train ordered to go
+    another way has one for each.
     """
-    by_number = {span.number: (span, rows) for span, rows in spans}
+    by_number: dict[str, list[tuple[TraceSpan, NDArray[np.void]]]] = {}
+    for span, rows in spans:
+        by_number.setdefault(span.number, []).append((span, rows))
     ahead = {
         (duty.mission.number, target.place_id): [
-            _passing(duty, passing, by_number.get(duty.mission.number)) for passing in target.passings
+            _passing(duty, passing, by_number.get(duty.mission.number, ())) for passing in target.passings
         ]
         for duty in duties
         for target in duty.mission.targets
@@ -44,9 +47,10 @@ def with_passings(
     return records + [passing for kept in ahead.values() for passing in kept if passing.number in ran]
 
 
-def _passing(duty: Duty, passing: Passing, found: tuple[TraceSpan, NDArray[np.void]] | None) -> StopRecord:
+def _passing(duty: Duty, passing: Passing, found: Iterable[tuple[TraceSpan, NDArray[np.void]]]) -> StopRecord:
     mission = duty.mission
     at = mission.path.locate(passing.position_m)
+    times_s = (_time_s(*at, *one) for one in found)
     return StopRecord(
         duty.stock_id,
         mission.number,
@@ -55,7 +59,7 @@ def _passing(duty: Duty, passing: Passing, found: tuple[TraceSpan, NDArray[np.vo
         passing.track,
         None,
         passing.time_s,
-        departure_s=None if found is None else _time_s(*at, *found),
+        departure_s=next((time_s for time_s in times_s if time_s is not None), None),
         kind=CallKind.PASS,
     )
 

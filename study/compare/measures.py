@@ -15,7 +15,7 @@ from study.compare.side import ComparedRun
 from study.compare.times import CallEvent
 from study.measures.driving import driving_sums
 from study.measures.missing import planned_times
-from study.measures.summary import arrived_trains, cut_trains, energy_summary
+from study.measures.summary import energy_summary, trains_counted
 from study.record.crossings import CrossingHour
 from study.record.driving import EARLY, DrivenHop
 from study.record.figure import Adds, ShownIn, rows_in, seen_in, summed_figures
@@ -31,6 +31,7 @@ NOT_LATE_S: Final = (
     5  # brakes take 1.4 s to release, and whole seconds are read off clocks: nobody calls that late
 )
 WITHIN_S: Final = (NOT_LATE_S, 15, 60, 180, 300)
+_TRAINS: Final = ("planned", "ran their whole journey", "cancelled", "shortened")
 _COUNTED: Final = {
     "intervention": "interventions",
     "refusal": "refusals",
@@ -106,16 +107,11 @@ def measures_of(sides: Sequence[ComparedRun]) -> tuple[Measure, ...]:
 
 def figures_of(side: ComparedRun) -> Iterator[RunFigure]:
     """The figures of one run, always the same ones in the same order."""
-    tables, timetable = side.run.tables, side.run.timetable
-    planned = sum(train.revenue for train in timetable.trains.values())
-    yield RunFigure("trains", "planned", "", 0, float(planned))
-    yield RunFigure(
-        "trains", "ran their whole journey", "", 0, float(len(arrived_trains(tables.stops, timetable)))
-    )
+    tables = side.run.tables
+    counts = trains_counted(tables.stops, side.run.timetable, side.summary.get("latest_end_s"))
+    for name, count in zip(_TRAINS, counts.values(), strict=True):
+        yield RunFigure("trains", name, "", 0, float(count))
     yield RunFigure("trains", "meets as run", "", 0, float(len(meets_of(side.run))))
-    cancelled, shortened = cut_trains(tables.stops)
-    yield RunFigure("trains", "cancelled", "", 0, float(len(cancelled)))
-    yield RunFigure("trains", "shortened", "", 0, float(len(shortened)))
     for what in (CallEvent.ARRIVAL, CallEvent.DEPARTURE):
         yield from _punctuality(side, what)
     yield from _margins(side)

@@ -76,7 +76,8 @@ def swept_run_of(result: RunResult, script: Script) -> SweptRun:
     if first is not None and id(first) not in begun:
         return SweptRun(OutcomeKind.NOT_APPLICABLE, OutcomeKind.NOT_APPLICABLE.value, late_s, digest)
     kind = OutcomeKind.ON_TIME if late_s <= ON_TIME_S else OutcomeKind.LATE
-    return SweptRun(kind, kind.value, late_s, digest)
+    cut = ", but for what was cancelled" if any(stop.cancelled for stop in result.stops) else ""
+    return SweptRun(kind, f"{kind.value}{cut}", late_s, digest)
 
 
 def swept_run_of_death(died: CopyDied) -> SweptRun:
@@ -96,7 +97,7 @@ def broken_in(result: RunResult) -> tuple[str, ...]:
 
 
 def late_s_max(result: RunResult) -> float:
-    """Most seconds after plan of any arrival or departure; 0 where none was late."""
+    """Most seconds after plan of any arrival or departure; 0 where none was late; of what was cut as stated."""
     pairs = [
         pair
         for stop in result.stops
@@ -106,7 +107,7 @@ def late_s_max(result: RunResult) -> float:
         )
     ]
     late = [real - planned for real, planned in pairs if real is not None and planned is not None]
-    return round(max([0.0, *late]), 1)
+    return round(max([0.0, *late, *(stop.stated_late_s or 0.0 for stop in result.stops)]), 1)
 
 
 def _waiting(result: RunResult) -> str:

@@ -52,7 +52,7 @@ def score(
     """Scores from what happened and the table of stops.
 
     Back to normal is when the last departure left that was later than `ON_TIME_S` and left after the last heal;
-    0 s if there was none.
+    0 s if there was none. One that was cancelled counts as leaving as late as the scenario states.
     """
     if not courses:
         return Scores(late_s_max, None, None, NOTHING_DISTURBED)
@@ -61,7 +61,11 @@ def score(
         return Scores(late_s_max, None, None, FAULT_LASTS)
     if not all_arrived:
         return Scores(late_s_max, healed_s, None, SOME_MISSING)
-    late = stops.filter(
-        pl.col("departure_s") > healed_s, pl.col("departure_s") - pl.col("planned_departure_s") > ON_TIME_S
-    )["departure_s"].to_list()
+    left_s = pl.col("planned_departure_s") + pl.col("late_departure_s")
+    late = (
+        stops.filter(left_s > healed_s, pl.col("late_departure_s") > ON_TIME_S)
+        .select(left_s)
+        .to_series()
+        .to_list()
+    )
     return Scores(late_s_max, healed_s, round(max(late, default=healed_s) - healed_s, 1))

@@ -18,7 +18,7 @@ import numpy as np
 from network.timetable import Timetable
 from simulation.events import EventType
 from simulation.late_day import counts_of, late_day
-from simulation.result import RunResult, StopRecord
+from simulation.result import RunResult, StopRecord, numbers_due
 from simulation.setup import STEP_S, Setup, latest_end_s
 from study.measures import deadlock, delays, road_closures
 from study.measures.recovery import LATE_S, late_stretches, recoveries_s
@@ -40,8 +40,9 @@ class DayFigures(msgspec.Struct, frozen=True):
     `within`: share of the planned arrivals later than plan by less than each of LIMITS_S. `lost_train_minutes`: by how
     much trains came late to their last stop, together; trains that never came there, or never ran, are `missing`. What
     never came is in all of these, as late as `simulation.setup.latest_end_s` makes it. Trains that the dispatcher left
-    out are `cancelled`, those that he cut `shortened`; their calls are as late as the scenario states, and a train that
-    was cut counts as lost for that at least, wherever it was.
+    out are `cancelled`, those that he cut `shortened`; their calls that do not come are as late as the scenario states,
+    and a train that was cut counts as lost for that at least, wherever it was. Of a part of a day what is due by its
+    end is planned, and no more.
 
     `primary_s`: by how much lateness grew because of what was drawn or failed, `secondary_s` because a train waited for
     another, `other_s` for neither (driving, minutes of the plan that are too short); together all growth, which spare
@@ -90,9 +91,12 @@ def day_figures(result: RunResult, setup: Setup) -> DayFigures:
     """The figures of a day that was run."""
     figures = figures_of_stops(result.stops, setup.timetable, setup.latest_end_s)
     grown = delays.delays_of(result, setup)
-    stretches = late_stretches(result.stops, setup.timetable, setup.latest_end_s)
-    begun_s = [one.at_s for one in grown if one.primary_s >= LATE_S]
-    recoveries = recoveries_s(begun_s, stretches)
+    end_s = setup.latest_end_s
+    stretches = late_stretches(result.stops, setup.timetable, end_s)
+    begun = [one for one in grown if one.primary_s >= LATE_S]
+    # What never comes counts as there when the run ends, and is late until then.
+    never_s = [one.grown_s for one in begun if one.at_s >= end_s]
+    recoveries = (*recoveries_s((one.at_s for one in begun if one.at_s < end_s), stretches), *never_s)
     lengths_s = [stretch.length_s for stretch in stretches]
     closed_min, warned_s = _roads(
         result, setup, cut=bool(figures.missing or figures.cancelled or figures.shortened)
@@ -102,7 +106,7 @@ def day_figures(result: RunResult, setup: Setup) -> DayFigures:
         primary_s=_sum(grown, "primary_s"),
         secondary_s=_sum(grown, "secondary_s"),
         other_s=_sum(grown, "other_s"),
-        primary_delays=len(begun_s),
+        primary_delays=len(begun),
         recovery_s=_rounded(max(lengths_s, default=0.0)),
         recovery_mean_s=_rounded(math.fsum(recoveries) / len(recoveries)) if recoveries else 0.0,
         late_time_s=_rounded(math.fsum(lengths_s)),
@@ -125,32 +129,36 @@ def figures_of_stops(
     stops = tuple(stops)
     came_s = {(stop.number, stop.station_id): stop.arrival_s for stop in stops if stop.arrival_s is not None}
     stated_s = {(s.number, s.station_id): s.stated_late_s for s in stops if s.stated_late_s is not None}
-    cut = {stop.number: stop.stated_late_s for stop in stops if stop.stated_late_s is not None}
-    trains = [train for train in timetable.trains.values() if train.revenue]
-    ends = [(train.number, train.calls[-1].station_id) for train in trains]
-    missing = [number for number, station in ends if (number, station) not in came_s and number not in cut]
+    cut = {number: late_s for (number, _), late_s in stated_s.items()}
+    ends = [
+        (number, timetable.trains[number].calls[-1].station_id) for number in numbers_due(timetable, end_s)[0]
+    ]
+    ended = {(s.number, s.station_id) for s in stops if (s.arrival_s, s.departure_s) != (None, None)}
+    missing = [end[0] for end in ends if end not in ended and end not in stated_s]
     ran = {stop.number for stop in stops if not stop.cancelled}
     planned = {
         (train.number, call.station_id): float(call.arrival_s)
-        for train in trains
+        for train in timetable.trains.values()
         for call in train.calls[1:]
-        if call.stops and call.arrival_s is not None
+        if train.revenue and call.stops and call.arrival_s is not None
     }
+    # Where a train is ended it has come, although it does not leave.
     late = {
-        stop: stated_s.get(stop, min(came_s.get(stop, end_s), end_s) - planned_s)
-        for stop, planned_s in planned.items()
+        stop: min(came_s[stop], end_s) - at_s if stop in came_s else stated_s.get(stop, end_s - at_s)
+        for stop, at_s in planned.items()
+        if at_s <= end_s or stop in came_s
     }
     late_s = np.array(list(late.values()))
     worst = max(late, key=lambda stop: late[stop], default=None)
     ends_s = [max(late.get(end, 0.0), cut.get(end[0], 0.0)) for end in ends]
     return DayFigures(
-        planned_trains=len(trains),
-        arrived_trains=sum(end in came_s for end in ends),
+        planned_trains=len(ends),
+        arrived_trains=sum(end in ended for end in ends),
         missing=tuple(sorted(missing)),
-        planned_arrivals=len(planned),
-        arrivals=len(planned.keys() & came_s.keys()),
+        planned_arrivals=len(late),
+        arrivals=len(late.keys() & came_s.keys()),
         within=tuple(
-            sum(s < limit_s for stop, s in late.items() if stop in came_s) / max(len(planned), 1)
+            sum(s < limit_s for stop, s in late.items() if stop in came_s) / max(len(late), 1)
             for limit_s in LIMITS_S
         ),
         mean_late_s=_rounded(float(late_s.mean())) if late else None,

@@ -104,7 +104,7 @@ def driving_table(
     }
     left = margins.select("train", "from_station", "to_station", "left_s").iter_rows()
     late_s = {(train, a, b): None if left_s is None else -left_s for train, a, b, left_s in left}
-    errors = stops.select("train", "station", "stop_error_m").iter_rows()
+    errors = stops.filter(~pl.col("cancelled")).select("train", "station", "stop_error_m").iter_rows()
     error_m = {(train, station): error for train, station, error in errors}
     return make_table("driving", driven_hops(result.energy, stocks, late_s, error_m))
 

@@ -1,9 +1,9 @@
 """When a line was late, and how long until no train was any more (遅延の回復).
 
 A train is late from LATE_S after a departure that it should have made, until it leaves a stop less late than that or
-has come to its last; one that never comes there is late from its next call until the run ends whatever happens, a call
-that was cancelled for as long as the scenario states. Stretches of such times, of all trains together, are cut where
-for a moment no train is late.
+has come to its last; one that never comes there is late from the first call that it misses until the run ends whatever
+happens, a call that was cancelled for as long as the scenario states. Stretches of such times, of all trains together,
+are cut where for a moment no train is late.
 """
 
 from __future__ import annotations
@@ -47,18 +47,21 @@ def late_stretches(
         if not stop.cancelled:
             by_train[stop.number].append(stop)
     cancelled = [stop for stop in stops if stop.cancelled]
-    cut = {stop.number for stop in cancelled}
+    cut = {(stop.number, stop.station_id) for stop in cancelled}
     found = [
         one
         for number, own in by_train.items()
         for one in _of_train(own, timetable.trains[number].calls[-1].station_id, end_s)
     ]
     for number, train in timetable.trains.items():
-        been = {stop.station_id for stop in by_train.get(number, ())}
-        made = max((k for k, call in enumerate(train.calls, 1) if call.station_id in been), default=0)
-        from_s = train.calls[made].last_s + LATE_S if made < len(train.calls) else end_s
-        if from_s < end_s and number not in cut:
-            found.append(LateStretch(from_s, end_s, over=False))
+        own = by_train.get(number, ())
+        came = {s.station_id for s in own if (s.arrival_s, s.departure_s) != (None, None)}
+        ahead = max((k for k, call in enumerate(train.calls, 1) if call.station_id in came), default=0)
+        missed = next((call for call in train.calls[ahead:] if call.stops), None)
+        if missed is None or (number, train.calls[-1].station_id) in cut:
+            continue
+        if missed.last_s + LATE_S < end_s:
+            found.append(LateStretch(missed.last_s + LATE_S, end_s, over=False))
     for stop in cancelled:
         planned_s = stop.planned_departure_s or stop.planned_arrival_s or 0.0
         found.append(LateStretch(planned_s + LATE_S, planned_s + (stop.stated_late_s or 0.0) + LATE_S))

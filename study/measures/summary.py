@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Final, cast
 
 import polars as pl
 
 from network.timetable import CallKind, Timetable
-from simulation.result import DRAWN
+from simulation.result import DRAWN, numbers_due
 from simulation.tolerance import OFF_MARK_M
 from study.measures.driving import driving_summary
 from study.measures.missing import planned_times
@@ -44,21 +45,11 @@ def summarise(tables: RunTables, timetable: Timetable, end_s: float | None = Non
     stops = tables.stops
     error_m = stops["stop_error_m"].drop_nulls()
     telegrams = tables.telegrams
-    due = {
-        number
-        for number, train in timetable.trains.items()
-        if train.revenue and (end_s is None or train.calls[-1].first_s <= end_s)
-    }
-    planned = len(due)
-    arrived = len(due & arrived_trains(stops, timetable))
-    cancelled, shortened = cut_trains(stops)
+    trains = trains_counted(stops, timetable, end_s)
     late, early, passed = worst_late(stops, timetable, end_s), worst_early(stops), worst_passing(stops)
-    none_came = planned > 0 and arrived == 0
+    none_came = trains["trains_planned"] > 0 and trains["trains_arrived"] == 0
     return {
-        "trains_planned": planned,
-        "trains_arrived": arrived,
-        "trains_cancelled": len(due & cancelled),
-        "trains_shortened": len(due & shortened),
+        **trains,
         "late_s_max": None if none_came else 0.0 if late is None else late["late_s"],
         "late_at": None if none_came else late,
         "late_passing_s_max": None if passed is None else passed["late_s"],
@@ -129,6 +120,18 @@ def worst_off(stops: pl.DataFrame) -> dict[str, Any] | None:
     worst = off.sort(pl.col("stop_error_m").abs(), descending=True, maintain_order=True).head(1)
     found = worst.select("train", "station", error_m="stop_error_m").to_dicts()
     return found[0] if found else None
+
+
+def trains_counted(stops: pl.DataFrame, timetable: Timetable, end_s: float | None) -> dict[str, int]:
+    """The first four figures of `summarise`."""
+    due = set(numbers_due(timetable, math.inf if end_s is None else end_s)[0])
+    cancelled, shortened = cut_trains(stops)
+    return {
+        "trains_planned": len(due),
+        "trains_arrived": len(due & arrived_trains(stops, timetable)),
+        "trains_cancelled": len(due & cancelled),
+        "trains_shortened": len(due & shortened),
+    }
 
 
 def arrived_trains(stops: pl.DataFrame, timetable: Timetable) -> set[str]:

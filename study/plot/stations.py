@@ -239,7 +239,8 @@ def _short(name: str) -> str:
 
 def punctuality_table(run: ChosenRun) -> pl.DataFrame:
     """Punctuality by station, of the choice."""
-    times = run.rows_in_window(planned_times(run.tables.stops, run.timetable), "planned_s")
+    end_s = run.read.summary.get("latest_end_s")
+    times = run.rows_in_window(planned_times(run.tables.stops, run.timetable, end_s), "planned_s")
     if run.choice.train is not None:
         times = times.filter(pl.col("train") == run.choice.train)
     found = punctuality(times, run.line)

@@ -161,9 +161,9 @@ def draw_delays(run: ReportedRun) -> Figure | None:
         return None
     late = {
         (train, station): CallLateness(arrival_s, departure_s)
-        for train, station, arrival_s, departure_s in run.tables.stops.select(
-            "train", "station", "late_arrival_s", "late_departure_s"
-        ).iter_rows()
+        for train, station, arrival_s, departure_s in run.tables.stops.group_by("train", "station")
+        .agg(pl.col("late_arrival_s", "late_departure_s").drop_nulls().first())
+        .iter_rows()
     }
     height_in = 0.75 + 0.19 * max(len(trains) for _, trains in groups)
     figure = Figure(figsize=(WIDTH_IN, max(height_in, 1.6)), layout="constrained")

@@ -137,9 +137,8 @@ def trains_shown(run: ReportedRun) -> list[dict[str, Any]]:
     A call is (station, track, kind, planned arrival and departure, arrival, departure, error at the mark); what ran
     is joined in the order in which the train came by.
     """
-    ran = {
-        train: rows.to_dicts() for (train,), rows in run.tables.stops.group_by("train", maintain_order=True)
-    }
+    came = run.tables.stops.filter(~pl.col("cancelled"))
+    ran = {train: rows.to_dicts() for (train,), rows in came.group_by("train", maintain_order=True)}
     units = {number: d.stock_id for d in run.timetable.diagrams for number in d.train_numbers}
     units |= {train: unit for unit, train in run.courses}
     return [_train(run, number, ran.get(number, []), units.get(number)) for number in run.trains]

@@ -25,21 +25,6 @@ _LEFT_OUT_SHARE: Final = 0.035  # least distance of station names, share of the 
 _LABEL_WIDTH_SHARE: Final = 0.022  # a gradient or curve narrower than this carries no figure
 
 
-def chosen_trains(run: ReportedRun) -> tuple[tuple[str, str], ...]:
-    """(unit, train) of each direction worth a curve: most calls made, then latest, then first."""
-    by_train = run.tables.stops.group_by("train").agg(
-        pl.col("arrival_s").count().alias("calls"), pl.col("late_arrival_s").max().alias("late_s")
-    )
-    rank = {train: (calls, late_s or 0.0) for train, calls, late_s in by_train.iter_rows()}
-    chosen: list[tuple[str, str]] = []
-    for direction in Direction:
-        ran = [key for key in run.courses if run.directions[key[1]] == direction]
-        moved = [key for key in ran if run.courses[key]["kilometrage_m"].n_unique() > 1]
-        if moved:
-            chosen.append(max(moved, key=lambda key: rank.get(key[1], (0, 0.0))))
-    return tuple(chosen)
-
-
 def in_km(at_m: float, _place: int | None) -> str:
     """A kilometrage as the axis has it, km."""
     return f"{at_m / 1000:g}"

@@ -49,7 +49,7 @@ def tables_shown(
         *(() if drill is None else _drill(drill)),
         *_changes(facts.get("changes", ())),
         _occupation(run),
-        _punctuality(run),
+        _punctuality(run, facts.get("latest_end_s")),
         *energy_tables(run, facts),
         *driving_tables(run),
         *battery_tables(run, facts),
@@ -99,8 +99,9 @@ _PUNCTUALITY: Final = {
 _OF_CALLS: Final = {"arrival": phrase("arrivals"), "departure": phrase("departures")}
 
 
-def _punctuality(run: ReportedRun) -> Table:
+def _punctuality(run: ReportedRun, end_s: float | None) -> Table:
     """Arrivals and departures of each station against the plan."""
+    times = planned_times(run.tables.stops, run.timetable, end_s)
     rows = [
         row
         | {
@@ -108,7 +109,7 @@ def _punctuality(run: ReportedRun) -> Table:
             "what": _OF_CALLS[row["what"]].both,
             "plan_in": phrase("whole minutes" if row["whole_minutes"] else "seconds too").both,
         }
-        for row in punctuality(planned_times(run.tables.stops, run.timetable), run.line).iter_rows(named=True)
+        for row in punctuality(times, run.line).iter_rows(named=True)
     ]
     return table_of("punctuality", phrase("Punctuality by station"), rows, _PUNCTUALITY)
 

@@ -63,6 +63,7 @@ def payload_of(run: ReportedRun, facts: Mapping[str, Any], shows: PageContents) 
         "pictures": {name: picture.for_page() for name, picture in PICTURES.items()},
         "line": line_shown(run.line),
         "window": [begin_s, end_s],
+        "due": facts.get("latest_end_s"),  # what is planned for later is not missing
         "trains": trains_shown(run),
         "sections": sections_shown(run),
         "devices": devices_shown(run.line),

@@ -20,13 +20,14 @@ from numpy.typing import NDArray
 
 QUANTILES: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
 DIGITS: Final = 6
+SIGNS_ALIKE_BY_CHANCE: Final = 0.05
 SKEW_MIN: Final = 1e-6  # less makes no difference
 LATER: Final = 1.5  # assumed: so many times as many days at the next look
 
 
 @dataclass(frozen=True, slots=True)
 class FigureEstimate:
-    """A figure with its confidence interval; of `days` days. None where there are too few."""
+    """A figure with its confidence interval; of `days` days. None where there are too few, or all are alike."""
 
     days: int
     value: float | None
@@ -40,8 +41,13 @@ class FigureEstimate:
 
     @property
     def apart_from_0(self) -> bool:
-        """Whether the interval lies on one side of 0: a difference that chance alone hardly makes."""
-        return self.low is not None and self.high is not None and (self.low > 0.0 or self.high < 0.0)
+        """Whether the interval lies on one side of 0: a difference that chance alone hardly makes.
+
+        Of days that are all alike by the sign test: six of them or more.
+        """
+        if self.low is None or self.high is None:
+            return bool(self.value) and 0.5 ** (self.days - 1) < SIGNS_ALIKE_BY_CHANCE
+        return self.low > 0.0 or self.high < 0.0
 
     @property
     def text(self) -> str:
@@ -76,11 +82,11 @@ class RunningMoments:
         self._squares += square
 
     def estimate(self, confidence: float) -> FigureEstimate:
-        """The mean so far."""
+        """The mean so far; without an interval while none differs: how far others would, such days do not say."""
         if not self.count:
             return FigureEstimate(0, None)
         value = _rounded(self.mean)
-        if self.count < 2:
+        if self._squares <= 0.0:
             return FigureEstimate(self.count, value)
         error = math.sqrt(self._squares / (self.count - 1) / self.count)
         reach = float(scipy.stats.t.ppf(0.5 + confidence / 2.0, self.count - 1))
@@ -91,7 +97,7 @@ class RunningMoments:
     @property
     def _skewness(self) -> float:
         """Of the figures so far; 0 where there are too few to see any."""
-        if self.count < 3 or self._squares <= 0.0:
+        if self.count < 3:
             return 0.0
         count = self.count
         biased = self._cubes / count / math.pow(self._squares / count, 1.5)
@@ -119,9 +125,6 @@ def quantile_of(values: Sequence[float], share: float, confidence: float) -> Fig
     tail = (1.0 - confidence) / 2.0
     below = int(scipy.stats.binom.ppf(tail, count, share))
     above = int(scipy.stats.binom.ppf(1.0 - tail, count, share)) + 1
-    # P(X(below) <= quantile) needs one step down where the binomial has already more than the tail below it.
-    if below and scipy.stats.binom.cdf(below - 1, count, share) > tail:
-        below -= 1
     if below < 1 or above > count:
         return FigureEstimate(count, value)
     return FigureEstimate(

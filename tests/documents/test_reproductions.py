@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from documents.reproductions import cell_text, document, kept_of, kept_outcomes
 from papers.reproduction import CaseRow, NullMethod, Reproduction
 from papers.specification import REPRODUCTIONS
@@ -36,6 +38,14 @@ def test_a_null_method_that_meets_the_case_is_told() -> None:
     name = next(iter(REPRODUCTIONS))
     assert "meets it too" in document({name: kept_of(made(met))})
     assert "meets it too" not in document({name: kept_of(made())})
+
+
+def test_where_the_idea_misses_all_cases_of_its_null_method_the_page_says_that_nothing_is_shown() -> None:
+    missed = tuple(replace(row, passed=False) for row in OWN)
+    found = Reproduction("made", "Made up", (), (*missed, *NULL.rows(WITHOUT)), null=NULL)
+    name = next(iter(REPRODUCTIONS))
+    assert "neither meets it" in document({name: kept_of(found)})
+    assert "neither meets it" not in document({name: kept_of(made())})
 
 
 def test_the_page_says_what_misses_and_what_it_hangs_on() -> None:

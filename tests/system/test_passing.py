@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from pathlib import Path
 
 import polars as pl
@@ -10,9 +11,13 @@ import pytest
 from exchange.new_line import NewLineOptions, write_line
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
+from network.timetable import CallKind
 from scenario.scenario import load_scenario
+from simulation.world.roster import drawn_up
+from study.collect.stops import with_passings
 from study.feasibility.check import feasibility
 from study.feasibility.finding import FindingKind, Severity
+from study.record.spans import rows_by_span
 from study.runner.run import FinishedRun, PartyLink, execute
 
 # 1D passes Ogane, where 2U stands for it; 2U arrives there only shortly before where it does so `late`.
@@ -102,6 +107,14 @@ def test_a_train_passes_at_its_time_and_without_a_stand_where_another_waits_for_
     stood = rows(run, "2U")["OGN"]
     assert stood["kind"] == "operational"
     assert stood["arrival_s"] < passing["OGN"]["departure_s"] < stood["departure_s"]  # type: ignore[operator]
+    # A train that is sent another way, or ended, somewhere between has two spans.
+    spans = [
+        cut for span, trace in rows_by_span(run.result) for cut in ((span, trace[:600]), (span, trace[600:]))
+    ]
+    setup = run.scenario.setup
+    calls = with_passings(run.result.stops, chain.from_iterable(drawn_up(setup, setup.line).values()), spans)
+    passed_s = [call.departure_s for call in calls if call.kind is CallKind.PASS]
+    assert passed_s == [passing[station]["departure_s"] for station in ("NIT", "OGN")]
 
 
 @pytest.mark.system

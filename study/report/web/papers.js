@@ -17,8 +17,8 @@ export function punctualityClasses(day) {
   const found = [];
   for (const station of day.line.stations) {
     for (const [what, planned, came] of [["arrival", "pa", "a"], ["departure", "pd", "d"]]) {
-      const calls = day.trains.flatMap((train) => train.calls)
-        .filter((call) => call.station === station && !Number.isNaN(call[planned]) && call.kind !== "pass");
+      const calls = day.trains.flatMap((train) => train.calls).filter((call) => call.station === station && call.kind !== "pass"
+        && !Number.isNaN(call[planned]) && !(Number.isNaN(call[came]) && call[planned] > (day.due ?? Infinity)));
       if (!calls.length) continue;
       const classes = CLASSES.map(() => 0);
       for (const call of calls) classes[classOf(call[came] - call[planned])] += 1;

@@ -73,6 +73,14 @@ def test_nothing_is_better_for_trains_that_never_ran(weekday: ReportedRun) -> No
             assert figure(fewer, group, name, "s") > figure(weekday, group, name, "s") + 60.0
 
 
+def test_of_a_part_of_a_day_trains_are_counted_as_in_its_summary(weekday: ReportedRun) -> None:
+    end_s = 8 * 3600.0
+    due = {n for n, train in weekday.timetable.trains.items() if train.calls[-1].first_s <= end_s}
+    counted = {f.name: f.value for f in figures_of(side(weekday, latest_end_s=end_s)) if f.group == "trains"}
+    assert 0 < len(due) < len(weekday.timetable.trains)
+    assert counted["planned"] == counted["ran their whole journey"] == len(due)
+
+
 def test_figures_of_a_run_without_anything_are_none_or_nought(weekday: ReportedRun) -> None:
     empty = ReportedRun(
         weekday.line,

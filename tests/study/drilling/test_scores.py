@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import polars as pl
 import pytest
 
 from simulation.faults.devices import PowerCut
@@ -14,10 +15,11 @@ FAULT = ScriptedFault(PowerCut(target="B-W"), Trigger(at_s=100.0))
 ACT = Act(ActKind.REENTER_ASSISTED, "", Trigger(at_s=300.0))
 
 
-def stops(*departures: tuple[float, float]) -> object:
+def stops(*departures: tuple[float, float]) -> pl.DataFrame:
     """A table of stops from (planned, actual) departures."""
     rows = [
-        {"planned_departure_s": planned, "departure_s": actual, "revenue": True, "unit": "K1", "train": "T1"}
+        {"planned_departure_s": planned, "departure_s": actual, "late_departure_s": actual - planned}
+        | {"revenue": True, "unit": "K1", "train": "T1"}
         for planned, actual in departures
     ]
     return make_table("stops", {name: [row.get(name) for row in rows] for name in schema_of(ROWS["stops"])})
@@ -37,8 +39,17 @@ def test_normal_again_from_the_last_late_departure_after_the_last_heal(
     departures: list[tuple[float, float]], normal_after_s: float
 ) -> None:
     courses = (ItemCourse(FAULT, 100.0, 200.0), ItemCourse(ACT, 300.0))
-    scores = score(courses, stops(*departures), 100.0, all_arrived=True)  # type: ignore[arg-type]
+    scores = score(courses, stops(*departures), 100.0, all_arrived=True)
     assert (scores.healed_s, scores.normal_after_s, scores.late_s_max) == (300.0, normal_after_s, 100.0)
+
+
+def test_a_departure_that_is_cancelled_is_not_back_to_normal() -> None:
+    """Planned 20 s after the heal, it counts as leaving 600 s late."""
+    table = stops((320.0, 920.0)).with_columns(
+        departure_s=pl.lit(None, pl.Float64), cancelled=pl.lit(value=True)
+    )
+    courses = (ItemCourse(FAULT, 100.0, 300.0),)
+    assert score(courses, table, 600.0, all_arrived=True).normal_after_s == 620.0
 
 
 def test_a_fault_that_lasts_heals_never() -> None:
@@ -58,5 +69,5 @@ def test_a_fault_that_lasts_heals_never() -> None:
 def test_where_there_is_no_time_back_to_normal_it_says_why(
     courses: tuple[ItemCourse, ...], all_arrived: bool, why: str
 ) -> None:
-    scores = score(courses, stops(), 0.0, all_arrived=all_arrived)  # type: ignore[arg-type]
+    scores = score(courses, stops(), 0.0, all_arrived=all_arrived)
     assert (scores.normal_after_s, scores.why.en) == (None, why)

@@ -12,11 +12,12 @@ import pytest
 from network.model import Position
 from onboard.notes import Departs, MissionBegun, Overran, Proven, Resumed, UnitRestarted
 from simulation.events import Danger, Event, Unsafe
-from simulation.faults.script import Expectation, Matcher, Property
+from simulation.faults.script import Expectation, Matcher, Property, Script
 from simulation.journal import Journal
 from simulation.judge.checkers import Violation
-from simulation.result import Ending, RunResult
+from simulation.result import Ending, RunResult, StopRecord
 from simulation.world.records import TRACE
+from study.drilling.outcome_class import OutcomeKind, swept_run_of
 from study.drilling.verdict import judge
 from study.record.figure import schema_of
 from study.record.tables import ROWS, RunTables, make_table
@@ -203,3 +204,25 @@ def test_speed_is_judged_within_its_stretch_by_the_truth() -> None:
     fast_inside = tables(trajectory=trajectory((15.0, SLOW_MPS), (25.0, 5.0)))
     assert verdict(slow, RUN, fast_inside) == (False, "at most 18.0 km/h")
     assert verdict(slow, RUN)[1] == "stood all the time"
+
+
+def stop_of(number: str, station: str, stated_late_s: float | None = None) -> StopRecord:
+    return StopRecord("K1", number, True, station, "1", 0.0, None, stated_late_s=stated_late_s)
+
+
+ENDED_AT_B = [stop_of("T1", "B"), stop_of("T1", "B", 90.0), stop_of("T1", "C", 90.0)]
+BEGUN_AT_B = [stop_of("T2", "C", 60.0), stop_of("T2", "B", 60.0), stop_of("T2", "B")]
+
+
+def test_of_trains_cut_by_order_it_is_not_said_that_all_arrived() -> None:
+    everyone = Expectation("t", holds=Property.EVERYONE_ARRIVES)
+    cut = {"stops": [*ENDED_AT_B, *BEGUN_AT_B], "trains_planned": ("T1", "T2")}
+    done = result_of(trains_arrived=("T2",), **cut)
+    assert verdict(everyone, done) == (True, "all arrived but what was cancelled: T1")
+    swept = swept_run_of(done, Script())
+    assert (swept.kind, swept.late_s) == (OutcomeKind.LATE, 90.0)
+    assert swept.label == "all arrive, late, but for what was cancelled"
+    stuck = result_of(
+        trains_arrived=(), **cut
+    )  # T2 begins at B, as it was told to, and never comes to its end
+    assert verdict(everyone, stuck) == (False, "1 trains did not arrive: T2")

@@ -17,7 +17,7 @@ def make_stops() -> Callable[[Sequence[Row]], pl.DataFrame]:
 
     def make(rows: Sequence[Row]) -> pl.DataFrame:
         known = [
-            {"train": t, "station": s, "arrival_s": a, "departure_s": d, "revenue": True}
+            {"train": t, "station": s, "arrival_s": a, "departure_s": d, "revenue": True, "cancelled": False}
             for t, s, a, d in rows
         ]
         return make_table(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -44,6 +46,7 @@ THREE = plan(
 )
 
 
+ONE: list[tuple[str, int | None, int | None]] = [("A", None, 0), ("B", 100, 110), ("C", 200, None)]
 OF_CROSSINGS = ("closed_road_min", "least_warned_s")  # of the journal, tests/system/test_crossings.py
 END_S = 500.0 + 3600.0  # an hour after the last planned time
 
@@ -105,6 +108,43 @@ def test_no_figure_is_better_for_arrivals_that_do_not_come(data: st.DataObject) 
 def test_lateness_of_what_came_alone_is_better_for_trains_that_do_not(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """The rule switched off: what never came counts as on time."""
-    monkeypatch.setattr(day_figures, "latest_end_s", lambda timetable: 0.0)
-    assert figures_of_stops([], THREE).mean_late_s < 0.0
+    """The rule switched off: who never came counts as if he had come by the last planned time."""
+    monkeypatch.setattr(day_figures, "latest_end_s", lambda timetable: 500.0)
+    late = [stop(n, at, due_s, due_s + 900.0) for n, at, due_s in (("1", "B", 100.0), ("3", "B", 500.0))]
+    assert figures_of_stops([], THREE).mean_late_s == (400 + 300 + 400 + 200 + 0) / 5
+    assert figures_of_stops(late, THREE, END_S).mean_late_s > 5 * figures_of_stops([], THREE).mean_late_s
+
+
+def test_of_a_part_of_a_day_what_is_due_by_its_end_is_planned() -> None:
+    """At 250 s train 1 has come to C 20 s late, 2 stands beyond its time at B; 2 at A and 3 are not due."""
+    stops = [stop("1", "B", 100.0, 130.0), stop("1", "C", 200.0, 220.0), stop("2", "C", 50.0, None)]
+    figures = figures_of_stops(stops, THREE, 250.0)
+    assert (figures.planned_trains, figures.arrived_trains, figures.missing) == (1, 1, ())
+    assert (figures.planned_arrivals, figures.arrivals) == (3, 2)
+    assert figures.mean_late_s == pytest.approx((30 + 20 + (250 - 100)) / 3, abs=1e-3)
+    assert (figures.worst_train, figures.worst_late_s) == ("2", 150.0)
+    assert figures.lost_train_minutes == pytest.approx(20 / 60, abs=1e-3)
+
+
+def test_who_is_ended_at_a_station_has_come_there() -> None:
+    """1 comes to B 40 s late and is ended there: its departure from B and C are cancelled, an hour late."""
+    cut = [replace(stop("1", "B", None, None), stated_late_s=3600.0)]
+    cut.append(replace(stop("1", "C", 200.0, None), stated_late_s=3600.0))
+    figures = figures_of_stops([stop("1", "B", 100.0, 140.0), *cut], plan({"1": ONE}))
+    assert (figures.arrivals, figures.within[0], figures.mean_late_s) == (1, 0.5, (40 + 3600) / 2)
+    assert (figures.shortened, figures.missing) == (("1",), ())
+
+
+def test_who_begins_later_by_order_and_never_comes_to_its_end_is_missing() -> None:
+    """1 begins at B, as the scenario's hour late at A; it never comes to C."""
+    begun = [replace(stop("1", "A", None, None), stated_late_s=3600.0), stop("1", "B", None, None)]
+    figures = figures_of_stops(begun, plan({"1": ONE}), 5000.0)
+    assert (figures.missing, figures.shortened) == (("1",), ("1",))
+    assert figures.worst_late_s == 5000.0 - 100.0
+
+
+def test_a_train_that_calls_but_once_has_arrived_when_it_leaves() -> None:
+    once = plan({"1": [("A", None, 100)]})
+    left = replace(stop("1", "A", None, None), planned_departure_s=100.0, departure_s=110.0)
+    assert (figures_of_stops([left], once).arrived_trains, figures_of_stops([left], once).missing) == (1, ())
+    assert figures_of_stops([replace(left, departure_s=None)], once).missing == ("1",)

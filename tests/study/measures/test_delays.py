@@ -28,10 +28,11 @@ from network.timetable import (
 )
 from onboard.notes import PositionFault, Resumed
 from radio.noted import Noted
-from simulation.events import MANAGER, WORLD, CameLate, DoorsHeld, Entered
+from simulation.events import MANAGER, WORLD, CameLate, DoorsHeld, Entered, PowerOff
 from simulation.journal import Journal
 from simulation.result import Ending, RunResult, StopRecord, Waiting
 from simulation.setup import Setup
+from study.measures.day_figures import day_figures
 from study.measures.deadlock import deadlocked
 from study.measures.delays import LatenessGrowth, delays_of
 from study.measures.recovery import LateStretch, joined_stretches, late_stretches, recoveries_s
@@ -145,6 +146,11 @@ def test_late_entry_is_primary_and_the_queue_outside_secondary(setup: Setup) -> 
         (comes_s - 180.0 + 65.0, WORLD, Entered(unit_id="K1", train="1", edge_ids=("e",))),
     ]
     assert split(delays_of(result(stops, entries), own)) == [("1", "A", 120.0, 60.0, 20.0)]
+    # Off before its portal it waits for nobody, and for ever that is its failure alone.
+    off = (comes_s - 400.0, WORLD, PowerOff(device_id="K1"))
+    assert split(delays_of(result(stops, [off, *entries]), own)) == [("1", "A", 200.0, 0.0, 0.0)]
+    (never, *_) = delays_of(result((), [off]), own)
+    assert (never.primary_s, never.secondary_s) == (never.grown_s, 0.0) and never.grown_s > 3600.0
 
 
 def test_what_a_train_loses_on_sight_is_its_failures(setup: Setup) -> None:
@@ -172,9 +178,20 @@ def test_late_until_a_departure_on_time_the_last_stop_or_for_ever(setup: Setup) 
     assert late_stretches(ON_TIME[:3], plan) == (LateStretch(1860.0, 5900.0, over=False),)
     on_the_way = ON_TIME[:4]  # left to plan, and never came
     assert late_stretches(on_the_way, plan) == (LateStretch(2360.0, 5900.0, over=False),)
-    before_b = ON_TIME[:1]  # it should have left B at 1230
-    assert late_stretches(before_b, plan) == (LateStretch(1290.0, 5900.0, over=False),)
-    assert late_stretches(before_b, plan, 1280.0) == ()  # as far as the run has come
+    to_b = [ON_TIME[0]]  # left A to plan, and came nowhere: late from 60 s after it should have left B
+    assert late_stretches(to_b, plan) == (LateStretch(1290.0, 5900.0, over=False),)
+    assert late_stretches(to_b, plan, 1280.0) == ()  # as far as the run has come
+    begun = [replace(ON_TIME[0], stated_late_s=60.0), stop("1", "B", (None, 1230.0), (None, 1230.0))]
+    assert late_stretches(begun, plan)[-1] == LateStretch(
+        1560.0, 5900.0, over=False
+    )  # by order from B
+
+
+def test_a_day_that_never_recovers_has_no_recovery_of_none(setup: Setup) -> None:
+    """The unit fails before it has left, for ever: nothing arrives, of which the failure is the cause."""
+    figures = day_figures(result([], [(900.0, WORLD, PowerOff(device_id="K1"))], Ending.STALLED), setup)
+    assert (figures.primary_delays, figures.recovered) == (1, False)
+    assert figures.recovery_mean_s == figures.primary_s == 5900.0 - 1200.0
 
 
 def test_a_delay_is_over_when_the_stretch_in_which_it_came_is(setup: Setup) -> None:

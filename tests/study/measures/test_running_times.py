@@ -144,6 +144,9 @@ def test_margins_worked_out_by_hand(make_stops: MakeStops) -> None:
         ("T1", "B", 300.0, 10.0, pytest.approx(100 / 29), 301.0, -3.0),
         ("T3", "A", 100.0, -10.0, pytest.approx(-1000 / 110), None, None),  # it never ran
     ]
+    # T1 is ended at C: the departure from there, which does not come, has a row of its own.
+    ended = stops.tail(1).with_columns(arrival_s=pl.lit(None, pl.Float64), cancelled=pl.lit(value=True))
+    assert margins_of(legs(), pl.concat([stops, ended])).equals(made)
     found = smallest(made)
     assert found is not None
     assert (found["smallest_margin_s"]["train"], found["smallest_margin_s"]["margin_s"]) == ("T3", -10.0)

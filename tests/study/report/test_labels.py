@@ -16,10 +16,11 @@ from matplotlib.text import Text
 
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
+from network.model import Direction
 from study.measures.summary import summarise
 from study.report import graph, labels
 from study.report.charts import draw_delays, draw_energy, draw_stop_errors
-from study.report.curve import chosen_trains, draw_run_curve
+from study.report.curve import draw_run_curve
 from study.report.data import ReportedRun
 from study.report.graph import draw_train_graph, station_label
 from study.report.labels import Box, dense
@@ -34,6 +35,12 @@ DAYS = (
 )
 
 
+def one_each_way(run: ReportedRun) -> list[tuple[str, str]]:
+    """(unit, train) of the longest course down, and up."""
+    ways = ([key for key in run.courses if run.directions[key[1]] is way] for way in Direction)
+    return [max(own, key=lambda key: len(run.courses[key])) for own in ways if own]
+
+
 def figures(run: ReportedRun) -> dict[str, Figure]:
     drawn = {
         "graph": draw_train_graph(run)[0],
@@ -41,7 +48,7 @@ def figures(run: ReportedRun) -> dict[str, Figure]:
         "energy": draw_energy(run),
         "errors": draw_stop_errors(run, summarise(run.tables, run.timetable)),
         "delays": draw_delays(run),
-        **{f"curve of {train}": draw_run_curve(run, unit, train) for unit, train in chosen_trains(run)},
+        **{f"curve of {train}": draw_run_curve(run, unit, train) for unit, train in one_each_way(run)},
     }
     return {name: figure for name, figure in drawn.items() if figure is not None}
 

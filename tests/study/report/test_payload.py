@@ -90,6 +90,47 @@ def test_calls_are_those_of_plan_and_run(weekday: ReportedRun) -> None:
         assert Direction(train["direction"]) is planned.direction
 
 
+def test_of_a_train_that_is_cut_what_came_is_shown_and_its_cancelled_calls_as_planned(
+    weekday: ReportedRun,
+) -> None:
+    """321M comes to Ogane and is ended there; the departure that does not come has a row of its own."""
+    stops = weekday.tables.stops.filter(pl.col("train") == "321M")
+    at = stops["station"].to_list().index("OGN")
+    none = {name: pl.lit(None, pl.Float64) for name in ("arrival_s", "departure_s", "stop_error_m")}
+    cut = stops.slice(at).with_columns(**none, cancelled=pl.lit(value=True))
+    ended = stops.head(at + 1).with_columns(
+        departure_s=pl.when(pl.col("station") != "OGN").then("departure_s")
+    )
+    others = weekday.tables.stops.filter(pl.col("train") != "321M")
+    (shown,) = (
+        train
+        for train in trains_shown(with_table(weekday, stops=pl.concat([ended, cut, others])))
+        if train["number"] == "321M"
+    )
+    assert shown["station"] == stops["station"].to_list()
+    came = [None if s is None else round(s, 1) for s in stops["arrival_s"].head(at + 1)]
+    assert unpacked(shown["a"]) == [*came, *[None] * (len(stops) - at - 1)]
+
+
+def test_punctuality_of_a_part_of_a_day_counts_what_is_due(weekday: ReportedRun) -> None:
+    """Nothing ran, and the run was ended at 06:00."""
+    run, end_s = with_table(weekday, stops=weekday.tables.stops.clear()), 6 * 3600.0
+    due_s = [
+        end_s - call.arrival_s
+        for train in weekday.timetable.trains.values()
+        for call in train.calls[1:]
+        if call.arrival_s is not None and call.arrival_s <= end_s
+    ]
+    facts = {**summarise(run.tables, run.timetable, end_s), "latest_end_s": end_s}
+    (table,) = (t for t in payload_of(run, facts, PageContents())["tables"] if t["id"] == "punctuality")
+    columns = {column["label"]: column["values"] for column in table["columns"]}
+    row = list(zip(columns["station"], (what[0] for what in columns["what"]), strict=True)).index(
+        ("", "arrivals")
+    )
+    assert columns["planned"][row] == len(due_s) > 0
+    assert columns["mean_s"][row] == pytest.approx(sum(due_s) / len(due_s), abs=0.05)
+
+
 def test_a_train_that_is_not_in_the_timetable_is_shown_as_it_ran(weekday: ReportedRun) -> None:
     rename = (
         pl.when(pl.col("train") == "321M").then(pl.lit("9999X")).otherwise(pl.col("train")).alias("train")

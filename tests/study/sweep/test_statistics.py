@@ -136,7 +136,7 @@ def held_when_stopped(name: str, width: float, times: int, looked: Sequence[int]
             running.add(value)
             if number in looked:
                 found = running.estimate(confidence)
-                if (found.width or math.inf) < width:
+                if found.width is not None and found.width < width:
                     break
         hits += (found.low or 0.0) <= truth <= (found.high or 0.0)
     return hits / times
@@ -166,6 +166,33 @@ def test_intervals_hold_where_the_stop_rule_ends(name: str) -> None:
     for width in SKEWED[name][2]:
         held_so_often = held_when_stopped(name, width, 300, all_looks, of_each_look(SAID, len(all_looks)))
         assert held_so_often >= LEAST - error_of(300)
+
+
+RARE: tuple[Drawn, float, tuple[float, ...]] = (
+    lambda chance, n: np.where(chance.random(n) < 0.95, 0.0, chance.exponential(310.0, n)),
+    0.05 * 310.0,
+    (100.0,),
+)
+
+
+def test_days_that_are_all_alike_end_no_sweep(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What comes on a day in 20 is on none of the first 20 days of a third of all sweeps (0.95^20 = 36 %).
+
+    An interval from 0 to 0 there says that it never comes, and would hold the truth at most in the other two thirds.
+    """
+    monkeypatch.setitem(SKEWED, "rare", RARE)
+    all_looks = looks(20, 400)
+    assert held_when_stopped("rare", 100.0, 300, all_looks, of_each_look(SAID, len(all_looks))) > 0.85
+    alike = mean_of([0.0] * 20, SAID)
+    assert (alike.value, alike.low, alike.high, alike.apart_from_0) == (0.0, None, None, False)
+
+
+@pytest.mark.parametrize(("days", "apart"), [(1, False), (5, False), (6, True)])
+def test_a_difference_that_is_the_same_every_day_is_none_of_chance_from_six_days_on(
+    days: int, apart: bool
+) -> None:
+    """Six equal signs of fair coins: 2 / 2^6, three in a hundred."""
+    assert difference_of([(0.0, 3.0)] * days, SAID).apart_from_0 is apart
 
 
 def test_looked_at_every_day_at_the_same_confidence_they_do_not(monkeypatch: pytest.MonkeyPatch) -> None:

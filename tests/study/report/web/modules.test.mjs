@@ -170,6 +170,9 @@ test("tracks, departures, punctuality and stops are those of the calls", () => {
   const rows = punctualityClasses(day);
   assert.deepEqual(rows.find((r) => r.station.id === "A" && r.what === "arrival").classes, [0, 0, 0, 0, 0, 1]);
   assert.deepEqual(rows.find((r) => r.station.id === "C" && r.what === "arrival").classes, [0, 0, 1, 0, 0, 0]);
+  const part = punctualityClasses(dayOf({ ...example(), due: 700 })); // T2 is not due at A yet
+  assert.equal(part.find((r) => r.station.id === "A" && r.what === "arrival"), undefined);
+  assert.equal(part.length, rows.length - 1);
   assert.deepEqual([-16, -15, 15, 16, 60, 61, 181, NaN].map(classOf), [0, 1, 1, 2, 2, 3, 4, 5]);
   const stops = approaches(day);
   assert.deepEqual(stops.map((s) => [s.train, s.station.id]), [["T1", "B"], ["T1", "C"]]);
