@@ -18,8 +18,6 @@ from study.runner.run import PartyLink
 from tests.browser.seated import SIZE, Seated, cut_off, overlapping, serious, served, served_desk
 from tests.nightly import others_nightly
 
-pytestmark = [pytest.mark.browser, pytest.mark.system]
-
 SEATS = ("instructor", "dispatcher", "staff", "driver&unit=V2")
 CROSSED_S = 7 * 3600 + 11 * 60 + 20.0  # a train is before its second crossing
 

@@ -16,8 +16,6 @@ from study.drilling.drill import find_drill, run_drill
 from study.runner.run import PartyLink
 from tests.browser.seated import Seated, served_desk
 
-pytestmark = [pytest.mark.browser, pytest.mark.system]
-
 BEGIN_S: Final = 6 * 3600 + 44 * 60
 END_S: Final = 9 * 3600 + 20 * 60
 LOOKS_EVERY_S: Final = 30

@@ -29,8 +29,6 @@ from study.feasibility.check import feasibility
 from study.feasibility.finding import FindingKind
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 
-pytestmark = pytest.mark.system
-
 KWH = 3.6e6
 FIRST = ("V4", "333M", "336M")  # down and back: the first round after the charger has failed
 SECOND = ("V1", "335M", "338M")  # the next, with a longer stay at Karasuyama

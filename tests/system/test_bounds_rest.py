@@ -16,8 +16,6 @@ from simulation.world.premises import FalsePositions
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from tests.system.switchboard import SWITCHES
 
-pytestmark = pytest.mark.system
-
 BEGINS_S = 36_005.0  # T1 departs at 10:00:00
 LASTS_S = 20.0
 

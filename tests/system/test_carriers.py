@@ -15,8 +15,6 @@ from simulation.carriers.carrier import Carrier, Truth
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, carrier_factory, execute
 from sumo_cfg.build import net_for
 
-pytestmark = pytest.mark.system
-
 AGREE_M, AGREE_MPS = 0.001, 0.01
 
 

@@ -21,8 +21,6 @@ from tests.nightly import others_nightly
 from tests.system.test_sidings import certified, changes_nothing
 from wayside.said import HeldBack
 
-pytestmark = pytest.mark.system
-
 FEW: Final = (
     "rtri/09_manager_power",
     "rtri/14b_manager_and_units_on_open_line",

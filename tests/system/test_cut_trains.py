@@ -17,8 +17,6 @@ from study.runner.run import FinishedRun, PartyLink
 from tests.system.test_dispatcher_orders import ordered_day
 from wayside.said import GoesOnAs, TrainCut
 
-pytestmark = pytest.mark.system
-
 # A's set is to come back as B.
 DAY: Final = """
 [[trains]]

@@ -12,8 +12,6 @@ from tests.conftest import turn_back_in
 from tests.nightly import others_nightly
 from tests.system.energy_apart import Balance, Part, balances, figures_of
 
-pytestmark = pytest.mark.system
-
 CLOSES: float = 1e-3
 LEGS_LEAST = {"turn_back": 4, "karasuyama_weekday": 200}
 

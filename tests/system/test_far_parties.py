@@ -13,8 +13,6 @@ from tests.host.far_parties import ADDRESS, Machines
 from tests.nightly import others_nightly
 from verify.evidence.inside_runs import load
 
-pytestmark = pytest.mark.system
-
 SOME = ("block-manager", "B-E", "K1")
 SLICE = ("rtri_test_line", SOME)
 RUNS = (SLICE, ("rtri_test_line", ()), ("rtri/16a_manager_store_lost", ()), ("rtri/16b_unit_store_lost", ()))

@@ -20,8 +20,6 @@ from study.record.tables import ROWS
 from study.runner.run import CarrierKind, PartyLink, execute
 from tests.nightly import others_nightly
 
-pytestmark = pytest.mark.system
-
 DAY: Final = "karasuyama_weekday"
 
 

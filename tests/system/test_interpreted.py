@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-pytestmark = [pytest.mark.system, pytest.mark.nightly]
+pytestmark = pytest.mark.nightly
 
 
 @pytest.mark.parametrize(

@@ -20,8 +20,6 @@ from study.runner.outcome import broken_rules, unfinished
 from study.runner.run import simulation_of
 from tests.nightly import others_nightly
 
-pytestmark = pytest.mark.system
-
 CUT_S: Final = 36_012.0  # 12 s after the departure
 RESTART_S: Final = 36_014.0
 DEPARTURE_S: Final = 36_300.0  # of the train behind

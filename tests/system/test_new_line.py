@@ -55,7 +55,6 @@ H,13,2,,,,portal
 }
 
 
-@pytest.mark.system
 @pytest.mark.parametrize("name", others_nightly(LISTS, ["portals"]))
 def test_real_trains_run_on_it(main: Callable[..., Any], tmp_path: Path, name: str) -> None:
     pytest.importorskip("sumo", reason="netconvert makes the net of a line that is not shipped")
@@ -83,7 +82,6 @@ def test_real_trains_run_on_it(main: Callable[..., Any], tmp_path: Path, name: s
     assert figures["late_s_max"] < 30.0
 
 
-@pytest.mark.system
 @pytest.mark.nightly
 @pytest.mark.skipif(not DATA.exists(), reason="the geometry and timetable data is not beside this checkout")
 def test_from_names_and_tracks_to_the_whole_weekday(main: Callable[..., Any], tmp_path: Path) -> None:

@@ -17,8 +17,6 @@ from study.runner.outcome import unfinished
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from wayside.said import HeldBack, OrderChanged
 
-pytestmark = pytest.mark.system
-
 DUE_S: Final = {"A": 36_000.0, "B": 36_480.0}  # 10:00 and 10:08
 
 TRAINS: Final = """

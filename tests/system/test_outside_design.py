@@ -8,11 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 from simulation.judge.checkers import Checker
-
-pytestmark = pytest.mark.system
 
 # The train has to stop before points that are not proven, with the wheels sliding all the way.
 SCRIPT = """

@@ -30,7 +30,6 @@ delay_mean_s = 2.0
 """
 
 
-@pytest.mark.system
 def test_the_run_says_what_was_changed(main: Callable[..., Any], tmp_path: Path) -> None:
     (tmp_path / "heavy.toml").write_text(WHAT_IF, "utf-8")
     ended = main("run", "heavy.toml", "--json", "--out", "out")

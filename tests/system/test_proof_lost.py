@@ -13,8 +13,6 @@ from simulation.judge.locking import RouteLocking
 from simulation.judge.points import ProvenPoints
 from study.runner.run import FinishedRun
 
-pytestmark = pytest.mark.system
-
 
 @pytest.fixture
 def excused(monkeypatch: pytest.MonkeyPatch) -> list[bool]:

@@ -25,8 +25,6 @@ from study.runner.run import CarrierKind, PartyLink, execute, simulation_of
 from sumo_cfg.road_net import RoadAt
 from tests.simulation.carriers.roads import CROSSING, Detected, road_of
 
-pytestmark = pytest.mark.system
-
 SCENARIO: Final = "rtri_test_line"
 TEN_S: Final = 36_000.0  # T1's departure
 ON_THE_WAY: Final = RoadAt(CROSSING, "6", 700.0, road_of(vehicles_per_h=(1200.0,)))

@@ -23,8 +23,6 @@ from study.collect.road import road_table
 from study.runner.outcome import broken_rules
 from study.runner.run import CarrierKind, PartyLink, execute, simulation_of
 
-pytestmark = pytest.mark.system
-
 ROAD: Final = "road = { vehicles_per_h = [600.0] }"
 EMPTY: Final = "road = { vehicles_per_h = [0.0] }"
 DETECTOR: Final = "detector = true"

@@ -22,8 +22,6 @@ from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from tests.nightly import others_nightly
 from wayside.said import Certified, HeldBack, NoOrderKnown
 
-pytestmark = pytest.mark.system
-
 WITHOUT: Final = ("01_one_siding", "02_two_sidings", "03_two_loops")
 WITH: Final = {
     "01b_one_siding_certified": "W2 waits for S3 to come to section ASA.1",

@@ -16,8 +16,6 @@ from simulation.sensors.camera import LINE_CAMERA
 from simulation.sensors.open_air import CHIP
 from tests.system.switches_compiled import Stops, run_with
 
-pytestmark = pytest.mark.system
-
 STRESSED, SIGNS = "karasuyama_stressed", "karasuyama_vision"
 ASKED_M, NEAR_M, FOLLOWING_M = 1.0, 0.35, 0.2
 NEAR_SHARE, FOLLOWING_SHARE = 0.99, 0.95

@@ -9,8 +9,6 @@ from typing import Any
 
 import pytest
 
-pytestmark = pytest.mark.system
-
 Entry = dict[str, Any]
 THROW_S = 6.0  # as the line file has it
 

@@ -13,8 +13,6 @@ from simulation.judge.checkers import Checker
 from simulation.world.premises import FalsePositions
 from study.runner.run import CarrierKind, FinishedRun
 
-pytestmark = pytest.mark.system
-
 RunWith = Callable[..., tuple[FinishedRun, set[str]]]
 
 DEPARTS_S: Final = 36_000.0

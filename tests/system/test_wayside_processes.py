@@ -24,8 +24,6 @@ from study.outcome import Outcome
 from study.runner.run import PartyLink, execute
 from tests.nightly import others_nightly
 
-pytestmark = pytest.mark.system
-
 GONE_WITHIN_S = 120.0  # on a machine that does much else; beyond it the test has failed
 ENDS_WITHIN_S = 600.0  # so much a whole day may take there
 

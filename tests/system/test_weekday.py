@@ -25,8 +25,6 @@ from study.capacity.occupation import OccupationPart, conflicts_of
 from study.capacity.theory import occupations
 from study.record.tables import RunTables
 
-pytestmark = pytest.mark.system
-
 LATE_S_MAX = 60.0
 STOP_ERROR_M_MAX = 1.0
 PROMISED = {

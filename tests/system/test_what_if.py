@@ -11,8 +11,6 @@ import pytest
 
 from network.files.shipped import shipped_timetable
 
-pytestmark = pytest.mark.system
-
 WAITS = re.compile(r"(\w+) \((V\d)\) stands in section (\S+) at km -?\d+\.\d{3} and waits for (.+)")
 MEETS = re.compile(r"(\w+) and (\w+) would meet at Ogane at \d\d:\d\d: it has one track; .+")
 

@@ -24,8 +24,6 @@ from tests.system.chaos.families import Family
 from tests.system.chaos.replay import shrunk, slug, write
 from tests.system.chaos.run_one import Outcome
 
-pytestmark = pytest.mark.system
-
 SLICE: Final = (
     (Family.TEST_LINE, 0, 4),
     (Family.HOUR, 0, 1),

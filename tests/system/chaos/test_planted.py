@@ -17,8 +17,6 @@ from tests.system.chaos.families import Family
 from tests.system.chaos.planted import Found, found_by
 from tests.system.conftest import SWITCHES
 
-pytestmark = pytest.mark.system
-
 # A behaviour that is taken away, and words of what then goes wrong.
 AT_ONCE: Final = {
     "grants_what_another_holds": ("collision", Checker.ONE_TRAIN_A_SECTION, Checker.NO_DOUBLE_GRANT),

@@ -18,8 +18,6 @@ from tests.system.chaos.replay import shrunk, slug, write
 from tests.system.chaos.run_one import Outcome
 from tests.system.chaos.sometimes import ALL, come_to
 
-pytestmark = pytest.mark.system
-
 SLICE: Final = ((Family.TEST_LINE, 0, 6),)
 CHUNKS: Final = (
     *((Family.TEST_LINE, *chunk) for chunk in pairwise(range(0, 1001, 250))),

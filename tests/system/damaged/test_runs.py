@@ -15,8 +15,6 @@ from tests.system.damaged.attempt import GOOD, put, told
 from tests.system.damaged.bundles import SCENARIO
 from tests.system.damaged.damages import Case, case_of
 
-pytestmark = pytest.mark.system
-
 SLICE: Final = (0,)
 NUMBER: Final = 50
 LOOKED_AT: Final = 1500

@@ -15,7 +15,7 @@ from study.drilling.moving import single_faults, staffed
 
 Sweeps = Callable[[Scenario, Sequence[Variation], InstantWindow], list[str]]
 
-pytestmark = [pytest.mark.system, pytest.mark.nightly, pytest.mark.timeout(6 * 3600)]
+pytestmark = [pytest.mark.nightly, pytest.mark.timeout(6 * 3600)]
 
 EVERY_S: Final = 30.0  # of one fault; all of them take half an hour on two processors
 

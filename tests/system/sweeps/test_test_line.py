@@ -21,7 +21,7 @@ from wayside.said import Leaving
 
 Sweeps = Callable[[Scenario, Sequence[Variation], InstantWindow], list[str]]
 
-pytestmark = [pytest.mark.system, pytest.mark.nightly, pytest.mark.timeout(6 * 3600)]
+pytestmark = [pytest.mark.nightly, pytest.mark.timeout(6 * 3600)]
 
 WORDS: Final = frozenset({ActKind.CONFIRM_OUTSIDE, ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION})
 
